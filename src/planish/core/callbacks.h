@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "planish/core/error.h"
+
+namespace planish {
+
+/// Something the caller should know of although the work went on.
+struct Warning {
+  std::string code;             ///< stable, e.g. "unused-vertices"
+  std::string message;          ///< one sentence with the remedy
+  std::int64_t count = 1;       ///< how many elements it concerns
+  std::int64_t first = -1;      ///< index of the first of them; -1 if none
+};
+
+/// How the library talks back. Every member may be empty. Called on the calling thread only.
+struct Callbacks {
+  /// Step name and the fraction of it that is done, 0 to 1.
+  std::function<void(std::string_view step, double fraction)> progress;
+  std::function<bool()> cancelled;
+  std::function<void(const Warning&)> warning;
+
+  void report(std::string_view step, double fraction) const {
+    if (progress) progress(step, fraction);
+  }
+  void warn(const Warning& what) const {
+    if (warning) warning(what);
+  }
+  /// Throws Error{Cancelled} when the caller asked to stop.
+  void check_cancelled() const {
+    if (cancelled && cancelled()) throw Error(ErrorCode::Cancelled, "cancelled");
+  }
+};
+
+}  // namespace planish

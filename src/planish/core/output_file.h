@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace planish {
+
+/// A file that appears whole or not at all: bytes go to a temporary beside `path`, commit()
+/// renames it. Without commit the temporary is removed and an old file stays as it was.
+/// Every member throws Error{UnwritableOutput} naming the path and the system's reason.
+class OutputFile {
+ public:
+  explicit OutputFile(std::filesystem::path path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  void write(std::span<const std::byte> bytes);
+  void write(std::string_view text);
+  /// Flushes to disk, closes and renames.
+  void commit();
+
+ private:
+  [[noreturn]] void fail(std::string_view action);
+
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  std::FILE* file_ = nullptr;
+};
+
+}  // namespace planish

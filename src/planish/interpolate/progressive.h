@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "planish/backend/backend.h"
+#include "planish/core/callbacks.h"
+#include "planish/stencil/stencil_table.h"
+
+namespace planish {
+
+enum class Solver {
+  Chebyshev,          ///< Chebyshev semi-iteration on [spectral_bound, 1], count fixed in advance
+  Plain,              ///< the paper: V <- V + (V0 - B V)
+  ConjugateGradients, ///< closed smooth meshes only
+};
+
+enum class StopReason { Converged, IterationLimit, Stagnated, Diverged };
+[[nodiscard]] const char* name_of(StopReason reason);
+
+struct InterpolationOptions {
+  Solver solver = Solver::Chebyshev;
+  double tolerance = 1e-6;        ///< of the maximum error, relative to the bounding-box diagonal
+  std::int32_t max_iterations = 200;
+  double spectral_bound = 0.25;   ///< lower bound of B's spectrum
+  /// Conjugate gradients: valence per row. Empty for the other solvers.
+  std::span<const double> row_weights;
+  Callbacks callbacks;
+};
+
+struct Interpolation {
+  std::vector<glm::dvec3> displacement;  ///< control point minus given point, unit coordinates
+  bool converged = false;
+  StopReason stop_reason = StopReason::Converged;
+  std::int32_t iterations = 0;
+  ErrorNorms error;                      ///< after the last iteration
+  std::int64_t worst_vertex = -1;
+  std::vector<ErrorNorms> history;       ///< entry k: after k iterations
+};
+
+/// Solves B (given + displacement) = given for the displacement. `given` in unit coordinates
+/// (Placement), one per row of `limit_masks`; rows of unused vertices are identities.
+/// Throws Error{InvalidArgument} for options out of range and Error{Cancelled}.
+/// Source: the paper, section 3.2; Golub & Varga 1961 for the Chebyshev semi-iteration.
+[[nodiscard]] Interpolation interpolate(Backend& backend, const StencilView<double>& limit_masks,
+                                        std::span<const glm::dvec3> given,
+                                        const InterpolationOptions& options);
+
+}  // namespace planish

@@ -1,0 +1,9 @@
+# Warnings and sanitizers for our own targets; installed consumers see none of it.
+add_library(planish_options INTERFACE)
+target_compile_options(planish_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wno-missing-field-initializers)
+if(PLANISH_SANITIZE)
+  # OpenSubdiv casts a base table to LimitStencilTable, which the vptr check reports.
+  target_compile_options(planish_options INTERFACE -fsanitize=${PLANISH_SANITIZE} -fno-sanitize=vptr
+                         -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+  target_link_options(planish_options INTERFACE -fsanitize=${PLANISH_SANITIZE})
+endif()
