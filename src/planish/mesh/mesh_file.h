@@ -25,10 +25,10 @@ enum class MeshFormat { Obj, Ply, Off, Stl, Gltf, Glb };
 struct MeshFile {
   PolygonMesh mesh;
   MeshFormat format = MeshFormat::Obj;
-  std::int64_t welded_vertex_count = 0;   ///< vertices merged with one at the same position
-  std::int64_t dropped_element_count = 0; ///< lines, points and the like that carry no surface
+  std::int64_t welded_vertex_count = 0;    ///< vertices merged with one at the same position
+  std::int64_t dropped_element_count = 0;  ///< lines, points and the like that carry no surface
   std::vector<Warning> warnings;
-  std::vector<std::string> header;        ///< `# planish key=value` comment lines of a cage
+  std::vector<std::string> header;  ///< `# planish key=value` comment lines of a cage
 };
 
 /// Reads OBJ, PLY, OFF or STL from memory. `name` stands in messages. n-gons are kept; STL is

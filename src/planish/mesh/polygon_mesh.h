@@ -25,8 +25,9 @@ struct CornerVertex {
 /// Polygons of any size, counter-clockwise seen from outside.
 struct PolygonMesh {
   std::vector<glm::dvec3> positions;
-  std::vector<std::int32_t> face_offsets{0};  ///< face_count + 1; face f is [offsets[f], offsets[f+1])
-  std::vector<std::int32_t> face_vertices;    ///< vertex indices of all faces, one after another
+  std::vector<std::int32_t> face_offsets{
+      0};  ///< face_count + 1; face f is [offsets[f], offsets[f+1])
+  std::vector<std::int32_t> face_vertices;  ///< vertex indices of all faces, one after another
   std::vector<CreaseEdge> creases;
   std::vector<CornerVertex> corners;
 
@@ -40,8 +41,7 @@ struct PolygonMesh {
     return face_offsets[face + 1] - face_offsets[face];
   }
   [[nodiscard]] std::span<const std::int32_t> face(std::int32_t index) const {
-    return {face_vertices.data() + face_offsets[index],
-            static_cast<std::size_t>(face_size(index))};
+    return {face_vertices.data() + face_offsets[index], static_cast<std::size_t>(face_size(index))};
   }
   void add_face(std::span<const std::int32_t> vertices) {
     face_vertices.insert(face_vertices.end(), vertices.begin(), vertices.end());

@@ -1,0 +1,353 @@
+#include "planish/mesh/check.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "planish/core/error.h"
+#include "planish/mesh/disjoint_sets.h"
+#include "planish/mesh/edge_groups.h"
+
+namespace planish {
+namespace {
+
+using Kind = MeshProblemKind;
+
+constexpr std::int64_t kMaxInt32 = std::numeric_limits<std::int32_t>::max();
+
+std::string text_of(std::int64_t value) { return std::to_string(value); }
+
+std::string text_of(const glm::dvec3& position) {
+  std::string text = "(";
+  for (int axis = 0; axis < 3; ++axis) {
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), position[axis]);
+    text.append(axis ? ", " : "").append(digits.data(), end.ptr);
+  }
+  return text + ")";
+}
+
+std::string vertex_name(std::int32_t vertex) { return "vertex " + text_of(vertex); }
+std::string face_name(std::int32_t face) { return "face " + text_of(face); }
+
+// The checks in turn, each trusting what the ones before it have found sound.
+class Inspection {
+ public:
+  explicit Inspection(const PolygonMesh& mesh) : mesh_(mesh) {}
+
+  std::vector<MeshProblem> run() {
+    if (!counts_fit()) return std::move(problems_);
+    check_positions();
+    if (!offsets_are_sound()) return std::move(problems_);
+    check_faces();
+    check_duplicates();
+    const EdgeGroups edges = group_edges(mesh_, sound_);
+    check_edges(edges);
+    check_vertices(edges);
+    check_tags(edges);
+    check_size();
+    std::ranges::stable_sort(problems_, [](const MeshProblem& a, const MeshProblem& b) {
+      return a.kind != b.kind ? a.kind < b.kind : a.element < b.element;
+    });
+    return std::move(problems_);
+  }
+
+ private:
+  void add(Kind kind, std::int64_t element, std::string message) {
+    problems_.push_back({kind, element, std::move(message)});
+  }
+
+  bool counts_fit();
+  void check_positions();
+  bool offsets_are_sound();
+  void check_faces();
+  void check_duplicates();
+  void compare_faces(std::span<const std::int32_t> faces);
+  void check_edges(const EdgeGroups& edges);
+  void check_vertices(const EdgeGroups& edges);
+  void check_tags(const EdgeGroups& edges);
+  void check_size();
+
+  const PolygonMesh& mesh_;
+  std::vector<MeshProblem> problems_;
+  std::vector<std::uint8_t> sound_;  // by face: no problem of its own
+  std::vector<std::int32_t> uses_;   // by vertex: corners of sound faces
+};
+
+bool Inspection::counts_fit() {
+  const auto faces = static_cast<std::int64_t>(mesh_.face_offsets.size()) - 1;
+  const auto largest = static_cast<std::int64_t>(
+      std::max({mesh_.positions.size(), mesh_.face_offsets.size(), mesh_.face_vertices.size()}));
+  if (faces <= 0) add(Kind::NoFaces, -1, "the mesh has no faces");
+  if (largest > kMaxInt32)
+    add(Kind::TooLarge, -1,
+        "the mesh has " + text_of(largest) + " vertices, faces or corners, at most " +
+            text_of(kMaxInt32) + " can be addressed");
+  if (!problems_.empty() && largest <= kMaxInt32) check_positions();
+  return problems_.empty();
+}
+
+void Inspection::check_positions() {
+  for (std::int32_t vertex = 0; vertex < mesh_.vertex_count(); ++vertex) {
+    const glm::dvec3& p = mesh_.positions[vertex];
+    // The negated comparison catches NaN.
+    const double magnitude = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    if (magnitude <= kMaxCoordinate && !std::isnan(p.x + p.y + p.z)) continue;
+    add(Kind::NonFinitePosition, vertex, vertex_name(vertex) + " is at " + text_of(p));
+  }
+}
+
+bool Inspection::offsets_are_sound() {
+  const std::size_t problems_before = problems_.size();
+  const auto count = static_cast<std::int32_t>(mesh_.face_vertices.size());
+  for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
+    const std::int32_t begin = mesh_.face_offsets[face];
+    const std::int32_t end = mesh_.face_offsets[face + 1];
+    const bool starts = face > 0 || begin == 0;
+    const bool ends = face + 1 < mesh_.face_count() || end == count;
+    if (starts && ends && 0 <= begin && begin <= end && end <= count) continue;
+    add(Kind::IndexOutOfRange, face,
+        face_name(face) + " spans corners " + text_of(begin) + " to " + text_of(end) + " of " +
+            text_of(count));
+  }
+  return problems_.size() == problems_before;
+}
+
+void Inspection::check_faces() {
+  sound_.assign(mesh_.face_count(), 0);
+  uses_.assign(mesh_.vertex_count(), 0);
+  std::vector<std::int32_t> last_face(mesh_.vertex_count(), -1);
+  for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
+    const std::size_t problems_before = problems_.size();
+    for (const std::int32_t vertex : mesh_.face(face)) {
+      if (vertex < 0 || vertex >= mesh_.vertex_count()) {
+        add(Kind::IndexOutOfRange, face,
+            face_name(face) + " names vertex " + text_of(vertex) + " of " +
+                text_of(mesh_.vertex_count()));
+        break;
+      }
+      if (last_face[vertex] == face) {
+        add(Kind::RepeatedCorner, face,
+            face_name(face) + " names vertex " + text_of(vertex) + " twice");
+        break;
+      }
+      last_face[vertex] = face;
+    }
+    const std::int32_t size = mesh_.face_size(face);
+    if (size < 3)
+      add(Kind::FaceTooSmall, face,
+          face_name(face) + " has " + text_of(size) + " corners, at least 3 are needed");
+    if (size > kMaxValence)
+      add(Kind::ValenceTooHigh, face,
+          face_name(face) + " has " + text_of(size) + " corners, at most " + text_of(kMaxValence) +
+              " can be refined");
+    sound_[face] = problems_.size() == problems_before;
+  }
+}
+
+// Faces with the same vertices share their lowest vertex, so that only those are compared.
+void Inspection::check_duplicates() {
+  std::vector<std::int32_t> offsets(mesh_.positions.size() + 1, 0);
+  std::vector<std::int32_t> lowest(mesh_.face_count(), 0);
+  for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
+    if (!sound_[face]) continue;
+    lowest[face] = std::ranges::min(mesh_.face(face));
+    ++offsets[lowest[face] + 1];
+  }
+  for (std::size_t i = 1; i < offsets.size(); ++i) offsets[i] += offsets[i - 1];
+  std::vector<std::int32_t> faces(offsets.back());
+  std::vector<std::int32_t> cursor(offsets.begin(), offsets.end() - 1);
+  for (std::int32_t face = 0; face < mesh_.face_count(); ++face)
+    if (sound_[face]) faces[cursor[lowest[face]]++] = face;
+  for (std::size_t i = 0; i + 1 < offsets.size(); ++i)
+    if (offsets[i + 1] - offsets[i] > 1)
+      compare_faces(std::span(faces).subspan(offsets[i], offsets[i + 1] - offsets[i]));
+  for (std::int32_t face = 0; face < mesh_.face_count(); ++face)
+    if (sound_[face])
+      for (const std::int32_t vertex : mesh_.face(face)) ++uses_[vertex];
+}
+
+void Inspection::compare_faces(std::span<const std::int32_t> faces) {
+  struct Signature {
+    std::int64_t sum;
+    std::int32_t face;
+  };
+  std::vector<Signature> signatures;
+  for (const std::int32_t face : faces) {
+    // Faces that differ mostly differ in the sum of squares; those that do not are compared below.
+    std::uint64_t sum = 0;
+    for (const std::int32_t vertex : mesh_.face(face))
+      sum += static_cast<std::uint64_t>(vertex) * static_cast<std::uint64_t>(vertex);
+    signatures.push_back({static_cast<std::int64_t>(sum), face});
+  }
+  std::ranges::sort(signatures, {}, &Signature::sum);
+  for (std::size_t begin = 0, end; begin < signatures.size(); begin = end) {
+    end = begin + 1;
+    while (end < signatures.size() && signatures[end].sum == signatures[begin].sum) ++end;
+    if (end - begin == 1) continue;
+    std::vector<std::pair<std::vector<std::int32_t>, std::int32_t>> sorted;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto face = mesh_.face(signatures[i].face);
+      sorted.emplace_back(std::vector(face.begin(), face.end()), signatures[i].face);
+      std::ranges::sort(sorted.back().first);
+    }
+    std::ranges::sort(sorted);
+    std::size_t first = 0;
+    for (std::size_t i = 1; i < sorted.size(); ++i) {
+      if (sorted[i].first != sorted[first].first) {
+        first = i;
+        continue;
+      }
+      sound_[sorted[i].second] = 0;
+      add(Kind::DuplicateFace, sorted[i].second,
+          "face " + text_of(sorted[i].second) + " has the same vertices as face " +
+              text_of(sorted[first].second));
+    }
+  }
+}
+
+void Inspection::check_edges(const EdgeGroups& edges) {
+  edges.for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
+    const auto edge_name = [&] {
+      return "edge " + text_of(lower) + "-" + text_of(sides.front().higher);
+    };
+    const std::int32_t first = sides.front().face, last = sides.back().face;
+    if (sides.size() > 2) {
+      add(Kind::NonManifoldEdge, last,
+          edge_name() + " has " + text_of(static_cast<std::int64_t>(sides.size())) +
+              " faces, at most 2 are possible; among them " + face_name(first) + " and " +
+              face_name(last));
+    } else if (sides.size() == 2 &&
+               mesh_.face_vertices[sides[0].corner] == mesh_.face_vertices[sides[1].corner]) {
+      add(Kind::InconsistentWinding, last,
+          face_name(last) + " runs along " + edge_name() + " in the same direction as " +
+              face_name(first) + "; turn one of them round");
+    }
+  });
+}
+
+// Corners around a vertex that share an edge are in one fan.
+void Inspection::check_vertices(const EdgeGroups& edges) {
+  DisjointSets fans(mesh_.face_vertices.size());
+  std::vector<std::int32_t> fan_counts = uses_;
+  std::vector<std::int32_t> edge_counts(mesh_.vertex_count(), 0);
+  edges.for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
+    ++edge_counts[lower];
+    ++edge_counts[sides.front().higher];
+    const auto corners_of = [&](const FaceSide& side) {
+      const std::int32_t next = next_corner(mesh_, side.face, side.corner);
+      const bool forward = mesh_.face_vertices[side.corner] == lower;
+      return forward ? std::pair(side.corner, next) : std::pair(next, side.corner);
+    };
+    const auto first = corners_of(sides.front());
+    for (const FaceSide& side : sides.subspan(1)) {
+      const auto other = corners_of(side);
+      fan_counts[lower] -= fans.unite(first.first, other.first);
+      fan_counts[side.higher] -= fans.unite(first.second, other.second);
+    }
+  });
+  for (std::int32_t vertex = 0; vertex < mesh_.vertex_count(); ++vertex) {
+    if (fan_counts[vertex] > 1)
+      add(Kind::NonManifoldVertex, vertex,
+          vertex_name(vertex) + " joins " + text_of(fan_counts[vertex]) +
+              " separate fans of faces; split it");
+    const std::int32_t valence = std::max(edge_counts[vertex], uses_[vertex]);
+    if (valence > kMaxValence)
+      add(Kind::ValenceTooHigh, vertex,
+          vertex_name(vertex) + " has " + text_of(valence) + " edges, at most " +
+              text_of(kMaxValence) + " can be refined");
+  }
+}
+
+void Inspection::check_tags(const EdgeGroups& edges) {
+  for (std::size_t i = 0; i < mesh_.creases.size(); ++i) {
+    const auto [v0, v1, sharpness] = mesh_.creases[i];
+    if (!edges.find(v0, v1).empty()) continue;
+    const auto index = static_cast<std::int64_t>(i);
+    add(Kind::UnknownCreaseEdge, index,
+        "crease " + text_of(index) + " names " + text_of(v0) + "-" + text_of(v1) +
+            ", which is no edge of the mesh");
+  }
+  for (std::size_t i = 0; i < mesh_.corners.size(); ++i) {
+    const std::int32_t vertex = mesh_.corners[i].vertex;
+    if (vertex >= 0 && vertex < mesh_.vertex_count() && uses_[vertex] > 0) continue;
+    const auto index = static_cast<std::int64_t>(i);
+    add(Kind::UnknownCornerVertex, index,
+        "corner " + text_of(index) + " names vertex " + text_of(vertex) + ", which no face uses");
+  }
+}
+
+// A row of the limit masks names every vertex of every face around it, so that a face of m corners
+// costs up to m^2 entries, and tables address theirs in 32 bits.
+void Inspection::check_size() {
+  std::int64_t entries = 0;
+  std::int32_t largest = -1;
+  for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
+    if (!sound_[face]) continue;
+    const std::int64_t size = mesh_.face_size(face);
+    entries += size * size;
+    if (largest < 0 || size > mesh_.face_size(largest)) largest = face;
+  }
+  if (entries <= kMaxInt32) return;
+  add(Kind::TooLarge, largest,
+      "the stencils need up to " + text_of(entries) + " entries, at most " + text_of(kMaxInt32) +
+          " can be addressed; the largest face, " + text_of(largest) + ", has " +
+          text_of(mesh_.face_size(largest)) + " corners");
+}
+
+}  // namespace
+
+std::string_view name_of(MeshProblemKind kind) {
+  switch (kind) {
+    case Kind::NoFaces:
+      return "no-faces";
+    case Kind::NonFinitePosition:
+      return "non-finite-position";
+    case Kind::IndexOutOfRange:
+      return "index-out-of-range";
+    case Kind::FaceTooSmall:
+      return "face-too-small";
+    case Kind::RepeatedCorner:
+      return "repeated-corner";
+    case Kind::DuplicateFace:
+      return "duplicate-face";
+    case Kind::InconsistentWinding:
+      return "inconsistent-winding";
+    case Kind::NonManifoldEdge:
+      return "non-manifold-edge";
+    case Kind::NonManifoldVertex:
+      return "non-manifold-vertex";
+    case Kind::UnknownCreaseEdge:
+      return "unknown-crease-edge";
+    case Kind::UnknownCornerVertex:
+      return "unknown-corner-vertex";
+    case Kind::ValenceTooHigh:
+      return "valence-too-high";
+    case Kind::TooLarge:
+      return "too-large";
+  }
+  return "unknown";
+}
+
+std::vector<MeshProblem> check(const PolygonMesh& mesh) { return Inspection(mesh).run(); }
+
+void require_usable(const PolygonMesh& mesh, std::string_view name) {
+  constexpr std::size_t kNamed = 10;
+  const std::vector<MeshProblem> problems = check(mesh);
+  if (problems.empty()) return;
+  std::string message(name);
+  if (problems.size() == 1) {
+    message += ": " + problems.front().message;
+  } else {
+    message += ": " + std::to_string(problems.size()) + " problems";
+    if (problems.size() > kNamed) message += ", the first " + std::to_string(kNamed) + " being";
+    message += ":";
+    for (std::size_t i = 0; i < std::min(problems.size(), kNamed); ++i)
+      message += "\n  " + problems[i].message;
+  }
+  throw Error(ErrorCode::UnusableMesh, message, problems.front().element);
+}
+
+}  // namespace planish

@@ -1,0 +1,55 @@
+#include "planish/mesh/edge_groups.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace planish {
+namespace {
+
+// Calls visit(lower, side) for each side of the faces in use.
+template <class Visit>
+void for_each_side(const PolygonMesh& mesh, std::span<const std::uint8_t> use_face,
+                   const Visit& visit) {
+  for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
+    if (!use_face[face]) continue;
+    for (std::int32_t corner = mesh.face_offsets[face]; corner < mesh.face_offsets[face + 1];
+         ++corner) {
+      const std::int32_t from = mesh.face_vertices[corner];
+      const std::int32_t to = mesh.face_vertices[next_corner(mesh, face, corner)];
+      visit(std::min(from, to), FaceSide{std::max(from, to), corner, face});
+    }
+  }
+}
+
+}  // namespace
+
+std::span<const FaceSide> EdgeGroups::find(std::int32_t v0, std::int32_t v1) const {
+  const auto [lower, higher] = std::minmax(v0, v1);
+  if (lower < 0 || higher >= static_cast<std::int64_t>(offsets.size()) - 1) return {};
+  const auto bucket = std::span(sides).subspan(offsets[lower], offsets[lower + 1] - offsets[lower]);
+  const auto found = std::ranges::equal_range(bucket, higher, {}, &FaceSide::higher);
+  return {found.begin(), found.end()};
+}
+
+EdgeGroups group_edges(const PolygonMesh& mesh, std::span<const std::uint8_t> use_face) {
+  EdgeGroups groups;
+  groups.offsets.assign(mesh.positions.size() + 1, 0);
+  for_each_side(mesh, use_face,
+                [&](std::int32_t lower, const FaceSide&) { ++groups.offsets[lower + 1]; });
+  std::partial_sum(groups.offsets.begin(), groups.offsets.end(), groups.offsets.begin());
+  groups.sides.resize(groups.offsets.back());
+  std::vector<std::int32_t> cursor(groups.offsets.begin(), groups.offsets.end() - 1);
+  for_each_side(mesh, use_face, [&](std::int32_t lower, const FaceSide& side) {
+    groups.sides[cursor[lower]++] = side;
+  });
+  for (std::size_t lower = 0; lower < cursor.size(); ++lower) {
+    std::sort(groups.sides.begin() + groups.offsets[lower],
+              groups.sides.begin() + groups.offsets[lower + 1],
+              [](const FaceSide& a, const FaceSide& b) {
+                return a.higher != b.higher ? a.higher < b.higher : a.corner < b.corner;
+              });
+  }
+  return groups;
+}
+
+}  // namespace planish

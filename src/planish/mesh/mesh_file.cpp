@@ -1,0 +1,89 @@
+#include "planish/mesh/mesh_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "planish/core/error.h"
+#include "planish/mesh/read_obj.h"
+
+namespace planish {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, MeshFormat>, 6> kFormats = {{
+    {"obj", MeshFormat::Obj},
+    {"ply", MeshFormat::Ply},
+    {"off", MeshFormat::Off},
+    {"stl", MeshFormat::Stl},
+    {"gltf", MeshFormat::Gltf},
+    {"glb", MeshFormat::Glb},
+}};
+
+[[noreturn]] void fail_to_read(const std::filesystem::path& path, int error) {
+  throw Error(ErrorCode::UnreadableInput, path.string() + ": cannot read: " + std::strerror(error));
+}
+
+struct Descriptor {
+  int number;
+  ~Descriptor() {
+    if (number >= 0) ::close(number);
+  }
+};
+
+}  // namespace
+
+std::string_view name_of(MeshFormat format) {
+  for (const auto& [name, value] : kFormats)
+    if (value == format) return name;
+  return "unknown";
+}
+
+std::optional<MeshFormat> format_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const auto& [name, value] : kFormats)
+    if (extension == "." + std::string(name)) return value;
+  return std::nullopt;
+}
+
+MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, MeshFormat format) {
+  switch (format) {
+    case MeshFormat::Obj:
+      return read_obj(bytes, name);
+    default:
+      break;
+  }
+  throw Error(ErrorCode::InvalidArgument,
+              std::string(name) + ": glTF is read by read_gltf(), not by read_mesh()");
+}
+
+std::vector<std::byte> read_file(const std::filesystem::path& path) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.number < 0) fail_to_read(path, errno);
+  struct stat status {};
+  if (::fstat(file.number, &status) != 0) fail_to_read(path, errno);
+  if (S_ISDIR(status.st_mode)) fail_to_read(path, EISDIR);
+  // Pipes and /proc say 0 bytes, so that the size is only a first guess.
+  constexpr std::size_t kPiece = std::size_t{1} << 16;
+  std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size) + kPiece);
+  std::size_t used = 0;
+  for (;;) {
+    if (used == bytes.size()) bytes.resize(2 * bytes.size());
+    const ssize_t got = ::read(file.number, bytes.data() + used, bytes.size() - used);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail_to_read(path, errno);
+    if (got == 0) break;
+    used += static_cast<std::size_t>(got);
+  }
+  bytes.resize(used);
+  return bytes;
+}
+
+}  // namespace planish

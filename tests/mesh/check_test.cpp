@@ -1,0 +1,277 @@
+#include "planish/mesh/check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "mesh/test_meshes.h"
+#include "planish/core/error.h"
+
+namespace planish {
+namespace {
+
+using Kind = MeshProblemKind;
+using test::cube;
+using test::grid;
+using test::mesh_of;
+using test::tetrahedron;
+using test::torus;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+std::vector<std::string> messages(const PolygonMesh& mesh) {
+  std::vector<std::string> result;
+  for (const MeshProblem& problem : check(mesh))
+    result.push_back(std::string(name_of(problem.kind)) + " " + std::to_string(problem.element) +
+                     ": " + problem.message);
+  return result;
+}
+
+TEST(Check, PassesClosedAndOpenMeshes) {
+  EXPECT_THAT(messages(tetrahedron()), IsEmpty());
+  EXPECT_THAT(messages(cube()), IsEmpty());
+  EXPECT_THAT(messages(grid(3, 2)), IsEmpty());
+  EXPECT_THAT(messages(torus(3, 3)), IsEmpty());
+}
+
+TEST(Check, PassesUnusedVertices) {
+  PolygonMesh mesh = cube();
+  mesh.positions.emplace_back(9, 9, 9);
+  EXPECT_THAT(messages(mesh), IsEmpty());
+}
+
+TEST(Check, NoFaces) {
+  EXPECT_THAT(messages(PolygonMesh{}), ElementsAre("no-faces -1: the mesh has no faces"));
+  PolygonMesh no_offsets = cube();
+  no_offsets.face_offsets.clear();
+  EXPECT_THAT(messages(no_offsets), ElementsAre("no-faces -1: the mesh has no faces"));
+}
+
+TEST(Check, NonFinitePosition) {
+  PolygonMesh mesh = cube();
+  mesh.positions[2].y = std::numeric_limits<double>::quiet_NaN();
+  mesh.positions[5].z = -std::numeric_limits<double>::infinity();
+  mesh.positions[6].x = 1e151;
+  mesh.positions[7].x = -kMaxCoordinate;
+  EXPECT_THAT(messages(mesh), ElementsAre("non-finite-position 2: vertex 2 is at (0, nan, 0)",
+                                          "non-finite-position 5: vertex 5 is at (1, 0, -inf)",
+                                          "non-finite-position 6: vertex 6 is at (1e+151, 1, 1)"));
+}
+
+TEST(Check, IndexOutOfRange) {
+  EXPECT_THAT(messages(mesh_of(4, {{0, 1, 2}, {2, 1, 4}, {-1, 2, 3}})),
+              ElementsAre("index-out-of-range 1: face 1 names vertex 4 of 4",
+                          "index-out-of-range 2: face 2 names vertex -1 of 4"));
+}
+
+TEST(Check, OffsetsThatLeaveTheCorners) {
+  PolygonMesh mesh = mesh_of(4, {{0, 1, 2}, {0, 2, 3}});
+  mesh.face_offsets = {0, 7, 6};
+  EXPECT_THAT(messages(mesh),
+              ElementsAre("index-out-of-range 0: face 0 spans corners 0 to 7 of 6",
+                          "index-out-of-range 1: face 1 spans corners 7 to 6 of 6"));
+  mesh.face_offsets = {0, 3};
+  EXPECT_THAT(messages(mesh),
+              ElementsAre("index-out-of-range 0: face 0 spans corners 0 to 3 of 6"));
+  mesh.face_offsets = {-2147483647, 2147483647};
+  EXPECT_THAT(messages(mesh), ElementsAre("index-out-of-range 0: face 0 spans corners -2147483647 "
+                                          "to 2147483647 of 6"));
+}
+
+TEST(Check, FaceTooSmall) {
+  EXPECT_THAT(messages(mesh_of(4, {{0, 1, 2}, {2, 1}, {}})),
+              ElementsAre("face-too-small 1: face 1 has 2 corners, at least 3 are needed",
+                          "face-too-small 2: face 2 has 0 corners, at least 3 are needed"));
+}
+
+TEST(Check, RepeatedCorner) {
+  EXPECT_THAT(messages(mesh_of(4, {{0, 1, 2}, {3, 0, 2, 0}})),
+              ElementsAre("repeated-corner 1: face 1 names vertex 0 twice"));
+}
+
+TEST(Check, DuplicateFace) {
+  EXPECT_THAT(messages(mesh_of(6, {{0, 1, 2}, {3, 4, 5}, {2, 1, 0}, {1, 2, 0}})),
+              ElementsAre("duplicate-face 2: face 2 has the same vertices as face 0",
+                          "duplicate-face 3: face 3 has the same vertices as face 0"));
+}
+
+TEST(Check, FacesWithEqualSignaturesAreNoDuplicates) {
+  // 7^2 + 24^2 = 20^2 + 15^2, the sum by which candidates are found.
+  EXPECT_THAT(messages(mesh_of(25, {{0, 7, 24}, {0, 20, 15}})),
+              ElementsAre("non-manifold-vertex 0: vertex 0 joins 2 separate fans of faces; split "
+                          "it"));
+}
+
+TEST(Check, InconsistentWinding) {
+  EXPECT_THAT(
+      messages(mesh_of(4, {{0, 1, 2}, {1, 2, 3}})),
+      ElementsAre("inconsistent-winding 1: face 1 runs along edge 1-2 in the same direction "
+                  "as face 0; turn one of them round"));
+}
+
+TEST(Check, NonManifoldEdge) {
+  EXPECT_THAT(
+      messages(mesh_of(5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}})),
+      ElementsAre("non-manifold-edge 2: edge 0-1 has 3 faces, at most 2 are possible; among "
+                  "them face 0 and face 2"));
+}
+
+TEST(Check, NonManifoldVertexBetweenClosedFans) {
+  PolygonMesh mesh = tetrahedron();
+  for (int i = 0; i < 3; ++i) mesh.positions.emplace_back(-1 - i, i * i, 0);
+  for (const std::vector<std::int32_t>& face :
+       {std::vector<std::int32_t>{0, 5, 4}, {0, 4, 6}, {4, 5, 6}, {5, 0, 6}})
+    mesh.add_face(face);
+  EXPECT_THAT(messages(mesh),
+              ElementsAre("non-manifold-vertex 0: vertex 0 joins 2 separate fans of faces; split "
+                          "it"));
+}
+
+TEST(Check, NonManifoldVertexOnABoundary) {
+  EXPECT_THAT(messages(mesh_of(7, {{0, 1, 2}, {0, 3, 4}, {0, 5, 6}})),
+              ElementsAre("non-manifold-vertex 0: vertex 0 joins 3 separate fans of faces; split "
+                          "it"));
+}
+
+TEST(Check, UnknownCreaseEdge) {
+  PolygonMesh mesh = cube();
+  mesh.creases = {{0, 1}, {1, 0}, {0, 3}, {0, 8}, {-1, 2}, {2, 2}};
+  EXPECT_THAT(
+      messages(mesh),
+      ElementsAre("unknown-crease-edge 2: crease 2 names 0-3, which is no edge of the mesh",
+                  "unknown-crease-edge 3: crease 3 names 0-8, which is no edge of the mesh",
+                  "unknown-crease-edge 4: crease 4 names -1-2, which is no edge of the mesh",
+                  "unknown-crease-edge 5: crease 5 names 2-2, which is no edge of the "
+                  "mesh"));
+}
+
+TEST(Check, UnknownCornerVertex) {
+  PolygonMesh mesh = cube();
+  mesh.positions.emplace_back(9, 9, 9);
+  mesh.corners = {{7}, {8}, {9}, {-1}};
+  EXPECT_THAT(messages(mesh),
+              ElementsAre("unknown-corner-vertex 1: corner 1 names vertex 8, which no face uses",
+                          "unknown-corner-vertex 2: corner 2 names vertex 9, which no face uses",
+                          "unknown-corner-vertex 3: corner 3 names vertex -1, which no face uses"));
+}
+
+PolygonMesh fan(std::int32_t faces) {
+  PolygonMesh mesh;
+  mesh.positions.resize(faces + 1, glm::dvec3(0.0));
+  for (std::int32_t i = 0; i < faces; ++i)
+    mesh.add_face(std::vector{0, 1 + i, 1 + (i + 1) % faces});
+  return mesh;
+}
+
+TEST(Check, ValenceTooHighAtAVertex) {
+  EXPECT_THAT(messages(fan(65535)), IsEmpty());
+  EXPECT_THAT(messages(fan(65536)),
+              ElementsAre("valence-too-high 0: vertex 0 has 65536 edges, at most 65535 can be "
+                          "refined"));
+  // An open fan has one edge more than faces.
+  PolygonMesh open = fan(65536);
+  open.face_offsets.pop_back();
+  open.face_vertices.resize(open.face_offsets.back());
+  EXPECT_THAT(messages(open),
+              ElementsAre("valence-too-high 0: vertex 0 has 65536 edges, at most 65535 can be "
+                          "refined"));
+}
+
+PolygonMesh polygon(std::int32_t corners) {
+  PolygonMesh mesh;
+  mesh.positions.resize(corners, glm::dvec3(0.0));
+  std::vector<std::int32_t> face(corners);
+  for (std::int32_t i = 0; i < corners; ++i) face[i] = i;
+  mesh.add_face(face);
+  return mesh;
+}
+
+TEST(Check, ValenceTooHighOfAFace) {
+  EXPECT_THAT(messages(polygon(65536)),
+              ElementsAre("valence-too-high 0: face 0 has 65536 corners, at most 65535 can be "
+                          "refined"));
+}
+
+TEST(Check, TooLarge) {
+  EXPECT_THAT(messages(polygon(46340)), IsEmpty());  // 46340^2 = 2147395600 < 2^31
+  EXPECT_THAT(messages(polygon(46341)),
+              ElementsAre("too-large 0: the stencils need up to 2147488281 entries, at most "
+                          "2147483647 can be addressed; the largest face, 0, has 46341 corners"));
+}
+
+TEST(Check, OrdersByKindThenElement) {
+  PolygonMesh mesh = mesh_of(5, {{0, 1}, {0, 1, 9}, {2, 2, 3}, {0, 2, 8}});
+  mesh.positions[4].x = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<Kind, std::int64_t>> found;
+  for (const MeshProblem& problem : check(mesh)) found.emplace_back(problem.kind, problem.element);
+  EXPECT_THAT(
+      found, ElementsAre(std::pair(Kind::NonFinitePosition, 4), std::pair(Kind::IndexOutOfRange, 1),
+                         std::pair(Kind::IndexOutOfRange, 3), std::pair(Kind::FaceTooSmall, 0),
+                         std::pair(Kind::RepeatedCorner, 2)));
+}
+
+TEST(Check, SurvivesGarbage) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 3000; ++round) {
+    PolygonMesh mesh;
+    // Narrow ranges make meshes that pass the early checks and reach the later ones.
+    const std::int32_t range = round % 3 == 0 ? 2147483647 : 3 + static_cast<int>(random() % 9);
+    const auto number = [&] {
+      return std::uniform_int_distribution<std::int32_t>(round % 3 == 2 ? 0 : -1, range)(random);
+    };
+    mesh.positions.resize(random() % 12, glm::dvec3(number()));
+    mesh.face_vertices.resize(random() % 40);
+    for (auto& vertex : mesh.face_vertices) vertex = number();
+    if (round % 2 == 0) {
+      for (unsigned i = random() % 9; i > 0; --i) mesh.face_offsets.push_back(number());
+    } else {
+      for (std::int32_t end = 3; end <= static_cast<int>(mesh.face_vertices.size()); end += 3)
+        mesh.face_offsets.push_back(end);
+      mesh.face_vertices.resize(mesh.face_offsets.back());
+    }
+    for (unsigned i = random() % 4; i > 0; --i) mesh.creases.push_back({number(), number()});
+    for (unsigned i = random() % 4; i > 0; --i) mesh.corners.push_back({number()});
+    for (const MeshProblem& problem : check(mesh)) EXPECT_FALSE(problem.message.empty());
+  }
+}
+
+TEST(RequireUsable, NamesTheFileAndTheProblem) {
+  EXPECT_NO_THROW(require_usable(cube(), "cube.obj"));
+  try {
+    require_usable(mesh_of(3, {{0, 1, 3}}), "bad.obj");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::UnusableMesh);
+    EXPECT_EQ(error.element(), 0);
+    EXPECT_STREQ(error.what(), "bad.obj: face 0 names vertex 3 of 3");
+  }
+}
+
+TEST(RequireUsable, NamesTheFirstTenOfMany) {
+  PolygonMesh mesh = mesh_of(3, {});
+  for (std::int32_t i = 0; i < 12; ++i) mesh.add_face(std::vector{0, 1, 3 + i});
+  try {
+    require_usable(mesh, "bad.obj");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_TRUE(
+        message.starts_with("bad.obj: 12 problems, the first 10 being:\n  face 0 names "
+                            "vertex 3 of 3\n  face 1 names vertex 4 of 3\n"))
+        << message;
+    EXPECT_TRUE(message.ends_with("\n  face 9 names vertex 12 of 3")) << message;
+  }
+}
+
+TEST(MeshProblemNames, AreDistinct) {
+  std::vector<std::string_view> names;
+  for (int kind = 0; kind <= static_cast<int>(Kind::TooLarge); ++kind)
+    names.push_back(name_of(static_cast<Kind>(kind)));
+  std::ranges::sort(names);
+  EXPECT_EQ(std::ranges::adjacent_find(names), names.end());
+}
+
+}  // namespace
+}  // namespace planish
