@@ -41,9 +41,9 @@ class Solve {
   virtual void begin(std::span<const glm::dvec3> initial_residual) = 0;
 
   /// Performs the steps in order without talking to the host in between. Before each step the
-  /// error is measured; at the first error <= stop_error no further step is taken (that error is
-  /// the last entry of the log). Steps always set steps 0.. of a fresh log; displacement and step
-  /// carry on from earlier calls. A NaN residual counts as infinite.
+  /// error is measured; at the first error <= stop_error no further step is taken: that error is
+  /// the last entry of the log, and begin() must come before any further step. Without such a
+  /// stop, displacement and step carry on into the next call. A NaN residual counts as infinite.
   virtual StepLog run(std::span<const StepCoefficients> steps, double stop_error) = 0;
 
   /// The error of the current displacement.
@@ -83,6 +83,9 @@ struct DeviceDescription {
   std::string name, uuid, driver, api;
 };
 
+/// du x dv shorter than this times |du||dv| is no normal: the tangents are parallel up to rounding.
+inline constexpr double kDegenerateNormal = 1e-6;
+
 /// A device that applies stencil tables. Everything that returns has been carried out. Tables are
 /// given in double; a backend that computes in float rounds weights once. Throws
 /// Error{OutOfMemory} before taking memory that is not there, naming the limit, and
@@ -94,9 +97,11 @@ class Backend {
   [[nodiscard]] virtual DeviceDescription description() const = 0;
 
   /// `limit_masks` is B, square; it is copied to the device.
-  [[nodiscard]] virtual std::unique_ptr<Solve> make_solve(const StencilView<double>& limit_masks) = 0;
+  [[nodiscard]] virtual std::unique_ptr<Solve> make_solve(
+      const StencilView<double>& limit_masks) = 0;
 
-  [[nodiscard]] virtual std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) = 0;
+  [[nodiscard]] virtual std::unique_ptr<DevicePoints> upload(
+      std::span<const glm::dvec3> points) = 0;
   [[nodiscard]] virtual std::unique_ptr<DevicePoints> allocate(std::int32_t count) = 0;
   [[nodiscard]] virtual std::vector<glm::dvec3> download(const DevicePoints& points) = 0;
 
@@ -105,10 +110,11 @@ class Backend {
                      DevicePoints& target, std::int32_t first_target) = 0;
 
   /// Limit points and unit normals du x dv / |du x dv|, one per row, straight to the host. A
-  /// normal whose |du x dv| < 1e-6 |du||dv| is returned as zero: the caller replaces it.
+  /// normal whose |du x dv| < kDegenerateNormal |du||dv| is returned as zero: the caller replaces
+  /// it.
   virtual void apply_limit(const LimitStencilView<double>& table, const DevicePoints& source,
                            std::span<glm::dvec3> positions, std::span<glm::vec3> normals) = 0;
-  
+
   /// Highest memory taken on the device so far; 0 where it is the host's.
   [[nodiscard]] virtual std::uint64_t peak_device_bytes() const = 0;
 };

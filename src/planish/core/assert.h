@@ -8,5 +8,6 @@ namespace planish {
 }  // namespace planish
 
 /// Guards against our own bugs, in every build type; wrong input throws planish::Error instead.
-#define PLANISH_ASSERT(condition) \
-  (static_cast<bool>(condition) ? void(0) : ::planish::assertion_failed(#condition, __FILE__, __LINE__))
+#define PLANISH_ASSERT(condition)         \
+  (static_cast<bool>(condition) ? void(0) \
+                                : ::planish::assertion_failed(#condition, __FILE__, __LINE__))

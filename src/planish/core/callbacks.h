@@ -11,10 +11,10 @@ namespace planish {
 
 /// Something the caller should know of although the work went on.
 struct Warning {
-  std::string code;             ///< stable, e.g. "unused-vertices"
-  std::string message;          ///< one sentence with the remedy
-  std::int64_t count = 1;       ///< how many elements it concerns
-  std::int64_t first = -1;      ///< index of the first of them; -1 if none
+  std::string code;         ///< stable, e.g. "unused-vertices"
+  std::string message;      ///< one sentence with the remedy
+  std::int64_t count = 1;   ///< how many elements it concerns
+  std::int64_t first = -1;  ///< index of the first of them; -1 if none
 };
 
 /// How the library talks back. Every member may be empty. Called on the calling thread only.

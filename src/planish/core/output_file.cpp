@@ -43,8 +43,8 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::fail(std::string_view action) {
-  throw Error(ErrorCode::UnwritableOutput, path_.string() + ": cannot " + std::string(action) +
-                                               ": " + std::strerror(errno));
+  throw Error(ErrorCode::UnwritableOutput,
+              path_.string() + ": cannot " + std::string(action) + ": " + std::strerror(errno));
 }
 
 void OutputFile::write(std::span<const std::byte> bytes) {

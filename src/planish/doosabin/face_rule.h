@@ -12,7 +12,7 @@ enum class Weights {
   Averaged,  ///< the paper, equation (1): average of vertex, centroid and two edge midpoints
 };
 
-/// c_m(0..m-1), for m >= 1; sums to 1. m = 1 and 2 arise at vertices of that valence.
+/// c_m(0..m-1), for m >= 2; sums to 1. m = 2 arises at interior vertices of valence 2.
 /// Source: Doo & Sabin 1978; the paper, equation (1).
 [[nodiscard]] std::vector<double> face_weights(Weights weights, std::int32_t m);
 

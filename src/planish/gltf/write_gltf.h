@@ -24,7 +24,7 @@ struct GltfOptions {
 
 /// What was written.
 struct GltfFile {
-  std::uint64_t byte_count = 0;      ///< of all files together
+  std::uint64_t byte_count = 0;  ///< of all files together
   std::uint64_t vertex_count = 0, triangle_count = 0;
 };
 

@@ -14,9 +14,9 @@
 namespace planish {
 
 enum class Solver {
-  Chebyshev,          ///< Chebyshev semi-iteration on [spectral_bound, 1], count fixed in advance
-  Plain,              ///< the paper: V <- V + (V0 - B V)
-  ConjugateGradients, ///< closed smooth meshes only
+  Chebyshev,           ///< Chebyshev semi-iteration on [spectral_bound, 1], count fixed in advance
+  Plain,               ///< the paper: V <- V + (V0 - B V)
+  ConjugateGradients,  ///< closed smooth meshes only
 };
 
 enum class StopReason { Converged, IterationLimit, Stagnated, Diverged };
@@ -24,9 +24,9 @@ enum class StopReason { Converged, IterationLimit, Stagnated, Diverged };
 
 struct InterpolationOptions {
   Solver solver = Solver::Chebyshev;
-  double tolerance = 1e-6;        ///< of the maximum error, relative to the bounding-box diagonal
+  double tolerance = 1e-6;  ///< of the maximum error, relative to the bounding-box diagonal
   std::int32_t max_iterations = 200;
-  double spectral_bound = 0.25;   ///< lower bound of B's spectrum
+  double spectral_bound = 0.25;  ///< lower bound of B's spectrum
   /// Conjugate gradients: valence per row. Empty for the other solvers.
   std::span<const double> row_weights;
   Callbacks callbacks;
@@ -37,9 +37,9 @@ struct Interpolation {
   bool converged = false;
   StopReason stop_reason = StopReason::Converged;
   std::int32_t iterations = 0;
-  ErrorNorms error;                      ///< after the last iteration
+  ErrorNorms error;  ///< after the last iteration
   std::int64_t worst_vertex = -1;
-  std::vector<ErrorNorms> history;       ///< entry k: after k iterations
+  std::vector<ErrorNorms> history;  ///< entry k: after k iterations
 };
 
 /// Solves B (given + displacement) = given for the displacement. `given` in unit coordinates

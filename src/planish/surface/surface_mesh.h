@@ -1,8 +1,8 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 namespace planish {
@@ -12,16 +12,22 @@ namespace planish {
 struct SurfaceMesh {
   int level = 0;
   std::vector<glm::dvec3> positions;
-  std::vector<glm::vec3> normals;            ///< unit, finite, one per position
-  std::vector<std::int32_t> face_offsets;    ///< level 0 only: face_count + 1
-  std::vector<std::int32_t> face_vertices;   ///< level 0: all corners; else 4 per quad
-  /// The first `base_vertex_count` positions are the limit points of the input's vertices, in
-  /// its order. Vertices of several normals (creases) have their further copies at the end.
-  std::int32_t base_vertex_count = 0;
+  std::vector<glm::vec3> normals;           ///< unit, finite, one per position
+  std::vector<std::int32_t> face_offsets;   ///< level 0 only: face_count + 1
+  std::vector<std::int32_t> face_vertices;  ///< level 0: all corners; else 4 per quad
+  /// The first positions are the limit points of the input's vertices, in its order: entry i is
+  /// the input's index of position i (unused vertices are left out). Vertices of several normals
+  /// (creases) have their further copies at the end.
+  std::vector<std::int32_t> base_vertices;
 
   [[nodiscard]] std::int64_t face_count() const {
     return level == 0 ? static_cast<std::int64_t>(face_offsets.size()) - 1
                       : static_cast<std::int64_t>(face_vertices.size()) / 4;
+  }
+  [[nodiscard]] std::span<const std::int32_t> face(std::int64_t index) const {
+    const std::int64_t first = level == 0 ? face_offsets[index] : 4 * index;
+    const std::int64_t size = level == 0 ? face_offsets[index + 1] - first : 4;
+    return {face_vertices.data() + first, static_cast<std::size_t>(size)};
   }
 };
 

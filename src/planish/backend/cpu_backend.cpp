@@ -1,0 +1,336 @@
+#include "planish/backend/cpu_backend.h"
+
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <thread>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+
+// Vectors are passed between functions of this file only, where they are inlined.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace planish {
+
+namespace {
+
+// Four lanes, the last idle: one register holds a point, and a row's sum is a chain of
+// multiply-adds on whole registers.
+template <class Real>
+struct Lanes {
+  typedef Real type __attribute__((vector_size(4 * sizeof(Real))));
+};
+template <class Real>
+using Vec4 = typename Lanes<Real>::type;
+
+// Sums are taken over pieces of this many rows, then over the pieces in order: the same bits for
+// every thread count.
+constexpr std::size_t kPieceRows = 4096;
+
+template <class Real>
+Vec4<Real> to_lanes(const glm::dvec3& v) {
+  return Vec4<Real>{static_cast<Real>(v.x), static_cast<Real>(v.y), static_cast<Real>(v.z), 0};
+}
+
+template <class Real>
+glm::dvec3 from_lanes(const Vec4<Real>& v) {
+  return {v[0], v[1], v[2]};
+}
+
+struct PieceSums {
+  double max_square = 0;
+  glm::dvec3 sum{0.0};
+
+  void add(const PieceSums& other) {
+    max_square = std::max(max_square, other.max_square);
+    sum += other.sum;
+  }
+};
+
+// max() would drop a NaN.
+void keep_largest(double& largest, double value) {
+  if (std::isnan(value)) value = std::numeric_limits<double>::infinity();
+  largest = std::max(largest, value);
+}
+
+template <class Body>
+PieceSums sum_pieces(std::size_t count, const Body& body) {
+  std::vector<PieceSums> pieces((count + kPieceRows - 1) / kPieceRows);
+  parallel_for(pieces.size(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      pieces[p] = body(p * kPieceRows, std::min((p + 1) * kPieceRows, count));
+    }
+  });
+  PieceSums total;
+  for (const PieceSums& piece : pieces) total.add(piece);
+  return total;
+}
+
+ErrorNorms norms(const PieceSums& squares, std::size_t count) {
+  const double sum = squares.sum.x + squares.sum.y + squares.sum.z;
+  return {std::sqrt(squares.max_square), count == 0 ? 0.0 : std::sqrt(sum / count)};
+}
+
+template <class Real>
+class CpuSolve final : public Solve {
+ public:
+  CpuSolve(const StencilView<double>& masks, oneapi::tbb::task_arena& arena)
+      : arena_(arena),
+        sizes_(masks.sizes.begin(), masks.sizes.end()),
+        offsets_(masks.offsets.begin(), masks.offsets.end()),
+        indices_(masks.indices.begin(), masks.indices.end()),
+        weights_(masks.weights.begin(), masks.weights.end()) {
+    PLANISH_ASSERT(masks.source_count == masks.row_count());
+  }
+
+  void begin(std::span<const glm::dvec3> initial_residual) override {
+    PLANISH_ASSERT(initial_residual.size() == sizes_.size());
+    initial_residual_.resize(sizes_.size());
+    for (std::size_t i = 0; i < sizes_.size(); ++i) {
+      initial_residual_[i] = to_lanes<Real>(initial_residual[i]);
+    }
+    displacement_.assign(sizes_.size(), Vec4<Real>{});
+    next_displacement_ = step_ = displacement_;
+  }
+
+  StepLog run(std::span<const StepCoefficients> steps, double stop_error) override {
+    StepLog log;
+    for (const StepCoefficients& step : steps) {
+      PieceSums squares;
+      arena_.execute([&] { squares = take_step(step); });
+      log.errors.push_back(norms(squares, sizes_.size()));
+      // The step is already computed, but displacement_ is still the one that was measured.
+      if (log.errors.back().max <= stop_error) return log;
+      std::swap(displacement_, next_displacement_);
+      ++log.steps_taken;
+    }
+    return log;
+  }
+
+  ErrorNorms error() override {
+    PieceSums squares;
+    arena_.execute([&] {
+      squares = sum_pieces(sizes_.size(), [&](std::size_t begin, std::size_t end) {
+        PieceSums piece;
+        for (std::size_t i = begin; i < end; ++i) {
+          add_square(initial_residual_[i] - row(i, displacement_), piece);
+        }
+        return piece;
+      });
+    });
+    return norms(squares, sizes_.size());
+  }
+
+  [[nodiscard]] std::vector<glm::dvec3> displacement() const override {
+    std::vector<glm::dvec3> result(displacement_.size());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = from_lanes<Real>(displacement_[i]);
+    return result;
+  }
+
+  glm::dvec3 cg_begin(std::span<const glm::dvec3> initial_residual,
+                      std::span<const double> row_weights) override {
+    begin(initial_residual);
+    row_weights_.assign(row_weights.begin(), row_weights.end());
+    residual_ = step_ = initial_residual_;
+    image_.resize(sizes_.size());
+    return inner_product(residual_, residual_);
+  }
+
+  glm::dvec3 cg_apply() override {
+    arena_.execute([&] {
+      parallel_for(sizes_.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) image_[i] = row(i, step_);
+      });
+    });
+    return inner_product(step_, image_);
+  }
+
+  CgAdvance cg_advance(const glm::dvec3& alpha) override {
+    const Vec4<Real> factor = to_lanes<Real>(alpha);
+    PieceSums squares;
+    arena_.execute([&] {
+      squares = sum_pieces(sizes_.size(), [&](std::size_t begin, std::size_t end) {
+        PieceSums piece;
+        for (std::size_t i = begin; i < end; ++i) {
+          displacement_[i] += factor * step_[i];
+          residual_[i] -= factor * image_[i];
+          add_square(residual_[i], piece);
+        }
+        return piece;
+      });
+    });
+    return {inner_product(residual_, residual_), norms(squares, sizes_.size())};
+  }
+
+  void cg_turn(const glm::dvec3& beta) override {
+    const Vec4<Real> factor = to_lanes<Real>(beta);
+    arena_.execute([&] {
+      parallel_for(sizes_.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) step_[i] = residual_[i] + factor * step_[i];
+      });
+    });
+  }
+
+ private:
+  using Points = std::vector<Vec4<Real>>;
+
+  // Sums in index order.
+  [[nodiscard]] Vec4<Real> row(std::size_t i, const Points& source) const {
+    Vec4<Real> sum{};
+    const std::int32_t* index = indices_.data() + offsets_[i];
+    const Real* weight = weights_.data() + offsets_[i];
+    const std::int32_t size = sizes_[i];
+    for (std::int32_t k = 0; k < size; ++k) {
+      sum += weight[k] * source[static_cast<std::size_t>(index[k])];
+    }
+    return sum;
+  }
+
+  static void add_square(const Vec4<Real>& residual, PieceSums& piece) {
+    const Vec4<Real> square = residual * residual;
+    const glm::dvec3 squares = from_lanes<Real>(square);
+    piece.sum += squares;
+    keep_largest(piece.max_square, squares.x + squares.y + squares.z);
+  }
+
+  // One pass: residual, step and next displacement of each row.
+  PieceSums take_step(const StepCoefficients& coefficients) {
+    const Real momentum = static_cast<Real>(coefficients.momentum);
+    const Real gain = static_cast<Real>(coefficients.gain);
+    return sum_pieces(sizes_.size(), [&](std::size_t begin, std::size_t end) {
+      PieceSums piece;
+      for (std::size_t i = begin; i < end; ++i) {
+        const Vec4<Real> residual = initial_residual_[i] - row(i, displacement_);
+        step_[i] = momentum * step_[i] + gain * residual;
+        next_displacement_[i] = displacement_[i] + step_[i];
+        add_square(residual, piece);
+      }
+      return piece;
+    });
+  }
+
+  glm::dvec3 inner_product(const Points& a, const Points& b) {
+    PieceSums sums;
+    arena_.execute([&] {
+      sums = sum_pieces(sizes_.size(), [&](std::size_t begin, std::size_t end) {
+        PieceSums piece;
+        for (std::size_t i = begin; i < end; ++i) {
+          piece.sum += row_weights_[i] * from_lanes<Real>(a[i]) * from_lanes<Real>(b[i]);
+        }
+        return piece;
+      });
+    });
+    return sums.sum;
+  }
+
+  oneapi::tbb::task_arena& arena_;
+  std::vector<std::int32_t> sizes_, offsets_, indices_;
+  std::vector<Real> weights_;
+  Points initial_residual_, displacement_, next_displacement_, step_;
+  Points residual_, image_;
+  std::vector<double> row_weights_;
+};
+
+class CpuPoints final : public DevicePoints {
+ public:
+  explicit CpuPoints(std::vector<glm::dvec3> values) : points(std::move(values)) {}
+  [[nodiscard]] std::int32_t size() const override {
+    return static_cast<std::int32_t>(points.size());
+  }
+  std::vector<glm::dvec3> points;
+};
+
+glm::dvec3 apply_row(const StencilView<double>& table, std::span<const double> weights,
+                     std::size_t row, const std::vector<glm::dvec3>& source) {
+  glm::dvec3 sum(0.0);
+  const auto first = static_cast<std::size_t>(table.offsets[row]);
+  for (std::size_t k = first; k < first + table.sizes[row]; ++k) {
+    sum += weights[k] * source[static_cast<std::size_t>(table.indices[k])];
+  }
+  return sum;
+}
+
+class CpuBackend final : public Backend {
+ public:
+  explicit CpuBackend(const CpuBackendOptions& options)
+      : options_(options),
+        arena_(options.thread_count > 0 ? options.thread_count
+                                        : oneapi::tbb::task_arena::automatic) {}
+
+  [[nodiscard]] DeviceDescription description() const override {
+    return {"cpu", std::to_string(std::max(1u, std::thread::hardware_concurrency())) + " threads",
+            "", "", ""};
+  }
+
+  [[nodiscard]] std::unique_ptr<Solve> make_solve(const StencilView<double>& masks) override {
+    if (options_.solve_precision == Precision::Float) {
+      return std::make_unique<CpuSolve<float>>(masks, arena_);
+    }
+    return std::make_unique<CpuSolve<double>>(masks, arena_);
+  }
+
+  [[nodiscard]] std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {
+    return std::make_unique<CpuPoints>(std::vector<glm::dvec3>(points.begin(), points.end()));
+  }
+
+  [[nodiscard]] std::unique_ptr<DevicePoints> allocate(std::int32_t count) override {
+    return std::make_unique<CpuPoints>(std::vector<glm::dvec3>(static_cast<std::size_t>(count)));
+  }
+
+  [[nodiscard]] std::vector<glm::dvec3> download(const DevicePoints& points) override {
+    return static_cast<const CpuPoints&>(points).points;
+  }
+
+  void apply(const StencilView<double>& table, const DevicePoints& source, DevicePoints& target,
+             std::int32_t first_target) override {
+    const auto& from = static_cast<const CpuPoints&>(source).points;
+    auto& to = static_cast<CpuPoints&>(target).points;
+    PLANISH_ASSERT(&from != &to && table.source_count <= source.size());
+    PLANISH_ASSERT(first_target + table.row_count() <= target.size());
+    arena_.execute([&] {
+      parallel_for(table.sizes.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          to[first_target + i] = apply_row(table, table.weights, i, from);
+        }
+      });
+    });
+  }
+
+  void apply_limit(const LimitStencilView<double>& table, const DevicePoints& source,
+                   std::span<glm::dvec3> positions, std::span<glm::vec3> normals) override {
+    const auto& from = static_cast<const CpuPoints&>(source).points;
+    PLANISH_ASSERT(positions.size() == table.sizes.size() && normals.size() == positions.size());
+    arena_.execute([&] {
+      parallel_for(table.sizes.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          positions[i] = apply_row(table, table.weights, i, from);
+          const glm::dvec3 du = apply_row(table, table.du_weights, i, from);
+          const glm::dvec3 dv = apply_row(table, table.dv_weights, i, from);
+          const glm::dvec3 normal = glm::cross(du, dv);
+          const double length = glm::length(normal);
+          const bool degenerate =
+              !(length >= kDegenerateNormal * glm::length(du) * glm::length(dv)) || length == 0;
+          normals[i] = degenerate ? glm::vec3(0.0f) : glm::vec3(normal / length);
+        }
+      });
+    });
+  }
+
+  [[nodiscard]] std::uint64_t peak_device_bytes() const override { return 0; }
+
+ private:
+  CpuBackendOptions options_;
+  oneapi::tbb::task_arena arena_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> make_cpu_backend(const CpuBackendOptions& options) {
+  return std::make_unique<CpuBackend>(options);
+}
+
+}  // namespace planish

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planish/doosabin/subdivision.h"
+#include "planish/doosabin/vertex_ring.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/stencil/stencil_table.h"
+
+namespace planish {
+
+/// A range of rows of one of the tables below.
+struct RowRange {
+  std::int64_t first, count;
+};
+
+/// From control points to the state of level 1: one Doo-Sabin step.
+[[nodiscard]] StencilTable<double> first_step_table(const PolygonMesh& mesh,
+                                                    const Subdivision& subdivision, RowRange rows);
+
+/// From the state of `level` >= 1 to that of level + 1.
+[[nodiscard]] StencilTable<double> refinement_table(const Subdivision& subdivision, int level,
+                                                    RowRange rows);
+
+/// The output vertices of Q_level, level >= 1: row v < vertex count is vertex v with its first
+/// sector's normal; vertices between sharp edges with several sectors have one more row each for
+/// the others.
+class LimitRows {
+ public:
+  LimitRows(const Subdivision& subdivision, int level, std::int64_t vertex_count);
+
+  [[nodiscard]] std::int64_t count() const {
+    return vertex_count_ + static_cast<std::int64_t>(extra_.size());
+  }
+  /// Vertex and sector of a row.
+  struct Place {
+    std::int32_t vertex, sector;
+  };
+  [[nodiscard]] Place place(std::int64_t row) const {
+    return row < vertex_count_ ? Place{static_cast<std::int32_t>(row), 0}
+                               : extra_[static_cast<std::size_t>(row - vertex_count_)];
+  }
+  /// The row of `vertex` as seen from face `face` of Q_level.
+  [[nodiscard]] std::int32_t row_of(std::int32_t vertex, std::int32_t face,
+                                    VertexRing& scratch) const;
+
+ private:
+  const Subdivision& subdivision_;
+  int level_;
+  std::int64_t vertex_count_;
+  std::vector<Place> extra_;  // sorted by vertex, then sector
+};
+
+/// Limit points, with du and dv whose cross product is the outward normal's direction, of rows of
+/// `limit_rows`, from the state of its level. Source: mathematics of Doo-Sabin limit tangents: the
+/// first Fourier pair of the polygon around a vertex.
+[[nodiscard]] LimitStencilTable<double> limit_table(const Subdivision& subdivision, int level,
+                                                    const LimitRows& limit_rows, RowRange rows);
+
+}  // namespace planish

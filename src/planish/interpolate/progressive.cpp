@@ -1,0 +1,260 @@
+// Based on: "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces", section 3.2, and
+// Golub & Varga, "Chebyshev semi-iterative methods", 1961.
+// The paper's symbols: V0 `given`, V = V0 + d with d the `displacement`, B `limit_masks`,
+// D^k = V0 - B V^k the residual. Solving for d instead of V keeps single precision's rounding
+// relative to d: r_0 = sum_j b_ij (V0_i - V0_j) is taken in double, then B d = r_0.
+#include "planish/interpolate/progressive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+
+namespace planish {
+
+namespace {
+
+// The device measures residuals in its own precision; stopping this much below the tolerance
+// keeps the final check in double from failing by a rounding error.
+constexpr double kStopMargin = 0.99;
+
+// Steps between two looks of the host: enough to hide the round trip, few enough to cancel soon.
+constexpr std::int32_t kBatchSteps = 32;
+
+// A batch that does not lower the error by this factor makes no progress: the slowest of our
+// spectra gains a factor 0.75 a step.
+constexpr double kStagnationFactor = 0.9;
+
+// The spectrum lies in (0, 1], where no step can enlarge the error much; beyond this it diverges.
+constexpr double kDivergenceFactor = 1e3;
+
+// The coefficients of the Chebyshev semi-iteration on [bound, 1], one step after another.
+class ChebyshevSequence {
+ public:
+  explicit ChebyshevSequence(double bound)
+      : theta_((1 + bound) / 2), delta_((1 - bound) / 2), rho_(delta_ / theta_) {}
+
+  StepCoefficients next() {
+    if (first_) {
+      first_ = false;
+      return {0.0, 1.0 / theta_};
+    }
+    const double next_rho = 1.0 / (2.0 * theta_ / delta_ - rho_);
+    const StepCoefficients step{next_rho * rho_, 2.0 * next_rho / delta_};
+    rho_ = next_rho;
+    return step;
+  }
+
+ private:
+  double theta_, delta_, rho_;
+  bool first_ = true;
+};
+
+std::vector<glm::dvec3> initial_residual(const StencilView<double>& masks,
+                                         std::span<const glm::dvec3> given) {
+  std::vector<glm::dvec3> residual(given.size());
+  parallel_for(given.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      glm::dvec3 sum(0.0);
+      for (std::int32_t k = masks.offsets[i]; k < masks.offsets[i] + masks.sizes[i]; ++k) {
+        sum += masks.weights[k] * (given[i] - given[masks.indices[k]]);
+      }
+      residual[i] = sum;
+    }
+  });
+  return residual;
+}
+
+// The true residual in double, whatever the device computed in.
+void measure(const StencilView<double>& masks, std::span<const glm::dvec3> initial,
+             Interpolation& result) {
+  std::vector<double> squares(initial.size());
+  parallel_for(initial.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      glm::dvec3 residual = initial[i];
+      for (std::int32_t k = masks.offsets[i]; k < masks.offsets[i] + masks.sizes[i]; ++k) {
+        residual -= masks.weights[k] * result.displacement[masks.indices[k]];
+      }
+      const double square = glm::dot(residual, residual);
+      squares[i] = std::isfinite(square) ? square : std::numeric_limits<double>::infinity();
+    }
+  });
+  double sum = 0, largest = -1;
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    sum += squares[i];
+    if (squares[i] > largest) {
+      largest = squares[i];
+      result.worst_vertex = static_cast<std::int64_t>(i);
+    }
+  }
+  result.error = {std::sqrt(std::max(largest, 0.0)),
+                  squares.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(squares.size()))};
+}
+
+std::int32_t chebyshev_step_count(double initial_error, const InterpolationOptions& options) {
+  const double root = std::sqrt(1.0 / options.spectral_bound);
+  const double sigma = (root - 1) / (root + 1);
+  const double count =
+      std::ceil(std::log(2 * initial_error / options.tolerance) / -std::log(sigma));
+  return static_cast<std::int32_t>(std::clamp<double>(count, 1, options.max_iterations));
+}
+
+// Follows the errors from batch to batch.
+class ProgressWatch {
+ public:
+  explicit ProgressWatch(double initial_error) : initial_(initial_error), best_(initial_error) {}
+
+  [[nodiscard]] bool diverged(double error) const {
+    return !(error <= kDivergenceFactor * initial_);
+  }
+  // Only full batches count: the last steps of a count fixed in advance prove nothing.
+  [[nodiscard]] bool stagnates(std::span<const ErrorNorms> batch) {
+    double best = best_;
+    for (const ErrorNorms& error : batch) best = std::min(best, error.max);
+    const bool stuck =
+        static_cast<std::int32_t>(batch.size()) >= kBatchSteps && best > kStagnationFactor * best_;
+    best_ = best;
+    return stuck;
+  }
+
+ private:
+  double initial_, best_;
+};
+
+// Plain and Chebyshev: batches of steps until the error is low enough.
+void run_steps(Solve& solve, double initial_error, const InterpolationOptions& options,
+               Interpolation& result) {
+  ChebyshevSequence chebyshev(options.spectral_bound);
+  std::int32_t batch_size = options.solver == Solver::Chebyshev
+                                ? chebyshev_step_count(initial_error, options)
+                                : kBatchSteps;
+  ProgressWatch watch(initial_error);
+  result.stop_reason = StopReason::IterationLimit;
+  while (result.iterations < options.max_iterations) {
+    options.callbacks.check_cancelled();
+    std::vector<StepCoefficients> steps(
+        static_cast<std::size_t>(std::min(batch_size, options.max_iterations - result.iterations)));
+    for (StepCoefficients& step : steps) {
+      step = options.solver == Solver::Chebyshev ? chebyshev.next() : StepCoefficients{0.0, 1.0};
+    }
+    const StepLog log = solve.run(steps, kStopMargin * options.tolerance);
+    result.iterations += log.steps_taken;
+    result.history.insert(result.history.end(), log.errors.begin(), log.errors.end());
+    options.callbacks.report("solve",
+                             static_cast<double>(result.iterations) / options.max_iterations);
+    if (log.steps_taken < static_cast<std::int32_t>(steps.size())) {
+      result.stop_reason = StopReason::Converged;
+      return;
+    }
+    if (watch.diverged(log.errors.back().max)) {
+      result.stop_reason = StopReason::Diverged;
+      break;
+    }
+    if (watch.stagnates(log.errors)) {
+      result.stop_reason = StopReason::Stagnated;
+      break;
+    }
+    if (solve.error().max <= kStopMargin * options.tolerance) {
+      result.stop_reason = StopReason::Converged;
+      break;
+    }
+    batch_size = kBatchSteps;
+  }
+  result.history.push_back(solve.error());
+}
+
+// A coordinate whose residual has vanished stays as it is.
+glm::dvec3 divide_or_zero(const glm::dvec3& a, const glm::dvec3& b) {
+  return {b.x > 0 ? a.x / b.x : 0.0, b.y > 0 ? a.y / b.y : 0.0, b.z > 0 ? a.z / b.z : 0.0};
+}
+
+void run_conjugate_gradients(Solve& solve, std::span<const glm::dvec3> initial,
+                             const InterpolationOptions& options, Interpolation& result) {
+  result.stop_reason = StopReason::IterationLimit;
+  glm::dvec3 residual_square = solve.cg_begin(initial, options.row_weights);
+  ProgressWatch watch(result.history.front().max);
+  while (result.iterations < options.max_iterations) {
+    options.callbacks.check_cancelled();
+    const glm::dvec3 step_image = solve.cg_apply();
+    const auto advance = solve.cg_advance(divide_or_zero(residual_square, step_image));
+    ++result.iterations;
+    result.history.push_back(advance.error);
+    options.callbacks.report("solve",
+                             static_cast<double>(result.iterations) / options.max_iterations);
+    if (advance.error.max <= kStopMargin * options.tolerance) {
+      result.stop_reason = StopReason::Converged;
+      return;
+    }
+    if (watch.diverged(advance.error.max)) {
+      result.stop_reason = StopReason::Diverged;
+      return;
+    }
+    solve.cg_turn(divide_or_zero(advance.residual_square, residual_square));
+    residual_square = advance.residual_square;
+  }
+}
+
+void check_options(const StencilView<double>& masks, std::span<const glm::dvec3> given,
+                   const InterpolationOptions& options) {
+  PLANISH_ASSERT(masks.row_count() == static_cast<std::int32_t>(given.size()));
+  PLANISH_ASSERT(options.spectral_bound > 0 && options.spectral_bound < 1);
+  if (!(options.tolerance > 0)) {
+    throw Error(ErrorCode::InvalidArgument,
+                "tolerance " + std::to_string(options.tolerance) + " is not above 0");
+  }
+  if (options.max_iterations < 0) {
+    throw Error(ErrorCode::InvalidArgument,
+                "maximum of iterations " + std::to_string(options.max_iterations) + " is below 0");
+  }
+}
+
+}  // namespace
+
+const char* name_of(StopReason reason) {
+  switch (reason) {
+    case StopReason::Converged:
+      return "converged";
+    case StopReason::IterationLimit:
+      return "iteration-limit";
+    case StopReason::Stagnated:
+      return "stagnated";
+    case StopReason::Diverged:
+      return "diverged";
+  }
+  return "unknown";
+}
+
+Interpolation interpolate(Backend& backend, const StencilView<double>& limit_masks,
+                          std::span<const glm::dvec3> given, const InterpolationOptions& options) {
+  check_options(limit_masks, given, options);
+  const std::vector<glm::dvec3> initial = initial_residual(limit_masks, given);
+  Interpolation result;
+  result.displacement.assign(given.size(), glm::dvec3(0.0));
+  measure(limit_masks, initial, result);
+  if (result.error.max <= options.tolerance) {
+    result.converged = true;
+    result.history = {result.error};
+    return result;
+  }
+
+  const std::unique_ptr<Solve> solve = backend.make_solve(limit_masks);
+  if (options.solver == Solver::ConjugateGradients) {
+    result.history = {result.error};
+    run_conjugate_gradients(*solve, initial, options, result);
+  } else {
+    solve->begin(initial);
+    run_steps(*solve, result.error.max, options, result);
+  }
+  result.displacement = solve->displacement();
+  measure(limit_masks, initial, result);
+  result.converged = result.error.max <= options.tolerance;
+  if (!result.converged && result.stop_reason == StopReason::Converged) {
+    result.stop_reason = StopReason::Stagnated;  // the device's precision ends above the tolerance
+  }
+  return result;
+}
+
+}  // namespace planish

@@ -1,0 +1,109 @@
+// Based on: "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces", section 3: a
+// polygon mesh in, the control mesh of the interpolating Doo-Sabin surface out.
+#include "planish/pipeline/fit.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+
+#include "planish/doosabin/limit_masks.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/used_vertices.h"
+#include "planish/stencil/quad_split.h"
+
+namespace planish {
+
+namespace {
+
+class Stopwatch {
+ public:
+  // Milliseconds since the last call, or since it was made.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double, std::milli> time = now - last_;
+    last_ = now;
+    return time.count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+void warn_of_semi_sharp(const PolygonMesh& mesh, const FitOptions& options) {
+  if (!options.sharp.use_tags) return;
+  std::int64_t count = 0, first = -1;
+  for (const CreaseEdge& crease : mesh.creases) {
+    if (crease.sharpness <= 0 || crease.sharpness >= kInfiniteSharpness) continue;
+    if (count++ == 0) first = crease.v0;
+  }
+  if (count == 0) return;
+  options.callbacks.warn({"semi-sharp-creases",
+                          std::to_string(count) +
+                              " creases have a sharpness below 10 and are taken as smooth; give "
+                              "10 for a sharp edge",
+                          count, first});
+}
+
+void require_solver_fits(Solver solver, const SharpFeatures& features) {
+  if (solver != Solver::ConjugateGradients || is_self_adjoint(features)) return;
+  throw Error(ErrorCode::InvalidArgument,
+              "the solver cg needs a closed mesh without creases and corners, and this one has " +
+                  std::to_string(features.sharp_edge_count) + " boundary or crease edges and " +
+                  std::to_string(features.corner_count) + " corners; take chebyshev");
+}
+
+}  // namespace
+
+Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
+  Stopwatch watch;
+  Fit result;
+  require_usable(mesh, "mesh");
+  const UsedMesh used = without_unused_vertices(mesh);
+  warn_of_semi_sharp(mesh, options);
+  result.placement = placement_of(used.mesh);
+  result.timing.check = watch.lap();
+
+  // Topology and the limit stencils B, once on the CPU.
+  options.callbacks.report("stencils", 0);
+  const QuadSplit split(used.mesh);
+  result.timing.topology = watch.lap();
+  const SharpFeatures features =
+      find_sharp_features(used.mesh, split, used.mesh.positions, options.sharp);
+  require_solver_fits(options.solver, features);
+  const StencilTable<double> masks =
+      limit_masks(used.mesh, Subdivision(split, features, options.weights));
+  result.spectral_bound = spectral_bound(used.mesh, options.weights);
+  result.stencil_entries = static_cast<std::int64_t>(masks.GetWeights().size());
+  result.sharp_edge_count = features.sharp_edge_count;
+  result.boundary_edge_count = features.sharp_edge_count - features.interior_sharp_edge_count;
+  result.corner_count = features.corner_count;
+  result.timing.stencils = watch.lap();
+
+  // The progressive iteration, in coordinates of unit diagonal.
+  std::vector<glm::dvec3> given(used.mesh.positions.size());
+  std::transform(used.mesh.positions.begin(), used.mesh.positions.end(), given.begin(),
+                 [&](const glm::dvec3& p) { return result.placement.to_unit(p); });
+  std::vector<double> row_weights;
+  if (options.solver == Solver::ConjugateGradients) row_weights = valences(split);
+  InterpolationOptions interpolation;
+  interpolation.solver = options.solver;
+  interpolation.tolerance = options.tolerance;
+  interpolation.max_iterations = options.max_iterations;
+  interpolation.spectral_bound = result.spectral_bound;
+  interpolation.row_weights = row_weights;
+  interpolation.callbacks = options.callbacks;
+  result.interpolation = interpolate(backend, masks.view(), given, interpolation);
+  if (result.interpolation.worst_vertex >= 0) {
+    result.interpolation.worst_vertex = used.vertices[result.interpolation.worst_vertex];
+  }
+  result.timing.solve = watch.lap();
+
+  result.cage = mesh;
+  for (std::size_t v = 0; v < given.size(); ++v) {
+    result.cage.positions[used.vertices[v]] +=
+        result.placement.diagonal * result.interpolation.displacement[v];
+  }
+  return result;
+}
+
+}  // namespace planish

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <opensubdiv/far/topologyLevel.h>
+#include <opensubdiv/far/topologyRefiner.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish {
+
+/// Element counts of one quad-split level.
+struct LevelCounts {
+  std::int64_t vertices, edges, faces;
+};
+
+/// The quad splits Q_0 (the mesh), Q_1, Q_2, ... of a polygon mesh: the dual of Doo-Sabin
+/// subdivision, made by OpenSubdiv's topology refiner with the bilinear scheme. What our tables
+/// rely on, checked when built:
+///   - vertices of Q_(l+1): first one per vertex of Q_l, then one per face, then one per edge;
+///   - faces of Q_(l+1): one per corner of Q_l's faces, in the order of the faces' corners;
+///   - the faces around a vertex come counter-clockwise, at a boundary from the first to the last.
+class QuadSplit {
+ public:
+  /// The mesh must pass check() and have no unused vertices. Crease tags become OpenSubdiv's
+  /// edge sharpness. Throws Error{UnusableMesh} should OpenSubdiv refuse it.
+  explicit QuadSplit(const PolygonMesh& mesh);
+  ~QuadSplit();
+
+  /// Splits `levels` times, discarding earlier splits. Levels below `levels` have full topology;
+  /// the last knows its faces' vertices only.
+  void refine(int levels);
+
+  [[nodiscard]] int level_count() const;  ///< finest level made so far; 0 before refine()
+  [[nodiscard]] const OpenSubdiv::Far::TopologyLevel& level(int index) const;
+
+  /// Counts of any level, without making it.
+  [[nodiscard]] LevelCounts counts(int level) const;
+
+  /// Index of the first corner of a face of `level` among all its corners, which is also the
+  /// index of the first child of that face.
+  [[nodiscard]] std::int32_t first_corner(int level, std::int32_t face) const {
+    return level == 0 ? face_offsets_[face] : 4 * face;
+  }
+
+ private:
+  std::vector<std::int32_t> face_offsets_;
+  std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner_;
+};
+
+}  // namespace planish

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "planish/core/parallel.h"
+#include "planish/stencil/stencil_table.h"
+
+namespace planish {
+
+/// One row being gathered: sources may be added several times and in any order.
+class StencilRow {
+ public:
+  struct Entry {
+    std::int32_t index;
+    double weight, du, dv;
+  };
+
+  void clear() { entries_.clear(); }
+  void add(std::int32_t index, double weight, double du = 0, double dv = 0) {
+    entries_.push_back({index, weight, du, dv});
+  }
+  /// Sorts by index and merges what was added several times.
+  void finish();
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+
+ private:
+  std::vector<Entry> entries_;
+};
+
+/// Whether rows carry derivative weights.
+enum class Derivatives { No, Yes };
+
+/// Rows [first, first + count) on all threads; the result does not depend on their number.
+/// `make_emitter()` is called once per piece of rows and returns a callable
+/// emit(row_index, StencilRow&) with its own scratch memory.
+/// Throws Error{OutOfMemory} when the entries exceed what 32-bit offsets address.
+template <class MakeEmitter>
+[[nodiscard]] StencilRows<double> build_rows(std::int64_t first, std::int64_t count,
+                                             Derivatives derivatives,
+                                             const MakeEmitter& make_emitter);
+
+/// Joins pieces in order. Throws as build_rows.
+[[nodiscard]] StencilRows<double> concatenate(std::vector<StencilRows<double>>&& pieces);
+
+void append(StencilRows<double>& rows, const StencilRow& row, Derivatives derivatives);
+
+template <class MakeEmitter>
+StencilRows<double> build_rows(std::int64_t first, std::int64_t count, Derivatives derivatives,
+                               const MakeEmitter& make_emitter) {
+  // Large enough to hide the cost of a piece, small enough to balance uneven rows.
+  constexpr std::int64_t kPieceRows = 8192;
+  const std::int64_t piece_count = (count + kPieceRows - 1) / kPieceRows;
+  std::vector<StencilRows<double>> pieces(static_cast<std::size_t>(piece_count));
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    auto emit = make_emitter();
+    StencilRow row;
+    for (std::size_t p = begin; p < end; ++p) {
+      const std::int64_t piece_first = first + static_cast<std::int64_t>(p) * kPieceRows;
+      const std::int64_t piece_end = std::min(piece_first + kPieceRows, first + count);
+      for (std::int64_t i = piece_first; i < piece_end; ++i) {
+        row.clear();
+        emit(static_cast<std::int32_t>(i), row);
+        row.finish();
+        append(pieces[p], row, derivatives);
+      }
+    }
+  });
+  return concatenate(std::move(pieces));
+}
+
+}  // namespace planish

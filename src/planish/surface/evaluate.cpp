@@ -1,0 +1,206 @@
+// The chain of small stencil tables: control points -> state of level 1 -> ... -> state of the
+// last level -> limit points and tangents. Tables are made and used in slices of rows, so that the
+// tables of the last level never stand in memory whole.
+#include "planish/surface/evaluate.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+#include "planish/doosabin/limit_masks.h"
+#include "planish/doosabin/surface_stencils.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/placement.h"
+#include "planish/mesh/used_vertices.h"
+#include "planish/surface/memory_need.h"
+
+namespace planish {
+
+namespace {
+
+// Rows of a slice: large enough for all threads or a device, some tens of megabytes of tables.
+constexpr std::int64_t kSliceRows = 1 << 19;
+
+template <class Body>
+void for_slices(std::int64_t count, const Callbacks& callbacks, const Body& body) {
+  for (std::int64_t first = 0; first < count; first += kSliceRows) {
+    callbacks.check_cancelled();
+    body(RowRange{first, std::min(kSliceRows, count - first)});
+  }
+}
+
+// The state of the level whose rings give the output's limit points.
+std::unique_ptr<DevicePoints> refine_points(const PolygonMesh& cage, const Placement& placement,
+                                            const Subdivision& subdivision, int level,
+                                            Backend& backend, const Callbacks& callbacks) {
+  std::vector<glm::dvec3> unit(cage.positions.size());
+  std::transform(cage.positions.begin(), cage.positions.end(), unit.begin(),
+                 [&](const glm::dvec3& p) { return placement.to_unit(p); });
+  auto source = backend.upload(unit);
+  for (int l = 1; l <= level; ++l) {
+    const std::int64_t size = subdivision.state_layout(l).size;
+    auto target = backend.allocate(static_cast<std::int32_t>(size));
+    for_slices(size, callbacks, [&](RowRange rows) {
+      const StencilTable<double> table = l == 1 ? first_step_table(cage, subdivision, rows)
+                                                : refinement_table(subdivision, l - 1, rows);
+      backend.apply(table.view(), *source, *target, static_cast<std::int32_t>(rows.first));
+    });
+    source = std::move(target);
+    callbacks.report("evaluate", 0.4 * l / level);
+  }
+  return source;
+}
+
+// Faces of the output by rows of limit points.
+void connect(const PolygonMesh& cage, const QuadSplit& split, const LimitRows& rows,
+             SurfaceMesh& surface) {
+  if (surface.level == 0) {
+    surface.face_offsets = cage.face_offsets;
+    surface.face_vertices = cage.face_vertices;
+    VertexRing ring;
+    for (std::size_t corner = 0; corner < surface.face_vertices.size(); ++corner) {
+      // The faces of Q_1 are the corners of Q_0.
+      std::int32_t& vertex = surface.face_vertices[corner];
+      vertex = rows.row_of(vertex, static_cast<std::int32_t>(corner), ring);
+    }
+    return;
+  }
+  const auto& topology = split.level(surface.level);
+  const auto face_count = static_cast<std::size_t>(topology.GetNumFaces());
+  surface.face_vertices.resize(4 * face_count);
+  parallel_for(face_count, 4096, [&](std::size_t begin, std::size_t end) {
+    VertexRing ring;
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto vertices = topology.GetFaceVertices(static_cast<int>(f));
+      for (int k = 0; k < 4; ++k) {
+        surface.face_vertices[4 * f + k] =
+            rows.row_of(vertices[k], static_cast<std::int32_t>(f), ring);
+      }
+    }
+  });
+}
+
+// Area vectors of the faces around the given vertices, summed.
+std::vector<glm::dvec3> facet_normals(const SurfaceMesh& surface,
+                                      const std::vector<std::int32_t>& place_of_vertex,
+                                      std::size_t place_count) {
+  std::vector<glm::dvec3> normals(place_count, glm::dvec3(0.0));
+  for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+    const auto vertices = surface.face(f);
+    const bool touched = std::any_of(vertices.begin(), vertices.end(),
+                                     [&](std::int32_t v) { return place_of_vertex[v] >= 0; });
+    if (!touched) continue;
+    glm::dvec3 area(0.0);
+    const glm::dvec3& origin = surface.positions[vertices[0]];
+    for (std::size_t i = 1; i + 1 < vertices.size(); ++i) {
+      area += glm::cross(surface.positions[vertices[i]] - origin,
+                         surface.positions[vertices[i + 1]] - origin);
+    }
+    for (const std::int32_t v : vertices) {
+      if (place_of_vertex[v] >= 0) normals[place_of_vertex[v]] += area;
+    }
+  }
+  return normals;
+}
+
+// Zero normals mark parallel tangents: take the facets' normal there, else +Z.
+void replace_degenerate_normals(SurfaceMesh& surface, const Callbacks& callbacks) {
+  std::vector<std::int32_t> degenerate;
+  for (std::size_t v = 0; v < surface.normals.size(); ++v) {
+    if (surface.normals[v] == glm::vec3(0.0f)) degenerate.push_back(static_cast<std::int32_t>(v));
+  }
+  if (degenerate.empty()) return;
+  std::vector<std::int32_t> place_of_vertex(surface.normals.size(), -1);
+  for (std::size_t i = 0; i < degenerate.size(); ++i) {
+    place_of_vertex[degenerate[i]] = static_cast<std::int32_t>(i);
+  }
+  const auto normals = facet_normals(surface, place_of_vertex, degenerate.size());
+  for (std::size_t i = 0; i < degenerate.size(); ++i) {
+    const double length = glm::length(normals[i]);
+    surface.normals[degenerate[i]] =
+        length > 0 ? glm::vec3(normals[i] / length) : glm::vec3(0.0f, 0.0f, 1.0f);
+  }
+  callbacks.warn({"degenerate-normals",
+                  std::to_string(degenerate.size()) +
+                      " vertices have parallel tangents; their normals are those of the facets",
+                  static_cast<std::int64_t>(degenerate.size()), degenerate.front()});
+}
+
+UsedMesh usable_part(const PolygonMesh& cage) {
+  require_usable(cage, "control cage");
+  return without_unused_vertices(cage);
+}
+
+}  // namespace
+
+SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOptions& options) {
+  if (options.level < 0 || options.level > kMaxLevel) {
+    throw Error(ErrorCode::InvalidArgument, "level " + std::to_string(options.level) +
+                                                " is outside 0 to " + std::to_string(kMaxLevel));
+  }
+  PLANISH_ASSERT(options.rest_positions.empty() ||
+                 options.rest_positions.size() == cage.positions.size());
+  const UsedMesh used = usable_part(cage);
+  std::vector<glm::dvec3> rest = used.mesh.positions;
+  if (!options.rest_positions.empty()) {
+    for (std::size_t v = 0; v < rest.size(); ++v)
+      rest[v] = options.rest_positions[used.vertices[v]];
+  }
+
+  QuadSplit split(used.mesh);
+  require_memory(split, options.level, options.memory_limit_bytes);
+  split.refine(options.level);
+  const SharpFeatures features = find_sharp_features(used.mesh, split, rest, options.sharp);
+  const Subdivision subdivision(split, features, options.weights);
+
+  // The input's own vertices have their limit points on every level: level 0 reads them off the
+  // state of level 1.
+  const int state_level = std::max(options.level, 1);
+  const Placement placement = placement_of(used.mesh);
+  const auto state =
+      refine_points(used.mesh, placement, subdivision, state_level, backend, options.callbacks);
+
+  SurfaceMesh surface;
+  surface.level = options.level;
+  surface.base_vertices = used.vertices;
+  const LimitRows rows(subdivision, state_level, split.counts(options.level).vertices);
+  surface.positions.resize(static_cast<std::size_t>(rows.count()));
+  surface.normals.resize(surface.positions.size());
+  for_slices(rows.count(), options.callbacks, [&](RowRange range) {
+    const LimitStencilTable<double> table = limit_table(subdivision, state_level, rows, range);
+    const auto first = static_cast<std::size_t>(range.first);
+    const auto count = static_cast<std::size_t>(range.count);
+    backend.apply_limit(table.view(), *state, std::span(surface.positions).subspan(first, count),
+                        std::span(surface.normals).subspan(first, count));
+    options.callbacks.report(
+        "evaluate", 0.4 + 0.6 * static_cast<double>(range.first + range.count) / rows.count());
+  });
+  for (glm::dvec3& position : surface.positions) position = placement.to_model(position);
+  connect(used.mesh, split, rows, surface);
+  replace_degenerate_normals(surface, options.callbacks);
+  return surface;
+}
+
+std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, Weights weights,
+                                        const SharpFeatureOptions& sharp) {
+  const UsedMesh used = usable_part(cage);
+  const QuadSplit split(used.mesh);
+  const SharpFeatures features = find_sharp_features(used.mesh, split, used.mesh.positions, sharp);
+  const StencilTable<double> masks = limit_masks(used.mesh, Subdivision(split, features, weights));
+  const StencilView<double> view = masks.view();
+  std::vector<glm::dvec3> limits = cage.positions;
+  for (std::int32_t i = 0; i < view.row_count(); ++i) {
+    // About the vertex itself: far from the origin the sum would lose digits.
+    const glm::dvec3 centre = used.mesh.positions[i];
+    glm::dvec3 sum(0.0);
+    for (std::int32_t k = view.offsets[i]; k < view.offsets[i] + view.sizes[i]; ++k) {
+      sum += view.weights[k] * (used.mesh.positions[view.indices[k]] - centre);
+    }
+    limits[used.vertices[i]] = centre + sum;
+  }
+  return limits;
+}
+
+}  // namespace planish

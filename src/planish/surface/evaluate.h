@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/backend/backend.h"
+#include "planish/core/callbacks.h"
+#include "planish/doosabin/face_rule.h"
+#include "planish/doosabin/sharp_features.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/surface/surface_mesh.h"
+
+namespace planish {
+
+/// Quad splits beyond which a tessellation is refused: 4096 quads for each quad of the cage.
+inline constexpr int kMaxLevel = 6;
+
+struct EvaluateOptions {
+  int level = 2;  ///< 0 to kMaxLevel quad splits
+  Weights weights = Weights::DooSabin;
+  SharpFeatureOptions sharp;
+  /// Where given, one per vertex of the cage: sector angles at corners are measured on these
+  /// positions (the rest pose: the input's vertices), not on the cage's.
+  std::span<const glm::dvec3> rest_positions;
+  std::uint64_t memory_limit_bytes = 0;  ///< 0: what the machine has free
+  Callbacks callbacks;
+};
+
+/// The tessellated limit surface of a control cage, with exact limit points and normals.
+/// Throws Error{UnusableMesh}, Error{InvalidArgument} for the level, Error{OutOfMemory} before
+/// memory is taken, Error{Cancelled}. Warns "degenerate-normals" where tangents are parallel and a
+/// facet's normal stands in.
+[[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend,
+                                   const EvaluateOptions& options = {});
+
+/// Limit positions of the cage's vertices in double on the CPU, whatever backend made the cage.
+/// Unused vertices stay where they are. Throws Error{UnusableMesh}.
+[[nodiscard]] std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, Weights weights,
+                                                      const SharpFeatureOptions& sharp);
+
+}  // namespace planish

@@ -1,0 +1,90 @@
+#include "planish/surface/memory_need.h"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include "planish/core/error.h"
+
+namespace planish {
+
+namespace {
+
+// OpenSubdiv's tables for one quad with its share of edges and vertices: both directions of all
+// incidences on full levels, parents and the faces' vertices only on the last.
+constexpr std::uint64_t kFullTopologyBytes = 260;
+constexpr std::uint64_t kLastTopologyBytes = 90;
+// A control point of a level's state in double.
+constexpr std::uint64_t kStateBytes = 24;
+// Position in double, normal in float, four indices.
+constexpr std::uint64_t kSurfaceVertexBytes = 36;
+constexpr std::uint64_t kSurfaceFaceBytes = 16;
+// Stencil slices on their way.
+constexpr std::uint64_t kFixedBytes = 256u << 20;
+
+std::string gibibytes(std::uint64_t bytes) {
+  const std::string tenths = std::to_string(bytes * 10 / (std::uint64_t{1} << 30));
+  return tenths.size() == 1 ? "0." + tenths + " GiB"
+                            : tenths.substr(0, tenths.size() - 1) + "." + tenths.back() + " GiB";
+}
+
+std::uint64_t read_number(const char* path) {
+  std::uint64_t value = 0;
+  std::ifstream file(path);
+  return file >> value ? value : std::numeric_limits<std::uint64_t>::max();
+}
+
+}  // namespace
+
+std::uint64_t tessellation_bytes(const QuadSplit& split, int level) {
+  std::uint64_t bytes = kFixedBytes;
+  for (int l = 0; l < level; ++l) {
+    bytes += kFullTopologyBytes * static_cast<std::uint64_t>(split.counts(l).faces);
+  }
+  const LevelCounts last = split.counts(level);
+  const LevelCounts state = split.counts(std::max(level, 1));
+  bytes += kLastTopologyBytes * static_cast<std::uint64_t>(last.faces);
+  bytes += kStateBytes * static_cast<std::uint64_t>(state.faces + state.faces / 4);
+  bytes += kSurfaceVertexBytes * static_cast<std::uint64_t>(last.vertices);
+  bytes += kSurfaceFaceBytes * static_cast<std::uint64_t>(last.faces);
+  return bytes;
+}
+
+std::uint64_t available_memory_bytes() {
+  std::uint64_t available = std::numeric_limits<std::uint64_t>::max();
+  std::ifstream file("/proc/meminfo");
+  std::string key, unit;
+  std::uint64_t kibibytes = 0;
+  while (file >> key >> kibibytes && std::getline(file, unit)) {
+    if (key == "MemAvailable:") available = kibibytes * 1024;
+  }
+  const std::uint64_t group_limit = read_number("/sys/fs/cgroup/memory.max");
+  const std::uint64_t group_used = read_number("/sys/fs/cgroup/memory.current");
+  if (group_limit != std::numeric_limits<std::uint64_t>::max() &&
+      group_used != std::numeric_limits<std::uint64_t>::max()) {
+    available = std::min(available, group_limit - std::min(group_limit, group_used));
+  }
+  return available;
+}
+
+void require_memory(const QuadSplit& split, int level, std::uint64_t limit_bytes) {
+  const LevelCounts counts = split.counts(level);
+  const std::string what = "level " + std::to_string(level) + " has " +
+                           std::to_string(counts.vertices) + " vertices and " +
+                           std::to_string(counts.faces) + " faces";
+  // Four corners a face are indexed by int32.
+  if (counts.edges * 2 > std::numeric_limits<std::int32_t>::max()) {
+    throw Error(ErrorCode::OutOfMemory,
+                what + ", more than 32-bit indices reach; take fewer levels");
+  }
+  const std::uint64_t need = tessellation_bytes(split, level);
+  const std::uint64_t limit = limit_bytes > 0 ? limit_bytes : available_memory_bytes();
+  if (need > limit) {
+    throw Error(ErrorCode::OutOfMemory, what + " and needs " + gibibytes(need) +
+                                            " of memory where " + gibibytes(limit) +
+                                            " are free; take fewer levels");
+  }
+}
+
+}  // namespace planish
