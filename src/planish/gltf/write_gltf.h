@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "planish/core/callbacks.h"
 #include "planish/surface/surface_mesh.h"
 
 namespace planish {
@@ -20,6 +21,7 @@ struct GltfOptions {
   glm::dvec3 origin{0.0};
   /// asset.extras, in key order on output.
   std::vector<std::pair<std::string, std::variant<bool, std::int64_t, double, std::string>>> extras;
+  Callbacks callbacks;  ///< step "write"; warning "large-file" where readers may give up
 };
 
 /// What was written.
@@ -30,13 +32,26 @@ struct GltfFile {
 
 /// A GLB of the surface: float32 POSITION (with min/max of the float values) and NORMAL, one
 /// buffer view each, u16 indices up to 65534 vertices, else u32; polygons and quads are split on
-/// the shorter diagonal. One default PBR material (metallic 0, roughness 0.5).
-/// Throws Error{InvalidArgument} at 4 GiB and above, naming .gltf as the way out.
+/// the shorter diagonal, concave ones so that no triangle is turned over. One default PBR material
+/// (metallic 0, roughness 0.5). The same surface and options give the same bytes.
+/// Throws Error{InvalidArgument}: from 4 GiB on, naming .gltf as the way out; a surface without
+/// faces; a position that float32 cannot hold, a normal that is not of unit length, a face that
+/// names no vertex, with its index as element.
 [[nodiscard]] std::vector<std::byte> encode_glb(const SurfaceMesh& surface,
                                                 const GltfOptions& options);
 
-/// Writes .glb, or .gltf with a .bin beside it, by extension, through OutputFile.
+/// Writes .glb, or .gltf with a .bin of the same name beside it, by extension, through OutputFile;
+/// the .bin appears first. Takes a few MB beside the surface, whatever its size.
+/// Throws what encode_glb throws, Error{InvalidArgument} for another extension,
+/// Error{UnwritableOutput}, Error{Cancelled}.
 GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surface,
                     const GltfOptions& options);
+
+/// The first `count` positions as a reader gets them from the file with these options: rounded to
+/// float32 about the origin, with node.translation added in double and the turn of z_up undone.
+/// Comparing them with the wanted points measures the error as written.
+[[nodiscard]] std::vector<glm::dvec3> written_positions(const SurfaceMesh& surface,
+                                                        const GltfOptions& options,
+                                                        std::size_t count);
 
 }  // namespace planish
