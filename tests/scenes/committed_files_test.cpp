@@ -1,0 +1,62 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "make_scenes/scene_list.h"
+
+namespace planish::shapes {
+namespace {
+
+const std::filesystem::path kFolder = PLANISH_SCENES;
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_TRUE(file) << "cannot read " << path << "; run planish-make-scenes scenes";
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// EXPECT_EQ would print megabytes.
+void expect_same(const std::filesystem::path& path, const std::string& made) {
+  const std::string committed = bytes_of(path);
+  const auto [at, unused] =
+      std::mismatch(committed.begin(), committed.end(), made.begin(), made.end());
+  EXPECT_TRUE(committed == made) << path << " differs from what the generator makes at byte "
+                                 << at - committed.begin() << " of " << committed.size();
+}
+
+TEST(CommittedFiles, AreWhatTheGeneratorMakes) {
+  for (const Scene& scene : scenes()) expect_same(kFolder / scene.file, scene_text(scene));
+  for (const BadFile& bad : bad_files()) expect_same(kFolder / "bad" / bad.file, bad.bytes);
+}
+
+TEST(CommittedFiles, AreAllOnTheList) {
+  std::set<std::string> made;
+  for (const Scene& scene : scenes()) made.insert(scene.file);
+  for (const BadFile& bad : bad_files()) made.insert("bad/" + bad.file);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kFolder)) {
+    const std::string name = entry.path().lexically_relative(kFolder).generic_string();
+    if (entry.path().extension() == ".obj" || name.starts_with("bad/")) {
+      EXPECT_TRUE(made.contains(name)) << "scenes/" << name << " is made by nothing";
+    }
+  }
+}
+
+TEST(CommittedFiles, StandInTheReadme) {
+  const std::string readme = bytes_of(kFolder / "README.md");
+  for (const Scene& scene : scenes()) {
+    EXPECT_NE(readme.find("`" + scene.file + "`"), std::string::npos) << scene.file;
+  }
+  for (const BadFile& bad : bad_files()) {
+    const std::string row = "| `" + bad.file + "` | " + std::to_string(bad.exit_code) + " |";
+    EXPECT_NE(readme.find(row), std::string::npos) << "no row " << row;
+  }
+}
+
+}  // namespace
+}  // namespace planish::shapes

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish::shapes {
+
+/// Every function here returns a mesh that passes check(), counter-clockwise seen from outside,
+/// and the same one on every run. Throws std::invalid_argument for counts it cannot serve.
+
+/// Axis-aligned cube from -1 to 1, each side `cells` x `cells` quads (cells >= 1).
+[[nodiscard]] PolygonMesh cube(std::int32_t cells = 1);
+
+/// Cube from -1 to 1 of `cells` cells an edge, with a square tunnel `hole_cells` wide drilled
+/// through along each axis: quads only, genus 5. cells - hole_cells must be even and positive.
+[[nodiscard]] PolygonMesh cube_with_tunnels(std::int32_t cells, std::int32_t hole_cells);
+
+struct TorusOptions {
+  std::int32_t ring_count = 64;  ///< quads the long way round, >= 3
+  std::int32_t tube_count = 32;  ///< quads around the tube, >= 3
+  double radius = 1.0;           ///< axis to the middle of the tube
+  double tube_radius = 0.4;
+};
+/// Torus around the z axis, ring_count * tube_count quads and as many vertices.
+[[nodiscard]] PolygonMesh torus(const TorusOptions& options = {});
+
+/// Unit sphere of 20 * 4^level triangles; 10 * 4^level + 2 vertices.
+[[nodiscard]] PolygonMesh icosphere(std::int32_t level);
+
+/// Unit sphere in `ring_count` rings of `segment_count` quads; the north pole is a vertex of
+/// valence segment_count, the south pole one polygon of segment_count corners.
+[[nodiscard]] PolygonMesh pole_sphere(std::int32_t segment_count, std::int32_t ring_count);
+
+/// Open planar grid over [0, 1] x [0, rows / columns] at z = 0.
+[[nodiscard]] PolygonMesh open_grid(std::int32_t columns, std::int32_t rows);
+
+/// open_grid bent to z = 0.1 sin(2 pi x) cos(2 pi y).
+[[nodiscard]] PolygonMesh wavy_patch(std::int32_t columns, std::int32_t rows);
+
+/// Planar open plate of 3 x 2 square tiles at z = 0, four of them with a round hole: genus 0,
+/// five boundary loops.
+[[nodiscard]] PolygonMesh plate_with_holes();
+
+/// An L of two plates: 12 vertices, two concave 6-gons and six quads.
+[[nodiscard]] PolygonMesh l_bracket();
+
+/// Square base plate with a round boss and a bore through both; genus 1. Edges whose faces
+/// meet at more than 30 degrees are tagged as creases, the four upright corners semi-sharp.
+[[nodiscard]] PolygonMesh bearing_block();
+
+/// The faces around each vertex become one polygon, at the face centroids. The mesh must be closed.
+[[nodiscard]] PolygonMesh dual(const PolygonMesh& mesh);
+
+}  // namespace planish::shapes
