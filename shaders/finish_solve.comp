@@ -1,0 +1,26 @@
+// Says where the steps ended: how many were taken, why, at what error, and in which buffer.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+layout(local_size_x = 1) in;
+layout(std430, set = 0, binding = 0) restrict readonly buffer Steps { StepRecord steps[]; };
+layout(std430, set = 0, binding = 1) restrict writeonly buffer Status { SolveStatus status; };
+layout(push_constant) uniform Parameters { VectorParameters parameters; };
+
+void main() {
+  uint state = kStateRunning;
+  uint largest = 0u;
+  uint step = 0u;
+  for (; step < parameters.count; ++step) {
+    largest = steps[step].max_square_bits;
+    if (uintBitsToFloat(largest) <= parameters.stop_square) {
+      state = kStateConverged;
+      break;
+    }
+  }
+  status.iterations = step;
+  status.state = state;
+  status.max_square_bits = largest;
+  status.side = (parameters.first_side + step) % 3u;
+}

@@ -1,0 +1,70 @@
+// What C++ and the kernels must agree on: table layout, records and parameters. Scalars and float
+// arrays only, so that both languages lay it out alike.
+#ifdef __cplusplus
+#pragma once
+#include <cstdint>
+namespace planish::vulkan::shared {
+using uint = std::uint32_t;
+#define PLANISH_SHARED_CONSTANT inline constexpr uint
+#else
+#define PLANISH_SHARED_CONSTANT const uint
+#endif
+
+// A table's rows are cut into chunks. Entry k of the row in lane i of a chunk stands at
+// (chunk's first + k) * kChunkRows + i, so that neighbouring lanes read neighbouring words. Rows
+// shorter than the chunk's width end in entries of weight 0.
+PLANISH_SHARED_CONSTANT kChunkRows = 64u;
+// A chunk's header: first, width, then the row number of every lane.
+PLANISH_SHARED_CONSTANT kChunkWords = 66u;
+// Lane without a row, at the end of a table.
+PLANISH_SHARED_CONSTANT kNoRow = 0xffffffffu;
+// Invocations of a reduction kernel that runs as a single work group for each result.
+PLANISH_SHARED_CONSTANT kReduceLanes = 64u;
+// Words of a partial sum of conjugate gradients: bits of xyz, of the square sum, of the maximum.
+PLANISH_SHARED_CONSTANT kSumFloats = 5u;
+
+// One iteration: what it does, and what it found before doing it.
+struct StepRecord {
+  float momentum;
+  float gain;
+  uint max_square_bits;  // of |residual|; infinity where a residual is NaN
+  float square_sum;
+};
+
+// How a solve ended. side: which of the three displacement buffers holds the result.
+struct SolveStatus {
+  uint iterations;
+  uint state;
+  uint max_square_bits;
+  uint side;
+};
+PLANISH_SHARED_CONSTANT kStateRunning = 0u;    // all steps done, the last error measured is above
+PLANISH_SHARED_CONSTANT kStateConverged = 1u;  // an error at or below stop was met
+
+// Push constants of the kernels that walk a table. Rows are counted from the start of the bound
+// window; a row number in a chunk minus first_row is the place in it.
+struct TableParameters {
+  uint chunk_count;
+  uint first_row;
+  uint first_source;  // point that the source window begins with
+  uint first_target;  // floats between the target window's start and first_row's place
+  uint step;
+  uint first_group;   // of this slice, among the groups of all slices
+  uint group_total;   // of all slices
+  float stop_square;  // negative: never stop
+  uint target_stride; // floats from one point of the target to the next
+  uint normal_offset; // floats from a point's position to its normal
+};
+
+// Push constants of the kernels that walk vectors or partial sums.
+struct VectorParameters {
+  uint count;
+  uint first_group;
+  float stop_square;
+  uint first_side;
+  float x, y, z;
+};
+
+#ifdef __cplusplus
+}  // namespace planish::vulkan::shared
+#endif

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+
+#include "planish/vulkan/capabilities.h"
+#include "planish/vulkan/functions.h"
+#include "planish/vulkan/memory.h"
+#include "planish/vulkan/pipelines.h"
+
+namespace planish::vulkan {
+
+/// What a host gives. Nothing is owned; everything must outlive the Context.
+struct HostDevice {
+  PFN_vkGetInstanceProcAddr get_instance_proc = nullptr;
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_device = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
+  const VkAllocationCallbacks* allocation_callbacks = nullptr;
+  MemoryHooks memory;
+};
+
+struct ContextOptions {
+  /// Bytes that one binding may span at most, below the device's limit; 0: the device's limit.
+  std::uint64_t max_storage_range = 0;
+  /// Work groups of one dispatch at most, below the device's limit; 0: the device's limit.
+  std::uint32_t max_group_count = 0;
+  /// Chunks of 64 rows that a work group walks; 0: what suits the device.
+  std::uint32_t chunks_per_group = 0;
+};
+
+/// Device functions, limits, memory and pipelines: what all objects on a device share. Never
+/// submits, never waits. Thread-safe; outlives every object made with it.
+class Context {
+ public:
+  /// Throws Error{NoDevice} where the device is not usable, saying why.
+  explicit Context(const HostDevice& host, const ContextOptions& options = {});
+
+  [[nodiscard]] const DeviceFunctions& vk() const { return functions_; }
+  [[nodiscard]] VkDevice device() const { return device_; }
+  [[nodiscard]] const VkAllocationCallbacks* callbacks() const { return callbacks_; }
+  [[nodiscard]] const Capabilities& capabilities() const { return capabilities_; }
+  [[nodiscard]] MemoryAllocator& memory() { return memory_; }
+  [[nodiscard]] const Pipelines& pipelines() const { return pipelines_; }
+
+  [[nodiscard]] std::uint64_t max_storage_range() const { return max_storage_range_; }
+  [[nodiscard]] std::uint32_t max_group_count() const { return max_group_count_; }
+  [[nodiscard]] std::uint32_t chunks_per_group() const { return chunks_per_group_; }
+
+ private:
+  VkDevice device_;
+  const VkAllocationCallbacks* callbacks_;
+  Capabilities capabilities_;
+  std::uint64_t max_storage_range_;
+  std::uint32_t max_group_count_;
+  std::uint32_t chunks_per_group_;
+  DeviceFunctions functions_;
+  MemoryAllocator memory_;
+  Pipelines pipelines_;
+};
+
+}  // namespace planish::vulkan

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planish/stencil/stencil_table.h"
+#include "planish/vulkan/buffer.h"
+#include "planish/vulkan/table_slices.h"
+#include "shaders/shared.h"
+
+namespace planish::vulkan {
+
+struct DeviceTableOptions {
+  bool includes_own_rows = false;    ///< for square tables that solves use
+  std::uint64_t target_stride = 12;  ///< bytes that a row takes in the target
+};
+
+/// A stencil table on the device, cut into slices. Read-only after its upload ran.
+class DeviceTable {
+ public:
+  struct Slice {
+    TableSlice rows;
+    std::uint32_t first_group = 0, group_count = 0;
+    Buffer entries, chunks, derivatives;
+  };
+
+  /// Plans the slices and takes the memory. Throws Error{OutOfMemory} naming the limit.
+  DeviceTable(Context& context, const StencilView<double>& table,
+              const LimitStencilView<double>* derivatives, const DeviceTableOptions& options);
+
+  [[nodiscard]] const std::vector<Slice>& slices() const { return slices_; }
+  [[nodiscard]] std::int32_t row_count() const { return row_count_; }
+  [[nodiscard]] std::int32_t source_count() const { return source_count_; }
+  [[nodiscard]] std::uint32_t group_total() const { return group_total_; }
+
+  /// What is to be copied into slice `i`'s buffers. The views are those given on construction.
+  [[nodiscard]] PackedSlice pack(std::size_t i, const StencilView<double>& table,
+                                 const LimitStencilView<double>* derivatives) const;
+
+  /// Drops what only pack() needs.
+  void finish_packing() { plan_ = {}; }
+
+  /// Parameters of a dispatch over slice `i` whose target window begins with the slice's rows.
+  [[nodiscard]] shared::TableParameters parameters(std::size_t i) const noexcept;
+
+  /// Binds pipeline and set and dispatches the slice's work groups.
+  void record_dispatch(VkCommandBuffer commands, Kernel kernel, VkDescriptorSet set, std::size_t i,
+                       const shared::TableParameters& parameters) const noexcept;
+
+ private:
+  Context& context_;
+  TablePlan plan_;
+  std::vector<Slice> slices_;
+  std::int32_t row_count_, source_count_;
+  std::uint32_t group_total_ = 0;
+};
+
+/// The bytes of points [first, first + count) in a buffer of tight float triples.
+[[nodiscard]] BufferRange point_range(const Buffer& points, std::int32_t first, std::int32_t count);
+
+}  // namespace planish::vulkan

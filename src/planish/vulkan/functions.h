@@ -1,0 +1,85 @@
+#pragma once
+
+// No Vulkan symbol is linked: every function is asked of the host's vkGetInstanceProcAddr.
+#ifndef VK_NO_PROTOTYPES
+#define VK_NO_PROTOTYPES
+#endif
+#include <vulkan/vulkan_core.h>
+
+namespace planish::vulkan {
+
+#define PLANISH_VULKAN_INSTANCE_FUNCTIONS(X)  \
+  X(vkDestroyInstance)                        \
+  X(vkEnumeratePhysicalDevices)               \
+  X(vkEnumerateDeviceExtensionProperties)     \
+  X(vkGetPhysicalDeviceProperties2)           \
+  X(vkGetPhysicalDeviceMemoryProperties)      \
+  X(vkGetPhysicalDeviceQueueFamilyProperties) \
+  X(vkCreateDevice)                           \
+  X(vkGetDeviceProcAddr)
+
+#define PLANISH_VULKAN_DEVICE_FUNCTIONS(X) \
+  X(vkDestroyDevice)                       \
+  X(vkGetDeviceQueue)                      \
+  X(vkQueueSubmit)                         \
+  X(vkDeviceWaitIdle)                      \
+  X(vkCreateFence)                         \
+  X(vkDestroyFence)                        \
+  X(vkResetFences)                         \
+  X(vkWaitForFences)                       \
+  X(vkCreateCommandPool)                   \
+  X(vkDestroyCommandPool)                  \
+  X(vkResetCommandPool)                    \
+  X(vkAllocateCommandBuffers)              \
+  X(vkBeginCommandBuffer)                  \
+  X(vkEndCommandBuffer)                    \
+  X(vkAllocateMemory)                      \
+  X(vkFreeMemory)                          \
+  X(vkMapMemory)                           \
+  X(vkFlushMappedMemoryRanges)             \
+  X(vkInvalidateMappedMemoryRanges)        \
+  X(vkCreateBuffer)                        \
+  X(vkDestroyBuffer)                       \
+  X(vkGetBufferMemoryRequirements)         \
+  X(vkBindBufferMemory)                    \
+  X(vkCreateShaderModule)                  \
+  X(vkDestroyShaderModule)                 \
+  X(vkCreateDescriptorSetLayout)           \
+  X(vkDestroyDescriptorSetLayout)          \
+  X(vkCreatePipelineLayout)                \
+  X(vkDestroyPipelineLayout)               \
+  X(vkCreateComputePipelines)              \
+  X(vkDestroyPipeline)                     \
+  X(vkCreateDescriptorPool)                \
+  X(vkDestroyDescriptorPool)               \
+  X(vkAllocateDescriptorSets)              \
+  X(vkUpdateDescriptorSets)                \
+  X(vkCmdBindPipeline)                     \
+  X(vkCmdBindDescriptorSets)               \
+  X(vkCmdPushConstants)                    \
+  X(vkCmdDispatch)                         \
+  X(vkCmdPipelineBarrier)                  \
+  X(vkCmdCopyBuffer)                       \
+  X(vkCmdFillBuffer)
+
+#define PLANISH_VULKAN_MEMBER(name) PFN_##name name = nullptr;
+
+/// Functions of one instance.
+struct InstanceFunctions {
+  PLANISH_VULKAN_INSTANCE_FUNCTIONS(PLANISH_VULKAN_MEMBER)
+
+  /// Throws Error{NoDevice} naming a function that is missing.
+  static InstanceFunctions load(PFN_vkGetInstanceProcAddr get, VkInstance instance);
+};
+
+/// Functions of one device.
+struct DeviceFunctions {
+  PLANISH_VULKAN_DEVICE_FUNCTIONS(PLANISH_VULKAN_MEMBER)
+
+  /// Throws Error{NoDevice} naming a function that is missing.
+  static DeviceFunctions load(PFN_vkGetDeviceProcAddr get, VkDevice device);
+};
+
+#undef PLANISH_VULKAN_MEMBER
+
+}  // namespace planish::vulkan

@@ -1,0 +1,116 @@
+#include "planish/vulkan/instance.h"
+
+#include <dlfcn.h>
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "planish/core/error.h"
+#include "planish/vulkan/result.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr const char* kLibrary = "libvulkan.so.1";
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+VKAPI_ATTR VkBool32 VKAPI_CALL forward_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                               VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* data,
+                                               void* user) {
+  const auto& message = *static_cast<const std::function<void(std::string_view)>*>(user);
+  if (message && data->pMessage) message(data->pMessage);
+  return VK_FALSE;
+}
+
+bool has_layer(PFN_vkGetInstanceProcAddr get, const char* name) {
+  const auto enumerate = reinterpret_cast<PFN_vkEnumerateInstanceLayerProperties>(
+      get(nullptr, "vkEnumerateInstanceLayerProperties"));
+  std::uint32_t count = 0;
+  if (!enumerate || enumerate(&count, nullptr) != VK_SUCCESS) return false;
+  std::vector<VkLayerProperties> layers(count);
+  enumerate(&count, layers.data());
+  for (const VkLayerProperties& layer : layers)
+    if (std::strcmp(layer.layerName, name) == 0) return true;
+  return false;
+}
+
+}  // namespace
+
+Instance::Instance(const InstanceOptions& options)
+    : library_(::dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL), ::dlclose), message_(options.message) {
+  if (!library_)
+    throw Error(ErrorCode::NoDevice, std::string("no Vulkan loader: ") + ::dlerror() +
+                                         "; install the package libvulkan1");
+  get_proc_ =
+      reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library_.get(), "vkGetInstanceProcAddr"));
+  if (!get_proc_)
+    throw Error(ErrorCode::NoDevice, std::string(kLibrary) + " has no vkGetInstanceProcAddr");
+  create(options);
+}
+
+void Instance::create(const InstanceOptions& options) {
+  VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  application.pApplicationName = "planish";
+  application.apiVersion = VK_API_VERSION_1_1;
+
+  VkDebugUtilsMessengerCreateInfoEXT messenger{
+      VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                              VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                          VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  messenger.pfnUserCallback = forward_message;
+  messenger.pUserData = &message_;
+
+  const VkValidationFeatureEnableEXT enabled[] = {
+      VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+  VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
+  features.enabledValidationFeatureCount = 1;
+  features.pEnabledValidationFeatures = enabled;
+
+  const char* layers[] = {kValidationLayer};
+  const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  info.pApplicationInfo = &application;
+  if (options.validation) {
+    if (!has_layer(get_proc_, kValidationLayer))
+      throw Error(ErrorCode::NoDevice, std::string(kValidationLayer) +
+                                           " is not installed; the package "
+                                           "vulkan-validationlayers has it");
+    info.pNext = &features;
+    info.enabledLayerCount = 1;
+    info.ppEnabledLayerNames = layers;
+    info.enabledExtensionCount = 1;
+    info.ppEnabledExtensionNames = extensions;
+  }
+
+  const auto create_instance =
+      reinterpret_cast<PFN_vkCreateInstance>(get_proc_(nullptr, "vkCreateInstance"));
+  const VkResult result = create_instance ? create_instance(&info, nullptr, &instance_)
+                                          : VK_ERROR_INITIALIZATION_FAILED;
+  if (result != VK_SUCCESS)
+    throw Error(ErrorCode::NoDevice, std::string("no Vulkan driver: vkCreateInstance: ") +
+                                         name_of(result) +
+                                         "; install one, e.g. the package mesa-vulkan-drivers");
+  functions_ = InstanceFunctions::load(get_proc_, instance_);
+  if (!options.validation) return;
+  const auto create_messenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+      get_proc_(instance_, "vkCreateDebugUtilsMessengerEXT"));
+  if (create_messenger)
+    check(create_messenger(instance_, &messenger, nullptr, &messenger_),
+          "vkCreateDebugUtilsMessengerEXT");
+}
+
+Instance::~Instance() {
+  if (messenger_) {
+    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        get_proc_(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+    destroy(instance_, messenger_, nullptr);
+  }
+  functions_.vkDestroyInstance(instance_, nullptr);
+}
+
+}  // namespace planish::vulkan

@@ -1,0 +1,170 @@
+#include "planish/vulkan/vulkan_solve.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "planish/core/assert.h"
+#include "planish/vulkan/commands.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+DeviceTable make_table(VulkanMachine& machine, const StencilView<double>& masks) {
+  DeviceTableOptions options;
+  options.includes_own_rows = true;
+  DeviceTable table(machine.context, masks, nullptr, options);
+  machine.upload_table(table, masks, nullptr);
+  return table;
+}
+
+/// The largest float whose square root, in double, is at most `stop_error`, so that the kernel's
+/// comparison and one of the reported errors agree. Negative: never stop.
+float stop_square_of(double stop_error) {
+  if (!(stop_error >= 0)) return -1;
+  auto square = static_cast<float>(stop_error * stop_error);
+  while (std::sqrt(static_cast<double>(square)) > stop_error)
+    square = std::nextafter(square, -1.0f);
+  return std::max(square, 0.0f);
+}
+
+ErrorNorms norms_of(std::uint32_t max_square_bits, float square_sum, std::int32_t rows) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  ErrorNorms norms;
+  norms.max = std::sqrt(static_cast<double>(std::bit_cast<float>(max_square_bits)));
+  norms.rms = rows > 0 ? std::sqrt(static_cast<double>(square_sum) / rows) : 0;
+  if (!std::isfinite(norms.max) || !std::isfinite(norms.rms)) norms.rms = kInfinity;
+  return norms;
+}
+
+/// Copies the start of a device buffer into `value`.
+template <class Value>
+void download_value(VulkanMachine& machine, const Buffer& buffer, std::span<Value> values) {
+  machine.submitter.download({buffer.handle(), 0, values.size_bytes()},
+                             [&](std::uint64_t offset, std::span<const std::byte> piece) {
+                               std::memcpy(reinterpret_cast<std::byte*>(values.data()) + offset,
+                                           piece.data(), piece.size());
+                             });
+}
+
+}  // namespace
+
+VulkanSolve::VulkanSolve(std::shared_ptr<VulkanMachine> machine,
+                         const StencilView<double>& limit_masks)
+    : machine_(std::move(machine)),
+      masks_(make_table(*machine_, limit_masks)),
+      solve_(machine_->context, masks_) {
+  PLANISH_ASSERT(limit_masks.source_count == limit_masks.row_count());
+}
+
+void VulkanSolve::begin(std::span<const glm::dvec3> initial_residual) {
+  PLANISH_ASSERT(std::ssize(initial_residual) == masks_.row_count());
+  machine_->upload_points(solve_.initial(), initial_residual);
+  machine_->submitter.run([&](VkCommandBuffer commands) { solve_.record_clear(commands); });
+  side_ = 0;
+  in_gradients_ = false;
+}
+
+std::uint32_t VulkanSolve::run_piece(std::span<const StepCoefficients> steps, float stop_square,
+                                     std::vector<ErrorNorms>& errors) {
+  const auto count = static_cast<std::uint32_t>(steps.size());
+  for (std::uint32_t i = 0; i < count; ++i)
+    solve_.plan()[i] = {static_cast<float>(steps[i].momentum), static_cast<float>(steps[i].gain), 0,
+                        0};
+  solve_.flush_plan();
+  machine_->submitter.run(
+      [&](VkCommandBuffer commands) { solve_.record_steps(commands, side_, count, stop_square); });
+  shared::SolveStatus status;
+  std::vector<shared::StepRecord> records(count);
+  download_value(*machine_, solve_.status(), std::span(&status, 1));
+  download_value(*machine_, solve_.steps(), std::span(records));
+  const std::uint32_t measured =
+      status.state == shared::kStateConverged ? status.iterations + 1 : status.iterations;
+  for (std::uint32_t i = 0; i < measured; ++i)
+    errors.push_back(
+        norms_of(records[i].max_square_bits, records[i].square_sum, masks_.row_count()));
+  side_ = status.side;
+  return status.iterations;
+}
+
+StepLog VulkanSolve::run(std::span<const StepCoefficients> steps, double stop_error) {
+  StepLog log;
+  const float stop_square = stop_square_of(stop_error);
+  while (!steps.empty()) {
+    const std::span piece = steps.first(std::min<std::size_t>(steps.size(), solve_.max_steps()));
+    const std::uint32_t taken = run_piece(piece, stop_square, log.errors);
+    log.steps_taken += static_cast<std::int32_t>(taken);
+    if (taken < piece.size()) break;
+    steps = steps.subspan(piece.size());
+  }
+  return log;
+}
+
+ErrorNorms VulkanSolve::error() {
+  if (in_gradients_)
+    machine_->submitter.run([&](VkCommandBuffer commands) {
+      const VkBufferCopy copy{0, 0, solve_.side(side_).size()};
+      machine_->context.vk().vkCmdCopyBuffer(commands, gradients_->displacement().handle(),
+                                             solve_.side(side_).handle(), 1, &copy);
+    });
+  // A step that goes nowhere still measures; what it writes is the side that the next one writes.
+  const std::uint32_t side = side_;
+  const StepCoefficients measure{0, 0};
+  std::vector<ErrorNorms> errors;
+  run_piece(std::span(&measure, 1), -1, errors);
+  side_ = side;
+  return errors.front();
+}
+
+std::vector<glm::dvec3> VulkanSolve::displacement() const {
+  const Buffer& result = in_gradients_ ? gradients_->displacement() : solve_.side(side_);
+  return machine_->download_points(result, masks_.row_count());
+}
+
+glm::dvec3 VulkanSolve::cg_begin(std::span<const glm::dvec3> initial_residual,
+                                 std::span<const double> row_weights) {
+  PLANISH_ASSERT(std::ssize(row_weights) == masks_.row_count());
+  begin(initial_residual);
+  if (!gradients_) gradients_.emplace(machine_->context, masks_);
+  in_gradients_ = true;
+  machine_->upload_points(gradients_->residual(), initial_residual);
+  const std::vector<float> weights(row_weights.begin(), row_weights.end());
+  machine_->submitter.upload({gradients_->weights().handle(), 0, weights.size() * sizeof(float)},
+                             std::as_bytes(std::span(weights)));
+  machine_->submitter.run([&](VkCommandBuffer commands) {
+    gradients_->record_begin(commands);
+    // An advance by nothing yields the sums.
+    gradients_->record_advance(commands, glm::vec3(0));
+  });
+  return read_sums().residual_square;
+}
+
+glm::dvec3 VulkanSolve::cg_apply() {
+  machine_->submitter.run([&](VkCommandBuffer commands) { gradients_->record_apply(commands); });
+  return read_sums().residual_square;
+}
+
+Solve::CgAdvance VulkanSolve::cg_advance(const glm::dvec3& alpha) {
+  machine_->submitter.run(
+      [&](VkCommandBuffer commands) { gradients_->record_advance(commands, glm::vec3(alpha)); });
+  return read_sums();
+}
+
+void VulkanSolve::cg_turn(const glm::dvec3& beta) {
+  machine_->submitter.run(
+      [&](VkCommandBuffer commands) { gradients_->record_turn(commands, glm::vec3(beta)); });
+}
+
+Solve::CgAdvance VulkanSolve::read_sums() {
+  std::uint32_t sums[shared::kSumFloats];
+  download_value(*machine_, gradients_->sums(), std::span<std::uint32_t>(sums));
+  CgAdvance result;
+  for (int c = 0; c < 3; ++c) result.residual_square[c] = std::bit_cast<float>(sums[c]);
+  result.error = norms_of(sums[4], std::bit_cast<float>(sums[3]), masks_.row_count());
+  return result;
+}
+
+}  // namespace planish::vulkan
