@@ -74,6 +74,8 @@ void GpuConjugateGradients::bind(Context& context) {
 void GpuConjugateGradients::record_begin(VkCommandBuffer commands) const noexcept {
   const DeviceFunctions& vk = context_.vk();
   vk.vkCmdFillBuffer(commands, displacement_.handle(), 0, VK_WHOLE_SIZE, 0);
+  // An advance before the first apply, by alpha = 0, must not meet a NaN.
+  vk.vkCmdFillBuffer(commands, image_.handle(), 0, VK_WHOLE_SIZE, 0);
   const VkBufferCopy copy{0, 0, residual_.size()};
   vk.vkCmdCopyBuffer(commands, residual_.handle(), step_.handle(), 1, &copy);
   record_barrier(context_, commands, kCopyScope, kEntryScope);

@@ -15,7 +15,7 @@ class GpuConjugateGradients {
   /// `masks` was made with includes_own_rows. Throws Error{OutOfMemory} naming the limit.
   GpuConjugateGradients(Context& context, const DeviceTable& masks);
 
-  /// displacement = 0, step = residual. residual() and weights() have been filled before.
+  /// displacement = image = 0, step = residual. residual() and weights() have been filled before.
   void record_begin(VkCommandBuffer commands) const noexcept;
   /// image = B step; sums() gets <step, image>.
   void record_apply(VkCommandBuffer commands) const noexcept;

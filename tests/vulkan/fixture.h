@@ -1,0 +1,45 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "planish/core/error.h"
+#include "planish/vulkan/vulkan_backend.h"
+
+namespace planish::testing {
+
+/// Makes backends with validation and synchronization validation on; any message of theirs fails
+/// the test. Without a device tests are skipped, or fail where PLANISH_REQUIRE_VULKAN=1.
+class VulkanTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const VulkanDeviceList list = list_vulkan_devices();
+    if (list.best >= 0) return;
+    const char* required = std::getenv("PLANISH_REQUIRE_VULKAN");
+    if (required && std::string(required) == "1") FAIL() << "no Vulkan device: " << list.reason;
+    GTEST_SKIP() << "no Vulkan device: " << list.reason;
+  }
+
+  void TearDown() override {
+    for (const std::string& message : messages_) ADD_FAILURE() << message;
+  }
+
+  std::unique_ptr<Backend> make_backend(VulkanBackendOptions options = {}) {
+    options.validation = true;
+    options.validation_message = [this](std::string_view message) {
+      const std::lock_guard lock(mutex_);
+      messages_.emplace_back(message);
+    };
+    return make_vulkan_backend(options);
+  }
+
+  std::mutex mutex_;
+  std::vector<std::string> messages_;
+};
+
+}  // namespace planish::testing

@@ -1,0 +1,136 @@
+// Every kernel against its CPU twin.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "vulkan/fixture.h"
+#include "vulkan/tables.h"
+#include "vulkan/twins.h"
+
+namespace planish::testing {
+namespace {
+
+class Kernels : public VulkanTest, public ::testing::WithParamInterface<std::int32_t> {};
+
+INSTANTIATE_TEST_SUITE_P(Rows, Kernels, ::testing::Values(0, 1, 63, 64, 65, 1000000));
+
+TEST_P(Kernels, InterpolationStepEqualsItsTwinBitForBit) {
+  const std::int32_t rows = GetParam();
+  const StencilTable<double> masks = random_table(rows, rows);
+  const std::vector<glm::dvec3> initial = random_points(rows);
+  const std::vector<StepCoefficients> steps = {{0, 1}, {0.25, 0.75}, {0.5, 1.25}, {0.125, 0.3}};
+
+  const auto solve = make_backend()->make_solve(masks.view());
+  solve->begin(initial);
+  const StepLog log = solve->run(steps, /*stop_error=*/-1);
+  ASSERT_EQ(log.steps_taken, 4);
+  ASSERT_EQ(log.errors.size(), 4u);
+
+  twin::Interpolation twin{twin::rounded(initial), std::vector<glm::vec3>(rows, glm::vec3(0)),
+                           std::vector<glm::vec3>(rows, glm::vec3(0))};
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto measure = twin.interpolation_step(masks.view(), steps[i]);
+    EXPECT_EQ(log.errors[i].max, std::sqrt(static_cast<double>(measure.max_square)));
+    const double rms = rows > 0 ? std::sqrt(measure.square_sum / rows) : 0;
+    EXPECT_NEAR(log.errors[i].rms, rms, 1e-6 * rms);
+  }
+  const std::vector<glm::dvec3> displacement = solve->displacement();
+  ASSERT_EQ(std::ssize(displacement), rows);
+  for (std::int32_t row = 0; row < rows; ++row)
+    ASSERT_EQ(glm::vec3(displacement[row]), twin.current[row]) << row;
+}
+
+TEST_P(Kernels, ApplyStencilsEqualsItsTwinBitForBit) {
+  const std::int32_t rows = GetParam();
+  const std::int32_t sources = rows / 2 + 1;
+  const std::int32_t first = 5;  // not a multiple of any alignment
+  const StencilTable<double> table = random_table(rows, sources);
+  const std::vector<glm::dvec3> points = random_points(sources);
+
+  const auto backend = make_backend();
+  const auto source = backend->upload(points);
+  const auto target = backend->upload(std::vector<glm::dvec3>(rows + first + 3, glm::dvec3(9)));
+  backend->apply(table.view(), *source, *target, first);
+  const std::vector<glm::dvec3> result = backend->download(*target);
+
+  const std::vector<glm::vec3> expected = twin::apply_stencils(table.view(), twin::rounded(points));
+  for (std::int32_t row = 0; row < rows; ++row)
+    ASSERT_EQ(glm::vec3(result[row + first]), expected[row]) << row;
+  for (std::int32_t i = 0; i < first; ++i) EXPECT_EQ(result[i], glm::dvec3(9));
+  for (std::int32_t i = 0; i < 3; ++i) EXPECT_EQ(result[rows + first + i], glm::dvec3(9));
+}
+
+TEST_P(Kernels, ApplyLimitEqualsItsTwin) {
+  const std::int32_t rows = GetParam();
+  const std::int32_t sources = rows / 2 + 1;
+  const LimitStencilTable<double> table(sources, random_rows(rows, sources));
+  const std::vector<glm::dvec3> points = random_points(sources);
+
+  const auto backend = make_backend();
+  const auto source = backend->upload(points);
+  std::vector<glm::dvec3> positions(rows);
+  std::vector<glm::vec3> normals(rows);
+  backend->apply_limit(table.view(), *source, positions, normals);
+
+  const auto view = table.view();
+  const std::vector<glm::vec3> from = twin::rounded(points);
+  for (std::int32_t row = 0; row < rows; ++row) {
+    ASSERT_EQ(glm::vec3(positions[row]), twin::apply_row(view, view.weights, from, row)) << row;
+    const glm::vec3 normal = twin::limit_normal(twin::apply_row(view, view.du_weights, from, row),
+                                                twin::apply_row(view, view.dv_weights, from, row));
+    // Division and square root may differ in the last bits.
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(normals[row][c], normal[c], 2e-6f) << row;
+  }
+}
+
+TEST_P(Kernels, ConjugateGradientsEqualTheirTwins) {
+  const std::int32_t rows = GetParam();
+  const StencilTable<double> masks = random_table(rows, rows);
+  const std::vector<glm::dvec3> initial = random_points(rows);
+  std::vector<double> weights(rows);
+  for (std::int32_t row = 0; row < rows; ++row) weights[row] = 3 + row % 5;
+  const glm::dvec3 alpha(0.5, 1.25, 0.75), beta(0.25, 0.5, -0.5);
+
+  std::vector<glm::vec3> residual = twin::rounded(initial), step = residual;
+  std::vector<glm::vec3> displacement(rows, glm::vec3(0));
+  const auto product = [&](const auto& a, const auto& b) {
+    glm::dvec3 sum(0);
+    for (std::int32_t row = 0; row < rows; ++row)
+      sum += weights[row] * glm::dvec3(a[row]) * glm::dvec3(b[row]);
+    return sum;
+  };
+  const auto expect_near = [&](const glm::dvec3& got, const glm::dvec3& wanted, double scale) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], wanted[c], 1e-6 * scale);
+  };
+
+  const auto solve = make_backend()->make_solve(masks.view());
+  const double scale = product(residual, residual).x + product(residual, residual).y;
+  expect_near(solve->cg_begin(initial, weights), product(residual, residual), scale);
+  for (int round = 0; round < 2; ++round) {
+    const std::vector<glm::vec3> image = twin::apply_stencils(masks.view(), step);
+    expect_near(solve->cg_apply(), product(step, image), scale);
+    double largest = 0, sum = 0;
+    for (std::int32_t row = 0; row < rows; ++row) {
+      displacement[row] += glm::vec3(alpha) * step[row];
+      residual[row] -= glm::vec3(alpha) * image[row];
+      const glm::dvec3 rest(residual[row]);
+      const double square = rest.x * rest.x + rest.y * rest.y + rest.z * rest.z;
+      largest = std::max(largest, square);
+      sum += square;
+    }
+    const Solve::CgAdvance advance = solve->cg_advance(alpha);
+    expect_near(advance.residual_square, product(residual, residual), scale);
+    EXPECT_NEAR(advance.error.max, std::sqrt(largest), 1e-6 * std::sqrt(largest));
+    const double rms = rows > 0 ? std::sqrt(sum / rows) : 0;
+    EXPECT_NEAR(advance.error.rms, rms, 1e-6 * rms);
+    solve->cg_turn(beta);
+    for (std::int32_t row = 0; row < rows; ++row)
+      step[row] = residual[row] + glm::vec3(beta) * step[row];
+  }
+  const std::vector<glm::dvec3> result = solve->displacement();
+  for (std::int32_t row = 0; row < rows; ++row)
+    ASSERT_EQ(glm::vec3(result[row]), displacement[row]) << row;
+}
+
+}  // namespace
+}  // namespace planish::testing
