@@ -1,0 +1,59 @@
+# Sourced by tools/run and tools/test: installing packages, and steps that are quiet unless they
+# fail. Expects $log, the file that takes the output of every step.
+
+timings=""
+
+# run_step NAME COMMAND...: runs it with its output in the log, says how long it took; shows the
+# end of the log and leaves with status 1 when it fails.
+run_step() {
+  local name=$1 began=$SECONDS status=0
+  shift
+  printf '%-12s' "$name"
+  echo "== $name: $*" >>"$log"
+  "$@" >>"$log" 2>&1 </dev/null || status=$?
+  if [ "$status" != 0 ]; then
+    echo "failed (status $status). The end of $log:"
+    tail -n 40 "$log"
+    exit 1
+  fi
+  echo "$((SECONDS - began)) s"
+  timings="$timings, ${name,,} $((SECONDS - began)) s"
+}
+
+# missing_packages PACKAGE...: those that are not installed.
+missing_packages() {
+  local package
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed$' ||
+      printf '%s ' "$package"
+  done
+}
+
+apt_install() {
+  local as_root=""
+  [ "$(id -u)" = 0 ] || as_root="sudo"
+  $as_root apt-get update
+  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+}
+
+# require_packages PACKAGE...: installs what is missing, or names it and leaves.
+require_packages() {
+  local missing
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "This is no Debian system. It needs what these Debian 12 packages hold:"
+    echo "  " "$@"
+    echo "Trying with what is here."
+    return
+  fi
+  missing=$(missing_packages "$@")
+  [ -n "$missing" ] || return 0
+  # A password can be asked for only where somebody sits.
+  if [ "$(id -u)" != 0 ] && ! { command -v sudo >/dev/null &&
+                                { [ -t 0 ] && sudo -v || sudo -n true 2>/dev/null; }; }; then
+    echo "Packages are missing, and this user may not install them. As root:"
+    echo "  apt-get install --no-install-recommends $missing"
+    exit 1
+  fi
+  # shellcheck disable=SC2086
+  run_step Packages apt_install $missing
+}
