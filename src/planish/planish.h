@@ -1,0 +1,16 @@
+#pragma once
+
+/// The way from a polygon mesh to its smooth surface on the CPU: read, fit, evaluate, write.
+/// The Vulkan backend stands in planish/vulkan/vulkan_backend.h.
+#include "planish/backend/cpu_backend.h"
+#include "planish/core/callbacks.h"
+#include "planish/core/error.h"
+#include "planish/core/version.h"
+#include "planish/gltf/read_gltf.h"
+#include "planish/gltf/write_gltf.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/mesh_file.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
+#include "planish/surface/folded_area.h"
