@@ -1,14 +1,13 @@
 #include "planish/mesh/check.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
 #include "planish/core/error.h"
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/edge_groups.h"
+#include "planish/mesh/number_text.h"
 
 namespace planish {
 namespace {
@@ -20,13 +19,8 @@ constexpr std::int64_t kMaxInt32 = std::numeric_limits<std::int32_t>::max();
 std::string text_of(std::int64_t value) { return std::to_string(value); }
 
 std::string text_of(const glm::dvec3& position) {
-  std::string text = "(";
-  for (int axis = 0; axis < 3; ++axis) {
-    std::array<char, 32> digits;
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), position[axis]);
-    text.append(axis ? ", " : "").append(digits.data(), end.ptr);
-  }
-  return text + ")";
+  return "(" + shortest(position.x) + ", " + shortest(position.y) + ", " + shortest(position.z) +
+         ")";
 }
 
 std::string vertex_name(std::int32_t vertex) { return "vertex " + text_of(vertex); }

@@ -13,6 +13,10 @@
 
 #include "planish/core/error.h"
 #include "planish/mesh/read_obj.h"
+#include "planish/mesh/read_off.h"
+#include "planish/mesh/read_ply.h"
+#include "planish/mesh/read_stl.h"
+#include "planish/mesh/write_polygons.h"
 
 namespace planish {
 namespace {
@@ -57,7 +61,14 @@ MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, Mesh
   switch (format) {
     case MeshFormat::Obj:
       return read_obj(bytes, name);
-    default:
+    case MeshFormat::Ply:
+      return read_ply(bytes, name);
+    case MeshFormat::Off:
+      return read_off(bytes, name);
+    case MeshFormat::Stl:
+      return read_stl(bytes, name);
+    case MeshFormat::Gltf:
+    case MeshFormat::Glb:
       break;
   }
   throw Error(ErrorCode::InvalidArgument,
@@ -84,6 +95,18 @@ std::vector<std::byte> read_file(const std::filesystem::path& path) {
   }
   bytes.resize(used);
   return bytes;
+}
+
+void write_mesh(const std::filesystem::path& path, MeshFormat format, const PolygonMesh& mesh,
+                const MeshWriteOptions& options) {
+  write_polygons(path, format,
+                 {.positions = mesh.positions,
+                  .normals = {},
+                  .face_offsets = mesh.face_offsets,
+                  .face_vertices = mesh.face_vertices,
+                  .creases = mesh.creases,
+                  .corners = mesh.corners,
+                  .header = options.header});
 }
 
 }  // namespace planish

@@ -48,7 +48,7 @@ class ObjReader {
     void add(std::string_view word, std::int64_t number) {
       if (count++ > 0) return;
       line = number;
-      name = quoted(word);
+      name = quote(word);
     }
   };
 
@@ -102,7 +102,7 @@ void ObjReader::read_vertex(Words words) {
   for (std::string_view word = words.next(); !word.empty(); word = words.next(), ++count) {
     double value = 0;
     if (!parse_number(word, value))
-      lines_.fail("vertex coordinate " + quoted(word) + " is no finite number", vertex);
+      lines_.fail("vertex coordinate " + quote(word) + " is no finite number", vertex);
     if (count < 3) position[count] = value;
   }
   if (count < 3)
@@ -124,7 +124,7 @@ std::int32_t ObjReader::read_corner(std::string_view word) {
     at = next;
   }
   const std::int64_t face = file_.mesh.face_count();
-  if (!readable) lines_.fail("face corner " + quoted(word) + " is no v/vt/vn", face);
+  if (!readable) lines_.fail("face corner " + quote(word) + " is no v/vt/vn", face);
   const auto count = static_cast<std::int64_t>(file_.mesh.positions.size());
   if (index == 0) lines_.fail("face names vertex 0, but OBJ counts from 1", face);
   if (index < -count)
@@ -153,7 +153,7 @@ std::array<std::int64_t, 3> ObjReader::read_tag_counts(std::string_view word) {
   if (second == std::string_view::npos || !parse_integer(word.substr(0, first), counts[0]) ||
       !parse_integer(word.substr(first + 1, second - first - 1), counts[1]) ||
       !parse_integer(word.substr(second + 1), counts[2]) || std::ranges::min(counts) < 0)
-    lines_.fail("tag counts " + quoted(word) + " are no integers/numbers/strings");
+    lines_.fail("tag counts " + quote(word) + " are no integers/numbers/strings");
   return counts;
 }
 
@@ -170,7 +170,7 @@ void ObjReader::read_tag(Words words) {
     const std::string_view word = words.next();
     std::int64_t index = -1;
     if (!parse_integer(word, index) || index < 0)
-      lines_.fail("tag vertex " + quoted(word) + " is no index from 0");
+      lines_.fail("tag vertex " + quote(word) + " is no index from 0");
     if (index > largest_in_tag_.vertex) largest_in_tag_ = {index, lines_.number(), -1};
     vertices.push_back(static_cast<std::int32_t>(
         std::min<std::int64_t>(index, std::numeric_limits<std::int32_t>::max())));
@@ -180,7 +180,7 @@ void ObjReader::read_tag(Words words) {
     const std::string_view word = words.next();
     double value = 0;
     if (!parse_number(word, value) || value < 0)
-      lines_.fail("tag sharpness " + quoted(word) + " is no number from 0");
+      lines_.fail("tag sharpness " + quote(word) + " is no number from 0");
     values.push_back(
         static_cast<float>(std::min<double>(value, std::numeric_limits<float>::max())));
   }

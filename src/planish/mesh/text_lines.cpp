@@ -1,7 +1,6 @@
 #include "planish/mesh/text_lines.h"
 
-#include <charconv>
-#include <cmath>
+#include <algorithm>
 #include <cstring>
 
 #include "planish/core/error.h"
@@ -13,40 +12,7 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f';
 }
 
-// std::from_chars takes no plus sign.
-std::string_view without_plus(std::string_view token) {
-  const bool signed_twice = token.size() > 1 && token[1] == '-';
-  if (token.starts_with('+') && !signed_twice) token.remove_prefix(1);
-  return token;
-}
-
 }  // namespace
-
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  std::string result = "`";
-  for (const char c : text.substr(0, kLongest)) result += c >= ' ' && c <= '~' ? c : '?';
-  return result + (text.size() > kLongest ? "...`" : "`");
-}
-
-bool parse_number(std::string_view token, double& value) {
-  token = without_plus(token);
-  double parsed = 0;
-  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), parsed);
-  if (error != std::errc() || end != token.data() + token.size() || !std::isfinite(parsed))
-    return false;
-  value = parsed;
-  return true;
-}
-
-bool parse_integer(std::string_view token, std::int64_t& value) {
-  token = without_plus(token);
-  std::int64_t parsed = 0;
-  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), parsed);
-  if (error != std::errc() || end != token.data() + token.size()) return false;
-  value = parsed;
-  return true;
-}
 
 std::string_view Words::next() {
   const auto blank = [&](const char* at) {
@@ -104,7 +70,7 @@ bool TextLines::next_with_words() {
 }
 
 void TextLines::fail(const std::string& what, std::int64_t element) const {
-  fail_at(number_, what, element);
+  fail_at(std::max<std::int64_t>(number_, 1), what, element);
 }
 
 void TextLines::fail_at(std::int64_t line, const std::string& what, std::int64_t element) const {

@@ -6,15 +6,9 @@
 #include <string>
 #include <string_view>
 
+#include "planish/mesh/number_text.h"
+
 namespace planish {
-
-/// A piece of a file as it may stand in a message: in back quotes, clipped, control bytes as `?`.
-[[nodiscard]] std::string quoted(std::string_view text);
-
-/// A finite decimal number that fills `token`, whatever the locale. False: `value` is unchanged.
-[[nodiscard]] bool parse_number(std::string_view token, double& value);
-/// An integer that fills `token`.
-[[nodiscard]] bool parse_integer(std::string_view token, std::int64_t& value);
 
 /// Words of a line, separated by blanks; a word that begins with `#` ends the line. A backslash
 /// before a line break counts as a blank.
