@@ -14,6 +14,25 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+// The unit vectors at angles 2 pi i / n.
+struct RegularPolygon {
+  explicit RegularPolygon(std::int32_t n) {
+    for (std::int32_t i = 0; i < n; ++i) {
+      const double angle = 2 * kPi * i / n;
+      cosines.push_back(std::cos(angle));
+      sines.push_back(std::sin(angle));
+    }
+  }
+  std::vector<double> cosines, sines;
+};
+
+// Nearly all rings of a surface are quads: computing sines anew would be the dearest part of
+// their rows.
+const RegularPolygon& regular_quad() {
+  static const RegularPolygon quad(4);
+  return quad;
+}
+
 double half_plane_angle(std::int32_t i, std::int32_t k) { return kPi * (2 * i + 1) / (2.0 * k); }
 
 // b_i = (1/2 + q_i) w0 + (1/2 - q_i) w1 with this q_i.
@@ -136,9 +155,15 @@ void add_limit(const VertexRing& ring, std::int32_t sector, StencilRow& row) {
   const auto n = static_cast<std::int32_t>(ring.faces.size());
   const bool cone = ring.kind == VertexKind::Corner;
   const double share = cone ? 0.0 : 1.0 / n;
-  for (std::int32_t i = 0; i < n; ++i) {
-    const double angle = 2 * kPi * i / n;
-    row.add(ring.faces[i], share, std::cos(angle), std::sin(angle));
+  const auto add = [&](const RegularPolygon& polygon) {
+    for (std::int32_t i = 0; i < n; ++i) {
+      row.add(ring.faces[i], share, polygon.cosines[i], polygon.sines[i]);
+    }
+  };
+  if (n == 4) {
+    add(regular_quad());
+  } else {
+    add(RegularPolygon(n));
   }
   if (cone) row.add(ring.corner_point, 1.0);
 }

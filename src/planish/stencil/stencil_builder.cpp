@@ -12,18 +12,20 @@ void StencilRow::finish() {
   // Rows are short as a rule, and nearly sorted: insertion beats std::sort there. Equal indices
   // keep their order either way, so that sums do not depend on the path taken.
   constexpr std::size_t kShortRow = 32;
-  if (entries_.size() <= kShortRow) {
-    for (std::size_t i = 1; i < entries_.size(); ++i) {
+  if (count_ == 0) return;
+  if (count_ <= kShortRow) {
+    for (std::size_t i = 1; i < count_; ++i) {
       const Entry entry = entries_[i];
       std::size_t j = i;
       for (; j > 0 && entry.index < entries_[j - 1].index; --j) entries_[j] = entries_[j - 1];
       entries_[j] = entry;
     }
   } else {
-    std::stable_sort(entries_.begin(), entries_.end(), by_index);
+    std::stable_sort(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(count_),
+                     by_index);
   }
   std::size_t last = 0;
-  for (std::size_t i = 1; i < entries_.size(); ++i) {
+  for (std::size_t i = 1; i < count_; ++i) {
     if (entries_[i].index == entries_[last].index) {
       entries_[last].weight += entries_[i].weight;
       entries_[last].du += entries_[i].du;
@@ -32,7 +34,17 @@ void StencilRow::finish() {
       entries_[++last] = entries_[i];
     }
   }
-  if (!entries_.empty()) entries_.resize(last + 1);
+  count_ = last + 1;
+}
+
+void reserve(StencilRows<double>& rows, std::size_t row_count, std::size_t entry_count,
+             Derivatives derivatives) {
+  rows.sizes.reserve(row_count);
+  rows.indices.reserve(entry_count);
+  rows.weights.reserve(entry_count);
+  if (derivatives == Derivatives::No) return;
+  rows.du_weights.reserve(entry_count);
+  rows.dv_weights.reserve(entry_count);
 }
 
 void append(StencilRows<double>& rows, const StencilRow& row, Derivatives derivatives) {

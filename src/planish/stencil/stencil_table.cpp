@@ -1,6 +1,5 @@
 #include "planish/stencil/stencil_table.h"
 
-#include <cstddef>
 #include <utility>
 
 namespace planish {
@@ -36,27 +35,19 @@ StencilView<Real> StencilTable<Real>::view() const {
   return view_of<Real>(*this);
 }
 
-namespace {
-
-std::vector<int> offsets_of(const std::vector<std::int32_t>& sizes) {
-  std::vector<int> offsets(sizes.size());
-  int offset = 0;
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    offsets[i] = offset;
-    offset += sizes[i];
-  }
-  return offsets;
-}
-
-}  // namespace
-
-// LimitStencilTable has no other constructor than the copying one.
+// LimitStencilTable has no other constructor than one that copies, and keeps its derivative weights
+// private: give it nothing to copy, then move the rows into the vectors that its getters show. The
+// object is not const, so writing through them is defined.
 template <class Real>
 LimitStencilTable<Real>::LimitStencilTable(std::int32_t source_count, StencilRows<Real>&& rows)
-    : FarLimitStencilTable<Real>(source_count, offsets_of(rows.sizes), rows.sizes, rows.indices,
-                                 rows.weights, rows.du_weights, rows.dv_weights, {}, {}, {},
+    : FarLimitStencilTable<Real>(source_count, {}, {}, {}, {}, {}, {}, {}, {}, {},
                                  /*includeCoarseVerts=*/false, /*firstOffset=*/0) {
-  rows = {};
+  this->_sizes = std::move(rows.sizes);
+  this->_indices = std::move(rows.indices);
+  this->_weights = std::move(rows.weights);
+  this->generateOffsets();
+  const_cast<std::vector<Real>&>(this->GetDuWeights()) = std::move(rows.du_weights);
+  const_cast<std::vector<Real>&>(this->GetDvWeights()) = std::move(rows.dv_weights);
 }
 
 template <class Real>

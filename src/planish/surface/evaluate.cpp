@@ -20,8 +20,10 @@ namespace planish {
 
 namespace {
 
-// Rows of a slice: large enough for all threads or a device, some tens of megabytes of tables.
-constexpr std::int64_t kSliceRows = 1 << 19;
+// Rows of a slice: large enough for all threads or a device, small enough that the allocator
+// serves the next slice from the last one's memory (measured: asking the system for fresh pages
+// costs more than filling them).
+constexpr std::int64_t kSliceRows = 1 << 17;
 
 template <class Body>
 void for_slices(std::int64_t count, const Callbacks& callbacks, const Body& body) {
