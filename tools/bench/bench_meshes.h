@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish::bench {
+
+/// Torus R = 1, r = 0.4 of about `quad_count` quads, as many around as along.
+[[nodiscard]] PolygonMesh torus_grid(std::int32_t quad_count);
+
+/// Icosahedron split `level` times, every vertex moved along its radius by up to 1 %: the initial
+/// error of scanned models on an irregular mesh of triangles. The same bits on every call.
+[[nodiscard]] PolygonMesh rough_icosphere(int level);
+
+/// The mesh as Wavefront OBJ text.
+[[nodiscard]] std::string obj_text(const PolygonMesh& mesh);
+
+}  // namespace planish::bench

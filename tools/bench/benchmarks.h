@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "bench/group.h"
+#include "bench/options.h"
+
+namespace planish::bench {
+
+// Each prepares its meshes and tables, throws when peers disagree, then measures.
+
+/// One application of the limit masks.
+[[nodiscard]] std::vector<Row> bench_update(const Options& options);
+/// The whole solve to 1e-6 of the diagonal.
+[[nodiscard]] std::vector<Row> bench_solve(const Options& options);
+/// Topology and limit masks.
+[[nodiscard]] std::vector<Row> bench_masks(const Options& options);
+/// Tessellation of the limit surface.
+[[nodiscard]] std::vector<Row> bench_surface(const Options& options);
+/// From the bytes of a file to the bytes of a file.
+[[nodiscard]] std::vector<Row> bench_job(const Options& options);
+
+}  // namespace planish::bench

@@ -1,0 +1,96 @@
+#include "bench/group.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace planish::bench {
+
+namespace {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+struct Samples {
+  std::vector<double> wall_ms, cpu_ms;
+};
+
+// Prints Google Benchmark's aggregates as usual and keeps the single runs.
+class CollectingReporter : public benchmark::ConsoleReporter {
+ public:
+  CollectingReporter() : ConsoleReporter(OO_Tabular) {}
+
+  bool ReportContext(const Context& context) override {
+    static bool first = true;  // one heading for all groups of the process
+    if (!std::exchange(first, false)) {
+      name_field_width_ = context.name_field_width;
+      return true;
+    }
+    return ConsoleReporter::ReportContext(context);
+  }
+
+  void ReportRuns(const std::vector<Run>& runs) override {
+    std::vector<Run> aggregates;
+    for (const Run& run : runs) {
+      if (run.run_type == Run::RT_Aggregate) {
+        aggregates.push_back(run);
+        continue;
+      }
+      Samples& samples = samples_[run.run_name.function_name];
+      samples.wall_ms.push_back(run.GetAdjustedRealTime());
+      samples.cpu_ms.push_back(run.GetAdjustedCPUTime());
+    }
+    ConsoleReporter::ReportRuns(aggregates);
+  }
+
+  [[nodiscard]] const std::map<std::string, Samples>& samples() const { return samples_; }
+
+ private:
+  std::map<std::string, Samples> samples_;
+};
+
+}  // namespace
+
+std::vector<Row> run_group(const Group& group, int repetitions) {
+  benchmark::ClearRegisteredBenchmarks();
+  for (const Peer& peer : group.peers) {
+    peer.run();
+    const std::string name = group.name + "/" + peer.name;
+    benchmark::RegisterBenchmark(name.c_str(),
+                                 [&peer](benchmark::State& state) {
+                                   for ([[maybe_unused]] const auto& iteration : state) peer.run();
+                                 })
+        ->Iterations(1)
+        ->Repetitions(repetitions)
+        ->MeasureProcessCPUTime()
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+  }
+  CollectingReporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  benchmark::ClearRegisteredBenchmarks();
+
+  std::vector<Row> rows;
+  double baseline_ms = 0;
+  for (const Peer& peer : group.peers) {
+    const auto found = reporter.samples().find(group.name + "/" + peer.name);
+    if (found == reporter.samples().end()) continue;  // left out by --benchmark_filter
+    const Samples& samples = found->second;
+    Row row{group.name, group.size, peer.name, static_cast<int>(samples.wall_ms.size())};
+    row.median_ms = median(samples.wall_ms);
+    row.least_ms = *std::min_element(samples.wall_ms.begin(), samples.wall_ms.end());
+    row.cpu_ms = median(samples.cpu_ms);
+    if (peer.name == group.baseline) baseline_ms = row.median_ms;
+    rows.push_back(row);
+  }
+  for (Row& row : rows) row.ratio = baseline_ms > 0 ? row.median_ms / baseline_ms : 0;
+  return rows;
+}
+
+}  // namespace planish::bench

@@ -1,0 +1,58 @@
+#include <algorithm>
+#include <span>
+#include <string>
+
+#include "bench/agreement.h"
+#include "bench/bench_meshes.h"
+#include "bench/benchmarks.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/mesh/read_obj.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
+
+namespace planish::bench {
+
+namespace {
+
+// A run takes seconds: its share of noise is small and fewer runs do.
+constexpr int kRuns = 3;
+
+struct Job {
+  std::string text;
+  Backend& backend;
+  MeshFile file{};
+  Fit result{};
+  SurfaceMesh surface{};
+
+  void read() { file = read_obj(std::as_bytes(std::span(text)), "bench.obj"); }
+  void find_cage() { result = fit(file.mesh, backend); }
+  void tessellate() { surface = evaluate(result.cage, backend); }
+};
+
+}  // namespace
+
+std::vector<Row> bench_job(const Options& options) {
+  const auto backend = make_cpu_backend();
+  Job job{obj_text(torus_grid(options.quad_count)), *backend};
+  job.read();
+  job.find_cage();
+  job.tessellate();
+  require_agreement("job", std::span(job.surface.positions).first(job.file.mesh.positions.size()),
+                    job.file.mesh.positions);
+
+  Group group;
+  group.name = "job";
+  group.size = std::to_string(job.file.mesh.face_count()) + " quads";
+  group.baseline = "whole";
+  group.peers = {{"read", [&] { job.read(); }},
+                 {"fit", [&] { job.find_cage(); }},
+                 {"evaluate-level-2", [&] { job.tessellate(); }},
+                 {"whole", [&] {
+                    job.read();
+                    job.find_cage();
+                    job.tessellate();
+                  }}};
+  return run_group(group, std::min(options.repetitions, kRuns));
+}
+
+}  // namespace planish::bench

@@ -1,0 +1,86 @@
+// Times planish against its peers. See README.md beside this file.
+#include <benchmark/benchmark.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <utility>
+
+#include "bench/benchmarks.h"
+#include "bench/report.h"
+
+namespace {
+
+using namespace planish::bench;
+
+const std::vector<std::pair<std::string, std::vector<Row> (*)(const Options&)>> kGroups = {
+    {"update", bench_update},
+    {"solve", bench_solve},
+    {"masks", bench_masks},
+    {"surface", bench_surface},
+    {"job", bench_job}};
+
+// Google Benchmark takes its --benchmark_* flags and leaves the rest.
+void initialize_benchmark(int& argc, char** argv) {
+  std::vector<char*> arguments(argv, argv + argc);
+  std::string interleave = "--benchmark_enable_random_interleaving=true";
+  arguments.insert(arguments.begin() + 1, interleave.data());
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  std::copy_n(arguments.begin(), count, argv);
+  argc = count;
+}
+
+void run(const Options& options) {
+  const Machine machine = this_machine();
+  std::vector<Row> rows;
+  for (const auto& [name, bench] : kGroups) {
+    const bool wanted =
+        options.groups.empty() ||
+        std::find(options.groups.begin(), options.groups.end(), name) != options.groups.end();
+    if (!wanted) continue;
+    const std::vector<Row> measured = bench(options);
+    rows.insert(rows.end(), measured.begin(), measured.end());
+  }
+  print_table(machine, rows);
+  if (!options.json.empty()) write_json(options.json, machine, rows);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  initialize_benchmark(argc, argv);
+  Options options;
+  bool smoke = false;
+  CLI::App app{"Times planish against its peers; --benchmark_* flags are Google Benchmark's."};
+  std::vector<std::string> names;
+  for (const auto& [name, bench] : kGroups) names.push_back(name);
+  app.add_option("--group", options.groups, "groups to run; all by default")
+      ->check(CLI::IsMember(names));
+  app.add_option("--quads", options.quad_count, "quads of the torus grid")
+      ->check(CLI::Range(16, 4'000'000))
+      ->capture_default_str();
+  app.add_option("--sphere-level", options.sphere_level, "splits of the rough icosphere")
+      ->check(CLI::Range(0, 8))
+      ->capture_default_str();
+  app.add_option("--repetitions", options.repetitions, "runs of each peer")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--json", options.json, "write the figures to this file");
+  app.add_flag("--smoke", smoke, "tiny sizes, three runs: checks that everything runs and agrees");
+  CLI11_PARSE(app, argc, argv);
+  if (smoke) {
+    options.quad_count = 2'500;
+    options.sphere_level = 3;
+    options.repetitions = 3;
+  }
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "planish-bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,96 @@
+#include "bench/report.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "planish/core/output_file.h"
+#include "planish/core/version.h"
+
+namespace planish::bench {
+
+namespace {
+
+std::string cpu_model() {
+  std::ifstream file("/proc/cpuinfo");
+  std::string line;
+  while (std::getline(file, line)) {
+    const std::size_t colon = line.find(':');
+    if (line.starts_with("model name") && colon + 2 < line.size()) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
+std::string git_commit() {
+  const std::string command = "git -C '" PLANISH_SOURCE_DIR "' describe --always --dirty 2>&1";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  if (!pipe) return "unknown";
+  std::array<char, 128> buffer{};
+  std::string text;
+  while (std::fgets(buffer.data(), buffer.size(), pipe)) text += buffer.data();
+  const bool succeeded = ::pclose(pipe) == 0;
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return succeeded ? text : "unknown";
+}
+
+}  // namespace
+
+Machine this_machine() {
+  Machine machine;
+  machine.cpu = cpu_model();
+  machine.core_count = std::thread::hardware_concurrency();
+  machine.memory_bytes = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                         static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
+  ::getloadavg(&machine.load, 1);
+  machine.commit = git_commit();
+  return machine;
+}
+
+void print_table(const Machine& machine, const std::vector<Row>& rows) {
+  std::printf("\n%s, %u cores, load %.1f, commit %s\n\n", machine.cpu.c_str(), machine.core_count,
+              machine.load, machine.commit.c_str());
+  std::printf("| %-14s | %-26s | %10s | %10s | %10s | %7s |\n", "group", "peer", "median ms",
+              "least ms", "CPU ms", "ratio");
+  std::printf(
+      "|----------------|----------------------------|-----------:|-----------:|-----------:|"
+      "--------:|\n");
+  std::string size;
+  for (const Row& row : rows) {
+    if (row.size != size) std::printf("| | %s | | | | |\n", row.size.c_str());
+    size = row.size;
+    std::printf("| %-14s | %-26s | %10.2f | %10.2f | %10.2f | %7.2f |\n", row.group.c_str(),
+                row.peer.c_str(), row.median_ms, row.least_ms, row.cpu_ms, row.ratio);
+  }
+}
+
+void write_json(const std::filesystem::path& path, const Machine& machine,
+                const std::vector<Row>& rows) {
+  nlohmann::ordered_json json;
+  json["version"] = PLANISH_VERSION;
+  json["commit"] = machine.commit;
+  json["machine"] = {{"cpu", machine.cpu},
+                     {"cores", machine.core_count},
+                     {"memory_bytes", machine.memory_bytes},
+                     {"load", machine.load}};
+  json["rows"] = nlohmann::ordered_json::array();
+  for (const Row& row : rows) {
+    json["rows"].push_back({{"group", row.group},
+                            {"size", row.size},
+                            {"peer", row.peer},
+                            {"repetitions", row.repetitions},
+                            {"median_ms", row.median_ms},
+                            {"least_ms", row.least_ms},
+                            {"cpu_ms", row.cpu_ms},
+                            {"ratio", row.ratio}});
+  }
+  OutputFile file(path);
+  file.write(json.dump(2) + "\n");
+  file.commit();
+}
+
+}  // namespace planish::bench
