@@ -11,6 +11,9 @@
 #include "bench/benchmarks.h"
 #include "bench/prepared_mesh.h"
 #include "planish/backend/cpu_backend.h"
+#ifdef PLANISH_HAS_VULKAN
+#include "planish/vulkan/vulkan_backend.h"
+#endif
 
 namespace planish::bench {
 
@@ -138,6 +141,14 @@ std::vector<Row> bench_update(const Options& options) {
   add("planish-cpu-float", *cpu_float);
   add("planish-cpu-double", *cpu_double);
   add("planish-cpu-float-1-thread", *cpu_float_single);
+#ifdef PLANISH_HAS_VULKAN
+  std::unique_ptr<Backend> vulkan;
+  if (list_vulkan_devices().best >= 0) {
+    vulkan = make_vulkan_backend();
+    add("planish-vulkan", *vulkan);
+    group.size += "; vulkan on " + vulkan->description().name;
+  }
+#endif
   group.peers.push_back(osd_peer<Osd::CpuEvaluator>("osd-cpu", osd, limits));
   group.peers.push_back(osd_peer<Osd::OmpEvaluator>("osd-omp", osd, limits));
   group.peers.push_back(eigen_peer(prepared, limits));
