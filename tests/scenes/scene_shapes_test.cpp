@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <string>
 
 #include "make_scenes/scene_list.h"
 #include "make_scenes/shapes.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/mesh_file.h"
 #include "scenes/topology.h"
 
 namespace planish::shapes {
@@ -15,7 +18,11 @@ namespace {
 const std::map<std::string, PolygonMesh>& meshes() {
   static const std::map<std::string, PolygonMesh> kMeshes = [] {
     std::map<std::string, PolygonMesh> made;
-    for (const Scene& scene : scenes()) made[scene.file] = scene_mesh(scene);
+    // The committed files, which another test holds to the generator: reading them is quick.
+    for (const Scene& scene : scenes()) {
+      const std::filesystem::path path = std::filesystem::path(PLANISH_SCENES) / scene.file;
+      made[scene.file] = read_mesh(read_file(path), scene.file, MeshFormat::Obj).mesh;
+    }
     return made;
   }();
   return kMeshes;
@@ -78,8 +85,10 @@ TEST(SceneShapes, FacePlusZWhereOpen) {
 }
 
 TEST(SceneShapes, OfTheTableComeNearThePapersVertexCounts) {
-  const std::map<std::string, int> paper{
-      {"cube_with_holes.obj", 7666}, {"goblet.obj", 8082}, {"rocker_arm.obj", 13984}};
+  const std::map<std::string, int> paper{{"cube_with_holes.obj", 7666},
+                                         {"goblet.obj", 8082},
+                                         {"rocker_arm.obj", 13984},
+                                         {"bust.obj", 16378}};
   for (const auto& [file, count] : paper) {
     EXPECT_NEAR(meshes().at(file).vertex_count(), count, 0.1 * count) << file;
   }
@@ -87,8 +96,8 @@ TEST(SceneShapes, OfTheTableComeNearThePapersVertexCounts) {
 
 TEST(SceneShapes, OfTheTableAreCleanQuads) {
   constexpr double kLeastAngle = 30.0;
-  constexpr double kGreatestAngle = 160.0;
-  for (const char* file : {"cube_with_holes.obj", "goblet.obj", "rocker_arm.obj"}) {
+  constexpr double kGreatestAngle = 165.0;
+  for (const char* file : {"cube_with_holes.obj", "goblet.obj", "rocker_arm.obj", "bust.obj"}) {
     const PolygonMesh& mesh = meshes().at(file);
     for (std::int32_t f = 0; f < mesh.face_count(); ++f) ASSERT_EQ(mesh.face_size(f), 4) << file;
     const auto [least, greatest] = corner_angles(mesh);

@@ -32,7 +32,7 @@ struct Cone {
 [[nodiscard]] double smooth_intersection(double a, double b, double width);
 [[nodiscard]] double smooth_difference(double a, double b, double width);
 
-/// 0 below `low`, 1 above `high`, smooth between.
+/// 0 on `low`'s side, 1 on `high`'s, smooth between; either may be the greater.
 [[nodiscard]] double smooth_step(double low, double high, double x);
 
 }  // namespace planish::shapes

@@ -12,7 +12,7 @@ namespace planish::shapes {
 namespace {
 
 constexpr double kRounding = 0.06;  // of outer edges
-constexpr double kFillet = 0.16;    // between bodies
+constexpr double kFillet = 0.14;    // between bodies
 
 constexpr glm::dvec2 kRodEnd(-1.45, 0.16);
 constexpr glm::dvec2 kValveEnd(1.42, -0.20);
@@ -55,8 +55,8 @@ double rocker_arm_field(const glm::dvec3& p) {
       rounded_box(valve - glm::dvec3(0.03, -0.16, 0.0), {0.22, 0.22, 0.27}, kRounding);
   const double pad = smooth_union(drum, smooth_intersection(foot, foot_block, 0.06), 0.08);
 
-  double body =
-      smooth_union(ribbed_arm(p, kRodEnd, 0.44, 0.27), ribbed_arm(p, kValveEnd, 0.44, 0.20), 0.08);
+  double body = smooth_union(ribbed_arm(p, kRodEnd * 0.84, 0.44, 0.25),
+                             ribbed_arm(p, kValveEnd * 0.90, 0.44, 0.19), 0.08);
   body = smooth_union(body, hub, kFillet);
   body = smooth_union(body, boss, kFillet);
   body = smooth_union(body, pad, kFillet);

@@ -1,5 +1,6 @@
 #include "make_scenes/scene_list.h"
 
+#include "make_scenes/bust.h"
 #include "make_scenes/mesh_builder.h"
 #include "make_scenes/obj_text.h"
 #include "make_scenes/random_mesh.h"
@@ -15,6 +16,7 @@ const std::vector<Scene>& scenes() {
        [] { return cube_with_tunnels(31, 11); }},
       {"goblet.obj", "Wine goblet, genus 0", [] { return goblet(); }},
       {"rocker_arm.obj", "Rocker arm of an engine, genus 1", [] { return rocker_arm(); }},
+      {"bust.obj", "Bust of a composer, genus 0", [] { return bust(); }},
       {"torus.obj", "Torus, R = 1, r = 0.4, 64 x 32 quads", [] { return torus(); }},
       {"icosphere.obj", "Icosphere of level 4", [] { return icosphere(4); }},
       {"pole64.obj", "Sphere with a pole of valence 64 and a cap of 64 corners",

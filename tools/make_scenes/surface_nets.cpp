@@ -26,28 +26,32 @@ struct Lattice {
   [[nodiscard]] glm::dvec3 position(const glm::dvec3& point) const { return low + point * cell; }
 };
 
+// From the corners of a small tetrahedron: four evaluations, exact for linear fields.
 glm::dvec3 gradient(const Field& field, const glm::dvec3& p) {
   constexpr double kStep = 1e-5;
-  glm::dvec3 result;
-  for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec3 offset(0.0);
-    offset[axis] = kStep;
-    result[axis] = (field(p + offset) - field(p - offset)) / (2.0 * kStep);
-  }
-  return result;
+  constexpr std::array<glm::dvec3, 4> kCorners{
+      {{1.0, 1.0, 1.0}, {1.0, -1.0, -1.0}, {-1.0, 1.0, -1.0}, {-1.0, -1.0, 1.0}}};
+  glm::dvec3 result(0.0);
+  for (const glm::dvec3& corner : kCorners) result += corner * field(p + corner * kStep);
+  return result / (4.0 * kStep);
+}
+
+// The Newton step from a point to the zero set, no longer than `longest`.
+glm::dvec3 step_to_surface(double value, const glm::dvec3& slope, double longest) {
+  constexpr double kLeastSlopeSquared = 0.01;  // where bodies cancel, the slope may vanish
+  const glm::dvec3 move = slope * (-value / std::max(glm::dot(slope, slope), kLeastSlopeSquared));
+  const double length = glm::length(move);
+  return length > longest ? move * (longest / length) : move;
 }
 
 // Newton along the gradient; a step never leaves the cell's neighbourhood.
 glm::dvec3 projected(const Field& field, glm::dvec3 p, double longest_step) {
-  constexpr int kSteps = 8;
+  constexpr int kSteps = 12;
   constexpr double kClose = 1e-10;
   for (int step = 0; step < kSteps; ++step) {
     const double value = field(p);
     if (std::abs(value) < kClose) break;
-    const glm::dvec3 slope = gradient(field, p);
-    const glm::dvec3 move = slope * (-value / std::max(glm::dot(slope, slope), 0.01));
-    const double length = glm::length(move);
-    p += length > longest_step ? move * (longest_step / length) : move;
+    p += step_to_surface(value, gradient(field, p), longest_step);
   }
   return p;
 }
@@ -146,7 +150,8 @@ void relax(PolygonMesh& mesh, const Field& field, double longest_step) {
     const glm::dvec3 normal = slope / std::max(glm::length(slope), 1e-12);
     glm::dvec3 move = (sums[v] / weights[v] - p) * kShare;
     move -= normal * glm::dot(normal, move);
-    p = projected(field, p + move, longest_step);
+    p += move;
+    p += step_to_surface(field(p), slope, longest_step);
   }
 }
 
@@ -159,6 +164,7 @@ PolygonMesh surface_nets(const Field& field, const SurfaceNetsOptions& options) 
     p = projected(field, p, options.cell);
   }
   for (int step = 0; step < options.relax_steps; ++step) relax(mesh, field, options.cell);
+  for (glm::dvec3& p : mesh.positions) p = projected(field, p, options.cell);
   return mesh;
 }
 
