@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "planish/doosabin/face_rule.h"
+#include "support/meshes.h"
+
+namespace planish::test {
+
+inline constexpr Weights kBothWeights[] = {Weights::DooSabin, Weights::Averaged};
+
+/// Small closed meshes without tags: every platonic kind, prisms, poles, valence 2, random ones.
+[[nodiscard]] std::vector<NamedMesh> closed_meshes();
+
+/// Small open meshes without tags.
+[[nodiscard]] std::vector<NamedMesh> open_meshes();
+
+/// Meshes with creases, corners and darts, open and closed.
+[[nodiscard]] std::vector<NamedMesh> sharp_meshes();
+
+}  // namespace planish::test

@@ -1,0 +1,188 @@
+#include "support/meshes.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace planish::test {
+
+using glm::dvec3;
+using std::int32_t;
+
+PolygonMesh make_mesh(std::vector<dvec3> positions, const FaceList& faces) {
+  PolygonMesh mesh;
+  mesh.positions = std::move(positions);
+  for (const auto& face : faces) mesh.add_face(face);
+  return mesh;
+}
+
+FaceList faces_of(const PolygonMesh& mesh) {
+  FaceList faces;
+  for (int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    faces.emplace_back(face.begin(), face.end());
+  }
+  return faces;
+}
+
+PolygonMesh tetrahedron() {
+  return make_mesh({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}},
+                   {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
+}
+
+PolygonMesh cube() {
+  std::vector<dvec3> positions;
+  for (int i = 0; i < 8; ++i) {
+    positions.push_back(dvec3(i & 1, (i >> 1) & 1, (i >> 2) & 1) * 2.0 - 1.0);
+  }
+  return make_mesh(
+      positions,
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}});
+}
+
+namespace {
+
+// One face a vertex of `mesh`, one vertex a face: walks the half-edges around each vertex.
+PolygonMesh dual(const PolygonMesh& mesh) {
+  std::vector<dvec3> positions;
+  std::map<std::pair<int32_t, int32_t>, int32_t> face_left_of;
+  std::map<std::pair<int32_t, int32_t>, int32_t> before;  // (face, vertex) -> previous corner
+  std::map<int32_t, int32_t> first_face;
+  for (int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    dvec3 centre(0.0);
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const int32_t v = face[i], next = face[(i + 1) % face.size()];
+      centre += mesh.positions[v] / double(face.size());
+      face_left_of[{v, next}] = f;
+      before[{f, next}] = v;
+      first_face[v] = f;
+    }
+    positions.push_back(centre);
+  }
+  FaceList faces;
+  for (const auto& [vertex, start] : first_face) {
+    std::vector<int32_t> ring;
+    int32_t f = start;
+    do {
+      ring.push_back(f);
+      f = face_left_of.at({vertex, before.at({f, vertex})});
+    } while (f != start);
+    faces.push_back(ring);
+  }
+  return make_mesh(positions, faces);
+}
+
+dvec3 on_circle(int i, int n, double z) {
+  const double angle = 2 * std::numbers::pi * i / n;
+  return {std::cos(angle), std::sin(angle), z};
+}
+
+}  // namespace
+
+PolygonMesh dodecahedron() { return dual(icosphere(0)); }
+
+PolygonMesh prism(int n) {
+  std::vector<dvec3> positions;
+  for (int i = 0; i < n; ++i) positions.push_back(on_circle(i, n, -0.5));
+  for (int i = 0; i < n; ++i) positions.push_back(on_circle(i, n, 0.5));
+  FaceList faces(2);
+  for (int i = 0; i < n; ++i) {
+    faces[0].push_back(n - 1 - i);
+    faces[1].push_back(n + i);
+    faces.push_back({i, (i + 1) % n, n + (i + 1) % n, n + i});
+  }
+  return make_mesh(positions, faces);
+}
+
+PolygonMesh bipyramid(int n) {
+  std::vector<dvec3> positions;
+  for (int i = 0; i < n; ++i) positions.push_back(on_circle(i, n, 0));
+  positions.push_back({0, 0, 1});
+  positions.push_back({0, 0, -1});
+  FaceList faces;
+  for (int i = 0; i < n; ++i) {
+    faces.push_back({i, (i + 1) % n, n});
+    faces.push_back({(i + 1) % n, i, n + 1});
+  }
+  return make_mesh(positions, faces);
+}
+
+PolygonMesh torus(int around, int across, double major, double minor) {
+  std::vector<dvec3> positions;
+  FaceList faces;
+  for (int i = 0; i < around; ++i) {
+    const dvec3 out = on_circle(i, around, 0);
+    for (int j = 0; j < across; ++j) {
+      const dvec3 tube = on_circle(j, across, 0) * minor;
+      positions.push_back(out * (major + tube.x) + dvec3(0, 0, tube.y));
+      const int next_i = (i + 1) % around, next_j = (j + 1) % across;
+      faces.push_back(
+          {i * across + j, next_i * across + j, next_i * across + next_j, i * across + next_j});
+    }
+  }
+  return make_mesh(positions, faces);
+}
+
+namespace {
+
+PolygonMesh icosahedron() {
+  std::vector<dvec3> positions{{0, 0, 1}};
+  for (int ring = 0; ring < 2; ++ring) {
+    for (int i = 0; i < 5; ++i) {
+      const dvec3 p = on_circle(2 * i + ring, 10, ring == 0 ? 0.5 : -0.5);
+      positions.push_back(glm::normalize(p));
+    }
+  }
+  positions.push_back({0, 0, -1});
+  FaceList faces;
+  for (int i = 0; i < 5; ++i) {
+    const int a = 1 + i, b = 1 + (i + 1) % 5, c = 6 + i, d = 6 + (i + 1) % 5;
+    faces.insert(faces.end(), {{0, a, b}, {a, c, b}, {b, c, d}, {11, d, c}});
+  }
+  return make_mesh(positions, faces);
+}
+
+}  // namespace
+
+PolygonMesh icosphere(int level) {
+  PolygonMesh mesh = icosahedron();
+  for (int l = 0; l < level; ++l) {
+    std::vector<dvec3> positions = mesh.positions;
+    std::map<std::pair<int32_t, int32_t>, int32_t> middles;
+    const auto middle = [&](int32_t a, int32_t b) {
+      const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), int32_t(positions.size()));
+      if (is_new) positions.push_back(glm::normalize(positions[a] + positions[b]));
+      return at->second;
+    };
+    FaceList faces;
+    for (const auto& f : faces_of(mesh)) {
+      const int32_t ab = middle(f[0], f[1]), bc = middle(f[1], f[2]), ca = middle(f[2], f[0]);
+      faces.insert(faces.end(), {{f[0], ab, ca}, {f[1], bc, ab}, {f[2], ca, bc}, {ab, bc, ca}});
+    }
+    mesh = make_mesh(positions, faces);
+  }
+  return mesh;
+}
+
+PolygonMesh cube_with_split_edges() {
+  const PolygonMesh solid = cube();
+  std::vector<dvec3> positions = solid.positions;
+  std::map<std::pair<int32_t, int32_t>, int32_t> middles;
+  FaceList faces;
+  for (const auto& face : faces_of(solid)) {
+    std::vector<int32_t> octagon;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const int32_t a = face[i], b = face[(i + 1) % 4];
+      const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), int32_t(positions.size()));
+      if (is_new) positions.push_back((positions[a] + positions[b]) * 0.6);
+      octagon.insert(octagon.end(), {a, at->second});
+    }
+    faces.push_back(octagon);
+  }
+  return make_mesh(positions, faces);
+}
+
+}  // namespace planish::test

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish::test {
+
+/// A mesh with a name for messages.
+struct NamedMesh {
+  std::string name;
+  PolygonMesh mesh;
+};
+
+using FaceList = std::vector<std::vector<std::int32_t>>;
+
+[[nodiscard]] PolygonMesh make_mesh(std::vector<glm::dvec3> positions, const FaceList& faces);
+[[nodiscard]] FaceList faces_of(const PolygonMesh& mesh);
+
+// Closed.
+[[nodiscard]] PolygonMesh tetrahedron();
+/// Side 2, centred, vertices in binary order: x = bit 0, y = bit 1, z = bit 2.
+[[nodiscard]] PolygonMesh cube();
+[[nodiscard]] PolygonMesh dodecahedron();
+/// Two n-gons joined by n quads.
+[[nodiscard]] PolygonMesh prism(int n);
+/// Two apexes of valence n over a ring of n vertices.
+[[nodiscard]] PolygonMesh bipyramid(int n);
+/// `around` x `across` quads; the tube's circle has radius `minor`.
+[[nodiscard]] PolygonMesh torus(int around, int across, double major, double minor);
+/// 10 * 4^level + 2 vertices on the unit sphere.
+[[nodiscard]] PolygonMesh icosphere(int level);
+/// The cube with a vertex in the middle of every edge: octagons and valence 2.
+[[nodiscard]] PolygonMesh cube_with_split_edges();
+
+// Open.
+/// `columns` x `rows` quads over [0, columns] x [0, rows]; vertex (i, j) has index
+/// j * (columns + 1) + i and lies at shape(i, j).
+[[nodiscard]] PolygonMesh grid(int columns, int rows,
+                               const std::function<glm::dvec3(double, double)>& shape);
+[[nodiscard]] PolygonMesh flat_grid(int columns, int rows);
+/// A flat n x n grid without its middle ones; n >= 5.
+[[nodiscard]] PolygonMesh plate_with_hole(int n);
+/// A flat 2n x 2n grid without the quadrant x > n, y > n.
+[[nodiscard]] PolygonMesh l_shaped_plate(int n);
+/// A flat polygon of n sides as one face.
+[[nodiscard]] PolygonMesh single_polygon(int n);
+/// n triangles around a centre.
+[[nodiscard]] PolygonMesh open_fan(int n);
+
+/// Index of the vertex nearest to `point`.
+[[nodiscard]] std::int32_t vertex_at(const PolygonMesh& mesh, const glm::dvec3& point);
+
+}  // namespace planish::test

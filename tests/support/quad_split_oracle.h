@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "planish/doosabin/face_rule.h"
+#include "planish/doosabin/sharp_features.h"
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish::test {
+
+/// Doo-Sabin surfaces with boundaries, creases, corners and darts by repeated quad split,
+/// written from the formulas alone, with maps instead of tables. The oracle for open and sharp
+/// meshes, where explicit subdivision of polygons has no rule.
+class QuadSplitOracle {
+ public:
+  using Edge = std::pair<std::int32_t, std::int32_t>;  ///< smaller index first
+
+  /// Faces around a vertex between two sharp edges (or all of them), counter-clockwise.
+  struct Sector {
+    std::vector<std::int32_t> faces;
+    bool is_ring = false;
+    Edge first{-1, -1}, last{-1, -1};  ///< where not a ring
+  };
+
+  /// Level 1 of `cage`. Sector angles are measured on `rest`, or on the cage where it is empty.
+  QuadSplitOracle(const PolygonMesh& cage, Weights weights, BoundaryRule boundary,
+                  std::span<const glm::dvec3> rest = {});
+
+  /// One more quad split. Vertices keep their numbers; face q's children are 4q .. 4q + 3.
+  void refine();
+
+  [[nodiscard]] std::int32_t vertex_count() const { return vertex_count_; }
+  [[nodiscard]] const std::vector<std::array<std::int32_t, 4>>& faces() const { return faces_; }
+  /// The Doo-Sabin control point of face q.
+  [[nodiscard]] glm::dvec3 face_point(std::int32_t q) const { return face_points_[q]; }
+  [[nodiscard]] VertexKind kind(std::int32_t vertex) const;
+  [[nodiscard]] glm::dvec3 limit_point(std::int32_t vertex) const;
+  [[nodiscard]] const std::vector<Sector>& sectors(std::int32_t vertex) const {
+    return sectors_.at(vertex);
+  }
+  /// The two limit tangents of a sector; the normal is along their cross product.
+  [[nodiscard]] std::pair<glm::dvec3, glm::dvec3> tangents(std::int32_t vertex,
+                                                           std::size_t sector) const;
+  [[nodiscard]] glm::dvec3 normal(std::int32_t vertex, std::size_t sector) const;
+
+ private:
+  using Corner = std::pair<std::int32_t, std::int32_t>;  ///< face, vertex
+
+  void split(const std::vector<std::vector<std::int32_t>>& polygons);
+  void find_sectors();
+  [[nodiscard]] std::vector<std::int32_t> faces_from(std::int32_t vertex, std::int32_t start) const;
+  void find_corners(const PolygonMesh& cage, BoundaryRule boundary,
+                    std::span<const glm::dvec3> rest);
+  [[nodiscard]] glm::dvec3 child_of_curve_point(Edge edge, std::int32_t end,
+                                                const std::map<Corner, glm::dvec3>& children) const;
+  [[nodiscard]] glm::dvec3 mean_beside(Edge edge, std::int32_t end,
+                                       const std::map<Corner, glm::dvec3>& points) const;
+  [[nodiscard]] std::vector<glm::dvec3> frame(std::int32_t vertex, std::size_t sector) const;
+  [[nodiscard]] std::vector<glm::dvec3> children(std::int32_t vertex, std::size_t sector) const;
+
+  Weights weights_;
+  std::int32_t vertex_count_ = 0;
+  std::vector<std::array<std::int32_t, 4>> faces_;
+  std::vector<glm::dvec3> face_points_;
+  std::map<Edge, glm::dvec3> curve_points_;             ///< of the sharp edges
+  std::map<std::int32_t, std::vector<Edge>> sharp_at_;  ///< sharp edges around a vertex
+  std::map<std::int32_t, glm::dvec3> corners_;          ///< positions of the corner vertices
+  std::map<std::int32_t, std::vector<CornerSector>> corner_sectors_;
+  std::map<std::int32_t, glm::dvec3> unused_;
+  std::map<std::int32_t, std::vector<Sector>> sectors_;
+  std::map<Edge, std::int32_t> edge_vertices_;  ///< made by the latest split
+  std::map<Edge, std::int32_t> face_left_of_;   ///< directed edge -> face
+};
+
+}  // namespace planish::test

@@ -1,0 +1,173 @@
+#include "support/random_meshes.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+#include <utility>
+
+namespace planish::test {
+
+using glm::dvec3;
+using std::int32_t;
+
+namespace {
+
+// The standard's distributions differ between libraries; this generator (splitmix64) does not.
+class Random {
+ public:
+  explicit Random(std::uint32_t seed) : state_(seed) {}
+  std::uint64_t bits() {
+    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+  }
+  int below(std::size_t count) { return int(bits() % count); }
+  double unit() { return double(bits() >> 11) * 0x1p-53; }
+
+ private:
+  std::uint64_t state_;
+};
+
+template <class T>
+void shuffle(std::vector<T>& items, Random& random) {
+  for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random.below(i)]);
+}
+
+using Edge = std::pair<int32_t, int32_t>;
+
+std::map<Edge, int> half_edge_faces(const FaceList& faces) {
+  std::map<Edge, int> result;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    for (std::size_t i = 0; i < faces[f].size(); ++i) {
+      result[{faces[f][i], faces[f][(i + 1) % faces[f].size()]}] = int(f);
+    }
+  }
+  return result;
+}
+
+std::map<int32_t, int> face_counts(const FaceList& faces) {
+  std::map<int32_t, int> counts;
+  for (const auto& face : faces) {
+    for (int32_t v : face) ++counts[v];
+  }
+  return counts;
+}
+
+// Joins the faces left and right of a->b, if the outcome is a simple polygon of at most 9 sides
+// and leaves a and b at valence 3 or more.
+void merge_across(FaceList& faces, int32_t a, int32_t b) {
+  const auto half_edges = half_edge_faces(faces);
+  const int left = half_edges.at({a, b}), right = half_edges.at({b, a});
+  auto counts = face_counts(faces);
+  std::vector<int32_t> f = faces[left], g = faces[right];
+  const std::set<int32_t> in_f(f.begin(), f.end());
+  const auto shared = std::count_if(g.begin(), g.end(), [&](int32_t v) { return in_f.count(v); });
+  if (left == right || shared != 2 || counts[a] < 4 || counts[b] < 4) return;
+  if (f.size() + g.size() - 2 > 9) return;
+  std::rotate(f.begin(), std::find(f.begin(), f.end(), b), f.end());  // b ... a
+  std::rotate(g.begin(), std::find(g.begin(), g.end(), a), g.end());  // a ... b
+  f.insert(f.end(), g.begin() + 1, g.end() - 1);
+  faces[left] = f;
+  faces.erase(faces.begin() + right);
+}
+
+// Every vertex has one fan of faces: as many boundary half-edges leave it as there may be, 0 or 1.
+bool is_manifold(const FaceList& faces) {
+  const auto half_edges = half_edge_faces(faces);
+  std::map<int32_t, int> leaving;
+  for (const auto& [edge, face] : half_edges) {
+    if (!half_edges.count({edge.second, edge.first})) ++leaving[edge.first];
+  }
+  return std::all_of(leaving.begin(), leaving.end(), [](auto& entry) { return entry.second < 2; });
+}
+
+PolygonMesh without_unused(const PolygonMesh& mesh) {
+  std::map<int32_t, int32_t> index;
+  std::vector<dvec3> positions;
+  FaceList faces = faces_of(mesh);
+  for (auto& face : faces) {
+    for (int32_t& v : face) {
+      const auto [at, is_new] = index.try_emplace(v, int32_t(positions.size()));
+      if (is_new) positions.push_back(mesh.positions[v]);
+      v = at->second;
+    }
+  }
+  return make_mesh(positions, faces);
+}
+
+}  // namespace
+
+PolygonMesh jittered(PolygonMesh mesh, double amount, std::uint32_t seed) {
+  Random random(seed);
+  for (dvec3& p : mesh.positions) {
+    for (int axis = 0; axis < 3; ++axis) p[axis] += amount * (2 * random.unit() - 1);
+  }
+  return mesh;
+}
+
+PolygonMesh random_closed_mesh(std::uint32_t seed) {
+  Random random(seed);
+  const PolygonMesh sphere = jittered(icosphere(2), 0.08, seed);
+  FaceList faces = faces_of(sphere);
+  for (int attempt = 0; attempt < 250; ++attempt) {
+    const auto face = faces[random.below(faces.size())];
+    const int i = random.below(face.size());
+    merge_across(faces, face[i], face[(i + 1) % face.size()]);
+  }
+  return without_unused(make_mesh(sphere.positions, faces));
+}
+
+PolygonMesh random_open_mesh(std::uint32_t seed) {
+  Random random(seed + 1000);
+  const PolygonMesh closed = random_closed_mesh(seed);
+  FaceList faces = faces_of(closed);
+  for (int attempt = 0; attempt < 25; ++attempt) {
+    FaceList fewer = faces;
+    fewer.erase(fewer.begin() + random.below(fewer.size()));
+    if (is_manifold(fewer)) faces = fewer;
+  }
+  return without_unused(make_mesh(closed.positions, faces));
+}
+
+PolygonMesh with_random_creases(PolygonMesh mesh, double probability, std::uint32_t seed) {
+  Random random(seed);
+  for (const auto& [edge, face] : half_edge_faces(faces_of(mesh))) {
+    if (edge.first < edge.second && random.unit() < probability) {
+      mesh.creases.push_back({edge.first, edge.second});
+    }
+  }
+  return mesh;
+}
+
+Relabelled relabelled(const PolygonMesh& mesh, std::uint32_t seed) {
+  Random random(seed);
+  Relabelled result;
+  result.new_index.resize(mesh.positions.size());
+  std::iota(result.new_index.begin(), result.new_index.end(), 0);
+  shuffle(result.new_index, random);
+  std::vector<dvec3> positions(mesh.positions.size());
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    positions[result.new_index[v]] = mesh.positions[v];
+  }
+  FaceList faces = faces_of(mesh);
+  shuffle(faces, random);
+  for (auto& face : faces) {
+    std::rotate(face.begin(), face.begin() + random.below(face.size()), face.end());
+    for (int32_t& v : face) v = result.new_index[v];
+  }
+  result.mesh = make_mesh(positions, faces);
+  for (CreaseEdge crease : mesh.creases) {
+    crease.v0 = result.new_index[crease.v0];
+    crease.v1 = result.new_index[crease.v1];
+    result.mesh.creases.push_back(crease);
+  }
+  for (CornerVertex corner : mesh.corners) {
+    corner.vertex = result.new_index[corner.vertex];
+    result.mesh.corners.push_back(corner);
+  }
+  return result;
+}
+
+}  // namespace planish::test

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "support/meshes.h"
+
+namespace planish::test {
+
+/// Moves every vertex by up to `amount` in each coordinate.
+[[nodiscard]] PolygonMesh jittered(PolygonMesh mesh, double amount, std::uint32_t seed);
+
+/// A jittered icosphere with randomly merged faces: 3- to 9-gons, valences from 3.
+[[nodiscard]] PolygonMesh random_closed_mesh(std::uint32_t seed);
+
+/// The same with some faces taken out, still a manifold with boundary.
+[[nodiscard]] PolygonMesh random_open_mesh(std::uint32_t seed);
+
+/// Tags each edge with the given probability: darts, creases and corners arise in every mix.
+[[nodiscard]] PolygonMesh with_random_creases(PolygonMesh mesh, double probability,
+                                              std::uint32_t seed);
+
+/// Vertices and faces in random order, faces started at a random corner. new_index[v] is where
+/// vertex v went.
+struct Relabelled {
+  PolygonMesh mesh;
+  std::vector<std::int32_t> new_index;
+};
+[[nodiscard]] Relabelled relabelled(const PolygonMesh& mesh, std::uint32_t seed);
+
+}  // namespace planish::test
