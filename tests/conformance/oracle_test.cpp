@@ -156,7 +156,7 @@ TEST(Oracles, LimitPointsStayPutOnOpenAndSharpMeshes) {
     for (Weights weights : kBothWeights) {
       for (BoundaryRule rule : {BoundaryRule::Edge, BoundaryRule::EdgeAndCorner}) {
         SCOPED_TRACE(name);
-        expect_no_drift(mesh, weights, rule, mesh.face_count() < 20 ? 6 : 3);
+        expect_no_drift(mesh, weights, rule, mesh.face_count() < 10 ? 6 : 3);
       }
     }
   }

@@ -94,7 +94,7 @@ QuadSplitOracle::QuadSplitOracle(const PolygonMesh& cage, Weights weights, Bound
   }
   std::set<int32_t> used(cage.face_vertices.begin(), cage.face_vertices.end());
   for (int32_t v = 0; v < cage.vertex_count(); ++v) {
-    if (!used.count(v)) unused_[v] = cage.positions[v];
+    if (!used.count(v)) corners_[v] = cage.positions[v];
   }
 }
 
@@ -157,7 +157,6 @@ void QuadSplitOracle::find_corners(const PolygonMesh& cage, BoundaryRule boundar
 }
 
 VertexKind QuadSplitOracle::kind(int32_t vertex) const {
-  if (unused_.count(vertex)) return VertexKind::Unused;
   if (corners_.count(vertex)) return VertexKind::Corner;
   const auto sharp = sharp_at_.find(vertex);
   const std::size_t s = sharp == sharp_at_.end() ? 0 : sharp->second.size();
@@ -201,8 +200,15 @@ void QuadSplitOracle::find_sectors() {
   }
 }
 
+std::size_t QuadSplitOracle::sector_of(int32_t vertex, int32_t q) const {
+  const auto& sectors = sectors_.at(vertex);
+  for (std::size_t s = 0; s < sectors.size(); ++s) {
+    if (std::count(sectors[s].faces.begin(), sectors[s].faces.end(), q)) return s;
+  }
+  throw std::invalid_argument("the face is not at the vertex");
+}
+
 dvec3 QuadSplitOracle::limit_point(int32_t vertex) const {
-  if (const auto at = unused_.find(vertex); at != unused_.end()) return at->second;
   if (const auto at = corners_.find(vertex); at != corners_.end()) return at->second;
   dvec3 sum(0.0);
   if (kind(vertex) == VertexKind::Crease) {

@@ -39,11 +39,14 @@ class QuadSplitOracle {
   [[nodiscard]] const std::vector<std::array<std::int32_t, 4>>& faces() const { return faces_; }
   /// The Doo-Sabin control point of face q.
   [[nodiscard]] glm::dvec3 face_point(std::int32_t q) const { return face_points_[q]; }
+  /// Unused vertices count as corners: they stay where they are.
   [[nodiscard]] VertexKind kind(std::int32_t vertex) const;
   [[nodiscard]] glm::dvec3 limit_point(std::int32_t vertex) const;
   [[nodiscard]] const std::vector<Sector>& sectors(std::int32_t vertex) const {
     return sectors_.at(vertex);
   }
+  /// The sector of `vertex` that face q lies in.
+  [[nodiscard]] std::size_t sector_of(std::int32_t vertex, std::int32_t q) const;
   /// The two limit tangents of a sector; the normal is along their cross product.
   [[nodiscard]] std::pair<glm::dvec3, glm::dvec3> tangents(std::int32_t vertex,
                                                            std::size_t sector) const;
@@ -72,7 +75,6 @@ class QuadSplitOracle {
   std::map<std::int32_t, std::vector<Edge>> sharp_at_;  ///< sharp edges around a vertex
   std::map<std::int32_t, glm::dvec3> corners_;          ///< positions of the corner vertices
   std::map<std::int32_t, std::vector<CornerSector>> corner_sectors_;
-  std::map<std::int32_t, glm::dvec3> unused_;
   std::map<std::int32_t, std::vector<Sector>> sectors_;
   std::map<Edge, std::int32_t> edge_vertices_;  ///< made by the latest split
   std::map<Edge, std::int32_t> face_left_of_;   ///< directed edge -> face

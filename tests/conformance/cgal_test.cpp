@@ -1,0 +1,79 @@
+// CGAL's Doo-Sabin subdivision, which uses the weights of 1978, against our first level.
+
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/subdivision_method_3.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/geometric.hpp>
+
+#include "conformance/catalogue.h"
+#include "planish/doosabin/surface_stencils.h"
+
+namespace planish::test {
+namespace {
+
+using glm::dvec3;
+using std::int32_t;
+using CgalMesh = CGAL::Surface_mesh<CGAL::Simple_cartesian<double>::Point_3>;
+
+CgalMesh cgal_mesh(const PolygonMesh& mesh) {
+  CgalMesh result;
+  for (const dvec3& p : mesh.positions) result.add_vertex({p.x, p.y, p.z});
+  for (const auto& face : faces_of(mesh)) {
+    std::vector<CgalMesh::Vertex_index> corners;
+    for (int32_t v : face) corners.push_back(CgalMesh::Vertex_index(std::uint32_t(v)));
+    EXPECT_NE(result.add_face(corners), CgalMesh::null_face());
+  }
+  return result;
+}
+
+std::vector<dvec3> points_of(const CgalMesh& mesh) {
+  std::vector<dvec3> points;
+  for (const auto vertex : mesh.vertices()) {
+    const auto& p = mesh.point(vertex);
+    points.emplace_back(p.x(), p.y(), p.z());
+  }
+  return points;
+}
+
+std::vector<dvec3> our_level_1(const PolygonMesh& mesh) {
+  QuadSplit split(mesh);
+  split.refine(1);
+  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
+  const Subdivision subdivision(split, features, Weights::DooSabin);
+  const auto table = first_step_table(mesh, subdivision, {0, subdivision.state_layout(1).size});
+  const StencilView<double> view = table.view();
+  std::vector<dvec3> points(view.row_count(), dvec3(0.0));
+  for (int32_t row = 0; row < view.row_count(); ++row) {
+    for (int32_t k = view.offsets[row]; k < view.offsets[row] + view.sizes[row]; ++k) {
+      points[row] += view.weights[k] * mesh.positions[view.indices[k]];
+    }
+  }
+  return points;
+}
+
+// CGAL numbers its points otherwise: each of ours must have one of its own within rounding.
+TEST(Cgal, FirstLevelPointsAgree) {
+  for (const auto& [name, mesh] : closed_meshes()) {
+    SCOPED_TRACE(name);
+    CgalMesh refined = cgal_mesh(mesh);
+    CGAL::Subdivision_method_3::DooSabin_subdivision(refined,
+                                                     CGAL::parameters::number_of_iterations(1));
+    std::vector<dvec3> theirs = points_of(refined);
+    const std::vector<dvec3> ours = our_level_1(mesh);
+    ASSERT_EQ(ours.size(), theirs.size());
+    for (const dvec3& p : ours) {
+      const auto nearest = std::min_element(theirs.begin(), theirs.end(), [&](auto& a, auto& b) {
+        return glm::distance(a, p) < glm::distance(b, p);
+      });
+      EXPECT_LT(glm::distance(*nearest, p), 1e-12);
+      theirs.erase(nearest);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace planish::test
