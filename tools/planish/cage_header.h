@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "settings.h"
+
+namespace planish::command {
+
+/// What a cage says about how it was made, so that `verify` needs no flags.
+struct CageHeader {
+  std::optional<Weights> weights;
+  std::optional<BoundaryRule> boundary;
+  std::optional<bool> use_creases;
+  std::optional<double> tolerance;
+  std::optional<std::string> source;  ///< file name of the input
+};
+
+/// Comment lines "planish key=value" for MeshWriteOptions. Source: the input's file name.
+[[nodiscard]] std::vector<std::string> cage_header_lines(const Settings& settings,
+                                                         const std::string& source);
+
+/// Reads them back; a leading comment sign is allowed. Keys that are not known are left to newer
+/// versions. Throws Error{UnreadableInput} naming `name` for a known key whose value is none, or
+/// for a scheme other than doo-sabin.
+[[nodiscard]] CageHeader parse_cage_header(std::span<const std::string> lines,
+                                           const std::string& name);
+
+}  // namespace planish::command

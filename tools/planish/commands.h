@@ -1,0 +1,43 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "console.h"
+#include "exit_codes.h"
+#include "progress.h"
+
+namespace planish::command {
+
+/// What the arguments ask for. The chosen sub-command sets `action` while arguments are parsed;
+/// it runs after that. Actions throw planish::Error.
+struct Invocation {
+  std::vector<std::string> arguments;  ///< argv
+  std::function<ExitCode()> action;
+};
+
+// Each adds one sub-command with its flags and help to `app`.
+void add_fit_command(CLI::App& app, Invocation& invocation);
+void add_run_command(CLI::App& app, Invocation& invocation);
+void add_reconstruct_command(CLI::App& app, Invocation& invocation);
+void add_verify_command(CLI::App& app, Invocation& invocation);
+void add_inspect_command(CLI::App& app, Invocation& invocation);
+void add_devices_command(CLI::App& app, Invocation& invocation);
+
+/// The flags about messages, shared by sub-commands.
+struct MessageFlags {
+  bool quiet = false, verbose = false;
+  std::string log_level = "info", color = "auto", progress = "auto";
+
+  void add_to(CLI::App& command, bool with_progress);
+  [[nodiscard]] LogLevel level() const;
+  [[nodiscard]] ColorMode color_mode() const;
+  [[nodiscard]] ProgressMode progress_mode() const;
+};
+
+/// Parses, runs, and turns every error into a message on stderr and an exit code.
+[[nodiscard]] ExitCode run_command_line(const std::vector<std::string>& arguments);
+
+}  // namespace planish::command

@@ -1,0 +1,74 @@
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "devices.h"
+#include "report.h"
+#include "table.h"
+#include "text.h"
+
+namespace planish::command {
+namespace {
+
+std::string devices_json(const std::vector<ListedDevice>& devices, std::size_t automatic) {
+  nlohmann::ordered_json json;
+  json["schema"] = "planish.devices/1";
+  json["auto"] = devices[automatic].selector;
+  json["devices"] = nlohmann::ordered_json::array();
+  for (const ListedDevice& device : devices) {
+    nlohmann::ordered_json entry;
+    entry["selector"] = device.selector;
+    entry["kind"] = device.description.kind;
+    entry["name"] = device.description.name;
+    entry["uuid"] = device.description.uuid;
+    entry["driver"] = device.description.driver;
+    entry["api"] = device.description.api;
+    entry["usable"] = device.unusable_because.empty();
+    entry["unusable_because"] = device.unusable_because;
+    entry["limits"] = nlohmann::ordered_json::object();
+    for (const auto& [name, value] : device.limits) entry["limits"][name] = value;
+    json["devices"].push_back(entry);
+  }
+  return json_text(json);
+}
+
+std::string devices_table(const std::vector<ListedDevice>& devices, std::size_t automatic) {
+  Table table({{"--device"}, {"kind"}, {"name"}, {"driver"}, {"api"}, {"uuid"}, {""}});
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const ListedDevice& device = devices[i];
+    const DeviceDescription& description = device.description;
+    std::string remark = i == automatic ? "taken by auto" : "";
+    if (!device.unusable_because.empty()) remark = "unusable: " + device.unusable_because;
+    table.add_row({device.selector, description.kind, description.name, description.driver,
+                   description.api, description.uuid, remark});
+  }
+  std::string text = table.text();
+  for (const ListedDevice& device : devices) {
+    for (const auto& [name, value] : device.limits) {
+      text += device.selector + ": " + name + " " +
+              with_separators(static_cast<std::int64_t>(value)) + "\n";
+    }
+  }
+  const std::string reason = why_no_vulkan(devices);
+  return reason.empty() ? text : text + "no Vulkan device: " + reason + "\n";
+}
+
+}  // namespace
+
+void add_devices_command(CLI::App& app, Invocation& invocation) {
+  CLI::App* command =
+      app.add_subcommand("devices", "compute devices, their limits, and which one auto takes");
+  auto json = std::make_shared<bool>(false);
+  command->add_flag("--json", *json, "as JSON");
+  command->footer("Examples:\n  planish devices\n  planish devices --json\n");
+  command->callback([json, &invocation] {
+    invocation.action = [json] {
+      const std::vector<ListedDevice> devices = list_devices();
+      const std::size_t automatic = automatic_choice(devices, Settings{});
+      write_stdout(*json ? devices_json(devices, automatic) : devices_table(devices, automatic));
+      return ExitCode::Done;
+    };
+  });
+}
+
+}  // namespace planish::command

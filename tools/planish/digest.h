@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace planish::command {
+
+/// SHA-256 in lower-case hexadecimal.
+[[nodiscard]] std::string sha256(std::span<const std::byte> bytes);
+
+/// The same of a whole file, and its length. Throws Error{UnreadableInput}.
+struct FileDigest {
+  std::string sha256;
+  std::uint64_t bytes = 0;
+};
+[[nodiscard]] FileDigest digest_of(const std::filesystem::path& path);
+
+}  // namespace planish::command

@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <memory>
+
+#include "commands.h"
+#include "devices.h"
+#include "input.h"
+#include "job.h"
+#include "planish/core/error.h"
+#include "text.h"
+
+namespace planish::command {
+namespace {
+
+struct FitFlags {
+  std::string input, input_format, cage, report, levels;
+  std::vector<std::string> outputs;
+  std::map<std::string_view, std::string> words;  ///< by name of the setting
+  double tolerance = Settings{}.tolerance;
+  std::int64_t max_iterations = Settings{}.max_iterations;
+  bool force = false, dry_run = false;
+  MessageFlags messages;
+};
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  planish fit bunny.obj -o bunny.glb\n"
+    "  planish fit bunny.obj -o bunny.glb --levels 3,1 --cage cage.obj --report bunny.json\n"
+    "  planish fit bunny.obj -o bunny.ply --preset paper --device cpu\n"
+    "  cat bunny.obj | planish fit - --input-format obj -o - > bunny.glb\n"
+    "Exit codes: 0 done, 1 internal error, 2 usage, 3 input unreadable, 4 mesh unusable,\n"
+    "  5 not converged (files are written), 6 no device or memory, 7 output not writable,\n"
+    "  130 and 143 interrupted.\n";
+
+std::string flag_of(std::string_view setting) {
+  std::string flag = "--" + std::string(setting);
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+std::vector<int> parse_levels(const std::string& text) {
+  std::vector<std::int64_t> values;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  while (true) {
+    std::int64_t value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || (next != end && *next != ',')) {
+      throw Error(ErrorCode::InvalidArgument,
+                  "--levels: \"" + plain_utf8(text) + "\" is no list of levels such as 2 or 3,1");
+    }
+    values.push_back(value);
+    if (next == end) break;
+    at = next + 1;
+  }
+  return checked_levels(values, "--levels");
+}
+
+Settings settings_of(const FitFlags& flags) {
+  Settings settings;
+  for (const WordSetting& setting : word_settings()) {
+    const auto given = flags.words.find(setting.name);
+    if (given != flags.words.end() && !given->second.empty()) {
+      setting.set(settings, given->second, flag_of(setting.name));
+    }
+  }
+  set_tolerance(settings, flags.tolerance, "--tolerance");
+  set_max_iterations(settings, flags.max_iterations, "--max-iterations");
+  if (!flags.levels.empty()) settings.levels = parse_levels(flags.levels);
+  check_consistent(settings);
+  return settings;
+}
+
+Job job_of(const FitFlags& flags) {
+  Job job;
+  job.input = flags.input;
+  job.name = flags.input == "-" ? "stdin" : std::filesystem::path(flags.input).stem().string();
+  if (!flags.input_format.empty()) {
+    job.input_format = parse_mesh_format(flags.input_format, "--input-format");
+  }
+  (void)input_format_of(job.input, job.input_format);
+  job.settings = settings_of(flags);
+  for (const std::string& path : flags.outputs) {
+    job.outputs.push_back({path, OutputKind::Surface, job.settings.levels, "-o"});
+  }
+  if (!flags.cage.empty()) job.outputs.push_back({flags.cage, OutputKind::Cage, {}, "--cage"});
+  job.report = flags.report;
+  if (job.outputs.empty() && job.report.empty()) {
+    throw Error(ErrorCode::InvalidArgument,
+                "nothing to write: name a file with -o, --cage or --report");
+  }
+  return job;
+}
+
+ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& arguments) {
+  const Job job = job_of(flags);
+  PathClaims claims({.overwrite = flags.force});
+  claims.add_input(job.input);
+  std::vector<PlannedOutput> outputs;
+  for (const OutputRequest& request : job.outputs) {
+    for (PlannedOutput& planned : plan_output(request, claims)) {
+      outputs.push_back(std::move(planned));
+    }
+  }
+  if (!job.report.empty()) claims.add_output(job.report, "--report");
+  const std::vector<ListedDevice> devices = list_devices();
+  const ListedDevice& device = devices[choose_device(devices, job.settings)];
+  if (flags.dry_run) {
+    describe_job(job, outputs, device.description);
+    return ExitCode::Done;
+  }
+  const std::unique_ptr<Backend> backend = open_backend(device, job.settings);
+  Console console(flags.messages.level(), flags.messages.color_mode());
+  Progress progress(console, flags.messages.progress_mode());
+  const JobReport report = run_job(job, outputs, *backend, {console, progress, arguments});
+  console.info(summary(report));
+  return report.exit_code;
+}
+
+void add_setting_flags(CLI::App& command, FitFlags& flags) {
+  for (const WordSetting& setting : word_settings()) {
+    std::string help(setting.help);
+    if (!setting.initial.empty()) help += " [" + std::string(setting.initial) + "]";
+    command.add_option(flag_of(setting.name), flags.words[setting.name], help)
+        ->type_name(std::string(setting.choices))
+        ->group("Solve");
+  }
+  command
+      .add_option("--tolerance", flags.tolerance,
+                  "largest vertex error, relative to the bounding-box diagonal [1e-6]")
+      ->type_name("T")
+      ->group("Solve");
+  command.add_option("--max-iterations", flags.max_iterations, "give up after so many [200]")
+      ->type_name("N")
+      ->group("Solve");
+}
+
+void add_file_flags(CLI::App& command, FitFlags& flags) {
+  command.add_option("INPUT", flags.input, "mesh: .obj .ply .off .stl .gltf .glb; - for stdin")
+      ->type_name("")
+      ->required();
+  command
+      .add_option("-o,--output", flags.outputs,
+                  "surface: .glb .gltf .obj .ply .off; - for a GLB on stdout; repeatable")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  command.add_option("--cage", flags.cage, "control cage: .obj .ply .off")->type_name("FILE");
+  command.add_option("--report", flags.report, "JSON report; - for stdout")->type_name("FILE");
+  command
+      .add_option("--levels", flags.levels,
+                  "quad splits, 0 to 6 [2]; several write NAME_LOD0.glb, NAME_LOD1.glb, ...")
+      ->type_name("L[,L2,...]");
+  command.add_option("--input-format", flags.input_format, "of stdin, or against the extension")
+      ->type_name("obj|ply|off|stl|gltf|glb");
+  command.add_flag("-f,--force", flags.force, "overwrite existing files");
+  command.add_flag("--dry-run", flags.dry_run, "check everything and say what would be done");
+}
+
+}  // namespace
+
+void add_fit_command(CLI::App& app, Invocation& invocation) {
+  CLI::App* command =
+      app.add_subcommand("fit", "a mesh in, the smooth surface through all its vertices out");
+  auto flags = std::make_shared<FitFlags>();
+  add_file_flags(*command, *flags);
+  add_setting_flags(*command, *flags);
+  flags->messages.add_to(*command, true);
+  command->footer(kExamples);
+  command->callback([flags, &invocation] {
+    invocation.action = [flags, &invocation] { return run_fit(*flags, invocation.arguments); };
+  });
+}
+
+}  // namespace planish::command

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "output_plan.h"
+#include "planish/backend/backend.h"
+#include "planish/mesh/mesh_file.h"
+#include "progress.h"
+#include "report.h"
+#include "settings.h"
+
+namespace planish::command {
+
+/// One piece of work: a mesh in, its surface and reports out. `fit` makes one of its arguments,
+/// `run` makes them of a scene file.
+struct Job {
+  std::string name;                        ///< in messages and tables
+  std::string input;                       ///< path, or "-" for stdin
+  std::optional<MeshFormat> input_format;  ///< empty: by extension
+  Settings settings;
+  std::vector<OutputRequest> outputs;
+  std::string report;  ///< path, "-" for stdout, empty for none
+};
+
+/// What a job's steps share with the process around them.
+struct JobContext {
+  Console& console;
+  Progress& progress;
+  std::vector<std::string> arguments;  ///< argv, for the report
+};
+
+/// Reads, checks, fits, evaluates the levels, writes, reports. Files appear all together at the
+/// end or, after an error, not at all. Not converging is a result with its own exit code.
+/// Throws planish::Error.
+JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Backend& backend,
+                  const JobContext& context);
+
+/// Reads and checks the input as run_job() does and says on stdout what it would do.
+void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
+                  const DeviceDescription& device);
+
+}  // namespace planish::command

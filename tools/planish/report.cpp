@@ -1,0 +1,138 @@
+#include "report.h"
+
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+
+#include "build_info.h"
+#include "planish/core/version.h"
+
+namespace planish::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Infinite and NaN errors have no JSON number; they become null.
+Json norms_json(const ErrorNorms& norms) { return {{"max", norms.max}, {"rms", norms.rms}}; }
+
+Json input_json(const InputFacts& input) {
+  Json json;
+  json["path"] = input.path;
+  json["sha256"] = input.sha256;
+  json["format"] = input.format;
+  json["vertices"] = input.statistics.vertex_count;
+  json["faces"] = input.statistics.face_count;
+  json["face_sizes"] = histogram_json(input.statistics.face_size_counts);
+  json["boundary_loops"] = input.statistics.boundary_loop_count;
+  json["components"] = input.statistics.component_count;
+  json["genus"] = input.statistics.genus;
+  json["sharp_edges"] = input.sharp_edges;
+  json["corners"] = input.corners;
+  json["welded"] = input.welded;
+  json["dropped"] = input.dropped;
+  return json;
+}
+
+Json solve_json(const JobReport& report) {
+  const Interpolation& result = report.interpolation;
+  Json json;
+  json["weights"] = name_of(report.settings.weights);
+  json["solver"] = name_of(report.settings.solver);
+  json["boundary"] = name_of(report.settings.boundary);
+  json["creases"] = name_of_creases(report.settings.use_creases);
+  json["tolerance"] = report.settings.tolerance;
+  json["converged"] = result.converged;
+  json["stop_reason"] = planish::name_of(result.stop_reason);
+  json["iterations"] = result.iterations;
+  json["spectral_bound"] = report.spectral_bound;
+  json["error"] = norms_json(result.error);
+  json["error"]["worst_vertex"] = result.worst_vertex;
+  json["history"] = Json::array();
+  for (std::size_t i = 0; i < result.history.size(); ++i) {
+    Json entry{{"iteration", i}};
+    entry.update(norms_json(result.history[i]));
+    json["history"].push_back(entry);
+  }
+  return json;
+}
+
+Json outputs_json(const std::vector<WrittenOutput>& outputs) {
+  Json json = Json::array();
+  for (const WrittenOutput& output : outputs) {
+    Json entry;
+    entry["path"] = output.path;
+    entry["what"] = output.kind == OutputKind::Cage ? "cage" : "surface";
+    entry["bytes"] = output.bytes;
+    entry["sha256"] = output.sha256;
+    entry["level"] = output.kind == OutputKind::Cage ? Json() : Json(output.level);
+    entry["vertices"] = output.vertices;
+    entry["quads"] = output.quads;
+    entry["triangles"] = output.triangles;
+    entry["as_written_error"] = output.as_written_error;
+    json.push_back(entry);
+  }
+  return json;
+}
+
+Json timing_json(const JobTiming& timing) {
+  return {{"read", timing.read},     {"check", timing.check}, {"stencils", timing.stencils},
+          {"upload", timing.upload}, {"solve", timing.solve}, {"evaluate", timing.evaluate},
+          {"write", timing.write},   {"total", timing.total}};
+}
+
+Json warnings_json(const std::vector<Warning>& warnings) {
+  Json json = Json::array();
+  for (const Warning& warning : warnings) {
+    json.push_back({{"code", warning.code},
+                    {"message", warning.message},
+                    {"count", warning.count},
+                    {"first", warning.first}});
+  }
+  return json;
+}
+
+}  // namespace
+
+Json histogram_json(const std::vector<std::int64_t>& counts) {
+  Json json = Json::object();
+  for (std::size_t n = 0; n < counts.size(); ++n) {
+    if (counts[n] != 0) json[std::to_string(n)] = counts[n];
+  }
+  return json;
+}
+
+std::string json_text(const Json& value) {
+  return value.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json to_json(const JobReport& report) {
+  const DeviceDescription& device = report.device;
+  Json json;
+  json["schema"] = "planish.report/1";
+  json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}};
+  json["argv"] = report.arguments;
+  json["job"] = report.job;
+  json["exit_code"] = static_cast<int>(report.exit_code);
+  json["input"] = input_json(report.input);
+  json["device"] = {{"kind", device.kind},
+                    {"name", device.name},
+                    {"uuid", device.uuid},
+                    {"driver", device.driver},
+                    {"api", device.api}};
+  json["solve"] = solve_json(report);
+  json["surface"]["folded_area"] = report.folded_area ? Json(*report.folded_area) : Json();
+  json["outputs"] = outputs_json(report.outputs);
+  json["timing_ms"] = timing_json(report.timing);
+  json["memory"] = {{"host_peak_bytes", report.host_peak_bytes},
+                    {"device_bytes", report.device_bytes}};
+  json["warnings"] = warnings_json(report.warnings);
+  return json;
+}
+
+std::uint64_t peak_host_bytes() {
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+}  // namespace planish::command

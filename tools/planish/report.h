@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "exit_codes.h"
+#include "output_plan.h"
+#include "planish/backend/backend.h"
+#include "planish/mesh/check.h"
+#include "planish/pipeline/fit.h"
+#include "settings.h"
+
+namespace planish::command {
+
+/// A file as written.
+struct WrittenOutput {
+  std::string path;  ///< "-" for stdout
+  OutputKind kind = OutputKind::Surface;
+  int level = 0;            ///< of a surface
+  std::uint64_t bytes = 0;  ///< a .gltf counts its .bin
+  std::string sha256;       ///< of the file named by path
+  std::int64_t vertices = 0, quads = 0, triangles = 0;
+  /// Largest distance of a given vertex from its place on the surface that the file describes,
+  /// recomputed in double from the numbers in the file; a fraction of the diagonal.
+  double as_written_error = 0;
+};
+
+struct InputFacts {
+  std::string path, sha256, format;
+  MeshStatistics statistics{};
+  std::int32_t sharp_edges = 0, corners = 0;
+  std::int64_t welded = 0, dropped = 0;
+};
+
+/// Wall-clock milliseconds.
+struct JobTiming {
+  double read = 0, check = 0, stencils = 0, upload = 0, solve = 0, evaluate = 0, write = 0;
+  double total = 0;
+};
+
+/// What a job did; the source of its JSON report, its summary and its table row.
+struct JobReport {
+  std::string job;
+  std::vector<std::string> arguments;
+  ExitCode exit_code = ExitCode::Done;
+  InputFacts input;
+  DeviceDescription device;
+  Settings settings;
+  Interpolation interpolation;  ///< displacement left empty
+  double spectral_bound = 0;
+  std::optional<double> folded_area;  ///< a fraction; empty where no surface was evaluated
+  std::vector<WrittenOutput> outputs;
+  JobTiming timing;
+  std::uint64_t host_peak_bytes = 0, device_bytes = 0;
+  std::vector<Warning> warnings;
+};
+
+/// The stable JSON form; keys keep their order. Text that is no UTF-8 is made so.
+[[nodiscard]] nlohmann::ordered_json to_json(const JobReport& report);
+
+/// Indented text of any JSON value, with a line end.
+[[nodiscard]] std::string json_text(const nlohmann::ordered_json& value);
+
+/// {"3": 20, "4": 1}: the non-zero entries of a histogram.
+[[nodiscard]] nlohmann::ordered_json histogram_json(const std::vector<std::int64_t>& counts);
+
+/// A few aligned lines for people.
+[[nodiscard]] std::string summary(const JobReport& report);
+
+/// Highest memory that this process has held.
+[[nodiscard]] std::uint64_t peak_host_bytes();
+
+}  // namespace planish::command

@@ -1,0 +1,169 @@
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "commands.h"
+#include "devices.h"
+#include "interrupt.h"
+#include "job.h"
+#include "planish/core/error.h"
+#include "scene_file.h"
+#include "table.h"
+#include "text.h"
+
+namespace planish::command {
+namespace {
+
+struct RunFlags {
+  std::string scene, device;
+  std::vector<std::string> names;
+  bool force = false, dry_run = false;
+  MessageFlags messages;
+};
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  planish run scenes/table1.json\n"
+    "  planish run scenes/table1.json goblet arm --force\n"
+    "Exit codes are those of planish fit, and 8 when some jobs failed. scene.schema.json\n"
+    "describes the file.\n";
+
+struct PlannedJob {
+  Job job;
+  std::vector<PlannedOutput> outputs;
+  std::size_t device = 0;  ///< position in the list
+};
+
+std::vector<PlannedJob> plan_jobs(const RunFlags& flags, const std::vector<ListedDevice>& devices) {
+  std::vector<Job> jobs = select_jobs(read_scene_file(flags.scene), flags.names);
+  PathClaims claims({.overwrite = flags.force, .create_folders = true});
+  claims.add_input(flags.scene);
+  for (const Job& job : jobs) claims.add_input(job.input);
+  std::vector<PlannedJob> planned;
+  for (Job& job : jobs) {
+    PlannedJob entry;
+    if (!flags.device.empty()) job.settings.device = flags.device;
+    check_consistent(job.settings);
+    for (const OutputRequest& request : job.outputs) {
+      for (PlannedOutput& output : plan_output(request, claims)) {
+        entry.outputs.push_back(std::move(output));
+      }
+    }
+    if (!job.report.empty()) claims.add_output(job.report, "report of job " + job.name);
+    entry.device = choose_device(devices, job.settings);
+    entry.job = std::move(job);
+    planned.push_back(std::move(entry));
+  }
+  return planned;
+}
+
+// Opened once for all jobs that share a device and a precision.
+class OpenBackends {
+ public:
+  explicit OpenBackends(const std::vector<ListedDevice>& devices) : devices_(devices) {}
+
+  Backend& get(const PlannedJob& job) {
+    auto& backend = backends_[{job.device, solve_precision(job.job.settings)}];
+    if (!backend) backend = open_backend(devices_[job.device], job.job.settings);
+    return *backend;
+  }
+
+ private:
+  const std::vector<ListedDevice>& devices_;
+  std::map<std::pair<std::size_t, Precision>, std::unique_ptr<Backend>> backends_;
+};
+
+Table make_table() {
+  return Table({{"name", Align::Left},
+                {"vertices", Align::Right},
+                {"solver", Align::Left},
+                {"weights", Align::Left},
+                {"iterations", Align::Right},
+                {"error", Align::Right},
+                {"ms", Align::Right}});
+}
+
+std::vector<std::string> row_of(const JobReport& report) {
+  const JobTiming& timing = report.timing;
+  const Interpolation& result = report.interpolation;
+  return {report.job,
+          with_separators(report.input.statistics.vertex_count),
+          std::string(name_of(report.settings.solver)),
+          std::string(name_of(report.settings.weights)),
+          std::to_string(result.iterations) + (result.converged ? "" : " (not converged)"),
+          short_number(result.error.max),
+          fixed(timing.check + timing.stencils + timing.upload + timing.solve, 1)};
+}
+
+std::vector<std::string> failed_row(const Job& job) {
+  return {job.name,
+          "-",
+          std::string(name_of(job.settings.solver)),
+          std::string(name_of(job.settings.weights)),
+          "failed",
+          "-",
+          "-"};
+}
+
+// The report, or nothing for a job that failed; the message has been given then.
+std::optional<JobReport> try_job(const PlannedJob& planned, OpenBackends& backends,
+                                 const JobContext& context) {
+  try {
+    return run_job(planned.job, planned.outputs, backends.get(planned), context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::Cancelled) throw;
+    context.console.error(planned.job.name + ": " + error.what());
+  } catch (const std::bad_alloc&) {
+    context.console.error(planned.job.name + ": out of memory");
+  }
+  return std::nullopt;
+}
+
+ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& arguments) {
+  const std::vector<ListedDevice> devices = list_devices();
+  const std::vector<PlannedJob> jobs = plan_jobs(flags, devices);
+  if (flags.dry_run) {
+    for (const PlannedJob& planned : jobs) {
+      describe_job(planned.job, planned.outputs, devices[planned.device].description);
+    }
+    return ExitCode::Done;
+  }
+  Console console(flags.messages.level(), flags.messages.color_mode());
+  Progress progress(console, flags.messages.progress_mode());
+  const JobContext context{console, progress, arguments};
+  OpenBackends backends(devices);
+  Table table = make_table();
+  std::size_t failed = 0;
+  for (const PlannedJob& planned : jobs) {
+    const std::optional<JobReport> report = try_job(planned, backends, context);
+    table.add_row(report ? row_of(*report) : failed_row(planned.job));
+    if (!report || report->exit_code != ExitCode::Done) ++failed;
+    if (report) console.debug(summary(*report));
+  }
+  write_stdout(table.text() +
+               "error: largest vertex error over the diagonal; ms: check, stencils and solve\n");
+  if (failed == 0) return ExitCode::Done;
+  console.error(std::to_string(failed) + " of " + counted(jobs.size(), "job") + " failed");
+  return ExitCode::JobsFailed;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, Invocation& invocation) {
+  CLI::App* command = app.add_subcommand("run", "the jobs of a scene file, and a table of them");
+  auto flags = std::make_shared<RunFlags>();
+  command->add_option("SCENE", flags->scene, "scene file (JSON)")->type_name("")->required();
+  command->add_option("JOB", flags->names, "names of jobs; all where none is named")->type_name("");
+  command->add_option("--device", flags->device, "for all jobs, whatever the scene says")
+      ->type_name("auto|cpu|vulkan|INDEX|NAME|UUID");
+  command->add_flag("-f,--force", flags->force, "overwrite existing files");
+  command->add_flag("--dry-run", flags->dry_run, "check everything and say what would be done");
+  flags->messages.add_to(*command, true);
+  command->footer(kExamples);
+  command->callback([flags, &invocation] {
+    invocation.action = [flags, &invocation] { return run_scene(*flags, invocation.arguments); };
+  });
+}
+
+}  // namespace planish::command

@@ -1,0 +1,202 @@
+#include "settings.h"
+
+#include <algorithm>
+#include <array>
+
+#include "nearest.h"
+#include "planish/core/error.h"
+#include "text.h"
+
+namespace planish::command {
+namespace {
+
+template <class Value>
+struct Word {
+  std::string_view text;
+  Value value;
+};
+
+constexpr std::array kWeights{Word<Weights>{"doo-sabin", Weights::DooSabin},
+                              Word<Weights>{"averaged", Weights::Averaged}};
+constexpr std::array kSolvers{Word<Solver>{"chebyshev", Solver::Chebyshev},
+                              Word<Solver>{"plain", Solver::Plain},
+                              Word<Solver>{"cg", Solver::ConjugateGradients}};
+constexpr std::array kBoundaries{
+    Word<BoundaryRule>{"edge", BoundaryRule::Edge},
+    Word<BoundaryRule>{"edge-and-corner", BoundaryRule::EdgeAndCorner}};
+constexpr std::array kPrecisions{Word<PrecisionChoice>{"auto", PrecisionChoice::Auto},
+                                 Word<PrecisionChoice>{"float", PrecisionChoice::Float},
+                                 Word<PrecisionChoice>{"double", PrecisionChoice::Double}};
+constexpr std::array kUpAxes{Word<UpAxis>{"y", UpAxis::Y}, Word<UpAxis>{"z", UpAxis::Z}};
+constexpr std::array kCreases{Word<bool>{"use", true}, Word<bool>{"ignore", false}};
+// "auto" takes the progressive iteration for every mesh: point clouds are not read yet.
+constexpr std::array kInterpolations{Word<bool>{"auto", true}, Word<bool>{"progressive", true}};
+constexpr std::array kSchemes{Word<bool>{"doo-sabin", true}};
+constexpr std::array kPresets{Word<bool>{"paper", true}};
+
+[[noreturn]] void refuse(std::string_view where, const std::string& what) {
+  throw Error(ErrorCode::InvalidArgument, std::string(where) + ": " + what);
+}
+
+template <class Words>
+auto parse(const Words& words, std::string_view value, std::string_view where) {
+  std::vector<std::string_view> texts;
+  std::string allowed;
+  for (const auto& word : words) {
+    if (word.text == value) return word.value;
+    texts.push_back(word.text);
+    allowed += (allowed.empty() ? "" : ", ") + std::string(word.text);
+  }
+  refuse(where,
+         "\"" + plain_utf8(value) + "\" is not one of " + allowed + did_you_mean(value, texts));
+}
+
+template <class Words, class Value>
+std::string_view text_of(const Words& words, Value value) {
+  const auto found = std::ranges::find(words, value, &Words::value_type::value);
+  return found->text;
+}
+
+void set_preset(Settings& settings, std::string_view value, std::string_view where) {
+  parse(kPresets, value, where);
+  settings.weights = Weights::Averaged;
+  settings.solver = Solver::Plain;
+}
+
+void set_interpolation(Settings&, std::string_view value, std::string_view where) {
+  if (value == "fair") refuse(where, "fair is not built yet; progressive is");
+  parse(kInterpolations, value, where);
+}
+
+void set_scheme(Settings&, std::string_view value, std::string_view where) {
+  if (value == "catmull-clark" || value == "loop") {
+    refuse(where, std::string(value) + " is not built yet; doo-sabin is");
+  }
+  parse(kSchemes, value, where);
+}
+
+constexpr std::array kWordSettings{
+    WordSetting{"preset", "paper", "", "averaged weights and the plain iteration, as published",
+                true, set_preset},
+    WordSetting{"weights", "doo-sabin|averaged", "doo-sabin",
+                "subdivision weights: Doo & Sabin 1978, or the paper's averages", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.weights = parse_weights(value, where);
+                }},
+    WordSetting{"interpolation", "auto|progressive|fair", "auto",
+                "auto is progressive for meshes; fair is not built yet", true, set_interpolation},
+    WordSetting{"solver", "chebyshev|plain|cg", "chebyshev",
+                "chebyshev; plain as in the paper; cg for closed smooth meshes", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.solver = parse(kSolvers, value, where);
+                }},
+    WordSetting{"precision", "auto|float|double", "auto",
+                "of the solve on the CPU; auto takes double for tolerances below 1e-8", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.precision = parse(kPrecisions, value, where);
+                }},
+    WordSetting{"boundary", "edge|edge-and-corner", "edge",
+                "open boundaries are smooth curves, or have corners where one face meets them",
+                true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.boundary = parse_boundary(value, where);
+                }},
+    WordSetting{"creases", "use|ignore|auto[:DEGREES]", "use",
+                "crease and corner tags of the file; auto is not built yet", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.use_creases = parse_creases(value, where);
+                }},
+    WordSetting{"scheme", "doo-sabin", "doo-sabin",
+                "subdivision scheme; catmull-clark and loop are not built yet", true, set_scheme},
+    WordSetting{"up", "y|z", "y", "z turns a Z-up input upright for glTF", false,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.up = parse(kUpAxes, value, where);
+                }},
+    WordSetting{"device", "auto|cpu|vulkan|INDEX|NAME|UUID", "auto",
+                "auto: a hardware Vulkan device, else the CPU; see planish devices", false,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  if (value.empty()) refuse(where, "is empty; planish devices lists what there is");
+                  s.device = value;
+                }},
+};
+
+}  // namespace
+
+std::span<const WordSetting> word_settings() { return kWordSettings; }
+
+Weights parse_weights(std::string_view value, std::string_view where) {
+  return parse(kWeights, value, where);
+}
+
+BoundaryRule parse_boundary(std::string_view value, std::string_view where) {
+  return parse(kBoundaries, value, where);
+}
+
+bool parse_creases(std::string_view value, std::string_view where) {
+  if (value == "auto" || value.starts_with("auto:")) {
+    refuse(where, "auto is not built yet; tag the edges in the file (OBJ: t crease) and use them");
+  }
+  return parse(kCreases, value, where);
+}
+
+void set_tolerance(Settings& settings, double value, std::string_view where) {
+  if (!(value > 0 && value <= 1)) {
+    refuse(where, short_number(value) +
+                      " is out of range; a fraction of the bounding-box diagonal above 0 and up to "
+                      "1 is wanted, such as 1e-6");
+  }
+  settings.tolerance = value;
+}
+
+void set_max_iterations(Settings& settings, std::int64_t value, std::string_view where) {
+  constexpr std::int64_t kMost = 1'000'000;  // no solve that converges at all needs as many
+  if (value < 0 || value > kMost) {
+    refuse(where, std::to_string(value) + " is out of range; 0 to 1000000 is wanted");
+  }
+  settings.max_iterations = static_cast<std::int32_t>(value);
+}
+
+std::vector<int> checked_levels(std::span<const std::int64_t> values, std::string_view where) {
+  std::vector<int> levels;
+  for (const std::int64_t value : values) {
+    if (value < 0 || value > kMaxLevel) {
+      refuse(where, std::to_string(value) + " is out of range; levels are 0 to " +
+                        std::to_string(kMaxLevel));
+    }
+    if (std::ranges::find(levels, value) != levels.end()) {
+      refuse(where, "level " + std::to_string(value) + " is named twice");
+    }
+    levels.push_back(static_cast<int>(value));
+  }
+  if (levels.empty()) refuse(where, "no level is named; 2 is a good one");
+  return levels;
+}
+
+void check_consistent(const Settings& settings) {
+  if (settings.device == "vulkan" && settings.precision != PrecisionChoice::Auto) {
+    refuse("--precision", std::string(text_of(kPrecisions, settings.precision)) +
+                              " is for the CPU backend; leave it out with --device vulkan, or take "
+                              "--device cpu");
+  }
+}
+
+Precision solve_precision(const Settings& settings) {
+  // Float reaches 1e-9 of the diagonal at best; one digit is kept in hand.
+  constexpr double kFloatTolerance = 1e-8;
+  switch (settings.precision) {
+    case PrecisionChoice::Float:
+      return Precision::Float;
+    case PrecisionChoice::Double:
+      return Precision::Double;
+    case PrecisionChoice::Auto:
+      break;
+  }
+  return settings.tolerance < kFloatTolerance ? Precision::Double : Precision::Float;
+}
+
+std::string_view name_of(Weights weights) { return text_of(kWeights, weights); }
+std::string_view name_of(Solver solver) { return text_of(kSolvers, solver); }
+std::string_view name_of(BoundaryRule boundary) { return text_of(kBoundaries, boundary); }
+std::string_view name_of_creases(bool use_creases) { return text_of(kCreases, use_creases); }
+
+}  // namespace planish::command

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/pipeline/fit.h"
+
+namespace planish::command {
+
+enum class PrecisionChoice { Auto, Float, Double };
+enum class UpAxis { Y, Z };
+
+/// Everything that can be set for one job, by flags of `fit` or keys of a scene file.
+struct Settings {
+  Weights weights = Weights::DooSabin;
+  Solver solver = Solver::Chebyshev;
+  double tolerance = 1e-6;
+  std::int32_t max_iterations = 200;
+  PrecisionChoice precision = PrecisionChoice::Auto;
+  BoundaryRule boundary = BoundaryRule::Edge;
+  bool use_creases = true;
+  UpAxis up = UpAxis::Y;
+  std::string device = "auto";
+  std::vector<int> levels{2};
+};
+
+/// One setting that is given as a word. The flag is `--name` with '_' as '-'.
+struct WordSetting {
+  std::string_view name;     ///< as in a scene file
+  std::string_view choices;  ///< for the help text
+  std::string_view initial;  ///< the default, for the help text
+  std::string_view help;
+  bool belongs_to_solve;  ///< may stand in a scene file's "solve"
+  /// Throws Error{InvalidArgument}: `where` ("--weights", "scene.json: jobs[0].weights") names
+  /// the place, then the value, what is allowed and the nearest of it.
+  void (*set)(Settings& settings, std::string_view value, std::string_view where);
+};
+
+/// In the order in which they have to be set: a preset first, so that others override it.
+[[nodiscard]] std::span<const WordSetting> word_settings();
+
+// Settings that are numbers; the same errors.
+void set_tolerance(Settings& settings, double value, std::string_view where);
+void set_max_iterations(Settings& settings, std::int64_t value, std::string_view where);
+/// Each 0 to kMaxLevel, none twice, at least one.
+[[nodiscard]] std::vector<int> checked_levels(std::span<const std::int64_t> values,
+                                              std::string_view where);
+
+/// Throws Error{InvalidArgument} where settings contradict each other, as far as that can be told
+/// before a device is open.
+void check_consistent(const Settings& settings);
+
+/// What the CPU solves in: as chosen; auto takes double for tolerances below 1e-8.
+[[nodiscard]] Precision solve_precision(const Settings& settings);
+
+// Stable names, as given in flags and written in reports.
+[[nodiscard]] std::string_view name_of(Weights weights);
+[[nodiscard]] std::string_view name_of(Solver solver);
+[[nodiscard]] std::string_view name_of(BoundaryRule boundary);
+[[nodiscard]] std::string_view name_of_creases(bool use_creases);
+
+/// Shared by the flags of `fit` and `verify`. Same errors as WordSetting::set.
+[[nodiscard]] Weights parse_weights(std::string_view value, std::string_view where);
+[[nodiscard]] BoundaryRule parse_boundary(std::string_view value, std::string_view where);
+[[nodiscard]] bool parse_creases(std::string_view value, std::string_view where);
+
+}  // namespace planish::command

@@ -1,0 +1,104 @@
+#include "surface_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "cage_header.h"
+#include "digest.h"
+#include "planish/mesh/mesh_file.h"
+#include "planish/surface/write_surface.h"
+
+namespace planish::command {
+namespace {
+
+MeshFormat mesh_format_of(OutputFormat format) {
+  return format == OutputFormat::Obj   ? MeshFormat::Obj
+         : format == OutputFormat::Ply ? MeshFormat::Ply
+                                       : MeshFormat::Off;
+}
+
+void note_bytes(WrittenOutput& written, std::span<const std::byte> bytes) {
+  written.bytes = bytes.size();
+  written.sha256 = sha256(bytes);
+}
+
+void note_file(WrittenOutput& written, const std::filesystem::path& file) {
+  const FileDigest digest = digest_of(file);
+  written.bytes = digest.bytes;
+  written.sha256 = digest.sha256;
+}
+
+std::span<const glm::dvec3> first_of(const SurfaceMesh& surface, std::size_t count) {
+  return std::span(surface.positions).first(std::min(count, surface.positions.size()));
+}
+
+}  // namespace
+
+double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const glm::dvec3 d = a[i] - b[i];
+    const double distance = std::hypot(d.x, d.y, d.z);
+    if (!std::isfinite(distance)) return std::numeric_limits<double>::infinity();
+    largest = std::max(largest, distance);
+  }
+  return largest;
+}
+
+WrittenOutput write_surface_output(const PlannedOutput& planned,
+                                   const std::filesystem::path& target, const SurfaceMesh& surface,
+                                   const SurfaceOutputOptions& options,
+                                   std::vector<std::byte>& stdout_bytes) {
+  WrittenOutput written;
+  written.path = planned.path.string();
+  written.kind = planned.kind;
+  written.level = surface.level;
+  written.vertices = static_cast<std::int64_t>(surface.positions.size());
+  written.quads = surface.level == 0 ? 0 : surface.face_count();
+  const auto corners = static_cast<std::int64_t>(surface.face_vertices.size());
+  written.triangles = corners - 2 * surface.face_count();
+  const bool is_gltf = planned.format == OutputFormat::Glb || planned.format == OutputFormat::Gltf;
+  const std::size_t count = std::min<std::size_t>(options.given.size(), surface.base_vertex_count);
+  if (planned.to_stdout) {
+    stdout_bytes = encode_glb(surface, options.gltf);
+    note_bytes(written, stdout_bytes);
+  } else if (is_gltf) {
+    const GltfFile file = write_gltf(target, surface, options.gltf);
+    note_file(written, target);
+    written.bytes = file.byte_count;
+  } else {
+    write_surface(target, mesh_format_of(planned.format), surface);
+    note_file(written, target);
+  }
+  // Text and PLY carry doubles that read back as the same bits.
+  const double distance =
+      is_gltf ? largest_distance(written_positions(surface, options.gltf, count), options.given)
+              : largest_distance(first_of(surface, count), options.given);
+  written.as_written_error = distance / options.diagonal;
+  return written;
+}
+
+WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesystem::path& target,
+                                const PolygonMesh& cage, const JobReport& report,
+                                std::span<const glm::dvec3> given, double diagonal) {
+  const Settings& settings = report.settings;
+  write_mesh(target, mesh_format_of(planned.format), cage,
+             {.header = cage_header_lines(settings, report.input.path)});
+  WrittenOutput written;
+  written.path = planned.path.string();
+  written.kind = planned.kind;
+  written.vertices = cage.vertex_count();
+  for (std::int32_t face = 0; face < cage.face_count(); ++face) {
+    const std::int32_t size = cage.face_size(face);
+    if (size == 4) ++written.quads;
+    if (size == 3) ++written.triangles;
+  }
+  note_file(written, target);
+  const std::vector<glm::dvec3> limit =
+      limit_positions(cage, settings.weights, settings.boundary, settings.use_creases);
+  written.as_written_error = largest_distance(limit, given) / diagonal;
+  return written;
+}
+
+}  // namespace planish::command

@@ -1,0 +1,69 @@
+#include "verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "planish/core/error.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/placement.h"
+#include "text.h"
+
+namespace planish::command {
+namespace {
+
+void require_same_faces(const Input& cage, const Input& given) {
+  const PolygonMesh& a = cage.file.mesh;
+  const PolygonMesh& b = given.file.mesh;
+  const std::string subject = cage.name + " is no cage of " + given.name + ": ";
+  if (a.vertex_count() < b.vertex_count()) {
+    throw Error(ErrorCode::UnusableMesh, subject + with_separators(a.vertex_count()) +
+                                             " vertices for " + with_separators(b.vertex_count()));
+  }
+  if (a.face_count() != b.face_count()) {
+    throw Error(ErrorCode::UnusableMesh, subject + with_separators(a.face_count()) + " faces for " +
+                                             with_separators(b.face_count()));
+  }
+  for (std::int32_t face = 0; face < a.face_count(); ++face) {
+    if (!std::ranges::equal(a.face(face), b.face(face))) {
+      throw Error(ErrorCode::UnusableMesh,
+                  subject + "face " + std::to_string(face) + " has other corners", face);
+    }
+  }
+}
+
+}  // namespace
+
+Verification verify(const Input& cage, const Input& given, const VerifyOptions& options) {
+  require_usable(given.file.mesh, given.name);
+  require_same_faces(cage, given);
+  PolygonMesh control = cage.file.mesh;
+  if (cage.file.format != MeshFormat::Obj) {
+    control.creases = given.file.mesh.creases;
+    control.corners = given.file.mesh.corners;
+  }
+  require_usable(control, cage.name);
+  const std::vector<glm::dvec3> limit =
+      limit_positions(control, options.weights, options.boundary, options.use_creases);
+  const double diagonal = placement_of(given.file.mesh).diagonal;
+  Verification result;
+  result.vertex_count = given.file.mesh.vertex_count();
+  double sum_of_squares = 0;
+  for (std::int64_t vertex = 0; vertex < result.vertex_count; ++vertex) {
+    const glm::dvec3 offset = limit[vertex] - given.file.mesh.positions[vertex];
+    double error = std::hypot(offset.x, offset.y, offset.z) / diagonal;
+    if (!std::isfinite(error)) error = std::numeric_limits<double>::infinity();
+    sum_of_squares += error * error;
+    if (result.worst_vertex < 0 || error > result.error.max) {
+      result.error.max = error;
+      result.worst_vertex = vertex;
+    }
+  }
+  if (result.vertex_count > 0) {
+    result.error.rms = std::sqrt(sum_of_squares / static_cast<double>(result.vertex_count));
+  }
+  result.confirmed = result.error.max <= options.tolerance;
+  return result;
+}
+
+}  // namespace planish::command

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+
+#include "input.h"
+#include "planish/pipeline/fit.h"
+
+namespace planish::command {
+
+struct VerifyOptions {
+  Weights weights = Weights::DooSabin;
+  BoundaryRule boundary = BoundaryRule::Edge;
+  bool use_creases = true;
+  double tolerance = 1e-6;
+};
+
+/// How far the given vertices are from the cage's limit surface, as fractions of the given mesh's
+/// bounding-box diagonal.
+struct Verification {
+  ErrorNorms error;
+  std::int64_t worst_vertex = -1;
+  std::int64_t vertex_count = 0;
+  bool confirmed = false;  ///< error.max is at most the tolerance
+};
+
+/// Evaluates the cage's limit points in double on the CPU and compares them with the given
+/// vertices, which are the cage's first ones. Formats without crease tags (all but OBJ) take those
+/// of the given mesh. Throws Error{UnusableMesh} for a cage that is no cage of the given mesh:
+/// fewer vertices, or other faces.
+[[nodiscard]] Verification verify(const Input& cage, const Input& given,
+                                  const VerifyOptions& options);
+
+}  // namespace planish::command

@@ -1,0 +1,113 @@
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cage_header.h"
+#include "commands.h"
+#include "report.h"
+#include "text.h"
+#include "verify.h"
+
+namespace planish::command {
+namespace {
+
+struct VerifyFlags {
+  std::string cage, input, weights, boundary, creases;
+  double tolerance = 0;  ///< 0: not given
+  CLI::Option* tolerance_flag = nullptr;
+  bool json = false;
+};
+
+// Flags first, then the cage's header, then the defaults of fit.
+VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
+  VerifyOptions options;
+  options.weights = header.weights.value_or(options.weights);
+  options.boundary = header.boundary.value_or(options.boundary);
+  options.use_creases = header.use_creases.value_or(options.use_creases);
+  options.tolerance = header.tolerance.value_or(options.tolerance);
+  if (!flags.weights.empty()) options.weights = parse_weights(flags.weights, "--weights");
+  if (!flags.boundary.empty()) options.boundary = parse_boundary(flags.boundary, "--boundary");
+  if (!flags.creases.empty()) options.use_creases = parse_creases(flags.creases, "--creases");
+  if (flags.tolerance_flag->count() > 0) {
+    Settings checked;
+    set_tolerance(checked, flags.tolerance, "--tolerance");
+    options.tolerance = checked.tolerance;
+  }
+  return options;
+}
+
+std::string to_json_text(const Verification& result, const VerifyOptions& options,
+                         const Input& cage, const Input& given) {
+  nlohmann::ordered_json json;
+  json["schema"] = "planish.verify/1";
+  json["cage"] = {{"path", cage.name}, {"sha256", cage.sha256}};
+  json["input"] = {{"path", given.name}, {"sha256", given.sha256}};
+  json["weights"] = name_of(options.weights);
+  json["boundary"] = name_of(options.boundary);
+  json["creases"] = name_of_creases(options.use_creases);
+  json["tolerance"] = options.tolerance;
+  json["vertices"] = result.vertex_count;
+  json["error"] = {
+      {"max", result.error.max}, {"rms", result.error.rms}, {"worst_vertex", result.worst_vertex}};
+  json["confirmed"] = result.confirmed;
+  return json_text(json);
+}
+
+std::string to_text(const Verification& result, const VerifyOptions& options, const Input& cage,
+                    const Input& given) {
+  return std::string(result.confirmed ? "confirmed" : "rejected") + ": the limit surface of " +
+         cage.name + (result.confirmed ? " passes" : " does not pass") + " through the " +
+         with_separators(result.vertex_count) + " vertices of " + given.name + "\n  max error  " +
+         short_number(result.error.max) + " of the diagonal, at vertex " +
+         std::to_string(result.worst_vertex) + " (tolerance " + short_number(options.tolerance) +
+         ")\n  rms error  " + short_number(result.error.rms) + "\n  weights    " +
+         std::string(name_of(options.weights)) + ", boundary " +
+         std::string(name_of(options.boundary)) + ", creases " +
+         std::string(name_of_creases(options.use_creases)) + "\n";
+}
+
+ExitCode run_verify(const VerifyFlags& flags) {
+  const Input cage = read_input(flags.cage, std::nullopt);
+  const CageHeader header = parse_cage_header(cage.file.header, cage.name);
+  const VerifyOptions options = options_of(flags, header);
+  const Input given = read_input(flags.input, std::nullopt);
+  const Verification result = verify(cage, given, options);
+  write_stdout(flags.json ? to_json_text(result, options, cage, given)
+                          : to_text(result, options, cage, given));
+  return result.confirmed ? ExitCode::Done : ExitCode::NotConverged;
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, Invocation& invocation) {
+  CLI::App* command = app.add_subcommand(
+      "verify", "how far a mesh's vertices are from the limit surface of its cage");
+  auto flags = std::make_shared<VerifyFlags>();
+  command->add_option("CAGE", flags->cage, "control cage, as fit --cage writes it")
+      ->type_name("")
+      ->required();
+  command->add_option("INPUT", flags->input, "the mesh that was fitted")->type_name("")->required();
+  const char* group = "Instead of what the cage's header says";
+  command->add_option("--weights", flags->weights, "subdivision weights")
+      ->type_name("doo-sabin|averaged")
+      ->group(group);
+  command->add_option("--boundary", flags->boundary, "rule of open boundaries")
+      ->type_name("edge|edge-and-corner")
+      ->group(group);
+  command->add_option("--creases", flags->creases, "whether tags count")
+      ->type_name("use|ignore")
+      ->group(group);
+  flags->tolerance_flag =
+      command->add_option("--tolerance", flags->tolerance, "largest error that is confirmed")
+          ->type_name("T")
+          ->group(group);
+  command->add_flag("--json", flags->json, "as JSON");
+  command->footer(
+      "Recomputed in double on the CPU, whatever device fitted the cage.\n"
+      "Examples:\n  planish verify cage.obj bunny.obj\n"
+      "  planish verify cage.obj bunny.obj --tolerance 1e-9 --json\n"
+      "Exit code 5 above the tolerance.\n");
+  command->callback(
+      [flags, &invocation] { invocation.action = [flags] { return run_verify(*flags); }; });
+}
+
+}  // namespace planish::command
