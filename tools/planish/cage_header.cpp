@@ -52,8 +52,8 @@ std::vector<std::string> cage_header_lines(const Settings& settings, const std::
   return {line("version", PLANISH_VERSION),
           line("scheme", "doo-sabin"),
           line("weights", name_of(settings.weights)),
-          line("boundary", name_of(settings.boundary)),
-          line("creases", name_of_creases(settings.use_creases)),
+          line("boundary", name_of(settings.sharp.boundary)),
+          line("creases", name_of_creases(settings.sharp.use_tags)),
           line("tolerance", shortest(settings.tolerance)),
           line("source", plain_utf8(file_name))};
 }

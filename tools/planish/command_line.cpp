@@ -82,7 +82,7 @@ ExitCode parse_and_run(const std::vector<std::string>& arguments) {
     app.parse(reversed);
   } catch (const CLI::CallForHelp&) {
     const auto chosen = app.get_subcommands();
-    write_stdout((chosen.empty() ? &app : chosen.front())->help());
+    write_stdout(chosen.empty() ? app.help() : chosen.front()->help("planish"));
     return ExitCode::Done;
   } catch (const CLI::CallForVersion&) {
     write_stdout("planish " PLANISH_VERSION "\n");

@@ -94,6 +94,7 @@ Job job_of(const FitFlags& flags) {
 }
 
 ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& arguments) {
+  Console console(flags.messages.level(), flags.messages.color_mode());
   const Job job = job_of(flags);
   PathClaims claims({.overwrite = flags.force});
   claims.add_input(job.input);
@@ -111,7 +112,6 @@ ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& argument
     return ExitCode::Done;
   }
   const std::unique_ptr<Backend> backend = open_backend(device, job.settings);
-  Console console(flags.messages.level(), flags.messages.color_mode());
   Progress progress(console, flags.messages.progress_mode());
   const JobReport report = run_job(job, outputs, *backend, {console, progress, arguments});
   console.info(summary(report));

@@ -7,6 +7,7 @@
 #include "input.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/placement.h"
+#include "planish/mesh/statistics.h"
 #include "report.h"
 #include "text.h"
 

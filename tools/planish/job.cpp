@@ -11,6 +11,8 @@
 #include "planish/core/output_file.h"
 #include "planish/core/version.h"
 #include "planish/mesh/check.h"
+#include "planish/surface/evaluate.h"
+#include "planish/surface/folded_area.h"
 #include "staged_files.h"
 #include "surface_output.h"
 #include "text.h"
@@ -78,8 +80,7 @@ Fit fit_input(const Input& input, Backend& backend, JobReport& report, const Cal
   options.solver = settings.solver;
   options.tolerance = settings.tolerance;
   options.max_iterations = settings.max_iterations;
-  options.boundary = settings.boundary;
-  options.use_creases = settings.use_creases;
+  options.sharp = settings.sharp;
   options.callbacks = callbacks;
   try {
     return fit(input.file.mesh, backend, options);
@@ -95,6 +96,7 @@ void note_fit(JobReport& report, Fit& result) {
   report.input.corners = result.corner_count;
   report.spectral_bound = result.spectral_bound;
   report.timing.check += result.timing.check;
+  report.timing.topology += result.timing.topology;
   report.timing.stencils += result.timing.stencils;
   report.timing.upload += result.timing.upload;
   report.timing.solve += result.timing.solve;
@@ -116,6 +118,21 @@ void warn_of_the_solve(JobReport& report, Console& console) {
                1, result.worst_vertex});
 }
 
+void warn_of_unused(JobReport& report, const PolygonMesh& mesh, Console& console) {
+  const std::int64_t count = report.input.statistics.unused_vertex_count;
+  if (count == 0) return;
+  std::vector<bool> used(mesh.positions.size());
+  for (const std::int32_t vertex : mesh.face_vertices) used[vertex] = true;
+  const auto first = std::ranges::find(used, false) - used.begin();
+  add_warning(
+      report, console,
+      {"unused-vertices",
+       report.input.path + ": " + with_separators(count) + " of " +
+           with_separators(mesh.vertex_count()) + " vertices belong to no face (the first is " +
+           std::to_string(first) + "); they stay where they are in the cage",
+       count, first});
+}
+
 void note_folds(JobReport& report, const SurfaceMesh& surface, const PolygonMesh& input,
                 Console& console) {
   if (report.folded_area || surface.level == 0) return;
@@ -130,11 +147,14 @@ void note_folds(JobReport& report, const SurfaceMesh& surface, const PolygonMesh
 }
 
 SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
-                                     const Placement& placement, const PolygonMesh& input) {
+                                     const Placement& placement, const PolygonMesh& input,
+                                     const Callbacks& callbacks) {
   SurfaceOutputOptions options;
   options.given = input.positions;
+  options.gltf.callbacks = callbacks;
   options.diagonal = placement.diagonal;
-  const std::string stem = job.input == "-" ? job.name : std::filesystem::path(job.input).stem().string();
+  const std::string stem =
+      job.input == "-" ? job.name : std::filesystem::path(job.input).stem().string();
   options.gltf.name = plain_utf8(stem);
   options.gltf.double_sided = report.input.statistics.boundary_loop_count > 0;
   options.gltf.z_up = job.settings.up == UpAxis::Z;
@@ -147,8 +167,8 @@ SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
                          {"scheme", std::string("doo-sabin")},
                          {"weights", std::string(name_of(settings.weights))},
                          {"solver", std::string(name_of(settings.solver))},
-                         {"boundary", std::string(name_of(settings.boundary))},
-                         {"creases", std::string(name_of_creases(settings.use_creases))},
+                         {"boundary", std::string(name_of(settings.sharp.boundary))},
+                         {"creases", std::string(name_of_creases(settings.sharp.use_tags))},
                          {"tolerance", settings.tolerance},
                          {"converged", report.interpolation.converged},
                          {"iterations", std::int64_t{report.interpolation.iterations}},
@@ -184,8 +204,7 @@ SurfaceMesh evaluate_level(Work& work, int level) {
   EvaluateOptions options;
   options.level = level;
   options.weights = work.job.settings.weights;
-  options.boundary = work.job.settings.boundary;
-  options.use_creases = work.job.settings.use_creases;
+  options.sharp = work.job.settings.sharp;
   options.rest_positions = work.input.positions;
   options.callbacks = callbacks_for(work.report, work.context);
   return timed(work.report.timing.evaluate, [&] {
@@ -215,7 +234,8 @@ void write_one(Work& work, const PlannedOutput& planned, const SurfaceMesh* surf
 // Cages first; then every level once, whatever the number of files that show it.
 void write_outputs(Work& work) {
   const SurfaceOutputOptions common =
-      surface_options(work.job, work.report, work.fitted.placement, work.input);
+      surface_options(work.job, work.report, work.fitted.placement, work.input,
+                      callbacks_for(work.report, work.context));
   std::vector<WrittenOutput>& written = work.report.outputs;
   written.resize(work.outputs.size());
   std::vector<int> levels;
@@ -270,6 +290,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     Fit result = fit_input(input, backend, report, callbacks_for(report, context));
     report.input.statistics = timed(report.timing.check, [&] { return statistics(mesh); });
     note_fit(report, result);
+    warn_of_unused(report, mesh, context.console);
     warn_of_the_solve(report, context.console);
     Work work{job, outputs, backend, context, mesh, result, report, staged, {}};
     write_outputs(work);
@@ -296,7 +317,7 @@ void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
   std::string text = "would fit " + input.name + ": " + with_separators(mesh.vertex_count()) +
                      " vertices" + ", " + counted(mesh.face_count(), "face") + "\n";
   const Settings& settings = job.settings;
-  text += "  device      " + device.name + "\n  solve       " +
+  text += "  device      " + device.kind + ", " + device.name + "\n  solve       " +
           std::string(name_of(settings.solver)) + ", " + std::string(name_of(settings.weights)) +
           " weights, tolerance " + short_number(settings.tolerance) + "\n";
   for (const PlannedOutput& output : outputs) {

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "commands.h"
+#include "planish/core/error.h"
 
 namespace planish::command {
 namespace {
@@ -40,9 +41,8 @@ auto value_of(const Words& words, std::string_view name) {
 
 void MessageFlags::add_to(CLI::App& command, bool with_progress) {
   const auto group = "Messages (on stderr)";
-  auto* quiet_flag = command.add_flag("-q,--quiet", quiet, "errors only")->group(group);
-  auto* verbose_flag = command.add_flag("-v,--verbose", verbose, "more detail")->group(group);
-  quiet_flag->excludes(verbose_flag);
+  command.add_flag("-q,--quiet", quiet, "errors only")->group(group);
+  command.add_flag("-v,--verbose", verbose, "more detail")->group(group);
   command.add_option("--log-level", log_level, "least weight that is shown [info]")
       ->type_name("error|warning|info|debug")
       ->check(CLI::IsMember(names_of(kLevels)).description(""))
@@ -59,6 +59,9 @@ void MessageFlags::add_to(CLI::App& command, bool with_progress) {
 }
 
 LogLevel MessageFlags::level() const {
+  if (quiet && verbose) {
+    throw Error(ErrorCode::InvalidArgument, "--quiet and --verbose contradict each other");
+  }
   if (quiet) return LogLevel::Error;
   if (verbose) return LogLevel::Debug;
   return value_of(kLevels, log_level);

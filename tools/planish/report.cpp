@@ -38,8 +38,8 @@ Json solve_json(const JobReport& report) {
   Json json;
   json["weights"] = name_of(report.settings.weights);
   json["solver"] = name_of(report.settings.solver);
-  json["boundary"] = name_of(report.settings.boundary);
-  json["creases"] = name_of_creases(report.settings.use_creases);
+  json["boundary"] = name_of(report.settings.sharp.boundary);
+  json["creases"] = name_of_creases(report.settings.sharp.use_tags);
   json["tolerance"] = report.settings.tolerance;
   json["converged"] = result.converged;
   json["stop_reason"] = planish::name_of(result.stop_reason);
@@ -75,9 +75,9 @@ Json outputs_json(const std::vector<WrittenOutput>& outputs) {
 }
 
 Json timing_json(const JobTiming& timing) {
-  return {{"read", timing.read},     {"check", timing.check}, {"stencils", timing.stencils},
-          {"upload", timing.upload}, {"solve", timing.solve}, {"evaluate", timing.evaluate},
-          {"write", timing.write},   {"total", timing.total}};
+  return {{"read", timing.read},         {"check", timing.check},   {"topology", timing.topology},
+          {"stencils", timing.stencils}, {"upload", timing.upload}, {"solve", timing.solve},
+          {"evaluate", timing.evaluate}, {"write", timing.write},   {"total", timing.total}};
 }
 
 Json warnings_json(const std::vector<Warning>& warnings) {

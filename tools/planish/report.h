@@ -9,7 +9,7 @@
 #include "exit_codes.h"
 #include "output_plan.h"
 #include "planish/backend/backend.h"
-#include "planish/mesh/check.h"
+#include "planish/mesh/statistics.h"
 #include "planish/pipeline/fit.h"
 #include "settings.h"
 
@@ -35,9 +35,10 @@ struct InputFacts {
   std::int64_t welded = 0, dropped = 0;
 };
 
-/// Wall-clock milliseconds.
+/// Wall-clock milliseconds; topology is OpenSubdiv's refiner.
 struct JobTiming {
-  double read = 0, check = 0, stencils = 0, upload = 0, solve = 0, evaluate = 0, write = 0;
+  double read = 0, check = 0, topology = 0, stencils = 0, upload = 0, solve = 0, evaluate = 0,
+         write = 0;
   double total = 0;
 };
 

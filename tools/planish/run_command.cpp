@@ -87,13 +87,14 @@ Table make_table() {
 std::vector<std::string> row_of(const JobReport& report) {
   const JobTiming& timing = report.timing;
   const Interpolation& result = report.interpolation;
-  return {report.job,
-          with_separators(report.input.statistics.vertex_count),
-          std::string(name_of(report.settings.solver)),
-          std::string(name_of(report.settings.weights)),
-          std::to_string(result.iterations) + (result.converged ? "" : " (not converged)"),
-          short_number(result.error.max),
-          fixed(timing.check + timing.stencils + timing.upload + timing.solve, 1)};
+  return {
+      report.job,
+      with_separators(report.input.statistics.vertex_count),
+      std::string(name_of(report.settings.solver)),
+      std::string(name_of(report.settings.weights)),
+      std::to_string(result.iterations) + (result.converged ? "" : " (not converged)"),
+      short_number(result.error.max),
+      fixed(timing.check + timing.topology + timing.stencils + timing.upload + timing.solve, 1)};
 }
 
 std::vector<std::string> failed_row(const Job& job) {
@@ -121,6 +122,7 @@ std::optional<JobReport> try_job(const PlannedJob& planned, OpenBackends& backen
 }
 
 ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& arguments) {
+  Console console(flags.messages.level(), flags.messages.color_mode());
   const std::vector<ListedDevice> devices = list_devices();
   const std::vector<PlannedJob> jobs = plan_jobs(flags, devices);
   if (flags.dry_run) {
@@ -129,7 +131,6 @@ ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& argume
     }
     return ExitCode::Done;
   }
-  Console console(flags.messages.level(), flags.messages.color_mode());
   Progress progress(console, flags.messages.progress_mode());
   const JobContext context{console, progress, arguments};
   OpenBackends backends(devices);

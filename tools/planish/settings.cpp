@@ -99,12 +99,12 @@ constexpr std::array kWordSettings{
                 "open boundaries are smooth curves, or have corners where one face meets them",
                 true,
                 [](Settings& s, std::string_view value, std::string_view where) {
-                  s.boundary = parse_boundary(value, where);
+                  s.sharp.boundary = parse_boundary(value, where);
                 }},
     WordSetting{"creases", "use|ignore|auto[:DEGREES]", "use",
                 "crease and corner tags of the file; auto is not built yet", true,
                 [](Settings& s, std::string_view value, std::string_view where) {
-                  s.use_creases = parse_creases(value, where);
+                  s.sharp.use_tags = parse_creases(value, where);
                 }},
     WordSetting{"scheme", "doo-sabin", "doo-sabin",
                 "subdivision scheme; catmull-clark and loop are not built yet", true, set_scheme},

@@ -8,6 +8,7 @@
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
 
 namespace planish::command {
 
@@ -21,8 +22,7 @@ struct Settings {
   double tolerance = 1e-6;
   std::int32_t max_iterations = 200;
   PrecisionChoice precision = PrecisionChoice::Auto;
-  BoundaryRule boundary = BoundaryRule::Edge;
-  bool use_creases = true;
+  SharpFeatureOptions sharp;
   UpAxis up = UpAxis::Y;
   std::string device = "auto";
   std::vector<int> levels{2};

@@ -19,9 +19,9 @@ std::string shape_of(const MeshStatistics& statistics) {
 std::string timing_line(const JobTiming& timing) {
   std::string line = duration(timing.total) + " (";
   const std::pair<const char*, double> parts[] = {
-      {"read", timing.read},     {"check", timing.check}, {"stencils", timing.stencils},
-      {"upload", timing.upload}, {"solve", timing.solve}, {"evaluate", timing.evaluate},
-      {"write", timing.write}};
+      {"read", timing.read},         {"check", timing.check},   {"topology", timing.topology},
+      {"stencils", timing.stencils}, {"upload", timing.upload}, {"solve", timing.solve},
+      {"evaluate", timing.evaluate}, {"write", timing.write}};
   const char* separator = "";
   for (const auto& [name, milliseconds] : parts) {
     if (milliseconds < 0.05) continue;
@@ -50,7 +50,7 @@ std::string summary(const JobReport& report) {
   std::string text = report.input.path + ": " + with_separators(statistics.vertex_count) +
                      " vertices, " + with_separators(statistics.face_count) + " faces (" +
                      shape_of(statistics) + ")\n";
-  text += "  device      " + report.device.name + "\n";
+  text += "  device      " + report.device.kind + ", " + report.device.name + "\n";
   text +=
       "  iterations  " + std::to_string(result.iterations) + " (" +
       std::string(name_of(report.settings.solver)) + ", " +

@@ -29,8 +29,13 @@ void note_file(WrittenOutput& written, const std::filesystem::path& file) {
   written.sha256 = digest.sha256;
 }
 
-std::span<const glm::dvec3> first_of(const SurfaceMesh& surface, std::size_t count) {
-  return std::span(surface.positions).first(std::min(count, surface.positions.size()));
+// What the first positions of the surface should be.
+std::vector<glm::dvec3> given_points(const SurfaceMesh& surface,
+                                     std::span<const glm::dvec3> positions) {
+  std::vector<glm::dvec3> points;
+  points.reserve(surface.base_vertices.size());
+  for (const std::int32_t vertex : surface.base_vertices) points.push_back(positions[vertex]);
+  return points;
 }
 
 }  // namespace
@@ -59,7 +64,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   const auto corners = static_cast<std::int64_t>(surface.face_vertices.size());
   written.triangles = corners - 2 * surface.face_count();
   const bool is_gltf = planned.format == OutputFormat::Glb || planned.format == OutputFormat::Gltf;
-  const std::size_t count = std::min<std::size_t>(options.given.size(), surface.base_vertex_count);
+  const std::vector<glm::dvec3> given = given_points(surface, options.given);
   if (planned.to_stdout) {
     stdout_bytes = encode_glb(surface, options.gltf);
     note_bytes(written, stdout_bytes);
@@ -73,8 +78,8 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   }
   // Text and PLY carry doubles that read back as the same bits.
   const double distance =
-      is_gltf ? largest_distance(written_positions(surface, options.gltf, count), options.given)
-              : largest_distance(first_of(surface, count), options.given);
+      is_gltf ? largest_distance(written_positions(surface, options.gltf, given.size()), given)
+              : largest_distance(surface.positions, given);
   written.as_written_error = distance / options.diagonal;
   return written;
 }
@@ -95,8 +100,7 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
     if (size == 3) ++written.triangles;
   }
   note_file(written, target);
-  const std::vector<glm::dvec3> limit =
-      limit_positions(cage, settings.weights, settings.boundary, settings.use_creases);
+  const std::vector<glm::dvec3> limit = limit_positions(cage, settings.weights, settings.sharp);
   written.as_written_error = largest_distance(limit, given) / diagonal;
   return written;
 }

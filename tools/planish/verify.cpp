@@ -43,8 +43,7 @@ Verification verify(const Input& cage, const Input& given, const VerifyOptions& 
     control.corners = given.file.mesh.corners;
   }
   require_usable(control, cage.name);
-  const std::vector<glm::dvec3> limit =
-      limit_positions(control, options.weights, options.boundary, options.use_creases);
+  const std::vector<glm::dvec3> limit = limit_positions(control, options.weights, options.sharp);
   const double diagonal = placement_of(given.file.mesh).diagonal;
   Verification result;
   result.vertex_count = given.file.mesh.vertex_count();

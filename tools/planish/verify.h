@@ -3,14 +3,13 @@
 #include <cstdint>
 
 #include "input.h"
-#include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
 
 namespace planish::command {
 
 struct VerifyOptions {
   Weights weights = Weights::DooSabin;
-  BoundaryRule boundary = BoundaryRule::Edge;
-  bool use_creases = true;
+  SharpFeatureOptions sharp;
   double tolerance = 1e-6;
 };
 

@@ -21,12 +21,13 @@ struct VerifyFlags {
 VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
   VerifyOptions options;
   options.weights = header.weights.value_or(options.weights);
-  options.boundary = header.boundary.value_or(options.boundary);
-  options.use_creases = header.use_creases.value_or(options.use_creases);
+  options.sharp.boundary = header.boundary.value_or(options.sharp.boundary);
+  options.sharp.use_tags = header.use_creases.value_or(options.sharp.use_tags);
   options.tolerance = header.tolerance.value_or(options.tolerance);
   if (!flags.weights.empty()) options.weights = parse_weights(flags.weights, "--weights");
-  if (!flags.boundary.empty()) options.boundary = parse_boundary(flags.boundary, "--boundary");
-  if (!flags.creases.empty()) options.use_creases = parse_creases(flags.creases, "--creases");
+  if (!flags.boundary.empty())
+    options.sharp.boundary = parse_boundary(flags.boundary, "--boundary");
+  if (!flags.creases.empty()) options.sharp.use_tags = parse_creases(flags.creases, "--creases");
   if (flags.tolerance_flag->count() > 0) {
     Settings checked;
     set_tolerance(checked, flags.tolerance, "--tolerance");
@@ -42,8 +43,8 @@ std::string to_json_text(const Verification& result, const VerifyOptions& option
   json["cage"] = {{"path", cage.name}, {"sha256", cage.sha256}};
   json["input"] = {{"path", given.name}, {"sha256", given.sha256}};
   json["weights"] = name_of(options.weights);
-  json["boundary"] = name_of(options.boundary);
-  json["creases"] = name_of_creases(options.use_creases);
+  json["boundary"] = name_of(options.sharp.boundary);
+  json["creases"] = name_of_creases(options.sharp.use_tags);
   json["tolerance"] = options.tolerance;
   json["vertices"] = result.vertex_count;
   json["error"] = {
@@ -61,8 +62,8 @@ std::string to_text(const Verification& result, const VerifyOptions& options, co
          std::to_string(result.worst_vertex) + " (tolerance " + short_number(options.tolerance) +
          ")\n  rms error  " + short_number(result.error.rms) + "\n  weights    " +
          std::string(name_of(options.weights)) + ", boundary " +
-         std::string(name_of(options.boundary)) + ", creases " +
-         std::string(name_of_creases(options.use_creases)) + "\n";
+         std::string(name_of(options.sharp.boundary)) + ", creases " +
+         std::string(name_of_creases(options.sharp.use_tags)) + "\n";
 }
 
 ExitCode run_verify(const VerifyFlags& flags) {

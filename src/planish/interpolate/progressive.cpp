@@ -6,6 +6,7 @@
 #include "planish/interpolate/progressive.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -240,7 +241,11 @@ Interpolation interpolate(Backend& backend, const StencilView<double>& limit_mas
     return result;
   }
 
+  const auto before_upload = std::chrono::steady_clock::now();
   const std::unique_ptr<Solve> solve = backend.make_solve(limit_masks);
+  const std::chrono::duration<double, std::milli> upload =
+      std::chrono::steady_clock::now() - before_upload;
+  result.upload_milliseconds = upload.count();
   if (options.solver == Solver::ConjugateGradients) {
     result.history = {result.error};
     run_conjugate_gradients(*solve, initial, options, result);

@@ -40,6 +40,7 @@ struct Interpolation {
   ErrorNorms error;  ///< after the last iteration
   std::int64_t worst_vertex = -1;
   std::vector<ErrorNorms> history;  ///< entry k: after k iterations
+  double upload_milliseconds = 0;   ///< to put the limit masks on the device
 };
 
 /// Solves B (given + displacement) = given for the displacement. `given` in unit coordinates

@@ -96,7 +96,8 @@ Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
   if (result.interpolation.worst_vertex >= 0) {
     result.interpolation.worst_vertex = used.vertices[result.interpolation.worst_vertex];
   }
-  result.timing.solve = watch.lap();
+  result.timing.upload = result.interpolation.upload_milliseconds;
+  result.timing.solve = watch.lap() - result.timing.upload;
 
   result.cage = mesh;
   for (std::size_t v = 0; v < given.size(); ++v) {

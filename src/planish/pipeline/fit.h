@@ -22,9 +22,9 @@ struct FitOptions {
 };
 
 /// Wall-clock milliseconds of the parts of fit(): tests of the mesh, the topology refiner, limit
-/// stencils, and the solve with its upload.
+/// stencils, their way to the device, and the solve.
 struct FitTiming {
-  double check = 0, topology = 0, stencils = 0, solve = 0;
+  double check = 0, topology = 0, stencils = 0, upload = 0, solve = 0;
 };
 
 /// A control cage whose limit surface passes through the given vertices.
