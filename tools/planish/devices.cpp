@@ -4,11 +4,16 @@
 #include <cctype>
 
 #include "planish/core/error.h"
+#if PLANISH_HAS_VULKAN
+#include "planish/vulkan/vulkan_backend.h"
+#endif
 
 namespace planish::command {
 namespace {
 
 bool is_vulkan(const ListedDevice& device) { return device.selector != "cpu"; }
+bool is_usable(const ListedDevice& device) { return device.unusable_because.empty(); }
+bool is_hardware(const ListedDevice& device) { return device.description.kind == "gpu"; }
 
 std::string lower(std::string text) {
   std::ranges::transform(text, text.begin(),
@@ -24,78 +29,100 @@ std::string selectors(const std::vector<ListedDevice>& devices) {
   return text;
 }
 
-// Exactly by index or UUID, else by a part of the name, any case, that only one device has.
-std::size_t find_named(const std::vector<ListedDevice>& devices, const std::string& wanted) {
+#if PLANISH_HAS_VULKAN
+void add_vulkan_devices(DeviceList& list) {
+  const VulkanDeviceList found = list_vulkan_devices();
+  list.no_vulkan_because = found.reason;
+  for (std::size_t i = 0; i < found.devices.size(); ++i) {
+    const VulkanDeviceInfo& device = found.devices[i];
+    list.devices.push_back({std::to_string(i),
+                            device.description,
+                            {{"memory_bytes", device.memory_bytes},
+                             {"max_storage_bytes", device.max_storage_bytes},
+                             {"max_allocation_bytes", device.max_allocation_bytes},
+                             {"max_work_groups", device.max_work_groups},
+                             {"max_storage_buffers", device.max_storage_buffers}},
+                            device.usable ? "" : device.reason});
+  }
+  if (!list.devices.empty() && std::ranges::none_of(list.devices, is_usable)) {
+    const ListedDevice& first = list.devices.front();
+    list.no_vulkan_because = first.description.name + " " + first.unusable_because;
+  }
+}
+#else
+void add_vulkan_devices(DeviceList& list) {
+  list.no_vulkan_because = "this planish was built without Vulkan (PLANISH_VULKAN=OFF)";
+}
+#endif
+
+// Exactly by index, UUID or name, else by a part of the name that only one device has; any case.
+std::size_t find_named(const std::vector<ListedDevice>& devices, const std::string& name) {
+  const std::string wanted = lower(name);
   std::vector<std::size_t> matches;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceDescription& description = devices[i].description;
-    if (devices[i].selector == wanted) return i;
-    if (!description.uuid.empty() && lower(description.uuid) == lower(wanted)) return i;
-    if (lower(description.name) == lower(wanted)) return i;
-    if (lower(description.name).find(lower(wanted)) != std::string::npos) matches.push_back(i);
+    if (devices[i].selector == wanted || lower(description.uuid) == wanted ||
+        lower(description.name) == wanted) {
+      return i;
+    }
+    if (lower(description.name).find(wanted) != std::string::npos) matches.push_back(i);
   }
   if (matches.size() == 1) return matches.front();
-  throw Error(ErrorCode::NoDevice, "--device " + wanted +
+  throw Error(ErrorCode::NoDevice, "--device " + name +
                                        (matches.empty() ? " names none of the devices: "
                                                         : " names several of the devices: ") +
                                        selectors(devices));
 }
 
+// The first usable one, hardware before software; the end of the list where there is none.
 std::size_t best_vulkan(const std::vector<ListedDevice>& devices) {
   std::size_t best = devices.size();
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    if (!is_vulkan(devices[i]) || !devices[i].unusable_because.empty()) continue;
-    const bool hardware = devices[i].description.kind != "software";
-    if (best == devices.size() || (hardware && devices[best].description.kind == "software")) {
-      best = i;
-    }
+    if (!is_vulkan(devices[i]) || !is_usable(devices[i])) continue;
+    const bool better =
+        best == devices.size() || (is_hardware(devices[i]) && !is_hardware(devices[best]));
+    if (better) best = i;
   }
   return best;
 }
 
+std::size_t automatic_choice(const std::vector<ListedDevice>& devices, const Settings& settings) {
+  const std::size_t cpu = devices.size() - 1;
+  // What only the CPU can do leaves no choice; nor does a Vulkan device that is the CPU itself.
+  const bool needs_cpu =
+      settings.precision != PrecisionChoice::Auto || solve_precision(settings) == Precision::Double;
+  const std::size_t best = best_vulkan(devices);
+  return needs_cpu || best == devices.size() || !is_hardware(devices[best]) ? cpu : best;
+}
+
 }  // namespace
 
-std::vector<ListedDevice> list_devices() {
-  std::vector<ListedDevice> devices;
-  devices.push_back({"cpu", make_cpu_backend()->description(), {}, ""});
-  return devices;
+DeviceList list_devices(DeviceScope scope) {
+  DeviceList list;
+  if (scope == DeviceScope::All) add_vulkan_devices(list);
+  list.devices.push_back({"cpu", make_cpu_backend()->description(), {}, ""});
+  return list;
 }
 
-std::string why_no_vulkan(const std::vector<ListedDevice>& devices) {
-  for (const ListedDevice& device : devices) {
-    if (is_vulkan(device) && device.unusable_because.empty()) return "";
-  }
-  for (const ListedDevice& device : devices) {
-    if (is_vulkan(device)) return device.description.name + ": " + device.unusable_because;
-  }
-  return "this planish was built without Vulkan (PLANISH_VULKAN=OFF)";
+DeviceScope scope_of(const Settings& settings) {
+  return settings.device == "cpu" ? DeviceScope::CpuOnly : DeviceScope::All;
 }
 
-std::size_t automatic_choice(const std::vector<ListedDevice>& devices, const Settings& settings) {
-  const auto cpu = std::ranges::find(devices, "cpu", &ListedDevice::selector);
-  const auto cpu_position = static_cast<std::size_t>(cpu - devices.begin());
-  // What only the CPU can do leaves no choice; nor does a Vulkan device that is the CPU itself.
-  if (settings.precision != PrecisionChoice::Auto || solve_precision(settings) == Precision::Double)
-    return cpu_position;
-  const std::size_t best = best_vulkan(devices);
-  const bool hardware = best < devices.size() && devices[best].description.kind != "software";
-  return hardware ? best : cpu_position;
-}
-
-std::size_t choose_device(const std::vector<ListedDevice>& devices, const Settings& settings) {
+std::size_t choose_device(const DeviceList& list, const Settings& settings) {
+  const std::vector<ListedDevice>& devices = list.devices;
   if (settings.device == "auto") return automatic_choice(devices, settings);
   std::size_t chosen = 0;
   if (settings.device == "vulkan") {
     chosen = best_vulkan(devices);
     if (chosen == devices.size()) {
-      throw Error(ErrorCode::NoDevice, "--device vulkan: " + why_no_vulkan(devices));
+      throw Error(ErrorCode::NoDevice, "--device vulkan: " + list.no_vulkan_because);
     }
   } else {
     chosen = find_named(devices, settings.device);
   }
   const ListedDevice& device = devices[chosen];
-  if (!device.unusable_because.empty()) {
-    throw Error(ErrorCode::NoDevice, device.description.name + ": " + device.unusable_because);
+  if (!is_usable(device)) {
+    throw Error(ErrorCode::NoDevice, device.description.name + " " + device.unusable_because);
   }
   if (is_vulkan(device) && settings.precision != PrecisionChoice::Auto) {
     throw Error(ErrorCode::InvalidArgument,
@@ -105,7 +132,11 @@ std::size_t choose_device(const std::vector<ListedDevice>& devices, const Settin
   return chosen;
 }
 
-std::unique_ptr<Backend> open_backend(const ListedDevice&, const Settings& settings) {
+std::unique_ptr<Backend> open_backend(const ListedDevice& device, const Settings& settings) {
+#if PLANISH_HAS_VULKAN
+  if (is_vulkan(device)) return make_vulkan_backend({.device = device.selector});
+#endif
+  (void)device;
   return make_cpu_backend({.solve_precision = solve_precision(settings)});
 }
 

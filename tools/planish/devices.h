@@ -13,26 +13,28 @@ namespace planish::command {
 
 /// A device that `--device` can name.
 struct ListedDevice {
-  std::string selector;  ///< "cpu" or the index
+  std::string selector;  ///< "cpu", or the index among Vulkan devices
   DeviceDescription description;
   std::vector<std::pair<std::string, std::uint64_t>> limits;
   std::string unusable_because;  ///< empty: usable
 };
 
-/// Vulkan devices in their order, then the CPU.
-[[nodiscard]] std::vector<ListedDevice> list_devices();
+struct DeviceList {
+  std::vector<ListedDevice> devices;  ///< Vulkan devices in their order, then the CPU
+  std::string no_vulkan_because;      ///< empty where a Vulkan device is usable
+};
 
-/// Position in `devices` of the one that `--device auto` takes for these settings.
-[[nodiscard]] std::size_t automatic_choice(const std::vector<ListedDevice>& devices,
-                                           const Settings& settings);
+enum class DeviceScope { All, CpuOnly };  ///< asking Vulkan drivers takes a while
+[[nodiscard]] DeviceList list_devices(DeviceScope scope);
 
-/// Why there are no Vulkan devices at all; empty when there are some.
-[[nodiscard]] std::string why_no_vulkan(const std::vector<ListedDevice>& devices);
+/// CpuOnly where the settings name the CPU.
+[[nodiscard]] DeviceScope scope_of(const Settings& settings);
 
-/// Position in `devices` of the one that `settings.device` names. Throws Error{NoDevice} naming
-/// what there is; Error{InvalidArgument} for a precision that the device does not have.
-[[nodiscard]] std::size_t choose_device(const std::vector<ListedDevice>& devices,
-                                        const Settings& settings);
+/// Position in `list.devices` of the one that `settings.device` names. "auto": hardware Vulkan
+/// before the CPU, unless a precision or tolerance is wanted that only the CPU has. Throws
+/// Error{NoDevice} naming what there is; Error{InvalidArgument} for a precision that the device
+/// does not have.
+[[nodiscard]] std::size_t choose_device(const DeviceList& list, const Settings& settings);
 
 /// The backend of the chosen device. Throws Error{NoDevice}.
 [[nodiscard]] std::unique_ptr<Backend> open_backend(const ListedDevice& device,

@@ -10,12 +10,13 @@
 namespace planish::command {
 namespace {
 
-std::string devices_json(const std::vector<ListedDevice>& devices, std::size_t automatic) {
+std::string devices_json(const DeviceList& list, std::size_t automatic) {
   nlohmann::ordered_json json;
   json["schema"] = "planish.devices/1";
-  json["auto"] = devices[automatic].selector;
+  json["auto"] = list.devices[automatic].selector;
+  json["no_vulkan_because"] = list.no_vulkan_because;
   json["devices"] = nlohmann::ordered_json::array();
-  for (const ListedDevice& device : devices) {
+  for (const ListedDevice& device : list.devices) {
     nlohmann::ordered_json entry;
     entry["selector"] = device.selector;
     entry["kind"] = device.description.kind;
@@ -32,7 +33,8 @@ std::string devices_json(const std::vector<ListedDevice>& devices, std::size_t a
   return json_text(json);
 }
 
-std::string devices_table(const std::vector<ListedDevice>& devices, std::size_t automatic) {
+std::string devices_table(const DeviceList& list, std::size_t automatic) {
+  const std::vector<ListedDevice>& devices = list.devices;
   Table table({{"--device"}, {"kind"}, {"name"}, {"driver"}, {"api"}, {"uuid"}, {""}});
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const ListedDevice& device = devices[i];
@@ -49,8 +51,8 @@ std::string devices_table(const std::vector<ListedDevice>& devices, std::size_t 
               with_separators(static_cast<std::int64_t>(value)) + "\n";
     }
   }
-  const std::string reason = why_no_vulkan(devices);
-  return reason.empty() ? text : text + "no Vulkan device: " + reason + "\n";
+  const std::string& reason = list.no_vulkan_because;
+  return reason.empty() ? text : text + "no usable Vulkan device: " + reason + "\n";
 }
 
 }  // namespace
@@ -63,9 +65,9 @@ void add_devices_command(CLI::App& app, Invocation& invocation) {
   command->footer("Examples:\n  planish devices\n  planish devices --json\n");
   command->callback([json, &invocation] {
     invocation.action = [json] {
-      const std::vector<ListedDevice> devices = list_devices();
-      const std::size_t automatic = automatic_choice(devices, Settings{});
-      write_stdout(*json ? devices_json(devices, automatic) : devices_table(devices, automatic));
+      const DeviceList list = list_devices(DeviceScope::All);
+      const std::size_t automatic = choose_device(list, Settings{});
+      write_stdout(*json ? devices_json(list, automatic) : devices_table(list, automatic));
       return ExitCode::Done;
     };
   });

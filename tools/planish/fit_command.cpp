@@ -105,8 +105,8 @@ ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& argument
     }
   }
   if (!job.report.empty()) claims.add_output(job.report, "--report");
-  const std::vector<ListedDevice> devices = list_devices();
-  const ListedDevice& device = devices[choose_device(devices, job.settings)];
+  const DeviceList list = list_devices(scope_of(job.settings));
+  const ListedDevice& device = list.devices[choose_device(list, job.settings)];
   if (flags.dry_run) {
     describe_job(job, outputs, device.description);
     return ExitCode::Done;

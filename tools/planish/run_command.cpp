@@ -35,23 +35,32 @@ struct PlannedJob {
   std::size_t device = 0;  ///< position in the list
 };
 
-std::vector<PlannedJob> plan_jobs(const RunFlags& flags, const std::vector<ListedDevice>& devices) {
+// The jobs as the flags change them.
+std::vector<Job> wanted_jobs(const RunFlags& flags) {
   std::vector<Job> jobs = select_jobs(read_scene_file(flags.scene), flags.names);
+  if (flags.device.empty()) return jobs;
+  for (Job& job : jobs) {
+    job.settings.device = flags.device;
+    check_consistent(job.settings);
+  }
+  return jobs;
+}
+
+std::vector<PlannedJob> plan_jobs(const RunFlags& flags, std::vector<Job> jobs,
+                                  const DeviceList& list) {
   PathClaims claims({.overwrite = flags.force, .create_folders = true});
   claims.add_input(flags.scene);
   for (const Job& job : jobs) claims.add_input(job.input);
   std::vector<PlannedJob> planned;
   for (Job& job : jobs) {
     PlannedJob entry;
-    if (!flags.device.empty()) job.settings.device = flags.device;
-    check_consistent(job.settings);
     for (const OutputRequest& request : job.outputs) {
       for (PlannedOutput& output : plan_output(request, claims)) {
         entry.outputs.push_back(std::move(output));
       }
     }
     if (!job.report.empty()) claims.add_output(job.report, "report of job " + job.name);
-    entry.device = choose_device(devices, job.settings);
+    entry.device = choose_device(list, job.settings);
     entry.job = std::move(job);
     planned.push_back(std::move(entry));
   }
@@ -123,17 +132,20 @@ std::optional<JobReport> try_job(const PlannedJob& planned, OpenBackends& backen
 
 ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& arguments) {
   Console console(flags.messages.level(), flags.messages.color_mode());
-  const std::vector<ListedDevice> devices = list_devices();
-  const std::vector<PlannedJob> jobs = plan_jobs(flags, devices);
+  std::vector<Job> wanted = wanted_jobs(flags);
+  const bool cpu_only = std::ranges::all_of(
+      wanted, [](const Job& job) { return scope_of(job.settings) == DeviceScope::CpuOnly; });
+  const DeviceList list = list_devices(cpu_only ? DeviceScope::CpuOnly : DeviceScope::All);
+  const std::vector<PlannedJob> jobs = plan_jobs(flags, std::move(wanted), list);
   if (flags.dry_run) {
     for (const PlannedJob& planned : jobs) {
-      describe_job(planned.job, planned.outputs, devices[planned.device].description);
+      describe_job(planned.job, planned.outputs, list.devices[planned.device].description);
     }
     return ExitCode::Done;
   }
   Progress progress(console, flags.messages.progress_mode());
   const JobContext context{console, progress, arguments};
-  OpenBackends backends(devices);
+  OpenBackends backends(list.devices);
   Table table = make_table();
   std::size_t failed = 0;
   for (const PlannedJob& planned : jobs) {
