@@ -89,7 +89,7 @@ inline constexpr double kDegenerateNormal = 1e-6;
 /// A device that applies stencil tables. Everything that returns has been carried out. Tables are
 /// given in double; a backend that computes in float rounds weights once. Throws
 /// Error{OutOfMemory} before taking memory that is not there, naming the limit, and
-/// Error{DeviceLost}.
+/// Error{DeviceLost}. A backend must outlive the solves and points it makes.
 class Backend {
  public:
   virtual ~Backend() = default;

@@ -36,7 +36,7 @@ struct SharpFeatures {
                                             ///< empty when there is none
   std::vector<std::int32_t> corner_of_vertex;  ///< per vertex its number among corners, or -1;
                                                ///< empty when there is none
-  std::vector<std::int32_t> corner_vertices;  ///< by that number
+  std::vector<std::int32_t> corner_vertices;   ///< by that number
   std::int32_t sharp_edge_count = 0;
   std::int32_t interior_sharp_edge_count = 0;
   std::int32_t corner_count = 0;

@@ -1,0 +1,84 @@
+#include "planish/core/output_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "planish/core/error.h"
+
+namespace planish {
+namespace {
+
+class OutputFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    directory_ = std::filesystem::path(testing::TempDir()) / info->name();
+    std::filesystem::remove_all(directory_);
+    std::filesystem::create_directories(directory_);
+  }
+  void TearDown() override { std::filesystem::remove_all(directory_); }
+
+  [[nodiscard]] std::string content(const std::string& name) const {
+    std::ifstream file(directory_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  [[nodiscard]] std::ptrdiff_t file_count() const {
+    return std::distance(std::filesystem::directory_iterator(directory_), {});
+  }
+
+  std::filesystem::path directory_;
+};
+
+TEST_F(OutputFileTest, AppearsOnlyWhenCommitted) {
+  OutputFile file(directory_ / "a.txt");
+  file.write("hello ");
+  EXPECT_FALSE(std::filesystem::exists(directory_ / "a.txt"));
+  file.write("world");
+  file.commit();
+  EXPECT_EQ(content("a.txt"), "hello world");
+  EXPECT_EQ(file_count(), 1);
+}
+
+TEST_F(OutputFileTest, KeepsTheOldFileAndLeavesNoTemporaryWithoutCommit) {
+  std::ofstream(directory_ / "a.txt") << "old";
+  {
+    OutputFile file(directory_ / "a.txt");
+    file.write("new");
+  }
+  EXPECT_EQ(content("a.txt"), "old");
+  EXPECT_EQ(file_count(), 1);
+}
+
+TEST_F(OutputFileTest, NamesPathAndReasonWhenTheFolderIsMissing) {
+  try {
+    OutputFile file(directory_ / "missing" / "a.txt");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::UnwritableOutput);
+    EXPECT_EQ(error.what(), (directory_ / "missing" / "a.txt").string() +
+                                ": cannot create: No such file or directory");
+  }
+}
+
+TEST_F(OutputFileTest, FailsWhenTheTargetIsAFolder) {
+  std::filesystem::create_directories(directory_ / "target" / "inside");
+  OutputFile file(directory_ / "target");
+  file.write("x");
+  EXPECT_THROW(file.commit(), Error);
+  EXPECT_TRUE(std::filesystem::exists(directory_ / "target" / "inside"));
+}
+
+TEST_F(OutputFileTest, GivesTheFileOrdinaryPermissions) {
+  std::ofstream(directory_ / "ordinary") << "x";
+  OutputFile file(directory_ / "ours");
+  file.commit();
+  EXPECT_EQ(std::filesystem::status(directory_ / "ours").permissions(),
+            std::filesystem::status(directory_ / "ordinary").permissions());
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,103 @@
+#include "planish/doosabin/limit_masks.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "planish/core/error.h"
+#include "support/meshes.h"
+
+namespace planish {
+namespace {
+
+using Row = std::map<std::int32_t, double>;
+
+Row mask_of(const PolygonMesh& mesh, Weights weights, std::int32_t vertex,
+            const SharpFeatureOptions& sharp = {}) {
+  const QuadSplit split(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, sharp);
+  const StencilTable<double> masks = limit_masks(mesh, Subdivision(split, features, weights));
+  const auto view = masks.view();
+  Row row;
+  for (int k = view.offsets[vertex]; k < view.offsets[vertex] + view.sizes[vertex]; ++k) {
+    row[view.indices[k]] = view.weights[k];
+  }
+  return row;
+}
+
+void expect_row(const Row& actual, const Row& expected) {
+  ASSERT_EQ(actual.size(), expected.size());
+  for (const auto& [index, weight] : expected) {
+    EXPECT_NEAR(actual.at(index), weight, 1e-15) << "source " << index;
+  }
+}
+
+TEST(LimitMasks, OnARegularGridAreTheBiquadraticBSplines) {
+  // (1 6 1)/8 in both directions.
+  const PolygonMesh mesh = test::torus(5, 4, 1.0, 0.4);
+  for (const Weights weights : {Weights::DooSabin, Weights::Averaged}) {
+    std::map<double, int> weight_counts;
+    for (const auto& [index, weight] : mask_of(mesh, weights, 7)) ++weight_counts[weight * 64];
+    EXPECT_EQ(weight_counts, (std::map<double, int>{{1, 4}, {6, 4}, {36, 1}}));
+  }
+}
+
+TEST(LimitMasks, AtACubesCorner) {
+  // Three quads: own 9/16; each neighbour lies in two of them, 2 * 3/16 / 3; each diagonal 1/16
+  // / 3.
+  const PolygonMesh mesh = test::cube();
+  expect_row(mask_of(mesh, Weights::Averaged, 0), {{0, 9.0 / 16},
+                                                   {1, 1.0 / 8},
+                                                   {2, 1.0 / 8},
+                                                   {4, 1.0 / 8},
+                                                   {3, 1.0 / 48},
+                                                   {5, 1.0 / 48},
+                                                   {6, 1.0 / 48}});
+}
+
+TEST(LimitMasks, AtATetrahedronsCorner) {
+  // Three triangles: own c_3(0), each other vertex in two of them.
+  const PolygonMesh mesh = test::tetrahedron();
+  const double averaged = 2 * (5.0 / 24) / 3, doo_sabin = 2 * (1.0 / 6) / 3;
+  expect_row(mask_of(mesh, Weights::Averaged, 0),
+             {{0, 7.0 / 12}, {1, averaged}, {2, averaged}, {3, averaged}});
+  expect_row(mask_of(mesh, Weights::DooSabin, 0),
+             {{0, 2.0 / 3}, {1, doo_sabin}, {2, doo_sabin}, {3, doo_sabin}});
+}
+
+TEST(LimitMasks, OnABoundaryFollowTheCurveAlone) {
+  const PolygonMesh mesh = test::flat_grid(3, 3);
+  expect_row(mask_of(mesh, Weights::DooSabin, 1), {{0, 1.0 / 8}, {1, 6.0 / 8}, {2, 1.0 / 8}});
+  expect_row(mask_of(mesh, Weights::DooSabin, 0), {{0, 6.0 / 8}, {1, 1.0 / 8}, {4, 1.0 / 8}});
+}
+
+TEST(LimitMasks, AtCornersAreTheVertexItself) {
+  PolygonMesh mesh = test::flat_grid(3, 3);
+  expect_row(mask_of(mesh, Weights::DooSabin, 0, {.boundary = BoundaryRule::EdgeAndCorner}),
+             {{0, 1.0}});
+  mesh.corners = {{5, kInfiniteSharpness}};
+  expect_row(mask_of(mesh, Weights::DooSabin, 5), {{5, 1.0}});
+  EXPECT_EQ(mask_of(mesh, Weights::DooSabin, 5, {.use_tags = false}).size(), 9u);
+}
+
+TEST(SpectralBound, IsTheSmallestOfTheFaceSizesPresent) {
+  EXPECT_DOUBLE_EQ(spectral_bound(test::tetrahedron(), Weights::Averaged), 3.0 / 8);
+  EXPECT_DOUBLE_EQ(spectral_bound(test::tetrahedron(), Weights::DooSabin), 0.5);
+  EXPECT_DOUBLE_EQ(spectral_bound(test::cube(), Weights::Averaged), 0.25);
+  EXPECT_DOUBLE_EQ(spectral_bound(test::prism(5), Weights::DooSabin), 0.25);
+}
+
+TEST(LimitMasks, TellWhereConjugateGradientsApply) {
+  const auto self_adjoint = [](const PolygonMesh& mesh) {
+    const QuadSplit split(mesh);
+    return is_self_adjoint(find_sharp_features(mesh, split, mesh.positions, {}));
+  };
+  EXPECT_TRUE(self_adjoint(test::cube()));
+  EXPECT_FALSE(self_adjoint(test::flat_grid(3, 3)));
+  PolygonMesh tagged = test::cube();
+  tagged.corners = {{0, kInfiniteSharpness}};
+  EXPECT_FALSE(self_adjoint(tagged));
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,160 @@
+#include "planish/interpolate/progressive.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <glm/geometric.hpp>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/doosabin/limit_masks.h"
+#include "planish/mesh/placement.h"
+#include "support/meshes.h"
+
+namespace planish {
+namespace {
+
+struct Problem {
+  explicit Problem(const PolygonMesh& mesh, Weights weights = Weights::DooSabin)
+      : split(mesh),
+        features(find_sharp_features(mesh, split, mesh.positions, {})),
+        masks(limit_masks(mesh, Subdivision(split, features, weights))) {
+    const Placement placement = placement_of(mesh);
+    for (const auto& p : mesh.positions) given.push_back(placement.to_unit(p));
+    options.spectral_bound = spectral_bound(mesh, weights);
+  }
+  Interpolation solve(Backend& backend) const {
+    return interpolate(backend, masks.view(), given, options);
+  }
+
+  QuadSplit split;
+  SharpFeatures features;
+  StencilTable<double> masks;
+  std::vector<glm::dvec3> given;
+  InterpolationOptions options;
+};
+
+Eigen::MatrixXd dense(const StencilView<double>& view) {
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(view.row_count(), view.source_count);
+  for (int i = 0; i < view.row_count(); ++i) {
+    for (int k = view.offsets[i]; k < view.offsets[i] + view.sizes[i]; ++k) {
+      matrix(i, view.indices[k]) += view.weights[k];
+    }
+  }
+  return matrix;
+}
+
+TEST(Interpolate, EverySolverFindsEigensSolution) {
+  Problem problem(test::icosphere(2));
+  const auto row_weights = valences(problem.split);
+  const auto n = static_cast<Eigen::Index>(problem.given.size());
+  Eigen::MatrixXd given(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    given.row(i) << problem.given[i].x, problem.given[i].y, problem.given[i].z;
+  }
+  const Eigen::MatrixXd expected = dense(problem.masks.view()).partialPivLu().solve(given);
+  for (const Solver solver : {Solver::Plain, Solver::Chebyshev, Solver::ConjugateGradients}) {
+    problem.options.solver = solver;
+    problem.options.tolerance = 1e-13;
+    problem.options.row_weights = row_weights;
+    const Interpolation result = problem.solve(*make_cpu_backend());
+    EXPECT_TRUE(result.converged);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const glm::dvec3 control = problem.given[i] + result.displacement[i];
+      EXPECT_LT(glm::length(control - glm::dvec3(expected(i, 0), expected(i, 1), expected(i, 2))),
+                1e-12);
+    }
+  }
+}
+
+TEST(Interpolate, PlainIsThePapersIteration) {
+  // V <- V + (V0 - B V), written down.
+  Problem problem(test::cube());
+  problem.options.solver = Solver::Plain;
+  problem.options.max_iterations = 3;
+  problem.options.tolerance = 1e-15;
+  const Eigen::MatrixXd b = dense(problem.masks.view());
+  Eigen::MatrixXd given(8, 3);
+  for (int i = 0; i < 8; ++i) {
+    given.row(i) << problem.given[i].x, problem.given[i].y, problem.given[i].z;
+  }
+  Eigen::MatrixXd v = given;
+  for (int k = 0; k < 3; ++k) v += given - b * v;
+  const Interpolation result = problem.solve(*make_cpu_backend());
+  EXPECT_EQ(result.iterations, 3);
+  EXPECT_EQ(result.stop_reason, StopReason::IterationLimit);
+  EXPECT_FALSE(result.converged);
+  EXPECT_EQ(result.history.size(), 4u);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_NEAR((problem.given[i] + result.displacement[i]).x, v(i, 0), 1e-15);
+  }
+  EXPECT_NEAR(result.error.max, (given - b * v).rowwise().norm().maxCoeff(), 1e-15);
+  EXPECT_NEAR(result.history.back().max, result.error.max, 1e-15);
+}
+
+TEST(Interpolate, NeedsNoStepWhereTheErrorIsLowAlready) {
+  Problem problem(test::torus(64, 32, 1.0, 0.4));
+  problem.options.tolerance = 1e-2;
+  const Interpolation result = problem.solve(*make_cpu_backend());
+  EXPECT_TRUE(result.converged);
+  EXPECT_EQ(result.iterations, 0);
+  EXPECT_EQ(result.history.size(), 1u);
+  EXPECT_NEAR(result.history[0].max, 8.9e-4, 0.05e-4);
+}
+
+TEST(Interpolate, SinglePrecisionReportsWhatItCannotReach) {
+  Problem problem(test::icosphere(3));
+  problem.options.tolerance = 1e-13;
+  for (const Solver solver : {Solver::Plain, Solver::Chebyshev}) {
+    problem.options.solver = solver;
+    const Interpolation result = problem.solve(*make_cpu_backend({Precision::Float}));
+    EXPECT_FALSE(result.converged);
+    EXPECT_EQ(result.stop_reason, StopReason::Stagnated);
+    EXPECT_LT(result.error.max, 1e-9) << "the displacement form keeps nine digits";
+  }
+}
+
+TEST(Interpolate, ReportsDivergenceAndSingularity) {
+  // Diagonal matrices: 3 makes the plain iteration diverge, 0 leaves its row where it is.
+  const auto diagonal = [](double value) {
+    StencilRows<double> rows;
+    rows.sizes = {2, 2};
+    rows.indices = {0, 1, 0, 1};
+    rows.weights = {1, 0, 1 - value, value};
+    return StencilTable<double>(2, std::move(rows));
+  };
+  const std::vector<glm::dvec3> given{{0, 0, 0}, {0.5, 0, 0}};
+  InterpolationOptions options;
+  options.solver = Solver::Plain;
+  options.max_iterations = 1000;
+  const auto backend = make_cpu_backend();
+  const auto diverging = interpolate(*backend, diagonal(3).view(), given, options);
+  EXPECT_EQ(diverging.stop_reason, StopReason::Diverged);
+  EXPECT_FALSE(diverging.converged);
+  const auto singular = interpolate(*backend, diagonal(0).view(), given, options);
+  EXPECT_EQ(singular.stop_reason, StopReason::Stagnated);
+  EXPECT_FALSE(singular.converged);
+  EXPECT_EQ(singular.worst_vertex, 1);
+}
+
+TEST(Interpolate, RefusesAToleranceThatIsNotPositive) {
+  Problem problem(test::cube());
+  const auto backend = make_cpu_backend();
+  for (const double tolerance : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    problem.options.tolerance = tolerance;
+    EXPECT_THROW((void)problem.solve(*backend), Error);
+  }
+}
+
+TEST(Interpolate, CanBeCancelled) {
+  Problem problem(test::icosphere(2));
+  problem.options.callbacks.cancelled = [] { return true; };
+  try {
+    (void)problem.solve(*make_cpu_backend());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Cancelled);
+  }
+}
+
+}  // namespace
+}  // namespace planish

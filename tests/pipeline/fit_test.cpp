@@ -1,0 +1,117 @@
+#include "planish/pipeline/fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/core/error.h"
+#include "planish/surface/evaluate.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish {
+namespace {
+
+// Largest distance of a vertex from the cage's limit surface, relative to the diagonal.
+double interpolation_error(const PolygonMesh& given, const Fit& fit, const FitOptions& options) {
+  const auto limits = limit_positions(fit.cage, options.weights, options.sharp);
+  double largest = 0;
+  for (std::size_t v = 0; v < limits.size(); ++v) {
+    largest = std::max(largest, glm::length(limits[v] - given.positions[v]));
+  }
+  return largest / fit.placement.diagonal;
+}
+
+TEST(Fit, SurfacePassesThroughEveryVertex) {
+  for (const PolygonMesh& mesh :
+       {test::cube(), test::dodecahedron(), test::prism(9), test::plate_with_hole(5),
+        test::l_shaped_plate(3), test::jittered(test::icosphere(2), 0.1, 4)}) {
+    for (const Weights weights : {Weights::DooSabin, Weights::Averaged}) {
+      FitOptions options;
+      options.weights = weights;
+      options.tolerance = 1e-12;
+      const Fit result = fit(mesh, *make_cpu_backend(), options);
+      EXPECT_TRUE(result.interpolation.converged);
+      EXPECT_LT(interpolation_error(mesh, result, options), 1.01e-12);
+      EXPECT_EQ(result.cage.face_vertices, mesh.face_vertices);
+    }
+  }
+}
+
+TEST(Fit, FarFromTheOriginInFloatReachesTheTolerance) {
+  PolygonMesh mesh = test::icosphere(2);
+  for (auto& p : mesh.positions) p += glm::dvec3(20.0, -20.0, 20.0);
+  FitOptions options;
+  options.tolerance = 2e-9;
+  const Fit result = fit(mesh, *make_cpu_backend({Precision::Float}), options);
+  EXPECT_TRUE(result.interpolation.converged);
+  EXPECT_LT(interpolation_error(mesh, result, options), 2.1e-9);
+}
+
+TEST(Fit, LeavesUnusedVerticesWhereTheyAre) {
+  PolygonMesh mesh = test::cube();
+  mesh.positions.push_back({50, 60, 70});
+  const Fit result = fit(mesh, *make_cpu_backend());
+  EXPECT_EQ(result.cage.positions.back(), glm::dvec3(50, 60, 70));
+  const Fit plain = fit(test::cube(), *make_cpu_backend());
+  for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(result.cage.positions[v], plain.cage.positions[v]);
+}
+
+TEST(Fit, ConjugateGradientsOnAnOpenMeshIsAUsageError) {
+  FitOptions options;
+  options.solver = Solver::ConjugateGradients;
+  try {
+    (void)fit(test::flat_grid(3, 3), *make_cpu_backend(), options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+    EXPECT_NE(std::string(error.what()).find("12 boundary or crease edges"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(Fit, WarnsOfSemiSharpCreases) {
+  PolygonMesh mesh = test::cube();
+  mesh.creases = {{0, 1, 2.5f}};
+  std::vector<Warning> warnings;
+  FitOptions options;
+  options.callbacks.warning = [&](const Warning& w) { warnings.push_back(w); };
+  (void)fit(mesh, *make_cpu_backend(), options);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].code, "semi-sharp-creases");
+}
+
+TEST(Fit, ACubeWithAllEdgesTaggedIsItsOwnSurface) {
+  PolygonMesh mesh = test::cube();
+  for (const auto& [a, b] : {std::pair{0, 1},
+                             {1, 3},
+                             {3, 2},
+                             {2, 0},
+                             {4, 5},
+                             {5, 7},
+                             {7, 6},
+                             {6, 4},
+                             {0, 4},
+                             {1, 5},
+                             {2, 6},
+                             {3, 7}}) {
+    mesh.creases.push_back({a, b, kInfiniteSharpness});
+  }
+  const Fit result = fit(mesh, *make_cpu_backend());
+  EXPECT_EQ(result.interpolation.iterations, 0);
+  EXPECT_EQ(result.corner_count, 8);
+  const SurfaceMesh surface = evaluate(result.cage, *make_cpu_backend(), {.level = 4});
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    const glm::dvec3& p = surface.positions[v];
+    EXPECT_NEAR(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}), 1.0, 1e-12);
+    // One of the planes through the point has this normal.
+    const glm::dvec3 normal(surface.normals[v]);
+    EXPECT_NEAR(glm::dot(normal, p), 1.0, 1e-6);
+    EXPECT_NEAR(std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)}), 1.0, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace planish
