@@ -1,0 +1,20 @@
+#pragma once
+
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish {
+
+struct CreaseDetectionOptions {
+  double dihedral_degrees = 30;  ///< edges whose faces turn by more become creases
+  double corner_degrees = 60;    ///< vertices where a crease line turns by more become corners
+};
+
+/// Adds creases and corners that the shape suggests to those the mesh has: every edge whose two
+/// faces' normals differ by more than `dihedral_degrees`, except lines of a single edge that touch
+/// no other crease and no boundary; and as corners the vertices where a line of two sharp edges
+/// turns by more than `corner_degrees` (three or more sharp edges make a corner by themselves).
+/// The mesh must pass check(). Throws Error{InvalidArgument} for angles outside 0 to 180.
+[[nodiscard]] PolygonMesh with_detected_creases(const PolygonMesh& mesh,
+                                                const CreaseDetectionOptions& options = {});
+
+}  // namespace planish

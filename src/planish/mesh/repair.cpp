@@ -1,0 +1,321 @@
+#include "planish/mesh/repair.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "planish/core/error.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/disjoint_sets.h"
+#include "planish/mesh/edge_groups.h"
+
+namespace planish {
+
+namespace {
+
+using VertexPair = std::pair<std::int32_t, std::int32_t>;
+
+VertexPair edge_key(std::int32_t a, std::int32_t b) { return std::minmax(a, b); }
+
+// The steps in order, each leaving a mesh that the next can work on.
+class Repair {
+ public:
+  explicit Repair(const PolygonMesh& input) : input_(input) {}
+
+  RepairedMesh run() {
+    drop_degenerate_faces();
+    drop_duplicate_faces();
+    orient();
+    separate();
+    drop_unknown_tags();
+    std::ranges::sort(result_.changed_faces);
+    const auto repeated = std::ranges::unique(result_.changed_faces);
+    result_.changed_faces.erase(repeated.begin(), repeated.end());
+    return std::move(result_);
+  }
+
+ private:
+  void drop_degenerate_faces();
+  void drop_duplicate_faces();
+  void orient();
+  void separate();
+  void copy_fans(DisjointSets& fans);
+  void tag_ends_of_cuts();
+  void map_tags();
+  void drop_unknown_tags();
+
+  void changed(std::int32_t face) { result_.changed_faces.push_back(result_.source_faces[face]); }
+  void report(const char* code, const std::string& what, std::int64_t count, std::int64_t first) {
+    if (count > 0) result_.changes.push_back({code, std::to_string(count) + what, count, first});
+  }
+  [[nodiscard]] EdgeGroups all_edges() const {
+    return group_edges(mesh_, std::vector<std::uint8_t>(mesh_.face_count(), 1));
+  }
+  [[nodiscard]] bool runs_from(const FaceSide& side, std::int32_t vertex) const {
+    return mesh_.face_vertices[side.corner] == vertex;
+  }
+
+  const PolygonMesh& input_;
+  RepairedMesh result_;
+  PolygonMesh& mesh_ = result_.mesh;
+  std::set<VertexPair> cut_edges_;  // in the input's vertices
+};
+
+void Repair::drop_degenerate_faces() {
+  mesh_.positions = input_.positions;
+  mesh_.creases = input_.creases;
+  mesh_.corners = input_.corners;
+  result_.source_vertices.resize(mesh_.positions.size());
+  for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) result_.source_vertices[v] = v;
+
+  std::int64_t count = 0, first = -1;
+  std::vector<std::int32_t> corners, sorted;
+  for (std::int32_t f = 0; f < input_.face_count(); ++f) {
+    corners.clear();
+    for (const std::int32_t v : input_.face(f)) {
+      if (corners.empty() || corners.back() != v) corners.push_back(v);
+    }
+    while (corners.size() > 1 && corners.back() == corners.front()) corners.pop_back();
+    sorted = corners;
+    std::ranges::sort(sorted);
+    const bool dropped = corners.size() < 3 || std::ranges::adjacent_find(sorted) != sorted.end();
+    if (dropped || corners.size() != input_.face(f).size()) {
+      if (count++ == 0) first = f;
+      result_.changed_faces.push_back(f);
+    }
+    if (dropped) continue;
+    mesh_.add_face(corners);
+    result_.source_faces.push_back(f);
+  }
+  if (mesh_.face_count() == 0) {
+    throw Error(ErrorCode::UnusableMesh, "no face with three different vertices is left");
+  }
+  report("degenerate-faces", " faces name a vertex twice; they were dropped or lost that corner",
+         count, first);
+}
+
+void Repair::drop_duplicate_faces() {
+  std::set<std::int32_t> duplicates;
+  for (const MeshProblem& problem : check(mesh_)) {
+    if (problem.kind == MeshProblemKind::DuplicateFace) {
+      duplicates.insert(static_cast<std::int32_t>(problem.element));
+    }
+  }
+  if (duplicates.empty()) return;
+  const PolygonMesh whole = mesh_;
+  const std::vector<std::int32_t> sources = std::move(result_.source_faces);
+  mesh_.face_offsets = {0};
+  mesh_.face_vertices.clear();
+  result_.source_faces.clear();
+  for (std::int32_t f = 0; f < whole.face_count(); ++f) {
+    if (duplicates.contains(f)) {
+      result_.changed_faces.push_back(sources[f]);
+      continue;
+    }
+    mesh_.add_face(whole.face(f));
+    result_.source_faces.push_back(sources[f]);
+  }
+  report("duplicate-faces", " faces repeat another one and were dropped",
+         static_cast<std::int64_t>(duplicates.size()), sources[*duplicates.begin()]);
+}
+
+// Spreads directions from face to face across edges of two faces, then turns the minority of each
+// component round.
+void Repair::orient() {
+  struct Neighbour {
+    std::int32_t face;
+    bool agrees;
+  };
+  std::vector<std::vector<Neighbour>> neighbours(static_cast<std::size_t>(mesh_.face_count()));
+  all_edges().for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
+    if (sides.size() != 2) return;
+    const bool agrees = runs_from(sides[0], lower) != runs_from(sides[1], lower);
+    neighbours[sides[0].face].push_back({sides[1].face, agrees});
+    neighbours[sides[1].face].push_back({sides[0].face, agrees});
+  });
+
+  std::int64_t count = 0, first = -1;
+  std::vector<std::int8_t> direction(neighbours.size(), 0);
+  std::vector<std::int32_t> component;
+  for (std::int32_t seed = 0; seed < mesh_.face_count(); ++seed) {
+    if (direction[seed] != 0) continue;
+    component.assign(1, seed);
+    direction[seed] = 1;
+    std::int64_t sum = 0;
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      const std::int32_t face = component[i];
+      sum += direction[face];
+      for (const Neighbour& next : neighbours[face]) {
+        if (direction[next.face] != 0) continue;
+        direction[next.face] = next.agrees ? direction[face] : -direction[face];
+        component.push_back(next.face);
+      }
+    }
+    const int minority = sum < 0 ? 1 : -1;
+    for (const std::int32_t face : component) {
+      if (direction[face] != minority) continue;
+      std::reverse(mesh_.face_vertices.begin() + mesh_.face_offsets[face] + 1,
+                   mesh_.face_vertices.begin() + mesh_.face_offsets[face + 1]);
+      changed(face);
+      if (count++ == 0) first = result_.source_faces[face];
+    }
+  }
+  report("turned-faces", " faces ran against their neighbours and were turned round", count, first);
+}
+
+// Corners of a vertex are in one fan when their faces meet at a sound edge of that vertex.
+void Repair::separate() {
+  DisjointSets fans(mesh_.face_vertices.size());
+  std::int64_t cut_count = 0, first_cut = -1;
+  all_edges().for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
+    if (sides.size() == 1) return;
+    if (sides.size() > 2 || runs_from(sides[0], lower) == runs_from(sides[1], lower)) {
+      cut_edges_.insert({lower, sides[0].higher});
+      if (cut_count++ == 0) first_cut = lower;
+      return;
+    }
+    const std::int32_t next0 = next_corner(mesh_, sides[0].face, sides[0].corner);
+    const std::int32_t next1 = next_corner(mesh_, sides[1].face, sides[1].corner);
+    fans.unite(sides[0].corner, next1);
+    fans.unite(sides[1].corner, next0);
+  });
+  report("non-manifold-edges",
+         " edges have three or more faces, or two that cannot agree; the sheets were separated "
+         "there",
+         cut_count, first_cut);
+  copy_fans(fans);
+  map_tags();
+  tag_ends_of_cuts();
+}
+
+void Repair::copy_fans(DisjointSets& fans) {
+  std::vector<std::int32_t> first_fan(mesh_.positions.size(), -1);
+  std::map<std::int32_t, std::int32_t> vertex_of_fan;
+  std::set<std::int32_t> vertices_on_cuts, split_vertices;
+  for (const auto& [a, b] : cut_edges_) vertices_on_cuts.insert({a, b});
+  for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
+    bool renamed = false;
+    for (std::int32_t c = mesh_.face_offsets[f]; c < mesh_.face_offsets[f + 1]; ++c) {
+      const std::int32_t vertex = mesh_.face_vertices[c];
+      const std::int32_t fan = fans.find(c);
+      if (first_fan[vertex] < 0) first_fan[vertex] = fan;
+      if (first_fan[vertex] == fan) continue;
+      auto [copy, fresh] = vertex_of_fan.try_emplace(fan, mesh_.vertex_count());
+      if (fresh) {
+        mesh_.positions.push_back(mesh_.positions[vertex]);
+        result_.source_vertices.push_back(vertex);
+        if (!vertices_on_cuts.contains(vertex)) split_vertices.insert(vertex);
+      }
+      mesh_.face_vertices[c] = copy->second;
+      renamed = true;
+    }
+    if (renamed) changed(f);
+  }
+  report("non-manifold-vertices",
+         " vertices join several fans of faces; each fan got a vertex of its own",
+         static_cast<std::int64_t>(split_vertices.size()),
+         split_vertices.empty() ? -1 : *split_vertices.begin());
+}
+
+// Creases and corners hold on every copy of their edge or vertex.
+void Repair::map_tags() {
+  if (mesh_.vertex_count() == input_.vertex_count()) return;
+  std::map<VertexPair, std::set<VertexPair>> edge_copies;
+  for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
+    const auto corners = mesh_.face(f);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const VertexPair edge = edge_key(corners[i], corners[(i + 1) % corners.size()]);
+      edge_copies[edge_key(result_.source_vertices[edge.first],
+                           result_.source_vertices[edge.second])]
+          .insert(edge);
+    }
+  }
+  std::vector<CreaseEdge> creases;
+  for (const CreaseEdge& crease : mesh_.creases) {
+    const auto copies = edge_copies.find(edge_key(crease.v0, crease.v1));
+    if (copies == edge_copies.end()) {
+      creases.push_back(crease);  // no edge: dropped with a report later
+      continue;
+    }
+    for (const auto& [a, b] : copies->second) creases.push_back({a, b, crease.sharpness});
+  }
+  mesh_.creases = std::move(creases);
+  const std::vector<CornerVertex> corners = mesh_.corners;
+  for (std::int32_t v = input_.vertex_count(); v < mesh_.vertex_count(); ++v) {
+    for (const CornerVertex& corner : corners) {
+      if (corner.vertex == result_.source_vertices[v]) {
+        mesh_.corners.push_back({v, corner.sharpness});
+      }
+    }
+  }
+}
+
+// Along a cut the boundary curves of all sheets are the same B-spline, as long as it runs on.
+void Repair::tag_ends_of_cuts() {
+  std::map<std::int32_t, int> cut_degree;
+  for (const auto& [a, b] : cut_edges_) {
+    ++cut_degree[a];
+    ++cut_degree[b];
+  }
+  if (cut_degree.empty()) return;
+  std::set<std::int32_t> tagged;
+  for (const CornerVertex& corner : mesh_.corners) tagged.insert(corner.vertex);
+  for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
+    const auto degree = cut_degree.find(result_.source_vertices[v]);
+    if (degree == cut_degree.end() || degree->second == 2 || tagged.contains(v)) continue;
+    mesh_.corners.push_back({v, kInfiniteSharpness});
+  }
+}
+
+void Repair::drop_unknown_tags() {
+  std::set<std::int64_t> creases, corners;
+  for (const MeshProblem& problem : check(mesh_)) {
+    if (problem.kind == MeshProblemKind::UnknownCreaseEdge) creases.insert(problem.element);
+    if (problem.kind == MeshProblemKind::UnknownCornerVertex) corners.insert(problem.element);
+  }
+  const auto drop = [](auto& tags, const std::set<std::int64_t>& indices) {
+    for (auto i = indices.rbegin(); i != indices.rend(); ++i) tags.erase(tags.begin() + *i);
+  };
+  drop(mesh_.creases, creases);
+  drop(mesh_.corners, corners);
+  report("unknown-tags", " crease or corner tags name no edge or used vertex and were dropped",
+         static_cast<std::int64_t>(creases.size() + corners.size()), -1);
+}
+
+// What no repair can supply.
+void require_sound_data(const std::vector<MeshProblem>& problems) {
+  for (const MeshProblem& problem : problems) {
+    switch (problem.kind) {
+      case MeshProblemKind::NoFaces:
+      case MeshProblemKind::NonFinitePosition:
+      case MeshProblemKind::IndexOutOfRange:
+      case MeshProblemKind::TooLarge:
+        throw Error(ErrorCode::UnusableMesh, problem.message, problem.element);
+      default:
+        break;
+    }
+  }
+}
+
+}  // namespace
+
+RepairedMesh repair(const PolygonMesh& mesh) {
+  const std::vector<MeshProblem> problems = check(mesh);
+  require_sound_data(problems);
+  if (!problems.empty()) return Repair(mesh).run();
+  RepairedMesh same;
+  same.mesh = mesh;
+  same.source_vertices.resize(mesh.positions.size());
+  same.source_faces.resize(static_cast<std::size_t>(mesh.face_count()));
+  for (std::size_t v = 0; v < same.source_vertices.size(); ++v) {
+    same.source_vertices[v] = static_cast<std::int32_t>(v);
+  }
+  for (std::size_t f = 0; f < same.source_faces.size(); ++f) {
+    same.source_faces[f] = static_cast<std::int32_t>(f);
+  }
+  return same;
+}
+
+}  // namespace planish

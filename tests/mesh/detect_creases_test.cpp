@@ -1,0 +1,60 @@
+#include "planish/mesh/detect_creases.h"
+
+#include <gtest/gtest.h>
+
+#include "mesh/test_meshes.h"
+#include "planish/core/error.h"
+
+namespace planish {
+namespace {
+
+TEST(DetectCreases, TagsEveryEdgeOfACubeAndNoCorner) {
+  // Three creases meet at each vertex: corners by themselves.
+  const PolygonMesh mesh = with_detected_creases(test::cube());
+  EXPECT_EQ(mesh.creases.size(), 12u);
+  EXPECT_TRUE(mesh.corners.empty());
+}
+
+TEST(DetectCreases, FollowsTheThreshold) {
+  EXPECT_TRUE(with_detected_creases(test::cube(), {.dihedral_degrees = 91}).creases.empty());
+  EXPECT_EQ(with_detected_creases(test::cube(), {.dihedral_degrees = 89}).creases.size(), 12u);
+  EXPECT_THROW((void)with_detected_creases(test::cube(), {.dihedral_degrees = 181}), Error);
+}
+
+// A roof ridge over `edges` edges: 33 degrees at the ridge, less everywhere else.
+PolygonMesh ridge(int edges) {
+  PolygonMesh mesh = test::grid(4, 4 + edges);
+  for (auto& p : mesh.positions) {
+    if (p.x == 2 && p.y >= 2 && p.y <= 2 + edges) p.z = 0.3;
+  }
+  return mesh;
+}
+
+TEST(DetectCreases, DropsALoneEdge) {
+  EXPECT_TRUE(with_detected_creases(ridge(1)).creases.empty());
+  EXPECT_EQ(with_detected_creases(ridge(2)).creases.size(), 2u);
+  PolygonMesh tagged = ridge(1);
+  tagged.creases = {{12, 17, kInfiniteSharpness}};
+  EXPECT_EQ(with_detected_creases(tagged).creases.size(), 1u) << "the mesh's own tag stays";
+}
+
+TEST(DetectCreases, TagsSharpTurnsAsCorners) {
+  // A flat square plate over a plain: its outline is a crease that turns by 90 degrees.
+  PolygonMesh mesh = test::grid(6, 6);
+  for (auto& p : mesh.positions) {
+    if (p.x >= 2 && p.x <= 4 && p.y >= 2 && p.y <= 4) p.z = 3;
+  }
+  const PolygonMesh result = with_detected_creases(mesh);
+  const auto has_corner = [&](int x, int y) {
+    for (const CornerVertex& corner : result.corners) {
+      if (corner.vertex == y * 7 + x) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(has_corner(0, 0)) << "the boundary turns there";
+  EXPECT_FALSE(has_corner(3, 0)) << "the boundary is straight there";
+  EXPECT_FALSE(result.creases.empty());
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,169 @@
+#include "planish/mesh/repair.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "mesh/test_meshes.h"
+#include "planish/core/error.h"
+#include "planish/mesh/check.h"
+
+namespace planish {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+std::vector<std::string> codes(const RepairedMesh& repaired) {
+  std::vector<std::string> result;
+  for (const Warning& change : repaired.changes) result.push_back(change.code);
+  return result;
+}
+
+// Usable, with every vertex where its source is.
+void expect_sound(const PolygonMesh& input, const RepairedMesh& repaired) {
+  for (const MeshProblem& problem : check(repaired.mesh)) ADD_FAILURE() << problem.message;
+  ASSERT_EQ(repaired.source_vertices.size(), repaired.mesh.positions.size());
+  ASSERT_EQ(repaired.source_faces.size(), static_cast<std::size_t>(repaired.mesh.face_count()));
+  for (std::size_t v = 0; v < repaired.source_vertices.size(); ++v) {
+    EXPECT_EQ(repaired.mesh.positions[v], input.positions[repaired.source_vertices[v]]);
+    if (v < input.positions.size()) {
+      EXPECT_EQ(repaired.source_vertices[v], static_cast<std::int32_t>(v));
+    }
+  }
+}
+
+TEST(Repair, LeavesASoundMeshAsItIs) {
+  PolygonMesh mesh = test::cube();
+  mesh.creases = {{0, 1, 10}};
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_EQ(repaired.mesh.face_vertices, mesh.face_vertices);
+  EXPECT_EQ(repaired.mesh.creases.size(), 1u);
+  EXPECT_THAT(repaired.changes, IsEmpty());
+  EXPECT_THAT(repaired.changed_faces, IsEmpty());
+}
+
+TEST(Repair, RemovesRepeatedCornersAndDropsWhatIsNoFace) {
+  PolygonMesh mesh = test::mesh_of(5, {{0, 1, 1, 2}, {2, 1, 3}, {0, 0, 1}, {0, 2, 4, 2}});
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+  EXPECT_THAT(repaired.mesh.face_vertices, ElementsAre(0, 1, 2, 2, 1, 3));
+  EXPECT_THAT(repaired.source_faces, ElementsAre(0, 1));
+  EXPECT_THAT(repaired.changed_faces, ElementsAre(0, 2, 3));
+  EXPECT_THAT(codes(repaired), ElementsAre("degenerate-faces"));
+  EXPECT_EQ(repaired.changes[0].count, 3);
+}
+
+TEST(Repair, DropsDuplicates) {
+  PolygonMesh mesh = test::tetrahedron();
+  mesh.add_face(std::vector{2, 1, 0});
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+  EXPECT_EQ(repaired.mesh.face_count(), 4);
+  EXPECT_THAT(repaired.changed_faces, ElementsAre(4));
+}
+
+TEST(Repair, TurnsTheMinorityRound) {
+  PolygonMesh mesh = test::cube();
+  std::reverse(mesh.face_vertices.begin() + 4, mesh.face_vertices.begin() + 8);
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+  EXPECT_THAT(repaired.changed_faces, ElementsAre(1));
+  EXPECT_THAT(codes(repaired), ElementsAre("turned-faces"));
+  const PolygonMesh cube = test::cube();
+  const auto turned = repaired.mesh.face(1);
+  const auto original = cube.face(1);
+  const auto start = std::find(original.begin(), original.end(), turned[0]) - original.begin();
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(turned[i], original[(start + i) % 4]);
+}
+
+TEST(Repair, SeparatesThreeSheetsAlongTheirEdges) {
+  // Three quads around the line 0-1-2, two quads long: the ends become corners, the middle not.
+  const PolygonMesh mesh = test::mesh_of(
+      12, {{0, 1, 4, 3}, {1, 2, 5, 4}, {1, 0, 6, 7}, {2, 1, 7, 8}, {0, 1, 10, 9}, {1, 2, 11, 10}});
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+  EXPECT_EQ(repaired.mesh.vertex_count(), 12 + 2 * 3);
+  EXPECT_THAT(codes(repaired), ElementsAre("non-manifold-edges"));
+  EXPECT_EQ(repaired.changes[0].count, 2);
+  std::multiset<std::int32_t> corners;
+  for (const CornerVertex& corner : repaired.mesh.corners) {
+    corners.insert(repaired.source_vertices[corner.vertex]);
+  }
+  EXPECT_THAT(corners, ElementsAre(0, 0, 0, 2, 2, 2));
+}
+
+TEST(Repair, GivesEachFanAVertex) {
+  PolygonMesh mesh = test::mesh_of(5, {{0, 1, 2}, {0, 3, 4}});
+  mesh.corners = {{0, 10}};
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+  EXPECT_THAT(repaired.mesh.face_vertices, ElementsAre(0, 1, 2, 5, 3, 4));
+  EXPECT_THAT(codes(repaired), ElementsAre("non-manifold-vertices"));
+  EXPECT_THAT(repaired.changed_faces, ElementsAre(1));
+  ASSERT_EQ(repaired.mesh.corners.size(), 2u) << "the copy keeps the tag";
+  EXPECT_EQ(repaired.mesh.corners[1].vertex, 5);
+}
+
+TEST(Repair, CutsAMoebiusStrip) {
+  PolygonMesh mesh;
+  constexpr int kQuads = 5;
+  for (int i = 0; i < 2 * kQuads; ++i) mesh.positions.emplace_back(i, i * i, i * i * i);
+  for (int i = 0; i < kQuads; ++i) {
+    const int a = 2 * i, b = 2 * i + 1;
+    const bool last = i + 1 == kQuads;
+    mesh.add_face(std::vector{a, b, last ? 0 : b + 2, last ? 1 : a + 2});
+  }
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+  EXPECT_EQ(repaired.mesh.face_count(), kQuads);
+  EXPECT_EQ(repaired.mesh.vertex_count(), 2 * kQuads + 2);
+}
+
+TEST(Repair, DropsTagsThatNameNothing) {
+  PolygonMesh mesh = test::cube();
+  mesh.positions.emplace_back(9, 9, 9);
+  mesh.creases = {{0, 7, 10}, {0, 1, 10}};
+  mesh.corners = {{8, 10}, {3, 10}};
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+  ASSERT_EQ(repaired.mesh.creases.size(), 1u);
+  EXPECT_EQ(repaired.mesh.creases[0].v1, 1);
+  ASSERT_EQ(repaired.mesh.corners.size(), 1u);
+  EXPECT_EQ(repaired.mesh.corners[0].vertex, 3);
+  EXPECT_THAT(codes(repaired), ElementsAre("unknown-tags"));
+}
+
+TEST(Repair, RefusesWhatNoRepairCanSupply) {
+  PolygonMesh mesh = test::cube();
+  mesh.face_vertices[5] = 99;
+  EXPECT_THROW((void)repair(mesh), Error);
+  EXPECT_THROW((void)repair(test::mesh_of(3, {{0, 0, 1}})), Error);
+}
+
+TEST(Repair, MakesAnySoupUsable) {
+  std::mt19937 random(20);
+  for (int round = 0; round < 3000; ++round) {
+    PolygonMesh mesh;
+    const int vertices = 4 + static_cast<int>(random() % 8);
+    for (int i = 0; i < vertices; ++i) mesh.positions.emplace_back(i, i * i, i * i * i);
+    mesh.add_face(std::vector{0, 1, 2});
+    for (int f = static_cast<int>(random() % 14); f > 0; --f) {
+      std::vector<std::int32_t> face(3 + random() % 3);
+      for (auto& v : face) v = static_cast<std::int32_t>(random() % vertices);
+      mesh.add_face(face);
+    }
+    const auto edge = mesh.face(static_cast<std::int32_t>(random() % mesh.face_count()));
+    mesh.creases = {{edge[0], edge[1], 10}};
+    mesh.corners = {{edge[2], 10}};
+    const RepairedMesh repaired = repair(mesh);
+    expect_sound(mesh, repaired);
+    if (HasFailure()) FAIL() << "round " << round;
+  }
+}
+
+}  // namespace
+}  // namespace planish
