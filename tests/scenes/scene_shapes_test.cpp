@@ -8,8 +8,12 @@
 
 #include "make_scenes/scene_list.h"
 #include "make_scenes/shapes.h"
+#include "planish/backend/cpu_backend.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/mesh_file.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
+#include "planish/surface/folded_area.h"
 #include "scenes/topology.h"
 
 namespace planish::shapes {
@@ -103,6 +107,21 @@ TEST(SceneShapes, OfTheTableAreCleanQuads) {
     const auto [least, greatest] = corner_angles(mesh);
     EXPECT_GT(least, kLeastAngle) << file;
     EXPECT_LT(greatest, kGreatestAngle) << file;
+  }
+}
+
+TEST(SceneShapes, OfTheTableNeedTheSolveAndComeOutUnfolded) {
+  constexpr double kLeastInitialError = 1e-3;
+  const auto backend = make_cpu_backend();
+  for (const char* file : {"cube_with_holes.obj", "goblet.obj", "rocker_arm.obj", "bust.obj"}) {
+    const PolygonMesh& mesh = meshes().at(file);
+    const Fit result = fit(mesh, *backend);
+    EXPECT_GT(result.interpolation.history.front().max, kLeastInitialError) << file;
+    EXPECT_TRUE(result.interpolation.converged) << file;
+    EvaluateOptions options;
+    options.level = 1;
+    options.rest_positions = mesh.positions;
+    EXPECT_EQ(folded_area(evaluate(result.cage, *backend, options), mesh), 0.0) << file;
   }
 }
 

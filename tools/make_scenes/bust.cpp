@@ -29,7 +29,7 @@ double coat(const glm::dvec3& p) {
   body = smooth_union(body, shirt, 0.10);
   const double lapel = Cone{{0.27, -0.86, 0.03}, {0.13, -1.55, 0.30}, 0.09, 0.13}(p);
   const double collar = Cone{{0.28, -0.84, 0.02}, {0.0, -0.80, -0.36}, 0.09, 0.10}(p);
-  return smooth_union(body, smooth_union(lapel, collar, 0.05), 0.04);
+  return smooth_union(body, smooth_union(lapel, collar, 0.08), 0.08);
 }
 
 double socle(const glm::dvec3& p) {
@@ -40,19 +40,19 @@ double socle(const glm::dvec3& p) {
   return smooth_union(stem, plate, 0.08);
 }
 
-// The head is turned a little to one side.
-glm::dvec3 in_head(const glm::dvec3& p) {
+// The shoulders are turned a little against the head, which stays in line with the lattice: that
+// keeps the quads of the face alike on both sides.
+glm::dvec3 in_body(const glm::dvec3& p) {
   constexpr double kTurn = 0.22;
-  const double share = smooth_step(-0.95, -0.55, p.y);
-  const double cosine = std::cos(kTurn * share);
-  const double sine = std::sin(kTurn * share);
-  return {cosine * p.x + sine * (p.z + 0.1), p.y, cosine * (p.z + 0.1) - sine * p.x - 0.1};
+  const double cosine = std::cos(kTurn);
+  const double sine = std::sin(kTurn);
+  return {cosine * p.x - sine * (p.z + 0.1), p.y, cosine * (p.z + 0.1) + sine * p.x - 0.1};
 }
 
 // Cells grow with the distance from the face, where there is less to show.
 glm::dvec3 finest_at_the_face(const glm::dvec3& p) {
   constexpr glm::dvec3 kFace(0.0, -0.08, 0.45);
-  constexpr double kGrowth = 1.1;
+  constexpr double kGrowth = 1.3;
   constexpr double kEvenWithin = 0.45;
   const double distance = glm::distance(p, kFace);
   const double beyond = std::max(distance - kEvenWithin, 0.0);
@@ -64,7 +64,7 @@ glm::dvec3 finest_at_the_face(const glm::dvec3& p) {
 
 double bust_body(const glm::dvec3& p) {
   const glm::dvec3 half(std::abs(p.x), p.y, p.z);  // both sides alike
-  double body = smooth_union(coat(half), cravat(half), 0.05);
+  double body = smooth_union(coat(half), cravat(half), 0.055);
   // The cut of a bust: round below the arms.
   body = smooth_intersection(body, Ellipsoid{{0.0, -1.0, -0.12}, {0.85, 0.78, 0.62}}(p), 0.06);
   return smooth_union(body, socle(p), 0.06);
@@ -78,15 +78,15 @@ PolygonMesh bust() {
     double bust = Cone{{0.0, -0.35, -0.12}, {0.0, -1.0, -0.12}, 0.25, 0.29}(p);  // neck
     // Parts too far off for their blends to matter are left out: they cost the most.
     if (p.y > kHeadEnds) {
-      const glm::dvec3 q = in_head(p);
-      bust = smooth_union(smooth_union(bust_face(q), bust_hair(q, locks), 0.06), bust, 0.12);
+      bust = smooth_union(smooth_union(bust_face(p), bust_hair(p, locks), 0.06), bust, 0.12);
     }
-    return p.y < kBodyEnds ? smooth_union(bust, bust_body(p), 0.06) : bust;
+    return p.y < kBodyEnds ? smooth_union(bust, bust_body(in_body(p)), 0.06) : bust;
   };
   SurfaceNetsOptions options;
-  options.low = {-0.7571, -1.7813, -0.7617};
+  options.cell = 0.0242;
+  // The plane of symmetry runs through the middle of a layer of cells.
+  options.low = {-32.5 * options.cell, -1.7013, -0.7617};
   options.high = {0.76, 0.87, 0.70};
-  options.cell = 0.0255;
   options.warp = finest_at_the_face;
   return surface_nets(field, options);
 }

@@ -36,14 +36,14 @@ double with_nose(double head, const glm::dvec3& p) {
 }
 
 double with_mouth(double head, const glm::dvec3& p) {
-  head = smooth_union(head, Ellipsoid{{0.0, -0.29, 0.345}, {0.17, 0.12, 0.11}}(p), 0.06);
-  const double upper_lip = Cone{{0.0, -0.252, 0.448}, {0.105, -0.285, 0.395}, 0.038, 0.022}(p);
-  const double lower_lip = Cone{{0.0, -0.336, 0.44}, {0.085, -0.328, 0.40}, 0.044, 0.028}(p);
+  head = smooth_union(head, Ellipsoid{{0.0, -0.295, 0.345}, {0.17, 0.125, 0.11}}(p), 0.06);
+  const double upper_lip = Cone{{0.0, -0.252, 0.440}, {0.12, -0.292, 0.375}, 0.042, 0.024}(p);
+  const double lower_lip = Cone{{0.0, -0.345, 0.428}, {0.095, -0.338, 0.385}, 0.048, 0.032}(p);
   head = smooth_union(head, upper_lip, 0.03);
   head = smooth_union(head, lower_lip, 0.03);
-  const double gap = Cone{{0.0, -0.293, 0.50}, {0.13, -0.312, 0.425}, 0.016, 0.016}(p);
-  head = smooth_difference(head, gap, 0.05);
-  const double below = Cone{{0.0, -0.395, 0.475}, {0.08, -0.39, 0.44}, 0.035, 0.02}(p);
+  const double gap = Cone{{0.0, -0.297, 0.487}, {0.15, -0.312, 0.405}, 0.016, 0.012}(p);
+  head = smooth_difference(head, gap, 0.04);
+  const double below = Cone{{0.0, -0.412, 0.485}, {0.08, -0.408, 0.445}, 0.03, 0.02}(p);
   return smooth_difference(head, below, 0.06);
 }
 

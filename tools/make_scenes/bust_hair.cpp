@@ -20,7 +20,7 @@ double hairline(const glm::dvec3& p) { return -0.44 * (p.y - 0.43) + 0.9 * (p.z 
 // Waves combed back all around from the middle of the face: height over the scalp.
 double waves(const glm::dvec3& p) {
   constexpr double kWaveCount = 15.0;
-  constexpr double kHeight = 0.07;
+  constexpr double kHeight = 0.064;
   const glm::dvec3 direction = glm::normalize(p - kScalpCentre);
   // Angle from the pole of the waves, and around it; the pole lies in the face, its opposite below
   // the back of the head.
@@ -61,7 +61,7 @@ Lock lock_at(const glm::dvec3& direction, RandomNumbers& random) {
   for (int i = 0; i < kPoints; ++i) {
     const double along = static_cast<double>(i) / (kPoints - 1);
     lock.points.push_back(kScalpCentre + outward * kScalpRadii +
-                          outward * (lift - 0.07 * along * along));
+                          outward * (lift - 0.09 * along * along));
     lock.radii.push_back(thickness * (1.0 - 0.4 * (2.0 * along - 0.8) * (2.0 * along - 0.8)));
     outward = glm::normalize(outward + heading * (step / 0.5));
     heading =
@@ -95,7 +95,7 @@ std::vector<Lock> bust_locks() {
 }
 
 double bust_hair(const glm::dvec3& p, const std::vector<Lock>& locks) {
-  constexpr double kGroove = 0.05;
+  constexpr double kGroove = 0.06;
   constexpr double kThickest = 0.3;  // beyond it no lock reaches
   const double scalp = Ellipsoid{kScalpCentre, kScalpRadii}(p);
   if (std::abs(scalp) > kThickest) return scalp;
