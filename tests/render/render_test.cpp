@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "camera.h"
+#include "overlay.h"
+#include "picture.h"
+#include "rasterise.h"
+#include "render_mesh.h"
+
+namespace planish::render {
+namespace {
+
+// A latitude-longitude sphere of radius 1 with exact normals.
+RenderMesh sphere() {
+  constexpr int kRings = 24, kSlices = 48;
+  RenderMesh mesh;
+  for (int j = 0; j <= kRings; ++j) {
+    for (int i = 0; i < kSlices; ++i) {
+      const float v = 3.14159265f * j / kRings, u = 2 * 3.14159265f * i / kSlices;
+      mesh.positions.emplace_back(std::sin(v) * std::sin(u), std::cos(v),
+                                  std::sin(v) * std::cos(u));
+    }
+  }
+  mesh.normals = mesh.positions;
+  for (std::uint32_t j = 0; j < kRings; ++j) {
+    for (std::uint32_t i = 0; i < kSlices; ++i) {
+      const std::uint32_t a = j * kSlices + i, b = j * kSlices + (i + 1) % kSlices;
+      for (const std::uint32_t corner : {a, a + kSlices, b + kSlices, a, b + kSlices, b}) {
+        mesh.indices.push_back(corner);
+      }
+    }
+  }
+  return mesh;
+}
+
+TEST(Frame, PointsFillTheImageUpToTheMargin) {
+  const RenderMesh mesh = sphere();
+  ViewOptions options;
+  options.margin = 0.1f;
+  const Camera camera = frame(mesh.positions, 400, 300, options);
+  float top = 1e9f, bottom = -1e9f, left = 1e9f, right = -1e9f;
+  for (const glm::vec3& p : mesh.positions) {
+    const glm::vec3 at = camera.project(p);
+    left = std::min(left, at.x);
+    right = std::max(right, at.x);
+    top = std::min(top, at.y);
+    bottom = std::max(bottom, at.y);
+  }
+  EXPECT_NEAR(top, 30, 0.1);
+  EXPECT_NEAR(bottom, 270, 0.1);
+  EXPECT_NEAR(left + right, 400, 1);
+}
+
+TEST(Frame, RayGoesThroughTheProjectedPoint) {
+  const RenderMesh mesh = sphere();
+  const Camera camera = frame(mesh.positions, 400, 300, {});
+  for (const glm::vec3& p : mesh.positions) {
+    const glm::vec3 ray = camera.ray(glm::vec2(camera.project(p)));
+    EXPECT_LT(glm::distance(ray, glm::normalize(p - camera.eye)), 1e-5f);
+  }
+}
+
+TEST(Rasterise, NearerTriangleWinsWhateverTheOrder) {
+  const std::array<glm::vec3, 6> vertices{glm::vec3(0, 0, 1), {8, 0, 1}, {0, 8, 1},
+                                          {0, 0, 2},          {4, 0, 2}, {0, 4, 2}};
+  for (const auto& indices : {std::array<std::uint32_t, 6>{0, 1, 2, 3, 4, 5},
+                              std::array<std::uint32_t, 6>{3, 4, 5, 0, 1, 2}}) {
+    VisibilityBuffer buffer(8, 8);
+    rasterise(vertices, indices, 0, 8, buffer);
+    const std::uint32_t near = indices[0] == 3 ? 0 : 1;
+    EXPECT_EQ(buffer.what[buffer.at(0, 0)], near);
+    EXPECT_EQ(buffer.what[buffer.at(5, 0)], 1 - near);
+    EXPECT_EQ(buffer.what[buffer.at(7, 7)], VisibilityBuffer::kNothing);
+    EXPECT_EQ(std::count(buffer.what.begin(), buffer.what.end(), near), 10);
+  }
+}
+
+TEST(Overlay, HidesBehindTheSurface) {
+  const RenderMesh mesh = sphere();
+  const Camera camera = frame(mesh.positions, 200, 200, {0, 0, 0.1f});
+  std::vector<glm::vec3> projected;
+  for (const glm::vec3& p : mesh.positions) projected.push_back(camera.project(p));
+  VisibilityBuffer buffer(200, 200);
+  rasterise(projected, mesh.indices, 0, 200, buffer);
+  PolygonMesh points;
+  points.positions = {{0, 0, 1}, {0.3, 0, -0.954}};  // facing the eye, and on the far side
+  draw_overlay(points, camera, {}, buffer);
+  EXPECT_EQ(buffer.what[buffer.at(100, 100)], kVertexSample);
+  const glm::vec3 hidden = camera.project(glm::vec3(points.positions[1]));
+  EXPECT_LT(buffer.what[buffer.at(static_cast<int>(hidden.x), static_cast<int>(hidden.y))],
+            mesh.indices.size() / 3);
+}
+
+TEST(Picture, SphereIsLitFromTheUpperLeftOnALightGround) {
+  PictureOptions options;
+  options.width = 80;
+  options.height = 60;
+  const auto pixels = draw_picture(sphere(), options);
+  ASSERT_EQ(pixels.size(), 3u * 80 * 60);
+  const auto at = [&](int x, int y) { return static_cast<int>(pixels[3 * (y * 80 + x)]); };
+  EXPECT_GT(at(1, 1), 220);
+  EXPECT_GT(at(33, 20), at(50, 45) + 40);
+  EXPECT_LT(at(50, 45), at(1, 1));
+  EXPECT_EQ(draw_picture(sphere(), options), pixels);
+}
+
+TEST(Curvature, IsTheDiagonalOverTheRadiusOnASphere) {
+  // Diagonal 2 sqrt(3), radius 1; chords are a little shorter than arcs.
+  for (const float curvature : curvature_of(sphere())) {
+    EXPECT_NEAR(curvature, 2 * std::sqrt(3.0f), 0.02f);
+  }
+}
+
+}  // namespace
+}  // namespace planish::render
