@@ -1,6 +1,7 @@
 #include "bench/report.h"
 
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
@@ -51,6 +52,12 @@ Machine this_machine() {
   return machine;
 }
 
+std::uint64_t peak_memory_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
 void print_table(const Machine& machine, const std::vector<Row>& rows) {
   std::printf("\n%s, %u cores, load %.1f, commit %s\n\n", machine.cpu.c_str(), machine.core_count,
               machine.load, machine.commit.c_str());
@@ -66,6 +73,8 @@ void print_table(const Machine& machine, const std::vector<Row>& rows) {
     std::printf("| %-14s | %-26s | %10.2f | %10.2f | %10.2f | %7.2f |\n", row.group.c_str(),
                 row.peer.c_str(), row.median_ms, row.least_ms, row.cpu_ms, row.ratio);
   }
+  std::printf("\npeak memory of the process: %.2f GiB\n",
+              static_cast<double>(peak_memory_bytes()) / (1u << 30));
 }
 
 void write_json(const std::filesystem::path& path, const Machine& machine,
@@ -77,6 +86,7 @@ void write_json(const std::filesystem::path& path, const Machine& machine,
                      {"cores", machine.core_count},
                      {"memory_bytes", machine.memory_bytes},
                      {"load", machine.load}};
+  json["peak_memory_bytes"] = peak_memory_bytes();
   json["rows"] = nlohmann::ordered_json::array();
   for (const Row& row : rows) {
     json["rows"].push_back({{"group", row.group},

@@ -19,6 +19,9 @@ struct Machine {
 };
 [[nodiscard]] Machine this_machine();
 
+/// Highest resident memory of this process so far, in bytes.
+[[nodiscard]] std::uint64_t peak_memory_bytes();
+
 /// Times and ratios as a Markdown table on standard output.
 void print_table(const Machine& machine, const std::vector<Row>& rows);
 

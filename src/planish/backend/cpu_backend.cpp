@@ -256,14 +256,39 @@ class CpuPoints final : public DevicePoints {
   std::vector<glm::dvec3> points;
 };
 
-glm::dvec3 apply_row(const StencilView<double>& table, std::span<const double> weights,
-                     std::size_t row, const std::vector<glm::dvec3>& source) {
+glm::dvec3 apply_row(const StencilView<double>& table, std::size_t row,
+                     const std::vector<glm::dvec3>& source) {
   glm::dvec3 sum(0.0);
   const auto first = static_cast<std::size_t>(table.offsets[row]);
   for (std::size_t k = first; k < first + table.sizes[row]; ++k) {
-    sum += weights[k] * source[static_cast<std::size_t>(table.indices[k])];
+    sum += table.weights[k] * source[static_cast<std::size_t>(table.indices[k])];
   }
   return sum;
+}
+
+struct LimitPoint {
+  glm::dvec3 position{0.0}, du{0.0}, dv{0.0};
+};
+
+LimitPoint apply_limit_row(const LimitStencilView<double>& table, std::size_t row,
+                           const std::vector<glm::dvec3>& source) {
+  LimitPoint limit;
+  const auto first = static_cast<std::size_t>(table.offsets[row]);
+  for (std::size_t k = first; k < first + table.sizes[row]; ++k) {
+    const glm::dvec3& point = source[static_cast<std::size_t>(table.indices[k])];
+    limit.position += table.weights[k] * point;
+    limit.du += table.du_weights[k] * point;
+    limit.dv += table.dv_weights[k] * point;
+  }
+  return limit;
+}
+
+glm::vec3 unit_normal(const glm::dvec3& du, const glm::dvec3& dv) {
+  const glm::dvec3 normal = glm::cross(du, dv);
+  const double length = glm::length(normal);
+  const bool degenerate =
+      !(length >= kDegenerateNormal * glm::length(du) * glm::length(dv)) || length == 0;
+  return degenerate ? glm::vec3(0.0f) : glm::vec3(normal / length);
 }
 
 class CpuBackend final : public Backend {
@@ -306,7 +331,7 @@ class CpuBackend final : public Backend {
     arena_.execute([&] {
       parallel_for(table.sizes.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-          to[first_target + i] = apply_row(table, table.weights, i, from);
+          to[first_target + i] = apply_row(table, i, from);
         }
       });
     });
@@ -319,14 +344,9 @@ class CpuBackend final : public Backend {
     arena_.execute([&] {
       parallel_for(table.sizes.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-          positions[i] = apply_row(table, table.weights, i, from);
-          const glm::dvec3 du = apply_row(table, table.du_weights, i, from);
-          const glm::dvec3 dv = apply_row(table, table.dv_weights, i, from);
-          const glm::dvec3 normal = glm::cross(du, dv);
-          const double length = glm::length(normal);
-          const bool degenerate =
-              !(length >= kDegenerateNormal * glm::length(du) * glm::length(dv)) || length == 0;
-          normals[i] = degenerate ? glm::vec3(0.0f) : glm::vec3(normal / length);
+          const LimitPoint limit = apply_limit_row(table, i, from);
+          positions[i] = limit.position;
+          normals[i] = unit_normal(limit.du, limit.dv);
         }
       });
     });

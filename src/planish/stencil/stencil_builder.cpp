@@ -8,11 +8,12 @@
 namespace planish {
 
 void StencilRow::finish() {
+  const auto out_of_order = [](const Entry& a, const Entry& b) { return a.index >= b.index; };
+  if (std::ranges::adjacent_find(entries(), out_of_order) == entries().end()) return;
   const auto by_index = [](const Entry& a, const Entry& b) { return a.index < b.index; };
   // Rows are short as a rule, and nearly sorted: insertion beats std::sort there. Equal indices
   // keep their order either way, so that sums do not depend on the path taken.
   constexpr std::size_t kShortRow = 32;
-  if (count_ == 0) return;
   if (count_ <= kShortRow) {
     for (std::size_t i = 1; i < count_; ++i) {
       const Entry entry = entries_[i];
