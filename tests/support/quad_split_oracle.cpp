@@ -47,7 +47,7 @@ double interior_angle(const std::vector<dvec3>& polygon, std::size_t corner) {
   return angle < 0 ? angle + 2 * kPi : angle;
 }
 
-// Sharp edges of the base mesh: those with one face, and the tagged ones.
+// Sharp edges of the base mesh: those with one face, and those tagged infinitely sharp.
 std::set<QuadSplitOracle::Edge> base_sharp_edges(const PolygonMesh& cage) {
   std::map<QuadSplitOracle::Edge, int> face_count;
   for (const auto& face : faces_of(cage)) {
@@ -59,7 +59,9 @@ std::set<QuadSplitOracle::Edge> base_sharp_edges(const PolygonMesh& cage) {
   for (const auto& [edge, count] : face_count) {
     if (count == 1) sharp.insert(edge);
   }
-  for (const CreaseEdge& crease : cage.creases) sharp.insert(undirected(crease.v0, crease.v1));
+  for (const CreaseEdge& crease : cage.creases) {
+    if (crease.sharpness >= kInfiniteSharpness) sharp.insert(undirected(crease.v0, crease.v1));
+  }
   return sharp;
 }
 
@@ -129,7 +131,9 @@ void QuadSplitOracle::find_corners(const PolygonMesh& cage, BoundaryRule boundar
                                    std::span<const dvec3> rest) {
   const std::span<const dvec3> pose = rest.empty() ? cage.positions : rest;
   std::set<int32_t> tagged;
-  for (const CornerVertex& corner : cage.corners) tagged.insert(corner.vertex);
+  for (const CornerVertex& corner : cage.corners) {
+    if (corner.sharpness >= kInfiniteSharpness) tagged.insert(corner.vertex);
+  }
   std::vector<double> angle_of_face;  // of the base corner that a level-1 face is the child of
   std::map<int32_t, int> face_count;
   for (const auto& face : faces_of(cage)) {
