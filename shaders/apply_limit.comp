@@ -4,9 +4,9 @@
 #include "shared.h"
 #include "table.glsl"
 
-layout(std430, set = 0, binding = 2) restrict readonly buffer Source { float source[]; };
+POINTS_BINDING(2, source)
 layout(std430, set = 0, binding = 3) restrict writeonly buffer Target { float target[]; };
-layout(std430, set = 0, binding = 4) restrict readonly buffer Derivatives { vec2 derivatives[]; };
+PAIRS_BINDING(4, derivatives)
 
 // |du x dv| below this part of |du||dv| has no direction that rounding has not made.
 const float kParallel = 1e-6;
@@ -21,10 +21,9 @@ void main() {
     precise vec3 du = vec3(0.0);
     precise vec3 dv = vec3(0.0);
     for (uint k = 0u; k < at.width; ++k) {
-      uvec2 entry = entries[at.first + k * kChunkRows];
-      vec2 slope = derivatives[at.first + k * kChunkRows];
-      uint place = 3u * entry.x;
-      vec3 point = vec3(source[place], source[place + 1u], source[place + 2u]);
+      uvec2 entry = entry_at(at.first + k * kChunkRows);
+      vec2 slope = derivatives_at(at.first + k * kChunkRows);
+      vec3 point = source_at(entry.x);
       position += uintBitsToFloat(entry.y) * point;
       du += slope.x * point;
       dv += slope.y * point;

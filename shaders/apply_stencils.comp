@@ -4,7 +4,7 @@
 #include "shared.h"
 #include "table.glsl"
 
-layout(std430, set = 0, binding = 2) restrict readonly buffer Source { float source[]; };
+POINTS_BINDING(2, source)
 layout(std430, set = 0, binding = 3) restrict writeonly buffer Target { float target[]; };
 
 void main() {
@@ -15,10 +15,8 @@ void main() {
     if (at.row == kNoRow) return;
     precise vec3 image = vec3(0.0);
     for (uint k = 0u; k < at.width; ++k) {
-      uvec2 entry = entries[at.first + k * kChunkRows];
-      uint place = 3u * entry.x;
-      image += uintBitsToFloat(entry.y) *
-               vec3(source[place], source[place + 1u], source[place + 2u]);
+      uvec2 entry = entry_at(at.first + k * kChunkRows);
+      image += uintBitsToFloat(entry.y) * source_at(entry.x);
     }
     uint place = (at.row - parameters.first_row) * parameters.target_stride +
                  parameters.first_target;

@@ -23,7 +23,7 @@ void main() {
   if (row < parameters.count) {
     precise vec3 rest;
     for (uint c = 0u; c < 3u; ++c) {
-      uint at = 3u * row + c;
+      uint at = kPointFloats * row + c;
       precise float moved = displacement[at] + alpha[c] * step[at];
       precise float left = residual[at] - alpha[c] * image[at];
       displacement[at] = moved;

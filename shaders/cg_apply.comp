@@ -4,8 +4,8 @@
 #include "shared.h"
 #include "table.glsl"
 
-layout(std430, set = 0, binding = 2) restrict readonly buffer Step { float step[]; };
-layout(std430, set = 0, binding = 3) restrict writeonly buffer Image { float image[]; };
+POINTS_BINDING(2, steps)
+layout(std430, set = 0, binding = 3) restrict writeonly buffer Image { vec4 image[]; };
 layout(std430, set = 0, binding = 4) restrict readonly buffer Weights { float weights[]; };
 layout(std430, set = 0, binding = 5) restrict writeonly buffer Sums { uint sums[]; };
 
@@ -20,16 +20,12 @@ void main() {
     if (at.row == kNoRow) continue;
     precise vec3 row_image = vec3(0.0);
     for (uint k = 0u; k < at.width; ++k) {
-      uvec2 entry = entries[at.first + k * kChunkRows];
-      uint place = 3u * entry.x;
-      row_image += uintBitsToFloat(entry.y) * vec3(step[place], step[place + 1u], step[place + 2u]);
+      uvec2 entry = entry_at(at.first + k * kChunkRows);
+      row_image += uintBitsToFloat(entry.y) * steps_at(entry.x);
     }
     uint row = at.row - parameters.first_row;
-    image[3u * row] = row_image.x;
-    image[3u * row + 1u] = row_image.y;
-    image[3u * row + 2u] = row_image.z;
-    uint source = 3u * (at.row - parameters.first_source);
-    product += weights[row] * vec3(step[source], step[source + 1u], step[source + 2u]) * row_image;
+    image[row] = vec4(row_image, 0.0);
+    product += weights[row] * steps_at(at.row - parameters.first_source) * row_image;
   }
   write_group_sums(vec4(product, 0.0), 0u, parameters.first_group + gl_WorkGroupID.x);
 }

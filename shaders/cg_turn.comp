@@ -13,7 +13,7 @@ void main() {
   uint row = gl_GlobalInvocationID.x;
   if (row >= parameters.count) return;
   for (uint c = 0u; c < 3u; ++c) {
-    precise float turned = residual[3u * row + c] + beta[c] * step[3u * row + c];
-    step[3u * row + c] = turned;
+    precise float turned = residual[kPointFloats * row + c] + beta[c] * step[kPointFloats * row + c];
+    step[kPointFloats * row + c] = turned;
   }
 }

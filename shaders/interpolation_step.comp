@@ -5,62 +5,44 @@
 #include "shared.h"
 #include "table.glsl"
 
-layout(std430, set = 0, binding = 2) restrict readonly buffer Previous { float previous[]; };
-layout(std430, set = 0, binding = 3) restrict readonly buffer Current { float current[]; };
-layout(std430, set = 0, binding = 4) restrict writeonly buffer Next { float next[]; };
-layout(std430, set = 0, binding = 5) restrict readonly buffer Initial { float initial[]; };
+POINTS_BINDING(2, previous)
+POINTS_BINDING(3, current)
+POINTS_BINDING(4, initial)
+layout(std430, set = 0, binding = 5) restrict writeonly buffer Next { vec4 next[]; };
 layout(std430, set = 0, binding = 6) restrict buffer Steps { StepRecord steps[]; };
 layout(std430, set = 0, binding = 7) restrict writeonly buffer Partials { float partials[]; };
+
+// Each lane writes its own sum instead of sharing a group's: barriers cost much where the device is
+// software.
+layout(constant_id = 2) const bool kLaneSums = false;
 
 shared float group_sums[kChunkRows];
 shared uint group_maxima[kChunkRows];
 
 // Returns |residual|^2 of the row, having written its next displacement.
-float advance(ChunkRow at) {
+float advance(ChunkRow at, float momentum, float gain) {
   precise vec3 image = vec3(0.0);
   for (uint k = 0u; k < at.width; ++k) {
-    uvec2 entry = entries[at.first + k * kChunkRows];
-    uint place = 3u * entry.x;
-    image += uintBitsToFloat(entry.y) *
-             vec3(current[place], current[place + 1u], current[place + 2u]);
+    uvec2 entry = entry_at(at.first + k * kChunkRows);
+    image += uintBitsToFloat(entry.y) * current_at(entry.x);
   }
-  uint own = 3u * (at.row - parameters.first_row);
-  uint source = 3u * (at.row - parameters.first_source);
-  precise vec3 residual = vec3(initial[own], initial[own + 1u], initial[own + 2u]) - image;
-  vec3 position = vec3(current[source], current[source + 1u], current[source + 2u]);
-  vec3 before = vec3(previous[own], previous[own + 1u], previous[own + 2u]);
-  precise vec3 moved = position + (steps[parameters.step].momentum * (position - before) +
-                                   steps[parameters.step].gain * residual);
-  next[own] = moved.x;
-  next[own + 1u] = moved.y;
-  next[own + 2u] = moved.z;
+  uint own = at.row - parameters.first_row;
+  precise vec3 residual = initial_at(own) - image;
+  vec3 position = current_at(at.row - parameters.first_source);
+  precise vec3 moved = position + (momentum * (position - previous_at(own)) + gain * residual);
+  next[own] = vec4(moved, 0.0);
   precise float square =
       residual.x * residual.x + residual.y * residual.y + residual.z * residual.z;
   return square;
 }
 
-void main() {
-  // The errors before this step were complete with the last dispatch: stop without a host.
-  if (parameters.step > 0u && uintBitsToFloat(steps[parameters.step - 1u].max_square_bits) <=
-                                  parameters.stop_square)
-    return;
-
+// Sums over the work group in two short serial levels: few barriers, and a fixed order.
+void share_results(float own_sum, uint largest, uint place) {
   uint lane = gl_LocalInvocationIndex;
-  precise float sum = 0.0;
-  uint largest = 0u;
-  for (uint i = 0u; i < kChunksPerGroup; ++i) {
-    uint chunk = gl_WorkGroupID.x * kChunksPerGroup + i;
-    if (chunk >= parameters.chunk_count) break;
-    ChunkRow at = chunk_row(chunk);
-    if (at.row == kNoRow) continue;
-    float square = advance(at);
-    sum += square;
-    largest = max(largest, min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u));
-  }
+  precise float sum = own_sum;
   group_sums[lane] = sum;
   group_maxima[lane] = largest;
   barrier();
-  // Two short serial levels: few barriers, and a fixed order.
   if ((lane & 7u) == 0u) {
     for (uint i = 1u; i < 8u; ++i) {
       sum += group_sums[lane + i];
@@ -76,7 +58,36 @@ void main() {
       largest = max(largest, group_maxima[i]);
     }
     atomicMax(steps[parameters.step].max_square_bits, largest);
-    partials[parameters.step * parameters.group_total + parameters.first_group +
-             gl_WorkGroupID.x] = sum;
+    partials[place] = sum;
+  }
+}
+
+void main() {
+  // The errors before this step were complete with the last dispatch: stop without a host.
+  if (parameters.step > 0u && uintBitsToFloat(steps[parameters.step - 1u].max_square_bits) <=
+                                  parameters.stop_square)
+    return;
+
+  float momentum = steps[parameters.step].momentum;
+  float gain = steps[parameters.step].gain;
+  precise float sum = 0.0;
+  uint largest = 0u;
+  for (uint i = 0u; i < kChunksPerGroup; ++i) {
+    uint chunk = gl_WorkGroupID.x * kChunksPerGroup + i;
+    if (chunk >= parameters.chunk_count) break;
+    ChunkRow at = chunk_row(chunk);
+    if (at.row == kNoRow) continue;
+    float square = advance(at, momentum, gain);
+    sum += square;
+    largest = max(largest, min(floatBitsToUint(square) & 0x7fffffffu, 0x7f800000u));
+  }
+  uint place = parameters.step * parameters.partials_total;
+  uint group = parameters.first_group + gl_WorkGroupID.x;
+  if (kLaneSums) {
+    if (largest > steps[parameters.step].max_square_bits)
+      atomicMax(steps[parameters.step].max_square_bits, largest);
+    partials[place + group * kChunkRows + gl_LocalInvocationIndex] = sum;
+  } else {
+    share_results(sum, largest, place + group);
   }
 }

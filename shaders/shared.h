@@ -18,6 +18,8 @@ PLANISH_SHARED_CONSTANT kChunkRows = 64u;
 PLANISH_SHARED_CONSTANT kChunkWords = 66u;
 // Lane without a row, at the end of a table.
 PLANISH_SHARED_CONSTANT kNoRow = 0xffffffffu;
+// Points are x, y, z and a float without meaning, so that one load fetches a point.
+PLANISH_SHARED_CONSTANT kPointFloats = 4u;
 // Invocations of a reduction kernel that runs as a single work group for each result.
 PLANISH_SHARED_CONSTANT kReduceLanes = 64u;
 // Words of a partial sum of conjugate gradients: bits of xyz, of the square sum, of the maximum.
@@ -49,8 +51,8 @@ struct TableParameters {
   uint first_source;  // point that the source window begins with
   uint first_target;  // floats between the target window's start and first_row's place
   uint step;
-  uint first_group;   // of this slice, among the groups of all slices
-  uint group_total;   // of all slices
+  uint first_group;     // of this slice, among the groups of all slices
+  uint partials_total;  // partial sums that a step yields
   float stop_square;  // negative: never stop
   uint target_stride; // floats from one point of the target to the next
   uint normal_offset; // floats from a point's position to its normal

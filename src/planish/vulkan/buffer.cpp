@@ -1,6 +1,7 @@
 #include "planish/vulkan/buffer.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
@@ -30,8 +31,8 @@ Buffer::Buffer(Context& context, std::uint64_t size, MemoryUse use)
   const DeviceFunctions& vk = context.vk();
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = size_;
-  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-               VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   check(vk.vkCreateBuffer(context.device(), &info, context.callbacks(), &buffer_),
         "vkCreateBuffer");
   try {
@@ -100,41 +101,78 @@ void Buffer::invalidate() {
 DescriptorSets::DescriptorSets(Context& context, std::span<const BoundKernel> kernels)
     : context_(&context) {
   if (kernels.empty()) return;
-  const DeviceFunctions& vk = context.vk();
-  VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 0};
+  try {
+    allocate(kernels);
+    for (std::size_t i = 0; i < kernels.size(); ++i) write(kernels[i], sets_[i]);
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+void DescriptorSets::allocate(std::span<const BoundKernel> kernels) {
+  const Pipelines& pipelines = context_->pipelines();
+  VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1},
+                                  {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1}};
   std::vector<VkDescriptorSetLayout> layouts;
   for (const BoundKernel& kernel : kernels) {
-    PLANISH_ASSERT(kernel.buffers.size() == context.pipelines()[kernel.kernel].binding_count);
-    size.descriptorCount += static_cast<std::uint32_t>(kernel.buffers.size());
-    layouts.push_back(context.pipelines()[kernel.kernel].set_layout);
+    const std::span<const Binding> bindings = pipelines[kernel.kernel].bindings;
+    PLANISH_ASSERT(kernel.buffers.size() == bindings.size());
+    for (const Binding binding : bindings) {
+      const VkDescriptorType type = descriptor_type(binding, context_->variant().read_path);
+      ++sizes[type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER ? 0 : 1].descriptorCount;
+    }
+    layouts.push_back(pipelines[kernel.kernel].set_layout);
   }
+  const DeviceFunctions& vk = context_->vk();
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = static_cast<std::uint32_t>(kernels.size());
-  pool.poolSizeCount = 1;
-  pool.pPoolSizes = &size;
-  check(vk.vkCreateDescriptorPool(context.device(), &pool, context.callbacks(), &pool_),
+  pool.poolSizeCount = 2;
+  pool.pPoolSizes = sizes;
+  check(vk.vkCreateDescriptorPool(context_->device(), &pool, context_->callbacks(), &pool_),
         "vkCreateDescriptorPool");
   VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
   allocate.descriptorPool = pool_;
   allocate.descriptorSetCount = pool.maxSets;
   allocate.pSetLayouts = layouts.data();
   sets_.resize(kernels.size());
-  const VkResult result = vk.vkAllocateDescriptorSets(context.device(), &allocate, sets_.data());
-  if (result != VK_SUCCESS) release();
-  check(result, "vkAllocateDescriptorSets");
+  check(vk.vkAllocateDescriptorSets(context_->device(), &allocate, sets_.data()),
+        "vkAllocateDescriptorSets");
+}
 
-  for (std::size_t i = 0; i < kernels.size(); ++i) {
-    std::vector<VkDescriptorBufferInfo> buffers;
-    for (const BufferRange& range : kernels[i].buffers)
-      buffers.push_back({range.buffer, range.offset, range.size});
-    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-    write.dstSet = sets_[i];
-    write.descriptorCount = static_cast<std::uint32_t>(buffers.size());
-    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    write.pBufferInfo = buffers.data();
-    // One write spills over consecutive bindings of the same type.
-    vk.vkUpdateDescriptorSets(context.device(), 1, &write, 0, nullptr);
+void DescriptorSets::write(const BoundKernel& kernel, VkDescriptorSet set) {
+  const std::span<const Binding> bindings = context_->pipelines()[kernel.kernel].bindings;
+  std::array<VkDescriptorBufferInfo, kMaxBindings> buffers{};
+  std::array<VkBufferView, kMaxBindings> views{};
+  std::array<VkWriteDescriptorSet, kMaxBindings> writes{};
+  for (std::uint32_t i = 0; i < bindings.size(); ++i) {
+    const BufferRange& range = kernel.buffers[i];
+    const VkFormat format = texel_format(bindings[i], context_->variant().read_path);
+    if (format != VK_FORMAT_UNDEFINED) views[i] = make_view(range, format);
+    buffers[i] = {range.buffer, range.offset, range.size};
+    writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    writes[i].dstSet = set;
+    writes[i].dstBinding = i;
+    writes[i].descriptorCount = 1;
+    writes[i].descriptorType = descriptor_type(bindings[i], context_->variant().read_path);
+    writes[i].pBufferInfo = &buffers[i];
+    writes[i].pTexelBufferView = &views[i];
   }
+  context_->vk().vkUpdateDescriptorSets(
+      context_->device(), static_cast<std::uint32_t>(bindings.size()), writes.data(), 0, nullptr);
+}
+
+VkBufferView DescriptorSets::make_view(const BufferRange& range, VkFormat format) {
+  VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+  info.buffer = range.buffer;
+  info.format = format;
+  info.offset = range.offset;
+  info.range = range.size;
+  VkBufferView view = VK_NULL_HANDLE;
+  check(context_->vk().vkCreateBufferView(context_->device(), &info, context_->callbacks(), &view),
+        "vkCreateBufferView");
+  views_.push_back(view);
+  return view;
 }
 
 DescriptorSets& DescriptorSets::operator=(DescriptorSets&& other) noexcept {
@@ -143,12 +181,17 @@ DescriptorSets& DescriptorSets::operator=(DescriptorSets&& other) noexcept {
   context_ = std::exchange(other.context_, nullptr);
   pool_ = std::exchange(other.pool_, VK_NULL_HANDLE);
   sets_ = std::move(other.sets_);
+  views_ = std::move(other.views_);
   return *this;
 }
 
 void DescriptorSets::release() noexcept {
-  if (pool_)
-    context_->vk().vkDestroyDescriptorPool(context_->device(), pool_, context_->callbacks());
+  if (!context_) return;
+  const DeviceFunctions& vk = context_->vk();
+  for (VkBufferView view : views_)
+    vk.vkDestroyBufferView(context_->device(), view, context_->callbacks());
+  vk.vkDestroyDescriptorPool(context_->device(), pool_, context_->callbacks());
+  views_.clear();
   pool_ = VK_NULL_HANDLE;
 }
 

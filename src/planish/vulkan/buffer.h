@@ -66,11 +66,15 @@ class DescriptorSets {
   [[nodiscard]] VkDescriptorSet operator[](std::size_t i) const { return sets_[i]; }
 
  private:
+  void allocate(std::span<const BoundKernel> kernels);
+  void write(const BoundKernel& kernel, VkDescriptorSet set);
+  [[nodiscard]] VkBufferView make_view(const BufferRange& range, VkFormat format);
   void release() noexcept;
 
   Context* context_ = nullptr;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   std::vector<VkDescriptorSet> sets_;
+  std::vector<VkBufferView> views_;
 };
 
 }  // namespace planish::vulkan

@@ -50,6 +50,7 @@ void query_properties(const InstanceFunctions& vk, VkPhysicalDevice device, Capa
   result.kind = core.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? "software" : "gpu";
   result.driver = version_text(core.driverVersion);
   result.max_storage_range = core.limits.maxStorageBufferRange;
+  result.max_texel_elements = core.limits.maxTexelBufferElements;
   result.max_group_count = core.limits.maxComputeWorkGroupCount[0];
   result.max_storage_buffers = core.limits.maxPerStageDescriptorStorageBuffers;
   result.non_coherent_atom = core.limits.nonCoherentAtomSize;

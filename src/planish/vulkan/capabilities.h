@@ -21,6 +21,7 @@ struct Capabilities {
   std::uint64_t max_storage_range = 0;    ///< maxStorageBufferRange, bytes
   std::uint64_t max_allocation = 0;       ///< maxMemoryAllocationSize, bytes
   std::uint64_t largest_device_heap = 0;  ///< bytes
+  std::uint64_t max_texel_elements = 0;   ///< maxTexelBufferElements
   std::uint32_t max_group_count = 0;      ///< maxComputeWorkGroupCount[0]
   std::uint32_t max_storage_buffers = 0;  ///< maxPerStageDescriptorStorageBuffers
   std::uint64_t non_coherent_atom = 1;    ///< nonCoherentAtomSize, bytes

@@ -1,6 +1,7 @@
 #include "planish/vulkan/context.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "planish/core/error.h"
 
@@ -8,9 +9,18 @@ namespace planish::vulkan {
 
 namespace {
 
-// A work group's fixed costs weigh more where a CPU plays the device.
-constexpr std::uint32_t kChunksPerGroupSoftware = 4;
-constexpr std::uint32_t kChunksPerGroup = 1;
+// Where a CPU plays the device, storage buffers are read lane by lane but texel buffers by
+// gathers, barriers suspend every subgroup, and a work group's fixed costs weigh more.
+constexpr PipelineVariant kSoftwareVariant{ReadPath::Texel, 16, true};
+constexpr PipelineVariant kHardwareVariant{ReadPath::Storage, 1, false};
+// Devices with less than this would cut usual tables into many slices.
+constexpr std::uint64_t kEnoughTexelElements = std::uint64_t(1) << 26;
+
+PipelineVariant suitable_variant(const Capabilities& device) {
+  const bool software =
+      device.kind == "software" && device.max_texel_elements >= kEnoughTexelElements;
+  return software ? kSoftwareVariant : kHardwareVariant;
+}
 
 Capabilities usable_capabilities(const HostDevice& host) {
   Capabilities capabilities =
@@ -41,11 +51,14 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
           lowered(std::min(capabilities_.max_storage_range, capabilities_.max_allocation),
                   options.max_storage_range)),
       max_group_count_(lowered(capabilities_.max_group_count, options.max_group_count)),
-      chunks_per_group_(options.chunks_per_group           ? options.chunks_per_group
-                        : capabilities_.kind == "software" ? kChunksPerGroupSoftware
-                                                           : kChunksPerGroup),
+      variant_(options.variant.value_or(suitable_variant(capabilities_))),
       functions_(load_functions(host)),
       memory_(functions_, device_, capabilities_, callbacks_, host.memory),
-      pipelines_(functions_, device_, host.pipeline_cache, callbacks_, chunks_per_group_) {}
+      pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_) {}
+
+std::uint64_t Context::max_texel_elements() const {
+  return variant_.read_path == ReadPath::Texel ? capabilities_.max_texel_elements
+                                               : std::numeric_limits<std::uint64_t>::max();
+}
 
 }  // namespace planish::vulkan

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "planish/vulkan/capabilities.h"
 #include "planish/vulkan/functions.h"
@@ -25,8 +26,8 @@ struct ContextOptions {
   std::uint64_t max_storage_range = 0;
   /// Work groups of one dispatch at most, below the device's limit; 0: the device's limit.
   std::uint32_t max_group_count = 0;
-  /// Chunks of 64 rows that a work group walks; 0: what suits the device.
-  std::uint32_t chunks_per_group = 0;
+  /// How kernels read and sum; unset: what suits the device.
+  std::optional<PipelineVariant> variant;
 };
 
 /// Device functions, limits, memory and pipelines: what all objects on a device share. Never
@@ -45,7 +46,9 @@ class Context {
 
   [[nodiscard]] std::uint64_t max_storage_range() const { return max_storage_range_; }
   [[nodiscard]] std::uint32_t max_group_count() const { return max_group_count_; }
-  [[nodiscard]] std::uint32_t chunks_per_group() const { return chunks_per_group_; }
+  /// Elements that a texel buffer may have; no limit where kernels read storage buffers.
+  [[nodiscard]] std::uint64_t max_texel_elements() const;
+  [[nodiscard]] const PipelineVariant& variant() const { return variant_; }
 
  private:
   VkDevice device_;
@@ -53,7 +56,7 @@ class Context {
   Capabilities capabilities_;
   std::uint64_t max_storage_range_;
   std::uint32_t max_group_count_;
-  std::uint32_t chunks_per_group_;
+  PipelineVariant variant_;
   DeviceFunctions functions_;
   MemoryAllocator memory_;
   Pipelines pipelines_;

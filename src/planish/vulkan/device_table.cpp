@@ -12,7 +12,8 @@ DeviceTable::DeviceTable(Context& context, const StencilView<double>& table,
     : context_(context), row_count_(table.row_count()), source_count_(table.source_count) {
   SliceLimits limits;
   limits.max_range = context.max_storage_range();
-  limits.max_chunks = std::uint64_t(context.max_group_count()) * context.chunks_per_group();
+  limits.max_chunks = std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
+  limits.max_elements = context.max_texel_elements();
   limits.target_stride = options.target_stride;
   limits.includes_own_rows = options.includes_own_rows;
   plan_ = plan_table(table, limits);
@@ -21,8 +22,9 @@ DeviceTable::DeviceTable(Context& context, const StencilView<double>& table,
     Slice& slice = slices_.emplace_back();
     slice.rows = rows;
     slice.first_group = group_total_;
-    slice.group_count = static_cast<std::uint32_t>(
-        (rows.chunk_count + context.chunks_per_group() - 1) / context.chunks_per_group());
+    slice.group_count =
+        static_cast<std::uint32_t>((rows.chunk_count + context.variant().chunks_per_group - 1) /
+                                   context.variant().chunks_per_group);
     group_total_ += slice.group_count;
     slice.entries = Buffer(context, rows.entry_count * sizeof(PackedEntry), MemoryUse::Device);
     slice.chunks = Buffer(context, rows.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
@@ -38,6 +40,10 @@ PackedSlice DeviceTable::pack(std::size_t i, const StencilView<double>& table,
   return pack_slice(table, derivatives, plan_, slices_[i].rows);
 }
 
+std::uint32_t DeviceTable::partials_total() const {
+  return group_total_ * (context_.variant().lane_sums ? shared::kChunkRows : 1);
+}
+
 shared::TableParameters DeviceTable::parameters(std::size_t i) const noexcept {
   const Slice& slice = slices_[i];
   shared::TableParameters parameters{};
@@ -45,8 +51,8 @@ shared::TableParameters DeviceTable::parameters(std::size_t i) const noexcept {
   parameters.first_row = static_cast<std::uint32_t>(slice.rows.first_row);
   parameters.first_source = static_cast<std::uint32_t>(slice.rows.first_source);
   parameters.first_group = slice.first_group;
-  parameters.group_total = group_total_;
-  parameters.target_stride = 3;
+  parameters.partials_total = partials_total();
+  parameters.target_stride = shared::kPointFloats;
   return parameters;
 }
 
@@ -58,7 +64,7 @@ void DeviceTable::record_dispatch(VkCommandBuffer commands, Kernel kernel, VkDes
 }
 
 BufferRange point_range(const Buffer& points, std::int32_t first, std::int32_t count) {
-  constexpr std::uint64_t kPointBytes = 12;
+  constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
   // At least one point, for tables without sources: a binding may not be empty.
   return {points.handle(), std::uint64_t(first) * kPointBytes,
           std::uint64_t(std::max(count, 1)) * kPointBytes};

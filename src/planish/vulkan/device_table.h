@@ -12,7 +12,7 @@ namespace planish::vulkan {
 
 struct DeviceTableOptions {
   bool includes_own_rows = false;    ///< for square tables that solves use
-  std::uint64_t target_stride = 12;  ///< bytes that a row takes in the target
+  std::uint64_t target_stride = 16;  ///< bytes that a row takes in the target
 };
 
 /// A stencil table on the device, cut into slices. Read-only after its upload ran.
@@ -32,6 +32,8 @@ class DeviceTable {
   [[nodiscard]] std::int32_t row_count() const { return row_count_; }
   [[nodiscard]] std::int32_t source_count() const { return source_count_; }
   [[nodiscard]] std::uint32_t group_total() const { return group_total_; }
+  /// Partial sums that an interpolation step over all slices yields.
+  [[nodiscard]] std::uint32_t partials_total() const;
 
   /// What is to be copied into slice `i`'s buffers. The views are those given on construction.
   [[nodiscard]] PackedSlice pack(std::size_t i, const StencilView<double>& table,
@@ -55,7 +57,7 @@ class DeviceTable {
   std::uint32_t group_total_ = 0;
 };
 
-/// The bytes of points [first, first + count) in a buffer of tight float triples.
+/// The bytes of points [first, first + count) in a buffer of shared::kPointFloats floats each.
 [[nodiscard]] BufferRange point_range(const Buffer& points, std::int32_t first, std::int32_t count);
 
 }  // namespace planish::vulkan

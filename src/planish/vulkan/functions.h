@@ -40,6 +40,8 @@ namespace planish::vulkan {
   X(vkInvalidateMappedMemoryRanges)        \
   X(vkCreateBuffer)                        \
   X(vkDestroyBuffer)                       \
+  X(vkCreateBufferView)                    \
+  X(vkDestroyBufferView)                   \
   X(vkGetBufferMemoryRequirements)         \
   X(vkBindBufferMemory)                    \
   X(vkCreateShaderModule)                  \

@@ -18,7 +18,7 @@ GpuConjugateGradients::GpuConjugateGradients(Context& context, const DeviceTable
     : context_(context), masks_(masks) {
   const std::uint64_t scalar_bytes = std::uint64_t(masks.row_count()) * sizeof(float);
   for (Buffer* vector : {&displacement_, &step_, &image_, &residual_})
-    *vector = Buffer(context, 3 * scalar_bytes, MemoryUse::Device);
+    *vector = Buffer(context, shared::kPointFloats * scalar_bytes, MemoryUse::Device);
   weights_ = Buffer(context, scalar_bytes, MemoryUse::Device);
   cut_pieces();
   const std::uint64_t sum_bytes = shared::kSumFloats * sizeof(std::uint32_t);
@@ -29,8 +29,8 @@ GpuConjugateGradients::GpuConjugateGradients(Context& context, const DeviceTable
 }
 
 void GpuConjugateGradients::cut_pieces() {
-  const auto by_range =
-      static_cast<std::int64_t>(context_.max_storage_range() / (3 * sizeof(float)));
+  const auto by_range = static_cast<std::int64_t>(context_.max_storage_range() /
+                                                  (shared::kPointFloats * sizeof(float)));
   const std::int64_t most_rows = std::max<std::int64_t>(
       std::min(by_range / kLanes, std::int64_t(context_.max_group_count())) * kLanes, kLanes);
   for (std::int64_t row = 0; row < masks_.row_count(); row += most_rows) {

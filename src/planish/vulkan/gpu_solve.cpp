@@ -13,9 +13,9 @@ namespace {
 constexpr std::uint64_t kMostSteps = 64;
 constexpr std::uint64_t kPartialsBudget = 16u << 20;
 
-std::uint32_t steps_that_fit(const Context& context, std::uint32_t group_total) {
+std::uint32_t steps_that_fit(const Context& context, std::uint32_t partials_total) {
   const std::uint64_t budget = std::min(kPartialsBudget, context.max_storage_range());
-  const std::uint64_t bytes_per_step = std::max<std::uint64_t>(group_total, 1) * sizeof(float);
+  const std::uint64_t bytes_per_step = std::max<std::uint64_t>(partials_total, 1) * sizeof(float);
   return static_cast<std::uint32_t>(
       std::clamp<std::uint64_t>(budget / bytes_per_step, 1, kMostSteps));
 }
@@ -23,15 +23,18 @@ std::uint32_t steps_that_fit(const Context& context, std::uint32_t group_total) 
 }  // namespace
 
 GpuSolve::GpuSolve(Context& context, const DeviceTable& masks)
-    : context_(context), masks_(masks), max_steps_(steps_that_fit(context, masks.group_total())) {
-  const std::uint64_t point_bytes = std::uint64_t(masks.row_count()) * 3 * sizeof(float);
+    : context_(context),
+      masks_(masks),
+      max_steps_(steps_that_fit(context, masks.partials_total())) {
+  const std::uint64_t point_bytes =
+      std::uint64_t(masks.row_count()) * shared::kPointFloats * sizeof(float);
   for (Buffer& side : sides_) side = Buffer(context, point_bytes, MemoryUse::Device);
   initial_ = Buffer(context, point_bytes, MemoryUse::Device);
   const std::uint64_t step_bytes = max_steps_ * sizeof(shared::StepRecord);
   plan_ = Buffer(context, step_bytes, MemoryUse::Upload);
   steps_ = Buffer(context, step_bytes, MemoryUse::Device);
   status_ = Buffer(context, sizeof(shared::SolveStatus), MemoryUse::Device);
-  partials_ = Buffer(context, std::uint64_t(max_steps_) * masks.group_total() * sizeof(float),
+  partials_ = Buffer(context, std::uint64_t(max_steps_) * masks.partials_total() * sizeof(float),
                      MemoryUse::Device);
   bind(context);
 }
@@ -48,7 +51,7 @@ void GpuSolve::bind(Context& context) {
           {Kernel::InterpolationStep,
            {whole(slice.entries), whole(slice.chunks), own(sides_[(side + 2) % 3]),
             point_range(sides_[side], rows.first_source, rows.source_count),
-            own(sides_[(side + 1) % 3]), own(initial_), whole(steps_), whole(partials_)}});
+            own(initial_), own(sides_[(side + 1) % 3]), whole(steps_), whole(partials_)}});
     }
   step_sets_ = DescriptorSets(context, bound);
   const BoundKernel finish[] = {{Kernel::ReduceRms, {whole(partials_), whole(steps_)}},
@@ -87,7 +90,7 @@ void GpuSolve::record_steps(VkCommandBuffer commands, std::uint32_t first_side, 
 
   shared::VectorParameters parameters{};
   parameters.stop_square = stop_square;
-  parameters.count = masks_.group_total();
+  parameters.count = masks_.partials_total();
   record_dispatch(context_, commands, Kernel::ReduceRms, finish_sets_[0], &parameters, count);
   record_barrier(context_, commands, kKernelScope, kKernelScope);
   parameters.count = count;

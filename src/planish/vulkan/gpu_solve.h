@@ -34,7 +34,7 @@ class GpuSolve {
   void record_steps(VkCommandBuffer commands, std::uint32_t first_side, std::uint32_t count,
                     float stop_square) const noexcept;
 
-  /// Float triples, one per row.
+  /// shared::kPointFloats floats per row.
   [[nodiscard]] const Buffer& side(std::uint32_t i) const { return sides_[i]; }
   [[nodiscard]] const Buffer& initial() const { return initial_; }
   /// shared::StepRecord per step, and shared::SolveStatus.

@@ -4,12 +4,16 @@
 
 #include "planish/vulkan/result.h"
 #include "shaders/apply_limit.spv.h"
+#include "shaders/apply_limit_texel.spv.h"
 #include "shaders/apply_stencils.spv.h"
+#include "shaders/apply_stencils_texel.spv.h"
 #include "shaders/cg_advance.spv.h"
 #include "shaders/cg_apply.spv.h"
+#include "shaders/cg_apply_texel.spv.h"
 #include "shaders/cg_turn.spv.h"
 #include "shaders/finish_solve.spv.h"
 #include "shaders/interpolation_step.spv.h"
+#include "shaders/interpolation_step_texel.spv.h"
 #include "shaders/reduce_rms.spv.h"
 #include "shaders/reduce_sums.spv.h"
 #include "shaders/shared.h"
@@ -18,33 +22,75 @@ namespace planish::vulkan {
 
 namespace {
 
+using Code = std::span<const std::uint32_t>;
+
 struct KernelSource {
-  std::span<const std::uint32_t> code;
-  std::uint32_t binding_count;
+  Code storage, texel;
   std::uint32_t parameter_bytes;
+  std::array<Binding, kMaxBindings> bindings;
+  std::uint32_t binding_count;
 };
+
+using enum Binding;
+
+KernelSource table_kernel(Code storage, Code texel, std::initializer_list<Binding> others) {
+  KernelSource source{storage, texel, sizeof(shared::TableParameters), {Entries, Words}, 2};
+  for (const Binding binding : others) source.bindings[source.binding_count++] = binding;
+  return source;
+}
+
+KernelSource vector_kernel(Code code, std::uint32_t binding_count) {
+  // Array elements that are not named are Storage.
+  return {code, code, sizeof(shared::VectorParameters), {}, binding_count};
+}
+
+#define PLANISH_BOTH(name) spirv::name, spirv::name##_texel
 
 // In the order of enum Kernel.
 const KernelSource kSources[kKernelCount] = {
-    {spirv::interpolation_step, 8, sizeof(shared::TableParameters)},
-    {spirv::reduce_rms, 2, sizeof(shared::VectorParameters)},
-    {spirv::finish_solve, 2, sizeof(shared::VectorParameters)},
-    {spirv::apply_stencils, 4, sizeof(shared::TableParameters)},
-    {spirv::apply_limit, 5, sizeof(shared::TableParameters)},
-    {spirv::cg_apply, 6, sizeof(shared::TableParameters)},
-    {spirv::cg_advance, 6, sizeof(shared::VectorParameters)},
-    {spirv::cg_turn, 2, sizeof(shared::VectorParameters)},
-    {spirv::reduce_sums, 2, sizeof(shared::VectorParameters)},
+    table_kernel(PLANISH_BOTH(interpolation_step),
+                 {Points, Points, Points, Storage, Storage, Storage}),
+    vector_kernel(spirv::reduce_rms, 2),
+    vector_kernel(spirv::finish_solve, 2),
+    table_kernel(PLANISH_BOTH(apply_stencils), {Points, Storage}),
+    table_kernel(PLANISH_BOTH(apply_limit), {Points, Storage, Pairs}),
+    table_kernel(PLANISH_BOTH(cg_apply), {Points, Storage, Storage, Storage}),
+    vector_kernel(spirv::cg_advance, 6),
+    vector_kernel(spirv::cg_turn, 2),
+    vector_kernel(spirv::reduce_sums, 2),
 };
+
+#undef PLANISH_BOTH
 
 }  // namespace
 
+VkDescriptorType descriptor_type(Binding binding, ReadPath path) {
+  return texel_format(binding, path) == VK_FORMAT_UNDEFINED
+             ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+             : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+}
+
+VkFormat texel_format(Binding binding, ReadPath path) {
+  if (path == ReadPath::Storage) return VK_FORMAT_UNDEFINED;
+  switch (binding) {
+    case Entries:
+      return VK_FORMAT_R32G32_UINT;
+    case Words:
+      return VK_FORMAT_R32_UINT;
+    case Points:
+      return VK_FORMAT_R32G32B32A32_SFLOAT;
+    case Pairs:
+      return VK_FORMAT_R32G32_SFLOAT;
+    default:
+      return VK_FORMAT_UNDEFINED;
+  }
+}
+
 Pipelines::Pipelines(const DeviceFunctions& functions, VkDevice device, VkPipelineCache cache,
-                     const VkAllocationCallbacks* callbacks, std::uint32_t chunks_per_group)
+                     const VkAllocationCallbacks* callbacks, const PipelineVariant& variant)
     : vk_(functions), device_(device), callbacks_(callbacks) {
   try {
-    for (std::size_t i = 0; i < kKernelCount; ++i)
-      create(static_cast<Kernel>(i), cache, chunks_per_group);
+    for (std::size_t i = 0; i < kKernelCount; ++i) create(static_cast<Kernel>(i), cache, variant);
   } catch (...) {
     destroy();
     throw;
@@ -53,15 +99,16 @@ Pipelines::Pipelines(const DeviceFunctions& functions, VkDevice device, VkPipeli
 
 Pipelines::~Pipelines() { destroy(); }
 
-void Pipelines::create(Kernel kernel, VkPipelineCache cache, std::uint32_t chunks_per_group) {
+void Pipelines::create(Kernel kernel, VkPipelineCache cache, const PipelineVariant& variant) {
   const KernelSource& source = kSources[static_cast<std::size_t>(kernel)];
   Pipeline& target = pipelines_[static_cast<std::size_t>(kernel)];
-  target.binding_count = source.binding_count;
+  target.bindings = std::span(source.bindings).first(source.binding_count);
   target.parameter_bytes = source.parameter_bytes;
 
   std::array<VkDescriptorSetLayoutBinding, kMaxBindings> bindings{};
   for (std::uint32_t i = 0; i < source.binding_count; ++i)
-    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+    bindings[i] = {i, descriptor_type(source.bindings[i], variant.read_path), 1,
+                   VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
   set_info.bindingCount = source.binding_count;
   set_info.pBindings = bindings.data();
@@ -78,14 +125,17 @@ void Pipelines::create(Kernel kernel, VkPipelineCache cache, std::uint32_t chunk
         "vkCreatePipelineLayout");
 
   VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  module_info.codeSize = source.code.size_bytes();
-  module_info.pCode = source.code.data();
+  const Code code = variant.read_path == ReadPath::Texel ? source.texel : source.storage;
+  module_info.codeSize = code.size_bytes();
+  module_info.pCode = code.data();
   VkShaderModule module = VK_NULL_HANDLE;
   check(vk_.vkCreateShaderModule(device_, &module_info, callbacks_, &module),
         "vkCreateShaderModule");
 
-  const VkSpecializationMapEntry entry{1, 0, sizeof chunks_per_group};
-  const VkSpecializationInfo constants{1, &entry, sizeof chunks_per_group, &chunks_per_group};
+  const std::uint32_t values[] = {variant.chunks_per_group, variant.lane_sums};
+  const VkSpecializationMapEntry entries[] = {{1, 0, sizeof values[0]},
+                                              {2, sizeof values[0], sizeof values[1]}};
+  const VkSpecializationInfo constants{2, entries, sizeof values, values};
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "planish/vulkan/functions.h"
 
@@ -21,23 +22,40 @@ enum class Kernel {
 };
 inline constexpr std::size_t kKernelCount = 9;
 
-/// Storage buffers of the kernel with the most of them.
+/// Bindings of the kernel with the most of them.
 inline constexpr std::uint32_t kMaxBindings = 8;
+
+/// What a binding holds. All but Storage are read only, and are uniform texel buffers where the
+/// device reads those faster.
+enum class Binding { Storage, Entries, Words, Points, Pairs };
+
+/// How kernels read the arrays that they only read.
+enum class ReadPath { Storage, Texel };
+
+/// VK_FORMAT_UNDEFINED for a storage buffer.
+[[nodiscard]] VkFormat texel_format(Binding binding, ReadPath path);
+[[nodiscard]] VkDescriptorType descriptor_type(Binding binding, ReadPath path);
 
 struct Pipeline {
   VkPipeline pipeline = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-  std::uint32_t binding_count = 0;
+  std::span<const Binding> bindings;
   std::uint32_t parameter_bytes = 0;  ///< size of its push constants
+};
+
+struct PipelineVariant {
+  ReadPath read_path = ReadPath::Storage;
+  std::uint32_t chunks_per_group = 1;  ///< chunks of kChunkRows rows that a table kernel walks
+  bool lane_sums = false;              ///< partial sums per lane instead of per work group
 };
 
 /// The compute pipelines of all kernels on one device.
 class Pipelines {
  public:
-  /// `chunks_per_group`: chunks of kChunkRows rows that a work group of a table kernel walks.
+  /// Throws planish::Error.
   Pipelines(const DeviceFunctions& functions, VkDevice device, VkPipelineCache cache,
-            const VkAllocationCallbacks* callbacks, std::uint32_t chunks_per_group);
+            const VkAllocationCallbacks* callbacks, const PipelineVariant& variant);
   ~Pipelines();
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
@@ -47,7 +65,7 @@ class Pipelines {
   }
 
  private:
-  void create(Kernel kernel, VkPipelineCache cache, std::uint32_t chunks_per_group);
+  void create(Kernel kernel, VkPipelineCache cache, const PipelineVariant& variant);
   void destroy() noexcept;
 
   const DeviceFunctions& vk_;

@@ -10,7 +10,7 @@ namespace planish::vulkan {
 
 namespace {
 
-// A multiple of 12, so that points are not torn between pieces.
+// A multiple of 16 and 24, so that points are not torn between pieces.
 constexpr std::uint64_t kPieceBytes = 12u << 20;
 
 /// A staging buffer that holds a piece of `size` bytes.

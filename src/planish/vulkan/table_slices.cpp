@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::int32_t kLanes = static_cast<std::int32_t>(shared::kChunkRows);
 constexpr std::int32_t kChunksPerWindow = kSortWindow / kLanes;
-constexpr std::uint64_t kPointBytes = 12;
-// Windows start at multiples of 64 points: 768 bytes, a multiple of every alignment that Vulkan
+constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
+// Windows start at multiples of 64 points: 1024 bytes, a multiple of every alignment that Vulkan
 // allows a device to ask for.
 constexpr std::int32_t kWindowAlignment = 64;
 static_assert(kWindowAlignment * kPointBytes % 256 == 0);
@@ -91,6 +91,12 @@ std::string exceeded(const TableSlice& slice, const SliceLimits& limits) {
   if (bytes > limits.max_range)
     return std::to_string(bytes) + " bytes in one binding, but maxStorageBufferRange is " +
            std::to_string(limits.max_range);
+  const std::uint64_t elements =
+      std::max({slice.entry_count, std::uint64_t(slice.chunk_count * shared::kChunkWords),
+                std::uint64_t(slice.row_count), std::uint64_t(slice.source_count)});
+  if (elements > limits.max_elements)
+    return std::to_string(elements) + " elements in one binding, but maxTexelBufferElements is " +
+           std::to_string(limits.max_elements);
   if (slice.chunk_count > limits.max_chunks)
     return std::to_string(slice.chunk_count) + " chunks in one dispatch, but " +
            "maxComputeWorkGroupCount allows " + std::to_string(limits.max_chunks);

@@ -30,7 +30,8 @@ struct TablePlan {
 struct SliceLimits {
   std::uint64_t max_range = 0;       ///< bytes that a binding may span
   std::uint64_t max_chunks = 0;      ///< that one dispatch may walk
-  std::uint64_t target_stride = 12;  ///< bytes that a row takes in the target
+  std::uint64_t max_elements = 0;    ///< entries, words or points that a binding may have
+  std::uint64_t target_stride = 16;  ///< bytes that a row takes in the target
   bool includes_own_rows = false;    ///< row i also reads source i
 };
 

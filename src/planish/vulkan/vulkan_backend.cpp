@@ -16,7 +16,7 @@ namespace vulkan {
 
 namespace {
 
-constexpr std::uint64_t kPointBytes = 3 * sizeof(float);
+constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
 /// apply_limit writes a position and a normal for each row.
 constexpr std::uint64_t kLimitFloats = 6;
 
@@ -111,7 +111,7 @@ void VulkanBackend::apply(const StencilView<double>& view, const DevicePoints& s
   machine_->submitter.run([&](VkCommandBuffer commands) {
     for (std::size_t i = 0; i < table.slices().size(); ++i) {
       shared::TableParameters parameters = table.parameters(i);
-      parameters.first_target = 3 * static_cast<std::uint32_t>(shift);
+      parameters.first_target = shared::kPointFloats * static_cast<std::uint32_t>(shift);
       table.record_dispatch(commands, Kernel::ApplyStencils, sets[i], i, parameters);
       // Windows of neighbouring slices may share their edge.
       record_barrier(context, commands, kKernelScope, kKernelScope);

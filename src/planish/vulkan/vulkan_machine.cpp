@@ -1,12 +1,13 @@
 #include "planish/vulkan/vulkan_machine.h"
 
 #include <cstring>
+#include <glm/vec4.hpp>
 
 namespace planish::vulkan {
 
 namespace {
 
-constexpr std::uint64_t kPointBytes = 3 * sizeof(float);
+constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
 
 template <class Item>
 void upload_items(Submitter& submitter, const Buffer& target, const std::vector<Item>& items) {
@@ -33,7 +34,7 @@ void VulkanMachine::upload_points(const Buffer& target, std::span<const glm::dve
   submitter.upload(range, [&](std::uint64_t offset, std::span<std::byte> piece) {
     const std::size_t first = offset / kPointBytes;
     for (std::size_t i = 0; i < piece.size() / kPointBytes; ++i) {
-      const glm::vec3 point(points[first + i]);
+      const glm::vec4 point(points[first + i], 0);
       std::memcpy(&piece[i * kPointBytes], &point, kPointBytes);
     }
   });
@@ -46,7 +47,7 @@ std::vector<glm::dvec3> VulkanMachine::download_points(const Buffer& source, std
                        const std::size_t first = offset / kPointBytes;
                        for (std::size_t i = 0; i < piece.size() / kPointBytes; ++i) {
                          glm::vec3 point;
-                         std::memcpy(&point, &piece[i * kPointBytes], kPointBytes);
+                         std::memcpy(&point, &piece[i * kPointBytes], sizeof point);
                          points[first + i] = glm::dvec3(point);
                        }
                      });
