@@ -10,12 +10,31 @@
 namespace planish::testing {
 namespace {
 
-class Kernels : public VulkanTest, public ::testing::WithParamInterface<std::int32_t> {};
+using RowsAndReads = std::tuple<std::int32_t, VulkanReads>;
 
-INSTANTIATE_TEST_SUITE_P(Rows, Kernels, ::testing::Values(0, 1, 63, 64, 65, 1000000));
+class Kernels : public VulkanTest, public ::testing::WithParamInterface<RowsAndReads> {
+ protected:
+  std::int32_t rows() const { return std::get<0>(GetParam()); }
+  std::unique_ptr<Backend> make_backend() {
+    VulkanBackendOptions options;
+    options.reads = std::get<1>(GetParam());
+    return VulkanTest::make_backend(options);
+  }
+};
+
+std::string name_of_case(const ::testing::TestParamInfo<RowsAndReads>& info) {
+  return std::to_string(std::get<0>(info.param)) +
+         (std::get<1>(info.param) == VulkanReads::TexelBuffers ? "Texel" : "Storage");
+}
+
+INSTANTIATE_TEST_SUITE_P(Rows, Kernels,
+                         ::testing::Combine(::testing::Values(0, 1, 63, 64, 65, 1000000),
+                                            ::testing::Values(VulkanReads::StorageBuffers,
+                                                              VulkanReads::TexelBuffers)),
+                         name_of_case);
 
 TEST_P(Kernels, InterpolationStepEqualsItsTwinBitForBit) {
-  const std::int32_t rows = GetParam();
+  const std::int32_t rows = this->rows();
   const StencilTable<double> masks = random_table(rows, rows);
   const std::vector<glm::dvec3> initial = random_points(rows);
   const std::vector<StepCoefficients> steps = {{0, 1}, {0.25, 0.75}, {0.5, 1.25}, {0.125, 0.3}};
@@ -41,7 +60,7 @@ TEST_P(Kernels, InterpolationStepEqualsItsTwinBitForBit) {
 }
 
 TEST_P(Kernels, ApplyStencilsEqualsItsTwinBitForBit) {
-  const std::int32_t rows = GetParam();
+  const std::int32_t rows = this->rows();
   const std::int32_t sources = rows / 2 + 1;
   const std::int32_t first = 5;  // not a multiple of any alignment
   const StencilTable<double> table = random_table(rows, sources);
@@ -61,7 +80,7 @@ TEST_P(Kernels, ApplyStencilsEqualsItsTwinBitForBit) {
 }
 
 TEST_P(Kernels, ApplyLimitEqualsItsTwin) {
-  const std::int32_t rows = GetParam();
+  const std::int32_t rows = this->rows();
   const std::int32_t sources = rows / 2 + 1;
   const LimitStencilTable<double> table(sources, random_rows(rows, sources));
   const std::vector<glm::dvec3> points = random_points(sources);
@@ -84,7 +103,7 @@ TEST_P(Kernels, ApplyLimitEqualsItsTwin) {
 }
 
 TEST_P(Kernels, ConjugateGradientsEqualTheirTwins) {
-  const std::int32_t rows = GetParam();
+  const std::int32_t rows = this->rows();
   const StencilTable<double> masks = random_table(rows, rows);
   const std::vector<glm::dvec3> initial = random_points(rows);
   std::vector<double> weights(rows);

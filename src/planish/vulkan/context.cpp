@@ -9,10 +9,6 @@ namespace planish::vulkan {
 
 namespace {
 
-// Where a CPU plays the device, storage buffers are read lane by lane but texel buffers by
-// gathers, barriers suspend every subgroup, and a work group's fixed costs weigh more.
-constexpr PipelineVariant kSoftwareVariant{ReadPath::Texel, 16, true};
-constexpr PipelineVariant kHardwareVariant{ReadPath::Storage, 1, false};
 // Devices with less than this would cut usual tables into many slices.
 constexpr std::uint64_t kEnoughTexelElements = std::uint64_t(1) << 26;
 

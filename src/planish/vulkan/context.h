@@ -21,6 +21,11 @@ struct HostDevice {
   MemoryHooks memory;
 };
 
+/// Where a CPU plays the device, storage buffers are read lane by lane but texel buffers by
+/// gathers, barriers suspend every subgroup, and a work group's fixed costs weigh more.
+inline constexpr PipelineVariant kSoftwareVariant{ReadPath::Texel, 16, true};
+inline constexpr PipelineVariant kHardwareVariant{ReadPath::Storage, 1, false};
+
 struct ContextOptions {
   /// Bytes that one binding may span at most, below the device's limit; 0: the device's limit.
   std::uint64_t max_storage_range = 0;

@@ -50,8 +50,8 @@ void GpuSolve::bind(Context& context) {
       bound.push_back(
           {Kernel::InterpolationStep,
            {whole(slice.entries), whole(slice.chunks), own(sides_[(side + 2) % 3]),
-            point_range(sides_[side], rows.first_source, rows.source_count),
-            own(initial_), own(sides_[(side + 1) % 3]), whole(steps_), whole(partials_)}});
+            point_range(sides_[side], rows.first_source, rows.source_count), own(initial_),
+            own(sides_[(side + 1) % 3]), whole(steps_), whole(partials_)}});
     }
   step_sets_ = DescriptorSets(context, bound);
   const BoundKernel finish[] = {{Kernel::ReduceRms, {whole(partials_), whole(steps_)}},

@@ -197,6 +197,8 @@ std::unique_ptr<Backend> make_vulkan_backend(const VulkanBackendOptions& options
   vulkan::ContextOptions context;
   context.max_storage_range = options.max_storage_bytes;
   context.max_group_count = options.max_work_groups;
+  if (options.reads == VulkanReads::StorageBuffers) context.variant = vulkan::kHardwareVariant;
+  if (options.reads == VulkanReads::TexelBuffers) context.variant = vulkan::kSoftwareVariant;
   return std::make_unique<vulkan::VulkanBackend>(
       std::make_shared<vulkan::VulkanMachine>(device, context));
 }

@@ -33,6 +33,10 @@ struct VulkanDeviceList {
 /// All Vulkan devices of this machine. A missing loader or driver is no error.
 [[nodiscard]] VulkanDeviceList list_vulkan_devices();
 
+/// How kernels read tables and points: storage buffers suit hardware, texel buffers suit software
+/// devices, whose drivers gather from them many times faster.
+enum class VulkanReads { Auto, StorageBuffers, TexelBuffers };
+
 struct VulkanBackendOptions {
   /// An index of list_vulkan_devices(), a UUID, a name or unique part of one in any case; empty:
   /// the best usable device, hardware before software.
@@ -45,6 +49,7 @@ struct VulkanBackendOptions {
   /// limits, which 0 stands for. Larger tables are done in slices.
   std::uint64_t max_storage_bytes = 0;
   std::uint32_t max_work_groups = 0;
+  VulkanReads reads = VulkanReads::Auto;
 };
 
 /// A backend on a Vulkan device that it creates for itself; computes in float. Throws
