@@ -24,11 +24,15 @@ void for_each_side(const PolygonMesh& mesh, std::span<const std::uint8_t> use_fa
 }  // namespace
 
 std::span<const FaceSide> EdgeGroups::find(std::int32_t v0, std::int32_t v1) const {
-  const auto [lower, higher] = std::minmax(v0, v1);
+  const std::int32_t lower = std::min(v0, v1), higher = std::max(v0, v1);
   if (lower < 0 || higher >= static_cast<std::int64_t>(offsets.size()) - 1) return {};
-  const auto bucket = std::span(sides).subspan(offsets[lower], offsets[lower + 1] - offsets[lower]);
-  const auto found = std::ranges::equal_range(bucket, higher, {}, &FaceSide::higher);
-  return {found.begin(), found.end()};
+  const auto end = sides.begin() + offsets[lower + 1];
+  const auto first = std::lower_bound(
+      sides.begin() + offsets[lower], end, higher,
+      [](const FaceSide& side, std::int32_t vertex) { return side.higher < vertex; });
+  const auto last =
+      std::find_if(first, end, [&](const FaceSide& side) { return side.higher != higher; });
+  return {first, last};
 }
 
 EdgeGroups group_edges(const PolygonMesh& mesh, std::span<const std::uint8_t> use_face) {

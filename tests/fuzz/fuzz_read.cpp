@@ -1,0 +1,30 @@
+#include "fuzz/fuzz_read.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "planish/core/error.h"
+#include "planish/gltf/read_gltf.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/statistics.h"
+
+namespace planish::test {
+
+void fuzz_read(std::span<const std::byte> bytes, MeshFormat format) {
+  PolygonMesh mesh;
+  try {
+    const bool is_gltf = format == MeshFormat::Gltf || format == MeshFormat::Glb;
+    mesh = is_gltf ? read_gltf(bytes, "fuzz").mesh : read_mesh(bytes, "fuzz", format).mesh;
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnreadableInput) std::abort();
+    return;
+  }
+  for (const glm::dvec3& p : mesh.positions)
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) std::abort();
+  const std::vector<MeshProblem> problems = check(mesh);
+  for (const MeshProblem& problem : problems)
+    if (problem.kind == MeshProblemKind::IndexOutOfRange) std::abort();
+  if (problems.empty() && statistics(mesh).genus < 0) std::abort();
+}
+
+}  // namespace planish::test

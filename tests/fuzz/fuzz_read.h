@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "planish/mesh/mesh_file.h"
+
+namespace planish::test {
+
+/// Reads, checks and counts; aborts when the reader breaks its promises: an Error of another kind,
+/// an index out of range, a position that is not finite, any other exception.
+void fuzz_read(std::span<const std::byte> bytes, MeshFormat format);
+
+}  // namespace planish::test
