@@ -1,8 +1,10 @@
 // planish-render: a picture of a surface, drawn by the CPU.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <vector>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -17,7 +19,8 @@ namespace planish::render {
 namespace {
 
 struct Arguments {
-  std::string input, output, overlay, size = "1200x900", colour, view;
+  std::vector<std::string> inputs, views;
+  std::string output, overlay, size = "1200x900", colour;
   bool stripes = false, heat = false;
   PictureOptions picture;
 };
@@ -33,10 +36,8 @@ void parse_texts(Arguments& arguments) {
       std::max(picture.width, picture.height) > kMaxSide) {
     refuse("--size " + arguments.size + ": is not WIDTHxHEIGHT up to 8192x8192");
   }
-  if (!arguments.view.empty() &&
-      std::sscanf(arguments.view.c_str(), "%f,%f%c", &picture.view.azimuth_degrees,
-                  &picture.view.elevation_degrees, &rest) != 2) {
-    refuse("--view " + arguments.view + ": is not AZIMUTH,ELEVATION in degrees");
+  if (arguments.views.size() > 1 && arguments.views.size() != arguments.inputs.size()) {
+    refuse("--view: give one, or one for each input");
   }
   unsigned r = 0, g = 0, b = 0;
   if (!arguments.colour.empty()) {
@@ -49,6 +50,19 @@ void parse_texts(Arguments& arguments) {
   if (arguments.heat) picture.look = Look::Heat;
 }
 
+// Of the input of that number.
+ViewOptions view_of(const Arguments& arguments, std::size_t input) {
+  ViewOptions view;
+  if (arguments.views.empty()) return view;
+  const std::string& text = arguments.views[arguments.views.size() == 1 ? 0 : input];
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%f,%f%c", &view.azimuth_degrees, &view.elevation_degrees, &rest) !=
+      2) {
+    refuse("--view " + text + ": is not AZIMUTH,ELEVATION in degrees");
+  }
+  return view;
+}
+
 void write_png(const Arguments& arguments, const std::vector<std::uint8_t>& pixels) {
   OutputFile file(arguments.output);
   const auto send = [](void* context, void* data, int size) {
@@ -56,7 +70,8 @@ void write_png(const Arguments& arguments, const std::vector<std::uint8_t>& pixe
         std::span(static_cast<const std::byte*>(data), static_cast<std::size_t>(size)));
   };
   constexpr int kChannels = 3;
-  const int width = arguments.picture.width, height = arguments.picture.height;
+  const int width = arguments.picture.width * static_cast<int>(arguments.inputs.size());
+  const int height = arguments.picture.height;
   stbi_write_png_compression_level = 9;
   if (!stbi_write_png_to_func(send, &file, width, height, kChannels, pixels.data(),
                               kChannels * width)) {
@@ -73,7 +88,17 @@ void run(Arguments& arguments) {
     arguments.picture.overlay =
         read_mesh(read_file(arguments.overlay), arguments.overlay, *format).mesh;
   }
-  write_png(arguments, draw_picture(read_glb(arguments.input), arguments.picture));
+  const std::size_t row = std::size_t{3} * arguments.picture.width;
+  const std::size_t whole_row = row * arguments.inputs.size();
+  std::vector<std::uint8_t> pixels(whole_row * arguments.picture.height);
+  for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
+    arguments.picture.view = view_of(arguments, i);
+    const auto tile = draw_picture(read_glb(arguments.inputs[i]), arguments.picture);
+    for (int y = 0; y < arguments.picture.height; ++y) {
+      std::copy_n(&tile[row * y], row, &pixels[whole_row * y + row * i]);
+    }
+  }
+  write_png(arguments, pixels);
 }
 
 }  // namespace
@@ -82,10 +107,10 @@ void run(Arguments& arguments) {
 int main(int argc, char** argv) {
   planish::render::Arguments arguments;
   CLI::App app("A picture of a surface that planish wrote", "planish-render");
-  app.add_option("input", arguments.input, "the GLB")->required();
+  app.add_option("input", arguments.inputs, "GLBs; drawn side by side")->required();
   app.add_option("-o,--output", arguments.output, "the PNG")->required();
-  app.add_option("--size", arguments.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-  app.add_option("--view", arguments.view, "AZIMUTH,ELEVATION of the eye in degrees");
+  app.add_option("--size", arguments.size, "WIDTHxHEIGHT of each in pixels")->capture_default_str();
+  app.add_option("--view", arguments.views, "AZIMUTH,ELEVATION of the eye in degrees");
   app.add_option("--color", arguments.colour, "RRGGBB of the material");
   app.add_flag("--stripes", arguments.stripes, "reflection lines, to judge smoothness");
   app.add_flag("--heat", arguments.heat, "colours by curvature")->excludes("--stripes");
