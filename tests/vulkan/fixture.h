@@ -18,6 +18,11 @@ namespace planish::testing {
 class VulkanTest : public ::testing::Test {
  protected:
   void SetUp() override {
+    // Hazards between submissions are looked for only when the environment says so.
+    setenv("VK_LAYER_ENABLES",
+           "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:"
+           "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT",
+           1);
     const VulkanDeviceList list = list_vulkan_devices();
     if (list.best >= 0) return;
     const char* required = std::getenv("PLANISH_REQUIRE_VULKAN");

@@ -48,7 +48,12 @@ Instance::Instance(const InstanceOptions& options)
       reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library_.get(), "vkGetInstanceProcAddr"));
   if (!get_proc_)
     throw Error(ErrorCode::NoDevice, std::string(kLibrary) + " has no vkGetInstanceProcAddr");
-  create(options);
+  try {
+    create(options);
+  } catch (...) {
+    destroy();
+    throw;
+  }
 }
 
 void Instance::create(const InstanceOptions& options) {
@@ -104,13 +109,15 @@ void Instance::create(const InstanceOptions& options) {
           "vkCreateDebugUtilsMessengerEXT");
 }
 
-Instance::~Instance() {
+Instance::~Instance() { destroy(); }
+
+void Instance::destroy() noexcept {
   if (messenger_) {
     const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
         get_proc_(instance_, "vkDestroyDebugUtilsMessengerEXT"));
     destroy(instance_, messenger_, nullptr);
   }
-  functions_.vkDestroyInstance(instance_, nullptr);
+  if (functions_.vkDestroyInstance) functions_.vkDestroyInstance(instance_, nullptr);
 }
 
 }  // namespace planish::vulkan

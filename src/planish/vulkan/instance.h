@@ -31,6 +31,7 @@ class Instance {
 
  private:
   void create(const InstanceOptions& options);
+  void destroy() noexcept;
 
   std::unique_ptr<void, int (*)(void*)> library_;
   PFN_vkGetInstanceProcAddr get_proc_ = nullptr;
