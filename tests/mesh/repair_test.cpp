@@ -123,6 +123,32 @@ TEST(Repair, CutsAMoebiusStrip) {
   EXPECT_EQ(repaired.mesh.vertex_count(), 2 * kQuads + 2);
 }
 
+TEST(Repair, KeepsAttributesWithTheirCornersFacesAndVertices) {
+  // A repeated corner, a face to drop, one to turn, a fan to copy.
+  PolygonMesh mesh = test::mesh_of(6, {{0, 1, 1, 2}, {3, 3, 4}, {1, 2, 3}, {0, 4, 5}});
+  for (int c = 0; c < 13; ++c) {
+    mesh.uvs.emplace_back(c, -c);
+    mesh.face_uvs.push_back(c);
+  }
+  for (int v = 0; v < 6; ++v) mesh.colors.emplace_back(0.1 * v, 0, 0, 1);
+  mesh.groups = {{"a", ""}, {"b", ""}, {"c", ""}, {"d", ""}};
+  mesh.face_groups = {0, 1, 2, 3};
+  mesh.hole_faces = {2};
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+  EXPECT_THAT(repaired.mesh.face_groups, ElementsAre(0, 2, 3));
+  EXPECT_THAT(repaired.mesh.hole_faces, ElementsAre(1));
+  ASSERT_EQ(repaired.mesh.face_uvs.size(), repaired.mesh.face_vertices.size());
+  for (std::size_t c = 0; c < repaired.mesh.face_uvs.size(); ++c) {
+    const std::int32_t source = repaired.mesh.face_uvs[c];  // texture coordinate c sits at corner c
+    EXPECT_EQ(mesh.face_vertices[source], repaired.source_vertices[repaired.mesh.face_vertices[c]]);
+  }
+  for (std::size_t v = 0; v < repaired.mesh.colors.size(); ++v) {
+    EXPECT_EQ(repaired.mesh.colors[v], mesh.colors[repaired.source_vertices[v]]);
+  }
+  EXPECT_EQ(repaired.mesh.vertex_count(), 7);
+}
+
 TEST(Repair, DropsTagsThatNameNothing) {
   PolygonMesh mesh = test::cube();
   mesh.positions.emplace_back(9, 9, 9);

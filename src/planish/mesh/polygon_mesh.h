@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace planish {
@@ -22,14 +25,28 @@ struct CornerVertex {
   float sharpness = kInfiniteSharpness;
 };
 
+/// A part of the mesh that a file names.
+struct FaceGroup {
+  std::string name;      ///< of the group or object; may be empty
+  std::string material;  ///< may be empty
+};
+
 /// Polygons of any size, counter-clockwise seen from outside.
 struct PolygonMesh {
   std::vector<glm::dvec3> positions;
-  std::vector<std::int32_t> face_offsets{
-      0};  ///< face_count + 1; face f is [offsets[f], offsets[f+1])
+  /// face_count + 1; the corners of face f are [offsets[f], offsets[f+1]).
+  std::vector<std::int32_t> face_offsets{0};
   std::vector<std::int32_t> face_vertices;  ///< vertex indices of all faces, one after another
   std::vector<CreaseEdge> creases;
   std::vector<CornerVertex> corners;
+
+  // What rides on the mesh and is refined with it. Each may be empty: none.
+  std::vector<glm::dvec2> uvs;         ///< texture coordinates, which face_uvs names
+  std::vector<std::int32_t> face_uvs;  ///< one per corner, as face_vertices; -1: none there
+  std::vector<glm::dvec4> colors;      ///< linear RGBA, 0 to 1, one per vertex
+  std::vector<FaceGroup> groups;
+  std::vector<std::int32_t> face_groups;  ///< one per face: its group
+  std::vector<std::int32_t> hole_faces;   ///< faces that shape the surface but are no part of it
 
   [[nodiscard]] std::int32_t vertex_count() const {
     return static_cast<std::int32_t>(positions.size());

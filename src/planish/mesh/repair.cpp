@@ -30,6 +30,7 @@ class Repair {
     orient();
     separate();
     drop_unknown_tags();
+    carry_attributes();
     std::ranges::sort(result_.changed_faces);
     const auto repeated = std::ranges::unique(result_.changed_faces);
     result_.changed_faces.erase(repeated.begin(), repeated.end());
@@ -45,6 +46,7 @@ class Repair {
   void tag_ends_of_cuts();
   void map_tags();
   void drop_unknown_tags();
+  void carry_attributes();
 
   void changed(std::int32_t face) { result_.changed_faces.push_back(result_.source_faces[face]); }
   void report(const char* code, const std::string& what, std::int64_t count, std::int64_t first) {
@@ -60,7 +62,8 @@ class Repair {
   const PolygonMesh& input_;
   RepairedMesh result_;
   PolygonMesh& mesh_ = result_.mesh;
-  std::set<VertexPair> cut_edges_;  // in the input's vertices
+  std::vector<std::int32_t> source_corners_;  // for each corner of mesh_ the input's
+  std::set<VertexPair> cut_edges_;            // in the input's vertices
 };
 
 void Repair::drop_degenerate_faces() {
@@ -71,13 +74,19 @@ void Repair::drop_degenerate_faces() {
   for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) result_.source_vertices[v] = v;
 
   std::int64_t count = 0, first = -1;
-  std::vector<std::int32_t> corners, sorted;
+  std::vector<std::int32_t> corners, sources, sorted;
   for (std::int32_t f = 0; f < input_.face_count(); ++f) {
     corners.clear();
-    for (const std::int32_t v : input_.face(f)) {
-      if (corners.empty() || corners.back() != v) corners.push_back(v);
+    sources.clear();
+    for (std::int32_t c = input_.face_offsets[f]; c < input_.face_offsets[f + 1]; ++c) {
+      if (!corners.empty() && corners.back() == input_.face_vertices[c]) continue;
+      corners.push_back(input_.face_vertices[c]);
+      sources.push_back(c);
     }
-    while (corners.size() > 1 && corners.back() == corners.front()) corners.pop_back();
+    while (corners.size() > 1 && corners.back() == corners.front()) {
+      corners.pop_back();
+      sources.pop_back();
+    }
     sorted = corners;
     std::ranges::sort(sorted);
     const bool dropped = corners.size() < 3 || std::ranges::adjacent_find(sorted) != sorted.end();
@@ -87,6 +96,7 @@ void Repair::drop_degenerate_faces() {
     }
     if (dropped) continue;
     mesh_.add_face(corners);
+    source_corners_.insert(source_corners_.end(), sources.begin(), sources.end());
     result_.source_faces.push_back(f);
   }
   if (mesh_.face_count() == 0) {
@@ -105,16 +115,18 @@ void Repair::drop_duplicate_faces() {
   }
   if (duplicates.empty()) return;
   const PolygonMesh whole = mesh_;
-  const std::vector<std::int32_t> sources = std::move(result_.source_faces);
+  const std::vector<std::int32_t> sources = std::exchange(result_.source_faces, {});
+  const std::vector<std::int32_t> corners = std::exchange(source_corners_, {});
   mesh_.face_offsets = {0};
   mesh_.face_vertices.clear();
-  result_.source_faces.clear();
   for (std::int32_t f = 0; f < whole.face_count(); ++f) {
     if (duplicates.contains(f)) {
       result_.changed_faces.push_back(sources[f]);
       continue;
     }
     mesh_.add_face(whole.face(f));
+    source_corners_.insert(source_corners_.end(), corners.begin() + whole.face_offsets[f],
+                           corners.begin() + whole.face_offsets[f + 1]);
     result_.source_faces.push_back(sources[f]);
   }
   report("duplicate-faces", " faces repeat another one and were dropped",
@@ -156,8 +168,10 @@ void Repair::orient() {
     const int minority = sum < 0 ? 1 : -1;
     for (const std::int32_t face : component) {
       if (direction[face] != minority) continue;
-      std::reverse(mesh_.face_vertices.begin() + mesh_.face_offsets[face] + 1,
-                   mesh_.face_vertices.begin() + mesh_.face_offsets[face + 1]);
+      for (auto* corners : {&mesh_.face_vertices, &source_corners_}) {
+        std::reverse(corners->begin() + mesh_.face_offsets[face] + 1,
+                     corners->begin() + mesh_.face_offsets[face + 1]);
+      }
       changed(face);
       if (count++ == 0) first = result_.source_faces[face];
     }
@@ -282,6 +296,23 @@ void Repair::drop_unknown_tags() {
   drop(mesh_.corners, corners);
   report("unknown-tags", " crease or corner tags name no edge or used vertex and were dropped",
          static_cast<std::int64_t>(creases.size() + corners.size()), -1);
+}
+
+void Repair::carry_attributes() {
+  mesh_.uvs = input_.uvs;
+  mesh_.groups = input_.groups;
+  if (!input_.face_uvs.empty()) {
+    for (const std::int32_t c : source_corners_) mesh_.face_uvs.push_back(input_.face_uvs[c]);
+  }
+  if (!input_.colors.empty()) {
+    for (const std::int32_t v : result_.source_vertices) mesh_.colors.push_back(input_.colors[v]);
+  }
+  const std::set<std::int32_t> holes(input_.hole_faces.begin(), input_.hole_faces.end());
+  for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
+    const std::int32_t source = result_.source_faces[f];
+    if (!input_.face_groups.empty()) mesh_.face_groups.push_back(input_.face_groups[source]);
+    if (holes.contains(source)) mesh_.hole_faces.push_back(f);
+  }
 }
 
 // What no repair can supply.

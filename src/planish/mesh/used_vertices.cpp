@@ -15,9 +15,15 @@ UsedMesh without_unused_vertices(const PolygonMesh& mesh) {
     used.mesh = mesh;
     return used;
   }
-  for (const std::int32_t v : used.vertices) used.mesh.positions.push_back(mesh.positions[v]);
-  used.mesh.face_offsets = mesh.face_offsets;
-  used.mesh.face_vertices = mesh.face_vertices;
+  used.mesh = mesh;
+  used.mesh.positions.clear();
+  used.mesh.colors.clear();
+  used.mesh.creases.clear();
+  used.mesh.corners.clear();
+  for (const std::int32_t v : used.vertices) {
+    used.mesh.positions.push_back(mesh.positions[v]);
+    if (!mesh.colors.empty()) used.mesh.colors.push_back(mesh.colors[v]);
+  }
   for (std::int32_t& v : used.mesh.face_vertices) v = new_index[v];
   for (const CreaseEdge& crease : mesh.creases) {
     used.mesh.creases.push_back({new_index[crease.v0], new_index[crease.v1], crease.sharpness});

@@ -31,9 +31,19 @@ QuadSplit::QuadSplit(const PolygonMesh& mesh) : face_offsets_(mesh.face_offsets)
   descriptor.creaseVertexIndexPairs = crease_vertices.data();
   descriptor.creaseWeights = crease_sharpness.data();
 
+  std::vector<int> uv_indices = mesh.face_uvs;
+  const int uv_count = static_cast<int>(mesh.uvs.size());
+  for (int& uv : uv_indices) uv = uv < 0 ? uv_count : uv;
+  Far::TopologyDescriptor::FVarChannel uv_channel;
+  uv_channel.numValues = uv_count + 1;
+  uv_channel.valueIndices = uv_indices.data();
+  descriptor.numFVarChannels = uv_indices.empty() ? 0 : 1;
+  descriptor.fvarChannels = &uv_channel;
+
   // With other schemes OpenSubdiv's default boundary option tags every boundary face a hole.
   Sdc::Options options;
   options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+  options.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_ALL);
   using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
   refiner_.reset(Factory::Create(descriptor, Factory::Options(Sdc::SCHEME_BILINEAR, options)));
   if (!refiner_) {

@@ -36,6 +36,10 @@ class QuadSplit {
   [[nodiscard]] int level_count() const;  ///< finest level made so far; 0 before refine()
   [[nodiscard]] const OpenSubdiv::Far::TopologyLevel& level(int index) const;
 
+  /// For OpenSubdiv's own interpolation of primvars. Channel 0 holds the mesh's texture
+  /// coordinates, corners without one naming one more value than the mesh has.
+  [[nodiscard]] const OpenSubdiv::Far::TopologyRefiner& refiner() const { return *refiner_; }
+
   /// Counts of any level, without making it.
   [[nodiscard]] LevelCounts counts(int level) const;
 

@@ -14,6 +14,7 @@
 #include "planish/mesh/check.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/used_vertices.h"
+#include "planish/surface/attributes.h"
 #include "planish/surface/memory_need.h"
 
 namespace planish {
@@ -181,7 +182,9 @@ SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOp
   });
   for (glm::dvec3& position : surface.positions) position = placement.to_model(position);
   connect(used.mesh, split, rows, surface);
+  carry_attributes(used.mesh, split, rows, surface);
   replace_degenerate_normals(surface, options.callbacks);
+  remove_holes(used.mesh, surface);
   return surface;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planish/core/assert.h"
+#include "planish/surface/attributes.h"
 
 namespace planish {
 
@@ -24,14 +25,14 @@ glm::dvec3 area_vector(const std::vector<glm::dvec3>& positions, const Vertices&
 
 double folded_area(const SurfaceMesh& surface, const PolygonMesh& input) {
   double folded = 0, whole = 0;
+  std::vector<bool> is_hole(static_cast<std::size_t>(input.face_count()), false);
+  for (const std::int32_t f : input.hole_faces) is_hole[f] = true;
   std::int64_t next = 0;
   for (std::int32_t f = 0; f < input.face_count(); ++f) {
     const glm::dvec3 input_normal = area_vector(input.positions, input.face(f));
-    // Descendants of a face follow one another: m on level 1, four times as many on each further.
-    std::int64_t count = 1;
-    if (surface.level > 0) {
-      count = static_cast<std::int64_t>(input.face_size(f)) << (2 * (surface.level - 1));
-    }
+    if (is_hole[f]) continue;
+    // Descendants of a face follow one another.
+    const std::int64_t count = descendant_count(input.face_size(f), surface.level);
     for (const std::int64_t end = next + count; next < end; ++next) {
       const auto vertices = surface.face(next);
       const double share = glm::length(area_vector(surface.positions, vertices)) /

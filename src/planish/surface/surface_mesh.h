@@ -1,9 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 #include <vector>
+
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 
@@ -19,6 +23,13 @@ struct SurfaceMesh {
   /// the input's index of position i (unused vertices are left out). Vertices of several normals
   /// (creases) have their further copies at the end.
   std::vector<std::int32_t> base_vertices;
+
+  // The mesh's attributes, refined with it; empty where it has none.
+  std::vector<glm::dvec2> uvs;         ///< texture coordinates, which face_uvs names
+  std::vector<std::int32_t> face_uvs;  ///< one per corner, as face_vertices
+  std::vector<glm::vec4> colors;       ///< linear RGBA, one per position
+  std::vector<FaceGroup> groups;
+  std::vector<std::int32_t> face_groups;  ///< one per face: its group
 
   [[nodiscard]] std::int64_t face_count() const {
     return level == 0 ? static_cast<std::int64_t>(face_offsets.size()) - 1

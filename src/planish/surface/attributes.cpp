@@ -1,0 +1,112 @@
+#include "planish/surface/attributes.h"
+
+#include <opensubdiv/far/primvarRefiner.h>
+
+#include <utility>
+#include <vector>
+
+namespace planish {
+
+namespace {
+
+// A primvar of OpenSubdiv's protocol.
+template <class Vector>
+struct Primvar {
+  Vector value{0.0};
+  void Clear() { value = Vector(0.0); }
+  void AddWithWeight(const Primvar& other, float weight) {
+    value += static_cast<double>(weight) * other.value;
+  }
+};
+
+void carry_uvs(const PolygonMesh& mesh, const QuadSplit& split, SurfaceMesh& surface) {
+  std::vector<Primvar<glm::dvec2>> values(mesh.uvs.size() + 1);
+  for (std::size_t i = 0; i < mesh.uvs.size(); ++i) values[i].value = mesh.uvs[i];
+  const OpenSubdiv::Far::PrimvarRefinerReal<float> refiner(split.refiner());
+  for (int l = 1; l <= surface.level; ++l) {
+    std::vector<Primvar<glm::dvec2>> finer(
+        static_cast<std::size_t>(split.level(l).GetNumFVarValues()));
+    refiner.InterpolateFaceVarying(l, values, finer);
+    values = std::move(finer);
+  }
+  for (const auto& primvar : values) surface.uvs.push_back(primvar.value);
+
+  const auto& level = split.level(surface.level);
+  surface.face_uvs.reserve(surface.face_vertices.size());
+  for (int f = 0; f < level.GetNumFaces(); ++f) {
+    const auto corners = level.GetFaceFVarValues(f);
+    for (int i = 0; i < corners.size(); ++i) surface.face_uvs.push_back(corners[i]);
+  }
+}
+
+void carry_colors(const PolygonMesh& mesh, const QuadSplit& split, const LimitRows& rows,
+                  SurfaceMesh& surface) {
+  std::vector<Primvar<glm::dvec4>> values(mesh.colors.size());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i].value = mesh.colors[i];
+  const OpenSubdiv::Far::PrimvarRefinerReal<float> refiner(split.refiner());
+  for (int l = 1; l <= surface.level; ++l) {
+    std::vector<Primvar<glm::dvec4>> finer(
+        static_cast<std::size_t>(split.level(l).GetNumVertices()));
+    refiner.Interpolate(l, values, finer);
+    values = std::move(finer);
+  }
+  surface.colors.reserve(surface.positions.size());
+  for (std::int64_t row = 0; row < rows.count(); ++row) {
+    surface.colors.emplace_back(values[rows.place(row).vertex].value);
+  }
+}
+
+}  // namespace
+
+std::int64_t descendant_count(std::int32_t face_size, int level) {
+  return level == 0 ? 1 : static_cast<std::int64_t>(face_size) << (2 * (level - 1));
+}
+
+void carry_attributes(const PolygonMesh& mesh, const QuadSplit& split, const LimitRows& rows,
+                      SurfaceMesh& surface) {
+  if (!mesh.face_uvs.empty()) carry_uvs(mesh, split, surface);
+  if (!mesh.colors.empty()) carry_colors(mesh, split, rows, surface);
+  if (mesh.face_groups.empty()) return;
+  surface.groups = mesh.groups;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    surface.face_groups.insert(
+        surface.face_groups.end(),
+        static_cast<std::size_t>(descendant_count(mesh.face_size(f), surface.level)),
+        mesh.face_groups[f]);
+  }
+}
+
+void remove_holes(const PolygonMesh& mesh, SurfaceMesh& surface) {
+  if (mesh.hole_faces.empty()) return;
+  std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
+  for (const std::int32_t f : mesh.hole_faces) is_hole[f] = true;
+
+  const SurfaceMesh whole = std::move(surface);
+  surface = SurfaceMesh{whole.level, whole.positions, whole.normals};
+  surface.base_vertices = whole.base_vertices;
+  surface.uvs = whole.uvs;
+  surface.colors = whole.colors;
+  surface.groups = whole.groups;
+  if (whole.level == 0) surface.face_offsets = {0};
+  std::int64_t face = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::int64_t end = face + descendant_count(mesh.face_size(f), whole.level);
+    for (; face < end; ++face) {
+      if (is_hole[f]) continue;
+      const auto vertices = whole.face(face);
+      const auto first = vertices.data() - whole.face_vertices.data();
+      surface.face_vertices.insert(surface.face_vertices.end(), vertices.begin(), vertices.end());
+      if (whole.level == 0) {
+        surface.face_offsets.push_back(static_cast<std::int32_t>(surface.face_vertices.size()));
+      }
+      if (!whole.face_uvs.empty()) {
+        const auto uvs = whole.face_uvs.begin() + first;
+        surface.face_uvs.insert(surface.face_uvs.end(), uvs,
+                                uvs + static_cast<std::ptrdiff_t>(vertices.size()));
+      }
+      if (!whole.face_groups.empty()) surface.face_groups.push_back(whole.face_groups[face]);
+    }
+  }
+}
+
+}  // namespace planish

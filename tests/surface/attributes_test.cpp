@@ -1,0 +1,104 @@
+#include "planish/surface/attributes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/surface/evaluate.h"
+#include "planish/surface/folded_area.h"
+#include "support/meshes.h"
+
+namespace planish {
+namespace {
+
+// A 2 x 1 grid whose two quads have texture coordinates of their own: a seam on x = 1.
+PolygonMesh two_charts() {
+  PolygonMesh mesh = test::flat_grid(2, 1);
+  mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {5, 5}, {6, 5}, {6, 6}, {5, 6}};
+  mesh.face_uvs = {0, 1, 2, 3, 4, 5, 6, 7};
+  mesh.colors = {{0, 0, 0, 1}, {0.5, 0, 0, 1}, {1, 0, 0, 1},
+                 {0, 1, 0, 1}, {0.5, 1, 0, 1}, {1, 1, 0, 1}};
+  mesh.groups = {{"left", "red"}, {"right", "blue"}};
+  mesh.face_groups = {0, 1};
+  return mesh;
+}
+
+SurfaceMesh surface_of(const PolygonMesh& mesh, int level) {
+  // Corners keep the grid's outline, so that a face's corners stay where its parameters are.
+  return evaluate(mesh, *make_cpu_backend(),
+                  {.level = level, .sharp = {.boundary = BoundaryRule::EdgeAndCorner}});
+}
+
+TEST(Attributes, TextureCoordinatesKeepTheirSeams) {
+  for (int level = 0; level <= 3; ++level) {
+    const SurfaceMesh surface = surface_of(two_charts(), level);
+    ASSERT_EQ(surface.face_uvs.size(), surface.face_vertices.size());
+    for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+      const bool left = 2 * f < surface.face_count();
+      for (int i = 0; i < 4; ++i) {
+        const auto corner = static_cast<std::size_t>(4 * f + i);
+        const glm::dvec2 uv = surface.uvs[surface.face_uvs[corner]];
+        const double low = left ? 0 : 5;
+        EXPECT_GE(uv.x, low);
+        EXPECT_LE(uv.x, low + 1);
+        // On the seam each side has its own value.
+        if (surface.positions[surface.face_vertices[corner]].x == 1) {
+          EXPECT_EQ(uv.x, left ? 1 : 5);
+        }
+      }
+    }
+  }
+}
+
+TEST(Attributes, AreLinearBetweenTheCornersOfAQuad) {
+  // At level 3 a unit quad's texture coordinates are a grid of eighths.
+  const SurfaceMesh surface = surface_of(two_charts(), 3);
+  for (const glm::dvec2& uv : surface.uvs) {
+    EXPECT_EQ(uv.x * 8, std::round(uv.x * 8));
+    EXPECT_EQ(uv.y * 8, std::round(uv.y * 8));
+  }
+  for (std::size_t corner = 0; corner < surface.face_uvs.size(); ++corner) {
+    const glm::dvec2 uv = surface.uvs[surface.face_uvs[corner]];
+    const glm::vec4 color = surface.colors[surface.face_vertices[corner]];
+    const double x = uv.x < 2 ? uv.x / 2 : (uv.x - 4) / 2;
+    const double y = uv.y < 2 ? uv.y : uv.y - 5;
+    EXPECT_NEAR(color.r, x, 1e-6);
+    EXPECT_NEAR(color.g, y, 1e-6);
+  }
+}
+
+TEST(Attributes, GroupsFollowTheirFaces) {
+  const SurfaceMesh surface = surface_of(two_charts(), 2);
+  ASSERT_EQ(surface.face_groups.size(), 32u);
+  for (std::int64_t f = 0; f < 32; ++f) {
+    double x = 0;
+    for (const std::int32_t v : surface.face(f)) x += surface.positions[v].x / 4;
+    EXPECT_EQ(surface.face_groups[f], x < 1 ? 0 : 1);
+  }
+  EXPECT_EQ(surface.groups[1].material, "blue");
+}
+
+TEST(Attributes, HolesShapeTheSurfaceButAreNoPartOfIt) {
+  PolygonMesh mesh = test::torus(8, 6, 1.0, 0.4);
+  const SurfaceMesh whole = surface_of(mesh, 1);
+  mesh.hole_faces = {0, 5};
+  const SurfaceMesh holed = surface_of(mesh, 1);
+  EXPECT_EQ(holed.positions, whole.positions);
+  EXPECT_EQ(holed.face_count(), whole.face_count() - 8);
+  EXPECT_EQ(holed.face_vertices[0], whole.face_vertices[16]);
+  EXPECT_EQ(folded_area(holed, mesh), 0.0);
+}
+
+TEST(Attributes, AMissingTextureCoordinateIsNoCrash) {
+  PolygonMesh mesh = two_charts();
+  mesh.face_uvs[5] = -1;
+  const SurfaceMesh surface = surface_of(mesh, 2);
+  for (const std::int32_t uv : surface.face_uvs) {
+    ASSERT_GE(uv, 0);
+    ASSERT_LT(static_cast<std::size_t>(uv), surface.uvs.size());
+  }
+}
+
+}  // namespace
+}  // namespace planish
