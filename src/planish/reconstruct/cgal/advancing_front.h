@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/core/callbacks.h"
+#include "planish/reconstruct/triangles.h"
+
+namespace planish {
+
+/// Triangles through the points, chosen greedily from their Delaunay triangulation. Interpolates:
+/// corners are the points themselves, and a point that fits nowhere is named by no triangle. The
+/// mesh may have holes. Throws Error{UnusableMesh} for fewer than three points or points on a
+/// line, Error{Cancelled}.
+[[nodiscard]] std::vector<Triangle> mesh_by_advancing_front(std::span<const glm::dvec3> points,
+                                                            const Callbacks& callbacks = {});
+
+}  // namespace planish

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "planish/reconstruct/triangles.h"
+
+namespace planish {
+
+/// The program that meshes points: $PLANISH_RECONSTRUCT if set, else `planish-reconstruct` beside
+/// the running program, else on $PATH. Empty if it is not there.
+[[nodiscard]] std::optional<std::filesystem::path> find_mesher_program();
+
+/// A mesher that starts `program` for each cloud and talks with it through a socket. The program
+/// ends with the call, whether it returns or throws. Besides the program's own errors it throws
+/// Error{InvalidArgument} when the program cannot be started or answers what no mesher does,
+/// Error{OutOfMemory} when it was killed, Error{Cancelled}.
+[[nodiscard]] Mesher mesher_process(std::filesystem::path program);
+
+}  // namespace planish

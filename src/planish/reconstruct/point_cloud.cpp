@@ -1,0 +1,106 @@
+#include "planish/reconstruct/point_cloud.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+#include <utility>
+
+#include "planish/mesh/mesh_file.h"
+#include "planish/reconstruct/read_pcd.h"
+#include "planish/reconstruct/read_xyz.h"
+
+namespace planish {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, PointFormat>, 4> kFormats = {{
+    {"ply", PointFormat::Ply},
+    {"xyz", PointFormat::Xyz},
+    {"pts", PointFormat::Pts},
+    {"pcd", PointFormat::Pcd},
+}};
+
+struct Bounds {
+  glm::dvec3 low{0.0}, high{0.0};
+};
+
+Bounds bounds_of(std::span<const glm::dvec3> points) {
+  if (points.empty()) return {};
+  Bounds bounds{points.front(), points.front()};
+  for (const glm::dvec3& point : points) {
+    bounds.low = glm::min(bounds.low, point);
+    bounds.high = glm::max(bounds.high, point);
+  }
+  return bounds;
+}
+
+PointCloud read_ply_points(std::span<const std::byte> bytes, std::string_view name) {
+  MeshFile file = read_mesh(bytes, name, MeshFormat::Ply);
+  PointCloud cloud;
+  cloud.points = std::move(file.mesh.positions);
+  cloud.warnings = std::move(file.warnings);
+  return cloud;
+}
+
+}  // namespace
+
+std::string_view name_of(PointFormat format) {
+  for (const auto& [name, value] : kFormats)
+    if (value == format) return name;
+  return "";
+}
+
+std::optional<PointFormat> point_format_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const auto& [name, value] : kFormats)
+    if (extension == "." + std::string(name)) return value;
+  return std::nullopt;
+}
+
+double diagonal_of(std::span<const glm::dvec3> points) {
+  const Bounds bounds = bounds_of(points);
+  return glm::length(bounds.high - bounds.low);
+}
+
+void recentre(PointCloud& cloud) {
+  const Bounds bounds = bounds_of(cloud.points);
+  const double diagonal = glm::length(bounds.high - bounds.low);
+  if (!(diagonal > 0)) return;
+  // A multiple of a power of two above the diagonal: then every difference has fewer bits than
+  // the coordinate it came from and is exact.
+  const double grain = std::ldexp(1.0, std::ilogb(diagonal) + 1);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double centre = 0.5 * bounds.low[axis] + 0.5 * bounds.high[axis];
+    if (std::abs(centre) > kFarDiagonals * diagonal)
+      cloud.origin[axis] = std::round(centre / grain) * grain;
+  }
+  if (cloud.origin == glm::dvec3(0.0)) return;
+  for (glm::dvec3& point : cloud.points) point -= cloud.origin;
+}
+
+PointCloud read_points(std::span<const std::byte> bytes, std::string_view name,
+                       PointFormat format) {
+  PointCloud cloud;
+  switch (format) {
+    case PointFormat::Ply:
+      cloud = read_ply_points(bytes, name);
+      break;
+    case PointFormat::Xyz:
+      cloud = read_xyz(bytes, name, TextPoints::Xyz);
+      break;
+    case PointFormat::Pts:
+      cloud = read_xyz(bytes, name, TextPoints::Pts);
+      break;
+    case PointFormat::Pcd:
+      cloud = read_pcd(bytes, name);
+      break;
+  }
+  recentre(cloud);
+  return cloud;
+}
+
+}  // namespace planish

@@ -1,0 +1,195 @@
+// Based on: the first step of "Smooth Surface Reconstruction using Doo-Sabin Subdivision
+// Surfaces": an approximating mesh within a tolerance of every point, vertices a subset of them.
+#include "planish/reconstruct/reconstruct.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include "planish/core/error.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/used_vertices.h"
+#include "planish/reconstruct/pair_triangles.h"
+#include "planish/reconstruct/smooth_points.h"
+#include "planish/reconstruct/triangle_edges.h"
+
+namespace planish {
+namespace {
+
+constexpr std::int32_t kMostSmoothRounds = 100;
+constexpr std::size_t kFewestPoints = 4;
+
+class Stopwatch {
+ public:
+  // Milliseconds since the last call.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double passed = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return passed;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+void check_options(const ReconstructOptions& options) {
+  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
+    throw Error(ErrorCode::InvalidArgument,
+                "tolerance-mesh: a fraction of the diagonal from 0 is needed");
+  if (options.smooth_rounds < 0 || options.smooth_rounds > kMostSmoothRounds)
+    throw Error(ErrorCode::InvalidArgument, "smooth: " + std::to_string(options.smooth_rounds) +
+                                                " rounds are asked for; 0 to " +
+                                                std::to_string(kMostSmoothRounds) + " work");
+}
+
+void judge_noise(std::span<const glm::dvec3> points, const ReconstructOptions& options,
+                 Reconstruction& result) {
+  result.noise = measure_noise(points);
+  if (result.noise <= kNoisySpacings * result.spacing || options.smooth_rounds > 0) return;
+  options.callbacks.warn(
+      {.code = "noisy-points",
+       .message = "the points scatter by " + std::to_string(result.noise / result.spacing) +
+                  " of their spacing about a smooth surface; --smooth 2 moves them onto it"});
+}
+
+// What came out, said plainly: an open or broken mesh is no silent success.
+void diagnose(const Reconstruction& result, const ReconstructOptions& options) {
+  const Callbacks& callbacks = options.callbacks;
+  const MeshStatistics& facts = result.statistics;
+  if (facts.boundary_loop_count > 0)
+    callbacks.warn({.code = "open-mesh",
+                    .message = "the mesh is open: " + std::to_string(facts.boundary_loop_count) +
+                               " boundary loops are left, genus " + std::to_string(facts.genus) +
+                               "; --fill-holes N closes loops of up to N edges",
+                    .count = facts.boundary_loop_count});
+  if (facts.component_count > 1)
+    callbacks.warn({.code = "several-components",
+                    .message = "the mesh has " + std::to_string(facts.component_count) +
+                               " components; --components largest keeps one",
+                    .count = facts.component_count});
+  if (result.dropped_component_count > 0)
+    callbacks.warn({.code = "components-dropped",
+                    .message = std::to_string(result.dropped_component_count) +
+                               " smaller components were dropped; --components all keeps them",
+                    .count = result.dropped_component_count});
+  if (result.strayed_count > 0)
+    callbacks.warn({.code = "points-left-out",
+                    .message = std::to_string(result.strayed_count) + " of " +
+                               std::to_string(result.used_points.size()) +
+                               " points fit into no triangle and lie farther than the tolerance "
+                               "from the mesh",
+                    .count = result.strayed_count});
+  if (options.target_vertices > 0 && facts.vertex_count > options.target_vertices)
+    callbacks.warn({.code = "target-not-reached",
+                    .message = std::to_string(facts.vertex_count) + " vertices are left of " +
+                               std::to_string(options.target_vertices) +
+                               " aimed at; a larger --tolerance-mesh allows fewer",
+                    .count = facts.vertex_count});
+}
+
+std::vector<glm::dvec3> chosen(std::span<const glm::dvec3> points,
+                               std::span<const std::int32_t> indices) {
+  std::vector<glm::dvec3> result;
+  result.reserve(indices.size());
+  for (const std::int32_t index : indices) result.push_back(points[index]);
+  return result;
+}
+
+// Drops unused points, moves the mesh to where the file has it and notes the points it came from.
+void finish_mesh(PolygonMesh polygons, const glm::dvec3& origin, Reconstruction& result) {
+  UsedMesh used = without_unused_vertices(polygons);
+  result.mesh = std::move(used.mesh);
+  for (glm::dvec3& position : result.mesh.positions) position += origin;
+  result.vertex_points.reserve(used.vertices.size());
+  for (const std::int32_t vertex : used.vertices)
+    result.vertex_points.push_back(result.used_points[vertex]);
+  require_usable(result.mesh, "reconstructed mesh");
+  result.statistics = statistics(result.mesh);
+}
+
+}  // namespace
+
+Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
+                           const ReconstructOptions& options) {
+  check_options(options);
+  const Callbacks& callbacks = options.callbacks;
+  Reconstruction result;
+  Stopwatch watch;
+
+  // 1. Clean.
+  CleanOptions clean_options = options.clean;
+  clean_options.callbacks = callbacks;
+  CleanPoints cleaned = clean(cloud.points, clean_options);
+  result.used_points = std::move(cleaned.kept);
+  result.duplicate_count = cleaned.duplicate_count;
+  result.outlier_count = cleaned.outlier_count;
+  result.spacing = cleaned.spacing;
+  if (result.used_points.size() < kFewestPoints)
+    throw Error(ErrorCode::UnusableMesh, std::to_string(result.used_points.size()) +
+                                             " points are left after cleaning; a surface needs "
+                                             "at least " +
+                                             std::to_string(kFewestPoints));
+  if (result.outlier_count > 0)
+    callbacks.warn({.code = "outliers-removed",
+                    .message = std::to_string(result.outlier_count) +
+                               " points lie far from all others and were removed; --outliers off "
+                               "keeps them",
+                    .count = result.outlier_count});
+  std::vector<glm::dvec3> points = chosen(cloud.points, result.used_points);
+  result.diagonal = diagonal_of(points);
+  if (options.measure_noise) judge_noise(points, options, result);
+  result.timing.clean = watch.lap();
+
+  // 2. Smooth, only on request: it moves the samples.
+  if (options.smooth_rounds > 0) points = smooth_points(points, options.smooth_rounds, callbacks);
+  result.timing.smooth = watch.lap();
+
+  // 3. Mesh through all points.
+  std::vector<Triangle> triangles = mesher(points, callbacks);
+  result.timing.mesh = watch.lap();
+
+  // 4. Repair.
+  RepairedMesh repaired = repair(points, std::move(triangles),
+                                 {.longest_filled_loop = options.longest_filled_loop,
+                                  .components = options.components,
+                                  .callbacks = callbacks});
+  triangles = std::move(repaired.triangles);
+  result.filled_loop_count = repaired.filled_loop_count;
+  result.dropped_component_count = repaired.dropped_component_count;
+  if (triangles.empty())
+    throw Error(ErrorCode::UnusableMesh,
+                "no surface was found in " + std::to_string(points.size()) + " points");
+  result.timing.repair = watch.lap();
+
+  // 5. Simplify within the tolerance of every point.
+  if (options.tolerance > 0) {
+    SimplifiedMesh simplified = simplify(points, triangles,
+                                         {.tolerance = options.tolerance * result.diagonal,
+                                          .target_vertices = options.target_vertices,
+                                          .spacing = options.spacing,
+                                          .least_angle = options.least_angle,
+                                          .max_valence = options.max_valence,
+                                          .callbacks = callbacks});
+    triangles = std::move(simplified.triangles);
+    result.strayed_count = simplified.strayed_count;
+  }
+  result.timing.simplify = watch.lap();
+
+  // 6. Measure, and pair triangles to quads.
+  result.distances = measure_distances(points, points, triangles);
+  PolygonMesh polygons;
+  if (options.pair_quads) {
+    polygons = pair_triangles(points, triangles);
+  } else {
+    polygons = polygons_of(triangles);
+    polygons.positions = std::move(points);
+  }
+  finish_mesh(std::move(polygons), cloud.origin, result);
+  result.timing.measure = watch.lap();
+  diagnose(result, options);
+  return result;
+}
+
+}  // namespace planish

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planish/core/callbacks.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/statistics.h"
+#include "planish/reconstruct/clean.h"
+#include "planish/reconstruct/point_cloud.h"
+#include "planish/reconstruct/repair.h"
+#include "planish/reconstruct/simplify.h"
+#include "planish/reconstruct/triangle_tree.h"
+#include "planish/reconstruct/triangles.h"
+
+namespace planish {
+
+struct ReconstructOptions {
+  double tolerance = 1e-4;  ///< a fraction of the diagonal of the points used; 0 keeps every point
+  std::int64_t target_vertices = 0;  ///< 0: as few as the tolerance allows
+  CleanOptions clean;                ///< its callbacks are not used, nor those of the members below
+  std::int32_t smooth_rounds = 0;    ///< 0 to 100
+  bool measure_noise = false;        ///< and warn "noisy-points" where smoothing would help
+  std::int32_t longest_filled_loop = 16;
+  ComponentRule components;
+  Spacing spacing = Spacing::Adaptive;
+  double least_angle = -1;        ///< as in SimplifyOptions
+  std::int32_t max_valence = -1;  ///< as in SimplifyOptions
+  bool pair_quads = true;
+  Callbacks callbacks;
+};
+
+/// Deviation of the points from smooth local fits, in spacings, from which on a cloud counts as
+/// noisy.
+inline constexpr double kNoisySpacings = 0.2;
+
+/// Wall-clock milliseconds of the steps of reconstruct().
+struct ReconstructTiming {
+  double clean = 0, smooth = 0, mesh = 0, repair = 0, simplify = 0, measure = 0;
+};
+
+/// A polygon mesh near every point of a cloud. Lengths are those of the cloud.
+struct Reconstruction {
+  PolygonMesh mesh;  ///< all vertices are used; places are those of the file, see PointCloud
+  /// The point at each vertex, an index into PointCloud::points; without smoothing both are equal
+  /// to the last bit.
+  std::vector<std::int32_t> vertex_points;
+  std::vector<std::int32_t> used_points;  ///< what cleaning kept, ascending
+  std::int64_t duplicate_count = 0, outlier_count = 0;
+  double spacing = 0;
+  double noise = -1;  ///< deviation from local fits; -1: not measured
+  double diagonal = 0;
+  MeshStatistics statistics;
+  std::int64_t filled_loop_count = 0, dropped_component_count = 0;
+  std::int64_t strayed_count = 0;  ///< used points that the mesh was too far from to begin with
+  /// Of the used points (smoothed, if asked for) to the mesh, its quads cut as pair_triangles()
+  /// says.
+  PointDistances distances;
+  ReconstructTiming timing;
+};
+
+/// Points to mesh, in the order of the paper's first step: clean, smooth on request, mesh through
+/// all points, repair, simplify within the tolerance, pair triangles to quads, measure.
+/// Warns "outliers-removed", "open-mesh", "several-components", "points-left-out",
+/// "target-not-reached", "noisy-points". Throws Error{InvalidArgument} for options,
+/// Error{UnusableMesh} for points that span no surface, Error{Cancelled}, and what `mesher` throws.
+[[nodiscard]] Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
+                                         const ReconstructOptions& options = {});
+
+}  // namespace planish

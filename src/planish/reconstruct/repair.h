@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/core/callbacks.h"
+#include "planish/reconstruct/triangles.h"
+
+namespace planish {
+
+/// Which connected parts of a mesh stay.
+struct ComponentRule {
+  enum class Keep { Largest, All, AtLeast } keep = Keep::Largest;
+  std::int64_t least_faces = 0;  ///< of Keep::AtLeast
+};
+
+struct RepairOptions {
+  std::int32_t longest_filled_loop = 16;  ///< edges of a hole; 0 fills none, at most 1000
+  ComponentRule components;
+  Callbacks callbacks;
+};
+
+/// An oriented manifold, with or without boundary, and what was done to get it.
+struct RepairedMesh {
+  std::vector<Triangle> triangles;
+  std::int64_t dropped_triangle_count = 0;  ///< repeated, or against manifold or orientation
+  std::int64_t filled_loop_count = 0;
+  std::int64_t dropped_component_count = 0;
+};
+
+/// Makes triangles with any winding an oriented manifold: drops what prevents it, keeps the asked
+/// components, fills short boundary loops with the flattest patch (largest dihedral angle, then
+/// area, at its least), and turns every component outwards (by its volume; an open one by the
+/// volume over its centroid). Corners must be different indices of `positions`. Throws
+/// Error{InvalidArgument} for the options, Error{Cancelled}.
+[[nodiscard]] RepairedMesh repair(std::span<const glm::dvec3> positions,
+                                  std::vector<Triangle> triangles,
+                                  const RepairOptions& options = {});
+
+}  // namespace planish

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/reconstruct/triangles.h"
+
+namespace planish {
+
+/// What the shape of a triangle must not fall below.
+struct TriangleQuality {
+  double largest_cosine = -1;  ///< of the smallest angle; smaller is better
+  double facing = 1;           ///< least cosine between its normal and a corner's; larger is better
+  double longest_squared = 0, shortest_squared = 0;  ///< edges
+
+  void take_worst(const TriangleQuality& other);
+};
+
+/// Measures triangles against the surface that they came from.
+class ShapeJudge {
+ public:
+  /// Keeps the angle-weighted vertex normals of the given mesh, and the span of positions.
+  ShapeJudge(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
+
+  [[nodiscard]] TriangleQuality quality(std::int32_t a, std::int32_t b, std::int32_t c) const;
+
+ private:
+  std::span<const glm::dvec3> positions_;
+  std::vector<glm::vec3> normals_;  // zero where a vertex has none
+};
+
+}  // namespace planish

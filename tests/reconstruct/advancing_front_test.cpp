@@ -1,0 +1,104 @@
+#include "planish/reconstruct/cgal/advancing_front.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "mesh/expect_error.h"
+#include "planish/reconstruct/mesher_process.h"
+#include "planish/reconstruct/reconstruct.h"
+#include "reconstruct/test_clouds.h"
+
+namespace planish {
+namespace {
+
+using testing::HasSubstr;
+
+const std::filesystem::path kProgram = PLANISH_RECONSTRUCT_PROGRAM;
+
+TEST(AdvancingFront, MeshesATorusThroughEveryPoint) {
+  const PointCloud cloud{.points = test::torus_points(6000, 21)};
+  std::vector<double> fractions;
+  ReconstructOptions options{.tolerance = 0, .clean = {.outliers = OutlierRule::Off}};
+  options.callbacks.progress = [&](std::string_view step, double f) {
+    if (step == "mesh") fractions.push_back(f);
+  };
+  const Reconstruction result = reconstruct(cloud, mesh_by_advancing_front, options);
+  EXPECT_EQ(result.statistics.vertex_count, 6000);
+  EXPECT_EQ(result.statistics.component_count, 1);
+  EXPECT_EQ(result.statistics.boundary_loop_count, 0);
+  EXPECT_EQ(result.statistics.genus, 1);
+  EXPECT_EQ(result.distances.max, 0);
+  EXPECT_TRUE(std::ranges::is_sorted(fractions));
+  EXPECT_EQ(fractions.back(), 1);
+  for (std::size_t v = 0; v < result.vertex_points.size(); ++v)
+    EXPECT_EQ(result.mesh.positions[v], cloud.points[result.vertex_points[v]]);
+}
+
+TEST(AdvancingFront, SimplifiesWithinTheTolerance) {
+  const PointCloud cloud{.points = test::torus_points(6000, 22)};
+  const Reconstruction result = reconstruct(cloud, mesh_by_advancing_front, {.tolerance = 2e-3});
+  EXPECT_LE(result.distances.max, 2e-3 * result.diagonal);
+  EXPECT_LT(result.statistics.vertex_count, 2500);
+  EXPECT_EQ(result.statistics.genus, 1);
+  EXPECT_GT(result.statistics.face_size_counts.at(4), result.statistics.face_size_counts.at(3));
+}
+
+TEST(AdvancingFront, RefusesWhatSpansNoSurface) {
+  const auto error_of = [](const std::vector<glm::dvec3>& points) {
+    return test::message_of(ErrorCode::UnusableMesh,
+                            [&] { (void)mesh_by_advancing_front(points); });
+  };
+  EXPECT_THAT(error_of({}), HasSubstr("0 points"));
+  EXPECT_THAT(error_of({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}), HasSubstr("on a line"));
+}
+
+TEST(AdvancingFront, CanBeCancelled) {
+  Callbacks callbacks;
+  int calls = 0;
+  callbacks.cancelled = [&] { return ++calls > 2; };
+  const auto points = test::torus_points(20000, 1);
+  (void)test::message_of(ErrorCode::Cancelled,
+                         [&] { (void)mesh_by_advancing_front(points, callbacks); });
+}
+
+TEST(MesherProcess, AnswersAsTheFunctionDoes) {
+  const auto points = test::torus_points(5000, 23);
+  double last = 0;
+  Callbacks callbacks;
+  callbacks.progress = [&](std::string_view, double f) { last = f; };
+  EXPECT_EQ(mesher_process(kProgram)(points, callbacks), mesh_by_advancing_front(points));
+  EXPECT_EQ(last, 1);
+}
+
+TEST(MesherProcess, PassesErrorsOn) {
+  const std::vector<glm::dvec3> line = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+  EXPECT_THAT(
+      test::message_of(ErrorCode::UnusableMesh, [&] { (void)mesher_process(kProgram)(line, {}); }),
+      HasSubstr("on a line"));
+}
+
+TEST(MesherProcess, CanBeCancelled) {
+  Callbacks callbacks;
+  int calls = 0;
+  callbacks.cancelled = [&] { return ++calls > 3; };
+  const auto points = test::torus_points(50000, 1);
+  (void)test::message_of(ErrorCode::Cancelled,
+                         [&] { (void)mesher_process(kProgram)(points, callbacks); });
+}
+
+TEST(MesherProcess, SaysWhenTheProgramIsNoMesher) {
+  const auto points = test::torus_points(50000, 1);
+  const auto error_of = [&](const char* program) {
+    return test::message_of(ErrorCode::InvalidArgument,
+                            [&] { (void)mesher_process(program)(points, {}); });
+  };
+  EXPECT_THAT(error_of("/nonexistent/program"), HasSubstr("cannot start"));
+  EXPECT_THAT(error_of("/bin/true"), HasSubstr("ended with code 0 without an answer"));
+  EXPECT_THAT(error_of("/bin/cat"), HasSubstr("no mesher of this version"));
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,52 @@
+#include "planish/reconstruct/pair_triangles.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "planish/mesh/check.h"
+#include "reconstruct/test_clouds.h"
+
+namespace planish {
+namespace {
+
+TEST(PairTriangles, FindsTheSquaresOfAGrid) {
+  const test::TriangleMesh grid = test::grid_mesh(6, [](int, int) { return 0.0; });
+  const PolygonMesh mesh = pair_triangles(grid.positions, grid.triangles);
+  EXPECT_EQ(mesh.face_count(), 36);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) EXPECT_EQ(mesh.face_size(f), 4);
+  EXPECT_TRUE(check(mesh).empty());
+}
+
+TEST(PairTriangles, BeginsQuadsAtTheLostEdge) {
+  const test::TriangleMesh torus = test::torus_mesh(21, 13);
+  const PolygonMesh mesh = pair_triangles(torus.positions, torus.triangles);
+  EXPECT_TRUE(check(mesh).empty());
+  const auto sorted = [](std::int32_t a, std::int32_t b, std::int32_t c) {
+    Triangle t = {a, b, c};
+    std::ranges::rotate(t, std::ranges::min_element(t));
+    return t;
+  };
+  std::vector<Triangle> expected, cut;
+  for (const Triangle& t : torus.triangles) expected.push_back(sorted(t[0], t[1], t[2]));
+  std::int32_t quads = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    quads += face.size() == 4;
+    for (std::size_t i = 2; i < face.size(); ++i)
+      cut.push_back(sorted(face[0], face[i - 1], face[i]));
+  }
+  EXPECT_THAT(cut, testing::UnorderedElementsAreArray(expected));
+  EXPECT_GT(quads, 200);
+}
+
+TEST(PairTriangles, LeavesSharpEdgesAlone) {
+  const std::vector<glm::dvec3> positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1.5}};
+  const std::vector<Triangle> triangles = {{0, 1, 2}, {1, 3, 2}};
+  EXPECT_EQ(pair_triangles(positions, triangles).face_count(), 2);
+  EXPECT_EQ(pair_triangles(positions, triangles, {.largest_turn = 80}).face_count(), 1);
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,77 @@
+#include "planish/reconstruct/reconstruct.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mesh/expect_error.h"
+#include "reconstruct/test_clouds.h"
+
+namespace planish {
+namespace {
+
+using testing::HasSubstr;
+
+// A mesher that knows the answer.
+Mesher given(std::vector<Triangle> triangles) {
+  return [triangles](std::span<const glm::dvec3>, const Callbacks&) { return triangles; };
+}
+
+std::vector<std::string> codes_of(const PointCloud& cloud, const Mesher& mesher,
+                                  ReconstructOptions options) {
+  std::vector<std::string> codes;
+  options.callbacks.warning = [&](const Warning& w) { codes.push_back(w.code); };
+  (void)reconstruct(cloud, mesher, options);
+  return codes;
+}
+
+TEST(Reconstruct, GivesPlacesOfTheFileBack) {
+  const test::TriangleMesh torus = test::torus_mesh(60, 30);
+  PointCloud cloud{.points = torus.positions};
+  std::vector<glm::dvec3> places;
+  for (glm::dvec3& p : cloud.points) places.push_back(p += glm::dvec3(4e5, 5e6, 0));
+  recentre(cloud);
+  ASSERT_NE(cloud.origin.x, 0);
+  const Reconstruction result = reconstruct(cloud, given(torus.triangles), {.tolerance = 1e-3});
+  EXPECT_LT(result.statistics.vertex_count, 1200);
+  EXPECT_LE(result.distances.max, 1e-3 * result.diagonal);
+  for (std::size_t v = 0; v < result.vertex_points.size(); ++v)
+    EXPECT_EQ(result.mesh.positions[v], places[result.vertex_points[v]]);
+}
+
+TEST(Reconstruct, KeepsEveryPointAtToleranceZero) {
+  const test::TriangleMesh torus = test::torus_mesh(30, 20);
+  const Reconstruction result =
+      reconstruct({.points = torus.positions}, given(torus.triangles), {.tolerance = 0});
+  EXPECT_EQ(result.statistics.vertex_count, 600);
+  EXPECT_EQ(result.mesh.positions, torus.positions);
+}
+
+TEST(Reconstruct, SaysWhatItCouldNotDo) {
+  const test::TriangleMesh grid = test::grid_mesh(20, [](int, int) { return 0.0; });
+  EXPECT_THAT(codes_of({.points = grid.positions}, given(grid.triangles), {}),
+              testing::ElementsAre("open-mesh"));
+  test::TriangleMesh torus = test::torus_mesh(30, 20);
+  EXPECT_THAT(codes_of({.points = torus.positions}, given(torus.triangles),
+                       {.tolerance = 1e-5, .target_vertices = 10}),
+              testing::ElementsAre("target-not-reached"));
+  torus.positions.emplace_back(0, 0, 0.1);
+  EXPECT_THAT(codes_of({.points = torus.positions}, given(torus.triangles),
+                       {.clean = {.outliers = OutlierRule::Off}}),
+              testing::ElementsAre("points-left-out"));
+}
+
+TEST(Reconstruct, RefusesWhatIsNoSurface) {
+  EXPECT_THAT(
+      test::message_of(ErrorCode::UnusableMesh, [] { (void)reconstruct({}, given({}), {}); }),
+      HasSubstr("0 points are left"));
+  const PointCloud cloud{.points = test::torus_points(50, 1)};
+  EXPECT_THAT(
+      test::message_of(ErrorCode::UnusableMesh, [&] { (void)reconstruct(cloud, given({}), {}); }),
+      HasSubstr("no surface was found in 50 points"));
+  EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument,
+                               [&] { (void)reconstruct(cloud, given({}), {.tolerance = -1}); }),
+              HasSubstr("tolerance-mesh"));
+}
+
+}  // namespace
+}  // namespace planish

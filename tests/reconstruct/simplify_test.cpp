@@ -1,0 +1,133 @@
+#include "planish/reconstruct/simplify.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "mesh/expect_error.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/statistics.h"
+#include "planish/reconstruct/triangle_edges.h"
+#include "reconstruct/test_clouds.h"
+
+namespace planish {
+namespace {
+
+using testing::HasSubstr;
+
+MeshStatistics checked_statistics(const std::vector<glm::dvec3>& positions,
+                                  const std::vector<Triangle>& triangles) {
+  PolygonMesh mesh = polygons_of(triangles);
+  mesh.positions = positions;
+  EXPECT_TRUE(check(mesh).empty());
+  return statistics(mesh);
+}
+
+double least_angle(const std::vector<glm::dvec3>& p, const std::vector<Triangle>& triangles) {
+  double least = 180;
+  for (const Triangle& t : triangles)
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 a = p[t[(i + 1) % 3]] - p[t[i]], b = p[t[(i + 2) % 3]] - p[t[i]];
+      least = std::min(least, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 /
+                                  std::numbers::pi);
+    }
+  return least;
+}
+
+TEST(Simplify, KeepsEveryPointWithinTheTolerance) {
+  const test::TriangleMesh torus = test::torus_mesh(80, 40);
+  for (const Spacing spacing : {Spacing::Adaptive, Spacing::Even}) {
+    for (const double tolerance : {0.05, 0.01, 0.002}) {
+      const SimplifiedMesh result =
+          simplify(torus.positions, torus.triangles, {.tolerance = tolerance, .spacing = spacing});
+      EXPECT_LE(test::greatest_distance(torus.positions, result.triangles),
+                tolerance * (1 + 1e-12));
+      const MeshStatistics facts = checked_statistics(torus.positions, result.triangles);
+      EXPECT_EQ(facts.genus, 1);
+      EXPECT_EQ(facts.boundary_loop_count, 0);
+      EXPECT_EQ(facts.vertex_count - facts.unused_vertex_count, result.vertex_count);
+      EXPECT_EQ(result.vertex_count + result.collapse_count, 3200);
+      EXPECT_GE(least_angle(torus.positions, result.triangles), 9.99);
+    }
+  }
+}
+
+TEST(Simplify, LeavesLittleOfAPlane) {
+  const test::TriangleMesh grid = test::grid_mesh(30, [](int, int) { return 0.0; });
+  const SimplifiedMesh result = simplify(grid.positions, grid.triangles, {.tolerance = 1e-9});
+  EXPECT_LT(result.vertex_count, 80);
+  EXPECT_LE(test::greatest_distance(grid.positions, result.triangles), 1e-9);
+  EXPECT_EQ(checked_statistics(grid.positions, result.triangles).boundary_loop_count, 1);
+}
+
+TEST(Simplify, HoldsPointsThatNoTriangleNames) {
+  test::TriangleMesh grid = test::grid_mesh(20, [](int, int) { return 0.0; });
+  grid.positions.emplace_back(10.3, 10.4, 0.05);
+  grid.positions.emplace_back(5.3, 10.4, 2.0);
+  const SimplifiedMesh result = simplify(grid.positions, grid.triangles, {.tolerance = 0.1});
+  EXPECT_EQ(result.strayed_count, 1);
+  std::vector<glm::dvec3> near = grid.positions;
+  near.pop_back();
+  EXPECT_LE(test::greatest_distance(near, result.triangles), 0.1);
+}
+
+TEST(Simplify, StopsAtTheTarget) {
+  const test::TriangleMesh torus = test::torus_mesh(80, 40);
+  EXPECT_EQ(simplify(torus.positions, torus.triangles, {.tolerance = 0.05, .target_vertices = 2000})
+                .vertex_count,
+            2000);
+}
+
+TEST(Simplify, HonoursLimitsOnAnglesAndValence) {
+  const test::TriangleMesh torus = test::torus_mesh(80, 40);
+  const SimplifiedMesh result = simplify(torus.positions, torus.triangles,
+                                         {.tolerance = 0.02, .least_angle = 20, .max_valence = 7});
+  EXPECT_GE(least_angle(torus.positions, result.triangles), 20 - 1e-9);
+  EXPECT_LE(checked_statistics(torus.positions, result.triangles).valence_counts.size(), 8u);
+}
+
+TEST(Simplify, SpacesEvenly) {
+  // Flat but for a bump in the middle: adaptive puts all vertices there.
+  const test::TriangleMesh grid = test::grid_mesh(40, [](int i, int j) {
+    return 2 * std::exp(-0.05 * ((i - 20) * (i - 20) + (j - 20) * (j - 20)));
+  });
+  const auto largest_ratio = [&](Spacing spacing) {
+    const SimplifiedMesh result =
+        simplify(grid.positions, grid.triangles, {.tolerance = 0.02, .spacing = spacing});
+    std::vector<double> shortest(grid.positions.size(), INFINITY), longest(shortest.size(), 0);
+    for (const Triangle& t : result.triangles)
+      for (int i = 0; i < 3; ++i)
+        for (const std::int32_t v : {t[i], t[(i + 1) % 3]}) {
+          const double length = glm::distance(grid.positions[t[i]], grid.positions[t[(i + 1) % 3]]);
+          shortest[v] = std::min(shortest[v], length);
+          longest[v] = std::max(longest[v], length);
+        }
+    double ratio = 0;
+    for (std::size_t v = 0; v < longest.size(); ++v)
+      if (longest[v] > 0) ratio = std::max(ratio, longest[v] / shortest[v]);
+    return ratio;
+  };
+  EXPECT_GT(largest_ratio(Spacing::Adaptive), 4);
+  EXPECT_LE(largest_ratio(Spacing::Even), 3.001);
+}
+
+TEST(Simplify, IsTheSameEveryTime) {
+  const test::TriangleMesh torus = test::torus_mesh(40, 20);
+  const auto run = [&] {
+    return simplify(torus.positions, torus.triangles, {.tolerance = 0.02}).triangles;
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(Simplify, RefusesImpossibleOptions) {
+  const auto error_of = [](const SimplifyOptions& options) {
+    return test::message_of(ErrorCode::InvalidArgument, [&] { (void)simplify({}, {}, options); });
+  };
+  EXPECT_THAT(error_of({}), HasSubstr("positive length"));
+  EXPECT_THAT(error_of({.tolerance = 1, .least_angle = 50}), HasSubstr("min-angle"));
+  EXPECT_THAT(error_of({.tolerance = 1, .max_valence = 5}), HasSubstr("max-valence"));
+}
+
+}  // namespace
+}  // namespace planish
