@@ -102,7 +102,9 @@ ExitCode run_command_line(const std::vector<std::string>& arguments) {
   try {
     return parse_and_run(arguments);
   } catch (const Error& error) {
-    say_error(error.what());
+    // Who notices first, the library or the command, makes no difference to the reader.
+    const bool cancelled = error.code() == ErrorCode::Cancelled;
+    say_error(cancelled ? "interrupted; no partial file is left" : error.what());
     return exit_code_of(error.code());
   } catch (const std::bad_alloc&) {
     say_error("out of memory; a lower --levels or a smaller mesh needs less");

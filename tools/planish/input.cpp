@@ -11,6 +11,7 @@
 #include "interrupt.h"
 #include "nearest.h"
 #include "planish/core/error.h"
+#include "planish/gltf/read_gltf.h"
 #include "text.h"
 
 namespace planish::command {
@@ -76,10 +77,13 @@ Input read_input(const std::string& path, std::optional<MeshFormat> requested) {
   input.name = path == "-" ? "stdin" : path;
   const std::vector<std::byte> bytes = path == "-" ? read_stdin() : read_file(path);
   input.sha256 = sha256(bytes);
-  if (format == MeshFormat::Glb || format == MeshFormat::Gltf) {
-    throw Error(ErrorCode::InvalidArgument, input.name + ": reading glTF is not built yet");
+  if (format == MeshFormat::Glb || (format == MeshFormat::Gltf && path == "-")) {
+    input.file = read_gltf(bytes, input.name);
+  } else if (format == MeshFormat::Gltf) {
+    input.file = read_gltf(path);  // it finds its buffers beside it
+  } else {
+    input.file = read_mesh(bytes, input.name, format);
   }
-  input.file = read_mesh(bytes, input.name, format);
   input.file.format = format;
   return input;
 }

@@ -28,7 +28,7 @@ void install_signal_handlers() {
 int interrupt_signal() { return noted_signal; }
 
 void check_interrupt() {
-  if (noted_signal != 0) throw Error(ErrorCode::Cancelled, "interrupted; nothing was written");
+  if (noted_signal != 0) throw Error(ErrorCode::Cancelled, "interrupted");
 }
 
 }  // namespace planish::command

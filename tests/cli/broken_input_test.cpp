@@ -1,0 +1,103 @@
+#include <gmock/gmock.h>
+
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+
+namespace planish::test {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class BrokenInput : public FolderTest {
+ protected:
+  // Fits the content; only the input may be there afterwards.
+  ProcessResult fit(const std::string& name, const std::string& content) {
+    const std::string input = write(name, content);
+    const ProcessResult result = run_planish({"fit", input, "-o", path("out.glb"), "--cage",
+                                              path("out.obj"), "--report", path("out.json")});
+    EXPECT_THAT(names(), ElementsAre(name));
+    return result;
+  }
+};
+
+TEST_F(BrokenInput, AMissingFileExitsThree) {
+  const ProcessResult result = run_planish({"fit", path("none.obj"), "-o", path("out.glb")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("none.obj"), HasSubstr("No such file")));
+}
+
+TEST_F(BrokenInput, AFolderExitsThree) {
+  EXPECT_EQ(run_planish({"fit", path(""), "--input-format", "obj", "-o", path("a.glb")}).exit_code,
+            3);
+}
+
+TEST_F(BrokenInput, MalformedTextNamesTheLine) {
+  const ProcessResult result = fit("bad.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("bad.obj:2: "));
+}
+
+TEST_F(BrokenInput, AnIndexOutOfRangeExitsThree) {
+  EXPECT_EQ(fit("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n").exit_code, 3);
+}
+
+TEST_F(BrokenInput, AShortPlyExitsThree) {
+  EXPECT_EQ(fit("bad.ply",
+                "ply\nformat binary_little_endian 1.0\nelement vertex 1000\nproperty float x\n"
+                "property float y\nproperty float z\nelement face 1\n"
+                "property list uchar int vertex_indices\nend_header\n1234")
+                .exit_code,
+            3);
+}
+
+TEST_F(BrokenInput, AMeshWithoutASurfaceExitsFourAndNamesFileAndElements) {
+  // Three faces at one edge.
+  const ProcessResult result = fit("fan.obj",
+                                   "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\n"
+                                   "f 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("fan.obj"), HasSubstr("face")));
+}
+
+TEST_F(BrokenInput, NoFacesExitsFour) { EXPECT_EQ(fit("a.obj", "v 0 0 0\n").exit_code, 4); }
+
+TEST_F(BrokenInput, MoreThanTheMachineHasExitsSix) {
+  // 562,500 quads are 2.3e9 at level 6, more than 32-bit indices reach.
+  const ProcessResult result = [&] {
+    const std::string input = write("large.obj", torus_obj(750));
+    return run_planish({"fit", input, "-o", path("out.glb"), "--levels", "6"});
+  }();
+  EXPECT_EQ(result.exit_code, 6);
+  EXPECT_THAT(result.err, HasSubstr("planish: error: "));
+  EXPECT_THAT(names(), ElementsAre("large.obj"));
+}
+
+TEST_F(BrokenInput, InspectNamesProblemsAndExitsFour) {
+  const std::string input = write("two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 1 2\n");
+  const ProcessResult text = run_planish({"inspect", input});
+  EXPECT_EQ(text.exit_code, 4);
+  EXPECT_THAT(text.out, HasSubstr("duplicate-face"));
+  const ProcessResult json = run_planish({"inspect", input, "--json"});
+  EXPECT_EQ(json.exit_code, 4);
+  EXPECT_EQ(nlohmann::json::parse(json.out)["problems"][0]["kind"], "duplicate-face");
+  EXPECT_EQ(nlohmann::json::parse(json.out)["problems"][0]["element"], 1);
+}
+
+TEST_F(BrokenInput, InspectCountsASoundMesh) {
+  const std::string input = write("torus.obj", torus_obj(10));
+  const ProcessResult text = run_planish({"inspect", input});
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_THAT(text.out, testing::ContainsRegex("genus +1"));
+  const nlohmann::json json = nlohmann::json::parse(run_planish({"inspect", input, "--json"}).out);
+  EXPECT_EQ(json["vertices"], 100);
+  EXPECT_EQ(json["edges"], 200);
+  EXPECT_EQ(json["genus"], 1);
+  EXPECT_EQ(json["valences"], (nlohmann::json{{"4", 100}}));
+  EXPECT_EQ(json["boundary_loops"], 0);
+  EXPECT_TRUE(json["problems"].empty());
+}
+
+}  // namespace
+}  // namespace planish::test

@@ -1,0 +1,59 @@
+#include "cage_header.h"
+
+#include <gmock/gmock.h>
+
+#include "planish/core/error.h"
+
+namespace planish::command {
+namespace {
+
+TEST(CageHeader, ReadsBackWhatItWrites) {
+  Settings settings;
+  settings.weights = Weights::Averaged;
+  settings.sharp.boundary = BoundaryRule::EdgeAndCorner;
+  settings.sharp.use_tags = false;
+  settings.tolerance = 1.0 / 3.0 * 1e-7;
+  std::vector<std::string> lines = cage_header_lines(settings, "some/where/goblet.obj");
+  for (std::string& line : lines) EXPECT_EQ(line.substr(0, 8), "planish ");
+  const CageHeader header = parse_cage_header(lines, "cage.obj");
+  EXPECT_EQ(header.weights, Weights::Averaged);
+  EXPECT_EQ(header.boundary, BoundaryRule::EdgeAndCorner);
+  EXPECT_EQ(header.use_creases, false);
+  EXPECT_EQ(header.tolerance, settings.tolerance);  // to the last bit
+  EXPECT_EQ(header.source, "goblet.obj");
+}
+
+TEST(CageHeader, ASourceCannotBreakTheLine) {
+  for (const std::string& line : cage_header_lines({}, "a\nv 1 2 3.obj")) {
+    EXPECT_EQ(line.find('\n'), std::string::npos);
+  }
+}
+
+TEST(CageHeader, SaysNothingWhereNothingStands) {
+  const CageHeader header = parse_cage_header({}, "cage.obj");
+  EXPECT_FALSE(header.weights || header.boundary || header.use_creases || header.tolerance ||
+               header.source);
+}
+
+TEST(CageHeader, KeysOfNewerVersionsAreLeftToThem) {
+  const std::vector<std::string> lines{"planish colour=blue", "planish weights=doo-sabin"};
+  EXPECT_EQ(parse_cage_header(lines, "cage.obj").weights, Weights::DooSabin);
+}
+
+TEST(CageHeader, WrongValuesAreNamed) {
+  for (const char* line :
+       {"planish weights=heavy", "planish tolerance=small", "planish tolerance=-1",
+        "planish tolerance=1e-6x", "planish scheme=loop", "planish boundary="}) {
+    const std::vector<std::string> lines{line};
+    try {
+      (void)parse_cage_header(lines, "cage.obj");
+      FAIL() << line;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::UnreadableInput) << line;
+      EXPECT_THAT(error.what(), testing::HasSubstr("cage.obj: header "));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace planish::command

@@ -1,0 +1,124 @@
+#include "devices.h"
+
+#include <gmock/gmock.h>
+
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+#include "planish/core/error.h"
+
+namespace planish::command {
+namespace {
+
+using test::ProcessResult;
+using test::run_planish;
+using testing::HasSubstr;
+
+DeviceList list_of(const std::vector<std::string>& kinds) {
+  DeviceList list;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const std::string number = std::to_string(i);
+    list.devices.push_back(
+        {number, {kinds[i], "Maker " + kinds[i] + " " + number, "AB-" + number}, {}, ""});
+  }
+  list.devices.push_back({"cpu", {"cpu", "8 threads"}, {}, ""});
+  return list;
+}
+
+Settings for_device(const std::string& device) {
+  Settings settings;
+  settings.device = device;
+  return settings;
+}
+
+std::size_t choose(const DeviceList& list, const std::string& device) {
+  return choose_device(list, for_device(device));
+}
+
+TEST(Devices, AutoTakesHardwareBeforeTheCpuBeforeSoftware) {
+  EXPECT_EQ(choose(list_of({"software", "gpu"}), "auto"), 1u);
+  EXPECT_EQ(choose(list_of({"software"}), "auto"), 1u);  // the CPU
+  EXPECT_EQ(choose(list_of({}), "auto"), 0u);            // the CPU
+}
+
+TEST(Devices, AutoTakesTheCpuForWhatOnlyItCanDo) {
+  Settings settings;
+  settings.precision = PrecisionChoice::Float;
+  EXPECT_EQ(choose_device(list_of({"gpu"}), settings), 1u);
+  settings = {};
+  settings.tolerance = 1e-10;
+  EXPECT_EQ(choose_device(list_of({"gpu"}), settings), 1u);
+}
+
+TEST(Devices, AutoLeavesOutWhatIsNotUsable) {
+  DeviceList list = list_of({"gpu"});
+  list.devices[0].unusable_because = "has no compute queue";
+  EXPECT_EQ(choose(list, "auto"), 1u);
+}
+
+TEST(Devices, VulkanTakesTheBestOfThem) {
+  EXPECT_EQ(choose(list_of({"software", "gpu"}), "vulkan"), 1u);
+  EXPECT_EQ(choose(list_of({"software"}), "vulkan"), 0u);
+}
+
+TEST(Devices, AreNamedByIndexUuidNameOrPartOfIt) {
+  const DeviceList list = list_of({"software", "gpu"});
+  EXPECT_EQ(choose(list, "1"), 1u);
+  EXPECT_EQ(choose(list, "ab-1"), 1u);
+  EXPECT_EQ(choose(list, "maker GPU 1"), 1u);
+  EXPECT_EQ(choose(list, "soft"), 0u);
+  EXPECT_EQ(choose(list, "cpu"), 2u);
+}
+
+TEST(Devices, WhatCannotBeChosenSaysWhy) {
+  DeviceList list = list_of({"software", "gpu"});
+  const auto message_of = [&](const Settings& settings, ErrorCode code) -> std::string {
+    try {
+      (void)choose_device(list, settings);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), code);
+      return error.what();
+    }
+    return "nothing was thrown";
+  };
+  EXPECT_THAT(message_of(for_device("7"), ErrorCode::NoDevice), HasSubstr("Maker gpu 1"));
+  EXPECT_THAT(message_of(for_device("maker"), ErrorCode::NoDevice), HasSubstr("several"));
+  Settings with_precision = for_device("1");
+  with_precision.precision = PrecisionChoice::Double;
+  EXPECT_THAT(message_of(with_precision, ErrorCode::InvalidArgument), HasSubstr("--precision"));
+  list.devices[1].unusable_because = "has no compute queue";
+  EXPECT_THAT(message_of(for_device("1"), ErrorCode::NoDevice), HasSubstr("no compute queue"));
+  list = list_of({});
+  list.no_vulkan_because = "no Vulkan loader";
+  EXPECT_THAT(message_of(for_device("vulkan"), ErrorCode::NoDevice), HasSubstr("no Vulkan loader"));
+}
+
+TEST(DevicesCommand, ListsTheCpuAndWhatAutoTakes) {
+  const ProcessResult text = run_planish({"devices"});
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_THAT(text.out, HasSubstr("taken by auto"));
+  const nlohmann::json json = nlohmann::json::parse(run_planish({"devices", "--json"}).out);
+  EXPECT_EQ(json["devices"].back()["selector"], "cpu");
+  EXPECT_EQ(json["devices"].back()["usable"], true);
+  bool found = false;
+  for (const auto& device : json["devices"]) found |= device["selector"] == json["auto"];
+  EXPECT_TRUE(found);
+}
+
+TEST(DevicesCommand, AnUnknownDeviceExitsSix) {
+  const ProcessResult result = run_planish({"fit", "a.obj", "-o", "b.glb", "--device", "Voodoo 2"});
+  EXPECT_EQ(result.exit_code, 6);
+  EXPECT_THAT(result.err, HasSubstr("--device Voodoo 2 names none of the devices"));
+}
+
+TEST(DevicesCommand, WithoutADriverVulkanExitsSixWithTheReason) {
+  // The loader finds its drivers through this variable; an empty list leaves none.
+  test::PlanishProcess::Options options;
+  options.environment = {"VK_ICD_FILENAMES=/nonexistent.json", "VK_DRIVER_FILES=/nonexistent.json"};
+  const ProcessResult result =
+      run_planish({"fit", "a.obj", "-o", "b.glb", "--device", "vulkan"}, options);
+  EXPECT_EQ(result.exit_code, 6);
+  EXPECT_THAT(result.err, HasSubstr("--device vulkan: "));
+}
+
+}  // namespace
+}  // namespace planish::command

@@ -1,0 +1,110 @@
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+
+namespace planish::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class OutputPaths : public FolderTest {
+ protected:
+  // Expects an error before any work: the folder holds what it held.
+  void expect_refused(std::vector<std::string> arguments, int exit_code, const std::string& part) {
+    const auto before = names();
+    arguments.insert(arguments.begin(), {"fit", cube_});
+    const ProcessResult result = run_planish(arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(part));
+    EXPECT_EQ(names(), before);
+  }
+
+  std::string cube_ = write("cube.obj", cube_obj());
+};
+
+TEST_F(OutputPaths, AnExistingOutputNeedsForce) {
+  write("cube.glb", "precious");
+  expect_refused({"-o", path("cube.glb")}, 2, "exists; --force overwrites it");
+  EXPECT_EQ(read("cube.glb"), "precious");
+  EXPECT_EQ(run_planish({"fit", cube_, "-o", path("cube.glb"), "--force"}).exit_code, 0);
+  EXPECT_EQ(read("cube.glb").substr(0, 4), "glTF");
+}
+
+TEST_F(OutputPaths, AFailedRunLeavesTheOldFile) {
+  write("old.glb", "precious");
+  const std::string bad = write("bad.obj", "v 0 0 0\nf 1 2 3\n");
+  EXPECT_EQ(run_planish({"fit", bad, "-o", path("old.glb"), "-f"}).exit_code, 3);
+  EXPECT_EQ(read("old.glb"), "precious");
+}
+
+TEST_F(OutputPaths, TheInputIsNeverWritten) {
+  expect_refused({"-o", cube_, "-f"}, 2, "is the input as well");
+  std::filesystem::create_symlink(cube_, path("link.obj"));
+  expect_refused({"--cage", path("link.obj"), "-f"}, 2, "is the input as well");
+}
+
+TEST_F(OutputPaths, NothingIsWrittenTwice) {
+  expect_refused({"-o", path("a.obj"), "--cage", path("a.obj")}, 2, "is written twice");
+  expect_refused({"-o", path("a.obj"), "-o", path("./a.obj")}, 2, "is written twice");
+  expect_refused({"-o", "-", "--report", "-"}, 2, "stdout can take one thing only");
+}
+
+TEST_F(OutputPaths, TheCompanionOfAGltfCounts) {
+  write("a.bin", "precious");
+  expect_refused({"-o", path("a.gltf")}, 2, "a.bin exists");
+}
+
+TEST_F(OutputPaths, UnknownExtensionsAreRefused) {
+  expect_refused({"-o", path("a.fbx")}, 2,
+                 "a surface is written as .glb, .gltf, .obj, .ply or .off");
+  expect_refused({"--cage", path("a.glb")}, 2, "a cage is written as .obj, .ply or .off");
+  expect_refused({"-o", path("noextension")}, 2, "a surface is written as");
+}
+
+TEST_F(OutputPaths, AMissingFolderIsNamed) {
+  expect_refused({"-o", path("missing/a.glb")}, 7, "there is no folder");
+}
+
+TEST_F(OutputPaths, AFolderThatTakesNoFilesIsAnOutputError) {
+  expect_refused({"-o", "/proc/planish_test.glb"}, 7, "/proc");
+}
+
+TEST_F(OutputPaths, SeveralLevelsAreNumberedInTheirOrder) {
+  const ProcessResult result = run_planish({"fit", cube_, "-o", path("a.obj"), "--levels", "3,1"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(names(), ElementsAre("a_LOD0.obj", "a_LOD1.obj", "cube.obj"));
+  // Level l of a cube has 6 * 4^l quads.
+  const auto faces = [&](const char* name) {
+    const std::string text = read(name);
+    std::size_t count = 0;
+    for (std::size_t at = text.find("\nf "); at != std::string::npos;
+         at = text.find("\nf ", at + 1)) {
+      ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(faces("a_LOD0.obj"), 384u);
+  EXPECT_EQ(faces("a_LOD1.obj"), 24u);
+}
+
+TEST_F(OutputPaths, SeveralLevelsDoNotFitStdout) {
+  expect_refused({"-o", "-", "--levels", "1,2"}, 2, "stdout takes one level only");
+}
+
+TEST_F(OutputPaths, ADryRunWritesNothing) {
+  const ProcessResult result =
+      run_planish({"fit", cube_, "-o", path("a.glb"), "--cage", path("c.obj"), "--report",
+                   path("r.json"), "--dry-run"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(names(), ElementsAre("cube.obj"));
+  for (const char* part : {"8 vertices", "6 faces", "a.glb", "96 quads", "c.obj", "r.json"}) {
+    EXPECT_THAT(result.out, HasSubstr(part));
+  }
+}
+
+}  // namespace
+}  // namespace planish::test

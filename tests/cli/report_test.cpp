@@ -1,0 +1,157 @@
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+#include <sstream>
+
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+#include "digest.h"
+
+namespace planish::test {
+namespace {
+
+using testing::ElementsAre;
+
+std::vector<std::string> keys_of(const nlohmann::ordered_json& object) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.push_back(key);
+  return keys;
+}
+
+class Report : public FolderTest {
+ protected:
+  nlohmann::ordered_json fit(std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"fit", plate_, "--report", path("r.json"), "-f"});
+    const ProcessResult result = run_planish(flags);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::ordered_json::parse(read("r.json"));
+  }
+
+  std::string plate_ = write("plate.obj", bumpy_plate_obj(8));
+};
+
+TEST_F(Report, HasTheKeysThatItPromises) {
+  const nlohmann::ordered_json report = fit({"-o", path("p.glb")});
+  EXPECT_THAT(keys_of(report),
+              ElementsAre("schema", "tool", "argv", "job", "exit_code", "input", "device", "solve",
+                          "surface", "outputs", "timing_ms", "memory", "warnings"));
+  EXPECT_EQ(report["schema"], "planish.report/1");
+  EXPECT_THAT(keys_of(report["tool"]), ElementsAre("name", "version", "git"));
+  EXPECT_THAT(
+      keys_of(report["input"]),
+      ElementsAre("path", "sha256", "format", "vertices", "faces", "face_sizes", "boundary_loops",
+                  "components", "genus", "sharp_edges", "corners", "welded", "dropped"));
+  EXPECT_THAT(keys_of(report["device"]), ElementsAre("kind", "name", "uuid", "driver", "api"));
+  EXPECT_THAT(keys_of(report["solve"]),
+              ElementsAre("weights", "solver", "boundary", "creases", "tolerance", "converged",
+                          "stop_reason", "iterations", "spectral_bound", "error", "history"));
+  EXPECT_THAT(keys_of(report["solve"]["error"]), ElementsAre("max", "rms", "worst_vertex"));
+  EXPECT_THAT(keys_of(report["solve"]["history"][0]), ElementsAre("iteration", "max", "rms"));
+  EXPECT_THAT(keys_of(report["surface"]), ElementsAre("folded_area"));
+  EXPECT_THAT(keys_of(report["outputs"][0]),
+              ElementsAre("path", "what", "bytes", "sha256", "level", "vertices", "quads",
+                          "triangles", "as_written_error"));
+  EXPECT_THAT(keys_of(report["timing_ms"]),
+              ElementsAre("read", "check", "topology", "stencils", "upload", "solve", "evaluate",
+                          "write", "total"));
+  EXPECT_THAT(keys_of(report["memory"]), ElementsAre("host_peak_bytes", "device_bytes"));
+}
+
+TEST_F(Report, DescribesTheInput) {
+  const nlohmann::ordered_json input = fit({"-o", path("p.glb")})["input"];
+  EXPECT_EQ(input["path"], plate_);
+  EXPECT_EQ(input["format"], "obj");
+  EXPECT_EQ(input["vertices"], 81);
+  EXPECT_EQ(input["faces"], 64);
+  EXPECT_EQ(input["face_sizes"], (nlohmann::ordered_json{{"4", 64}}));
+  EXPECT_EQ(input["boundary_loops"], 1);
+  EXPECT_EQ(input["components"], 1);
+  EXPECT_EQ(input["genus"], 0);
+  EXPECT_EQ(input["sharp_edges"], 32);  // the boundary
+  EXPECT_EQ(input["corners"], 0);
+}
+
+TEST_F(Report, CountsTheCornersOfTheBoundaryRule) {
+  EXPECT_EQ(fit({"-o", path("p.glb"), "--boundary", "edge-and-corner"})["input"]["corners"], 4);
+}
+
+TEST_F(Report, DescribesOutputsAsTheyAreOnDisk) {
+  const nlohmann::ordered_json report =
+      fit({"-o", path("p.glb"), "-o", path("p.gltf"), "--cage", path("c.ply"), "--levels", "2"});
+  for (const auto& output : report["outputs"]) {
+    const std::string name = std::filesystem::path(output["path"].get<std::string>()).filename();
+    const std::string content = read(name);
+    EXPECT_EQ(output["sha256"], command::sha256(std::as_bytes(std::span(content)))) << name;
+    const std::size_t companion = name == "p.gltf" ? read("p.bin").size() : 0;
+    EXPECT_EQ(output["bytes"], content.size() + companion) << name;
+  }
+  EXPECT_EQ(report["outputs"][0]["level"], 2);
+  EXPECT_EQ(report["outputs"][0]["quads"], 64 * 16);
+  EXPECT_EQ(report["outputs"][0]["triangles"], 64 * 32);
+  EXPECT_EQ(report["outputs"][0]["vertices"], 33 * 33);
+  EXPECT_EQ(report["outputs"][2]["what"], "cage");
+  EXPECT_EQ(report["outputs"][2]["level"], nullptr);
+  EXPECT_EQ(report["outputs"][2]["vertices"], 81);
+}
+
+TEST_F(Report, AsWrittenErrorIsThatOfTheBytesInTheFile) {
+  const nlohmann::ordered_json report = fit({"-o", path("p.gltf"), "--tolerance", "1e-12"});
+  // The plate's vertices come first in the buffer, in their order.
+  const std::string bytes = read("p.bin");
+  std::istringstream obj(read("plate.obj"));
+  double largest = 0;
+  glm::dvec3 low(1e9), high(-1e9);
+  std::string keyword;
+  for (std::size_t vertex = 0; obj >> keyword && keyword == "v"; ++vertex) {
+    glm::dvec3 given;
+    obj >> given.x >> given.y >> given.z;
+    float written[3];
+    std::memcpy(written, bytes.data() + 12 * vertex, sizeof written);
+    const double distance =
+        std::hypot(written[0] - given.x, written[1] - given.y, written[2] - given.z);
+    largest = std::max(largest, distance);
+    low = glm::min(low, given);
+    high = glm::max(high, given);
+  }
+  const glm::dvec3 size = high - low;
+  const double expected = largest / std::hypot(size.x, size.y, size.z);
+  EXPECT_GT(expected, 1e-9);  // float32 rounds
+  EXPECT_NEAR(report["outputs"][0]["as_written_error"].get<double>(), expected, 1e-15);
+  EXPECT_EQ(report["warnings"][0]["code"], "rounded-output");
+}
+
+TEST_F(Report, HistoryEndsAtTheFinalError) {
+  const nlohmann::ordered_json solve = fit({"-o", path("p.glb")})["solve"];
+  const std::size_t iterations = solve["iterations"];
+  ASSERT_EQ(solve["history"].size(), iterations + 1);
+  EXPECT_GT(solve["history"][0]["max"], 1e-6);
+  EXPECT_NEAR(solve["history"][iterations]["max"].get<double>(),
+              solve["error"]["max"].get<double>(), 1e-8);
+  EXPECT_LE(solve["error"]["max"], 1e-6);
+  EXPECT_LE(solve["error"]["rms"], solve["error"]["max"]);
+}
+
+TEST_F(Report, GoesToStdout) {
+  const ProcessResult result = run_planish({"fit", plate_, "-o", path("p.glb"), "--report", "-"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(result.out)["exit_code"], 0);
+}
+
+TEST_F(Report, KnowsTheFoldedArea) {
+  EXPECT_EQ(fit({"-o", path("p.glb")})["surface"]["folded_area"], 0.0);
+  EXPECT_EQ(fit({"--cage", path("c.obj")})["surface"]["folded_area"], 0.0);
+}
+
+TEST_F(Report, Sha256IsTheStandardOne) {
+  // FIPS 180-2, appendix B.1.
+  const std::string text = "abc";
+  EXPECT_EQ(command::sha256(std::as_bytes(std::span(text))),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+}  // namespace
+}  // namespace planish::test

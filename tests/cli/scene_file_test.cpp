@@ -1,0 +1,275 @@
+#include "scene_file.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "planish/core/error.h"
+
+namespace planish::command {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<Job> parse(const std::string& text) { return parse_scene(text, "s.json", "dir"); }
+std::vector<Job> parse(const json& scene) { return parse(scene.dump()); }
+
+std::string message_of(const std::string& text) {
+  try {
+    (void)parse(text);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+json scene_with(const json& job, const json& defaults = json::object()) {
+  return {{"version", 1}, {"defaults", defaults}, {"jobs", json::array({job})}};
+}
+
+TEST(SceneFile, ReadsTheDocumentedExample) {
+  const std::vector<Job> jobs = parse(std::string(R"({"version":1,
+    "defaults":{"tolerance":1e-5,"levels":[2],"device":"auto"},
+    "jobs":[{"name":"goblet","input":"goblet.obj",
+             "solve":{"solver":"plain","weights":"averaged"},
+             "outputs":[{"path":"out/goblet.glb","levels":[3,1]},
+                        {"path":"out/goblet_cage.obj","what":"cage"},
+                        {"path":"out/goblet.ply"}],
+             "report":"out/goblet.json"}]})"));
+  ASSERT_EQ(jobs.size(), 1u);
+  const Job& job = jobs[0];
+  EXPECT_EQ(job.name, "goblet");
+  EXPECT_EQ(job.input, "dir/goblet.obj");
+  EXPECT_EQ(job.settings.tolerance, 1e-5);
+  EXPECT_EQ(job.settings.solver, Solver::Plain);
+  EXPECT_EQ(job.settings.weights, Weights::Averaged);
+  ASSERT_EQ(job.outputs.size(), 3u);
+  EXPECT_EQ(job.outputs[0].path, "dir/out/goblet.glb");
+  EXPECT_THAT(job.outputs[0].levels, ElementsAre(3, 1));
+  EXPECT_EQ(job.outputs[1].kind, OutputKind::Cage);
+  EXPECT_THAT(job.outputs[2].levels, ElementsAre(2));
+  EXPECT_EQ(job.report, "dir/out/goblet.json");
+}
+
+TEST(SceneFile, JobsOverrideDefaultsAndPresetsComeFirst) {
+  const std::vector<Job> jobs =
+      parse(scene_with({{"input", "a.obj"}, {"solve", {{"preset", "paper"}, {"solver", "cg"}}}},
+                       {{"weights", "doo-sabin"}, {"solve", {{"max_iterations", 7}}}}));
+  EXPECT_EQ(jobs[0].settings.weights, Weights::Averaged);
+  EXPECT_EQ(jobs[0].settings.solver, Solver::ConjugateGradients);
+  EXPECT_EQ(jobs[0].settings.max_iterations, 7);
+}
+
+TEST(SceneFile, AbsolutePathsStay) {
+  EXPECT_EQ(parse(scene_with({{"input", "/a.obj"}}))[0].input, "/a.obj");
+  EXPECT_EQ(parse_scene(scene_with({{"input", "a.obj"}}).dump(), "s.json", "")[0].input, "a.obj");
+}
+
+TEST(SceneFile, UnknownKeysNameTheNearestAndTheirPlace) {
+  EXPECT_EQ(message_of(R"({"version":1,"jbos":[]})"),
+            "s.json: jbos: this key is not known; did you mean jobs?");
+  EXPECT_EQ(
+      message_of(scene_with({{"input", "a.obj"}, {"solve", {{"wieghts", "averaged"}}}}).dump()),
+      "s.json: jobs[0].solve.wieghts: this key is not known; did you mean weights?");
+  EXPECT_EQ(message_of(R"({"version":1,"jobs":[{"input":"a.obj","outputs":[{"pth":"a.glb"}]}]})"),
+            "s.json: jobs[0].outputs[0].pth: this key is not known; did you mean path?");
+  EXPECT_THAT(message_of(scene_with({{"input", "a.obj"}}, {{"tolerence", 1}}).dump()),
+              HasSubstr("s.json: defaults.tolerence: "));
+}
+
+TEST(SceneFile, WrongTypesAreNamedWithTheirPlace) {
+  const std::vector<std::pair<json, std::string>> cases{
+      {{{"input", 7}}, "jobs[0].input: a text is wanted, not number"},
+      {{{"input", "a.obj"}, {"tolerance", "1e-6"}}, "jobs[0].tolerance: a number is wanted"},
+      {{{"input", "a.obj"}, {"max_iterations", 1.5}}, "jobs[0].max_iterations: a whole number"},
+      {{{"input", "a.obj"}, {"max_iterations", 1e300}}, "jobs[0].max_iterations: a whole number"},
+      {{{"input", "a.obj"}, {"max_iterations", 18446744073709551615u}},
+       "jobs[0].max_iterations: a whole number"},
+      {{{"input", "a.obj"}, {"levels", 2}}, "jobs[0].levels: a list of levels"},
+      {{{"input", "a.obj"}, {"levels", {2, "3"}}}, "jobs[0].levels[1]: a whole number"},
+      {{{"input", "a.obj"}, {"levels", json::array()}}, "jobs[0].levels: no level is named"},
+      {{{"input", "a.obj"}, {"solve", json::array()}}, "jobs[0].solve: an object is wanted"},
+      {{{"input", "a.obj"}, {"outputs", "a.glb"}}, "jobs[0].outputs: a list is wanted"},
+      {{{"input", "a.obj"}, {"outputs", {"a.glb"}}}, "jobs[0].outputs[0]: an object is wanted"},
+      {{{"input", "a.obj"}, {"weights", nullptr}}, "jobs[0].weights: a text is wanted"},
+      {json::array(), "jobs[0]: an object is wanted"},
+      {nullptr, "jobs[0]: an object is wanted"},
+  };
+  for (const auto& [job, expected] : cases) {
+    EXPECT_THAT(message_of(scene_with(job).dump()), HasSubstr("s.json: " + expected));
+  }
+}
+
+TEST(SceneFile, WrongValuesAreNamedWithTheirPlace) {
+  const std::vector<std::pair<json, std::string>> cases{
+      {{{"name", "a"}}, "jobs[0]: has no \"input\""},
+      {{{"input", ""}}, "jobs[0].input: is empty"},
+      {{{"input", "-"}}, "jobs[0].input: a file is wanted"},
+      {{{"input", "a.foo"}}, "a.foo"},
+      {{{"input", "a.obj"}, {"interpolation", "fair"}}, "jobs[0].interpolation: fair is not built"},
+      {{{"input", "a.obj"}, {"levels", {9}}}, "jobs[0].levels: 9 is out of range"},
+      {{{"input", "a.obj"}, {"tolerance", 0}}, "jobs[0].tolerance: 0 is out of range"},
+      {{{"input", "a.obj"}, {"weights", "averaged"}, {"solve", {{"weights", "averaged"}}}},
+       "jobs[0].solve.weights: stands in"},
+      {{{"input", "a.obj"}, {"outputs", {{{"path", "c.obj"}, {"what", "cage"}, {"levels", {1}}}}}},
+       "jobs[0].outputs[0].levels: a cage has no levels"},
+      {{{"input", "a.obj"}, {"outputs", {{{"path", "c.obj"}, {"what", "cgae"}}}}},
+       "did you mean cage?"},
+      {{{"input", "a.obj"}, {"device", "vulkan"}, {"precision", "double"}}, "jobs[0]: --precision"},
+  };
+  for (const auto& [job, expected] : cases) {
+    EXPECT_THAT(message_of(scene_with(job).dump()), HasSubstr(expected));
+  }
+}
+
+TEST(SceneFile, TheFrameIsChecked) {
+  EXPECT_THAT(message_of("{}"), HasSubstr("s.json: has no \"version\""));
+  EXPECT_THAT(message_of(R"({"version":2,"jobs":[]})"),
+              HasSubstr("s.json: version: 2 is not known"));
+  EXPECT_THAT(message_of(R"({"version":1})"), HasSubstr("s.json: has no \"jobs\""));
+  EXPECT_THAT(message_of(R"({"version":1,"jobs":[]})"), HasSubstr("s.json: jobs: is empty"));
+  EXPECT_THAT(message_of(R"({"version":1,"jobs":[{"input":"a.obj"},{"input":"b/a.obj"}]})"),
+              HasSubstr("s.json: jobs[1].name: \"a\" is the name of an earlier job"));
+}
+
+TEST(SceneFile, GarbageIsNamedByLine) {
+  EXPECT_EQ(message_of("{\n\"version\": 1,\n oops\n}"), "s.json:3: no valid JSON here");
+  for (const std::string text :
+       {"", "[", "nul", "{\"version\":1", "\"\\uD800\"", "\xFF\xFE", "1e999"}) {
+    EXPECT_THAT(message_of(text), HasSubstr("s.json")) << text;
+  }
+  EXPECT_THAT(message_of(R"({"version":1,"version":1})"), HasSubstr("stands twice"));
+}
+
+TEST(SceneFile, DeepNestingIsRefused) {
+  const std::string deep = std::string(1'000'000, '[');
+  EXPECT_EQ(message_of(deep), "s.json: is nested too deeply to be a scene");
+  std::string objects;
+  for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
+  EXPECT_EQ(message_of(objects), "s.json: is nested too deeply to be a scene");
+}
+
+TEST(SceneFile, JobsAreSelectedByName) {
+  const auto jobs = [] {
+    return parse(std::string(R"({"version":1,"jobs":[{"input":"one.obj"},{"input":"two.obj"}]})"));
+  };
+  EXPECT_EQ(select_jobs(jobs(), {}).size(), 2u);
+  EXPECT_EQ(select_jobs(jobs(), {"two"}).at(0).name, "two");
+  try {
+    (void)select_jobs(jobs(), {"tow"});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("did you mean two?"));
+  }
+}
+
+// ---- the published schema against the parser ----
+
+json schema() {
+  std::ifstream file(PLANISH_SCENE_SCHEMA);
+  return json::parse(file);
+}
+
+// A property's own description where it is a reference.
+json resolved(const json& property, const json& document) {
+  if (!property.contains("$ref")) return property;
+  const std::string pointer = property["$ref"].get<std::string>().substr(1);
+  return resolved(document.at(json::json_pointer(pointer)), document);
+}
+
+// A scene in which `value` stands as `key` of that kind of object.
+json scene_holding(SceneObject object, const std::string& key, const json& value) {
+  json scene = scene_with({{"input", "a.obj"}, {"outputs", {{{"path", "a.glb"}}}}});
+  json& job = scene["jobs"][0];
+  switch (object) {
+    case SceneObject::Scene:
+      scene[key] = value;
+      break;
+    case SceneObject::Defaults:
+      scene["defaults"][key] = value;
+      break;
+    case SceneObject::Job:
+      job[key] = value;
+      break;
+    case SceneObject::Solve:
+      job["solve"][key] = value;
+      break;
+    case SceneObject::Output:
+      job["outputs"][0][key] = value;
+      break;
+  }
+  if (value == "cage") job["outputs"][0]["path"] = "a.obj";
+  return scene;
+}
+
+const std::vector<std::pair<SceneObject, std::string>> kSchemaObjects{
+    {SceneObject::Scene, ""},
+    {SceneObject::Defaults, "/$defs/settings"},
+    {SceneObject::Job, "/$defs/job"},
+    {SceneObject::Solve, "/$defs/solve"},
+    {SceneObject::Output, "/$defs/output"}};
+
+TEST(SceneSchema, HasTheKeysOfTheParserAndNoOthers) {
+  const json document = schema();
+  for (const auto& [object, pointer] : kSchemaObjects) {
+    const json& description = document.at(json::json_pointer(pointer));
+    EXPECT_EQ(description["additionalProperties"], false) << pointer;
+    std::vector<std::string> keys;
+    for (const auto& [key, value] : description["properties"].items()) keys.push_back(key);
+    const std::vector<std::string_view> known = scene_keys(object);
+    EXPECT_THAT(keys, testing::UnorderedElementsAreArray(known.begin(), known.end())) << pointer;
+  }
+}
+
+TEST(SceneSchema, EveryValueThatItAllowsIsAccepted) {
+  const json document = schema();
+  for (const auto& [object, pointer] : kSchemaObjects) {
+    for (const auto& [key, property] :
+         document.at(json::json_pointer(pointer))["properties"].items()) {
+      const json description = resolved(property, document);
+      std::vector<json> values = description.value("examples", std::vector<json>{});
+      EXPECT_FALSE(values.empty()) << key;
+      for (const json& value : description.value("enum", json::array())) values.push_back(value);
+      for (const char* limit : {"maximum", "minimum", "default"}) {
+        if (description.contains(limit)) values.push_back(description[limit]);
+      }
+      for (const json& value : values) {
+        EXPECT_NO_THROW((void)parse(scene_holding(object, key, value)))
+            << pointer << ' ' << key << ' ' << value;
+      }
+    }
+  }
+}
+
+TEST(SceneSchema, WhatItForbidsIsRefused) {
+  const json document = schema();
+  for (const auto& [object, pointer] : kSchemaObjects) {
+    for (const auto& [key, property] :
+         document.at(json::json_pointer(pointer))["properties"].items()) {
+      if (key == "$schema") continue;  // for editors only
+      const json description = resolved(property, document);
+      std::vector<json> values{true, json()};
+      if (description.contains("enum")) values.emplace_back("nonsense");
+      if (description.contains("maximum"))
+        values.emplace_back(description["maximum"].get<int>() + 1);
+      if (description.contains("minimum"))
+        values.emplace_back(description["minimum"].get<int>() - 1);
+      if (description.contains("exclusiveMinimum"))
+        values.emplace_back(description["exclusiveMinimum"]);
+      if (description.contains("minLength")) values.emplace_back("");
+      if (description.contains("minItems")) values.push_back(json::array());
+      for (const json& value : values) {
+        EXPECT_THROW((void)parse(scene_holding(object, key, value)), Error)
+            << pointer << ' ' << key << ' ' << value;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace planish::command
