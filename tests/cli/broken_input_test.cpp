@@ -52,11 +52,27 @@ TEST_F(BrokenInput, AShortPlyExitsThree) {
             3);
 }
 
+// Three faces at one edge.
+constexpr const char* kFan =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n";
+
+TEST_F(BrokenInput, IsRepairedWithAWarningAndTheCageKeepsTheInputsVerticesFirst) {
+  const std::string input = write("fan.obj", kFan);
+  const ProcessResult result = run_planish({"fit", input, "-o", path("out.glb"), "--cage",
+                                            path("cage.obj"), "--report", path("report.json")});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("non-manifold"));
+  const nlohmann::json report = read_json("report.json");
+  EXPECT_EQ(report["input"]["vertices"], 5 + 2 * 2);
+  EXPECT_EQ(report["input"]["changed_faces"], (nlohmann::json{1, 2}));
+  EXPECT_EQ(run_planish({"verify", path("cage.obj"), input}).exit_code, 0);
+  EXPECT_EQ(run_planish({"verify", path("cage.obj"), input, "--repair", "none"}).exit_code, 4);
+}
+
 TEST_F(BrokenInput, AMeshWithoutASurfaceExitsFourAndNamesFileAndElements) {
-  // Three faces at one edge.
-  const ProcessResult result = fit("fan.obj",
-                                   "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\n"
-                                   "f 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  const std::string input = write("fan.obj", kFan);
+  const ProcessResult result =
+      run_planish({"fit", input, "-o", path("out.glb"), "--repair", "none"});
   EXPECT_EQ(result.exit_code, 4);
   EXPECT_THAT(result.err, AllOf(HasSubstr("fan.obj"), HasSubstr("face")));
 }

@@ -10,15 +10,18 @@ namespace {
 TEST(CageHeader, ReadsBackWhatItWrites) {
   Settings settings;
   settings.weights = Weights::Averaged;
-  settings.sharp.boundary = BoundaryRule::EdgeAndCorner;
-  settings.sharp.use_tags = false;
+  settings.boundary = BoundaryRule::EdgeAndCorner;
+  settings.creases = {true, 32.5};
+  settings.repair = RepairChoice::None;
   settings.tolerance = 1.0 / 3.0 * 1e-7;
   std::vector<std::string> lines = cage_header_lines(settings, "some/where/goblet.obj");
   for (std::string& line : lines) EXPECT_EQ(line.substr(0, 8), "planish ");
   const CageHeader header = parse_cage_header(lines, "cage.obj");
   EXPECT_EQ(header.weights, Weights::Averaged);
   EXPECT_EQ(header.boundary, BoundaryRule::EdgeAndCorner);
-  EXPECT_EQ(header.use_creases, false);
+  ASSERT_TRUE(header.creases);
+  EXPECT_EQ(header.creases->dihedral_degrees, 32.5);
+  EXPECT_EQ(header.repair, RepairChoice::None);
   EXPECT_EQ(header.tolerance, settings.tolerance);  // to the last bit
   EXPECT_EQ(header.source, "goblet.obj");
 }
@@ -31,8 +34,8 @@ TEST(CageHeader, ASourceCannotBreakTheLine) {
 
 TEST(CageHeader, SaysNothingWhereNothingStands) {
   const CageHeader header = parse_cage_header({}, "cage.obj");
-  EXPECT_FALSE(header.weights || header.boundary || header.use_creases || header.tolerance ||
-               header.source);
+  EXPECT_FALSE(header.weights || header.boundary || header.creases || header.repair ||
+               header.tolerance || header.source);
 }
 
 TEST(CageHeader, KeysOfNewerVersionsAreLeftToThem) {

@@ -41,14 +41,15 @@ TEST_F(Report, HasTheKeysThatItPromises) {
                           "surface", "outputs", "timing_ms", "memory", "warnings"));
   EXPECT_EQ(report["schema"], "planish.report/1");
   EXPECT_THAT(keys_of(report["tool"]), ElementsAre("name", "version", "git"));
-  EXPECT_THAT(
-      keys_of(report["input"]),
-      ElementsAre("path", "sha256", "format", "vertices", "faces", "face_sizes", "boundary_loops",
-                  "components", "genus", "sharp_edges", "corners", "welded", "dropped"));
+  EXPECT_THAT(keys_of(report["input"]),
+              ElementsAre("path", "sha256", "format", "vertices", "faces", "face_sizes",
+                          "boundary_loops", "components", "genus", "sharp_edges", "corners",
+                          "welded", "dropped", "changed_faces"));
   EXPECT_THAT(keys_of(report["device"]), ElementsAre("kind", "name", "uuid", "driver", "api"));
-  EXPECT_THAT(keys_of(report["solve"]),
-              ElementsAre("weights", "solver", "boundary", "creases", "tolerance", "converged",
-                          "stop_reason", "iterations", "spectral_bound", "error", "history"));
+  EXPECT_THAT(
+      keys_of(report["solve"]),
+      ElementsAre("weights", "solver", "boundary", "creases", "repair", "tolerance", "converged",
+                  "stop_reason", "iterations", "spectral_bound", "error", "history"));
   EXPECT_THAT(keys_of(report["solve"]["error"]), ElementsAre("max", "rms", "worst_vertex"));
   EXPECT_THAT(keys_of(report["solve"]["history"][0]), ElementsAre("iteration", "max", "rms"));
   EXPECT_THAT(keys_of(report["surface"]), ElementsAre("folded_area"));

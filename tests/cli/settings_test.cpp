@@ -36,7 +36,13 @@ TEST(Settings, NamesReadBack) {
   for (const BoundaryRule rule : {BoundaryRule::Edge, BoundaryRule::EdgeAndCorner}) {
     EXPECT_EQ(parse_boundary(name_of(rule), ""), rule);
   }
-  for (const bool use : {true, false}) EXPECT_EQ(parse_creases(name_of_creases(use), ""), use);
+  for (const RepairChoice choice : {RepairChoice::Safe, RepairChoice::None}) {
+    EXPECT_EQ(parse_repair(name_of(choice), ""), choice);
+  }
+  for (const std::string text : {"use", "ignore", "auto:30", "auto:0.5"}) {
+    EXPECT_EQ(name_of(parse_creases(text, "")), text);
+  }
+  EXPECT_EQ(name_of(parse_creases("auto", "")), "auto:30");
 }
 
 TEST(Settings, AutoPrecisionIsDoubleBelow1e8) {

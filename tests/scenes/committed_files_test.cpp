@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
@@ -57,8 +58,10 @@ TEST(CommittedFiles, StandInTheReadme) {
     EXPECT_NE(readme.find("`" + scene.file + "`"), std::string::npos) << scene.file;
   }
   for (const BadFile& bad : bad_files()) {
-    const std::string row = "| `" + bad.file + "` | " + std::to_string(bad.exit_code) + " |";
-    EXPECT_NE(readme.find(row), std::string::npos) << "no row " << row;
+    // The first code is that after repair, which the command's own tests look at.
+    const std::regex row("\\| `" + bad.file + "` \\| [034] \\| " + std::to_string(bad.exit_code) +
+                         " \\|");
+    EXPECT_TRUE(std::regex_search(readme, row)) << "no row for " << bad.file;
   }
 }
 

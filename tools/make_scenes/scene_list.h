@@ -27,7 +27,7 @@ struct Scene {
 /// A file that must be refused, or taken with a warning.
 struct BadFile {
   std::string file;   ///< in scenes/bad/
-  int exit_code;      ///< 3 unreadable or malformed, 4 mesh unusable, 0 taken with a warning
+  int exit_code;      ///< without repair: 3 malformed, 4 mesh unusable, 0 taken with a warning
   std::string bytes;  ///< all of it
 };
 

@@ -33,7 +33,8 @@ void apply(CageHeader& header, std::string_view key, std::string_view value,
            const std::string& where) {
   if (key == "weights") header.weights = parse_weights(value, where);
   if (key == "boundary") header.boundary = parse_boundary(value, where);
-  if (key == "creases") header.use_creases = parse_creases(value, where);
+  if (key == "creases") header.creases = parse_creases(value, where);
+  if (key == "repair") header.repair = parse_repair(value, where);
   if (key == "tolerance") header.tolerance = parse_tolerance(value, where);
   if (key == "source") header.source = std::string(value);
   if (key == "scheme" && value != "doo-sabin") {
@@ -52,8 +53,9 @@ std::vector<std::string> cage_header_lines(const Settings& settings, const std::
   return {line("version", PLANISH_VERSION),
           line("scheme", "doo-sabin"),
           line("weights", name_of(settings.weights)),
-          line("boundary", name_of(settings.sharp.boundary)),
-          line("creases", name_of_creases(settings.sharp.use_tags)),
+          line("boundary", name_of(settings.boundary)),
+          line("creases", name_of(settings.creases)),
+          line("repair", name_of(settings.repair)),
           line("tolerance", shortest(settings.tolerance)),
           line("source", plain_utf8(file_name))};
 }

@@ -13,7 +13,8 @@ namespace planish::command {
 struct CageHeader {
   std::optional<Weights> weights;
   std::optional<BoundaryRule> boundary;
-  std::optional<bool> use_creases;
+  std::optional<CreaseChoice> creases;
+  std::optional<RepairChoice> repair;
   std::optional<double> tolerance;
   std::optional<std::string> source;  ///< file name of the input
 };

@@ -13,6 +13,7 @@
 #include "planish/mesh/check.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/folded_area.h"
+#include "prepare.h"
 #include "staged_files.h"
 #include "surface_output.h"
 #include "text.h"
@@ -73,6 +74,23 @@ Input read_job_input(const Job& job, JobReport& report, Console& console) {
   return input;
 }
 
+// Repairs are told as warnings: the file is not what its author believes.
+void prepare_input(Input& input, JobReport& report, Console& console) {
+  const Settings& settings = report.settings;
+  try {
+    RepairedMesh prepared = prepare(input.file.mesh, settings.repair, settings.creases);
+    for (Warning change : prepared.changes) {
+      change.message = input.name + ": " + change.message;
+      add_warning(report, console, change);
+    }
+    report.input.changed_faces = std::move(prepared.changed_faces);
+    input.file.mesh = std::move(prepared.mesh);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::UnusableMesh) require_usable(input.file.mesh, input.name);
+    throw;
+  }
+}
+
 Fit fit_input(const Input& input, Backend& backend, JobReport& report, const Callbacks& callbacks) {
   const Settings& settings = report.settings;
   FitOptions options;
@@ -80,7 +98,7 @@ Fit fit_input(const Input& input, Backend& backend, JobReport& report, const Cal
   options.solver = settings.solver;
   options.tolerance = settings.tolerance;
   options.max_iterations = settings.max_iterations;
-  options.sharp = settings.sharp;
+  options.sharp = settings.sharp();
   options.callbacks = callbacks;
   try {
     return fit(input.file.mesh, backend, options);
@@ -167,8 +185,8 @@ SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
                          {"scheme", std::string("doo-sabin")},
                          {"weights", std::string(name_of(settings.weights))},
                          {"solver", std::string(name_of(settings.solver))},
-                         {"boundary", std::string(name_of(settings.sharp.boundary))},
-                         {"creases", std::string(name_of_creases(settings.sharp.use_tags))},
+                         {"boundary", std::string(name_of(settings.boundary))},
+                         {"creases", name_of(settings.creases)},
                          {"tolerance", settings.tolerance},
                          {"converged", report.interpolation.converged},
                          {"iterations", std::int64_t{report.interpolation.iterations}},
@@ -204,7 +222,7 @@ SurfaceMesh evaluate_level(Work& work, int level) {
   EvaluateOptions options;
   options.level = level;
   options.weights = work.job.settings.weights;
-  options.sharp = work.job.settings.sharp;
+  options.sharp = work.job.settings.sharp();
   options.rest_positions = work.input.positions;
   options.callbacks = callbacks_for(work.report, work.context);
   return timed(work.report.timing.evaluate, [&] {
@@ -284,8 +302,9 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   std::vector<std::byte> stdout_bytes;
   timed(report.timing.total, [&] {
     context.progress.update("read", 0);
-    const Input input =
+    Input input =
         timed(report.timing.read, [&] { return read_job_input(job, report, context.console); });
+    timed(report.timing.check, [&] { prepare_input(input, report, context.console); });
     const PolygonMesh& mesh = input.file.mesh;
     Fit result = fit_input(input, backend, report, callbacks_for(report, context));
     report.input.statistics = timed(report.timing.check, [&] { return statistics(mesh); });
@@ -312,7 +331,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
 void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
                   const DeviceDescription& device) {
   const Input input = read_input(job.input, job.input_format);
-  const PolygonMesh& mesh = input.file.mesh;
+  const PolygonMesh mesh = prepare(input.file.mesh, job.settings.repair, job.settings.creases).mesh;
   require_usable(mesh, input.name);
   std::string text = "would fit " + input.name + ": " + with_separators(mesh.vertex_count()) +
                      " vertices" + ", " + counted(mesh.face_count(), "face") + "\n";

@@ -30,6 +30,7 @@ Json input_json(const InputFacts& input) {
   json["corners"] = input.corners;
   json["welded"] = input.welded;
   json["dropped"] = input.dropped;
+  json["changed_faces"] = input.changed_faces;
   return json;
 }
 
@@ -38,8 +39,9 @@ Json solve_json(const JobReport& report) {
   Json json;
   json["weights"] = name_of(report.settings.weights);
   json["solver"] = name_of(report.settings.solver);
-  json["boundary"] = name_of(report.settings.sharp.boundary);
-  json["creases"] = name_of_creases(report.settings.sharp.use_tags);
+  json["boundary"] = name_of(report.settings.boundary);
+  json["creases"] = name_of(report.settings.creases);
+  json["repair"] = name_of(report.settings.repair);
   json["tolerance"] = report.settings.tolerance;
   json["converged"] = result.converged;
   json["stop_reason"] = planish::name_of(result.stop_reason);

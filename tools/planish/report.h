@@ -32,6 +32,7 @@ struct InputFacts {
   std::string path, sha256, format;
   MeshStatistics statistics{};
   std::int32_t sharp_edges = 0, corners = 0;
+  std::vector<std::int32_t> changed_faces;  ///< by repair; the file's indices
   std::int64_t welded = 0, dropped = 0;
 };
 

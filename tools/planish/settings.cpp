@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 
 #include "nearest.h"
 #include "planish/core/error.h"
+#include "planish/mesh/detect_creases.h"
 #include "text.h"
 
 namespace planish::command {
@@ -28,6 +30,8 @@ constexpr std::array kPrecisions{Word<PrecisionChoice>{"auto", PrecisionChoice::
                                  Word<PrecisionChoice>{"float", PrecisionChoice::Float},
                                  Word<PrecisionChoice>{"double", PrecisionChoice::Double}};
 constexpr std::array kUpAxes{Word<UpAxis>{"y", UpAxis::Y}, Word<UpAxis>{"z", UpAxis::Z}};
+constexpr std::array kRepairs{Word<RepairChoice>{"safe", RepairChoice::Safe},
+                              Word<RepairChoice>{"none", RepairChoice::None}};
 constexpr std::array kCreases{Word<bool>{"use", true}, Word<bool>{"ignore", false}};
 // "auto" takes the progressive iteration for every mesh: point clouds are not read yet.
 constexpr std::array kInterpolations{Word<bool>{"auto", true}, Word<bool>{"progressive", true}};
@@ -99,12 +103,18 @@ constexpr std::array kWordSettings{
                 "open boundaries are smooth curves, or have corners where one face meets them",
                 true,
                 [](Settings& s, std::string_view value, std::string_view where) {
-                  s.sharp.boundary = parse_boundary(value, where);
+                  s.boundary = parse_boundary(value, where);
                 }},
     WordSetting{"creases", "use|ignore|auto[:DEGREES]", "use",
-                "crease and corner tags of the file; auto is not built yet", true,
+                "sharp edges: those the file tags, none, or also those that turn by more (30)",
+                true,
                 [](Settings& s, std::string_view value, std::string_view where) {
-                  s.sharp.use_tags = parse_creases(value, where);
+                  s.creases = parse_creases(value, where);
+                }},
+    WordSetting{"repair", "safe|none", "safe",
+                "safe mends winding, non-manifold and degenerate parts; none refuses them", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.repair = parse_repair(value, where);
                 }},
     WordSetting{"scheme", "doo-sabin", "doo-sabin",
                 "subdivision scheme; catmull-clark and loop are not built yet", true, set_scheme},
@@ -132,11 +142,21 @@ BoundaryRule parse_boundary(std::string_view value, std::string_view where) {
   return parse(kBoundaries, value, where);
 }
 
-bool parse_creases(std::string_view value, std::string_view where) {
-  if (value == "auto" || value.starts_with("auto:")) {
-    refuse(where, "auto is not built yet; tag the edges in the file (OBJ: t crease) and use them");
+CreaseChoice parse_creases(std::string_view value, std::string_view where) {
+  if (value == "auto") return {true, CreaseDetectionOptions{}.dihedral_degrees};
+  if (!value.starts_with("auto:")) return {parse(kCreases, value, where), std::nullopt};
+  const std::string_view digits = value.substr(5);
+  double degrees = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), degrees);
+  const bool whole = error == std::errc() && end == digits.data() + digits.size();
+  if (!whole || !(degrees >= 0 && degrees <= 180)) {
+    refuse(where, "\"" + plain_utf8(digits) + "\" is no angle of 0 to 180 degrees");
   }
-  return parse(kCreases, value, where);
+  return {true, degrees};
+}
+
+RepairChoice parse_repair(std::string_view value, std::string_view where) {
+  return parse(kRepairs, value, where);
 }
 
 void set_tolerance(Settings& settings, double value, std::string_view where) {
@@ -197,6 +217,14 @@ Precision solve_precision(const Settings& settings) {
 std::string_view name_of(Weights weights) { return text_of(kWeights, weights); }
 std::string_view name_of(Solver solver) { return text_of(kSolvers, solver); }
 std::string_view name_of(BoundaryRule boundary) { return text_of(kBoundaries, boundary); }
-std::string_view name_of_creases(bool use_creases) { return text_of(kCreases, use_creases); }
+std::string_view name_of(RepairChoice repair) { return text_of(kRepairs, repair); }
+
+std::string name_of(const CreaseChoice& creases) {
+  if (!creases.dihedral_degrees) return std::string(text_of(kCreases, creases.use_tags));
+  std::array<char, 32> digits{};
+  const auto end =
+      std::to_chars(digits.data(), digits.data() + digits.size(), *creases.dihedral_degrees);
+  return "auto:" + std::string(digits.data(), end.ptr);
+}
 
 }  // namespace planish::command

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +15,13 @@ namespace planish::command {
 
 enum class PrecisionChoice { Auto, Float, Double };
 enum class UpAxis { Y, Z };
+enum class RepairChoice { None, Safe };
+
+/// Which edges and vertices are sharp besides boundaries.
+struct CreaseChoice {
+  bool use_tags = true;                    ///< those that the file tags
+  std::optional<double> dihedral_degrees;  ///< and those whose faces turn by more
+};
 
 /// Everything that can be set for one job, by flags of `fit` or keys of a scene file.
 struct Settings {
@@ -22,10 +30,14 @@ struct Settings {
   double tolerance = 1e-6;
   std::int32_t max_iterations = 200;
   PrecisionChoice precision = PrecisionChoice::Auto;
-  SharpFeatureOptions sharp;
+  BoundaryRule boundary = BoundaryRule::Edge;
+  CreaseChoice creases;
+  RepairChoice repair = RepairChoice::Safe;
   UpAxis up = UpAxis::Y;
   std::string device = "auto";
   std::vector<int> levels{2};
+
+  [[nodiscard]] SharpFeatureOptions sharp() const { return {boundary, creases.use_tags}; }
 };
 
 /// One setting that is given as a word. The flag is `--name` with '_' as '-'.
@@ -61,11 +73,13 @@ void check_consistent(const Settings& settings);
 [[nodiscard]] std::string_view name_of(Weights weights);
 [[nodiscard]] std::string_view name_of(Solver solver);
 [[nodiscard]] std::string_view name_of(BoundaryRule boundary);
-[[nodiscard]] std::string_view name_of_creases(bool use_creases);
+[[nodiscard]] std::string name_of(const CreaseChoice& creases);
+[[nodiscard]] std::string_view name_of(RepairChoice repair);
 
 /// Shared by the flags of `fit` and `verify`. Same errors as WordSetting::set.
 [[nodiscard]] Weights parse_weights(std::string_view value, std::string_view where);
 [[nodiscard]] BoundaryRule parse_boundary(std::string_view value, std::string_view where);
-[[nodiscard]] bool parse_creases(std::string_view value, std::string_view where);
+[[nodiscard]] CreaseChoice parse_creases(std::string_view value, std::string_view where);
+[[nodiscard]] RepairChoice parse_repair(std::string_view value, std::string_view where);
 
 }  // namespace planish::command

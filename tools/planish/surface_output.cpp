@@ -100,7 +100,7 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
     if (size == 3) ++written.triangles;
   }
   note_file(written, target);
-  const std::vector<glm::dvec3> limit = limit_positions(cage, settings.weights, settings.sharp);
+  const std::vector<glm::dvec3> limit = limit_positions(cage, settings.weights, settings.sharp());
   written.as_written_error = largest_distance(limit, given) / diagonal;
   return written;
 }

@@ -7,15 +7,17 @@
 #include "planish/core/error.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/placement.h"
+#include "planish/surface/evaluate.h"
+#include "prepare.h"
 #include "text.h"
 
 namespace planish::command {
 namespace {
 
-void require_same_faces(const Input& cage, const Input& given) {
+void require_same_faces(const Input& cage, const PolygonMesh& given, const std::string& name) {
   const PolygonMesh& a = cage.file.mesh;
-  const PolygonMesh& b = given.file.mesh;
-  const std::string subject = cage.name + " is no cage of " + given.name + ": ";
+  const PolygonMesh& b = given;
+  const std::string subject = cage.name + " is no cage of " + name + ": ";
   if (a.vertex_count() < b.vertex_count()) {
     throw Error(ErrorCode::UnusableMesh, subject + with_separators(a.vertex_count()) +
                                              " vertices for " + with_separators(b.vertex_count()));
@@ -35,21 +37,23 @@ void require_same_faces(const Input& cage, const Input& given) {
 }  // namespace
 
 Verification verify(const Input& cage, const Input& given, const VerifyOptions& options) {
-  require_usable(given.file.mesh, given.name);
-  require_same_faces(cage, given);
+  const PolygonMesh prepared = prepare(given.file.mesh, options.repair, options.creases).mesh;
+  require_usable(prepared, given.name);
+  require_same_faces(cage, prepared, given.name);
   PolygonMesh control = cage.file.mesh;
   if (cage.file.format != MeshFormat::Obj) {
-    control.creases = given.file.mesh.creases;
-    control.corners = given.file.mesh.corners;
+    control.creases = prepared.creases;
+    control.corners = prepared.corners;
   }
   require_usable(control, cage.name);
-  const std::vector<glm::dvec3> limit = limit_positions(control, options.weights, options.sharp);
-  const double diagonal = placement_of(given.file.mesh).diagonal;
+  const std::vector<glm::dvec3> limit =
+      limit_positions(control, options.weights, {options.boundary, options.creases.use_tags});
+  const double diagonal = placement_of(prepared).diagonal;
   Verification result;
-  result.vertex_count = given.file.mesh.vertex_count();
+  result.vertex_count = prepared.vertex_count();
   double sum_of_squares = 0;
   for (std::int64_t vertex = 0; vertex < result.vertex_count; ++vertex) {
-    const glm::dvec3 offset = limit[vertex] - given.file.mesh.positions[vertex];
+    const glm::dvec3 offset = limit[vertex] - prepared.positions[vertex];
     double error = std::hypot(offset.x, offset.y, offset.z) / diagonal;
     if (!std::isfinite(error)) error = std::numeric_limits<double>::infinity();
     sum_of_squares += error * error;

@@ -3,13 +3,16 @@
 #include <cstdint>
 
 #include "input.h"
-#include "planish/surface/evaluate.h"
+#include "planish/backend/backend.h"
+#include "settings.h"
 
 namespace planish::command {
 
 struct VerifyOptions {
   Weights weights = Weights::DooSabin;
-  SharpFeatureOptions sharp;
+  BoundaryRule boundary = BoundaryRule::Edge;
+  CreaseChoice creases;
+  RepairChoice repair = RepairChoice::Safe;
   double tolerance = 1e-6;
 };
 
@@ -24,8 +27,8 @@ struct Verification {
 
 /// Evaluates the cage's limit points in double on the CPU and compares them with the given
 /// vertices, which are the cage's first ones. Formats without crease tags (all but OBJ) take those
-/// of the given mesh. Throws Error{UnusableMesh} for a cage that is no cage of the given mesh:
-/// fewer vertices, or other faces.
+/// of the given mesh, prepared as the options say. Throws Error{UnusableMesh} for a cage that is no
+/// cage of the given mesh: fewer vertices, or other faces.
 [[nodiscard]] Verification verify(const Input& cage, const Input& given,
                                   const VerifyOptions& options);
 

@@ -11,7 +11,7 @@ namespace planish::command {
 namespace {
 
 struct VerifyFlags {
-  std::string cage, input, weights, boundary, creases;
+  std::string cage, input, weights, boundary, creases, repair;
   double tolerance = 0;  ///< 0: not given
   CLI::Option* tolerance_flag = nullptr;
   bool json = false;
@@ -21,13 +21,14 @@ struct VerifyFlags {
 VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
   VerifyOptions options;
   options.weights = header.weights.value_or(options.weights);
-  options.sharp.boundary = header.boundary.value_or(options.sharp.boundary);
-  options.sharp.use_tags = header.use_creases.value_or(options.sharp.use_tags);
+  options.boundary = header.boundary.value_or(options.boundary);
+  options.creases = header.creases.value_or(options.creases);
+  options.repair = header.repair.value_or(options.repair);
   options.tolerance = header.tolerance.value_or(options.tolerance);
   if (!flags.weights.empty()) options.weights = parse_weights(flags.weights, "--weights");
-  if (!flags.boundary.empty())
-    options.sharp.boundary = parse_boundary(flags.boundary, "--boundary");
-  if (!flags.creases.empty()) options.sharp.use_tags = parse_creases(flags.creases, "--creases");
+  if (!flags.boundary.empty()) options.boundary = parse_boundary(flags.boundary, "--boundary");
+  if (!flags.creases.empty()) options.creases = parse_creases(flags.creases, "--creases");
+  if (!flags.repair.empty()) options.repair = parse_repair(flags.repair, "--repair");
   if (flags.tolerance_flag->count() > 0) {
     Settings checked;
     set_tolerance(checked, flags.tolerance, "--tolerance");
@@ -43,8 +44,9 @@ std::string to_json_text(const Verification& result, const VerifyOptions& option
   json["cage"] = {{"path", cage.name}, {"sha256", cage.sha256}};
   json["input"] = {{"path", given.name}, {"sha256", given.sha256}};
   json["weights"] = name_of(options.weights);
-  json["boundary"] = name_of(options.sharp.boundary);
-  json["creases"] = name_of_creases(options.sharp.use_tags);
+  json["boundary"] = name_of(options.boundary);
+  json["creases"] = name_of(options.creases);
+  json["repair"] = name_of(options.repair);
   json["tolerance"] = options.tolerance;
   json["vertices"] = result.vertex_count;
   json["error"] = {
@@ -62,8 +64,8 @@ std::string to_text(const Verification& result, const VerifyOptions& options, co
          std::to_string(result.worst_vertex) + " (tolerance " + short_number(options.tolerance) +
          ")\n  rms error  " + short_number(result.error.rms) + "\n  weights    " +
          std::string(name_of(options.weights)) + ", boundary " +
-         std::string(name_of(options.sharp.boundary)) + ", creases " +
-         std::string(name_of_creases(options.sharp.use_tags)) + "\n";
+         std::string(name_of(options.boundary)) + ", creases " + name_of(options.creases) +
+         ", repair " + std::string(name_of(options.repair)) + "\n";
 }
 
 ExitCode run_verify(const VerifyFlags& flags) {
@@ -94,8 +96,11 @@ void add_verify_command(CLI::App& app, Invocation& invocation) {
   command->add_option("--boundary", flags->boundary, "rule of open boundaries")
       ->type_name("edge|edge-and-corner")
       ->group(group);
-  command->add_option("--creases", flags->creases, "whether tags count")
-      ->type_name("use|ignore")
+  command->add_option("--creases", flags->creases, "which edges are sharp")
+      ->type_name("use|ignore|auto[:DEGREES]")
+      ->group(group);
+  command->add_option("--repair", flags->repair, "how the mesh was mended")
+      ->type_name("safe|none")
       ->group(group);
   flags->tolerance_flag =
       command->add_option("--tolerance", flags->tolerance, "largest error that is confirmed")

@@ -50,7 +50,8 @@ class Repair {
 
   void changed(std::int32_t face) { result_.changed_faces.push_back(result_.source_faces[face]); }
   void report(const char* code, const std::string& what, std::int64_t count, std::int64_t first) {
-    if (count > 0) result_.changes.push_back({code, std::to_string(count) + what, count, first});
+    if (count > 0)
+      result_.changes.push_back({code, what + ": " + std::to_string(count), count, first});
   }
   [[nodiscard]] EdgeGroups all_edges() const {
     return group_edges(mesh_, std::vector<std::uint8_t>(mesh_.face_count(), 1));
@@ -102,7 +103,7 @@ void Repair::drop_degenerate_faces() {
   if (mesh_.face_count() == 0) {
     throw Error(ErrorCode::UnusableMesh, "no face with three different vertices is left");
   }
-  report("degenerate-faces", " faces name a vertex twice; they were dropped or lost that corner",
+  report("degenerate-faces", "faces that name a vertex twice, dropped or short of that corner now",
          count, first);
 }
 
@@ -129,7 +130,7 @@ void Repair::drop_duplicate_faces() {
                            corners.begin() + whole.face_offsets[f + 1]);
     result_.source_faces.push_back(sources[f]);
   }
-  report("duplicate-faces", " faces repeat another one and were dropped",
+  report("duplicate-faces", "faces that repeat another one, dropped",
          static_cast<std::int64_t>(duplicates.size()), sources[*duplicates.begin()]);
 }
 
@@ -176,7 +177,7 @@ void Repair::orient() {
       if (count++ == 0) first = result_.source_faces[face];
     }
   }
-  report("turned-faces", " faces ran against their neighbours and were turned round", count, first);
+  report("turned-faces", "faces that ran against their neighbours, turned round", count, first);
 }
 
 // Corners of a vertex are in one fan when their faces meet at a sound edge of that vertex.
@@ -196,8 +197,8 @@ void Repair::separate() {
     fans.unite(sides[1].corner, next0);
   });
   report("non-manifold-edges",
-         " edges have three or more faces, or two that cannot agree; the sheets were separated "
-         "there",
+         "non-manifold edges (three or more faces, or two that cannot agree), where sheets were "
+         "separated",
          cut_count, first_cut);
   copy_fans(fans);
   map_tags();
@@ -228,7 +229,7 @@ void Repair::copy_fans(DisjointSets& fans) {
     if (renamed) changed(f);
   }
   report("non-manifold-vertices",
-         " vertices join several fans of faces; each fan got a vertex of its own",
+         "non-manifold vertices, split so that each fan of faces has its own",
          static_cast<std::int64_t>(split_vertices.size()),
          split_vertices.empty() ? -1 : *split_vertices.begin());
 }
@@ -294,7 +295,7 @@ void Repair::drop_unknown_tags() {
   };
   drop(mesh_.creases, creases);
   drop(mesh_.corners, corners);
-  report("unknown-tags", " crease or corner tags name no edge or used vertex and were dropped",
+  report("unknown-tags", "crease or corner tags that name no edge or used vertex, dropped",
          static_cast<std::int64_t>(creases.size() + corners.size()), -1);
 }
 

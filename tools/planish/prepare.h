@@ -1,0 +1,14 @@
+#pragma once
+
+#include "planish/mesh/repair.h"
+#include "settings.h"
+
+namespace planish::command {
+
+/// The mesh that is fitted: repaired unless the choice is none, with creases detected where the
+/// choice names an angle. A mesh that remains unusable comes back as it is, for require_usable() to
+/// refuse. Throws what repair() throws.
+[[nodiscard]] RepairedMesh prepare(const PolygonMesh& mesh, RepairChoice repair,
+                                   const CreaseChoice& creases);
+
+}  // namespace planish::command
