@@ -40,23 +40,15 @@ ErrorNorms norms_of(std::uint32_t max_square_bits, float square_sum, std::int32_
   return norms;
 }
 
-/// Copies the start of a device buffer into `value`.
-template <class Value>
-void download_value(VulkanMachine& machine, const Buffer& buffer, std::span<Value> values) {
-  machine.submitter.download({buffer.handle(), 0, values.size_bytes()},
-                             [&](std::uint64_t offset, std::span<const std::byte> piece) {
-                               std::memcpy(reinterpret_cast<std::byte*>(values.data()) + offset,
-                                           piece.data(), piece.size());
-                             });
-}
-
 }  // namespace
 
 VulkanSolve::VulkanSolve(std::shared_ptr<VulkanMachine> machine,
                          const StencilView<double>& limit_masks)
     : machine_(std::move(machine)),
       masks_(make_table(*machine_, limit_masks)),
-      solve_(machine_->context, masks_) {
+      solve_(machine_->context, masks_),
+      report_(machine_->context, solve_.status().size() + solve_.steps().size(),
+              MemoryUse::Download) {
   PLANISH_ASSERT(limit_masks.source_count == limit_masks.row_count());
 }
 
@@ -75,12 +67,21 @@ std::uint32_t VulkanSolve::run_piece(std::span<const StepCoefficients> steps, fl
     solve_.plan()[i] = {static_cast<float>(steps[i].momentum), static_cast<float>(steps[i].gain), 0,
                         0};
   solve_.flush_plan();
-  machine_->submitter.run(
-      [&](VkCommandBuffer commands) { solve_.record_steps(commands, side_, count, stop_square); });
+  machine_->submitter.run([&](VkCommandBuffer commands) {
+    solve_.record_steps(commands, side_, count, stop_square);
+    // Within the same submission: each wait costs the host as much as a small step.
+    const VkBufferCopy status_copy{0, 0, solve_.status().size()};
+    const VkBufferCopy steps_copy{0, solve_.status().size(), solve_.steps().size()};
+    const DeviceFunctions& vk = machine_->context.vk();
+    vk.vkCmdCopyBuffer(commands, solve_.status().handle(), report_.handle(), 1, &status_copy);
+    vk.vkCmdCopyBuffer(commands, solve_.steps().handle(), report_.handle(), 1, &steps_copy);
+  });
+  report_.invalidate();
   shared::SolveStatus status;
   std::vector<shared::StepRecord> records(count);
-  download_value(*machine_, solve_.status(), std::span(&status, 1));
-  download_value(*machine_, solve_.steps(), std::span(records));
+  std::memcpy(&status, report_.mapped().data(), sizeof status);
+  std::memcpy(records.data(), report_.mapped().data() + solve_.status().size(),
+              count * sizeof(shared::StepRecord));
   const std::uint32_t measured =
       status.state == shared::kStateConverged ? status.iterations + 1 : status.iterations;
   for (std::uint32_t i = 0; i < measured; ++i)
@@ -160,7 +161,10 @@ void VulkanSolve::cg_turn(const glm::dvec3& beta) {
 
 Solve::CgAdvance VulkanSolve::read_sums() {
   std::uint32_t sums[shared::kSumFloats];
-  download_value(*machine_, gradients_->sums(), std::span<std::uint32_t>(sums));
+  machine_->submitter.download(whole(gradients_->sums()),
+                               [&](std::uint64_t, std::span<const std::byte> piece) {
+                                 std::memcpy(sums, piece.data(), sizeof sums);
+                               });
   CgAdvance result;
   for (int c = 0; c < 3; ++c) result.residual_square[c] = std::bit_cast<float>(sums[c]);
   result.error = norms_of(sums[4], std::bit_cast<float>(sums[3]), masks_.row_count());

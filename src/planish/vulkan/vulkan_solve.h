@@ -35,6 +35,7 @@ class VulkanSolve final : public Solve {
   std::shared_ptr<VulkanMachine> machine_;
   DeviceTable masks_;
   GpuSolve solve_;
+  Buffer report_;                                   // the host's copy of status and steps
   std::optional<GpuConjugateGradients> gradients_;  // made by the first cg_begin
   bool in_gradients_ = false;                       // whose displacement is the current one
   std::uint32_t side_ = 0;
