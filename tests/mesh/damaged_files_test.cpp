@@ -24,6 +24,12 @@ std::string written(MeshFormat format) {
   PolygonMesh mesh = test::cube();
   mesh.creases = {{0, 1, 2.5f}};
   mesh.corners = {{7}};
+  mesh.uvs = {{0, 0.5}, {1, 1}};
+  mesh.face_uvs.assign(mesh.face_vertices.size(), 1);
+  mesh.colors.assign(mesh.positions.size(), glm::vec4(0.5f, 0, 1, 1));
+  mesh.groups = {{"a b", ""}, {"", "c"}};
+  mesh.face_groups = {0, 1, 1, 0, 0, 1};
+  mesh.hole_faces = {2};
   const test::TemporaryFolder folder;
   write_mesh(folder.path() / "mesh", format, mesh, {.header = {"planish a=b"}});
   const auto bytes = read_file(folder.path() / "mesh");
@@ -50,7 +56,8 @@ std::vector<Sample> samples() {
   big += std::string("\0\0\0\1\0\3\0\1\2", 9);
   return {
       {written(MeshFormat::Obj), MeshFormat::Obj},
-      {"v 0 0 0\r\nv 1 0 0 1\r\nv 0 1 \\\r\n 0\r\nf -1/2/3 -2//1 \\\r\n-3\r\nt corner 2/2/0 0 1 1 "
+      {"v 0 0 0\r\nv 1 0 0 1\r\nv 0 1 \\\r\n 0\r\nvt 0\r\nvt 1 1 0\r\nf -1/2/3 -2//1 \\\r\n-3\r\nt "
+       "corner 2/2/0 0 1 1 "
        "2\r\nl 1 2\r\n",
        MeshFormat::Obj},
       {written(MeshFormat::Ply), MeshFormat::Ply},

@@ -94,6 +94,50 @@ TEST(WriteMesh, KeepsTagsInObj) {
   EXPECT_EQ(again.corners[1].sharpness, 1e-3f);
 }
 
+// A cube with everything that a mesh can have.
+PolygonMesh full_mesh() {
+  PolygonMesh mesh = test::cube();
+  for (int i = 0; i < 9; ++i) mesh.uvs.emplace_back(0.1 * i, 1e-3 / (i + 1));
+  for (std::size_t c = 0; c < mesh.face_vertices.size(); ++c)
+    mesh.face_uvs.push_back(c % 5 == 0 ? -1 : static_cast<std::int32_t>(c % 9));
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    mesh.colors.emplace_back(v / 7.0f, 0.001f * v, 1.0f, v % 2 ? 1.0f : 0.3f);
+  mesh.groups = {{"", ""}, {"left side", "red"}, {"left side", ""}, {"", "blue"}};
+  mesh.face_groups = {0, 1, 2, 3, 0, 1};
+  mesh.creases = {{mesh.face_vertices[0], mesh.face_vertices[1], 2.5f}};
+  mesh.corners = {{3}};
+  mesh.hole_faces = {4, 2};
+  return mesh;
+}
+
+TEST(WriteMesh, KeepsEveryAttributeInObj) {
+  const PolygonMesh mesh = full_mesh();
+  const MeshFile file = round_trip(mesh, MeshFormat::Obj);
+  const PolygonMesh& again = file.mesh;
+  EXPECT_EQ(file.warnings.size(), 0u);
+  EXPECT_EQ(again.uvs, mesh.uvs);
+  EXPECT_EQ(again.face_uvs, mesh.face_uvs);
+  EXPECT_EQ(again.colors, mesh.colors);
+  EXPECT_EQ(again.face_groups, mesh.face_groups);
+  EXPECT_EQ(again.hole_faces, mesh.hole_faces);
+  ASSERT_EQ(again.groups.size(), mesh.groups.size());
+  for (std::size_t i = 0; i < mesh.groups.size(); ++i) {
+    EXPECT_EQ(again.groups[i].name, mesh.groups[i].name);
+    EXPECT_EQ(again.groups[i].material, mesh.groups[i].material);
+  }
+}
+
+TEST(WriteMesh, KeepsNamesWithinTheirLine) {
+  PolygonMesh mesh = test::mesh_of(3, {{0, 1, 2}});
+  mesh.groups = {{"a\nf 1 2 3", "#b #c\\"}};
+  mesh.face_groups = {0};
+  const PolygonMesh again = round_trip(mesh, MeshFormat::Obj).mesh;
+  EXPECT_EQ(again.face_count(), 1);
+  ASSERT_EQ(again.groups.size(), 1u);
+  EXPECT_EQ(again.groups[0].name, "a_f 1 2 3");
+  EXPECT_EQ(again.groups[0].material, "_b _c_");
+}
+
 TEST(WriteMesh, KeepsTheHeader) {
   const MeshWriteOptions options{.header = {"planish weights=averaged", "planish tolerance=1e-06"}};
   for (const MeshFormat format : kWritable)
@@ -113,6 +157,15 @@ TEST(WriteMesh, WritesTheTextExpected) {
   };
   EXPECT_EQ(text_of(MeshFormat::Obj),
             "# hello\nv 0 0 0\nv 1 1 1\nv 0.1 -1e+30 3\nf 1 2 3\nt crease 2/1/0 0 1 10\n");
+  mesh.colors = {{1, 0, 0, 1}, {0, 0, 0, 0.5f}, {1, 1, 1, 1}};
+  mesh.uvs = {{0.5, 1}};
+  mesh.face_uvs = {0, -1, 0};
+  mesh.groups = {{"a", "b"}};
+  mesh.face_groups = {0};
+  mesh.hole_faces = {0};
+  EXPECT_EQ(text_of(MeshFormat::Obj),
+            "# hello\nv 0 0 0 1 0 0\nv 1 1 1 0 0 0 0.5\nv 0.1 -1e+30 3 1 1 1\nvt 0.5 1\ng a\n"
+            "usemtl b\nf 1/1 2 3/1\nt crease 2/1/0 0 1 10\nt hole 1/0/0 0\n");
   EXPECT_EQ(text_of(MeshFormat::Off), "OFF\n# hello\n3 1 0\n0 0 0\n1 1 1\n0.1 -1e+30 3\n3 0 1 2\n");
 }
 
@@ -129,6 +182,10 @@ TEST(WriteMesh, RefusesWhatCouldNotBeReadBack) {
             path.string() + ": polygons are written as .obj, .ply or .off, not as .stl");
   EXPECT_EQ(error_of(MeshFormat::Obj, mesh, {.header = {"a\nv 1 2 3"}}),
             path.string() + ": a header line holds a line break");
+  mesh.uvs = {{0, std::numeric_limits<double>::infinity()}};
+  EXPECT_EQ(error_of(MeshFormat::Obj, mesh, {}),
+            path.string() + ": texture coordinate 0 is not finite");
+  mesh.uvs.clear();
   mesh.positions[4].y = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(error_of(MeshFormat::Obj, mesh, {}), path.string() + ": vertex 4 is not finite");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));

@@ -25,7 +25,7 @@ std::string with_triangle(std::string_view more) { return std::string(kTriangle)
 
 TEST(ReadObj, KeepsPolygonsOfAnySize) {
   const MeshFile file = read(
-      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\n"
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\n"
       "f 1 2 3 4\nf 1/1 2/2/2 5//3\nf 1 2 3 4 5\nf 1 2\nf\n");
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 4, 7, 12, 14, 14));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 3, 0, 1, 4, 0, 1, 2, 3, 4, 0, 1));
@@ -80,6 +80,63 @@ TEST(ReadObj, KeepsCreaseAndCornerTags) {
   EXPECT_EQ(file.mesh.corners[2].sharpness, 0);
 }
 
+TEST(ReadObj, KeepsTextureCoordinatesByCorner) {
+  const MeshFile file = read(with_triangle(
+      "vt 0.1 0.2\nvt 3\nf 1 2 3\nf 1/1 2/-1/7 3//1\nvt -1 2 5\nf 1/3 2/4 3/-3\nvt 9 8\n"));
+  EXPECT_THAT(file.mesh.uvs, ElementsAre(glm::dvec2(0.1, 0.2), glm::dvec2(3, 0), glm::dvec2(-1, 2),
+                                         glm::dvec2(9, 8)));
+  EXPECT_THAT(file.mesh.face_uvs, ElementsAre(-1, -1, -1, 0, 1, -1, 2, 3, 0));
+  // What no corner names is no attribute.
+  EXPECT_THAT(read(with_triangle("vt 0 0\nf 1 2 3\n")).mesh.uvs, IsEmpty());
+}
+
+TEST(ReadObj, RefusesWrongTextureCoordinates) {
+  EXPECT_EQ(error_of(with_triangle("vt 0 0\nf 1/1 2/1 3/2\n")),
+            "a.obj:5: face names texture coordinate 2 of 1");
+  EXPECT_EQ(error_of(with_triangle("f 1/1 2/1 3/1\n")),
+            "a.obj:4: face names texture coordinate 1 of 0");
+  EXPECT_EQ(error_of(with_triangle("vt 0 0\nf 1/1 2/0 3/1\n")),
+            "a.obj:5: face names texture coordinate 0, but OBJ counts from 1");
+  EXPECT_EQ(error_of(with_triangle("vt 0 0\nf 1/1 2/-2 3/1\n")),
+            "a.obj:5: face names texture coordinate -2, but only 1 stand before it");
+  EXPECT_EQ(error_of("vt 0 nan\n"), "a.obj:1: texture coordinate `nan` is no finite number");
+  EXPECT_EQ(error_of("vt\n"), "a.obj:1: texture coordinate without a number");
+}
+
+TEST(ReadObj, KeepsMaterialsAndNamesOfGroups) {
+  const MeshFile file =
+      read(with_triangle("f 1 2 3\no part one\nf 1 2 3\nusemtl red\nf 1 2 3\ng left\nf 1 2 3\n"
+                         "g\nf 1 2 3\no\nusemtl\nf 1 2 3\ng never used\n"));
+  EXPECT_THAT(file.mesh.face_groups, ElementsAre(0, 1, 2, 3, 2, 0));
+  std::vector<std::string> names;
+  for (const FaceGroup& group : file.mesh.groups)
+    names.push_back(group.name + "|" + group.material);
+  EXPECT_THAT(names, ElementsAre("|", "part one|", "part one|red", "left|red"));
+  EXPECT_THAT(read(with_triangle("f 1 2 3\ng a\n")).mesh.groups, IsEmpty());
+}
+
+TEST(ReadObj, ReadsColoursAsSrgb) {
+  const MeshFile file = read("v 0 0 0\nv 1 0 0 1 0.5 0\nv 0 1 0 0.04 1 1 0.25\nf 1 2 3\n");
+  ASSERT_EQ(file.mesh.colors.size(), 3u);
+  EXPECT_EQ(file.mesh.colors[0], glm::vec4(1));
+  // ((0.5 + 0.055) / 1.055)^2.4 and 0.04 / 12.92
+  EXPECT_EQ(file.mesh.colors[1], glm::vec4(1, 0.21404114f, 0, 1));
+  EXPECT_EQ(file.mesh.colors[2], glm::vec4(0.0030959751f, 1, 1, 0.25f));
+  EXPECT_THAT(read("v 0 0 0 1\n").mesh.colors, IsEmpty());
+  const MeshFile bytes = read("v 0 0 0 255 -1 0\nv 0 0 0 1 1 1\n");
+  EXPECT_EQ(bytes.mesh.colors[0], glm::vec4(1, 0, 0, 1));
+  ASSERT_EQ(bytes.warnings.size(), 1u);
+  EXPECT_EQ(bytes.warnings[0].message, "1 vertex colours lie outside 0 to 1 and are clamped");
+}
+
+TEST(ReadObj, KeepsHoles) {
+  const MeshFile file = read(with_triangle("t hole 1/0/0 1\nf 1 2 3\nf 1 2 3\nt hole 1/0/0 0\n"));
+  EXPECT_THAT(file.mesh.hole_faces, ElementsAre(1, 0));
+  EXPECT_EQ(error_of(with_triangle("f 1 2 3\nt hole 1/0/0 1\n")), "a.obj:5: tag names face 1 of 1");
+  EXPECT_EQ(error_of(with_triangle("f 1 2 3\nt hole 1/0/0 -1\n")),
+            "a.obj:5: tag face `-1` is no index from 0");
+}
+
 TEST(ReadObj, CountsWhatCarriesNoSurface) {
   const MeshFile file = read(with_triangle("l 1 2\np 3\nvt 0 0\nvn 0 0 1\ng a\nusemtl b\ns off\n"));
   EXPECT_EQ(file.dropped_element_count, 2);
@@ -88,13 +145,13 @@ TEST(ReadObj, CountsWhatCarriesNoSurface) {
 }
 
 TEST(ReadObj, WarnsOfUnknownLines) {
-  const MeshFile file = read(with_triangle("foo 1\nbar\nt hole 1/0/0 0\n"));
+  const MeshFile file = read(with_triangle("foo 1\nbar\nt foo 1/0/0 0\n"));
   ASSERT_EQ(file.warnings.size(), 2u);
   EXPECT_EQ(file.warnings[0].code, "unknown-keyword");
   EXPECT_EQ(file.warnings[0].message, "line 4: unknown keyword `foo`; such lines are ignored");
   EXPECT_EQ(file.warnings[0].count, 2);
   EXPECT_EQ(file.warnings[1].code, "unknown-tag");
-  EXPECT_EQ(file.warnings[1].message, "line 6: unknown tag `hole`; such lines are ignored");
+  EXPECT_EQ(file.warnings[1].message, "line 6: unknown tag `foo`; such lines are ignored");
 }
 
 TEST(ReadObj, CollectsTheHeaderOfACage) {

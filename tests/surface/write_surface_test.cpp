@@ -35,6 +35,20 @@ TEST(WriteSurface, ObjCarriesNormals) {
             "f 1//1 2//2 3//3 4//4\nf 2//2 5//5 6//6 3//3\n");
 }
 
+TEST(WriteSurface, ObjCarriesAttributes) {
+  SurfaceMesh surface = two_quads();
+  surface.uvs = {{0, 0}, {0.5, 0}, {0.5, 1}, {0, 1}, {2, 3}};
+  surface.face_uvs = {0, 1, 2, 3, 4, 4, 4, 4};
+  surface.colors.assign(6, glm::vec4(0, 1, 0, 1));
+  surface.groups = {{"a", "x"}, {"a", "y"}};
+  surface.face_groups = {0, 1};
+  EXPECT_EQ(written(MeshFormat::Obj, surface),
+            "# planish level=1\nv 0 0 0 0 1 0\nv 1 0 0.1 0 1 0\nv 1 1 0 0 1 0\nv 0 1 0 0 1 0\n"
+            "v 2 0 0 0 1 0\nv 2 1 0 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 2 3\n"
+            "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0.6 0 0.8\nvn 0 1 0\n"
+            "g a\nusemtl x\nf 1/1/1 2/2/2 3/3/3 4/4/4\nusemtl y\nf 2/5/2 5/5/5 6/5/6 3/5/3\n");
+}
+
 TEST(WriteSurface, OffCarriesPositions) {
   EXPECT_EQ(written(MeshFormat::Off, two_quads()),
             "OFF\n# planish level=1\n6 2 0\n0 0 0\n1 0 0.1\n1 1 0\n0 1 0\n2 0 0\n2 1 0\n"

@@ -106,6 +106,12 @@ void write_mesh(const std::filesystem::path& path, MeshFormat format, const Poly
                   .face_vertices = mesh.face_vertices,
                   .creases = mesh.creases,
                   .corners = mesh.corners,
+                  .uvs = mesh.uvs,
+                  .face_uvs = mesh.face_uvs,
+                  .colors = mesh.colors,
+                  .groups = mesh.groups,
+                  .face_groups = mesh.face_groups,
+                  .hole_faces = mesh.hole_faces,
                   .header = options.header});
 }
 

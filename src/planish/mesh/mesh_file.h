@@ -45,9 +45,10 @@ struct MeshWriteOptions {
   std::vector<std::string> header;  ///< comment lines, without the comment sign
 };
 
-/// Writes OBJ, PLY (binary little endian, double) or OFF through OutputFile; n-gons, creases and
-/// corners are kept where the format has them (OBJ `t` tags). Text numbers are shortest
-/// round-trip doubles. Throws Error{UnwritableOutput}, Error{InvalidArgument} for other formats.
+/// Writes OBJ, PLY (binary little endian, double) or OFF through OutputFile; n-gons are kept. OBJ
+/// holds all that a mesh has, so that reading it gives the same mesh; PLY holds its colours too
+/// (8 bits), OFF positions and faces only. Text numbers are shortest round-trip doubles.
+/// Throws Error{UnwritableOutput}, Error{InvalidArgument} for other formats.
 void write_mesh(const std::filesystem::path& path, MeshFormat format, const PolygonMesh& mesh,
                 const MeshWriteOptions& options = {});
 

@@ -43,7 +43,7 @@ struct PolygonMesh {
   // What rides on the mesh and is refined with it. Each may be empty: none.
   std::vector<glm::dvec2> uvs;         ///< texture coordinates, which face_uvs names
   std::vector<std::int32_t> face_uvs;  ///< one per corner, as face_vertices; -1: none there
-  std::vector<glm::dvec4> colors;      ///< linear RGBA, 0 to 1, one per vertex
+  std::vector<glm::vec4> colors;       ///< linear RGBA, 0 to 1, one per vertex
   std::vector<FaceGroup> groups;
   std::vector<std::int32_t> face_groups;  ///< one per face: its group
   std::vector<std::int32_t> hole_faces;   ///< faces that shape the surface but are no part of it

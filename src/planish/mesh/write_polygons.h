@@ -19,6 +19,12 @@ struct PolygonView {
   std::span<const std::int32_t> face_vertices;
   std::span<const CreaseEdge> creases;
   std::span<const CornerVertex> corners;
+  std::span<const glm::dvec2> uvs;
+  std::span<const std::int32_t> face_uvs;  ///< empty, or one per corner; -1: none there
+  std::span<const glm::vec4> colors;       ///< empty, or one per position; linear RGBA
+  std::span<const FaceGroup> groups;
+  std::span<const std::int32_t> face_groups;  ///< empty, or one per face
+  std::span<const std::int32_t> hole_faces;
   std::span<const std::string> header;  ///< comment lines, without the comment sign
 
   [[nodiscard]] std::size_t face_count() const {
@@ -31,10 +37,12 @@ struct PolygonView {
   }
 };
 
-/// Writes OBJ (`vn` for normals, `t` tags for creases and corners), PLY (binary little endian,
-/// double positions, float `nx ny nz` for normals) or OFF (no normals) through OutputFile.
-/// Throws Error{UnwritableOutput}; Error{InvalidArgument} for other formats, for positions that
-/// are not finite and for header lines that hold a line break.
+/// Writes OBJ (`vn` for normals, `vt`, `g`, `usemtl`, colours in sRGB behind the positions, `t`
+/// tags for creases, corners and holes), PLY (binary little endian, double positions, float
+/// `nx ny nz` for normals, sRGB colours of 8 bits) or OFF (positions and faces) through OutputFile.
+/// Names lose what OBJ cannot hold: control characters, `#` before a word, `\` at the end.
+/// Throws Error{UnwritableOutput}; Error{InvalidArgument} for other formats, for numbers that are
+/// not finite and for header lines that hold a line break.
 void write_polygons(const std::filesystem::path& path, MeshFormat format, const PolygonView& view);
 
 }  // namespace planish

@@ -42,7 +42,7 @@ void carry_uvs(const PolygonMesh& mesh, const QuadSplit& split, SurfaceMesh& sur
 void carry_colors(const PolygonMesh& mesh, const QuadSplit& split, const LimitRows& rows,
                   SurfaceMesh& surface) {
   std::vector<Primvar<glm::dvec4>> values(mesh.colors.size());
-  for (std::size_t i = 0; i < values.size(); ++i) values[i].value = mesh.colors[i];
+  for (std::size_t i = 0; i < values.size(); ++i) values[i].value = glm::dvec4(mesh.colors[i]);
   const OpenSubdiv::Far::PrimvarRefinerReal<float> refiner(split.refiner());
   for (int l = 1; l <= surface.level; ++l) {
     std::vector<Primvar<glm::dvec4>> finer(

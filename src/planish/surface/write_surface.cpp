@@ -11,6 +11,11 @@ void write_surface(const std::filesystem::path& path, MeshFormat format, const S
   view.normals = surface.normals;
   if (surface.level == 0) view.face_offsets = surface.face_offsets;
   view.face_vertices = surface.face_vertices;
+  view.uvs = surface.uvs;
+  view.face_uvs = surface.face_uvs;
+  view.colors = surface.colors;
+  view.groups = surface.groups;
+  view.face_groups = surface.face_groups;
   view.header = header;
   write_polygons(path, format, view);
 }
