@@ -49,4 +49,31 @@ inline SurfaceMesh flat_polygons(const std::vector<std::vector<glm::dvec2>>& pol
   return surface;
 }
 
+/// A flat grid of 4 x 2 quads: the left half and the right half are a chart (u = x, u = x + 10;
+/// v = y) and a group each, with a seam of three vertices on x = 0.5.
+inline SurfaceMesh two_charts() {
+  SurfaceMesh surface;
+  surface.level = 1;
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 5; ++i) {
+      surface.positions.emplace_back(0.25 * i, 0.5 * j, 0.0);
+      surface.normals.emplace_back(0.0f, 0.0f, 1.0f);
+    }
+  }
+  for (const int chart : {0, 1})
+    for (const glm::dvec3& p : surface.positions) surface.uvs.emplace_back(p.x + 10 * chart, p.y);
+  for (std::int32_t j = 0; j < 2; ++j) {
+    for (std::int32_t i = 0; i < 4; ++i) {
+      const std::int32_t a = 5 * j + i;
+      for (const std::int32_t v : {a, a + 1, a + 6, a + 5}) {
+        surface.face_vertices.push_back(v);
+        surface.face_uvs.push_back(i < 2 ? v : v + 15);
+      }
+      surface.face_groups.push_back(i < 2 ? 0 : 1);
+    }
+  }
+  surface.groups = {{"left", "red"}, {"right", "blue"}};
+  return surface;
+}
+
 }  // namespace planish::test

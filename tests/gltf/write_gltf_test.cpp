@@ -335,7 +335,7 @@ TEST_F(WriteGltf, FourGibibytesAreRefusedNamingTheWayOut) {
 TEST_F(WriteGltf, LayoutCountsIn64Bits) {
   const GltfLayout layout = gltf_layout(1000000000, 2000000000);
   EXPECT_EQ(layout.attribute_bytes, 12000000000u);
-  EXPECT_EQ(layout.index_bytes, 24000000000u);
+  EXPECT_EQ(layout.index_bytes(0), 24000000000u);
   EXPECT_EQ(layout.buffer_bytes, 48000000000u);
 }
 

@@ -20,6 +20,11 @@ void write_samples(const std::filesystem::path& folder) {
                                   {{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}},
                                   {{0, 0}, {1, 0}, {1, 1}, {0, 1}}}),
              plain);
+  SurfaceMesh charts = test::two_charts();
+  charts.colors.assign(charts.positions.size(), glm::vec4(0.2f, 0.4f, 1.0f, 1.0f));
+  write_gltf(folder / "charts.glb", charts, plain);
+  charts.face_groups = {0, 1, 1, 1, 1, 1, 1, 1};
+  write_gltf(folder / "groups of uneven size.gltf", charts, plain);
   GltfOptions everything;
   everything.name = "\xC3\xA4 \"quoted\"";
   everything.double_sided = true;

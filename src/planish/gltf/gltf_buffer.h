@@ -5,6 +5,7 @@
 #include <span>
 
 #include "planish/gltf/gltf_document.h"
+#include "planish/gltf/gltf_vertices.h"
 #include "planish/gltf/write_gltf.h"
 
 namespace planish {
@@ -16,13 +17,14 @@ using ByteSink = std::function<void(std::span<const std::byte>)>;
 void require_writable(const SurfaceMesh& surface, const GltfOptions& options);
 
 /// The layout of a surface that is writable.
-[[nodiscard]] GltfLayout gltf_layout(const SurfaceMesh& surface);
+[[nodiscard]] GltfLayout gltf_layout(const SurfaceMesh& surface, const GltfVertices& vertices);
 
 /// Smallest and largest float32 coordinates as stored.
 [[nodiscard]] GltfBounds gltf_bounds(const SurfaceMesh& surface, const GltfOptions& options);
 
-/// Sends the binary buffer of gltf_layout(surface) to `sink` in pieces of a few MB, in order.
+/// Sends the binary buffer of gltf_layout() to `sink` in pieces of a few MB, in order.
 /// Throws Error{Cancelled} and whatever `sink` throws.
-void write_buffer(const SurfaceMesh& surface, const GltfOptions& options, const ByteSink& sink);
+void write_buffer(const SurfaceMesh& surface, const GltfVertices& vertices,
+                  const GltfOptions& options, const ByteSink& sink);
 
 }  // namespace planish

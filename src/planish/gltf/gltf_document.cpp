@@ -45,33 +45,83 @@ json node_of(const GltfOptions& options) {
   return node;
 }
 
+// Attributes of all primitives in the order of their buffer views and accessors.
+struct Attribute {
+  const char* name;
+  const char* type;
+  std::uint64_t bytes;  // of a vertex
+};
+
+std::vector<Attribute> attributes_of(const GltfLayout& layout) {
+  std::vector<Attribute> attributes{{"POSITION", "VEC3", 12}, {"NORMAL", "VEC3", 12}};
+  if (layout.has_uvs) attributes.push_back({"TEXCOORD_0", "VEC2", 8});
+  if (layout.has_colors) attributes.push_back({"COLOR_0", "VEC4", 16});
+  return attributes;
+}
+
 json buffer_views_of(const GltfLayout& layout) {
-  const auto attribute = [&](std::uint64_t offset) {
-    return json{{"buffer", 0},
-                {"byteOffset", offset},
-                {"byteLength", layout.attribute_bytes},
-                {"target", kArrayBuffer}};
+  json views = json::array();
+  std::uint64_t offset = 0;
+  const auto add = [&](std::uint64_t bytes, int target) {
+    views.push_back(
+        {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes}, {"target", target}});
+    offset += padded(bytes);
   };
-  return json::array({attribute(0), attribute(layout.attribute_bytes),
-                      json{{"buffer", 0},
-                           {"byteOffset", 2 * layout.attribute_bytes},
-                           {"byteLength", layout.index_bytes},
-                           {"target", kElementArrayBuffer}}});
+  for (const Attribute& attribute : attributes_of(layout))
+    add(attribute.bytes * layout.vertex_count, kArrayBuffer);
+  for (std::size_t i = 0; i < layout.primitives.size(); ++i)
+    add(layout.index_bytes(i), kElementArrayBuffer);
+  return views;
 }
 
 json accessors_of(const GltfLayout& layout, const GltfBounds& bounds) {
-  json positions{
-      {"bufferView", 0}, {"componentType", kFloat},         {"count", layout.vertex_count},
-      {"type", "VEC3"},  {"min", array_of(bounds.minimum)}, {"max", array_of(bounds.maximum)}};
-  json normals{{"bufferView", 1},
-               {"componentType", kFloat},
-               {"count", layout.vertex_count},
-               {"type", "VEC3"}};
-  json indices{{"bufferView", 2},
-               {"componentType", layout.index_size == 2 ? kUnsignedShort : kUnsignedInt},
-               {"count", 3 * layout.triangle_count},
-               {"type", "SCALAR"}};
-  return json::array({std::move(positions), std::move(normals), std::move(indices)});
+  json accessors = json::array();
+  for (const Attribute& attribute : attributes_of(layout)) {
+    accessors.push_back({{"bufferView", accessors.size()},
+                         {"componentType", kFloat},
+                         {"count", layout.vertex_count},
+                         {"type", attribute.type}});
+  }
+  accessors[0]["min"] = array_of(bounds.minimum);
+  accessors[0]["max"] = array_of(bounds.maximum);
+  for (const GltfPrimitive& primitive : layout.primitives) {
+    accessors.push_back({{"bufferView", accessors.size()},
+                         {"componentType", layout.index_size == 2 ? kUnsignedShort : kUnsignedInt},
+                         {"count", 3 * primitive.triangle_count},
+                         {"type", "SCALAR"}});
+  }
+  return accessors;
+}
+
+json primitives_of(const GltfLayout& layout) {
+  const std::vector<Attribute> attributes = attributes_of(layout);
+  json accessor_of = json::object();
+  for (std::size_t i = 0; i < attributes.size(); ++i) accessor_of[attributes[i].name] = i;
+  json primitives = json::array();
+  for (std::size_t i = 0; i < layout.primitives.size(); ++i) {
+    json primitive{{"attributes", accessor_of},
+                   {"indices", attributes.size() + i},
+                   {"material", i},
+                   {"mode", kTriangles}};
+    // Primitives have no name of their own.
+    if (!layout.primitives[i].name.empty())
+      primitive["extras"] = {{"group", layout.primitives[i].name}};
+    primitives.push_back(std::move(primitive));
+  }
+  return primitives;
+}
+
+json materials_of(const GltfLayout& layout, const GltfOptions& options) {
+  json materials = json::array();
+  for (const GltfPrimitive& primitive : layout.primitives) {
+    json material{
+        {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", kRoughness}}}};
+    if (options.double_sided) material["doubleSided"] = true;
+    const std::string& name = primitive.material.empty() ? primitive.name : primitive.material;
+    if (!name.empty()) material["name"] = name;
+    materials.push_back(std::move(material));
+  }
+  return materials;
 }
 
 }  // namespace
@@ -79,12 +129,21 @@ json accessors_of(const GltfLayout& layout, const GltfBounds& bounds) {
 GltfLayout gltf_layout(std::uint64_t vertex_count, std::uint64_t triangle_count) {
   GltfLayout layout;
   layout.vertex_count = vertex_count;
-  layout.triangle_count = triangle_count;
-  layout.index_size = vertex_count <= kMaxShortIndexVertices ? 2 : 4;
-  layout.attribute_bytes = 3 * sizeof(float) * vertex_count;
-  layout.index_bytes = 3 * layout.index_size * triangle_count;
-  layout.buffer_bytes = 2 * layout.attribute_bytes + padded(layout.index_bytes);
+  layout.primitives = {{.triangle_count = triangle_count, .name = {}, .material = {}}};
+  set_sizes(layout);
   return layout;
+}
+
+void set_sizes(GltfLayout& layout) {
+  layout.index_size = layout.vertex_count <= kMaxShortIndexVertices ? 2 : 4;
+  layout.attribute_bytes = 3 * sizeof(float) * layout.vertex_count;
+  layout.triangle_count = layout.buffer_bytes = 0;
+  for (const Attribute& attribute : attributes_of(layout))
+    layout.buffer_bytes += attribute.bytes * layout.vertex_count;
+  for (std::size_t i = 0; i < layout.primitives.size(); ++i) {
+    layout.triangle_count += layout.primitives[i].triangle_count;
+    layout.buffer_bytes += padded(layout.index_bytes(i));
+  }
 }
 
 std::uint64_t glb_byte_count(std::uint64_t json_bytes, std::uint64_t buffer_bytes,
@@ -102,14 +161,7 @@ std::uint64_t glb_byte_count(std::uint64_t json_bytes, std::uint64_t buffer_byte
 
 std::string gltf_json(const GltfLayout& layout, const GltfBounds& bounds,
                       const GltfOptions& options, std::string_view buffer_uri) {
-  json primitive{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}}},
-                 {"indices", 2},
-                 {"material", 0},
-                 {"mode", kTriangles}};
-  json mesh{{"name", options.name}, {"primitives", json::array({std::move(primitive)})}};
-  json material{
-      {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", kRoughness}}}};
-  if (options.double_sided) material["doubleSided"] = true;
+  json mesh{{"name", options.name}, {"primitives", primitives_of(layout)}};
   json scene{{"nodes", json::array({0})}};
   json document;
   document["asset"] = asset_of(options);
@@ -117,7 +169,7 @@ std::string gltf_json(const GltfLayout& layout, const GltfBounds& bounds,
   document["scenes"] = json::array({std::move(scene)});
   document["nodes"] = json::array({node_of(options)});
   document["meshes"] = json::array({std::move(mesh)});
-  document["materials"] = json::array({std::move(material)});
+  document["materials"] = materials_of(layout, options);
   document["accessors"] = accessors_of(layout, bounds);
   document["bufferViews"] = buffer_views_of(layout);
   json buffer{{"byteLength", layout.buffer_bytes}};

@@ -27,22 +27,23 @@ void send(const ByteSink& sink, const std::array<std::uint32_t, N>& words) {
   sink(std::as_bytes(std::span(words)));
 }
 
-std::string padded_json(const SurfaceMesh& surface, const GltfOptions& options) {
-  std::string json = gltf_json(gltf_layout(surface), gltf_bounds(surface, options), options, {});
+std::string padded_json(const SurfaceMesh& surface, const GltfLayout& layout,
+                        const GltfOptions& options) {
+  std::string json = gltf_json(layout, gltf_bounds(surface, options), options, {});
   json.resize((json.size() + 3) / 4 * 4, ' ');
   return json;
 }
 
-void write_glb(const SurfaceMesh& surface, const GltfOptions& options, const std::string& json,
-               const ByteSink& sink) {
-  const std::uint64_t buffer_bytes = gltf_layout(surface).buffer_bytes;
+void write_glb(const SurfaceMesh& surface, const GltfVertices& vertices, const GltfOptions& options,
+               const std::string& json, const ByteSink& sink) {
+  const std::uint64_t buffer_bytes = gltf_layout(surface, vertices).buffer_bytes;
   const auto all =
       static_cast<std::uint32_t>(glb_byte_count(json.size(), buffer_bytes, options.name));
   send(sink, std::array{kGlbMagic, kGlbVersion, all});
   send(sink, std::array{static_cast<std::uint32_t>(json.size()), kJsonChunk});
   sink(std::as_bytes(std::span(json)));
   send(sink, std::array{static_cast<std::uint32_t>(buffer_bytes), kBinaryChunk});
-  write_buffer(surface, options, sink);
+  write_buffer(surface, vertices, options, sink);
 }
 
 void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
@@ -56,13 +57,14 @@ void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
 
 std::vector<std::byte> encode_glb(const SurfaceMesh& surface, const GltfOptions& options) {
   require_writable(surface, options);
-  const std::string json = padded_json(surface, options);
-  const std::uint64_t bytes =
-      glb_byte_count(json.size(), gltf_layout(surface).buffer_bytes, options.name);
+  const GltfVertices vertices = gltf_vertices(surface);
+  const GltfLayout layout = gltf_layout(surface, vertices);
+  const std::string json = padded_json(surface, layout, options);
+  const std::uint64_t bytes = glb_byte_count(json.size(), layout.buffer_bytes, options.name);
   warn_if_large(bytes, options);
   std::vector<std::byte> glb;
   glb.reserve(bytes);
-  write_glb(surface, options, json, [&](std::span<const std::byte> piece) {
+  write_glb(surface, vertices, options, json, [&](std::span<const std::byte> piece) {
     glb.insert(glb.end(), piece.begin(), piece.end());
   });
   return glb;
@@ -78,14 +80,15 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surfac
                 path.string() + ": extension is neither .glb nor .gltf");
   }
   require_writable(surface, options);
-  const GltfLayout layout = gltf_layout(surface);
+  const GltfVertices vertices = gltf_vertices(surface);
+  const GltfLayout layout = gltf_layout(surface, vertices);
   GltfFile written{0, layout.vertex_count, layout.triangle_count};
   if (extension == ".glb") {
-    const std::string json = padded_json(surface, options);
+    const std::string json = padded_json(surface, layout, options);
     written.byte_count = glb_byte_count(json.size(), layout.buffer_bytes, path.string());
     warn_if_large(written.byte_count, options);
     OutputFile file(path);
-    write_glb(surface, options, json, [&](auto bytes) { file.write(bytes); });
+    write_glb(surface, vertices, options, json, [&](auto bytes) { file.write(bytes); });
     file.commit();
     return written;
   }
@@ -95,7 +98,7 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surfac
   written.byte_count = json.size() + layout.buffer_bytes;
   warn_if_large(layout.buffer_bytes, options);
   OutputFile file(path), buffer(buffer_path);
-  write_buffer(surface, options, [&](auto bytes) { buffer.write(bytes); });
+  write_buffer(surface, vertices, options, [&](auto bytes) { buffer.write(bytes); });
   file.write(json);
   // The JSON is nothing without the buffer that it names.
   buffer.commit();

@@ -32,11 +32,14 @@ struct GltfFile {
 
 /// A GLB of the surface: float32 POSITION (with min/max of the float values) and NORMAL, one
 /// buffer view each, u16 indices up to 65534 vertices, else u32; polygons and quads are split on
-/// the shorter diagonal, concave ones so that no triangle is turned over. One default PBR material
-/// (metallic 0, roughness 0.5). The same surface and options give the same bytes.
+/// the shorter diagonal, concave ones so that no triangle is turned over. PBR materials are the
+/// default (metallic 0, roughness 0.5): one, or one and a primitive for each group that has faces,
+/// with the material's name; the group's stands in the primitive's extras. Texture coordinates
+/// become TEXCOORD_0 (v turned over), vertices on their seams get copies behind the others;
+/// colours become COLOR_0. The same surface and options give the same bytes.
 /// Throws Error{InvalidArgument}: from 4 GiB on, naming .gltf as the way out; a surface without
-/// faces; a position that float32 cannot hold, a normal that is not of unit length, a face that
-/// names no vertex, with its index as element.
+/// faces; a number that float32 cannot hold, a normal that is not of unit length, a face that
+/// names no vertex, texture coordinate or group, with its index as element.
 [[nodiscard]] std::vector<std::byte> encode_glb(const SurfaceMesh& surface,
                                                 const GltfOptions& options);
 
