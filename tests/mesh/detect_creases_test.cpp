@@ -38,6 +38,14 @@ TEST(DetectCreases, DropsALoneEdge) {
   EXPECT_EQ(with_detected_creases(tagged).creases.size(), 1u) << "the mesh's own tag stays";
 }
 
+TEST(DetectCreases, ReplacesALowerSharpness) {
+  PolygonMesh mesh = test::cube();
+  mesh.creases = {{0, 1, 3.0f}, {0, 2, 12.0f}};
+  const PolygonMesh result = with_detected_creases(mesh);
+  EXPECT_EQ(result.creases.size(), 12u);
+  for (const CreaseEdge& crease : result.creases) EXPECT_GE(crease.sharpness, kInfiniteSharpness);
+}
+
 TEST(DetectCreases, TagsSharpTurnsAsCorners) {
   // A flat square plate over a plain: its outline is a crease that turns by 90 degrees.
   PolygonMesh mesh = test::grid(6, 6);

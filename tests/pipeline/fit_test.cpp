@@ -81,6 +81,7 @@ TEST(Fit, WarnsOfSemiSharpCreases) {
   (void)fit(mesh, *make_cpu_backend(), options);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].code, "semi-sharp-creases");
+  EXPECT_NE(warnings[0].message.find("edge 0-1"), std::string::npos) << warnings[0].message;
 }
 
 TEST(Fit, ACubeWithAllEdgesTaggedIsItsOwnSurface) {

@@ -156,15 +156,15 @@ TEST(SceneShapes, PoleHasValence64AndACapOf64Corners) {
 
 TEST(SceneShapes, BearingBlockTagsItsSharpEdgesOnly) {
   const PolygonMesh& mesh = meshes().at("bearing_block.obj");
-  // Six outlines of 32 edges: two squares, the foot and the rim of the boss, both ends of the bore;
-  // and two upright edges at each of the four corners.
+  // Six outlines of 64 edges: two squares, the foot and the rim of the boss, both ends of the bore;
+  // and four upright edges at each of the four corners.
   std::int64_t sharp = 0;
   std::int64_t semi_sharp = 0;
   for (const CreaseEdge& crease : mesh.creases) {
     (crease.sharpness == kInfiniteSharpness ? sharp : semi_sharp)++;
   }
-  EXPECT_EQ(sharp, 6 * 32);
-  EXPECT_EQ(semi_sharp, 4 * 2);
+  EXPECT_EQ(sharp, 6 * 64);
+  EXPECT_EQ(semi_sharp, 4 * 4);
 }
 
 TEST(Torus, LiesOnItsEquation) {

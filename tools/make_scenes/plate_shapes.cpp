@@ -115,7 +115,7 @@ PolygonMesh plate_with_holes() {
 }
 
 PolygonMesh bearing_block() {
-  constexpr std::int32_t kSide = 8;
+  constexpr std::int32_t kSide = 16;
   constexpr std::int32_t kAround = 4 * kSide;
   constexpr float kSemiSharp = 3.0f;
   // The section, outward first: each stop is an outline (a square where `is_square`) and a height,
@@ -125,12 +125,12 @@ PolygonMesh bearing_block() {
     double size, height;
     std::int32_t steps;
   };
-  constexpr std::array<Stop, 6> kStops{{{false, 0.45, 0.0, 6},
-                                        {true, 1.0, 0.0, 4},
-                                        {true, 1.0, 0.35, 2},
-                                        {false, 0.7, 0.35, 2},
-                                        {false, 0.7, 1.1, 4},
-                                        {false, 0.45, 1.1, 2}}};
+  constexpr std::array<Stop, 6> kStops{{{false, 0.45, 0.0, 12},
+                                        {true, 1.0, 0.0, 8},
+                                        {true, 1.0, 0.35, 4},
+                                        {false, 0.7, 0.35, 4},
+                                        {false, 0.7, 1.1, 8},
+                                        {false, 0.45, 1.1, 4}}};
   const auto outline = [](const Stop& stop, std::int32_t i) {
     return (stop.is_square ? square_point(i, kSide, stop.size)
                            : circle_point(i, kSide, stop.size)) +

@@ -78,7 +78,7 @@ Input read_job_input(const Job& job, JobReport& report, Console& console) {
 void prepare_input(Input& input, JobReport& report, Console& console) {
   const Settings& settings = report.settings;
   try {
-    RepairedMesh prepared = prepare(input.file.mesh, settings.repair, settings.creases);
+    RepairedMesh prepared = prepare(input.file.mesh, settings);
     for (Warning change : prepared.changes) {
       change.message = input.name + ": " + change.message;
       add_warning(report, console, change);
@@ -331,7 +331,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
 void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
                   const DeviceDescription& device) {
   const Input input = read_input(job.input, job.input_format);
-  const PolygonMesh mesh = prepare(input.file.mesh, job.settings.repair, job.settings.creases).mesh;
+  const PolygonMesh mesh = prepare(input.file.mesh, job.settings).mesh;
   require_usable(mesh, input.name);
   std::string text = "would fit " + input.name + ": " + with_separators(mesh.vertex_count()) +
                      " vertices" + ", " + counted(mesh.face_count(), "face") + "\n";

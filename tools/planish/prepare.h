@@ -11,4 +11,8 @@ namespace planish::command {
 [[nodiscard]] RepairedMesh prepare(const PolygonMesh& mesh, RepairChoice repair,
                                    const CreaseChoice& creases);
 
+/// The same for a job, whose scene file may tag further edges and vertices of the input. Throws
+/// Error{UnusableMesh} for a tag that names no vertex.
+[[nodiscard]] RepairedMesh prepare(const PolygonMesh& mesh, const Settings& settings);
+
 }  // namespace planish::command

@@ -67,6 +67,18 @@ std::vector<int> levels_of(const Json& json, const std::string& where) {
   return checked_levels(values, where);
 }
 
+template <class Visit>
+void for_entries(const Json& json, const std::string& where, const Visit& visit) {
+  if (!json.is_array()) refuse(where, std::string("a list is wanted, not ") + json.type_name());
+  for (std::size_t i = 0; i < json.size(); ++i) visit(json[i], entry_path(where, i));
+}
+
+std::int32_t vertex_of(const Json& json, const std::string& where) {
+  const std::int64_t vertex = integer_of(json, where);
+  if (vertex < 0) refuse(where, "a vertex counted from 0 is wanted, not " + std::to_string(vertex));
+  return static_cast<std::int32_t>(vertex);
+}
+
 // Settings of one object. A key may stand in the object or in its "solve", not in both.
 void apply_settings(Settings& settings, const Json& json, const std::string& where) {
   const bool has_solve = json.contains("solve");
@@ -95,6 +107,22 @@ void apply_settings(Settings& settings, const Json& json, const std::string& whe
   });
   visit("max_iterations", [&](const Json& value, const std::string& path) {
     set_max_iterations(settings, integer_of(value, path), path);
+  });
+  visit("crease_edges", [&](const Json& value, const std::string& path) {
+    settings.crease_edges.clear();
+    for_entries(value, path, [&](const Json& edge, const std::string& entry) {
+      if (!edge.is_array() || edge.size() != 2) {
+        refuse(entry, "two vertices such as [0, 1] are wanted");
+      }
+      settings.crease_edges.push_back(
+          {vertex_of(edge[0], entry_path(entry, 0)), vertex_of(edge[1], entry_path(entry, 1))});
+    });
+  });
+  visit("corner_vertices", [&](const Json& value, const std::string& path) {
+    settings.corner_vertices.clear();
+    for_entries(value, path, [&](const Json& vertex, const std::string& entry) {
+      settings.corner_vertices.push_back({vertex_of(vertex, entry)});
+    });
   });
   visit("levels", [&](const Json& value, const std::string& path) {
     settings.levels = levels_of(value, path);
@@ -227,8 +255,10 @@ Json parse_json(std::string_view text, const std::string& name) {
 }  // namespace
 
 std::vector<std::string_view> scene_keys(SceneObject object) {
-  std::vector<std::string_view> solve{"tolerance", "max_iterations"};
-  std::vector<std::string_view> all{"tolerance", "max_iterations", "levels", "solve"};
+  std::vector<std::string_view> solve{"tolerance", "max_iterations", "crease_edges",
+                                      "corner_vertices"};
+  std::vector<std::string_view> all = solve;
+  all.insert(all.end(), {"levels", "solve"});
   for (const WordSetting& setting : word_settings()) {
     all.push_back(setting.name);
     if (setting.belongs_to_solve) solve.push_back(setting.name);

@@ -33,6 +33,8 @@ struct Settings {
   BoundaryRule boundary = BoundaryRule::Edge;
   CreaseChoice creases;
   RepairChoice repair = RepairChoice::Safe;
+  std::vector<CreaseEdge> crease_edges;  ///< of a scene file, besides the input's own tags
+  std::vector<CornerVertex> corner_vertices;
   UpAxis up = UpAxis::Y;
   std::string device = "auto";
   std::vector<int> levels{2};

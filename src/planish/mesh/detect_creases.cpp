@@ -21,7 +21,7 @@ constexpr double kRadians = std::numbers::pi / 180.0;
 
 struct Edge {
   std::int32_t v0, v1;
-  bool given;  // tagged by the mesh, or a boundary: stays
+  bool given;  // tagged as sharp by the mesh, or a boundary: stays
 };
 
 void require_angle(double degrees, const char* name) {
@@ -51,7 +51,9 @@ using VertexPair = std::pair<std::int32_t, std::int32_t>;
 
 std::set<VertexPair> tagged_edges(const PolygonMesh& mesh) {
   std::set<VertexPair> tagged;
-  for (const CreaseEdge& crease : mesh.creases) tagged.insert(std::minmax(crease.v0, crease.v1));
+  for (const CreaseEdge& crease : mesh.creases) {
+    if (crease.sharpness >= kInfiniteSharpness) tagged.insert(std::minmax(crease.v0, crease.v1));
+  }
   return tagged;
 }
 
@@ -91,7 +93,14 @@ PolygonMesh with_detected_creases(const PolygonMesh& mesh, const CreaseDetection
     return lonely;
   });
 
+  // Where an edge is found sharp, a lower sharpness of its own would speak against it.
   PolygonMesh result = mesh;
+  std::set<VertexPair> found;
+  for (const Edge& edge : edges) found.insert({edge.v0, edge.v1});
+  std::erase_if(result.creases, [&](const CreaseEdge& crease) {
+    return crease.sharpness < kInfiniteSharpness &&
+           found.contains(std::minmax(crease.v0, crease.v1));
+  });
   std::vector<std::vector<std::int32_t>> neighbours(mesh.positions.size());
   for (const Edge& edge : edges) {
     if (!edge.given) result.creases.push_back({edge.v0, edge.v1, kInfiniteSharpness});

@@ -13,6 +13,7 @@ struct CreaseDetectionOptions {
 /// faces' normals differ by more than `dihedral_degrees`, except lines of a single edge that touch
 /// no other crease and no boundary; and as corners the vertices where a line of two sharp edges
 /// turns by more than `corner_degrees` (three or more sharp edges make a corner by themselves).
+/// A lower sharpness of an edge that is found sharp is replaced.
 /// The mesh must pass check(). Throws Error{InvalidArgument} for angles outside 0 to 180.
 [[nodiscard]] PolygonMesh with_detected_creases(const PolygonMesh& mesh,
                                                 const CreaseDetectionOptions& options = {});

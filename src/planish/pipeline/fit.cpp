@@ -31,17 +31,19 @@ class Stopwatch {
 
 void warn_of_semi_sharp(const PolygonMesh& mesh, const FitOptions& options) {
   if (!options.sharp.use_tags) return;
-  std::int64_t count = 0, first = -1;
+  std::int64_t count = 0;
+  const CreaseEdge* first = nullptr;
   for (const CreaseEdge& crease : mesh.creases) {
     if (crease.sharpness <= 0 || crease.sharpness >= kInfiniteSharpness) continue;
-    if (count++ == 0) first = crease.v0;
+    if (count++ == 0) first = &crease;
   }
   if (count == 0) return;
-  options.callbacks.warn({"semi-sharp-creases",
-                          std::to_string(count) +
-                              " creases have a sharpness below 10 and are taken as smooth; give "
-                              "10 for a sharp edge",
-                          count, first});
+  options.callbacks.warn(
+      {"semi-sharp-creases",
+       "creases of a sharpness below 10, taken as smooth: " + std::to_string(count) +
+           ", the first of them edge " + std::to_string(first->v0) + "-" +
+           std::to_string(first->v1) + "; give 10 for a sharp edge",
+       count, first->v0});
 }
 
 void require_solver_fits(Solver solver, const SharpFeatures& features) {
