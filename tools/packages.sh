@@ -2,9 +2,9 @@
 
 # To build the command and the library.
 run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf-dev
-  nlohmann-json3-dev libcli11-dev libssl-dev libstb-dev libvulkan-dev glslang-tools spirv-tools"
+  nlohmann-json3-dev libcli11-dev libssl-dev libstb-dev libvulkan-dev glslang-tools spirv-tools libcgal-dev"
 
 # To build and run the tests and benchmarks: reference implementations, a software Vulkan device
 # and its validation layers.
-test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev libcgal-dev
+test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev
   libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers python3"

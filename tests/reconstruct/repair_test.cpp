@@ -31,7 +31,7 @@ TEST(Repair, OrientsTrianglesOfAnyWinding) {
   test::TriangleMesh torus = test::torus_mesh(20, 12);
   for (std::size_t t = 0; t < torus.triangles.size(); ++t)
     if (t % 3 != 1) std::swap(torus.triangles[t][0], torus.triangles[t][1]);
-  const RepairedMesh result = repair(torus.positions, torus.triangles);
+  const RepairedTriangles result = repair_triangles(torus.positions, torus.triangles);
   EXPECT_EQ(result.dropped_triangle_count, 0);
   const PolygonMesh mesh = polygons(torus.positions, result.triangles);
   EXPECT_TRUE(check(mesh).empty());
@@ -44,9 +44,11 @@ TEST(Repair, FillsShortLoopsOnly) {
   // A hole of one vertex: six edges.
   std::erase_if(torus.triangles,
                 [](const Triangle& t) { return std::ranges::find(t, 100) != t.end(); });
-  const RepairedMesh open = repair(torus.positions, torus.triangles, {.longest_filled_loop = 5});
+  const RepairedTriangles open =
+      repair_triangles(torus.positions, torus.triangles, {.longest_filled_loop = 5});
   EXPECT_EQ(open.filled_loop_count, 0);
-  const RepairedMesh closed = repair(torus.positions, torus.triangles, {.longest_filled_loop = 6});
+  const RepairedTriangles closed =
+      repair_triangles(torus.positions, torus.triangles, {.longest_filled_loop = 6});
   EXPECT_EQ(closed.filled_loop_count, 1);
   EXPECT_EQ(closed.triangles.size(), torus.triangles.size() + 4);
   const PolygonMesh mesh = polygons(torus.positions, closed.triangles);
@@ -64,7 +66,8 @@ TEST(Repair, KeepsTheAskedComponents) {
   mesh.triangles.push_back({first, first + 1, first + 3});
   using Keep = ComponentRule::Keep;
   const auto left = [&](Keep keep, std::int64_t least) {
-    return repair(mesh.positions, mesh.triangles, {.components = {keep, least}}).triangles.size();
+    return repair_triangles(mesh.positions, mesh.triangles, {.components = {keep, least}})
+        .triangles.size();
   };
   EXPECT_EQ(left(Keep::Largest, 0), 480u);
   EXPECT_EQ(left(Keep::All, 0), 482u);
@@ -85,8 +88,8 @@ TEST(Repair, MakesAManifoldOfAnything) {
                           static_cast<std::int32_t>(random() % 9)};
       if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
     }
-    const RepairedMesh result =
-        repair(positions, triangles, {.components = {ComponentRule::Keep::All}});
+    const RepairedTriangles result =
+        repair_triangles(positions, triangles, {.components = {ComponentRule::Keep::All}});
     const auto problems = check(polygons(positions, result.triangles));
     EXPECT_TRUE(problems.empty()) << problems.front().message;
     EXPECT_FALSE(result.triangles.empty());
@@ -95,7 +98,7 @@ TEST(Repair, MakesAManifoldOfAnything) {
 
 TEST(Repair, RefusesImpossibleLoops) {
   EXPECT_THAT(test::message_of(ErrorCode::InvalidArgument,
-                               [] { (void)repair({}, {}, {.longest_filled_loop = -1}); }),
+                               [] { (void)repair_triangles({}, {}, {.longest_filled_loop = -1}); }),
               testing::HasSubstr("0 to 1000"));
 }
 

@@ -8,6 +8,8 @@
 #include "input.h"
 #include "job.h"
 #include "planish/core/error.h"
+#include "point_input.h"
+#include "point_settings.h"
 #include "text.h"
 
 namespace planish::command {
@@ -32,12 +34,6 @@ constexpr const char* kExamples =
     "Exit codes: 0 done, 1 internal error, 2 usage, 3 input unreadable, 4 mesh unusable,\n"
     "  5 not converged (files are written), 6 no device or memory, 7 output not writable,\n"
     "  130 and 143 interrupted.\n";
-
-std::string flag_of(std::string_view setting) {
-  std::string flag = "--" + std::string(setting);
-  std::replace(flag.begin(), flag.end(), '_', '-');
-  return flag;
-}
 
 std::vector<int> parse_levels(const std::string& text) {
   std::vector<std::int64_t> values;
@@ -65,6 +61,12 @@ Settings settings_of(const FitFlags& flags) {
       setting.set(settings, given->second, flag_of(setting.name));
     }
   }
+  for (const PointSetting& setting : point_settings()) {
+    const auto given = flags.words.find(setting.name);
+    if (given != flags.words.end() && !given->second.empty()) {
+      setting.set(settings.points, given->second, flag_of(setting.name));
+    }
+  }
   set_tolerance(settings, flags.tolerance, "--tolerance");
   set_max_iterations(settings, flags.max_iterations, "--max-iterations");
   if (!flags.levels.empty()) settings.levels = parse_levels(flags.levels);
@@ -79,7 +81,7 @@ Job job_of(const FitFlags& flags) {
   if (!flags.input_format.empty()) {
     job.input_format = parse_mesh_format(flags.input_format, "--input-format");
   }
-  (void)input_format_of(job.input, job.input_format);
+  require_readable(job.input, job.input_format);
   job.settings = settings_of(flags);
   for (const std::string& path : flags.outputs) {
     job.outputs.push_back({path, OutputKind::Surface, job.settings.levels, "-o"});
@@ -126,6 +128,13 @@ void add_setting_flags(CLI::App& command, FitFlags& flags) {
         ->type_name(std::string(setting.choices))
         ->group("Solve");
   }
+  for (const PointSetting& setting : point_settings()) {
+    std::string help(setting.help);
+    if (!setting.initial.empty()) help += " [" + std::string(setting.initial) + "]";
+    command.add_option(flag_of(setting.name), flags.words[setting.name], help)
+        ->type_name(std::string(setting.choices))
+        ->group("Points");
+  }
   command
       .add_option("--tolerance", flags.tolerance,
                   "largest vertex error, relative to the bounding-box diagonal [1e-6]")
@@ -137,7 +146,10 @@ void add_setting_flags(CLI::App& command, FitFlags& flags) {
 }
 
 void add_file_flags(CLI::App& command, FitFlags& flags) {
-  command.add_option("INPUT", flags.input, "mesh: .obj .ply .off .stl .gltf .glb; - for stdin")
+  command
+      .add_option(
+          "INPUT", flags.input,
+          "mesh: .obj .ply .off .stl .gltf .glb, - for stdin; or points: .ply .xyz .pts .pcd")
       ->type_name("")
       ->required();
   command
@@ -161,7 +173,7 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
 
 void add_fit_command(CLI::App& app, Invocation& invocation) {
   CLI::App* command =
-      app.add_subcommand("fit", "a mesh in, the smooth surface through all its vertices out");
+      app.add_subcommand("fit", "a mesh or points in, the smooth surface through all vertices out");
   auto flags = std::make_shared<FitFlags>();
   add_file_flags(*command, *flags);
   add_setting_flags(*command, *flags);

@@ -62,8 +62,9 @@ MeshFormat input_format_of(const std::string& path, std::optional<MeshFormat> fo
   if (const auto found = format_of(path)) return *found;
   const std::string extension = std::filesystem::path(path).extension().string();
   if (std::ranges::find(kPointFormats, extension) != kPointFormats.end()) {
-    throw Error(ErrorCode::InvalidArgument,
-                path + ": fitting a point cloud is not built yet; a polygon mesh is wanted");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        path + ": is a point cloud, and a polygon mesh is wanted; planish reconstruct makes one");
   }
   throw Error(ErrorCode::InvalidArgument,
               path + ": the extension \"" + extension +

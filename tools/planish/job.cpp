@@ -11,8 +11,10 @@
 #include "planish/core/output_file.h"
 #include "planish/core/version.h"
 #include "planish/mesh/check.h"
+#include "planish/reconstruct/triangle_edges.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/folded_area.h"
+#include "point_input.h"
 #include "prepare.h"
 #include "staged_files.h"
 #include "surface_output.h"
@@ -63,15 +65,46 @@ Callbacks callbacks_for(JobReport& report, const JobContext& context) {
   return callbacks;
 }
 
-Input read_job_input(const Job& job, JobReport& report, Console& console) {
-  Input input = read_input(job.input, job.input_format);
+// A mesh, or points with the mesh that was made of them.
+struct JobInput {
+  Input input;
+  std::vector<glm::dvec3> points;  // that were used, where the file has them
+};
+
+void reconstruct_points(const PointInput& cloud, JobInput& made, JobReport& report,
+                        const Callbacks& callbacks) {
+  ReconstructOptions options = report.settings.points;
+  options.callbacks = callbacks;
+  Reconstruction result = reconstruct_input(cloud, options);
+  report.reconstruction = reconstruction_json(cloud, result);
+  report.reconstruction_summary = reconstruction_summary(cloud, result);
+  for (const std::int32_t point : result.used_points)
+    made.points.push_back(cloud.cloud.origin + cloud.cloud.points[point]);
+  made.input.file.mesh = std::move(result.mesh);
+}
+
+JobInput read_job_input(const Job& job, JobReport& report, const JobContext& context) {
+  Console& console = context.console;
+  JobInput made;
+  Input& input = made.input;
+  if (is_point_path(job.input, job.input_format)) {
+    const PointInput cloud = read_point_input(job.input);
+    input.name = cloud.name;
+    input.sha256 = cloud.sha256;
+    report.input.format = name_of(cloud.format);
+    reconstruct_points(cloud, made, report, callbacks_for(report, context));
+  } else {
+    input = read_input(job.input, job.input_format);
+    report.input.format = name_of(input.file.format);
+    if (const auto cloud = points_of(input))
+      reconstruct_points(*cloud, made, report, callbacks_for(report, context));
+  }
   for (const Warning& warning : input.file.warnings) add_warning(report, console, warning);
   report.input.path = job.input;
   report.input.sha256 = input.sha256;
-  report.input.format = name_of(input.file.format);
   report.input.welded = input.file.welded_vertex_count;
   report.input.dropped = input.file.dropped_element_count;
-  return input;
+  return made;
 }
 
 // Repairs are told as warnings: the file is not what its author believes.
@@ -212,11 +245,24 @@ struct Work {
   Backend& backend;
   const JobContext& context;
   const PolygonMesh& input;
+  const std::vector<glm::dvec3>& points;  ///< of a cloud
   const Fit& fitted;
   JobReport& report;
   StagedFiles& staged;
   std::vector<std::byte> stdout_bytes;
 };
+
+// Distances are measured on a tessellation: from this level on it is as good as the surface.
+constexpr int kMeasuredLevel = 2;
+
+void note_point_distances(Work& work, const SurfaceMesh& surface) {
+  if (work.points.empty() || surface.level < kMeasuredLevel || work.report.point_distances) return;
+  const auto triangles = quads_as_triangles(surface.face_vertices);
+  PointDistances distances = measure_distances(work.points, surface.positions, triangles);
+  distances.max /= work.fitted.placement.diagonal;
+  distances.rms /= work.fitted.placement.diagonal;
+  work.report.point_distances = distances;
+}
 
 SurfaceMesh evaluate_level(Work& work, int level) {
   EvaluateOptions options;
@@ -228,6 +274,7 @@ SurfaceMesh evaluate_level(Work& work, int level) {
   return timed(work.report.timing.evaluate, [&] {
     SurfaceMesh surface = evaluate(work.fitted.cage, work.backend, options);
     note_folds(work.report, surface, work.input, work.context.console);
+    note_point_distances(work, surface);
     return surface;
   });
 }
@@ -278,6 +325,8 @@ void write_outputs(Work& work) {
   }
   // Folds cannot be seen on the cage or at level 0.
   const bool asks_for_result = !work.outputs.empty() || !work.job.report.empty();
+  const bool lacks_distances = !work.points.empty() && !work.report.point_distances;
+  if (asks_for_result && lacks_distances) (void)evaluate_level(work, kMeasuredLevel);
   if (asks_for_result && !work.report.folded_area) (void)evaluate_level(work, 1);
 }
 
@@ -302,8 +351,8 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   std::vector<std::byte> stdout_bytes;
   timed(report.timing.total, [&] {
     context.progress.update("read", 0);
-    Input input =
-        timed(report.timing.read, [&] { return read_job_input(job, report, context.console); });
+    JobInput made = timed(report.timing.read, [&] { return read_job_input(job, report, context); });
+    Input& input = made.input;
     timed(report.timing.check, [&] { prepare_input(input, report, context.console); });
     const PolygonMesh& mesh = input.file.mesh;
     Fit result = fit_input(input, backend, report, callbacks_for(report, context));
@@ -311,7 +360,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     note_fit(report, result);
     warn_of_unused(report, mesh, context.console);
     warn_of_the_solve(report, context.console);
-    Work work{job, outputs, backend, context, mesh, result, report, staged, {}};
+    Work work{job, outputs, backend, context, mesh, made.points, result, report, staged, {}};
     write_outputs(work);
     stdout_bytes = std::move(work.stdout_bytes);
   });
@@ -328,8 +377,31 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   return report;
 }
 
+namespace {
+
+// How large the mesh will be is not known before it is made.
+void describe_point_job(const Job& job, const std::vector<PlannedOutput>& outputs,
+                        const DeviceDescription& device) {
+  const PointInput input = read_point_input(job.input);
+  std::string text = "would reconstruct and fit " + input.name + ": " +
+                     with_separators(static_cast<std::int64_t>(input.cloud.points.size())) +
+                     " points\n";
+  text += "  device      " + device.kind + ", " + device.name + "\n";
+  for (const PlannedOutput& output : outputs)
+    text +=
+        "  would write " + (output.to_stdout ? std::string("stdout") : output.path.string()) + "\n";
+  if (!job.report.empty()) text += "  would write " + job.report + "  (report)\n";
+  write_stdout(text);
+}
+
+}  // namespace
+
 void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
                   const DeviceDescription& device) {
+  if (is_point_path(job.input, job.input_format)) {
+    describe_point_job(job, outputs, device);
+    return;
+  }
   const Input input = read_input(job.input, job.input_format);
   const PolygonMesh mesh = prepare(input.file.mesh, job.settings).mesh;
   require_usable(mesh, input.name);

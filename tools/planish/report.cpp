@@ -116,6 +116,7 @@ Json to_json(const JobReport& report) {
   json["job"] = report.job;
   json["exit_code"] = static_cast<int>(report.exit_code);
   json["input"] = input_json(report.input);
+  if (!report.reconstruction.is_null()) json["reconstruction"] = report.reconstruction;
   json["device"] = {{"kind", device.kind},
                     {"name", device.name},
                     {"uuid", device.uuid},
@@ -123,6 +124,10 @@ Json to_json(const JobReport& report) {
                     {"api", device.api}};
   json["solve"] = solve_json(report);
   json["surface"]["folded_area"] = report.folded_area ? Json(*report.folded_area) : Json();
+  if (report.point_distances) {
+    json["surface"]["max_point_distance"] = report.point_distances->max;
+    json["surface"]["rms_point_distance"] = report.point_distances->rms;
+  }
   json["outputs"] = outputs_json(report.outputs);
   json["timing_ms"] = timing_json(report.timing);
   json["memory"] = {{"host_peak_bytes", report.host_peak_bytes},

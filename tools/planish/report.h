@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +11,7 @@
 #include "planish/backend/backend.h"
 #include "planish/mesh/statistics.h"
 #include "planish/pipeline/fit.h"
+#include "planish/reconstruct/reconstruct.h"
 #include "settings.h"
 
 namespace planish::command {
@@ -53,7 +54,11 @@ struct JobReport {
   Settings settings;
   Interpolation interpolation;  ///< displacement left empty
   double spectral_bound = 0;
-  std::optional<double> folded_area;  ///< a fraction; empty where no surface was evaluated
+  std::optional<double> folded_area;      ///< a fraction; empty where no surface was evaluated
+  nlohmann::ordered_json reconstruction;  ///< of a point cloud, see reconstruction_json()
+  std::string reconstruction_summary;     ///< for people; empty for a mesh
+  /// Distances of all used points to the surface, as fractions of the diagonal; of a cloud.
+  std::optional<PointDistances> point_distances;
   std::vector<WrittenOutput> outputs;
   JobTiming timing;
   std::uint64_t host_peak_bytes = 0, device_bytes = 0;

@@ -8,6 +8,8 @@
 #include "input.h"
 #include "nearest.h"
 #include "planish/core/error.h"
+#include "point_input.h"
+#include "point_settings.h"
 #include "text.h"
 
 namespace planish::command {
@@ -100,6 +102,12 @@ void apply_settings(Settings& settings, const Json& json, const std::string& whe
       setting.set(settings, text_of(value, path), path);
     });
   }
+  for (const PointSetting& setting : point_settings()) {
+    visit(setting.name, [&](const Json& value, const std::string& path) {
+      const bool as_number = setting.is_number && value.is_number();
+      setting.set(settings.points, as_number ? value.dump() : text_of(value, path), path);
+    });
+  }
   visit("tolerance", [&](const Json& value, const std::string& path) {
     if (!value.is_number())
       refuse(path, std::string("a number is wanted, not ") + value.type_name());
@@ -149,7 +157,7 @@ class JobParser {
       const std::string path = key_path(where, "input_format");
       job.input_format = parse_mesh_format(text_of(json["input_format"], path), path);
     }
-    (void)input_format_of(job.input, job.input_format);
+    require_readable(job.input, job.input_format);
     if (json.contains("outputs")) parse_outputs(job, json["outputs"], key_path(where, "outputs"));
     if (json.contains("report")) job.report = path_of(json["report"], key_path(where, "report"));
     return job;
@@ -263,6 +271,7 @@ std::vector<std::string_view> scene_keys(SceneObject object) {
     all.push_back(setting.name);
     if (setting.belongs_to_solve) solve.push_back(setting.name);
   }
+  for (const PointSetting& setting : point_settings()) all.push_back(setting.name);
   switch (object) {
     case SceneObject::Scene:
       return {"$schema", "version", "defaults", "jobs"};

@@ -9,6 +9,7 @@
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/fit.h"
+#include "planish/reconstruct/reconstruct.h"
 #include "planish/surface/evaluate.h"
 
 namespace planish::command {
@@ -38,6 +39,7 @@ struct Settings {
   UpAxis up = UpAxis::Y;
   std::string device = "auto";
   std::vector<int> levels{2};
+  ReconstructOptions points{.measure_noise = true};  ///< how a point cloud becomes a mesh
 
   [[nodiscard]] SharpFeatureOptions sharp() const { return {boundary, creases.use_tags}; }
 };

@@ -50,6 +50,10 @@ std::string summary(const JobReport& report) {
   std::string text = report.input.path + ": " + with_separators(statistics.vertex_count) +
                      " vertices, " + with_separators(statistics.face_count) + " faces (" +
                      shape_of(statistics) + ")\n";
+  text += report.reconstruction_summary;
+  if (report.point_distances)
+    text += "  points      farthest " + short_number(report.point_distances->max) + ", rms " +
+            short_number(report.point_distances->rms) + " of the diagonal from the surface\n";
   text += "  device      " + report.device.kind + ", " + report.device.name + "\n";
   text +=
       "  iterations  " + std::to_string(result.iterations) + " (" +

@@ -151,10 +151,10 @@ Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
   result.timing.mesh = watch.lap();
 
   // 4. Repair.
-  RepairedMesh repaired = repair(points, std::move(triangles),
-                                 {.longest_filled_loop = options.longest_filled_loop,
-                                  .components = options.components,
-                                  .callbacks = callbacks});
+  RepairedTriangles repaired = repair_triangles(points, std::move(triangles),
+                                                {.longest_filled_loop = options.longest_filled_loop,
+                                                 .components = options.components,
+                                                 .callbacks = callbacks});
   triangles = std::move(repaired.triangles);
   result.filled_loop_count = repaired.filled_loop_count;
   result.dropped_component_count = repaired.dropped_component_count;

@@ -167,7 +167,7 @@ std::int64_t drop_components(std::size_t vertex_count, std::vector<Triangle>& tr
 }
 
 std::int64_t fill_holes(std::span<const glm::dvec3> positions, std::vector<Triangle>& triangles,
-                        const RepairOptions& options) {
+                        const TriangleRepairOptions& options) {
   const std::vector<std::int32_t> twins = twins_of(triangles, positions.size());
   const EdgeGroups edges = edges_of(triangles, positions.size());
   const std::vector<std::int32_t> components = components_of(positions.size(), triangles);
@@ -239,14 +239,15 @@ void turn_outwards(std::span<const glm::dvec3> positions, std::vector<Triangle>&
 
 }  // namespace
 
-RepairedMesh repair(std::span<const glm::dvec3> positions, std::vector<Triangle> triangles,
-                    const RepairOptions& options) {
+RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
+                                   std::vector<Triangle> triangles,
+                                   const TriangleRepairOptions& options) {
   if (options.longest_filled_loop < 0 || options.longest_filled_loop > kLongestLoop)
     throw Error(ErrorCode::InvalidArgument,
                 "fill-holes: " + std::to_string(options.longest_filled_loop) +
                     " edges are asked for; 0 to " + std::to_string(kLongestLoop) + " work");
   const std::size_t given = triangles.size();
-  RepairedMesh result;
+  RepairedTriangles result;
   options.callbacks.report("repair", 0.0);
   drop_repeated(triangles);
   // Each step can undo another's work by what it drops; each drops something or all are content.

@@ -16,14 +16,14 @@ struct ComponentRule {
   std::int64_t least_faces = 0;  ///< of Keep::AtLeast
 };
 
-struct RepairOptions {
+struct TriangleRepairOptions {
   std::int32_t longest_filled_loop = 16;  ///< edges of a hole; 0 fills none, at most 1000
   ComponentRule components;
   Callbacks callbacks;
 };
 
 /// An oriented manifold, with or without boundary, and what was done to get it.
-struct RepairedMesh {
+struct RepairedTriangles {
   std::vector<Triangle> triangles;
   std::int64_t dropped_triangle_count = 0;  ///< repeated, or against manifold or orientation
   std::int64_t filled_loop_count = 0;
@@ -35,8 +35,8 @@ struct RepairedMesh {
 /// area, at its least), and turns every component outwards (by its volume; an open one by the
 /// volume over its centroid). Corners must be different indices of `positions`. Throws
 /// Error{InvalidArgument} for the options, Error{Cancelled}.
-[[nodiscard]] RepairedMesh repair(std::span<const glm::dvec3> positions,
-                                  std::vector<Triangle> triangles,
-                                  const RepairOptions& options = {});
+[[nodiscard]] RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
+                                                 std::vector<Triangle> triangles,
+                                                 const TriangleRepairOptions& options = {});
 
 }  // namespace planish

@@ -27,8 +27,9 @@ constexpr double kLeastFacing = 0.5;
 // A quadric's mean distance beyond this many tolerances cannot be mended by a nearer triangle
 // often enough to be worth the look at the points.
 constexpr double kHopelessTolerances = 2.0;
-// Longest to shortest edge at a vertex, for even spacing. 2 is what a Poisson-disk sampling has.
-constexpr double kEvenRatio = 2.0;
+// Longest to shortest edge at a vertex, for even spacing. A Poisson-disk sampling has 2, but no
+// collapse leads from one such sampling to a coarser one past vertices of a greater ratio.
+constexpr double kEvenRatio = 2.6;
 constexpr std::int32_t kLeastInnerValence = 4;
 // An edge is flipped when the smallest of six angles grows by this factor; less is not worth it.
 constexpr double kFlipGain = 1.05;
@@ -408,7 +409,7 @@ void check_options(const SimplifyOptions& options) {
 
 }  // namespace
 
-double default_least_angle(Spacing spacing) { return spacing == Spacing::Even ? 25.0 : 10.0; }
+double default_least_angle(Spacing spacing) { return spacing == Spacing::Even ? 22.0 : 3.0; }
 
 std::int32_t default_max_valence(Spacing spacing) { return spacing == Spacing::Even ? 8 : 10; }
 

@@ -12,6 +12,16 @@ PolygonMesh polygons_of(std::span<const Triangle> triangles) {
   return mesh;
 }
 
+std::vector<Triangle> quads_as_triangles(std::span<const std::int32_t> corners) {
+  std::vector<Triangle> triangles;
+  triangles.reserve(corners.size() / 2);
+  for (std::size_t i = 0; i + 3 < corners.size(); i += 4) {
+    triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    triangles.push_back({corners[i], corners[i + 2], corners[i + 3]});
+  }
+  return triangles;
+}
+
 EdgeGroups edges_of(std::span<const Triangle> triangles, std::size_t vertex_count) {
   PolygonMesh mesh = polygons_of(triangles);
   mesh.positions.resize(vertex_count);

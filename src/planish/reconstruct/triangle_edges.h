@@ -26,6 +26,9 @@ namespace planish {
 [[nodiscard]] std::vector<std::int32_t> twins_of(std::span<const Triangle> triangles,
                                                  std::size_t vertex_count);
 
+/// Quads, four corners each, cut from their first corner to their third.
+[[nodiscard]] std::vector<Triangle> quads_as_triangles(std::span<const std::int32_t> corners);
+
 /// The triangles as polygons; positions are left empty.
 [[nodiscard]] PolygonMesh polygons_of(std::span<const Triangle> triangles);
 
