@@ -91,8 +91,6 @@ TEST(Usage, WhatIsNotBuiltYetSaysSo) {
     arguments.insert(arguments.end(), flags.begin(), flags.end());
     expect_usage_error(arguments, "not built yet");
   }
-  expect_usage_error({"reconstruct", "points.ply", "-o", "mesh.obj"}, "not built yet");
-  expect_usage_error({"fit", "points.xyz", "-o", "b.glb"}, "not built yet");
 }
 
 TEST(Usage, PrecisionIsForTheCpu) {

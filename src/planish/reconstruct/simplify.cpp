@@ -103,7 +103,9 @@ class Simplifier {
   bool try_collapse(std::int32_t vertex, std::size_t target);
   bool keeps_valences(std::int32_t vertex, std::size_t target) const;
   bool keeps_shape(std::size_t target);
-  bool keeps_gradation(std::int32_t vertex, std::size_t target);
+  double edge_ratio(std::int32_t vertex, std::int32_t without, std::int32_t with) const;
+  bool keeps_ratio(std::int32_t vertex, std::int32_t without, std::int32_t with) const;
+  bool keeps_gradation(std::int32_t vertex, std::size_t target) const;
   bool keeps_points(std::int32_t vertex);
   void apply(std::int32_t vertex, std::size_t target);
   bool try_flip(std::int32_t half_edge);
@@ -262,36 +264,45 @@ bool Simplifier::keeps_shape(std::size_t target) {
          after.facing >= std::min(kLeastFacing, before.facing);
 }
 
-bool Simplifier::keeps_gradation(std::int32_t vertex, std::size_t target) {
-  const std::int32_t other = fan_.ring[target];
-  struct Range {
-    double shortest = std::numeric_limits<double>::infinity(), longest = 0;
-    void add(double squared) {
-      shortest = std::min(shortest, squared);
-      longest = std::max(longest, squared);
-    }
-    [[nodiscard]] double ratio() const { return longest / shortest; }
+// Squared ratio of the longest to the shortest edge at a vertex, with an edge less (to `without`)
+// and an edge more (to `with`); -1 for none.
+double Simplifier::edge_ratio(std::int32_t vertex, std::int32_t without, std::int32_t with) const {
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+  const auto add = [&](std::int32_t other) {
+    const double squared = squared_length(positions_[vertex] - positions_[other]);
+    shortest = std::min(shortest, squared);
+    longest = std::max(longest, squared);
   };
-  const auto length = [&](std::int32_t a, std::int32_t b) {
-    return squared_length(positions_[a] - positions_[b]);
-  };
-  Range at_target_before, at_target;
-  mesh_.for_each_neighbour(other, [&](std::int32_t n) {
-    at_target_before.add(length(other, n));
-    if (n != vertex) at_target.add(length(other, n));
+  mesh_.for_each_neighbour(vertex, [&](std::int32_t other) {
+    if (other != without) add(other);
   });
+  if (with >= 0) add(with);
+  return longest / shortest;
+}
+
+// Whether a vertex stays within the ratio, or becomes no worse.
+bool Simplifier::keeps_ratio(std::int32_t vertex, std::int32_t without, std::int32_t with) const {
+  const double after = edge_ratio(vertex, without, with);
+  return after <= kEvenRatio * kEvenRatio || after <= edge_ratio(vertex, -1, -1);
+}
+
+bool Simplifier::keeps_gradation(std::int32_t vertex, std::size_t target) const {
+  const std::int32_t other = fan_.ring[target];
+  double longest = 0, shortest = std::numeric_limits<double>::infinity();
+  const auto add = [&](std::int32_t n) {
+    const double squared = squared_length(positions_[other] - positions_[n]);
+    shortest = std::min(shortest, squared);
+    longest = std::max(longest, squared);
+  };
   for (const std::int32_t rim : fan_.ring) {
     if (rim == other) continue;
-    at_target.add(length(other, rim));
-    Range before, after;
-    mesh_.for_each_neighbour(rim, [&](std::int32_t n) {
-      before.add(length(rim, n));
-      if (n != vertex) after.add(length(rim, n));
-    });
-    after.add(length(rim, other));
-    if (after.ratio() > std::max(kEvenRatio * kEvenRatio, before.ratio())) return false;
+    if (!keeps_ratio(rim, vertex, other)) return false;
+    add(rim);
   }
-  return at_target.ratio() <= std::max(kEvenRatio * kEvenRatio, at_target_before.ratio());
+  mesh_.for_each_neighbour(other, [&](std::int32_t n) {
+    if (n != vertex) add(n);
+  });
+  return longest <= std::max(kEvenRatio * kEvenRatio, edge_ratio(other, -1, -1)) * shortest;
 }
 
 // Whether all points that the fan carries, and its vertex (if not -1), stay near new_triangles_.
@@ -368,6 +379,9 @@ bool Simplifier::try_flip(std::int32_t half_edge) {
   };
   if (angle(after) < kFlipGain * angle(before) ||
       after.facing < std::min(kLeastFacing, before.facing))
+    return false;
+  if (options_.spacing == Spacing::Even && !(keeps_ratio(a, b, -1) && keeps_ratio(b, a, -1) &&
+                                             keeps_ratio(c, -1, d) && keeps_ratio(d, -1, c)))
     return false;
   new_triangles_ = {{c, d, b}, {d, c, a}};
   new_slots_ = {half_edge / 3, twin / 3};

@@ -1,0 +1,97 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "cli/planish_process.h"
+
+namespace planish::test {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class Points : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("planish_points_" +
+               std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    std::ofstream cloud(path("torus.xyz"));
+    cloud.precision(17);
+    std::mt19937 random(4);
+    for (int i = 0; i < 3000; ++i) {
+      const double u = 2 * M_PI * random() * 0x1p-32, v = 2 * M_PI * random() * 0x1p-32;
+      const double ring = 1 + 0.4 * std::cos(v);
+      cloud << ring * std::cos(u) << ' ' << ring * std::sin(u) << ' ' << 0.4 * std::sin(v) << '\n';
+    }
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_ / name; }
+  [[nodiscard]] nlohmann::json json(const std::string& name) const {
+    std::ifstream file(path(name));
+    return nlohmann::json::parse(file);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Points, WithoutTheMesherEndInExitTwo) {
+  const PlanishProcess::Options missing{.environment = {"PLANISH_RECONSTRUCT=/nonexistent"}};
+  for (const char* command : {"fit", "reconstruct"}) {
+    const auto result = run_planish({command, path("torus.xyz"), "-o", path("m.obj")}, missing);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr("planish-reconstruct"));
+    EXPECT_FALSE(fs::exists(path("m.obj")));
+  }
+}
+
+#ifdef PLANISH_HAS_MESHER
+TEST_F(Points, BecomeAMeshWithAReport) {
+  const auto result = run_planish({"reconstruct", path("torus.xyz"), "-o", path("m.obj"),
+                                   "--report", path("r.json"), "--tolerance-mesh", "5e-3"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto facts = json("r.json")["reconstruction"];
+  EXPECT_EQ(facts["points"], 3000);
+  EXPECT_EQ(facts["genus"], 1);
+  EXPECT_EQ(facts["boundary_loops"], 0);
+  EXPECT_LE(facts["max_point_distance"], 5e-3);
+  EXPECT_LT(facts["vertices"], 2000);
+  EXPECT_EQ(run_planish({"inspect", path("m.obj")}).exit_code, 0);
+}
+
+TEST_F(Points, BecomeASurfaceWhoseDistanceIsReported) {
+  const auto result = run_planish({"fit", path("torus.xyz"), "-o", path("s.glb"), "--report",
+                                   path("r.json"), "--tolerance-mesh", "2e-3", "--device", "cpu"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto report = json("r.json");
+  EXPECT_GT(report["surface"]["max_point_distance"], 0);
+  EXPECT_LT(report["surface"]["max_point_distance"], 0.05);
+  EXPECT_LE(report["surface"]["rms_point_distance"], report["surface"]["max_point_distance"]);
+  EXPECT_EQ(report["input"]["vertices"], report["reconstruction"]["vertices"]);
+}
+
+TEST_F(Points, NameWhatIsWrongWithThem) {
+  std::ofstream(path("line.xyz")) << "0 0 0\n1 1 1\n2 2 2\n3 3 3\n4 4 4\n";
+  auto result = run_planish({"reconstruct", path("line.xyz"), "-o", path("m.obj")});
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_THAT(result.err, HasSubstr("on a line"));
+  std::ofstream(path("bad.xyz")) << "0 0 0\n1 x 1\n";
+  result = run_planish({"reconstruct", path("bad.xyz"), "-o", path("m.obj")});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("bad.xyz:2"));
+  result = run_planish({"reconstruct", path("torus.xyz"), "-o", path("m.obj"), "--spacing", "evn"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("did you mean even?"));
+  EXPECT_FALSE(fs::exists(path("m.obj")));
+}
+#endif
+
+}  // namespace
+}  // namespace planish::test
