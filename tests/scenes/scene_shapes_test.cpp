@@ -50,6 +50,8 @@ const std::map<std::string, Expected> kExpected{{"cube_with_holes.obj", {2 - 2 *
                                                 {"bearing_block.obj", {0}},
                                                 {"l_bracket.obj", {2}},
                                                 {"cube.obj", {2}},
+                                                {"mapped_cube.obj", {2}},
+                                                {"cube_with_windows.obj", {2}},
                                                 {"bust.obj", {2}}};
 
 TEST(SceneShapes, PassTheCheck) {

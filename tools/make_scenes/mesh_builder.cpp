@@ -60,13 +60,18 @@ void crease_sharp_edges(PolygonMesh& mesh, double degrees) {
   }
 }
 
+double rounded(double number) {
+  // Adding zero turns -0 into 0, which would else show in the file.
+  return std::round(number * kCoordinateSteps) / kCoordinateSteps + 0.0;
+}
+
 void round_positions(PolygonMesh& mesh) {
   for (glm::dvec3& position : mesh.positions) {
     for (int axis = 0; axis < 3; ++axis) {
-      // Adding zero turns -0 into 0, which would else show in the file.
-      position[axis] = std::round(position[axis] * kCoordinateSteps) / kCoordinateSteps + 0.0;
+      position[axis] = rounded(position[axis]);
     }
   }
+  for (glm::dvec2& uv : mesh.uvs) uv = {rounded(uv.x), rounded(uv.y)};
 }
 
 }  // namespace planish::shapes

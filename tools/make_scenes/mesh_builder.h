@@ -33,8 +33,11 @@ void crease_sharp_edges(PolygonMesh& mesh, double degrees);
 /// Newell normal, its length twice the face's area.
 [[nodiscard]] glm::dvec3 face_normal(const PolygonMesh& mesh, std::int32_t face);
 
-/// Rounds every coordinate to 1e-6, so that a mesh reads the same whatever the last bits of the
-/// machine's sine were.
+/// To 1e-6.
+[[nodiscard]] double rounded(double number);
+
+/// Rounds every coordinate, those of the texture too, so that a mesh reads the same whatever the
+/// last bits of the machine's sine were.
 void round_positions(PolygonMesh& mesh);
 
 }  // namespace planish::shapes

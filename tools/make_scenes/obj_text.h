@@ -7,9 +7,9 @@
 
 namespace planish::shapes {
 
-/// The mesh as Wavefront OBJ: `# comment`, then vertices, faces, and `t crease` / `t corner` tags
-/// as OpenSubdiv reads them. Numbers are shortest round-trip doubles, so equal meshes give equal
-/// bytes.
+/// The mesh as Wavefront OBJ: `# comment`, then vertices, faces with their attributes, and
+/// `t crease` / `t corner` / `t hole` tags as OpenSubdiv reads them. Numbers are shortest
+/// round-trip doubles, so equal meshes give equal bytes.
 [[nodiscard]] std::string obj_text(const PolygonMesh& mesh, std::string_view comment);
 
 }  // namespace planish::shapes

@@ -31,6 +31,10 @@ const std::vector<Scene>& scenes() {
        [] { return bearing_block(); }},
       {"l_bracket.obj", "L-bracket with two concave faces", [] { return l_bracket(); }},
       {"cube.obj", "Cube of six quads", [] { return cube(); }},
+      {"mapped_cube.obj", "Cube with six charts, two materials and colours",
+       [] { return mapped_cube(4); }},
+      {"cube_with_windows.obj", "Cube with a hole in every side",
+       [] { return cube_with_windows(); }},
   };
   return kScenes;
 }

@@ -45,6 +45,13 @@ struct TorusOptions {
 /// An L of two plates: 12 vertices, two concave 6-gons and six quads.
 [[nodiscard]] PolygonMesh l_bracket();
 
+/// cube(cells) with a chart of texture coordinates for each side, in 3 x 2 cells of the unit
+/// square, its vertices coloured by position, the z sides a group of their own.
+[[nodiscard]] PolygonMesh mapped_cube(std::int32_t cells);
+
+/// cube(3) whose middle quads are holes.
+[[nodiscard]] PolygonMesh cube_with_windows();
+
 /// Square base plate with a round boss and a bore through both; genus 1. Edges whose faces
 /// meet at more than 30 degrees are tagged as creases, the four upright corners semi-sharp.
 [[nodiscard]] PolygonMesh bearing_block();

@@ -1,0 +1,105 @@
+// From a file with attributes through the fit to the surface, and through the cage's file to the
+// same surface.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "mesh/temporary_folder.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/mesh/mesh_file.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
+
+namespace planish {
+namespace {
+
+PolygonMesh scene(const std::string& file) {
+  return read_mesh(read_file(std::filesystem::path(PLANISH_SCENES) / file), file, MeshFormat::Obj)
+      .mesh;
+}
+
+// The cell of the 3 x 2 charts that a texture coordinate lies in, -1 where it lies in none.
+int chart_of(const glm::dvec2& uv) {
+  const glm::dvec2 cell(std::floor(3 * uv.x), std::floor(2 * uv.y));
+  const glm::dvec2 inside(3 * uv.x - cell.x, 2 * uv.y - cell.y);
+  constexpr double kMargin = 0.05 - 1e-5;
+  const bool is_in =
+      glm::min(inside.x, inside.y) > kMargin && glm::max(inside.x, inside.y) < 1 - kMargin;
+  return is_in ? static_cast<int>(cell.x + 3 * cell.y) : -1;
+}
+
+TEST(MappedShapes, EveryFaceOfTheSurfaceStaysInItsChartAndGroup) {
+  const PolygonMesh mesh = scene("mapped_cube.obj");
+  const auto backend = make_cpu_backend();
+  const Fit result = fit(mesh, *backend);
+  for (int level = 0; level <= 2; ++level) {
+    const SurfaceMesh surface =
+        evaluate(result.cage, *backend, {.level = level, .rest_positions = mesh.positions});
+    ASSERT_EQ(surface.face_uvs.size(), surface.face_vertices.size());
+    ASSERT_EQ(surface.colors.size(), surface.positions.size());
+    std::array<int, 6> faces{};
+    for (std::int64_t face = 0; face < surface.face_count(); ++face) {
+      const int chart = chart_of(surface.uvs[surface.face_uvs[4 * face]]);
+      ASSERT_GE(chart, 0) << face;
+      ++faces[chart];
+      for (int i = 1; i < 4; ++i)
+        EXPECT_EQ(chart_of(surface.uvs[surface.face_uvs[4 * face + i]]), chart) << face;
+      const FaceGroup& group = surface.groups[surface.face_groups[face]];
+      EXPECT_EQ(group.material, chart >= 4 ? "brass" : "plaster");
+    }
+    for (const int count : faces) EXPECT_EQ(count, 16 << (2 * level));
+  }
+}
+
+void expect_same_after_round_trip(const std::string& file) {
+  const PolygonMesh mesh = scene(file);
+  const auto backend = make_cpu_backend();
+  const PolygonMesh cage = fit(mesh, *backend).cage;
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "cage.obj";
+  write_mesh(path, MeshFormat::Obj, cage);
+  const PolygonMesh again = read_mesh(read_file(path), "cage.obj", MeshFormat::Obj).mesh;
+  EXPECT_EQ(again.hole_faces, cage.hole_faces);
+  const EvaluateOptions options{.level = 2, .rest_positions = mesh.positions};
+  const SurfaceMesh first = evaluate(cage, *backend, options);
+  const SurfaceMesh second = evaluate(again, *backend, options);
+  EXPECT_EQ(first.face_vertices, second.face_vertices);
+  EXPECT_EQ(first.face_uvs, second.face_uvs);
+  EXPECT_EQ(first.face_groups, second.face_groups);
+  EXPECT_EQ(first.colors, second.colors);
+  ASSERT_EQ(first.positions.size(), second.positions.size());
+  ASSERT_EQ(first.uvs.size(), second.uvs.size());
+  for (std::size_t i = 0; i < first.positions.size(); ++i)
+    EXPECT_LE(glm::distance(first.positions[i], second.positions[i]), 1e-12);
+  for (std::size_t i = 0; i < first.uvs.size(); ++i)
+    EXPECT_LE(glm::distance(first.uvs[i], second.uvs[i]), 1e-12);
+}
+
+TEST(MappedShapes, TheCagesFileGivesTheSameSurface) {
+  expect_same_after_round_trip("mapped_cube.obj");
+  expect_same_after_round_trip("cube_with_windows.obj");
+  expect_same_after_round_trip("bearing_block.obj");
+}
+
+TEST(MappedShapes, WindowsStayOpen) {
+  const PolygonMesh mesh = scene("cube_with_windows.obj");
+  ASSERT_EQ(mesh.hole_faces.size(), 6u);
+  const auto backend = make_cpu_backend();
+  const SurfaceMesh surface = evaluate(mesh, *backend, {.level = 1});
+  EXPECT_EQ(surface.face_count(), 4 * 48);
+  for (std::int64_t face = 0; face < surface.face_count(); ++face) {
+    glm::dvec3 centre(0.0);
+    for (const std::int32_t v : surface.face(face)) centre += surface.positions[v] / 4.0;
+    // Windows are seen from the middle of the cube along the axes.
+    int small_count = 0;
+    for (int axis = 0; axis < 3; ++axis) small_count += std::abs(centre[axis]) < 0.3 ? 1 : 0;
+    EXPECT_LT(small_count, 2) << face;
+  }
+}
+
+}  // namespace
+}  // namespace planish
