@@ -65,6 +65,38 @@ TEST(ReadPly, PassesOverOtherPropertiesAndElements) {
   EXPECT_THAT(file.header, ElementsAre("planish weights=averaged"));
 }
 
+TEST(ReadPly, ReadsColoursAndTextureCoordinates) {
+  const auto file_of = [](const std::string& properties, const std::string& vertex) {
+    return read(header("ascii", "element vertex 3\n" + std::string(kPositions) + properties +
+                                    "element face 1\n" + std::string(kIndices)) +
+                "0 0 0 " + vertex + "\n1 0 0 " + vertex + "\n0 1 0 " + vertex + "\n3 2 1 0\n")
+        .mesh;
+  };
+  const PolygonMesh bytes = file_of(
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n"
+      "property float s\nproperty float t\n",
+      "255 128 0 51 0.25 0.75");
+  ASSERT_EQ(bytes.colors.size(), 3u);
+  // ((128 / 255 + 0.055) / 1.055)^2.4
+  EXPECT_FLOAT_EQ(bytes.colors[1].g, 0.21586050f);
+  EXPECT_EQ(bytes.colors[1].r, 1);
+  EXPECT_EQ(bytes.colors[1].b, 0);
+  EXPECT_FLOAT_EQ(bytes.colors[1].a, 0.2f);
+  EXPECT_EQ(bytes.uvs[2], glm::dvec2(0.25, 0.75));
+  EXPECT_THAT(bytes.face_uvs, ElementsAre(2, 1, 0));
+
+  const PolygonMesh floats = file_of(
+      "property float texture_v\nproperty float texture_u\nproperty float blue\n"
+      "property float green\nproperty float red\n",
+      "3 4 0.1 0.5 2");
+  EXPECT_EQ(floats.colors[0], glm::vec4(1, 0.5f, 0.1f, 1));
+  EXPECT_EQ(floats.uvs[0], glm::dvec2(4, 3));
+  // Half of them are none.
+  const PolygonMesh half = file_of("property float u\nproperty uchar red\n", "nan 3");
+  EXPECT_THAT(half.uvs, IsEmpty());
+  EXPECT_THAT(half.colors, IsEmpty());
+}
+
 TEST(ReadPly, PointsAloneMakeAMeshWithoutFaces) {
   const MeshFile file =
       read(header("ascii", "element vertex 2\n" + std::string(kPositions)) + "1 2 3\n4 5 6\n");

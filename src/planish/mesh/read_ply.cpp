@@ -9,6 +9,7 @@
 #include "planish/core/error.h"
 #include "planish/mesh/bytes.h"
 #include "planish/mesh/ply_header.h"
+#include "planish/mesh/srgb.h"
 #include "planish/mesh/text_lines.h"
 
 namespace planish {
@@ -134,6 +135,34 @@ class BinaryBody {
   std::endian order_ = std::endian::little;
 };
 
+struct Slot {
+  std::string_view name;
+  int index;
+};
+constexpr std::array<Slot, 13> kSlots = {{{"x", 0},
+                                          {"y", 1},
+                                          {"z", 2},
+                                          {"s", 3},
+                                          {"t", 4},
+                                          {"u", 3},
+                                          {"v", 4},
+                                          {"texture_u", 3},
+                                          {"texture_v", 4},
+                                          {"red", 5},
+                                          {"green", 6},
+                                          {"blue", 7},
+                                          {"alpha", 8}}};
+
+// Linear, 0 to 1. Integers are sRGB by convention, floating-point numbers are linear.
+double color_of(double value, PlyType type, bool is_alpha) {
+  if (type == PlyType::Float32 || type == PlyType::Float64) return std::clamp(value, 0.0, 1.0);
+  const auto bits = 8 * byte_count_of(type);
+  const bool is_signed = type == PlyType::Int8 || type == PlyType::Int16 || type == PlyType::Int32;
+  const double share =
+      std::clamp(value / (std::ldexp(1, bits - (is_signed ? 1 : 0)) - 1), 0.0, 1.0);
+  return is_alpha ? share : linear_of_srgb(share);
+}
+
 template <class Body>
 class PlyReader {
  public:
@@ -150,12 +179,14 @@ class PlyReader {
     if (vertex_count_ < 0) body_.fail("the header has no element `vertex`", -1);
     (void)require_single("face");
     for (const PlyElement& element : header_.elements) read_element(element);
+    if (!file_.mesh.uvs.empty()) file_.mesh.face_uvs = file_.mesh.face_vertices;
     return std::move(file_);
   }
 
  private:
   std::int64_t require_single(std::string_view name);
   void read_element(const PlyElement& element);
+  std::vector<int> vertex_slots(const PlyElement& element) const;
   void read_vertices(const PlyElement& element);
   void read_faces(const PlyElement& element);
   void skip_all(const PlyElement& element);
@@ -196,40 +227,60 @@ void PlyReader<Body>::read_element(const PlyElement& element) {
   skip_all(element);
 }
 
+// Where each property of a vertex goes: the coordinates, texture coordinates, colours; -1 for what
+// is passed over.
+template <class Body>
+std::vector<int> PlyReader<Body>::vertex_slots(const PlyElement& element) const {
+  std::vector<int> slots;
+  std::array<bool, kSlots.size()> found{};
+  for (const PlyProperty& property : element.properties) {
+    const auto slot = std::ranges::find(kSlots, property.name, &Slot::name);
+    const bool is_known = slot != kSlots.end() && !property.count_type;
+    slots.push_back(is_known ? slot->index : -1);
+    if (is_known) found[slot->index] = true;
+  }
+  for (const std::size_t axis : {0, 1, 2}) {
+    if (!found[axis])
+      body_.fail("element `vertex` has no property " + quote(kSlots[axis].name), -1);
+  }
+  // Half of a texture coordinate or of a colour is none.
+  for (int& slot : slots) {
+    const bool is_uv = slot == 3 || slot == 4;
+    const bool is_half = is_uv ? !found[3] || !found[4] : !found[5] || !found[6] || !found[7];
+    if (slot > 2 && is_half) slot = -1;
+  }
+  return slots;
+}
+
 template <class Body>
 void PlyReader<Body>::read_vertices(const PlyElement& element) {
-  std::vector<int> axes;  // by property; -1 for what is passed over
-  std::array<bool, 3> found{};
-  for (const PlyProperty& property : element.properties) {
-    const std::size_t axis = std::string_view("xyz").find(property.name);
-    const bool is_axis = property.name.size() == 1 && axis < 3 && !property.count_type;
-    axes.push_back(is_axis ? static_cast<int>(axis) : -1);
-    if (is_axis) found[axis] = true;
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (!found[axis])
-      body_.fail(
-          "element `vertex` has no property " + quote(std::string_view("xyz").substr(axis, 1)), -1);
+  const std::vector<int> slots = vertex_slots(element);
+  const bool has_uvs = std::ranges::find(slots, 3) != slots.end();
+  const bool has_colors = std::ranges::find(slots, 5) != slots.end();
   if (element.count > kMaxCount)
     body_.fail("more vertices than 32 bits can count: " + std::to_string(element.count), -1);
-  file_.mesh.positions.reserve(element.count);
+  PolygonMesh& mesh = file_.mesh;
+  mesh.positions.reserve(element.count);
   for (std::int64_t vertex = 0; vertex < element.count; ++vertex) {
     body_.begin(element, vertex);
-    glm::dvec3 position(0.0);
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      if (axes[i] < 0) {
-        skip(element.properties[i], element, vertex);
+    std::array<double, 9> values{};
+    values[8] = 1;  // opaque
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      const PlyProperty& property = element.properties[i];
+      if (slots[i] < 0) {
+        skip(property, element, vertex);
         continue;
       }
-      const double value = body_.number(element.properties[i].type, element, vertex);
+      const double value = body_.number(property.type, element, vertex);
       if (!std::isfinite(value))
-        body_.fail(place_of(element, vertex) + ": " + element.properties[i].name + " is " +
-                       shortest(value),
+        body_.fail(place_of(element, vertex) + ": " + property.name + " is " + shortest(value),
                    vertex);
-      position[axes[i]] = value;
+      values[slots[i]] = slots[i] < 5 ? value : color_of(value, property.type, slots[i] == 8);
     }
     body_.end(element, vertex);
-    file_.mesh.positions.push_back(position);
+    mesh.positions.emplace_back(values[0], values[1], values[2]);
+    if (has_uvs) mesh.uvs.emplace_back(values[3], values[4]);
+    if (has_colors) mesh.colors.emplace_back(values[5], values[6], values[7], values[8]);
   }
 }
 
