@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 #include <tiny_gltf.h>
 
+#include <array>
 #include <cstring>
+#include <map>
 
 #include "gltf/surfaces.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
+#include "planish/gltf/read_gltf.h"
 #include "planish/gltf/write_gltf.h"
 
 namespace planish {
@@ -167,6 +170,45 @@ TEST(GltfAttributes, WrongOnesAreRefused) {
   surface = test::two_charts();
   surface.face_groups[3] = 2;
   EXPECT_THAT(message_of(surface), HasSubstr("the group of face 3 has number 2 of 2"));
+}
+
+TEST(GltfAttributes, AreReadBackAsWritten) {
+  SurfaceMesh surface = test::two_charts();
+  surface.groups = {{"side", "blue"}, {"rest", "red"}};
+  surface.face_groups = {0, 1, 0, 1, 0, 1, 1, 1};
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    surface.colors.emplace_back(0.03125f * static_cast<float>(v), 0.5f, 0.25f, 1.0f);
+  }
+  const PolygonMesh mesh = read_gltf(encode_glb(surface, {}), "a.glb").mesh;
+
+  // By place: what each corner of the surface should have.
+  const auto key = [](const glm::dvec3& p) { return std::array{p.x, p.y, p.z}; };
+  std::map<std::array<double, 3>, glm::vec4> color_at;
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    color_at[key(surface.positions[v])] = surface.colors[v];
+  }
+  ASSERT_EQ(mesh.colors.size(), mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    EXPECT_EQ(mesh.colors[v], color_at.at(key(mesh.positions[v])));
+  }
+  ASSERT_EQ(mesh.face_uvs.size(), mesh.face_vertices.size());
+  ASSERT_EQ(mesh.face_groups.size(), static_cast<std::size_t>(mesh.face_count()));
+  std::map<std::string, int> faces_of_material;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const FaceGroup& group = mesh.groups[mesh.face_groups[f]];
+    ++faces_of_material[group.name + "/" + group.material];
+    // two_charts() has u = x on one chart and u = x + 10 on the other, v = y.
+    double offset = -1;
+    for (std::int32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+      const glm::dvec3& place = mesh.positions[mesh.face_vertices[c]];
+      const glm::dvec2& uv = mesh.uvs[mesh.face_uvs[c]];
+      EXPECT_NEAR(uv.y, place.y, 1e-6);
+      if (offset < 0) offset = uv.x - place.x;
+      EXPECT_EQ(uv.x - place.x, offset);
+    }
+    EXPECT_TRUE(offset == 0 || offset == 10) << offset;
+  }
+  EXPECT_EQ(faces_of_material, (std::map<std::string, int>{{"side/blue", 6}, {"rest/red", 10}}));
 }
 
 }  // namespace

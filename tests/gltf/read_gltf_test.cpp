@@ -381,5 +381,21 @@ TEST(ReadGltf, RandomBytesChanged) {
   }
 }
 
+TEST(ReadGltf, ChecksTextureCoordinatesAndColours) {
+  const std::string position = "\"POSITION\":0";
+  EXPECT_THAT(square_error(position, position + ",\"TEXCOORD_0\":0"),
+              testing::HasSubstr("`VEC3` stands in the place of `VEC2`"));
+  EXPECT_THAT(square_error(position, position + ",\"TEXCOORD_0\":7"),
+              testing::HasSubstr("accessors"));
+  EXPECT_THAT(square_error(position, position + ",\"COLOR_0\":1"),
+              testing::HasSubstr("`SCALAR` stands in the place of `VEC4`"));
+  EXPECT_THAT(square_error("\"indices\":1", "\"indices\":1,\"material\":3"),
+              testing::HasSubstr("materials"));
+  // Positions of 0 and 1 are colours, too.
+  const MeshFile colored = read_square(position, position + ",\"COLOR_0\":0");
+  ASSERT_EQ(colored.mesh.colors.size(), 4u);
+  EXPECT_EQ(colored.mesh.colors[2], glm::vec4(1, 1, 0, 1));
+}
+
 }  // namespace
 }  // namespace planish

@@ -8,25 +8,49 @@
 
 namespace planish {
 
+namespace {
+
+struct Wanted {
+  std::string_view type, name;
+};
+
+Wanted wanted_of(GltfAccessor::Use use, std::string_view type) {
+  switch (use) {
+    case GltfAccessor::Use::Positions:
+      return {"VEC3", "positions"};
+    case GltfAccessor::Use::Indices:
+      return {"SCALAR", "indices"};
+    case GltfAccessor::Use::TextureCoordinates:
+      return {"VEC2", "texture coordinates"};
+    case GltfAccessor::Use::Colors:
+      break;
+  }
+  return {type == "VEC3" ? "VEC3" : "VEC4", "colours"};
+}
+
+}  // namespace
+
 GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source) {
   const JsonPlace place = root["accessors"][index];
   if (place.find("sparse")) place.fail("sparse accessors cannot be read; save the file without");
-  const std::string_view type = use == Use::Positions ? "VEC3" : "SCALAR";
-  if (place["type"].text() != type)
-    place["type"].fail(quote(place["type"].text()) + " stands in the place of " + quote(type));
+  const Wanted wanted = wanted_of(use, place["type"].text());
+  if (place["type"].text() != wanted.type)
+    place["type"].fail(quote(place["type"].text()) + " stands in the place of " +
+                       quote(wanted.type));
+  number_count_ = wanted.type == "SCALAR" ? 1 : wanted.type.back() - '0';
 
   const std::int64_t component = place["componentType"].integer();
   const bool is_signed = component == Byte || component == Short || component == Float;
   const bool is_known = is_signed || component == UByte || component == UShort || component == UInt;
   if (!is_known || (use == Use::Indices ? is_signed : component == UInt))
     place["componentType"].fail(std::to_string(component) + " cannot be used for " +
-                                (use == Use::Positions ? "positions" : "indices"));
+                                std::string(wanted.name));
   component_ = static_cast<Component>(component);
   component_bytes_ = component <= UByte ? 1 : component <= UShort ? 2 : 4;
   if (const auto normalized = place.find("normalized")) normalized_ = normalized->boolean();
 
   count_ = place["count"].integer(1);
-  const std::int64_t element_bytes = component_bytes_ * (use == Use::Positions ? 3 : 1);
+  const std::int64_t element_bytes = component_bytes_ * number_count_;
   const std::int64_t view_index = place["bufferView"].integer();
   bytes_ = source.view(view_index);
   const JsonPlace view = root["bufferViews"][view_index];
@@ -65,10 +89,22 @@ double GltfAccessor::component(std::span<const std::byte> bytes) const {
   return 0;
 }
 
+double GltfAccessor::number(std::int64_t index, std::int64_t k) const {
+  return component(
+      bytes_.subspan(static_cast<std::size_t>(index * stride_ + k * component_bytes_)));
+}
+
 glm::dvec3 GltfAccessor::position(std::int64_t index) const {
-  const auto bytes = bytes_.subspan(static_cast<std::size_t>(index * stride_));
-  const auto size = static_cast<std::size_t>(component_bytes_);
-  return {component(bytes), component(bytes.subspan(size)), component(bytes.subspan(2 * size))};
+  return {number(index, 0), number(index, 1), number(index, 2)};
+}
+
+glm::dvec2 GltfAccessor::texture_coordinate(std::int64_t index) const {
+  return {number(index, 0), number(index, 1)};
+}
+
+glm::vec4 GltfAccessor::color(std::int64_t index) const {
+  return glm::vec4(number(index, 0), number(index, 1), number(index, 2),
+                   number_count_ == 4 ? number(index, 3) : 1.0);
 }
 
 std::uint32_t GltfAccessor::index(std::int64_t index) const {

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 
 #include "planish/gltf/gltf_source.h"
@@ -12,7 +14,7 @@ namespace planish {
 /// A typed array whose every element lies within its buffer view.
 class GltfAccessor {
  public:
-  enum class Use { Positions, Indices };
+  enum class Use { Positions, Indices, TextureCoordinates, Colors };
 
   /// Checks everything before any element can be asked for: component and element type for the
   /// use, count, offset, stride. Sparse accessors are refused. Throws Error{UnreadableInput}.
@@ -21,6 +23,10 @@ class GltfAccessor {
   [[nodiscard]] std::int64_t count() const { return count_; }
   /// Of Use::Positions; normalised integers are scaled. May not be finite.
   [[nodiscard]] glm::dvec3 position(std::int64_t index) const;
+  /// Of Use::TextureCoordinates. May not be finite.
+  [[nodiscard]] glm::dvec2 texture_coordinate(std::int64_t index) const;
+  /// Of Use::Colors, opaque where there is no alpha. May not be finite.
+  [[nodiscard]] glm::vec4 color(std::int64_t index) const;
   /// Of Use::Indices.
   [[nodiscard]] std::uint32_t index(std::int64_t index) const;
 
@@ -35,9 +41,11 @@ class GltfAccessor {
   };
 
   [[nodiscard]] double component(std::span<const std::byte> bytes) const;
+  // The k-th number of an element.
+  [[nodiscard]] double number(std::int64_t index, std::int64_t k) const;
 
   std::span<const std::byte> bytes_;
-  std::int64_t count_ = 0, stride_ = 0, component_bytes_ = 0;
+  std::int64_t count_ = 0, stride_ = 0, component_bytes_ = 0, number_count_ = 0;
   Component component_ = Float;
   bool normalized_ = false;
 };

@@ -27,6 +27,8 @@ class JsonPlace {
   [[nodiscard]] double number() const;
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] const std::string& text() const;
+  [[nodiscard]] bool is_text() const { return value_->is_string(); }
+  [[nodiscard]] bool is_object() const { return value_->is_object(); }
 
   /// Members with a value to use where they are missing.
   [[nodiscard]] std::int64_t integer_or(std::string_view key, std::int64_t otherwise) const;

@@ -13,6 +13,7 @@
 #include "planish/gltf/gltf_nodes.h"
 #include "planish/gltf/gltf_source.h"
 #include "planish/gltf/json_place.h"
+#include "planish/mesh/attribute_collector.h"
 #include "planish/mesh/bytes.h"
 #include "planish/mesh/number_text.h"
 #include "planish/mesh/weld.h"
@@ -83,6 +84,7 @@ class SceneReader {
     for (const GltfInstance& instance : gltf_instances(root_)) read_instance(instance);
     file_.format = format;
     triangles_.finish(welder_, file_);
+    attributes_.finish(std::move(uvs_), file_.mesh);
     if (deformed_count_ > 0)
       file_.warnings.push_back({.code = "ignored-deformation",
                                 .message = "skins and morph targets are ignored; the shape at "
@@ -95,8 +97,12 @@ class SceneReader {
   void require_version();
   void read_instance(const GltfInstance& instance);
   void read_primitive(const JsonPlace& primitive, const GltfInstance& instance);
+  void read_attributes(const JsonPlace& primitive, std::int64_t vertex_count);
+  void color_vertices(const JsonPlace& attribute, const std::vector<std::int32_t>& vertices,
+                      const std::vector<std::int32_t>& corners);
   void add_triangles(const JsonPlace& primitive, std::int64_t mode,
-                     const std::vector<std::int32_t>& vertices, bool mirrored);
+                     const std::vector<std::int32_t>& vertices,
+                     const std::vector<std::int32_t>& corners, bool mirrored);
   std::int32_t welded(const GltfAccessor& positions, std::int64_t vertex,
                       const JsonPlace& primitive, const GltfInstance& instance);
 
@@ -104,6 +110,9 @@ class SceneReader {
   GltfSource& source_;
   Welder welder_;
   TriangleCollector triangles_;
+  AttributeCollector attributes_;
+  std::vector<glm::dvec2> uvs_;
+  std::int64_t first_uv_ = -1;  // of the current primitive; -1: it has none
   MeshFile file_;
   std::int64_t deformed_count_ = 0, primitive_count_ = 0, corner_count_ = 0;
   // By vertex of the current primitive: its welded vertex, valid where the stamp is the current.
@@ -161,16 +170,73 @@ void SceneReader::read_primitive(const JsonPlace& primitive, const GltfInstance&
     welded_vertices_.resize(stamps_.size());
   }
   ++stamp_;
-  std::vector<std::int32_t> vertices(static_cast<std::size_t>(count));
+  read_attributes(primitive, positions.count());
+  // By corner: the primitive's vertex, and what it is welded to.
+  std::vector<std::int32_t> corners(static_cast<std::size_t>(count));
+  std::vector<std::int32_t> vertices(corners.size());
   for (std::int64_t i = 0; i < count; ++i) {
     const std::int64_t vertex = indices ? indices->index(i) : i;
     if (vertex >= positions.count())
       primitive["indices"].fail("entry " + std::to_string(i) + " names vertex " +
                                 std::to_string(vertex) + " of " +
                                 std::to_string(positions.count()));
+    corners[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(vertex);
     vertices[static_cast<std::size_t>(i)] = welded(positions, vertex, primitive, instance);
   }
-  add_triangles(primitive, mode, vertices, glm::determinant(glm::dmat3(instance.to_world)) < 0);
+  if (const auto color = primitive["attributes"].find("COLOR_0"))
+    color_vertices(*color, vertices, corners);
+  add_triangles(primitive, mode, vertices, corners,
+                glm::determinant(glm::dmat3(instance.to_world)) < 0);
+}
+
+// Texture coordinates are appended for the whole primitive; OBJ's v runs upwards, glTF's down.
+void SceneReader::read_attributes(const JsonPlace& primitive, std::int64_t vertex_count) {
+  FaceGroup group;
+  if (const auto material = primitive.find("material")) {
+    const JsonPlace place = root_["materials"][material->integer()];
+    if (const auto name = place.find("name")) group.material = name->text();
+  }
+  if (const auto extras = primitive.find("extras"); extras && extras->is_object()) {
+    if (const auto name = extras->find("group"); name && name->is_text()) group.name = name->text();
+  }
+  attributes_.use_group(std::move(group));
+
+  first_uv_ = -1;
+  const auto attribute = primitive["attributes"].find("TEXCOORD_0");
+  if (!attribute) return;
+  const GltfAccessor uvs(root_, attribute->integer(), GltfAccessor::Use::TextureCoordinates,
+                         source_);
+  if (uvs.count() != vertex_count)
+    attribute->fail(std::to_string(uvs.count()) + " texture coordinates for " +
+                    std::to_string(vertex_count) + " vertices");
+  if (static_cast<std::int64_t>(uvs_.size()) + vertex_count > kMaxCorners)
+    attribute->fail("the scene has more than " + std::to_string(kMaxCorners) +
+                    " texture coordinates");
+  first_uv_ = static_cast<std::int64_t>(uvs_.size());
+  for (std::int64_t i = 0; i < vertex_count; ++i) {
+    const glm::dvec2 uv = uvs.texture_coordinate(i);
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+      attribute->fail("the texture coordinate of vertex " + std::to_string(i) + " is not finite");
+    uvs_.emplace_back(uv.x, 1.0 - uv.y);
+  }
+}
+
+void SceneReader::color_vertices(const JsonPlace& attribute,
+                                 const std::vector<std::int32_t>& vertices,
+                                 const std::vector<std::int32_t>& corners) {
+  const GltfAccessor colors(root_, attribute.integer(), GltfAccessor::Use::Colors, source_);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (corners[i] >= colors.count())
+      attribute.fail("there is no colour for vertex " + std::to_string(corners[i]));
+    const glm::vec4 color = colors.color(corners[i]);
+    // Negated, so that NaN fails too.
+    const bool in_range = color.r >= 0 && color.g >= 0 && color.b >= 0 && color.a >= 0 &&
+                          color.r <= 1 && color.g <= 1 && color.b <= 1 && color.a <= 1;
+    if (!in_range)
+      attribute.fail("the colour of vertex " + std::to_string(corners[i]) +
+                     " is not within 0 and 1");
+    attributes_.color_vertex(vertices[i], color);
+  }
 }
 
 std::int32_t SceneReader::welded(const GltfAccessor& positions, std::int64_t vertex,
@@ -192,12 +258,18 @@ std::int32_t SceneReader::welded(const GltfAccessor& positions, std::int64_t ver
 }
 
 void SceneReader::add_triangles(const JsonPlace& primitive, std::int64_t mode,
-                                const std::vector<std::int32_t>& vertices, bool mirrored) {
+                                const std::vector<std::int32_t>& vertices,
+                                const std::vector<std::int32_t>& corners, bool mirrored) {
   constexpr std::int64_t kTriangles = 4, kStrip = 5;
   const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
     // A mirror turns front faces into back faces.
     if (mirrored) std::swap(b, c);
-    triangles_.add(vertices[a], vertices[b], vertices[c]);
+    if (!triangles_.add(vertices[a], vertices[b], vertices[c])) return;
+    for (const std::size_t corner : {a, b, c}) {
+      attributes_.add_corner(
+          first_uv_ < 0 ? -1 : static_cast<std::int32_t>(first_uv_ + corners[corner]));
+    }
+    attributes_.add_face();
   };
   if (mode == kTriangles) {
     if (vertices.size() % 3 != 0)

@@ -55,12 +55,13 @@ void Welder::grow() {
   }
 }
 
-void TriangleCollector::add(std::int32_t v0, std::int32_t v1, std::int32_t v2) {
+bool TriangleCollector::add(std::int32_t v0, std::int32_t v1, std::int32_t v2) {
   if (v0 == v1 || v1 == v2 || v2 == v0) {
     ++degenerate_count_;
-  } else {
-    mesh_.add_face(std::array{v0, v1, v2});
+    return false;
   }
+  mesh_.add_face(std::array{v0, v1, v2});
+  return true;
 }
 
 void TriangleCollector::finish(Welder& welder, MeshFile& file) {

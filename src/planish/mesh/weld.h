@@ -32,7 +32,8 @@ class Welder {
 /// name a vertex twice have no area and are left out.
 class TriangleCollector {
  public:
-  void add(std::int32_t v0, std::int32_t v1, std::int32_t v2);
+  /// False for a triangle that was left out.
+  bool add(std::int32_t v0, std::int32_t v1, std::int32_t v2);
   [[nodiscard]] std::size_t corner_count() const { return mesh_.face_vertices.size(); }
   /// Hands over the mesh with its counts, and a warning if triangles were left out.
   void finish(Welder& welder, MeshFile& file);
