@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "planish/core/assert.h"
+#include "planish/mesh/area_vector.h"
 
 namespace planish {
 
@@ -22,17 +23,6 @@ using OpenSubdiv::Far::TopologyLevel;
 // to 30 degrees off, the half-plane rule still gives the better-shaped sector.
 constexpr double kStraightAngleTolerance = std::numbers::pi / 6.0;
 
-glm::dvec3 newell_normal(const PolygonMesh& mesh, std::int32_t face,
-                         std::span<const glm::dvec3> positions) {
-  const auto corners = mesh.face(face);
-  glm::dvec3 normal(0.0);
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    normal += glm::cross(positions[corners[i]] - positions[corners[0]],
-                         positions[corners[(i + 1) % corners.size()]] - positions[corners[0]]);
-  }
-  return normal;
-}
-
 // Interior angle of a face at its corner, in [0, 2 pi): more than pi where the face is concave.
 double interior_angle(const PolygonMesh& mesh, std::int32_t face, std::int32_t corner,
                       std::span<const glm::dvec3> positions) {
@@ -43,8 +33,8 @@ double interior_angle(const PolygonMesh& mesh, std::int32_t face, std::int32_t c
   const glm::dvec3 previous = positions[vertices[(corner + m - 1) % m]] - apex;
   const glm::dvec3 turn = glm::cross(next, previous);
   const double angle = std::atan2(glm::length(turn), glm::dot(next, previous));
-  return glm::dot(turn, newell_normal(mesh, face, positions)) < 0 ? 2.0 * std::numbers::pi - angle
-                                                                  : angle;
+  return glm::dot(turn, area_vector(positions, vertices)) < 0 ? 2.0 * std::numbers::pi - angle
+                                                              : angle;
 }
 
 CornerSector classify_angle(double angle) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/mesh/area_vector.h"
 #include "planish/mesh/edge_groups.h"
 
 namespace planish {
@@ -28,17 +29,6 @@ void require_angle(double degrees, const char* name) {
   if (degrees >= 0 && degrees <= 180) return;
   throw Error(ErrorCode::InvalidArgument, std::string(name) + " angle " + std::to_string(degrees) +
                                               " is outside 0 to 180 degrees");
-}
-
-glm::dvec3 face_normal(const PolygonMesh& mesh, std::int32_t face) {
-  const auto corners = mesh.face(face);
-  const glm::dvec3& origin = mesh.positions[corners[0]];
-  glm::dvec3 normal(0.0);
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-    normal +=
-        glm::cross(mesh.positions[corners[i]] - origin, mesh.positions[corners[i + 1]] - origin);
-  }
-  return normal;
 }
 
 // Faces without area have no direction to compare.
@@ -59,7 +49,9 @@ std::set<VertexPair> tagged_edges(const PolygonMesh& mesh) {
 
 std::vector<Edge> sharp_edges(const PolygonMesh& mesh, double dihedral) {
   std::vector<glm::dvec3> normals(static_cast<std::size_t>(mesh.face_count()));
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) normals[f] = face_normal(mesh, f);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    normals[f] = area_vector(mesh.positions, mesh.face(f));
+  }
   const std::vector<std::uint8_t> all(normals.size(), 1);
   const std::set<VertexPair> tagged = tagged_edges(mesh);
   std::vector<Edge> edges;

@@ -11,6 +11,7 @@
 #include "planish/core/parallel.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/doosabin/surface_stencils.h"
+#include "planish/mesh/area_vector.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/used_vertices.h"
@@ -95,12 +96,7 @@ std::vector<glm::dvec3> facet_normals(const SurfaceMesh& surface,
     const bool touched = std::any_of(vertices.begin(), vertices.end(),
                                      [&](std::int32_t v) { return place_of_vertex[v] >= 0; });
     if (!touched) continue;
-    glm::dvec3 area(0.0);
-    const glm::dvec3& origin = surface.positions[vertices[0]];
-    for (std::size_t i = 1; i + 1 < vertices.size(); ++i) {
-      area += glm::cross(surface.positions[vertices[i]] - origin,
-                         surface.positions[vertices[i + 1]] - origin);
-    }
+    const glm::dvec3 area = area_vector(surface.positions, vertices);
     for (const std::int32_t v : vertices) {
       if (place_of_vertex[v] >= 0) normals[place_of_vertex[v]] += area;
     }

@@ -5,23 +5,10 @@
 #include <vector>
 
 #include "planish/core/assert.h"
+#include "planish/mesh/area_vector.h"
 #include "planish/surface/attributes.h"
 
 namespace planish {
-
-namespace {
-
-template <class Vertices>
-glm::dvec3 area_vector(const std::vector<glm::dvec3>& positions, const Vertices& vertices) {
-  glm::dvec3 area(0.0);
-  for (std::size_t i = 1; i + 1 < vertices.size(); ++i) {
-    area += 0.5 * glm::cross(positions[vertices[i]] - positions[vertices[0]],
-                             positions[vertices[i + 1]] - positions[vertices[0]]);
-  }
-  return area;
-}
-
-}  // namespace
 
 double folded_area(const SurfaceMesh& surface, const PolygonMesh& input) {
   double folded = 0, whole = 0;
