@@ -70,29 +70,33 @@ std::vector<glm::dvec3> initial_residual(const StencilView<double>& masks,
 }
 
 // The true residual in double, whatever the device computed in.
-void measure(const StencilView<double>& masks, std::span<const glm::dvec3> initial,
-             Interpolation& result) {
-  std::vector<double> squares(initial.size());
+std::vector<glm::dvec3> residual_of(const StencilView<double>& masks,
+                                    std::span<const glm::dvec3> initial,
+                                    std::span<const glm::dvec3> displacement) {
+  std::vector<glm::dvec3> result(initial.begin(), initial.end());
   parallel_for(initial.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      glm::dvec3 residual = initial[i];
       for (std::int32_t k = masks.offsets[i]; k < masks.offsets[i] + masks.sizes[i]; ++k) {
-        residual -= masks.weights[k] * result.displacement[masks.indices[k]];
+        result[i] -= masks.weights[k] * displacement[masks.indices[k]];
       }
-      const double square = glm::dot(residual, residual);
-      squares[i] = std::isfinite(square) ? square : std::numeric_limits<double>::infinity();
     }
   });
+  return result;
+}
+
+void note_error(std::span<const glm::dvec3> residual, Interpolation& result) {
   double sum = 0, largest = -1;
-  for (std::size_t i = 0; i < squares.size(); ++i) {
-    sum += squares[i];
-    if (squares[i] > largest) {
-      largest = squares[i];
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    double square = glm::dot(residual[i], residual[i]);
+    if (!std::isfinite(square)) square = std::numeric_limits<double>::infinity();
+    sum += square;
+    if (square > largest) {
+      largest = square;
       result.worst_vertex = static_cast<std::int64_t>(i);
     }
   }
   result.error = {std::sqrt(std::max(largest, 0.0)),
-                  squares.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(squares.size()))};
+                  residual.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(residual.size()))};
 }
 
 std::int32_t chebyshev_step_count(double initial_error, const InterpolationOptions& options) {
@@ -234,7 +238,7 @@ Interpolation interpolate(Backend& backend, const StencilView<double>& limit_mas
   const std::vector<glm::dvec3> initial = initial_residual(limit_masks, given);
   Interpolation result;
   result.displacement.assign(given.size(), glm::dvec3(0.0));
-  measure(limit_masks, initial, result);
+  note_error(initial, result);
   if (result.error.max <= options.tolerance) {
     result.converged = true;
     result.history = {result.error};
@@ -254,7 +258,7 @@ Interpolation interpolate(Backend& backend, const StencilView<double>& limit_mas
     run_steps(*solve, result.error.max, options, result);
   }
   result.displacement = solve->displacement();
-  measure(limit_masks, initial, result);
+  note_error(residual_of(limit_masks, initial, result.displacement), result);
   result.converged = result.error.max <= options.tolerance;
   if (!result.converged && result.stop_reason == StopReason::Converged) {
     result.stop_reason = StopReason::Stagnated;  // the device's precision ends above the tolerance
