@@ -63,6 +63,7 @@ TEST(SceneFile, JobsOverrideDefaultsAndPresetsComeFirst) {
   EXPECT_EQ(jobs[0].settings.weights, Weights::Averaged);
   EXPECT_EQ(jobs[0].settings.solver, Solver::ConjugateGradients);
   EXPECT_EQ(jobs[0].settings.max_iterations, 7);
+  EXPECT_EQ(jobs[0].settings.interpolation, InterpolationChoice::Progressive);
 }
 
 TEST(SceneFile, AbsolutePathsStay) {
@@ -87,6 +88,7 @@ TEST(SceneFile, WrongTypesAreNamedWithTheirPlace) {
       {{{"input", 7}}, "jobs[0].input: a text is wanted, not number"},
       {{{"input", "a.obj"}, {"tolerance", "1e-6"}}, "jobs[0].tolerance: a number is wanted"},
       {{{"input", "a.obj"}, {"max_iterations", 1.5}}, "jobs[0].max_iterations: a whole number"},
+      {{{"input", "a.obj"}, {"polish", 1.5}}, "jobs[0].polish: a whole number"},
       {{{"input", "a.obj"}, {"max_iterations", 1e300}}, "jobs[0].max_iterations: a whole number"},
       {{{"input", "a.obj"}, {"max_iterations", 18446744073709551615u}},
        "jobs[0].max_iterations: a whole number"},
@@ -112,6 +114,7 @@ TEST(SceneFile, WrongValuesAreNamedWithTheirPlace) {
       {{{"input", "-"}}, "jobs[0].input: a file is wanted"},
       {{{"input", "a.foo"}}, "a.foo"},
       {{{"input", "a.obj"}, {"interpolation", "fair"}}, "jobs[0].interpolation: fair is not built"},
+      {{{"input", "a.obj"}, {"polish", -1}}, "jobs[0].polish: -1 is out of range"},
       {{{"input", "a.obj"}, {"levels", {9}}}, "jobs[0].levels: 9 is out of range"},
       {{{"input", "a.obj"}, {"tolerance", 0}}, "jobs[0].tolerance: 0 is out of range"},
       {{{"input", "a.obj"}, {"weights", "averaged"}, {"solve", {{"weights", "averaged"}}}},

@@ -21,6 +21,7 @@ struct FitFlags {
   std::map<std::string_view, std::string> words;  ///< by name of the setting
   double tolerance = Settings{}.tolerance;
   std::int64_t max_iterations = Settings{}.max_iterations;
+  std::int64_t polish_steps = Settings{}.polish_steps;
   bool force = false, dry_run = false;
   MessageFlags messages;
 };
@@ -69,6 +70,7 @@ Settings settings_of(const FitFlags& flags) {
   }
   set_tolerance(settings, flags.tolerance, "--tolerance");
   set_max_iterations(settings, flags.max_iterations, "--max-iterations");
+  set_polish_steps(settings, flags.polish_steps, "--polish");
   if (!flags.levels.empty()) settings.levels = parse_levels(flags.levels);
   check_consistent(settings);
   return settings;
@@ -141,6 +143,11 @@ void add_setting_flags(CLI::App& command, FitFlags& flags) {
       ->type_name("T")
       ->group("Solve");
   command.add_option("--max-iterations", flags.max_iterations, "give up after so many [200]")
+      ->type_name("N")
+      ->group("Solve");
+  command
+      .add_option("--polish", flags.polish_steps,
+                  "steps that even out the curvature of a fair surface [8]")
       ->type_name("N")
       ->group("Solve");
 }

@@ -116,6 +116,9 @@ void apply_settings(Settings& settings, const Json& json, const std::string& whe
   visit("max_iterations", [&](const Json& value, const std::string& path) {
     set_max_iterations(settings, integer_of(value, path), path);
   });
+  visit("polish", [&](const Json& value, const std::string& path) {
+    set_polish_steps(settings, integer_of(value, path), path);
+  });
   visit("crease_edges", [&](const Json& value, const std::string& path) {
     settings.crease_edges.clear();
     for_entries(value, path, [&](const Json& edge, const std::string& entry) {
@@ -263,7 +266,7 @@ Json parse_json(std::string_view text, const std::string& name) {
 }  // namespace
 
 std::vector<std::string_view> scene_keys(SceneObject object) {
-  std::vector<std::string_view> solve{"tolerance", "max_iterations", "crease_edges",
+  std::vector<std::string_view> solve{"tolerance", "max_iterations", "polish", "crease_edges",
                                       "corner_vertices"};
   std::vector<std::string_view> all = solve;
   all.insert(all.end(), {"levels", "solve"});

@@ -33,8 +33,9 @@ constexpr std::array kUpAxes{Word<UpAxis>{"y", UpAxis::Y}, Word<UpAxis>{"z", UpA
 constexpr std::array kRepairs{Word<RepairChoice>{"safe", RepairChoice::Safe},
                               Word<RepairChoice>{"none", RepairChoice::None}};
 constexpr std::array kCreases{Word<bool>{"use", true}, Word<bool>{"ignore", false}};
-// "auto" takes the progressive iteration for every mesh: point clouds are not read yet.
-constexpr std::array kInterpolations{Word<bool>{"auto", true}, Word<bool>{"progressive", true}};
+constexpr std::array kInterpolations{
+    Word<InterpolationChoice>{"auto", InterpolationChoice::Auto},
+    Word<InterpolationChoice>{"progressive", InterpolationChoice::Progressive}};
 constexpr std::array kSchemes{Word<bool>{"doo-sabin", true}};
 constexpr std::array kPresets{Word<bool>{"paper", true}};
 
@@ -63,13 +64,14 @@ std::string_view text_of(const Words& words, Value value) {
 
 void set_preset(Settings& settings, std::string_view value, std::string_view where) {
   parse(kPresets, value, where);
+  settings.interpolation = InterpolationChoice::Progressive;
   settings.weights = Weights::Averaged;
   settings.solver = Solver::Plain;
 }
 
-void set_interpolation(Settings&, std::string_view value, std::string_view where) {
+void set_interpolation(Settings& settings, std::string_view value, std::string_view where) {
   if (value == "fair") refuse(where, "fair is not built yet; progressive is");
-  parse(kInterpolations, value, where);
+  settings.interpolation = parse(kInterpolations, value, where);
 }
 
 void set_scheme(Settings&, std::string_view value, std::string_view where) {
@@ -174,6 +176,14 @@ void set_max_iterations(Settings& settings, std::int64_t value, std::string_view
     refuse(where, std::to_string(value) + " is out of range; 0 to 1000000 is wanted");
   }
   settings.max_iterations = static_cast<std::int32_t>(value);
+}
+
+void set_polish_steps(Settings& settings, std::int64_t value, std::string_view where) {
+  constexpr std::int64_t kMost = 1'000;  // quality is settled by ten
+  if (value < 0 || value > kMost) {
+    refuse(where, std::to_string(value) + " is out of range; 0 to 1000 is wanted");
+  }
+  settings.polish_steps = static_cast<std::int32_t>(value);
 }
 
 std::vector<int> checked_levels(std::span<const std::int64_t> values, std::string_view where) {

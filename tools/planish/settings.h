@@ -17,6 +17,8 @@ namespace planish::command {
 enum class PrecisionChoice { Auto, Float, Double };
 enum class UpAxis { Y, Z };
 enum class RepairChoice { None, Safe };
+/// Auto: fair for point clouds, progressive for meshes.
+enum class InterpolationChoice { Auto, Progressive, Fair };
 
 /// Which edges and vertices are sharp besides boundaries.
 struct CreaseChoice {
@@ -27,6 +29,8 @@ struct CreaseChoice {
 /// Everything that can be set for one job, by flags of `fit` or keys of a scene file.
 struct Settings {
   Weights weights = Weights::DooSabin;
+  InterpolationChoice interpolation = InterpolationChoice::Auto;
+  std::int32_t polish_steps = 8;
   Solver solver = Solver::Chebyshev;
   double tolerance = 1e-6;
   std::int32_t max_iterations = 200;
@@ -62,6 +66,7 @@ struct WordSetting {
 // Settings that are numbers; the same errors.
 void set_tolerance(Settings& settings, double value, std::string_view where);
 void set_max_iterations(Settings& settings, std::int64_t value, std::string_view where);
+void set_polish_steps(Settings& settings, std::int64_t value, std::string_view where);
 /// Each 0 to kMaxLevel, none twice, at least one.
 [[nodiscard]] std::vector<int> checked_levels(std::span<const std::int64_t> values,
                                               std::string_view where);

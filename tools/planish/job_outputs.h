@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "job.h"
+#include "planish/pipeline/fit.h"
+#include "staged_files.h"
+
+namespace planish::command {
+
+/// A fitted job on its way to its files.
+struct FittedJob {
+  const Job& job;
+  const std::vector<PlannedOutput>& outputs;
+  Backend& backend;
+  const JobContext& context;
+  const PolygonMesh& input;
+  const std::vector<glm::dvec3>& points;  ///< of a cloud
+  const Fit& fitted;
+  JobReport& report;
+  StagedFiles& staged;
+};
+
+/// Writes cages, evaluates every level once, whatever the number of files that show it, and
+/// measures the surface; all noted in the report. Returns what is meant for stdout.
+[[nodiscard]] std::vector<std::byte> write_outputs(const FittedJob& work);
+
+}  // namespace planish::command
