@@ -1,0 +1,30 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "planish/fair/fair_topology.h"
+
+namespace planish {
+
+/// A quarter of the two sharp edges at a crease or boundary vertex, where curve points would stand
+/// if nothing had to be interpolated.
+struct CreaseArms {
+  glm::dvec3 before, after;  ///< towards crease_neighbours()
+};
+
+[[nodiscard]] CreaseArms crease_arms(const FairTopology& topology,
+                                     std::span<const glm::dvec3> given, std::int32_t vertex);
+
+/// How much the arms differ in length: their difference by the shorter; infinite if that is 0.
+[[nodiscard]] double imbalance(const CreaseArms& arms);
+
+/// The offset of the curve point towards the vertex before; the other is its negative, so that
+/// their middle is the vertex. For vertices outside regular grids.
+[[nodiscard]] glm::dvec3 crease_handle(const CreaseArms& arms, double rho);
+
+/// Along the tangent of the circle through the vertex and its neighbours, limited by the shorter
+/// arm: crease_handle() of uneven arms.
+[[nodiscard]] glm::dvec3 chord_handle(const CreaseArms& arms);
+
+}  // namespace planish

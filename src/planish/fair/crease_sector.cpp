@@ -1,0 +1,64 @@
+#include "planish/fair/crease_sector.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "planish/fair/planar_ring.h"
+#include "planish/fair/vertex_frame.h"
+
+namespace planish {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+// Control points beside a sharp edge follow its handle, but not farther than this factor.
+constexpr double kLongestFactor = 1.3;
+
+VertexFrame sector_frame(const FairTopology& topology, std::span<const dvec3> given,
+                         std::span<const dvec3> face_normals, const FairTopology::Sector& sector,
+                         const dvec3& handle) {
+  const dvec3 normal = angle_weighted_normal(topology, given, face_normals, sector.vertex,
+                                             sector.first, sector.count);
+  const double square = glm::dot(handle, handle);
+  if (!(square > 0)) return frame_of(normal);
+  const dvec3 upright = normal - glm::dot(normal, handle) / square * handle;
+  const double length = glm::length(upright);
+  constexpr double kParallel = 1e-6;  // the handle stands on the sector: no plane holds both
+  return frame_of(length > kParallel ? upright / length : normal);
+}
+
+double handle_factor(double handle_length, const dvec3& edge) {
+  const double arm = glm::length(edge) / 4.0;
+  return arm > 0 ? std::min(kLongestFactor, handle_length / arm) : 1.0;
+}
+
+}  // namespace
+
+void build_sector(const FairTopology& topology, std::span<const dvec3> given,
+                  std::span<const dvec3> face_normals, const FairTopology::Sector& sector,
+                  const SectorShape& shape, std::span<dvec3> result) {
+  const VertexFrame frame = sector_frame(topology, given, face_normals, sector, shape.handle);
+  const double handle_length = glm::length(shape.handle);
+  for (std::int32_t i = 0; i < sector.count; ++i) {
+    const std::int32_t place = sector.first + i;
+    const std::int32_t corner = topology.ring_corners[place];
+    const dvec3 next = given[topology.ring_next[place]] - given[sector.vertex];
+    const dvec3 previous = given[topology.ring_previous[place]] - given[sector.vertex];
+    const dvec2 flat_next = frame.project(next), flat_previous = frame.project(previous);
+    dvec2 flat = frame.project(shape.given_offsets[corner]);
+    const PlanarRing::Wedge wedge = wedge_of(flat, flat_next, flat_previous);
+    if (wedge.valid) {
+      const double next_factor = i == 0 ? handle_factor(handle_length, next) : 1.0;
+      const double previous_factor =
+          i + 1 == sector.count ? handle_factor(handle_length, previous) : 1.0;
+      flat = next_factor * wedge.along_next * flat_next +
+             previous_factor * wedge.along_previous * flat_previous;
+    }
+    result[corner] = shape.share * (shape.offsets[corner] + shape.tensor_shift) +
+                     (1 - shape.share) * (flat.x * frame.tangent1 + flat.y * frame.tangent2);
+  }
+}
+
+}  // namespace planish

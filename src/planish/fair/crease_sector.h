@@ -1,0 +1,26 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "planish/fair/fair_topology.h"
+
+namespace planish {
+
+/// What a sector's control points are built from.
+struct SectorShape {
+  glm::dvec3 handle;        ///< offset of the curve point before the first sector
+  double share;             ///< of the tensor-product construction, 0 to 1
+  glm::dvec3 tensor_shift;  ///< given - B P at the vertex
+  /// Control points of one step of the given points and of P, relative to their given points.
+  std::span<const glm::dvec3> given_offsets, offsets;
+};
+
+/// The control points of a crease or boundary sector, written to `result` (one per corner):
+/// flat in the plane of the handle and the sector's normal where share is 0, following the
+/// curve's handles beside the sharp edges.
+void build_sector(const FairTopology& topology, std::span<const glm::dvec3> given,
+                  std::span<const glm::dvec3> face_normals, const FairTopology::Sector& sector,
+                  const SectorShape& shape, std::span<glm::dvec3> result);
+
+}  // namespace planish

@@ -1,0 +1,216 @@
+// An own method: progressive interpolation solves for base control points, whose limit points are
+// those of uniform knots; on uneven rings that folds. Here the control points of level 1 are the
+// unknowns. They split into one polygon per vertex, and the surface interpolates exactly when each
+// polygon's centroid is its vertex, so that every polygon can be built by itself.
+#include "planish/fair/fair_net.h"
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+#include "planish/fair/corner_offsets.h"
+#include "planish/fair/crease_handle.h"
+#include "planish/fair/crease_sector.h"
+#include "planish/fair/fair_topology.h"
+#include "planish/fair/fold_repair.h"
+#include "planish/fair/masked_iteration.h"
+#include "planish/fair/vertex_frame.h"
+#include "planish/fair/vertex_polygon.h"
+
+namespace planish {
+
+namespace {
+
+using glm::dvec3;
+
+constexpr std::size_t kGrain = 1024;
+
+// Calls body(vertex) for every vertex on all threads.
+template <class MakeBody>
+void for_vertices(const FairTopology& topology, const MakeBody& make_body) {
+  parallel_for(static_cast<std::size_t>(topology.vertex_count), kGrain,
+               [&](std::size_t begin, std::size_t end) {
+                 auto body = make_body();
+                 for (std::size_t v = begin; v < end; ++v) body(static_cast<std::int32_t>(v));
+               });
+}
+
+std::vector<dvec3> vertex_normals(const FairTopology& topology, std::span<const dvec3> given,
+                                  std::span<const dvec3> face_normals) {
+  std::vector<dvec3> normals(given.size());
+  for_vertices(topology, [&] {
+    return [&](std::int32_t v) {
+      normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring_offsets[v],
+                                         topology.valence(v));
+    };
+  });
+  return normals;
+}
+
+// How far each vertex takes part in the tensor-product construction: only among quads.
+std::vector<double> tensor_shares(const FairTopology& topology, std::span<const dvec3> given,
+                                  std::span<const dvec3> normals, std::span<const dvec3> offsets) {
+  std::vector<double> shares(given.size(), 0.0);
+  for_vertices(topology, [&] {
+    return [&, ring = PlanarRing{}](std::int32_t v) mutable {
+      if (!topology.is_regular[v] || topology.kind(v) == VertexKind::Corner) return;
+      if (topology.kind(v) == VertexKind::Crease) {
+        shares[v] = tensor_share(imbalance(crease_arms(topology, given, v)));
+        return;
+      }
+      project_ring(topology, given, offsets, v, topology.ring_offsets[v], topology.valence(v),
+                   frame_of(normals[v]), ring);
+      shares[v] = tensor_share(imbalance(ring));
+    };
+  });
+  return shares;
+}
+
+// The net in the making: everything relative to the given points.
+struct NetBuilder {
+  const FairTopology& topology;
+  std::span<const dvec3> given;
+  std::vector<dvec3> face_normals{}, normals{};
+  std::vector<double> shares{};
+  std::vector<dvec3> points{};                    // P, empty where no vertex has a share
+  std::vector<dvec3> given_offsets{}, offsets{};  // of the given points, of P (empty: the same)
+  std::vector<dvec3> result{};                    // the state
+
+  void prepare();
+  std::int64_t build_polygons();
+  void build_crease(std::int32_t vertex);
+  void build_curve_points();
+
+  [[nodiscard]] std::span<const dvec3> tensor_offsets() const {
+    return offsets.empty() ? given_offsets : offsets;
+  }
+};
+
+void NetBuilder::prepare() {
+  face_normals = unit_face_normals(topology, given);
+  normals = vertex_normals(topology, given, face_normals);
+  given_offsets.resize(static_cast<std::size_t>(topology.corner_count));
+  corner_offsets(topology, given, given, given_offsets);
+  shares = tensor_shares(topology, given, normals, given_offsets);
+  if (std::any_of(shares.begin(), shares.end(), [](double share) { return share > 0; })) {
+    offsets = given_offsets;
+    points = masked_iteration(topology, given, shares, offsets);
+  }
+}
+
+// Returns how many came out reversed.
+std::int64_t NetBuilder::build_polygons() {
+  std::atomic<std::int64_t> reversed = 0;
+  for_vertices(topology, [&] {
+    return [&, scratch = PolygonScratch{}](std::int32_t v) mutable {
+      if (topology.has_polygon(v)) {
+        const PolygonShape shape{normals[v], shares[v], given_offsets, tensor_offsets()};
+        if (build_vertex_polygon(topology, given, v, shape, scratch, result)) ++reversed;
+      } else if (topology.kind(v) == VertexKind::Crease) {
+        build_crease(v);
+      } else {
+        for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
+          const std::int32_t corner = topology.ring_corners[i];
+          result[corner] = tensor_offsets()[corner];
+        }
+      }
+    };
+  });
+  return reversed;
+}
+
+void NetBuilder::build_crease(std::int32_t vertex) {
+  const CreaseArms arms = crease_arms(topology, given, vertex);
+  SectorShape shape{crease_handle(arms, imbalance(arms)), shares[vertex], dvec3(0.0), given_offsets,
+                    tensor_offsets()};
+  if (shape.share > 0) {
+    const auto [before, after] = topology.crease_neighbours(vertex);
+    shape.handle = shape.share * (points[before] - points[after]) / 8.0 +
+                   (1 - shape.share) * chord_handle(arms);
+    shape.tensor_shift =
+        (given[vertex] - points[vertex]) -
+        ((points[before] - points[vertex]) + (points[after] - points[vertex])) / 8.0;
+  }
+  const std::int32_t crease = topology.crease_of_vertex[vertex];
+  for (std::int32_t s = topology.sector_offsets[crease]; s < topology.sector_offsets[crease + 1];
+       ++s) {
+    build_sector(topology, given, face_normals, topology.sectors[s], shape, result);
+  }
+  const FairTopology::Sector& first = topology.sectors[topology.sector_offsets[crease]];
+  result[first.curve0] = shape.handle;
+  result[first.curve1] = -shape.handle;
+}
+
+// Those of corner vertices; crease vertices have theirs, darts take the mean of their neighbours.
+void NetBuilder::build_curve_points() {
+  for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
+    const FairTopology::CurvePoint& place = topology.curve_points[s];
+    dvec3& point = result[static_cast<std::size_t>(topology.corner_count) + s];
+    switch (topology.kind(place.vertex)) {
+      case VertexKind::Corner: {
+        const dvec3& end = points.empty() ? given[place.other] : points[place.other];
+        point = (end - given[place.vertex]) / 4.0;
+        break;
+      }
+      case VertexKind::Dart:
+        point = (result[place.corner_after] + result[place.corner_before]) / 2.0;
+        break;
+      case VertexKind::Crease:
+      case VertexKind::Smooth:
+        break;
+    }
+  }
+}
+
+void add_given_points(const FairTopology& topology, std::span<const dvec3> given,
+                      std::span<dvec3> state) {
+  for (std::int32_t c = 0; c < topology.corner_count; ++c) {
+    state[c] += given[topology.corner_vertices[c]];
+  }
+  auto index = static_cast<std::size_t>(topology.corner_count);
+  for (const FairTopology::CurvePoint& place : topology.curve_points) {
+    state[index++] += given[place.vertex];
+  }
+  for (const std::int32_t vertex : topology.corner_points) state[index++] += given[vertex];
+}
+
+void require_valid(const FairOptions& options) {
+  constexpr std::int32_t kMostSteps = 1000;
+  if (options.polish_steps >= 0 && options.polish_steps <= kMostSteps) return;
+  throw Error(ErrorCode::InvalidArgument, "polish steps " + std::to_string(options.polish_steps) +
+                                              " are outside 0 to " + std::to_string(kMostSteps));
+}
+
+}  // namespace
+
+FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
+                 std::span<const dvec3> given, const FairOptions& options) {
+  require_valid(options);
+  PLANISH_ASSERT(given.size() == mesh.positions.size());
+  const FairTopology topology = make_fair_topology(mesh, subdivision);
+  options.callbacks.check_cancelled();
+
+  FairNet net;
+  NetBuilder builder{topology, given};
+  builder.result.resize(static_cast<std::size_t>(topology.state_size), dvec3(0.0));
+  builder.prepare();
+  net.reversed_vertices = builder.build_polygons();
+  builder.build_curve_points();
+  options.callbacks.check_cancelled();
+
+  std::vector<std::uint8_t> halvings(given.size(), 0);
+  const FoldCount folds =
+      repair_folds(topology, given, builder.face_normals, builder.result, halvings);
+  builder.build_curve_points();
+  net.flagged_edges = folds.edges;
+  net.flagged_faces = folds.faces;
+  net.shrunk_vertices =
+      std::count_if(halvings.begin(), halvings.end(), [](std::uint8_t count) { return count > 0; });
+  net.state = std::move(builder.result);
+  add_given_points(topology, given, net.state);
+  return net;
+}
+
+}  // namespace planish

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/core/callbacks.h"
+#include "planish/doosabin/subdivision.h"
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish {
+
+struct FairOptions {
+  std::int32_t polish_steps = 8;  ///< 0 to 1000; 0: none
+  Callbacks callbacks;
+};
+
+/// A Doo-Sabin net of level 1 whose surface passes through the given vertices: the polygon around
+/// every smooth vertex has its centroid there, the two curve points beside a crease or boundary
+/// vertex their middle.
+struct FairNet {
+  /// The state of level 1 as Subdivision documents it, in the coordinates of `given`.
+  std::vector<glm::dvec3> state;
+  std::int64_t shrunk_vertices = 0;    ///< whose polygons were drawn in to undo overlaps
+  std::int64_t reversed_vertices = 0;  ///< whose polygons came out turned over and were replaced
+  std::int64_t flagged_edges = 0;      ///< smooth edges still turned over in the end
+  std::int64_t flagged_faces = 0;      ///< faces still turned over in the end
+};
+
+/// Builds the net: a local construction at every vertex that keeps each control point inside its
+/// own face's wedge, repair of overlaps, then `polish_steps` steps of conjugate gradients on the
+/// bending of the net. `subdivision` is of `mesh`, with Weights::DooSabin whatever weights the
+/// later levels take; `given` are the points to pass through, one per vertex of the mesh, near unit
+/// diagonal; any finite points make a net. The same bits for every thread count.
+/// Throws Error{InvalidArgument} for polish_steps out of range and Error{Cancelled}.
+[[nodiscard]] FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
+                               std::span<const glm::dvec3> given, const FairOptions& options = {});
+
+}  // namespace planish

@@ -1,0 +1,188 @@
+#include "planish/fair/fair_topology.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "planish/core/parallel.h"
+#include "planish/doosabin/vertex_ring.h"
+
+namespace planish {
+
+namespace {
+
+using OpenSubdiv::Far::TopologyLevel;
+
+constexpr std::size_t kGrain = 4096;
+
+void number_corners(const PolygonMesh& mesh, FairTopology& topology) {
+  topology.vertex_count = mesh.vertex_count();
+  topology.face_count = mesh.face_count();
+  topology.face_offsets = mesh.face_offsets;
+  topology.corner_vertices = mesh.face_vertices;
+  topology.corner_count = static_cast<std::int32_t>(mesh.face_vertices.size());
+  topology.corner_faces.resize(mesh.face_vertices.size());
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    std::fill(topology.corner_faces.begin() + mesh.face_offsets[f],
+              topology.corner_faces.begin() + mesh.face_offsets[f + 1], f);
+  }
+}
+
+// Writes the ring of one vertex, whose range of the ring arrays is known.
+void write_ring(const VertexRing& ring, std::int32_t vertex, FairTopology& topology) {
+  const std::int32_t first = topology.ring_offsets[vertex];
+  const std::int32_t n = topology.valence(vertex);
+  bool regular = true;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t corner = ring.faces[i];
+    const std::int32_t face = topology.corner_faces[corner];
+    const std::int32_t face_first = topology.face_offsets[face];
+    const std::int32_t face_end = topology.face_offsets[face + 1];
+    topology.ring_corners[first + i] = corner;
+    topology.ring_next[first + i] =
+        topology.corner_vertices[corner + 1 == face_end ? face_first : corner + 1];
+    topology.ring_previous[first + i] =
+        topology.corner_vertices[corner == face_first ? face_end - 1 : corner - 1];
+    topology.corner_ccw[corner] = ring.faces[i + 1 == n ? 0 : i + 1];
+    topology.corner_cw[corner] = ring.faces[i == 0 ? n - 1 : i - 1];
+    regular = regular && face_end - face_first == 4;
+  }
+  for (const VertexRing::Sector& sector : ring.sectors) {
+    topology.corner_cw[ring.faces[sector.first]] = sector.curve0;
+    topology.corner_ccw[ring.faces[sector.first + sector.count - 1]] = sector.curve1;
+  }
+  topology.is_regular[vertex] = regular;
+}
+
+void gather_rings(const Subdivision& subdivision, FairTopology& topology) {
+  const TopologyLevel& base = subdivision.split().level(0);
+  const auto vertex_count = static_cast<std::size_t>(topology.vertex_count);
+  const auto corner_count = static_cast<std::size_t>(topology.corner_count);
+  topology.ring_offsets.resize(vertex_count + 1);
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    topology.ring_offsets[v + 1] =
+        topology.ring_offsets[v] + base.GetVertexFaces(static_cast<int>(v)).size();
+  }
+  for (auto* array : {&topology.ring_corners, &topology.ring_next, &topology.ring_previous,
+                      &topology.corner_ccw, &topology.corner_cw}) {
+    array->resize(corner_count);
+  }
+  topology.is_regular.resize(vertex_count);
+  topology.kinds.resize(vertex_count);
+  std::transform(subdivision.features().vertex_kinds.begin(),
+                 subdivision.features().vertex_kinds.end(), topology.kinds.begin(),
+                 [](VertexKind kind) { return static_cast<std::uint8_t>(kind); });
+  parallel_for(vertex_count, kGrain, [&](std::size_t begin, std::size_t end) {
+    VertexRing ring;
+    for (std::size_t v = begin; v < end; ++v) {
+      gather_ring(subdivision, 1, static_cast<std::int32_t>(v), ring);
+      write_ring(ring, static_cast<std::int32_t>(v), topology);
+    }
+  });
+}
+
+void gather_sharp_places(const Subdivision& subdivision, FairTopology& topology) {
+  topology.corner_points = subdivision.features().corner_vertices;
+  topology.sector_offsets.push_back(0);
+  if (!subdivision.has_sharp_edges()) return;
+
+  const TopologyLevel& base = subdivision.split().level(0);
+  topology.curve_points.resize(2 *
+                               static_cast<std::size_t>(subdivision.features().sharp_edge_count));
+  for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
+    const auto ends =
+        base.GetEdgeVertices(subdivision.edge_of_sharp(0, static_cast<std::int32_t>(s / 2)));
+    topology.curve_points[s] = {ends[static_cast<int>(s % 2)], ends[static_cast<int>(1 - s % 2)],
+                                -1, -1};
+  }
+
+  VertexRing ring;
+  for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
+    const VertexKind kind = topology.kind(v);
+    if (kind != VertexKind::Crease && kind != VertexKind::Dart) continue;
+    gather_ring(subdivision, 1, v, ring);
+    if (kind == VertexKind::Dart) {
+      const auto edges = base.GetVertexEdges(v);
+      for (int i = 0; i < edges.size(); ++i) {
+        const std::int32_t sharp = subdivision.sharp_of_edge(0, edges[i]);
+        if (sharp < 0) continue;
+        const int end = base.GetEdgeVertices(edges[i])[0] == v ? 0 : 1;
+        topology.curve_points[2 * sharp + end].corner_after = ring.faces[ring.dart_face];
+        topology.curve_points[2 * sharp + end].corner_before =
+            topology.corner_cw[ring.faces[ring.dart_face]];
+      }
+      continue;
+    }
+    if (topology.crease_of_vertex.empty()) {
+      topology.crease_of_vertex.assign(static_cast<std::size_t>(topology.vertex_count), -1);
+    }
+    topology.crease_of_vertex[v] = static_cast<std::int32_t>(topology.crease_vertices.size());
+    topology.crease_vertices.push_back(v);
+    for (const VertexRing::Sector& sector : ring.sectors) {
+      topology.sectors.push_back(
+          {v, topology.ring_offsets[v] + sector.first, sector.count, sector.curve0, sector.curve1});
+    }
+    topology.sector_offsets.push_back(static_cast<std::int32_t>(topology.sectors.size()));
+  }
+}
+
+void gather_edges(const Subdivision& subdivision, FairTopology& topology) {
+  const TopologyLevel& base = subdivision.split().level(0);
+  std::vector<int> smooth;
+  smooth.reserve(static_cast<std::size_t>(base.GetNumEdges()));
+  for (int e = 0; e < base.GetNumEdges(); ++e) {
+    if (subdivision.sharp_of_edge(0, e) < 0) smooth.push_back(e);
+  }
+  topology.edges.resize(smooth.size());
+  parallel_for(smooth.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) {
+      const auto faces = base.GetEdgeFaces(smooth[e]);
+      const auto places = base.GetEdgeFaceLocalIndices(smooth[e]);
+      FairTopology::Edge& edge = topology.edges[e];
+      for (int k = 0; k < 2; ++k) {
+        const std::int32_t first = topology.face_offsets[faces[k]];
+        const std::int32_t m = topology.face_size(faces[k]);
+        edge.faces[k] = faces[k];
+        edge.corners[2 * k] = first + (places[k] + 1) % m;
+        edge.corners[2 * k + 1] = first + places[k];
+      }
+    }
+  });
+}
+
+void fill_unit_circle(FairTopology& topology) {
+  std::vector<bool> arises;
+  const auto mark = [&](std::int32_t n) {
+    if (static_cast<std::size_t>(n) >= arises.size())
+      arises.resize(static_cast<std::size_t>(n) + 1);
+    arises[n] = true;
+  };
+  for (std::int32_t f = 0; f < topology.face_count; ++f) mark(topology.face_size(f));
+  for (std::int32_t v = 0; v < topology.vertex_count; ++v) mark(topology.valence(v));
+
+  FairTopology::UnitCircle& circle = topology.unit_circle;
+  circle.offsets.assign(arises.size(), -1);
+  for (std::size_t n = 0; n < arises.size(); ++n) {
+    if (!arises[n]) continue;
+    circle.offsets[n] = static_cast<std::int32_t>(circle.points.size());
+    for (std::size_t i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
+      circle.points.emplace_back(std::cos(angle), std::sin(angle));
+    }
+  }
+}
+
+}  // namespace
+
+FairTopology make_fair_topology(const PolygonMesh& mesh, const Subdivision& subdivision) {
+  FairTopology topology;
+  topology.state_size = static_cast<std::int32_t>(subdivision.state_layout(1).size);
+  number_corners(mesh, topology);
+  gather_rings(subdivision, topology);
+  gather_sharp_places(subdivision, topology);
+  gather_edges(subdivision, topology);
+  fill_unit_circle(topology);
+  return topology;
+}
+
+}  // namespace planish

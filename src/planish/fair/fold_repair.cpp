@@ -1,0 +1,132 @@
+#include "planish/fair/fold_repair.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "planish/core/parallel.h"
+#include "planish/fair/limit_normal.h"
+
+namespace planish {
+
+using glm::dvec3;
+
+namespace {
+
+constexpr std::size_t kGrain = 8192;
+constexpr int kRounds = 3;
+constexpr double kShrink = 0.5;
+// Cosines between limit normals and the mesh's below which an element counts as folded.
+constexpr double kFaceCosine = 0.3;
+constexpr double kEdgeCosine = 0.3;
+// At sharp dihedral angles less is asked: this part of the cosine of half the angle.
+constexpr double kDihedralPart = 0.5;
+
+// Whether `normal`, of any length, is within `cosine` of the unit vector `reference`.
+bool agrees(const dvec3& normal, const dvec3& reference, double cosine) {
+  return glm::dot(normal, reference) >= cosine * glm::length(normal);
+}
+
+struct FoldTest {
+  const FairTopology& topology;
+  std::span<const dvec3> given, face_normals, offsets;
+
+  [[nodiscard]] dvec3 point(std::int32_t corner) const {
+    return given[topology.corner_vertices[corner]] + offsets[corner];
+  }
+
+  [[nodiscard]] bool edge_is_folded(const FairTopology::Edge& edge) const {
+    const dvec3 normal = glm::cross(point(edge.corners[2]) - point(edge.corners[0]),
+                                    point(edge.corners[3]) - point(edge.corners[1]));
+    const dvec3& f = face_normals[edge.faces[0]];
+    const dvec3& g = face_normals[edge.faces[1]];
+    const double length = glm::length(f + g);
+    if (!(length > 0)) return false;  // a knife's edge has no normal to compare with
+    // length / 2 is the cosine of half the dihedral turn.
+    return !agrees(normal, (f + g) / length, std::min(kEdgeCosine, kDihedralPart * length / 2));
+  }
+
+  [[nodiscard]] bool face_is_folded(std::int32_t face) const {
+    const std::int32_t first = topology.face_offsets[face];
+    const dvec3 normal = limit_normal(topology, topology.face_size(face),
+                                      [&](std::int32_t i) { return point(first + i); });
+    return !agrees(normal, face_normals[face], kFaceCosine);
+  }
+};
+
+// Flags of vertices, set from several threads: whoever sets, sets the same.
+class VertexFlags {
+ public:
+  explicit VertexFlags(std::int32_t count) : flags_(static_cast<std::size_t>(count), 0) {}
+  void set(std::int32_t vertex) {
+    std::atomic_ref(flags_[vertex]).store(1, std::memory_order_relaxed);
+  }
+  [[nodiscard]] bool operator[](std::size_t vertex) const { return flags_[vertex] != 0; }
+
+ private:
+  std::vector<std::uint8_t> flags_;
+};
+
+// Counts the folded elements and flags their vertices.
+FoldCount find_folds(const FoldTest& test, VertexFlags& flags) {
+  const FairTopology& topology = test.topology;
+  std::atomic<std::int64_t> edges = 0, faces = 0;
+  parallel_for(topology.edges.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) {
+      const FairTopology::Edge& edge = topology.edges[e];
+      if (!test.edge_is_folded(edge)) continue;
+      ++edges;
+      flags.set(topology.corner_vertices[edge.corners[0]]);
+      flags.set(topology.corner_vertices[edge.corners[1]]);
+    }
+  });
+  parallel_for(static_cast<std::size_t>(topology.face_count), kGrain,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t f = begin; f < end; ++f) {
+                   if (!test.face_is_folded(static_cast<std::int32_t>(f))) continue;
+                   ++faces;
+                   for (std::int32_t c = topology.face_offsets[f]; c < topology.face_offsets[f + 1];
+                        ++c) {
+                     flags.set(topology.corner_vertices[c]);
+                   }
+                 }
+               });
+  return {edges, faces};
+}
+
+void shrink(const FairTopology& topology, const VertexFlags& flags, std::span<dvec3> offsets,
+            std::span<std::uint8_t> halvings) {
+  parallel_for(halvings.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      // Corner points and the curves that end there are where they must be.
+      if (!flags[v] || topology.kind(static_cast<std::int32_t>(v)) == VertexKind::Corner) continue;
+      ++halvings[v];
+      for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
+        offsets[topology.ring_corners[i]] *= kShrink;
+      }
+    }
+  });
+  for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
+    const std::int32_t vertex = topology.curve_points[s].vertex;
+    if (flags[vertex] && topology.kind(vertex) == VertexKind::Crease) {
+      offsets[static_cast<std::size_t>(topology.corner_count) + s] *= kShrink;
+    }
+  }
+}
+
+}  // namespace
+
+FoldCount repair_folds(const FairTopology& topology, std::span<const dvec3> given,
+                       std::span<const dvec3> face_normals, std::span<dvec3> offsets,
+                       std::span<std::uint8_t> halvings) {
+  const FoldTest test{topology, given, face_normals, offsets};
+  for (int round = 0;; ++round) {
+    VertexFlags flags(topology.vertex_count);
+    const FoldCount folds = find_folds(test, flags);
+    if (round == kRounds || folds.edges + folds.faces == 0) return folds;
+    shrink(topology, flags, offsets, halvings);
+  }
+}
+
+}  // namespace planish

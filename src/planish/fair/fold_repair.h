@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/fair/fair_topology.h"
+
+namespace planish {
+
+/// Elements whose level-1 limit normal is turned away from the mesh's.
+struct FoldCount {
+  std::int64_t edges = 0, faces = 0;
+};
+
+/// Halves the polygons of control points around the vertices of folded edges and faces, about the
+/// vertex, so that interpolation is untouched; at most three rounds. At an edge whose own geometry
+/// folds no size helps, so that more rounds do not.
+/// `offsets`: the state of level 1 relative to the given points, changed in place; `face_normals`:
+/// unit, one per face. `halvings`, one per vertex, is increased by what was done. Returns what is
+/// still folded.
+FoldCount repair_folds(const FairTopology& topology, std::span<const glm::dvec3> given,
+                       std::span<const glm::dvec3> face_normals, std::span<glm::dvec3> offsets,
+                       std::span<std::uint8_t> halvings);
+
+}  // namespace planish

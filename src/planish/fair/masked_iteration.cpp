@@ -1,0 +1,64 @@
+// Based on: "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces", section 3.2: the
+// iteration of progressive interpolation, here weighted per vertex.
+#include "planish/fair/masked_iteration.h"
+
+#include <algorithm>
+
+#include "planish/core/parallel.h"
+#include "planish/fair/corner_offsets.h"
+
+namespace planish {
+
+using glm::dvec3;
+
+namespace {
+
+constexpr std::size_t kGrain = 8192;
+constexpr int kSteps = 3;
+// Imbalance from which the share falls below 1, and where it reaches 0: at 1 translation would put
+// a control point on the edge of its wedge.
+constexpr double kFullShareBelow = 0.4;
+constexpr double kNoShareFrom = 0.9;
+
+// (B P)_v - given_v.
+dvec3 limit_error(const FairTopology& topology, std::span<const dvec3> given,
+                  std::span<const dvec3> points, std::span<const dvec3> offsets,
+                  std::int32_t vertex) {
+  if (topology.has_polygon(vertex)) {
+    dvec3 sum(0.0);
+    for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1];
+         ++i) {
+      sum += offsets[topology.ring_corners[i]];
+    }
+    return sum / static_cast<double>(topology.valence(vertex));
+  }
+  const auto [before, after] = topology.crease_neighbours(vertex);
+  const dvec3& own = points[vertex];
+  return (own - given[vertex]) + ((points[before] - own) + (points[after] - own)) / 8.0;
+}
+
+}  // namespace
+
+double tensor_share(double rho) {
+  return std::clamp((kNoShareFrom - rho) / (kNoShareFrom - kFullShareBelow), 0.0, 1.0);
+}
+
+std::vector<dvec3> masked_iteration(const FairTopology& topology, std::span<const dvec3> given,
+                                    std::span<const double> shares, std::span<dvec3> offsets) {
+  std::vector<dvec3> points(given.begin(), given.end());
+  std::vector<dvec3> next = points;
+  for (int step = 0; step < kSteps; ++step) {
+    parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) {
+        if (shares[v] <= 0) continue;
+        next[v] = points[v] - shares[v] * limit_error(topology, given, points, offsets,
+                                                      static_cast<std::int32_t>(v));
+      }
+    });
+    std::swap(points, next);
+    corner_offsets(topology, given, points, offsets);
+  }
+  return points;
+}
+
+}  // namespace planish

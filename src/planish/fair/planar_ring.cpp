@@ -1,0 +1,67 @@
+#include "planish/fair/planar_ring.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace planish {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+// A wedge narrower than this sine is a sliver: coordinates in it are noise.
+constexpr double kSliverSine = 1e-3;
+// A control point nearer to an edge of its wedge than this part of the other edge is not safely
+// inside: 1/6 is regular.
+constexpr double kLeastCoordinate = 0.02;
+
+double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
+
+}  // namespace
+
+PlanarRing::Wedge wedge_of(const dvec2& point, const dvec2& next, const dvec2& previous) {
+  const double determinant = cross(next, previous);
+  const double size = std::sqrt(glm::dot(next, next) * glm::dot(previous, previous));
+  if (!(determinant > kSliverSine * size)) return {0.0, 0.0, false};
+  return {cross(point, previous) / determinant, cross(next, point) / determinant, true};
+}
+
+void project_ring(const FairTopology& topology, std::span<const dvec3> given,
+                  std::span<const dvec3> corner_offsets, std::int32_t vertex, std::int32_t first,
+                  std::int32_t count, const VertexFrame& frame, PlanarRing& ring) {
+  ring.count = count;
+  if (ring.next.size() < static_cast<std::size_t>(count)) {
+    ring.next.resize(static_cast<std::size_t>(count));
+    ring.previous.resize(ring.next.size());
+    ring.offsets.resize(ring.next.size());
+    ring.wedges.resize(ring.next.size());
+  }
+  ring.mean = dvec2(0.0);
+  for (std::int32_t i = 0; i < count; ++i) {
+    ring.next[i] = frame.project(given[topology.ring_next[first + i]] - given[vertex]);
+    ring.previous[i] = frame.project(given[topology.ring_previous[first + i]] - given[vertex]);
+    ring.offsets[i] = frame.project(corner_offsets[topology.ring_corners[first + i]]);
+    ring.wedges[i] = wedge_of(ring.offsets[i], ring.next[i], ring.previous[i]);
+    ring.mean += ring.offsets[i];
+  }
+  ring.mean /= count;
+}
+
+double imbalance(const PlanarRing& ring) {
+  double worst = 0;
+  for (std::int32_t i = 0; i < ring.count; ++i) {
+    const PlanarRing::Wedge& own = ring.wedges[i];
+    if (!own.valid || own.along_next < kLeastCoordinate || own.along_previous < kLeastCoordinate) {
+      return std::numeric_limits<double>::infinity();
+    }
+    const PlanarRing::Wedge mean = wedge_of(ring.mean, ring.next[i], ring.previous[i]);
+    worst = std::max({worst, std::abs(mean.along_next) / own.along_next,
+                      std::abs(mean.along_previous) / own.along_previous});
+  }
+  return worst;
+}
+
+}  // namespace planish

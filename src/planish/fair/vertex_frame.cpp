@@ -1,0 +1,76 @@
+#include "planish/fair/vertex_frame.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "planish/core/parallel.h"
+#include "planish/mesh/area_vector.h"
+
+namespace planish {
+
+using glm::dvec2;
+using glm::dvec3;
+
+dvec2 VertexFrame::project(const dvec3& vector) const {
+  return {glm::dot(vector, tangent1), glm::dot(vector, tangent2)};
+}
+
+namespace {
+
+constexpr std::size_t kGrain = 8192;
+// Of the sum of the angles: a normal below this is what cancellation left.
+constexpr double kCancelled = 1e-6;
+
+dvec3 normalised(const dvec3& vector) {
+  const double length = glm::length(vector);
+  return length > 0 ? vector / length : dvec3(0.0, 0.0, 1.0);
+}
+
+}  // namespace
+
+std::vector<dvec3> unit_face_normals(const FairTopology& topology, std::span<const dvec3> given) {
+  std::vector<dvec3> normals(static_cast<std::size_t>(topology.face_count));
+  parallel_for(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto face = static_cast<std::int32_t>(f);
+      normals[f] =
+          normalised(area_vector(given, topology.corner_vertices.subspan(
+                                            static_cast<std::size_t>(topology.face_offsets[face]),
+                                            static_cast<std::size_t>(topology.face_size(face)))));
+    }
+  });
+  return normals;
+}
+
+dvec3 angle_weighted_normal(const FairTopology& topology, std::span<const dvec3> given,
+                            std::span<const dvec3> face_normals, std::int32_t vertex,
+                            std::int32_t first, std::int32_t count) {
+  dvec3 sum(0.0);
+  double angles = 0;
+  for (std::int32_t i = first; i < first + count; ++i) {
+    const dvec3 a = given[topology.ring_next[i]] - given[vertex];
+    const dvec3 b = given[topology.ring_previous[i]] - given[vertex];
+    const dvec3 turn = glm::cross(a, b);
+    const double length = glm::length(turn);
+    const double angle = std::atan2(length, glm::dot(a, b));
+    angles += angle;
+    if (length > 0) sum += angle / length * turn;
+  }
+  const double length = glm::length(sum);
+  if (length > kCancelled * angles) return sum / length;
+  sum = dvec3(0.0);
+  for (std::int32_t i = first; i < first + count; ++i) {
+    sum += face_normals[topology.corner_faces[topology.ring_corners[i]]];
+  }
+  return normalised(sum);
+}
+
+// Source: Duff et al., "Building an orthonormal basis, revisited", 2017.
+VertexFrame frame_of(const dvec3& n) {
+  const double sign = std::copysign(1.0, n.z);
+  const double a = -1.0 / (sign + n.z);
+  const double b = n.x * n.y * a;
+  return {{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+}
+
+}  // namespace planish

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/fair/fair_topology.h"
+
+namespace planish {
+
+/// Right-handed and orthonormal, `normal` outward.
+struct VertexFrame {
+  glm::dvec3 tangent1, tangent2, normal;
+
+  [[nodiscard]] glm::dvec2 project(const glm::dvec3& vector) const;
+};
+
+/// Unit Newell normals; +Z where a face has no area.
+[[nodiscard]] std::vector<glm::dvec3> unit_face_normals(const FairTopology& topology,
+                                                        std::span<const glm::dvec3> given);
+
+/// Unit normal at a vertex: the normals of the corners [first, first + count) of the ring arrays,
+/// weighted by their angles. Where they cancel, at straight corners of valence 2, the sum of
+/// `face_normals` (unit_face_normals()).
+[[nodiscard]] glm::dvec3 angle_weighted_normal(const FairTopology& topology,
+                                               std::span<const glm::dvec3> given,
+                                               std::span<const glm::dvec3> face_normals,
+                                               std::int32_t vertex, std::int32_t first,
+                                               std::int32_t count);
+
+/// `normal` of unit length.
+[[nodiscard]] VertexFrame frame_of(const glm::dvec3& normal);
+
+}  // namespace planish

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/doosabin/surface_stencils.h"
+#include "planish/fair/fair_net.h"
+#include "planish/fair/fair_topology.h"
+#include "planish/mesh/placement.h"
+
+namespace planish::test {
+
+/// A mesh with what a fair net is made from.
+struct FairCase {
+  explicit FairCase(const PolygonMesh& polygons, int levels = 1)
+      : mesh(polygons),
+        split(mesh),
+        features(refine_and_find_features(levels)),
+        subdivision(split, features, Weights::DooSabin),
+        given(mesh.positions) {
+    const Placement placement = placement_of(mesh);
+    for (glm::dvec3& p : given) p = placement.to_unit(p);
+  }
+  [[nodiscard]] FairNet net(std::int32_t polish_steps = 0) const {
+    return fair_net(mesh, subdivision, given, {.polish_steps = polish_steps});
+  }
+
+  PolygonMesh mesh;
+  QuadSplit split;
+  SharpFeatures features;
+  Subdivision subdivision;
+  std::vector<glm::dvec3> given;  ///< unit coordinates
+
+ private:
+  SharpFeatures refine_and_find_features(int levels) {
+    split.refine(levels);
+    return find_sharp_features(mesh, split, mesh.positions, {});
+  }
+};
+
+/// Limit points of `level` with their normals, from a state of level 1.
+struct LimitSamples {
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::vec3> normals;
+};
+[[nodiscard]] inline LimitSamples limit_samples(const FairCase& c,
+                                                std::span<const glm::dvec3> state, int level) {
+  const auto backend = make_cpu_backend();
+  auto points = backend->upload(state);
+  for (int l = 2; l <= level; ++l) {
+    const std::int64_t size = c.subdivision.state_layout(l).size;
+    auto finer = backend->allocate(static_cast<std::int32_t>(size));
+    backend->apply(refinement_table(c.subdivision, l - 1, {0, size}).view(), *points, *finer, 0);
+    points = std::move(finer);
+  }
+  const LimitRows rows(c.subdivision, level, c.split.counts(level).vertices);
+  LimitSamples samples;
+  samples.positions.resize(static_cast<std::size_t>(rows.count()));
+  samples.normals.resize(samples.positions.size());
+  backend->apply_limit(limit_table(c.subdivision, level, rows, {0, rows.count()}).view(), *points,
+                       samples.positions, samples.normals);
+  return samples;
+}
+
+}  // namespace planish::test

@@ -1,0 +1,121 @@
+#include "planish/fair/fair_net.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "conformance/catalogue.h"
+#include "fair/fair_case.h"
+#include "planish/doosabin/vertex_ring.h"
+#include "support/delaunay_sphere.h"
+#include "support/random_meshes.h"
+
+namespace planish::test {
+namespace {
+
+using glm::dvec3;
+using std::int32_t;
+
+std::vector<NamedMesh> all_meshes() {
+  std::vector<NamedMesh> meshes = closed_meshes();
+  for (NamedMesh& mesh : open_meshes()) meshes.push_back(std::move(mesh));
+  for (NamedMesh& mesh : sharp_meshes()) meshes.push_back(std::move(mesh));
+  meshes.push_back({"random sphere 600", delaunay_sphere(600, 1)});
+  return meshes;
+}
+
+// Largest distance between a given point and the limit point that the level-1 rules give it: the
+// centroid of its polygon, the middle of its curve points, or the corner's own position.
+double interpolation_error(const FairCase& c, std::span<const dvec3> state) {
+  using Exact = glm::vec<3, long double>;
+  double worst = 0;
+  VertexRing ring;
+  for (int32_t v = 0; v < c.mesh.vertex_count(); ++v) {
+    gather_ring(c.subdivision, 1, v, ring);
+    Exact limit(0);
+    if (ring.kind == VertexKind::Corner) {
+      limit = Exact(state[ring.corner_point]);
+    } else if (ring.kind == VertexKind::Crease) {
+      for (const int32_t curve : {ring.sectors[0].curve0, ring.sectors[0].curve1}) {
+        limit += Exact(state[curve]) / 2.0L;
+      }
+    } else {
+      for (const int32_t face : ring.faces) limit += Exact(state[face]);
+      limit /= static_cast<long double>(ring.faces.size());
+    }
+    worst = std::max(worst, double(glm::distance(limit, Exact(c.given[v]))));
+  }
+  return worst;
+}
+
+TEST(FairNet, PassesThroughEveryGivenPoint) {
+  for (const auto& [name, mesh] : all_meshes()) {
+    SCOPED_TRACE(name);
+    const FairCase c(mesh);
+    for (const int32_t steps : {0, 8}) {
+      const FairNet net = c.net(steps);
+      ASSERT_EQ(net.state.size(), std::size_t(c.subdivision.state_layout(1).size));
+      EXPECT_LT(interpolation_error(c, net.state), 1e-15);
+      std::vector<dvec3> rounded = net.state;
+      for (dvec3& p : rounded) p = dvec3(glm::vec3(p));
+      EXPECT_LT(interpolation_error(c, rounded), 4e-8);
+    }
+  }
+}
+
+TEST(FairNet, TurnsMovesAndScalesWithTheMesh) {
+  const dvec3 axis = glm::normalize(dvec3(1, 2, -0.5));
+  const auto map = [&](const dvec3& p) {  // a turn by 1 radian, a scaling by 3 and a shift
+    const dvec3 turned = p * std::cos(1.0) + glm::cross(axis, p) * std::sin(1.0) +
+                         axis * glm::dot(axis, p) * (1 - std::cos(1.0));
+    return 3.0 * turned + dvec3(0.3, -0.2, 0.5);
+  };
+  for (const auto& [name, mesh] : all_meshes()) {
+    SCOPED_TRACE(name);
+    const FairCase c(mesh);
+    std::vector<dvec3> mapped = c.given;
+    for (dvec3& p : mapped) p = map(p);
+    const FairNet before = c.net(8);
+    const FairNet after = fair_net(c.mesh, c.subdivision, mapped, {.polish_steps = 8});
+    double worst = 0;
+    for (std::size_t i = 0; i < before.state.size(); ++i) {
+      worst = std::max(worst, glm::distance(map(before.state[i]), after.state[i]));
+    }
+    EXPECT_LT(worst, 1e-6);
+    EXPECT_EQ(before.flagged_edges, after.flagged_edges);
+  }
+}
+
+TEST(FairNet, IsTheSameForEveryThreadCount) {
+  const FairCase c(with_random_creases(random_open_mesh(2), 0.1, 3));
+  const FairCase large(delaunay_sphere(3000, 5));
+  for (const FairCase* one : {&c, &large}) {
+    const FairNet parallel = one->net(8);
+    const oneapi::tbb::global_control single(oneapi::tbb::global_control::max_allowed_parallelism,
+                                             1);
+    const FairNet serial = one->net(8);
+    EXPECT_TRUE(std::equal(parallel.state.begin(), parallel.state.end(), serial.state.begin(),
+                           serial.state.end()));
+  }
+}
+
+double rms_torus_distance(const FairCase& c, const LimitSamples& samples) {
+  const Placement placement = placement_of(c.mesh);
+  double sum = 0;
+  for (const dvec3& p : samples.positions) {
+    const dvec3 q = placement.to_model(p);
+    const double from_circle = std::hypot(std::hypot(q.x, q.y) - 1.0, q.z) - 0.4;
+    sum += from_circle * from_circle;
+  }
+  return std::sqrt(sum / double(samples.positions.size())) / placement.diagonal;
+}
+
+TEST(FairNet, KeepsTheAccuracyOfTensorProductsOnARegularTorus) {
+  const FairCase c(torus(24, 12, 1, 0.4), 3);
+  EXPECT_LT(rms_torus_distance(c, limit_samples(c, c.net(0).state, 3)), 3.8e-5);
+}
+
+}  // namespace
+}  // namespace planish::test
