@@ -11,6 +11,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "planish/backend/chebyshev.h"
+#include "planish/backend/initial_residual.h"
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
 
@@ -31,43 +33,6 @@ constexpr double kStagnationFactor = 0.9;
 
 // The spectrum lies in (0, 1], where no step can enlarge the error much; beyond this it diverges.
 constexpr double kDivergenceFactor = 1e3;
-
-// The coefficients of the Chebyshev semi-iteration on [bound, 1], one step after another.
-class ChebyshevSequence {
- public:
-  explicit ChebyshevSequence(double bound)
-      : theta_((1 + bound) / 2), delta_((1 - bound) / 2), rho_(delta_ / theta_) {}
-
-  StepCoefficients next() {
-    if (first_) {
-      first_ = false;
-      return {0.0, 1.0 / theta_};
-    }
-    const double next_rho = 1.0 / (2.0 * theta_ / delta_ - rho_);
-    const StepCoefficients step{next_rho * rho_, 2.0 * next_rho / delta_};
-    rho_ = next_rho;
-    return step;
-  }
-
- private:
-  double theta_, delta_, rho_;
-  bool first_ = true;
-};
-
-std::vector<glm::dvec3> initial_residual(const StencilView<double>& masks,
-                                         std::span<const glm::dvec3> given) {
-  std::vector<glm::dvec3> residual(given.size());
-  parallel_for(given.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      glm::dvec3 sum(0.0);
-      for (std::int32_t k = masks.offsets[i]; k < masks.offsets[i] + masks.sizes[i]; ++k) {
-        sum += masks.weights[k] * (given[i] - given[masks.indices[k]]);
-      }
-      residual[i] = sum;
-    }
-  });
-  return residual;
-}
 
 // The true residual in double, whatever the device computed in.
 std::vector<glm::dvec3> residual_of(const StencilView<double>& masks,
@@ -99,11 +64,9 @@ void note_error(std::span<const glm::dvec3> residual, Interpolation& result) {
                   residual.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(residual.size()))};
 }
 
-std::int32_t chebyshev_step_count(double initial_error, const InterpolationOptions& options) {
-  const double root = std::sqrt(1.0 / options.spectral_bound);
-  const double sigma = (root - 1) / (root + 1);
+std::int32_t first_batch_size(double initial_error, const InterpolationOptions& options) {
   const double count =
-      std::ceil(std::log(2 * initial_error / options.tolerance) / -std::log(sigma));
+      chebyshev_step_count(options.spectral_bound, options.tolerance / initial_error);
   return static_cast<std::int32_t>(std::clamp<double>(count, 1, options.max_iterations));
 }
 
@@ -133,9 +96,8 @@ class ProgressWatch {
 void run_steps(Solve& solve, double initial_error, const InterpolationOptions& options,
                Interpolation& result) {
   ChebyshevSequence chebyshev(options.spectral_bound);
-  std::int32_t batch_size = options.solver == Solver::Chebyshev
-                                ? chebyshev_step_count(initial_error, options)
-                                : kBatchSteps;
+  std::int32_t batch_size =
+      options.solver == Solver::Chebyshev ? first_batch_size(initial_error, options) : kBatchSteps;
   ProgressWatch watch(initial_error);
   result.stop_reason = StopReason::IterationLimit;
   while (result.iterations < options.max_iterations) {

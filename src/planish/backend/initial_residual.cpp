@@ -1,0 +1,22 @@
+#include "planish/backend/initial_residual.h"
+
+#include "planish/core/parallel.h"
+
+namespace planish {
+
+std::vector<glm::dvec3> initial_residual(const StencilView<double>& masks,
+                                         std::span<const glm::dvec3> given) {
+  std::vector<glm::dvec3> residual(given.size());
+  parallel_for(given.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      glm::dvec3 sum(0.0);
+      for (std::int32_t k = masks.offsets[i]; k < masks.offsets[i] + masks.sizes[i]; ++k) {
+        sum += masks.weights[k] * (given[i] - given[masks.indices[k]]);
+      }
+      residual[i] = sum;
+    }
+  });
+  return residual;
+}
+
+}  // namespace planish
