@@ -8,7 +8,7 @@
 #include <string>
 
 #include "planish/core/assert.h"
-#include "planish/core/parallel.h"
+#include "planish/doosabin/face_rows.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/doosabin/surface_stencils.h"
 #include "planish/mesh/area_vector.h"
@@ -55,35 +55,6 @@ std::unique_ptr<DevicePoints> refine_points(const PolygonMesh& cage, const Place
     callbacks.report("evaluate", 0.4 * l / level);
   }
   return source;
-}
-
-// Faces of the output by rows of limit points.
-void connect(const PolygonMesh& cage, const QuadSplit& split, const LimitRows& rows,
-             SurfaceMesh& surface) {
-  if (surface.level == 0) {
-    surface.face_offsets = cage.face_offsets;
-    surface.face_vertices = cage.face_vertices;
-    VertexRing ring;
-    for (std::size_t corner = 0; corner < surface.face_vertices.size(); ++corner) {
-      // The faces of Q_1 are the corners of Q_0.
-      std::int32_t& vertex = surface.face_vertices[corner];
-      vertex = rows.row_of(vertex, static_cast<std::int32_t>(corner), ring);
-    }
-    return;
-  }
-  const auto& topology = split.level(surface.level);
-  const auto face_count = static_cast<std::size_t>(topology.GetNumFaces());
-  surface.face_vertices.resize(4 * face_count);
-  parallel_for(face_count, 4096, [&](std::size_t begin, std::size_t end) {
-    VertexRing ring;
-    for (std::size_t f = begin; f < end; ++f) {
-      const auto vertices = topology.GetFaceVertices(static_cast<int>(f));
-      for (int k = 0; k < 4; ++k) {
-        surface.face_vertices[4 * f + k] =
-            rows.row_of(vertices[k], static_cast<std::int32_t>(f), ring);
-      }
-    }
-  });
 }
 
 // Area vectors of the faces around the given vertices, summed.
@@ -177,7 +148,8 @@ SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOp
         "evaluate", 0.4 + 0.6 * static_cast<double>(range.first + range.count) / rows.count());
   });
   for (glm::dvec3& position : surface.positions) position = placement.to_model(position);
-  connect(used.mesh, split, rows, surface);
+  if (surface.level == 0) surface.face_offsets = used.mesh.face_offsets;
+  surface.face_vertices = face_rows(used.mesh, split, surface.level, rows);
   carry_attributes(used.mesh, split, rows, surface);
   replace_degenerate_normals(surface, options.callbacks);
   remove_holes(used.mesh, surface);
