@@ -19,8 +19,12 @@ void main() {
       break;
     }
   }
+  float square = uintBitsToFloat(largest);
+  if (isinf(square)) state = kStateNotFinite;
+  step = min(step, parameters.step_count);
   status.iterations = step;
   status.state = state;
+  status.residual = sqrt(square);
   status.max_square_bits = largest;
   status.side = (parameters.first_side + step) % 3u;
 }

@@ -33,15 +33,21 @@ struct StepRecord {
   float square_sum;
 };
 
-// How a solve ended. side: which of the three displacement buffers holds the result.
+// How a solve ended. The first three words are what hosts are given as GpuStatus. side: which of
+// the three displacement buffers holds the result.
 struct SolveStatus {
   uint iterations;
   uint state;
+  float residual;  // the error measured last
   uint max_square_bits;
   uint side;
 };
 PLANISH_SHARED_CONSTANT kStateRunning = 0u;    // all steps done, the last error measured is above
 PLANISH_SHARED_CONSTANT kStateConverged = 1u;  // an error at or below stop was met
+PLANISH_SHARED_CONSTANT kStateNotFinite = 2u;  // the last error measured is infinite or no number
+
+// Words of an indirect dispatch's arguments.
+PLANISH_SHARED_CONSTANT kArgumentWords = 3u;
 
 // Push constants of the kernels that walk a table. Rows are counted from the start of the bound
 // window; a row number in a chunk minus first_row is the place in it.
@@ -65,6 +71,11 @@ struct VectorParameters {
   float stop_square;
   uint first_side;
   float x, y, z;
+  uint step_count;     // steps that move; one more only measures
+  uint first_vertex;   // that a window of strided points begins with
+  uint source_shift;   // floats between the window's start and it
+  uint source_stride;  // floats from one point to the next
+  uint warm;           // 1: from the last displacement, 0: from none
 };
 
 #ifdef __cplusplus

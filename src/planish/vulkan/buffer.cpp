@@ -18,7 +18,7 @@ constexpr std::uint64_t kSmallestBuffer = 16;
 
 }  // namespace
 
-Buffer::Buffer(Context& context, std::uint64_t size, MemoryUse use)
+Buffer::Buffer(Context& context, std::uint64_t size, MemoryUse use, const char* name)
     : context_(&context), size_(std::max(size, kSmallestBuffer)) {
   const Capabilities& capabilities = context.capabilities();
   // Asked before the buffer is made: beyond this limit even vkCreateBuffer is undefined.
@@ -32,6 +32,7 @@ Buffer::Buffer(Context& context, std::uint64_t size, MemoryUse use)
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = size_;
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+               VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   check(vk.vkCreateBuffer(context.device(), &info, context.callbacks(), &buffer_),
         "vkCreateBuffer");
@@ -42,6 +43,7 @@ Buffer::Buffer(Context& context, std::uint64_t size, MemoryUse use)
     block_size_ = request.requirements.size;
     check(vk.vkBindBufferMemory(context.device(), buffer_, block_.memory, block_.offset),
           "vkBindBufferMemory");
+    context.labels().name(VK_OBJECT_TYPE_BUFFER, handle_number(buffer_), name);
   } catch (...) {
     release();
     throw;

@@ -13,8 +13,8 @@ namespace planish::vulkan {
 class Buffer {
  public:
   Buffer() = default;
-  /// At least `size` bytes. Throws Error{OutOfMemory}, naming the limit.
-  Buffer(Context& context, std::uint64_t size, MemoryUse use);
+  /// At least `size` bytes; `name` is for debuggers. Throws Error{OutOfMemory}, naming the limit.
+  Buffer(Context& context, std::uint64_t size, MemoryUse use, const char* name = nullptr);
   ~Buffer() { release(); }
   Buffer(Buffer&& other) noexcept { *this = std::move(other); }
   Buffer& operator=(Buffer&& other) noexcept;
@@ -37,6 +37,9 @@ class Buffer {
   std::uint64_t size_ = 0;
   std::uint64_t block_size_ = 0;
 };
+
+/// A multiple of every alignment that Vulkan allows a device to ask of a binding's offset.
+inline constexpr VkDeviceSize kBindingAlignment = 256;
 
 /// A piece of a buffer, as a binding sees it.
 struct BufferRange {

@@ -11,8 +11,10 @@ void record_barrier(const Context& context, VkCommandBuffer commands, const Scop
                                     nullptr);
 }
 
-void record_dispatch(const Context& context, VkCommandBuffer commands, Kernel kernel,
-                     VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept {
+namespace {
+
+void bind(const Context& context, VkCommandBuffer commands, Kernel kernel, VkDescriptorSet set,
+          const void* parameters) noexcept {
   const DeviceFunctions& vk = context.vk();
   const Pipeline& pipeline = context.pipelines()[kernel];
   vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
@@ -20,7 +22,21 @@ void record_dispatch(const Context& context, VkCommandBuffer commands, Kernel ke
                              0, nullptr);
   vk.vkCmdPushConstants(commands, pipeline.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
                         pipeline.parameter_bytes, parameters);
-  vk.vkCmdDispatch(commands, groups, 1, 1);
+}
+
+}  // namespace
+
+void record_dispatch(const Context& context, VkCommandBuffer commands, Kernel kernel,
+                     VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept {
+  bind(context, commands, kernel, set, parameters);
+  context.vk().vkCmdDispatch(commands, groups, 1, 1);
+}
+
+void record_dispatch_indirect(const Context& context, VkCommandBuffer commands, Kernel kernel,
+                              VkDescriptorSet set, const void* parameters,
+                              const IndirectGroups& groups) noexcept {
+  bind(context, commands, kernel, set, parameters);
+  context.vk().vkCmdDispatchIndirect(commands, groups.buffer, groups.offset);
 }
 
 }  // namespace planish::vulkan

@@ -1,24 +1,25 @@
 #pragma once
 
 #include "planish/vulkan/context.h"
+#include "planish/vulkan/scope.h"
 
 namespace planish::vulkan {
 
-/// Stages and accesses on one side of a barrier.
-struct Scope {
-  VkPipelineStageFlags stages;
-  VkAccessFlags accesses;
-};
+/// Labels what is recorded while it lives.
+class LabelScope {
+ public:
+  LabelScope(const Context& context, VkCommandBuffer commands, const char* label) noexcept
+      : labels_(context.labels()), commands_(commands) {
+    labels_.begin(commands_, label);
+  }
+  ~LabelScope() { labels_.end(commands_); }
+  LabelScope(const LabelScope&) = delete;
+  LabelScope& operator=(const LabelScope&) = delete;
 
-inline constexpr Scope kKernelScope{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                    VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
-inline constexpr Scope kCopyScope{VK_PIPELINE_STAGE_TRANSFER_BIT,
-                                  VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT};
-/// Everything that a record_ function does; what a host's own barriers pair with.
-inline constexpr Scope kEntryScope{kKernelScope.stages | kCopyScope.stages,
-                                   kKernelScope.accesses | kCopyScope.accesses};
-inline constexpr Scope kExitScope = kEntryScope;
-inline constexpr Scope kHostReadScope{VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
+ private:
+  const DebugLabels& labels_;
+  VkCommandBuffer commands_;
+};
 
 void record_barrier(const Context& context, VkCommandBuffer commands, const Scope& from,
                     const Scope& to) noexcept;
@@ -26,5 +27,16 @@ void record_barrier(const Context& context, VkCommandBuffer commands, const Scop
 /// `parameters` points to the kernel's own push constants.
 void record_dispatch(const Context& context, VkCommandBuffer commands, Kernel kernel,
                      VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept;
+
+/// A VkDispatchIndirectCommand in a buffer.
+struct IndirectGroups {
+  VkBuffer buffer;
+  VkDeviceSize offset;
+};
+
+/// The same with work groups that the device reads; they were written within kIndirectScope.
+void record_dispatch_indirect(const Context& context, VkCommandBuffer commands, Kernel kernel,
+                              VkDescriptorSet set, const void* parameters,
+                              const IndirectGroups& groups) noexcept;
 
 }  // namespace planish::vulkan

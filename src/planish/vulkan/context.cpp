@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 
 #include "planish/core/error.h"
+#include "planish/vulkan/own_device.h"
 
 namespace planish::vulkan {
 
@@ -19,6 +21,12 @@ PipelineVariant suitable_variant(const Capabilities& device) {
 }
 
 Capabilities usable_capabilities(const HostDevice& host) {
+  if (!host.get_instance_proc || !host.instance || !host.physical_device || !host.device)
+    throw Error(ErrorCode::InvalidArgument,
+                "a HostDevice needs get_instance_proc, instance, physical_device and device");
+  if (host.api_version < VK_API_VERSION_1_1)
+    throw Error(ErrorCode::NoDevice,
+                "the host's instance or device is of Vulkan 1.0; planish needs 1.1");
   Capabilities capabilities =
       query_capabilities(host.get_instance_proc, host.instance, host.physical_device);
   if (!capabilities.usable)
@@ -48,9 +56,20 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
                   options.max_storage_range)),
       max_group_count_(lowered(capabilities_.max_group_count, options.max_group_count)),
       variant_(options.variant.value_or(suitable_variant(capabilities_))),
+      log_(host.log),
       functions_(load_functions(host)),
+      labels_(host.features.debug_utils
+                  ? DebugLabels(host.get_instance_proc, host.instance, host.device)
+                  : DebugLabels()),
       memory_(functions_, device_, capabilities_, callbacks_, host.memory),
-      pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_) {}
+      pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_) {
+  log("planish: " + capabilities_.name + ", " +
+      (variant_.read_path == ReadPath::Texel ? "texel" : "storage") + " buffers, " +
+      std::to_string(max_storage_range_) + " bytes a binding");
+}
+
+Context::Context(const OwnDevice& own, const ContextOptions& options)
+    : Context(own.host_device(), options) {}
 
 std::uint64_t Context::max_texel_elements() const {
   return variant_.read_path == ReadPath::Texel ? capabilities_.max_texel_elements

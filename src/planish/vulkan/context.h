@@ -1,14 +1,25 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <string_view>
 
 #include "planish/vulkan/capabilities.h"
+#include "planish/vulkan/debug_labels.h"
 #include "planish/vulkan/functions.h"
 #include "planish/vulkan/memory.h"
 #include "planish/vulkan/pipelines.h"
 
 namespace planish::vulkan {
+
+class OwnDevice;
+
+/// What the host enabled on its instance and device: that cannot be asked of a VkDevice. planish
+/// needs none of it.
+struct EnabledFeatures {
+  bool debug_utils = false;  ///< VK_EXT_debug_utils: objects get names, recorded work gets labels
+};
 
 /// What a host gives. Nothing is owned; everything must outlive the Context.
 struct HostDevice {
@@ -16,9 +27,15 @@ struct HostDevice {
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physical_device = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
+  /// The lower of VkApplicationInfo::apiVersion and the device's; 1.1 at least.
+  std::uint32_t api_version = VK_API_VERSION_1_1;
+  EnabledFeatures features;
   VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
   const VkAllocationCallbacks* allocation_callbacks = nullptr;
   MemoryHooks memory;
+  /// Gets what a developer may want to know, one line a call: what was chosen, and how large tables
+  /// are. Called where objects are made, on the thread that makes them.
+  std::function<void(std::string_view)> log;
 };
 
 /// Where a CPU plays the device, storage buffers are read lane by lane but texel buffers by
@@ -41,6 +58,8 @@ class Context {
  public:
   /// Throws Error{NoDevice} where the device is not usable, saying why.
   explicit Context(const HostDevice& host, const ContextOptions& options = {});
+  /// On the command's own device, which outlives the Context.
+  explicit Context(const OwnDevice& own, const ContextOptions& options = {});
 
   [[nodiscard]] const DeviceFunctions& vk() const { return functions_; }
   [[nodiscard]] VkDevice device() const { return device_; }
@@ -55,6 +74,11 @@ class Context {
   [[nodiscard]] std::uint64_t max_texel_elements() const;
   [[nodiscard]] const PipelineVariant& variant() const { return variant_; }
 
+  [[nodiscard]] const DebugLabels& labels() const { return labels_; }
+  void log(std::string_view line) const {
+    if (log_) log_(line);
+  }
+
  private:
   VkDevice device_;
   const VkAllocationCallbacks* callbacks_;
@@ -62,7 +86,9 @@ class Context {
   std::uint64_t max_storage_range_;
   std::uint32_t max_group_count_;
   PipelineVariant variant_;
+  std::function<void(std::string_view)> log_;
   DeviceFunctions functions_;
+  DebugLabels labels_;
   MemoryAllocator memory_;
   Pipelines pipelines_;
 };

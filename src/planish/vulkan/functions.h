@@ -6,6 +6,8 @@
 #endif
 #include <vulkan/vulkan_core.h>
 
+#include <cstdint>
+
 namespace planish::vulkan {
 
 #define PLANISH_VULKAN_INSTANCE_FUNCTIONS(X)  \
@@ -60,6 +62,8 @@ namespace planish::vulkan {
   X(vkCmdBindDescriptorSets)               \
   X(vkCmdPushConstants)                    \
   X(vkCmdDispatch)                         \
+  X(vkCmdDispatchIndirect)                 \
+  X(vkCmdWriteTimestamp)                   \
   X(vkCmdPipelineBarrier)                  \
   X(vkCmdCopyBuffer)                       \
   X(vkCmdFillBuffer)
@@ -83,5 +87,11 @@ struct DeviceFunctions {
 };
 
 #undef PLANISH_VULKAN_MEMBER
+
+/// A handle as a number: handles are pointers or integers, by platform.
+template <class Handle>
+[[nodiscard]] std::uint64_t handle_number(Handle handle) {
+  return (std::uint64_t)handle;
+}
 
 }  // namespace planish::vulkan

@@ -8,37 +8,19 @@
 
 namespace planish::vulkan {
 
-namespace {
-
-constexpr std::int32_t kLanes = 64;
-
-}  // namespace
-
 GpuConjugateGradients::GpuConjugateGradients(Context& context, const DeviceTable& masks)
     : context_(context), masks_(masks) {
   const std::uint64_t scalar_bytes = std::uint64_t(masks.row_count()) * sizeof(float);
   for (Buffer* vector : {&displacement_, &step_, &image_, &residual_})
     *vector = Buffer(context, shared::kPointFloats * scalar_bytes, MemoryUse::Device);
   weights_ = Buffer(context, scalar_bytes, MemoryUse::Device);
-  cut_pieces();
+  pieces_ = cut_rows(context, masks.row_count(), shared::kPointFloats * sizeof(float));
+  if (!pieces_.empty()) piece_groups_ = pieces_.back().first_group + pieces_.back().group_count;
   const std::uint64_t sum_bytes = shared::kSumFloats * sizeof(std::uint32_t);
   partials_ =
       Buffer(context, std::max(piece_groups_, masks.group_total()) * sum_bytes, MemoryUse::Device);
   sums_ = Buffer(context, sum_bytes, MemoryUse::Device);
   bind(context);
-}
-
-void GpuConjugateGradients::cut_pieces() {
-  const auto by_range = static_cast<std::int64_t>(context_.max_storage_range() /
-                                                  (shared::kPointFloats * sizeof(float)));
-  const std::int64_t most_rows = std::max<std::int64_t>(
-      std::min(by_range / kLanes, std::int64_t(context_.max_group_count())) * kLanes, kLanes);
-  for (std::int64_t row = 0; row < masks_.row_count(); row += most_rows) {
-    const auto count = static_cast<std::int32_t>(std::min(most_rows, masks_.row_count() - row));
-    const auto groups = static_cast<std::uint32_t>((count + kLanes - 1) / kLanes);
-    pieces_.push_back({static_cast<std::int32_t>(row), count, piece_groups_, groups});
-    piece_groups_ += groups;
-  }
 }
 
 void GpuConjugateGradients::bind(Context& context) {
@@ -55,7 +37,7 @@ void GpuConjugateGradients::bind(Context& context) {
                       point_range(image_, rows.first_row, rows.row_count),
                       weight_range(rows.first_row, rows.row_count), whole(partials_)}});
   }
-  for (const Piece& piece : pieces_) {
+  for (const VectorPiece& piece : pieces_) {
     const auto own = [&](const Buffer& points) {
       return point_range(points, piece.first_row, piece.row_count);
     };
@@ -63,7 +45,7 @@ void GpuConjugateGradients::bind(Context& context) {
                      {own(displacement_), own(step_), own(residual_), own(image_),
                       weight_range(piece.first_row, piece.row_count), whole(partials_)}});
   }
-  for (const Piece& piece : pieces_)
+  for (const VectorPiece& piece : pieces_)
     bound.push_back({Kernel::CgTurn,
                      {point_range(step_, piece.first_row, piece.row_count),
                       point_range(residual_, piece.first_row, piece.row_count)}});

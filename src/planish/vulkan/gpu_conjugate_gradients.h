@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planish/vulkan/device_table.h"
+#include "planish/vulkan/vector_pieces.h"
 
 namespace planish::vulkan {
 
@@ -32,12 +33,6 @@ class GpuConjugateGradients {
   [[nodiscard]] const Buffer& sums() const { return sums_; }
 
  private:
-  /// Rows that one dispatch over vectors does.
-  struct Piece {
-    std::int32_t first_row, row_count;
-    std::uint32_t first_group, group_count;
-  };
-  void cut_pieces();
   void bind(Context& context);
   void record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_t first_set,
                      const glm::vec3& factor) const noexcept;
@@ -45,7 +40,7 @@ class GpuConjugateGradients {
 
   Context& context_;
   const DeviceTable& masks_;
-  std::vector<Piece> pieces_;
+  std::vector<VectorPiece> pieces_;
   std::uint32_t piece_groups_ = 0;
   Buffer displacement_, step_, image_, residual_, weights_, partials_, sums_;
   DescriptorSets sets_;  // apply per slice, advance per piece, turn per piece, reduce

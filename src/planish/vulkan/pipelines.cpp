@@ -11,12 +11,18 @@
 #include "shaders/cg_apply.spv.h"
 #include "shaders/cg_apply_texel.spv.h"
 #include "shaders/cg_turn.spv.h"
+#include "shaders/control_points.spv.h"
 #include "shaders/finish_solve.spv.h"
+#include "shaders/gather_points.spv.h"
+#include "shaders/initial_residual.spv.h"
+#include "shaders/initial_residual_texel.spv.h"
 #include "shaders/interpolation_step.spv.h"
 #include "shaders/interpolation_step_texel.spv.h"
 #include "shaders/reduce_rms.spv.h"
 #include "shaders/reduce_sums.spv.h"
 #include "shaders/shared.h"
+#include "shaders/stop_test.spv.h"
+#include "shaders/take_up.spv.h"
 
 namespace planish::vulkan {
 
@@ -58,6 +64,11 @@ const KernelSource kSources[kKernelCount] = {
     vector_kernel(spirv::cg_advance, 6),
     vector_kernel(spirv::cg_turn, 2),
     vector_kernel(spirv::reduce_sums, 2),
+    vector_kernel(spirv::stop_test, 2),
+    vector_kernel(spirv::gather_points, 3),
+    table_kernel(PLANISH_BOTH(initial_residual), {Points, Storage}),
+    vector_kernel(spirv::take_up, 4),
+    vector_kernel(spirv::control_points, 6),
 };
 
 #undef PLANISH_BOTH

@@ -19,8 +19,13 @@ enum class Kernel {
   CgAdvance,
   CgTurn,
   ReduceSums,
+  StopTest,
+  GatherPoints,
+  InitialResidual,
+  TakeUp,
+  ControlPoints,
 };
-inline constexpr std::size_t kKernelCount = 9;
+inline constexpr std::size_t kKernelCount = 14;
 
 /// Bindings of the kernel with the most of them.
 inline constexpr std::uint32_t kMaxBindings = 8;

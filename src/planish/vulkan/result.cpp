@@ -2,8 +2,6 @@
 
 #include <string>
 
-#include "planish/core/error.h"
-
 namespace planish::vulkan {
 
 const char* name_of(VkResult result) {
@@ -43,11 +41,11 @@ void check(VkResult result, const char* call) {
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
     case VK_ERROR_OUT_OF_POOL_MEMORY:
     case VK_ERROR_TOO_MANY_OBJECTS:
-      throw Error(ErrorCode::OutOfMemory, message);
+      throw VulkanError(ErrorCode::OutOfMemory, message, result);
     case VK_ERROR_DEVICE_LOST:
-      throw Error(ErrorCode::DeviceLost, message);
+      throw VulkanError(ErrorCode::DeviceLost, message, result);
     default:
-      throw Error(ErrorCode::NoDevice, message);
+      throw VulkanError(ErrorCode::NoDevice, message, result);
   }
 }
 

@@ -60,7 +60,8 @@ class VulkanBackend final : public Backend {
   [[nodiscard]] DeviceDescription description() const override {
     return describe(machine_->device.capabilities());
   }
-  [[nodiscard]] std::unique_ptr<Solve> make_solve(const StencilView<double>& masks) override {
+  [[nodiscard]] std::unique_ptr<planish::Solve> make_solve(
+      const StencilView<double>& masks) override {
     return std::make_unique<VulkanSolve>(machine_, masks);
   }
   [[nodiscard]] std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {

@@ -15,7 +15,7 @@ namespace planish::vulkan {
 struct VulkanMachine {
   VulkanMachine(const OwnDeviceOptions& device_options, const ContextOptions& context_options)
       : device(device_options),
-        context(device.host_device(), context_options),
+        context(device, context_options),
         submitter(context, device.queue(), device.capabilities().compute_family) {}
 
   OwnDevice device;

@@ -8,6 +8,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/vulkan/commands.h"
+#include "planish/vulkan/stop_square.h"
 
 namespace planish::vulkan {
 
@@ -19,16 +20,6 @@ DeviceTable make_table(VulkanMachine& machine, const StencilView<double>& masks)
   DeviceTable table(machine.context, masks, nullptr, options);
   machine.upload_table(table, masks, nullptr);
   return table;
-}
-
-/// The largest float whose square root, in double, is at most `stop_error`, so that the kernel's
-/// comparison and one of the reported errors agree. Negative: never stop.
-float stop_square_of(double stop_error) {
-  if (!(stop_error >= 0)) return -1;
-  auto square = static_cast<float>(stop_error * stop_error);
-  while (std::sqrt(static_cast<double>(square)) > stop_error)
-    square = std::nextafter(square, -1.0f);
-  return std::max(square, 0.0f);
 }
 
 ErrorNorms norms_of(std::uint32_t max_square_bits, float square_sum, std::int32_t rows) {
@@ -68,7 +59,7 @@ std::uint32_t VulkanSolve::run_piece(std::span<const StepCoefficients> steps, fl
                         0};
   solve_.flush_plan();
   machine_->submitter.run([&](VkCommandBuffer commands) {
-    solve_.record_steps(commands, side_, count, stop_square);
+    solve_.record_steps(commands, {side_, count, stop_square});
     // Within the same submission: each wait costs the host as much as a small step.
     const VkBufferCopy status_copy{0, 0, solve_.status().size()};
     const VkBufferCopy steps_copy{0, solve_.status().size(), solve_.steps().size()};
@@ -148,7 +139,7 @@ glm::dvec3 VulkanSolve::cg_apply() {
   return read_sums().residual_square;
 }
 
-Solve::CgAdvance VulkanSolve::cg_advance(const glm::dvec3& alpha) {
+planish::Solve::CgAdvance VulkanSolve::cg_advance(const glm::dvec3& alpha) {
   machine_->submitter.run(
       [&](VkCommandBuffer commands) { gradients_->record_advance(commands, glm::vec3(alpha)); });
   return read_sums();
@@ -159,7 +150,7 @@ void VulkanSolve::cg_turn(const glm::dvec3& beta) {
       [&](VkCommandBuffer commands) { gradients_->record_turn(commands, glm::vec3(beta)); });
 }
 
-Solve::CgAdvance VulkanSolve::read_sums() {
+planish::Solve::CgAdvance VulkanSolve::read_sums() {
   std::uint32_t sums[shared::kSumFloats];
   machine_->submitter.download(whole(gradients_->sums()),
                                [&](std::uint64_t, std::span<const std::byte> piece) {

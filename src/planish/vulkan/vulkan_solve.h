@@ -11,7 +11,7 @@
 namespace planish::vulkan {
 
 /// planish::Solve on the command's own device: records with GpuSolve, submits, waits.
-class VulkanSolve final : public Solve {
+class VulkanSolve final : public planish::Solve {
  public:
   VulkanSolve(std::shared_ptr<VulkanMachine> machine, const StencilView<double>& limit_masks);
 

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <vector>
+
+#include "planish/vulkan/device_table.h"
+#include "planish/vulkan/embed.h"
+
+namespace planish::vulkan {
+
+/// What a DeviceSystem holds, for the Solves made on it.
+struct DeviceSystem::Parts {
+  Parts(Context& context, const System& system, const DeviceSystemOptions& options);
+
+  /// Bytes of the staging range that go to the start of a buffer.
+  struct Copy {
+    VkBuffer target;
+    std::uint64_t bytes;
+  };
+  void plan_copies(const DeviceTable& table, bool has_derivatives);
+
+  Context& context;
+  std::uint32_t max_vertex_stride;
+  std::int32_t given_count;
+  std::uint32_t index_count;
+  double spectral_bound;
+  std::vector<std::int32_t> used_vertices;
+  DeviceTable masks;
+  std::vector<DeviceTable> refinement;
+  DeviceTable limit;
+  Buffer vertices;           // used_vertices, on the device
+  std::vector<Copy> copies;  // in the order of their bytes; indices come after them
+  std::uint64_t device_bytes = 0;
+};
+
+}  // namespace planish::vulkan

@@ -1,0 +1,267 @@
+#pragma once
+
+// Interpolating Doo-Sabin surfaces inside a Vulkan application that owns its device, its command
+// buffers, its memory and its frame loop. This is the one header for such hosts.
+//
+//   System         CPU: topology and stencil tables of a mesh; immutable, shared by all
+//   Context        functions, limits and pipelines of the host's VkDevice
+//   (planish/vulkan/context.h) DeviceSystem   the tables of one System on the device; read-only
+//   once its upload ran Solve          work buffers and descriptor sets of one frame in flight
+//
+// Each must outlive those below it; a System need only live until DeviceSystem::write_upload() is
+// done. Order of use:
+//
+//   System system(mesh);                                 // once per topology
+//   Context context(host);                               // once per device
+//   DeviceSystem tables(context, system);                // once per device and topology
+//   tables.write_upload(system, mapped_staging);         //   ... its bytes, into the host's memory
+//   tables.record_upload(commands, staging, 0, indices); //   ... and on to the device
+//   Solve solve(context, tables, options);               // once per frame in flight and instance
+//   each frame: solve.record_solve(commands, parameters); solve.record_evaluate(commands);
+//
+// Errors. Making objects may fail: planish::Error, whose code is InvalidArgument (an option),
+//   UnusableMesh, NoDevice (the device lacks something, which the message names), OutOfMemory (the
+//   limit is named before memory is taken) or DeviceLost; vulkan::VulkanError where a Vulkan call
+//   failed, with its VkResult. What was made until then is destroyed.
+// Recording cannot fail. Every record_ function is noexcept and does nothing but vkCmd calls: no
+//   allocation, map, submission, wait or descriptor update. It takes a command buffer of any level,
+//   in the recording state, outside a render pass, of a family with compute. It disturbs the
+//   compute bind point and its push constants, nothing else.
+// Barriers. Every record_ function waits by itself for earlier planish work on the same queue.
+//   Against its own work the host records barriers: from its own stages to kEntryScope before, from
+//   kExitScope to its own stages after (vkCmdPipelineBarrier; a VkMemoryBarrier does). Writing
+//   points for the next solve, and evaluating into a vertex buffer that a draw still reads, are
+//   such cases. Between queues: semaphores, whose wait stages hold kEntryScope's.
+// Submitting. A recorded command buffer may be submitted again and again, not simultaneously: no
+//   recorded value depends on what ran before. A Solve's command buffers must not overlap.
+// Buffers. All are VK_SHARING_MODE_EXCLUSIVE; ownership transfers of the host's buffers are the
+//   host's. Offsets and strides are multiples of 4 bytes.
+// Destroying. Handles may be dropped once no pending command buffer uses them, as vkDestroyBuffer
+//   demands.
+// Threads. System, Context and DeviceSystem may be used from many threads; a Solve and the command
+//   buffer that it records to, from one at a time.
+// Units. Positions and errors are in the mesh's own units, in float32; coordinates should lie
+// within
+//   1e-9 to 1e9. Single precision reaches about 1e-7 of the largest coordinate.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "planish/core/callbacks.h"
+#include "planish/doosabin/face_rule.h"
+#include "planish/doosabin/sharp_features.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/stencil/stencil_table.h"
+#include "planish/vulkan/context.h"
+#include "planish/vulkan/own_device.h"
+#include "planish/vulkan/result.h"
+#include "planish/vulkan/scope.h"
+
+namespace planish::vulkan {
+
+struct SystemOptions {
+  int level = 2;  ///< quad splits of the surface, 0 to 6: its vertex count grows fourfold with each
+  Weights weights = Weights::DooSabin;
+  SharpFeatureOptions sharp;
+  double tolerance = 1e-6;  ///< wanted error, relative to the rest pose's bounding-box diagonal
+  Callbacks callbacks;      ///< for the time of construction
+};
+
+/// Everything about a mesh that stays the same while its points move. CPU only; immutable.
+class System {
+ public:
+  /// `rest` fixes topology, creases and the angles at corners; its positions are the rest pose.
+  /// Throws Error{UnusableMesh}, Error{InvalidArgument}, Error{OutOfMemory}, Error{Cancelled}.
+  explicit System(const PolygonMesh& rest, const SystemOptions& options = {});
+  ~System();
+  System(System&&) noexcept;
+  System& operator=(System&&) noexcept;
+
+  [[nodiscard]] int level() const;
+  /// Points that a solve is given: the mesh's vertices, those that no face names included.
+  [[nodiscard]] std::int32_t given_count() const;
+  /// Rows of the limit masks, the vertices that faces name; entry i is row i's index in the mesh.
+  [[nodiscard]] std::span<const std::int32_t> used_vertices() const;
+  /// Vertices that record_evaluate writes. The first used_vertices().size() of them are the limit
+  /// points of those vertices, in their order; vertices on creases have one copy more at the end
+  /// for each further normal.
+  [[nodiscard]] std::int32_t vertex_count() const;
+  /// Three indices a triangle, counter-clockwise seen from outside; holes are left out.
+  [[nodiscard]] std::span<const std::uint32_t> triangles() const;
+  /// Four indices a quad; empty at level 0, whose faces are the mesh's polygons.
+  [[nodiscard]] std::span<const std::uint32_t> quads() const;
+
+  /// B: row i gives the limit point of used vertex i from all control points.
+  [[nodiscard]] StencilView<double> limit_masks() const;
+  /// Refinement: entry 0 from control points to the state of level 1, entry l from the state of
+  /// level l to that of l + 1; the last gives the state of level max(level(), 1).
+  [[nodiscard]] std::size_t refinement_count() const;
+  [[nodiscard]] StencilView<double> refinement(std::size_t step) const;
+  /// Limit points and tangents from that state, a row per output vertex; du x dv points outward.
+  [[nodiscard]] LimitStencilView<double> limit_stencils() const;
+
+  /// Of the rest pose's bounding box.
+  [[nodiscard]] double diagonal() const;
+  /// The wanted error: SystemOptions::tolerance times the diagonal.
+  [[nodiscard]] double tolerance() const;
+  /// Lower bound of B's spectrum, which lies in (0, 1].
+  [[nodiscard]] double spectral_bound() const;
+  /// Largest distance of a rest vertex from its limit point before any iteration.
+  [[nodiscard]] double rest_error() const;
+  /// Iterations after which the rest pose, from a cold start, is within tolerance(); counted by
+  /// solving it in double.
+  [[nodiscard]] std::uint32_t rest_iterations() const;
+  /// Iterations that suffice for any pose whose error before the first is `initial_error`. Proven
+  /// for closed meshes without sharp edges, where it holds with room to spare: the bound is on a
+  /// sum over all vertices, the error wanted is one vertex's.
+  [[nodiscard]] std::uint32_t sufficient_iterations(double initial_error) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
+
+struct DeviceSystemOptions {
+  /// Largest stride of the vertex layouts that Solves of this system will write.
+  std::uint32_t max_vertex_stride = 64;
+};
+
+/// A range of a host's buffer that receives 3 * 4 bytes for each triangle: uint32 indices, usable
+/// as an index buffer. VK_BUFFER_USAGE_TRANSFER_DST_BIT. No buffer: indices are not written.
+struct IndexTarget {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
+};
+
+/// The tables of a System on a device, shared by all instances of the mesh and all frames.
+class DeviceSystem {
+ public:
+  /// Takes the memory. Throws Error{OutOfMemory} naming the limit that cannot be met, VulkanError.
+  DeviceSystem(Context& context, const System& system, const DeviceSystemOptions& options = {});
+  ~DeviceSystem();
+  DeviceSystem(DeviceSystem&&) noexcept;
+  DeviceSystem& operator=(DeviceSystem&&) noexcept;
+
+  /// Bytes of staging memory that the upload takes.
+  [[nodiscard]] std::uint64_t upload_bytes() const;
+  /// Fills the host's staging memory, upload_bytes() long; `system` is the one that this was made
+  /// from. May run on any thread. Throws Error{InvalidArgument} for another size.
+  void write_upload(const System& system, std::span<std::byte> staging) const;
+  /// Copies from [offset, offset + upload_bytes()) of the host's buffer, which has
+  /// VK_BUFFER_USAGE_TRANSFER_SRC_BIT; offset is a multiple of 4. The host's writes have been made
+  /// visible (by flushing and submitting). To be run once, before any solve.
+  void record_upload(VkCommandBuffer commands, VkBuffer staging, VkDeviceSize offset,
+                     const IndexTarget& indices = {}) const noexcept;
+
+  [[nodiscard]] std::uint32_t index_count() const;
+  [[nodiscard]] std::int32_t given_count() const;
+  [[nodiscard]] std::int32_t vertex_count() const;
+  /// Device memory that the tables take.
+  [[nodiscard]] std::uint64_t device_bytes() const;
+
+ private:
+  struct Parts;
+  friend class Solve;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Where the points to pass through are: three floats each, `stride` bytes apart, one per vertex of
+/// the mesh. The buffer is the host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the
+/// Solve. No buffer: the Solve has one of its own, which record_given fills.
+struct GivenPoints {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
+  std::uint32_t stride = 12;
+};
+
+/// Where record_evaluate writes: for each vertex three floats of position and three of unit normal
+/// (zero where the tangents are parallel). Other bytes are left alone. The buffer is the host's,
+/// has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Solve. No buffer: nothing is evaluated.
+struct VertexLayout {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;    ///< of the first vertex
+  std::uint32_t stride = 24;  ///< bytes
+  std::uint32_t position_offset = 0;
+  std::uint32_t normal_offset = 12;
+};
+
+struct SolveOptions {
+  std::uint32_t max_iterations = 64;  ///< that one record_solve can ask for
+  GivenPoints given;
+  VertexLayout vertices;
+};
+
+/// Two timestamps in a host's query pool, `first` before and `first` + 1 after the recorded work.
+/// The host has reset both queries; its queue family has timestamps.
+struct Timestamps {
+  VkQueryPool pool = VK_NULL_HANDLE;
+  std::uint32_t first = 0;
+};
+
+struct SolveParameters {
+  /// At most SolveOptions::max_iterations, which stands in for more.
+  std::uint32_t iterations = 0;
+  /// No iteration once the error is at most this, decided on the device; negative: do them all.
+  float stop_error = -1;
+  /// Starts from the displacement that this Solve's last solve ended with, instead of from none.
+  /// record_reset has been run before the first such solve, or a solve without it.
+  bool warm_start = false;
+  /// Measures the error that the last iteration leaves, at the cost of about one more. Without, the
+  /// status tells the error before the last iteration.
+  bool measures_last = true;
+  Timestamps timestamps;
+};
+
+/// How a solve ended.
+enum class SolveState : std::uint32_t {
+  Stepped = 0,    ///< all iterations done; no error as low as stop_error was met
+  Converged = 1,  ///< an error at or below stop_error was met
+  NotFinite = 2,  ///< the error is infinite or no number: so were given points
+};
+
+/// What record_status copies.
+struct GpuStatus {
+  std::uint32_t iterations;
+  SolveState state;
+  float residual;  ///< largest distance of a given point from its limit point, as measured last
+};
+static_assert(sizeof(GpuStatus) == 12);
+
+/// One frame in flight of one instance: moves control points until the limit surface passes through
+/// the given points, then evaluates it. Externally synchronised.
+class Solve {
+ public:
+  /// Throws Error{InvalidArgument} for a layout, Error{OutOfMemory} naming the limit, VulkanError.
+  Solve(Context& context, const DeviceSystem& system, const SolveOptions& options = {});
+  ~Solve();
+  Solve(Solve&&) noexcept;
+  Solve& operator=(Solve&&) noexcept;
+
+  /// Forgets the last displacement. After a jump of the pose, and before a first warm start.
+  void record_reset(VkCommandBuffer commands) const noexcept;
+  /// Copies given points, 12 tight bytes each, from a host's buffer with
+  /// VK_BUFFER_USAGE_TRANSFER_SRC_BIT; offset is a multiple of 4. Only without a GivenPoints
+  /// buffer.
+  void record_given(VkCommandBuffer commands, VkBuffer source, VkDeviceSize offset) const noexcept;
+  /// Finds the displacement of the control points from the given points as they are when it runs.
+  void record_solve(VkCommandBuffer commands, const SolveParameters& parameters) const noexcept;
+  /// Limit positions and normals of the last solve, into the VertexLayout's buffer. Read them as
+  /// vertices after a barrier from kExitScope to VERTEX_INPUT, VERTEX_ATTRIBUTE_READ.
+  void record_evaluate(VkCommandBuffer commands, const Timestamps& timestamps = {}) const noexcept;
+  /// Copies a GpuStatus of the last solve to a host's buffer with VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  /// offset is a multiple of 4. The host polls it when it likes, after its own fence.
+  void record_status(VkCommandBuffer commands, VkBuffer target, VkDeviceSize offset) const noexcept;
+
+  /// The control cage's points after record_evaluate: four floats each (the last is 0), one per
+  /// used vertex; may be bound as a vertex or storage buffer. Owned by the Solve.
+  [[nodiscard]] VkBuffer control_points() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace planish::vulkan

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/vulkan/device_table.h"
+#include "planish/vulkan/embed.h"
+
+namespace planish::vulkan {
+
+/// States of the refinement levels and descriptor sets that take control points to limit points and
+/// normals in a host's layout. Externally synchronised; tables and control points outlive it.
+class GpuEvaluation {
+ public:
+  /// `refinement` and `limit` are a System's tables, the last made with derivatives and a target
+  /// stride of at least the layout's.
+  GpuEvaluation(Context& context, std::span<const DeviceTable> refinement, const DeviceTable& limit,
+                const Buffer& control_points, const VertexLayout& layout);
+
+  void record(VkCommandBuffer commands) const noexcept;
+
+ private:
+  struct Window {
+    BufferRange range;
+    std::uint32_t first_target;  // floats from its start to the first row's position
+  };
+  [[nodiscard]] Window window_of(const TableSlice& rows) const;
+
+  Context& context_;
+  std::span<const DeviceTable> refinement_;
+  const DeviceTable& limit_;
+  VertexLayout layout_;
+  std::vector<Buffer> states_;
+  std::vector<std::uint32_t> first_targets_;  // per slice of the limit table
+  DescriptorSets sets_;                       // slices of all refinement tables, then of the limit
+};
+
+}  // namespace planish::vulkan

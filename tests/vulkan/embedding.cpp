@@ -1,0 +1,127 @@
+#include "vulkan/embedding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
+
+namespace planish::testing {
+
+using namespace vulkan;
+
+PolygonMesh posed(const PolygonMesh& rest, int frame) {
+  PolygonMesh mesh = rest;
+  for (glm::dvec3& p : mesh.positions) {
+    const double phase = 0.3 * frame + 1.1 * p.x - 0.7 * p.z;
+    p += 0.1 * glm::dvec3(std::sin(phase), std::cos(1.3 * phase), std::sin(0.7 * phase + p.y));
+  }
+  return mesh;
+}
+
+std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
+                                   const SystemOptions& options) {
+  const auto backend = make_cpu_backend();
+  FitOptions fitting;
+  fitting.weights = options.weights;
+  fitting.sharp = options.sharp;
+  fitting.tolerance = 1e-12;
+  EvaluateOptions evaluation;
+  evaluation.level = options.level;
+  evaluation.weights = options.weights;
+  evaluation.sharp = options.sharp;
+  evaluation.rest_positions = rest.positions;
+  const SurfaceMesh surface = evaluate(fit(mesh, *backend, fitting).cage, *backend, evaluation);
+  std::vector<Vertex> vertices(surface.positions.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    vertices[i] = {glm::vec3(surface.positions[i]), surface.normals[i]};
+  return vertices;
+}
+
+Difference difference(const std::vector<Vertex>& a, const std::vector<Vertex>& b) {
+  Difference result;
+  if (a.size() != b.size()) return {std::numeric_limits<double>::infinity(), -1};
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double distance = glm::distance(a[i].position, b[i].position);
+    if (!(distance <= result.distance)) result.distance = distance;
+    if (a[i].normal == glm::vec3(0) || b[i].normal == glm::vec3(0)) continue;
+    const double cosine = glm::dot(a[i].normal, b[i].normal);
+    if (!(cosine >= result.cosine)) result.cosine = cosine;
+  }
+  return result;
+}
+
+HostTopology::HostTopology(Context& context, const PolygonMesh& rest, const SystemOptions& options)
+    : system(rest, options),
+      device(context, system),
+      indices(context, device.index_count() * sizeof(std::uint32_t), MemoryUse::Download),
+      staging(context, device.upload_bytes(), MemoryUse::Upload) {
+  device.write_upload(system, staging.mapped().first(device.upload_bytes()));
+  staging.flush();
+}
+
+void HostTopology::upload(Submitter& submitter) {
+  submitter.run([&](VkCommandBuffer commands) {
+    device.record_upload(commands, staging.handle(), 0, {indices.handle(), 0});
+  });
+  indices.invalidate();
+}
+
+namespace {
+
+SolveOptions options_of(const HostFrame& frame, std::uint32_t max_iterations) {
+  SolveOptions options;
+  options.max_iterations = max_iterations;
+  options.given = {frame.points.handle(), 0, sizeof(glm::vec3)};
+  options.vertices = {frame.output.handle(), frame.layout.offset, frame.layout.stride,
+                      frame.layout.position_offset, frame.layout.normal_offset};
+  return options;
+}
+
+}  // namespace
+
+HostFrame::HostFrame(Context& context, const HostTopology& topology, const Layout& wanted,
+                     std::uint32_t max_iterations)
+    : vertex_count(topology.system.vertex_count()),
+      layout(wanted),
+      points(context, topology.system.given_count() * sizeof(glm::vec3), MemoryUse::Upload),
+      output(context, wanted.offset + std::uint64_t(vertex_count) * wanted.stride,
+             MemoryUse::Download),
+      report(context, sizeof(GpuStatus), MemoryUse::Download),
+      solve(context, topology.device, options_of(*this, max_iterations)) {}
+
+void HostFrame::set_points(const PolygonMesh& pose) {
+  std::vector<glm::vec3> rounded(pose.positions.begin(), pose.positions.end());
+  std::memcpy(points.mapped().data(), rounded.data(), rounded.size() * sizeof(glm::vec3));
+  points.flush();
+}
+
+std::vector<Vertex> HostFrame::vertices() {
+  output.invalidate();
+  std::vector<Vertex> result(vertex_count);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const std::byte* vertex = &output.mapped()[layout.offset + i * layout.stride];
+    std::memcpy(&result[i].position, vertex + layout.position_offset, sizeof(glm::vec3));
+    std::memcpy(&result[i].normal, vertex + layout.normal_offset, sizeof(glm::vec3));
+  }
+  return result;
+}
+
+GpuStatus HostFrame::status() {
+  report.invalidate();
+  GpuStatus result;
+  std::memcpy(&result, report.mapped().data(), sizeof result);
+  return result;
+}
+
+void HostFrame::record(VkCommandBuffer commands, const SolveParameters& parameters) const {
+  solve.record_solve(commands, parameters);
+  solve.record_evaluate(commands);
+  solve.record_status(commands, report.handle(), 0);
+}
+
+}  // namespace planish::testing

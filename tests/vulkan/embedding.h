@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/vulkan/buffer.h"
+#include "planish/vulkan/embed.h"
+#include "planish/vulkan/submitter.h"
+
+namespace planish::testing {
+
+struct Vertex {
+  glm::vec3 position, normal;
+};
+
+/// The mesh with its vertices moved smoothly, differently in each frame.
+[[nodiscard]] PolygonMesh posed(const PolygonMesh& rest, int frame);
+
+/// The vertices of the interpolating surface by fit() and evaluate() in double on the CPU, in the
+/// order of a System's. Corners have the angles of `rest`.
+[[nodiscard]] std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
+                                                 const vulkan::SystemOptions& options);
+
+/// The largest distance of positions, and the smallest cosine between normals (1 where both are
+/// zero or the CPU's stands in for one without direction).
+struct Difference {
+  double distance = 0, cosine = 1;
+};
+[[nodiscard]] Difference difference(const std::vector<Vertex>& a, const std::vector<Vertex>& b);
+
+/// Where a host wants its vertices.
+struct Layout {
+  std::uint32_t offset = 0, stride = 24, position_offset = 0, normal_offset = 12;
+};
+
+/// What a host keeps for one topology: tables, and an index buffer.
+struct HostTopology {
+  HostTopology(vulkan::Context& context, const PolygonMesh& rest,
+               const vulkan::SystemOptions& options = {});
+  /// From its staging memory to the device.
+  void upload(vulkan::Submitter& submitter);
+
+  vulkan::System system;
+  vulkan::DeviceSystem device;
+  vulkan::Buffer indices, staging;  // mapped
+};
+
+/// What a host keeps for one frame in flight of one instance; its buffers are mapped.
+struct HostFrame {
+  HostFrame(vulkan::Context& context, const HostTopology& topology, const Layout& layout = {},
+            std::uint32_t max_iterations = 64);
+
+  void set_points(const PolygonMesh& pose);
+  [[nodiscard]] std::vector<Vertex> vertices();
+  [[nodiscard]] vulkan::GpuStatus status();
+  /// Solve, evaluation and status in one command buffer.
+  void record(VkCommandBuffer commands, const vulkan::SolveParameters& parameters) const;
+
+  std::int32_t vertex_count;
+  Layout layout;
+  vulkan::Buffer points, output, report;
+  vulkan::Solve solve;
+};
+
+}  // namespace planish::testing
