@@ -16,6 +16,7 @@
 #include "planish/fair/fair_topology.h"
 #include "planish/fair/fold_repair.h"
 #include "planish/fair/masked_iteration.h"
+#include "planish/fair/polish.h"
 #include "planish/fair/vertex_frame.h"
 #include "planish/fair/vertex_polygon.h"
 
@@ -201,8 +202,18 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   options.callbacks.check_cancelled();
 
   std::vector<std::uint8_t> halvings(given.size(), 0);
-  const FoldCount folds =
-      repair_folds(topology, given, builder.face_normals, builder.result, halvings);
+  const auto repair = [&] {
+    return repair_folds(topology, given, builder.face_normals, builder.result, halvings);
+  };
+  FoldCount folds = repair();
+  if (options.polish_steps > 0) {
+    options.callbacks.check_cancelled();
+    builder.build_curve_points();
+    const BendingRows bending = make_bending_rows(topology, given, builder.normals, builder.result);
+    apply_heights(topology, bending, builder.normals,
+                  polish_heights(topology, bending, options.polish_steps), builder.result);
+    folds = repair();
+  }
   builder.build_curve_points();
   net.flagged_edges = folds.edges;
   net.flagged_faces = folds.faces;
