@@ -15,4 +15,4 @@
 #include "planish/mesh/repair.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/folded_area.h"
+#include "planish/surface/surface_quality.h"

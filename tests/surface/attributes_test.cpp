@@ -6,7 +6,7 @@
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/folded_area.h"
+#include "planish/surface/surface_quality.h"
 #include "support/meshes.h"
 
 namespace planish {
@@ -87,7 +87,7 @@ TEST(Attributes, HolesShapeTheSurfaceButAreNoPartOfIt) {
   EXPECT_EQ(holed.positions, whole.positions);
   EXPECT_EQ(holed.face_count(), whole.face_count() - 8);
   EXPECT_EQ(holed.face_vertices[0], whole.face_vertices[16]);
-  EXPECT_EQ(folded_area(holed, mesh), 0.0);
+  EXPECT_EQ(surface_quality(holed, mesh).folded_area, 0.0);
 }
 
 TEST(Attributes, AMissingTextureCoordinateIsNoCrash) {

@@ -12,11 +12,9 @@
 #include "planish/doosabin/limit_masks.h"
 #include "planish/doosabin/surface_stencils.h"
 #include "planish/mesh/area_vector.h"
-#include "planish/mesh/check.h"
 #include "planish/mesh/placement.h"
-#include "planish/mesh/used_vertices.h"
 #include "planish/surface/attributes.h"
-#include "planish/surface/memory_need.h"
+#include "planish/surface/subdivided_mesh.h"
 
 namespace planish {
 
@@ -35,26 +33,28 @@ void for_slices(std::int64_t count, const Callbacks& callbacks, const Body& body
   }
 }
 
+// Control points of a level, or of the cage itself at level 0.
+struct Source {
+  std::unique_ptr<DevicePoints> points;
+  int level;
+};
+
 // The state of the level whose rings give the output's limit points.
-std::unique_ptr<DevicePoints> refine_points(const PolygonMesh& cage, const Placement& placement,
-                                            const Subdivision& subdivision, int level,
+std::unique_ptr<DevicePoints> refine_points(Source source, const SubdividedMesh& cage, int level,
                                             Backend& backend, const Callbacks& callbacks) {
-  std::vector<glm::dvec3> unit(cage.positions.size());
-  std::transform(cage.positions.begin(), cage.positions.end(), unit.begin(),
-                 [&](const glm::dvec3& p) { return placement.to_unit(p); });
-  auto source = backend.upload(unit);
-  for (int l = 1; l <= level; ++l) {
-    const std::int64_t size = subdivision.state_layout(l).size;
+  for (int l = source.level + 1; l <= level; ++l) {
+    const std::int64_t size = cage.subdivision.state_layout(l).size;
     auto target = backend.allocate(static_cast<std::int32_t>(size));
     for_slices(size, callbacks, [&](RowRange rows) {
-      const StencilTable<double> table = l == 1 ? first_step_table(cage, subdivision, rows)
-                                                : refinement_table(subdivision, l - 1, rows);
-      backend.apply(table.view(), *source, *target, static_cast<std::int32_t>(rows.first));
+      const StencilTable<double> table =
+          l == 1 ? first_step_table(cage.used.mesh, cage.subdivision, rows)
+                 : refinement_table(cage.subdivision, l - 1, rows);
+      backend.apply(table.view(), *source.points, *target, static_cast<std::int32_t>(rows.first));
     });
-    source = std::move(target);
+    source.points = std::move(target);
     callbacks.report("evaluate", 0.4 * l / level);
   }
-  return source;
+  return std::move(source.points);
 }
 
 // Area vectors of the faces around the given vertices, summed.
@@ -98,44 +98,24 @@ void replace_degenerate_normals(SurfaceMesh& surface, const Callbacks& callbacks
                   static_cast<std::int64_t>(degenerate.size()), degenerate.front()});
 }
 
-UsedMesh usable_part(const PolygonMesh& cage) {
-  require_usable(cage, "control cage");
-  return without_unused_vertices(cage);
+void require_level(const EvaluateOptions& options) {
+  if (options.level >= 0 && options.level <= kMaxLevel) return;
+  throw Error(ErrorCode::InvalidArgument, "level " + std::to_string(options.level) +
+                                              " is outside 0 to " + std::to_string(kMaxLevel));
 }
 
-}  // namespace
-
-SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOptions& options) {
-  if (options.level < 0 || options.level > kMaxLevel) {
-    throw Error(ErrorCode::InvalidArgument, "level " + std::to_string(options.level) +
-                                                " is outside 0 to " + std::to_string(kMaxLevel));
-  }
-  PLANISH_ASSERT(options.rest_positions.empty() ||
-                 options.rest_positions.size() == cage.positions.size());
-  const UsedMesh used = usable_part(cage);
-  std::vector<glm::dvec3> rest = used.mesh.positions;
-  if (!options.rest_positions.empty()) {
-    for (std::size_t v = 0; v < rest.size(); ++v)
-      rest[v] = options.rest_positions[used.vertices[v]];
-  }
-
-  QuadSplit split(used.mesh);
-  require_memory(split, options.level, options.memory_limit_bytes);
-  split.refine(options.level);
-  const SharpFeatures features = find_sharp_features(used.mesh, split, rest, options.sharp);
-  const Subdivision subdivision(split, features, options.weights);
-
+SurfaceMesh surface_from(Source source, const Placement& placement, const SubdividedMesh& cage,
+                         Backend& backend, const EvaluateOptions& options) {
   // The input's own vertices have their limit points on every level: level 0 reads them off the
   // state of level 1.
   const int state_level = std::max(options.level, 1);
-  const Placement placement = placement_of(used.mesh);
   const auto state =
-      refine_points(used.mesh, placement, subdivision, state_level, backend, options.callbacks);
-
+      refine_points(std::move(source), cage, state_level, backend, options.callbacks);
+  const Subdivision& subdivision = cage.subdivision;
   SurfaceMesh surface;
   surface.level = options.level;
-  surface.base_vertices = used.vertices;
-  const LimitRows rows(subdivision, state_level, split.counts(options.level).vertices);
+  surface.base_vertices = cage.used.vertices;
+  const LimitRows rows(subdivision, state_level, cage.split.counts(options.level).vertices);
   surface.positions.resize(static_cast<std::size_t>(rows.count()));
   surface.normals.resize(surface.positions.size());
   for_slices(rows.count(), options.callbacks, [&](RowRange range) {
@@ -148,20 +128,46 @@ SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOp
         "evaluate", 0.4 + 0.6 * static_cast<double>(range.first + range.count) / rows.count());
   });
   for (glm::dvec3& position : surface.positions) position = placement.to_model(position);
-  if (surface.level == 0) surface.face_offsets = used.mesh.face_offsets;
-  surface.face_vertices = face_rows(used.mesh, split, surface.level, rows);
-  carry_attributes(used.mesh, split, rows, surface);
+  if (surface.level == 0) surface.face_offsets = cage.used.mesh.face_offsets;
+  surface.face_vertices = face_rows(cage.used.mesh, cage.split, surface.level, rows);
+  carry_attributes(cage.used.mesh, cage.split, rows, surface);
   replace_degenerate_normals(surface, options.callbacks);
-  remove_holes(used.mesh, surface);
+  remove_holes(cage.used.mesh, surface);
   return surface;
+}
+
+}  // namespace
+
+SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOptions& options) {
+  require_level(options);
+  PLANISH_ASSERT(options.rest_positions.empty() ||
+                 options.rest_positions.size() == cage.positions.size());
+  const SubdividedMesh subdivided(cage, options);
+  const Placement placement = placement_of(subdivided.used.mesh);
+  std::vector<glm::dvec3> unit(subdivided.used.mesh.positions.size());
+  std::transform(subdivided.used.mesh.positions.begin(), subdivided.used.mesh.positions.end(),
+                 unit.begin(), [&](const glm::dvec3& p) { return placement.to_unit(p); });
+  return surface_from({backend.upload(unit), 0}, placement, subdivided, backend, options);
+}
+
+SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one, Backend& backend,
+                     const EvaluateOptions& options) {
+  require_level(options);
+  PLANISH_ASSERT(options.rest_positions.empty() ||
+                 options.rest_positions.size() == mesh.positions.size());
+  const SubdividedMesh subdivided(mesh, options);
+  require_state_of(subdivided.subdivision, level_one);
+  return surface_from({backend.upload(level_one.state), 1}, level_one.placement, subdivided,
+                      backend, options);
 }
 
 std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, Weights weights,
                                         const SharpFeatureOptions& sharp) {
-  const UsedMesh used = usable_part(cage);
-  const QuadSplit split(used.mesh);
-  const SharpFeatures features = find_sharp_features(used.mesh, split, used.mesh.positions, sharp);
-  const StencilTable<double> masks = limit_masks(used.mesh, Subdivision(split, features, weights));
+  EvaluateOptions options{.level = 0, .weights = weights};
+  options.sharp = sharp;
+  const SubdividedMesh subdivided(cage, options);
+  const UsedMesh& used = subdivided.used;
+  const StencilTable<double> masks = limit_masks(used.mesh, subdivided.subdivision);
   const StencilView<double> view = masks.view();
   std::vector<glm::dvec3> limits = cage.positions;
   for (std::int32_t i = 0; i < view.row_count(); ++i) {

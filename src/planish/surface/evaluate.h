@@ -10,6 +10,7 @@
 #include "planish/doosabin/face_rule.h"
 #include "planish/doosabin/sharp_features.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/surface/level_one.h"
 #include "planish/surface/surface_mesh.h"
 
 namespace planish {
@@ -34,6 +35,12 @@ struct EvaluateOptions {
 /// facet's normal stands in.
 [[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend,
                                    const EvaluateOptions& options = {});
+
+/// The same for the surface of these control points on the topology, tags and attributes of `mesh`,
+/// whose positions only serve as the rest pose. Throws as above; Error{InvalidArgument} for a state
+/// of another size.
+[[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one,
+                                   Backend& backend, const EvaluateOptions& options = {});
 
 /// Limit positions of the cage's vertices in double on the CPU, whatever backend made the cage.
 /// Unused vertices stay where they are. Throws Error{UnusableMesh}.

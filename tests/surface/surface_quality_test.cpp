@@ -1,0 +1,121 @@
+#include "planish/surface/surface_quality.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/surface/evaluate.h"
+#include "support/meshes.h"
+
+namespace planish {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// The mesh itself as a surface.
+SurfaceMesh surface_of(const PolygonMesh& mesh, std::vector<glm::vec3> normals) {
+  SurfaceMesh surface;
+  surface.level = 0;
+  surface.positions = mesh.positions;
+  surface.face_offsets = mesh.face_offsets;
+  surface.face_vertices = mesh.face_vertices;
+  surface.normals = std::move(normals);
+  return surface;
+}
+
+// Two squares of area 1 and 3 in the plane z = 0.
+PolygonMesh two_squares() {
+  PolygonMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {4, 0, 0}, {4, 1, 0}};
+  mesh.add_face(std::array{0, 1, 2, 3});
+  mesh.add_face(std::array{1, 4, 5, 2});
+  return mesh;
+}
+
+TEST(SurfaceQuality, NothingIsFoldedOnAConvexSurface) {
+  const PolygonMesh mesh = test::icosphere(1);
+  for (int level = 0; level <= 2; ++level) {
+    const SurfaceMesh surface = evaluate(mesh, *make_cpu_backend(), {.level = level});
+    EXPECT_EQ(surface_quality(surface, mesh).folded_area, 0.0);
+  }
+}
+
+TEST(SurfaceQuality, AFacesAreaIsSharedAmongItsCorners) {
+  const PolygonMesh mesh = two_squares();
+  std::vector<glm::vec3> normals(6, glm::vec3(0, 0, 1));
+  normals[4] = glm::vec3(0, 0, -1);
+  const SurfaceQuality quality = surface_quality(surface_of(mesh, normals), mesh);
+  EXPECT_DOUBLE_EQ(quality.folded_area, 0.75 / 4.0);
+  EXPECT_DOUBLE_EQ(quality.max_normal_deviation, 180.0);
+  EXPECT_NEAR(quality.rms_normal_deviation, 180.0 * std::sqrt(0.75 / 4.0), 1e-10);
+}
+
+TEST(SurfaceQuality, AnglesAreInDegreesAgainstTheGivenNormals) {
+  const PolygonMesh mesh = two_squares();
+  const SurfaceMesh surface = surface_of(mesh, {6, glm::vec3(0, 0, 1)});
+  for (const double degrees : {0.0, 1e-4, 30.0, 89.0, 91.0}) {
+    const double angle = degrees * kPi / 180;
+    const SurfaceQuality quality = surface_quality(surface, [&](std::int64_t, std::int32_t) {
+      return 7.0 * glm::dvec3(std::sin(angle), 0, std::cos(angle));  // any length
+    });
+    EXPECT_NEAR(quality.rms_normal_deviation, degrees, 1e-12);
+    EXPECT_NEAR(quality.max_normal_deviation, degrees, 1e-12);
+    EXPECT_EQ(quality.folded_area, degrees > 90 ? 1.0 : 0.0);
+    EXPECT_EQ(quality.bending, 0.0);
+  }
+}
+
+TEST(SurfaceQuality, TheReferenceIsAskedForEveryCornerInOrder) {
+  const SurfaceMesh surface = surface_of(two_squares(), {6, glm::vec3(0, 0, 1)});
+  std::vector<std::pair<std::int64_t, std::int32_t>> asked;
+  (void)surface_quality(surface, [&](std::int64_t face, std::int32_t corner) {
+    asked.emplace_back(face, corner);
+    return glm::dvec3(0, 0, 1);
+  });
+  const std::vector<std::pair<std::int64_t, std::int32_t>> expected = {
+      {0, 0}, {0, 1}, {0, 2}, {0, 3}, {1, 0}, {1, 1}, {1, 2}, {1, 3}};
+  EXPECT_EQ(asked, expected);
+}
+
+// The integral of both squared principal curvatures is 8 pi on every sphere.
+TEST(SurfaceQuality, BendingOfASphere) {
+  for (const double radius : {1.0, 100.0}) {
+    PolygonMesh mesh = test::icosphere(4);
+    std::vector<glm::vec3> normals;
+    for (glm::dvec3& p : mesh.positions) {
+      normals.emplace_back(glm::normalize(p));
+      p *= radius;
+    }
+    EXPECT_NEAR(surface_quality(surface_of(mesh, normals), mesh).bending, 8 * kPi, 0.01 * 8 * kPi);
+  }
+}
+
+// 4 * (integral of the squared mean curvature) - 2 * (that of the Gaussian curvature, 0); the
+// first is pi^2 c^2 / sqrt(c^2 - 1) with c the ratio of the radii (Willmore 1965).
+TEST(SurfaceQuality, BendingOfATorus) {
+  constexpr int kAround = 192, kAcross = 96;
+  const PolygonMesh mesh = test::torus(kAround, kAcross, 1.0, 0.4);
+  std::vector<glm::vec3> normals;
+  for (const glm::dvec3& p : mesh.positions) {
+    const glm::dvec3 middle = glm::normalize(glm::dvec3(p.x, p.y, 0));
+    normals.emplace_back(glm::normalize(p - middle));
+  }
+  const double c = 1.0 / 0.4;
+  const double expected = 4 * kPi * kPi * c * c / std::sqrt(c * c - 1);
+  EXPECT_NEAR(surface_quality(surface_of(mesh, normals), mesh).bending, expected, 0.01 * expected);
+}
+
+TEST(SurfaceQuality, SliversDoNotSpoilTheBending) {
+  PolygonMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0.5, 1e-9, 0}};
+  mesh.add_face(std::array{0, 1, 2});
+  const auto quality = surface_quality(surface_of(mesh, {{0, 0, 1}, {0, 0, 1}, {0, 1, 0}}), mesh);
+  EXPECT_EQ(quality.bending, 0.0);
+}
+
+}  // namespace
+}  // namespace planish
