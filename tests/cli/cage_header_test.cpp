@@ -14,9 +14,11 @@ TEST(CageHeader, ReadsBackWhatItWrites) {
   settings.creases = {true, 32.5};
   settings.repair = RepairChoice::None;
   settings.tolerance = 1.0 / 3.0 * 1e-7;
-  std::vector<std::string> lines = cage_header_lines(settings, "some/where/goblet.obj");
+  std::vector<std::string> lines =
+      cage_header_lines(settings, InterpolationMethod::Fair, "some/where/goblet.obj");
   for (std::string& line : lines) EXPECT_EQ(line.substr(0, 8), "planish ");
   const CageHeader header = parse_cage_header(lines, "cage.obj");
+  EXPECT_EQ(header.interpolation, InterpolationMethod::Fair);
   EXPECT_EQ(header.weights, Weights::Averaged);
   EXPECT_EQ(header.boundary, BoundaryRule::EdgeAndCorner);
   ASSERT_TRUE(header.creases);
@@ -27,15 +29,16 @@ TEST(CageHeader, ReadsBackWhatItWrites) {
 }
 
 TEST(CageHeader, ASourceCannotBreakTheLine) {
-  for (const std::string& line : cage_header_lines({}, "a\nv 1 2 3.obj")) {
+  for (const std::string& line :
+       cage_header_lines({}, InterpolationMethod::Progressive, "a\nv 1 2 3.obj")) {
     EXPECT_EQ(line.find('\n'), std::string::npos);
   }
 }
 
 TEST(CageHeader, SaysNothingWhereNothingStands) {
   const CageHeader header = parse_cage_header({}, "cage.obj");
-  EXPECT_FALSE(header.weights || header.boundary || header.creases || header.repair ||
-               header.tolerance || header.source);
+  EXPECT_FALSE(header.interpolation || header.weights || header.boundary || header.creases ||
+               header.repair || header.tolerance || header.source);
 }
 
 TEST(CageHeader, KeysOfNewerVersionsAreLeftToThem) {
@@ -44,9 +47,9 @@ TEST(CageHeader, KeysOfNewerVersionsAreLeftToThem) {
 }
 
 TEST(CageHeader, WrongValuesAreNamed) {
-  for (const char* line :
-       {"planish weights=heavy", "planish tolerance=small", "planish tolerance=-1",
-        "planish tolerance=1e-6x", "planish scheme=loop", "planish boundary="}) {
+  for (const char* line : {"planish weights=heavy", "planish tolerance=small",
+                           "planish tolerance=-1", "planish tolerance=1e-6x", "planish scheme=loop",
+                           "planish boundary=", "planish interpolation=auto"}) {
     const std::vector<std::string> lines{line};
     try {
       (void)parse_cage_header(lines, "cage.obj");

@@ -71,6 +71,8 @@ TEST_F(Points, BecomeASurfaceWhoseDistanceIsReported) {
                                    path("r.json"), "--tolerance-mesh", "2e-3", "--device", "cpu"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto report = json("r.json");
+  EXPECT_EQ(report["solve"]["method"], "fair");  // what auto means for points
+  EXPECT_EQ(report["surface"]["folded_area"], 0.0);
   EXPECT_GT(report["surface"]["max_point_distance"], 0);
   EXPECT_LT(report["surface"]["max_point_distance"], 0.05);
   EXPECT_LE(report["surface"]["rms_point_distance"], report["surface"]["max_point_distance"]);

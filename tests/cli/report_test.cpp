@@ -46,13 +46,15 @@ TEST_F(Report, HasTheKeysThatItPromises) {
                           "boundary_loops", "components", "genus", "sharp_edges", "corners",
                           "welded", "dropped", "changed_faces"));
   EXPECT_THAT(keys_of(report["device"]), ElementsAre("kind", "name", "uuid", "driver", "api"));
-  EXPECT_THAT(
-      keys_of(report["solve"]),
-      ElementsAre("weights", "solver", "boundary", "creases", "repair", "tolerance", "converged",
-                  "stop_reason", "iterations", "spectral_bound", "error", "history"));
+  EXPECT_THAT(keys_of(report["solve"]),
+              ElementsAre("method", "weights", "solver", "boundary", "creases", "repair",
+                          "tolerance", "converged", "stop_reason", "iterations", "spectral_bound",
+                          "error", "history", "fair"));
   EXPECT_THAT(keys_of(report["solve"]["error"]), ElementsAre("max", "rms", "worst_vertex"));
   EXPECT_THAT(keys_of(report["solve"]["history"][0]), ElementsAre("iteration", "max", "rms"));
-  EXPECT_THAT(keys_of(report["surface"]), ElementsAre("folded_area"));
+  EXPECT_THAT(keys_of(report["surface"]),
+              ElementsAre("level", "reference", "folded_area", "rms_normal_deviation",
+                          "max_normal_deviation", "bending"));
   EXPECT_THAT(keys_of(report["outputs"][0]),
               ElementsAre("path", "what", "bytes", "sha256", "level", "vertices", "quads",
                           "triangles", "as_written_error"));

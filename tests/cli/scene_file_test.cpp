@@ -113,7 +113,7 @@ TEST(SceneFile, WrongValuesAreNamedWithTheirPlace) {
       {{{"input", ""}}, "jobs[0].input: is empty"},
       {{{"input", "-"}}, "jobs[0].input: a file is wanted"},
       {{{"input", "a.foo"}}, "a.foo"},
-      {{{"input", "a.obj"}, {"interpolation", "fair"}}, "jobs[0].interpolation: fair is not built"},
+      {{{"input", "a.obj"}, {"interpolation", "fare"}}, "did you mean fair?"},
       {{{"input", "a.obj"}, {"polish", -1}}, "jobs[0].polish: -1 is out of range"},
       {{{"input", "a.obj"}, {"levels", {9}}}, "jobs[0].levels: 9 is out of range"},
       {{{"input", "a.obj"}, {"tolerance", 0}}, "jobs[0].tolerance: 0 is out of range"},

@@ -31,6 +31,7 @@ double parse_tolerance(std::string_view value, const std::string& where) {
 
 void apply(CageHeader& header, std::string_view key, std::string_view value,
            const std::string& where) {
+  if (key == "interpolation") header.interpolation = parse_method(value, where);
   if (key == "weights") header.weights = parse_weights(value, where);
   if (key == "boundary") header.boundary = parse_boundary(value, where);
   if (key == "creases") header.creases = parse_creases(value, where);
@@ -45,13 +46,15 @@ void apply(CageHeader& header, std::string_view key, std::string_view value,
 
 }  // namespace
 
-std::vector<std::string> cage_header_lines(const Settings& settings, const std::string& source) {
+std::vector<std::string> cage_header_lines(const Settings& settings, InterpolationMethod method,
+                                           const std::string& source) {
   const auto line = [](std::string_view key, std::string_view value) {
     return "planish " + std::string(key) + "=" + std::string(value);
   };
   const std::string file_name = std::filesystem::path(source).filename().string();
   return {line("version", PLANISH_VERSION),
           line("scheme", "doo-sabin"),
+          line("interpolation", name_of(method)),
           line("weights", name_of(settings.weights)),
           line("boundary", name_of(settings.boundary)),
           line("creases", name_of(settings.creases)),

@@ -11,6 +11,7 @@ namespace planish::command {
 
 /// What a cage says about how it was made, so that `verify` needs no flags.
 struct CageHeader {
+  std::optional<InterpolationMethod> interpolation;
   std::optional<Weights> weights;
   std::optional<BoundaryRule> boundary;
   std::optional<CreaseChoice> creases;
@@ -21,6 +22,7 @@ struct CageHeader {
 
 /// Comment lines "planish key=value" for MeshWriteOptions. Source: the input's file name.
 [[nodiscard]] std::vector<std::string> cage_header_lines(const Settings& settings,
+                                                         InterpolationMethod method,
                                                          const std::string& source);
 
 /// Reads them back; a leading comment sign is allowed. Keys that are not known are left to newer

@@ -16,7 +16,7 @@ namespace planish::command {
 namespace {
 
 struct FitFlags {
-  std::string input, input_format, cage, report, levels;
+  std::string input, input_format, cage, source, report, levels;
   std::vector<std::string> outputs;
   std::map<std::string_view, std::string> words;  ///< by name of the setting
   double tolerance = Settings{}.tolerance;
@@ -89,6 +89,7 @@ Job job_of(const FitFlags& flags) {
     job.outputs.push_back({path, OutputKind::Surface, job.settings.levels, "-o"});
   }
   if (!flags.cage.empty()) job.outputs.push_back({flags.cage, OutputKind::Cage, {}, "--cage"});
+  job.source = flags.source;
   job.report = flags.report;
   if (job.outputs.empty() && job.report.empty()) {
     throw Error(ErrorCode::InvalidArgument,
@@ -102,6 +103,7 @@ ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& argument
   const Job job = job_of(flags);
   PathClaims claims({.overwrite = flags.force});
   claims.add_input(job.input);
+  if (!job.source.empty()) claims.add_input(job.source);
   std::vector<PlannedOutput> outputs;
   for (const OutputRequest& request : job.outputs) {
     for (PlannedOutput& planned : plan_output(request, claims)) {
@@ -165,6 +167,10 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
       ->type_name("FILE")
       ->allow_extra_args(false);
   command.add_option("--cage", flags.cage, "control cage: .obj .ply .off")->type_name("FILE");
+  command
+      .add_option("--source", flags.source,
+                  "mesh that the surface stands for: the report compares with it, not the input")
+      ->type_name("FILE");
   command.add_option("--report", flags.report, "JSON report; - for stdout")->type_name("FILE");
   command
       .add_option("--levels", flags.levels,

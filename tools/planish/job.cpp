@@ -35,12 +35,9 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   timed(report.timing.total, [&] {
     context.progress.update("read", 0);
     JobInput made = timed(report.timing.read, [&] { return read_job_input(job, report, context); });
-    Input& input = made.input;
-    timed(report.timing.check, [&] { prepare_input(input, report, context.console); });
-    const PolygonMesh& mesh = input.file.mesh;
-    const Fit result = fit_input(input, backend, report, context);
-    stdout_bytes =
-        write_outputs({job, outputs, backend, context, mesh, made.points, result, report, staged});
+    timed(report.timing.check, [&] { prepare_input(made.input, report, context.console); });
+    const Fit result = fit_input(made, backend, report, context);
+    stdout_bytes = write_outputs({job, outputs, backend, context, made, result, report, staged});
   });
   report.host_peak_bytes = peak_host_bytes();
   report.device_bytes = backend.peak_device_bytes();

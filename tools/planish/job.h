@@ -21,6 +21,7 @@ struct Job {
   std::optional<MeshFormat> input_format;  ///< empty: by extension
   Settings settings;
   std::vector<OutputRequest> outputs;
+  std::string source;  ///< mesh that the surface is compared with; empty: the input
   std::string report;  ///< path, "-" for stdout, empty for none
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "job_input.h"
 #include "planish/mesh/check.h"
 #include "text.h"
 #include "timed.h"
@@ -10,9 +9,20 @@
 namespace planish::command {
 namespace {
 
-Fit run_fit(const Input& input, Backend& backend, const Settings& settings,
+// Auto: points are meshed unevenly, which folds progressive surfaces; a mesh is taken as the paper
+// takes it.
+InterpolationMethod method_for(const Settings& settings, const JobInput& made) {
+  const bool fair = settings.interpolation == InterpolationChoice::Fair ||
+                    (settings.interpolation == InterpolationChoice::Auto && !made.points.empty());
+  return fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
+}
+
+Fit run_fit(const Input& input, Backend& backend, const JobReport& report,
             const Callbacks& callbacks) {
+  const Settings& settings = report.settings;
   FitOptions options;
+  options.method = report.method;
+  options.polish_steps = settings.polish_steps;
   options.weights = settings.weights;
   options.solver = settings.solver;
   options.tolerance = settings.tolerance;
@@ -37,6 +47,10 @@ void note_fit(JobReport& report, Fit& result) {
   report.timing.stencils += result.timing.stencils;
   report.timing.upload += result.timing.upload;
   report.timing.solve += result.timing.solve;
+  if (result.fair) {
+    report.fair = FairFigures{result.fair->shrunk_vertices, result.fair->reversed_vertices,
+                              result.fair->flagged_edges, result.fair->flagged_faces};
+  }
   report.interpolation = std::move(result.interpolation);
   report.interpolation.displacement.clear();
 }
@@ -45,13 +59,15 @@ void warn_of_the_solve(JobReport& report, Console& console) {
   const Interpolation& result = report.interpolation;
   if (result.converged) return;
   report.exit_code = ExitCode::NotConverged;
+  const bool iterates = report.method == InterpolationMethod::Progressive;
   add_warning(report, console,
               {"not-converged",
                report.input.path + ": not converged (" + planish::name_of(result.stop_reason) +
-                   "): the error is " + short_number(result.error.max) + " after " +
-                   counted(result.iterations, "iteration") + ", the tolerance " +
-                   short_number(report.settings.tolerance) +
-                   "; what is written says so; raise --max-iterations or --tolerance",
+                   "): the error is " + short_number(result.error.max) +
+                   (iterates ? " after " + counted(result.iterations, "iteration") : "") +
+                   ", the tolerance " + short_number(report.settings.tolerance) +
+                   "; what is written says so; raise " +
+                   (iterates ? "--max-iterations or --tolerance" : "--tolerance"),
                1, result.worst_vertex});
 }
 
@@ -72,9 +88,11 @@ void warn_of_unused(JobReport& report, const PolygonMesh& mesh, Console& console
 
 }  // namespace
 
-Fit fit_input(const Input& input, Backend& backend, JobReport& report, const JobContext& context) {
-  const PolygonMesh& mesh = input.file.mesh;
-  Fit result = run_fit(input, backend, report.settings, callbacks_for(report, context));
+Fit fit_input(const JobInput& made, Backend& backend, JobReport& report,
+              const JobContext& context) {
+  const PolygonMesh& mesh = made.input.file.mesh;
+  report.method = method_for(report.settings, made);
+  Fit result = run_fit(made.input, backend, report, callbacks_for(report, context));
   report.input.statistics = timed(report.timing.check, [&] { return statistics(mesh); });
   note_fit(report, result);
   warn_of_unused(report, mesh, context.console);

@@ -47,6 +47,15 @@ void reconstruct_points(const PointInput& cloud, JobInput& made, JobReport& repo
   made.input.file.mesh = std::move(result.mesh);
 }
 
+Input read_source(const std::string& path) {
+  Input source = read_input(path, std::nullopt);
+  if (source.file.mesh.face_count() == 0) {
+    throw Error(ErrorCode::UnusableMesh,
+                source.name + ": a source has to be a mesh, and this has no faces");
+  }
+  return source;
+}
+
 }  // namespace
 
 JobInput read_job_input(const Job& job, JobReport& report, const JobContext& context) {
@@ -65,6 +74,7 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
     if (const auto cloud = points_of(input))
       reconstruct_points(*cloud, made, report, callbacks_for(report, context));
   }
+  if (!job.source.empty()) made.source = read_source(job.source);
   for (const Warning& warning : input.file.warnings) add_warning(report, console, warning);
   report.input.path = job.input;
   report.input.sha256 = input.sha256;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 #include "input.h"
@@ -19,10 +20,11 @@ void add_warning(JobReport& report, Console& console, const Warning& warning);
 struct JobInput {
   Input input;
   std::vector<glm::dvec3> points;  ///< that were used, where the file has them
+  std::optional<Input> source;     ///< where the job names one
 };
 
-/// Reads a job's input, meshing points, and notes in the report what the file is. Throws
-/// planish::Error.
+/// Reads a job's input, meshing points, and its source, and notes in the report what the file is.
+/// Throws planish::Error.
 [[nodiscard]] JobInput read_job_input(const Job& job, JobReport& report, const JobContext& context);
 
 /// Repairs the mesh and tags its creases as the job's settings say; repairs are told as warnings,

@@ -4,11 +4,9 @@
 #include <cmath>
 
 #include "interrupt.h"
-#include "job_input.h"
+#include "measure_surface.h"
 #include "planish/core/version.h"
-#include "planish/reconstruct/triangle_edges.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/folded_area.h"
 #include "surface_output.h"
 #include "text.h"
 #include "timed.h"
@@ -16,23 +14,14 @@
 namespace planish::command {
 namespace {
 
-/// A surface whose folded part is larger than this fraction of its area gets a warning.
-constexpr double kFoldedAreaLimit = 1e-4;
 /// Models farther from the origin than this many diagonals lose digits as float32, so they are
 /// stored about their centre.
 constexpr double kFarFromOrigin = 10.0;
 
-void note_folds(JobReport& report, const SurfaceMesh& surface, const PolygonMesh& input,
-                Console& console) {
-  if (report.folded_area || surface.level == 0) return;
-  report.folded_area = folded_area(surface, input);
-  if (*report.folded_area <= kFoldedAreaLimit) return;
-  add_warning(report, console,
-              {"folded-area",
-               short_number(*report.folded_area * 100) +
-                   " % of the surface is folded (turned by more than 90 degrees from its face); "
-                   "--interpolation fair will avoid that, but is not built yet",
-               1, -1});
+// The fair method has no iterations.
+std::string solver_name(const JobReport& report) {
+  return report.method == InterpolationMethod::Fair ? "none"
+                                                    : std::string(name_of(report.settings.solver));
 }
 
 SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
@@ -55,7 +44,8 @@ SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
   options.gltf.extras = {{"planish", std::string(PLANISH_VERSION)},
                          {"scheme", std::string("doo-sabin")},
                          {"weights", std::string(name_of(settings.weights))},
-                         {"solver", std::string(name_of(settings.solver))},
+                         {"method", std::string(name_of(report.method))},
+                         {"solver", solver_name(report)},
                          {"boundary", std::string(name_of(settings.boundary))},
                          {"creases", name_of(settings.creases)},
                          {"tolerance", settings.tolerance},
@@ -77,29 +67,15 @@ void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& 
                1, -1});
 }
 
-// Distances are measured on a tessellation: from this level on it is as good as the surface.
-constexpr int kMeasuredLevel = 2;
-
-void note_point_distances(const FittedJob& work, const SurfaceMesh& surface) {
-  if (work.points.empty() || surface.level < kMeasuredLevel || work.report.point_distances) return;
-  const auto triangles = quads_as_triangles(surface.face_vertices);
-  PointDistances distances = measure_distances(work.points, surface.positions, triangles);
-  distances.max /= work.fitted.placement.diagonal;
-  distances.rms /= work.fitted.placement.diagonal;
-  work.report.point_distances = distances;
-}
-
 SurfaceMesh evaluate_level(const FittedJob& work, int level) {
   EvaluateOptions options;
   options.level = level;
   options.weights = work.job.settings.weights;
   options.sharp = work.job.settings.sharp();
-  options.rest_positions = work.input.positions;
   options.callbacks = callbacks_for(work.report, work.context);
   return timed(work.report.timing.evaluate, [&] {
-    SurfaceMesh surface = evaluate(work.fitted.cage, work.backend, options);
-    note_folds(work.report, surface, work.input, work.context.console);
-    note_point_distances(work, surface);
+    SurfaceMesh surface = evaluate(work.made.input.file.mesh, work.fitted, work.backend, options);
+    measure_surface(work.made, work.fitted, surface, work.report, work.context.console);
     return surface;
   });
 }
@@ -116,8 +92,8 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, const Surfac
     }
     written = surface != nullptr
                   ? write_surface_output(planned, target, *surface, options, stdout_bytes)
-                  : write_cage_output(planned, target, work.fitted.cage, work.report, options.given,
-                                      options.diagonal);
+                  : write_cage_output(planned, target, work.fitted, work.made.input.file.mesh,
+                                      work.report);
   });
   warn_of_rounding(work.report, work.context.console, written);
 }
@@ -127,7 +103,7 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, const Surfac
 std::vector<std::byte> write_outputs(const FittedJob& work) {
   std::vector<std::byte> stdout_bytes;
   const SurfaceOutputOptions common =
-      surface_options(work.job, work.report, work.fitted.placement, work.input,
+      surface_options(work.job, work.report, work.fitted.placement, work.made.input.file.mesh,
                       callbacks_for(work.report, work.context));
   std::vector<WrittenOutput>& written = work.report.outputs;
   written.resize(work.outputs.size());
@@ -151,11 +127,11 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
       }
     }
   }
-  // Folds cannot be seen on the cage or at level 0.
+  // What cannot be seen on the cage or at level 0.
   const bool asks_for_result = !work.outputs.empty() || !work.job.report.empty();
-  const bool lacks_distances = !work.points.empty() && !work.report.point_distances;
-  if (asks_for_result && lacks_distances) (void)evaluate_level(work, kMeasuredLevel);
-  if (asks_for_result && !work.report.folded_area) (void)evaluate_level(work, 1);
+  const bool lacks_distances = !work.made.points.empty() && !work.report.point_distances;
+  if (asks_for_result && lacks_distances) (void)evaluate_level(work, kPointDistanceLevel);
+  if (asks_for_result && !work.report.surface) (void)evaluate_level(work, 1);
   return stdout_bytes;
 }
 

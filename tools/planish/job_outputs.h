@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <glm/vec3.hpp>
 #include <vector>
 
 #include "job.h"
+#include "job_input.h"
 #include "planish/pipeline/fit.h"
 #include "staged_files.h"
 
@@ -16,8 +16,7 @@ struct FittedJob {
   const std::vector<PlannedOutput>& outputs;
   Backend& backend;
   const JobContext& context;
-  const PolygonMesh& input;
-  const std::vector<glm::dvec3>& points;  ///< of a cloud
+  const JobInput& made;
   const Fit& fitted;
   JobReport& report;
   StagedFiles& staged;

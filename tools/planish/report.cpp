@@ -36,9 +36,11 @@ Json input_json(const InputFacts& input) {
 
 Json solve_json(const JobReport& report) {
   const Interpolation& result = report.interpolation;
+  const bool iterates = report.method == InterpolationMethod::Progressive;
   Json json;
+  json["method"] = name_of(report.method);
   json["weights"] = name_of(report.settings.weights);
-  json["solver"] = name_of(report.settings.solver);
+  json["solver"] = iterates ? Json(name_of(report.settings.solver)) : Json();
   json["boundary"] = name_of(report.settings.boundary);
   json["creases"] = name_of(report.settings.creases);
   json["repair"] = name_of(report.settings.repair);
@@ -46,7 +48,7 @@ Json solve_json(const JobReport& report) {
   json["converged"] = result.converged;
   json["stop_reason"] = planish::name_of(result.stop_reason);
   json["iterations"] = result.iterations;
-  json["spectral_bound"] = report.spectral_bound;
+  json["spectral_bound"] = iterates ? Json(report.spectral_bound) : Json();
   json["error"] = norms_json(result.error);
   json["error"]["worst_vertex"] = result.worst_vertex;
   json["history"] = Json::array();
@@ -54,6 +56,35 @@ Json solve_json(const JobReport& report) {
     Json entry{{"iteration", i}};
     entry.update(norms_json(result.history[i]));
     json["history"].push_back(entry);
+  }
+  json["fair"] = nullptr;
+  if (report.fair) {
+    json["fair"] = {{"polish", report.settings.polish_steps},
+                    {"shrunk_vertices", report.fair->shrunk_vertices},
+                    {"reversed_vertices", report.fair->reversed_vertices},
+                    {"flagged_edges", report.fair->flagged_edges},
+                    {"flagged_faces", report.fair->flagged_faces}};
+  }
+  return json;
+}
+
+Json surface_json(const JobReport& report) {
+  if (!report.surface) return nullptr;
+  const MeasuredSurface& surface = *report.surface;
+  Json json;
+  json["level"] = surface.level;
+  json["reference"] = surface.reference.empty() ? "input" : surface.reference;
+  json["folded_area"] = surface.quality.folded_area;
+  json["rms_normal_deviation"] = surface.quality.rms_normal_deviation;
+  json["max_normal_deviation"] = surface.quality.max_normal_deviation;
+  json["bending"] = surface.quality.bending;
+  if (surface.source_distances) {
+    json["max_source_distance"] = surface.source_distances->max;
+    json["rms_source_distance"] = surface.source_distances->rms;
+  }
+  if (report.point_distances) {
+    json["max_point_distance"] = report.point_distances->max;
+    json["rms_point_distance"] = report.point_distances->rms;
   }
   return json;
 }
@@ -123,11 +154,7 @@ Json to_json(const JobReport& report) {
                     {"driver", device.driver},
                     {"api", device.api}};
   json["solve"] = solve_json(report);
-  json["surface"]["folded_area"] = report.folded_area ? Json(*report.folded_area) : Json();
-  if (report.point_distances) {
-    json["surface"]["max_point_distance"] = report.point_distances->max;
-    json["surface"]["rms_point_distance"] = report.point_distances->rms;
-  }
+  json["surface"] = surface_json(report);
   json["outputs"] = outputs_json(report.outputs);
   json["timing_ms"] = timing_json(report.timing);
   json["memory"] = {{"host_peak_bytes", report.host_peak_bytes},

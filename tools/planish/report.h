@@ -12,6 +12,7 @@
 #include "planish/mesh/statistics.h"
 #include "planish/pipeline/fit.h"
 #include "planish/reconstruct/reconstruct.h"
+#include "planish/surface/surface_quality.h"
 #include "settings.h"
 
 namespace planish::command {
@@ -37,6 +38,20 @@ struct InputFacts {
   std::int64_t welded = 0, dropped = 0;
 };
 
+/// The fair method's own figures, see FairNet.
+struct FairFigures {
+  std::int64_t shrunk_vertices = 0, reversed_vertices = 0, flagged_edges = 0, flagged_faces = 0;
+};
+
+/// How good the surface is, measured on one of its levels.
+struct MeasuredSurface {
+  int level = 0;
+  SurfaceQuality quality;
+  std::string reference;  ///< file of the source; empty: the input mesh
+  /// Of the surface to the source, as fractions of the diagonal.
+  std::optional<PointDistances> source_distances;
+};
+
 /// Wall-clock milliseconds; topology is OpenSubdiv's refiner.
 struct JobTiming {
   double read = 0, check = 0, topology = 0, stencils = 0, upload = 0, solve = 0, evaluate = 0,
@@ -52,11 +67,13 @@ struct JobReport {
   InputFacts input;
   DeviceDescription device;
   Settings settings;
+  InterpolationMethod method = InterpolationMethod::Progressive;
+  std::optional<FairFigures> fair;
   Interpolation interpolation;  ///< displacement left empty
   double spectral_bound = 0;
-  std::optional<double> folded_area;      ///< a fraction; empty where no surface was evaluated
-  nlohmann::ordered_json reconstruction;  ///< of a point cloud, see reconstruction_json()
-  std::string reconstruction_summary;     ///< for people; empty for a mesh
+  std::optional<MeasuredSurface> surface;  ///< empty where none was evaluated
+  nlohmann::ordered_json reconstruction;   ///< of a point cloud, see reconstruction_json()
+  std::string reconstruction_summary;      ///< for people; empty for a mesh
   /// Distances of all used points to the surface, as fractions of the diagonal; of a cloud.
   std::optional<PointDistances> point_distances;
   std::vector<WrittenOutput> outputs;

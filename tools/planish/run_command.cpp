@@ -50,7 +50,10 @@ std::vector<PlannedJob> plan_jobs(const RunFlags& flags, std::vector<Job> jobs,
                                   const DeviceList& list) {
   PathClaims claims({.overwrite = flags.force, .create_folders = true});
   claims.add_input(flags.scene);
-  for (const Job& job : jobs) claims.add_input(job.input);
+  for (const Job& job : jobs) {
+    claims.add_input(job.input);
+    if (!job.source.empty()) claims.add_input(job.source);
+  }
   std::vector<PlannedJob> planned;
   for (Job& job : jobs) {
     PlannedJob entry;

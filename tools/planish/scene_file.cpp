@@ -161,6 +161,7 @@ class JobParser {
       job.input_format = parse_mesh_format(text_of(json["input_format"], path), path);
     }
     require_readable(job.input, job.input_format);
+    if (json.contains("source")) job.source = path_of(json["source"], key_path(where, "source"));
     if (json.contains("outputs")) parse_outputs(job, json["outputs"], key_path(where, "outputs"));
     if (json.contains("report")) job.report = path_of(json["report"], key_path(where, "report"));
     return job;
@@ -281,7 +282,7 @@ std::vector<std::string_view> scene_keys(SceneObject object) {
     case SceneObject::Defaults:
       return all;
     case SceneObject::Job:
-      all.insert(all.end(), {"name", "input", "input_format", "outputs", "report"});
+      all.insert(all.end(), {"name", "input", "input_format", "outputs", "source", "report"});
       return all;
     case SceneObject::Solve:
       return solve;

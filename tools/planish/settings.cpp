@@ -35,7 +35,11 @@ constexpr std::array kRepairs{Word<RepairChoice>{"safe", RepairChoice::Safe},
 constexpr std::array kCreases{Word<bool>{"use", true}, Word<bool>{"ignore", false}};
 constexpr std::array kInterpolations{
     Word<InterpolationChoice>{"auto", InterpolationChoice::Auto},
-    Word<InterpolationChoice>{"progressive", InterpolationChoice::Progressive}};
+    Word<InterpolationChoice>{"progressive", InterpolationChoice::Progressive},
+    Word<InterpolationChoice>{"fair", InterpolationChoice::Fair}};
+constexpr std::array kMethods{
+    Word<InterpolationMethod>{"progressive", InterpolationMethod::Progressive},
+    Word<InterpolationMethod>{"fair", InterpolationMethod::Fair}};
 constexpr std::array kSchemes{Word<bool>{"doo-sabin", true}};
 constexpr std::array kPresets{Word<bool>{"paper", true}};
 
@@ -69,11 +73,6 @@ void set_preset(Settings& settings, std::string_view value, std::string_view whe
   settings.solver = Solver::Plain;
 }
 
-void set_interpolation(Settings& settings, std::string_view value, std::string_view where) {
-  if (value == "fair") refuse(where, "fair is not built yet; progressive is");
-  settings.interpolation = parse(kInterpolations, value, where);
-}
-
 void set_scheme(Settings&, std::string_view value, std::string_view where) {
   if (value == "catmull-clark" || value == "loop") {
     refuse(where, std::string(value) + " is not built yet; doo-sabin is");
@@ -89,8 +88,14 @@ constexpr std::array kWordSettings{
                 [](Settings& s, std::string_view value, std::string_view where) {
                   s.weights = parse_weights(value, where);
                 }},
-    WordSetting{"interpolation", "auto|progressive|fair", "auto",
-                "auto is progressive for meshes; fair is not built yet", true, set_interpolation},
+    WordSetting{
+        "interpolation", "auto|progressive|fair", "auto",
+        "progressive: as in the paper; fair: without folds on uneven meshes; auto: fair for "
+        "points, progressive for meshes",
+        true,
+        [](Settings& s, std::string_view value, std::string_view where) {
+          s.interpolation = parse(kInterpolations, value, where);
+        }},
     WordSetting{"solver", "chebyshev|plain|cg", "chebyshev",
                 "chebyshev; plain as in the paper; cg for closed smooth meshes", true,
                 [](Settings& s, std::string_view value, std::string_view where) {
@@ -138,6 +143,10 @@ std::span<const WordSetting> word_settings() { return kWordSettings; }
 
 Weights parse_weights(std::string_view value, std::string_view where) {
   return parse(kWeights, value, where);
+}
+
+InterpolationMethod parse_method(std::string_view value, std::string_view where) {
+  return parse(kMethods, value, where);
 }
 
 BoundaryRule parse_boundary(std::string_view value, std::string_view where) {
@@ -225,6 +234,7 @@ Precision solve_precision(const Settings& settings) {
 }
 
 std::string_view name_of(Weights weights) { return text_of(kWeights, weights); }
+std::string_view name_of(InterpolationMethod method) { return text_of(kMethods, method); }
 std::string_view name_of(Solver solver) { return text_of(kSolvers, solver); }
 std::string_view name_of(BoundaryRule boundary) { return text_of(kBoundaries, boundary); }
 std::string_view name_of(RepairChoice repair) { return text_of(kRepairs, repair); }

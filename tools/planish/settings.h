@@ -80,6 +80,7 @@ void check_consistent(const Settings& settings);
 
 // Stable names, as given in flags and written in reports.
 [[nodiscard]] std::string_view name_of(Weights weights);
+[[nodiscard]] std::string_view name_of(InterpolationMethod method);
 [[nodiscard]] std::string_view name_of(Solver solver);
 [[nodiscard]] std::string_view name_of(BoundaryRule boundary);
 [[nodiscard]] std::string name_of(const CreaseChoice& creases);
@@ -87,6 +88,7 @@ void check_consistent(const Settings& settings);
 
 /// Shared by the flags of `fit` and `verify`. Same errors as WordSetting::set.
 [[nodiscard]] Weights parse_weights(std::string_view value, std::string_view where);
+[[nodiscard]] InterpolationMethod parse_method(std::string_view value, std::string_view where);
 [[nodiscard]] BoundaryRule parse_boundary(std::string_view value, std::string_view where);
 [[nodiscard]] CreaseChoice parse_creases(std::string_view value, std::string_view where);
 [[nodiscard]] RepairChoice parse_repair(std::string_view value, std::string_view where);

@@ -42,6 +42,30 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
   return line + (output.quads > 0 ? ", " + counted(output.quads, "quad") : "");
 }
 
+std::string method_line(const JobReport& report) {
+  const Interpolation& result = report.interpolation;
+  const std::string weights = std::string(name_of(report.settings.weights)) + " weights)";
+  std::string line;
+  if (report.fair) {
+    line = "  method      fair (" + counted(report.settings.polish_steps, "polish step") + ", " +
+           weights + ", " + with_separators(report.fair->shrunk_vertices) + " vertices drawn in";
+  } else {
+    line = "  iterations  " + std::to_string(result.iterations) + " (" +
+           std::string(name_of(report.settings.solver)) + ", " + weights;
+  }
+  if (!result.converged) {
+    line += ", not converged: " + std::string(planish::name_of(result.stop_reason));
+  }
+  return line;
+}
+
+std::string quality_line(const MeasuredSurface& surface) {
+  const SurfaceQuality& quality = surface.quality;
+  return "  surface     " + short_number(quality.folded_area * 100) + " % folded, normals off by " +
+         short_number(quality.rms_normal_deviation) + " degrees rms from " +
+         (surface.reference.empty() ? "the input's faces" : surface.reference);
+}
+
 }  // namespace
 
 std::string summary(const JobReport& report) {
@@ -55,15 +79,10 @@ std::string summary(const JobReport& report) {
     text += "  points      farthest " + short_number(report.point_distances->max) + ", rms " +
             short_number(report.point_distances->rms) + " of the diagonal from the surface\n";
   text += "  device      " + report.device.kind + ", " + report.device.name + "\n";
-  text +=
-      "  iterations  " + std::to_string(result.iterations) + " (" +
-      std::string(name_of(report.settings.solver)) + ", " +
-      std::string(name_of(report.settings.weights)) + " weights)" +
-      (result.converged ? ""
-                        : ", not converged: " + std::string(planish::name_of(result.stop_reason))) +
-      "\n";
+  text += method_line(report) + "\n";
   text += "  max error   " + short_number(result.error.max) + " of the diagonal (tolerance " +
           short_number(report.settings.tolerance) + ")\n";
+  if (report.surface) text += quality_line(*report.surface) + "\n";
   text += "  time        " + timing_line(report.timing) + "\n";
   std::size_t path_width = 0;
   for (const WrittenOutput& output : report.outputs) {

@@ -85,11 +85,12 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
 }
 
 WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesystem::path& target,
-                                const PolygonMesh& cage, const JobReport& report,
-                                std::span<const glm::dvec3> given, double diagonal) {
+                                const Fit& fitted, const PolygonMesh& input,
+                                const JobReport& report) {
   const Settings& settings = report.settings;
+  const PolygonMesh cage = control_cage(input, fitted, settings.sharp());
   write_mesh(target, mesh_format_of(planned.format), cage,
-             {.header = cage_header_lines(settings, report.input.path)});
+             {.header = cage_header_lines(settings, report.method, report.input.path)});
   WrittenOutput written;
   written.path = planned.path.string();
   written.kind = planned.kind;
@@ -100,8 +101,10 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
     if (size == 3) ++written.triangles;
   }
   note_file(written, target);
-  const std::vector<glm::dvec3> limit = limit_positions(cage, settings.weights, settings.sharp());
-  written.as_written_error = largest_distance(limit, given) / diagonal;
+  const std::vector<glm::dvec3> limit =
+      fitted.fair ? limit_positions(input, LevelOne{cage.positions, {}}, settings.sharp())
+                  : limit_positions(cage, settings.weights, settings.sharp());
+  written.as_written_error = largest_distance(limit, input.positions) / fitted.placement.diagonal;
   return written;
 }
 

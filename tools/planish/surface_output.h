@@ -26,11 +26,12 @@ struct SurfaceOutputOptions {
                                                  const SurfaceOutputOptions& options,
                                                  std::vector<std::byte>& stdout_bytes);
 
-/// Writes the cage and measures how far its limit surface, recomputed in double, is from `given`.
+/// Writes the cage of a fitted mesh and measures how far its limit surface, recomputed in double,
+/// is from the vertices of `input`.
 [[nodiscard]] WrittenOutput write_cage_output(const PlannedOutput& planned,
                                               const std::filesystem::path& target,
-                                              const PolygonMesh& cage, const JobReport& report,
-                                              std::span<const glm::dvec3> given, double diagonal);
+                                              const Fit& fitted, const PolygonMesh& input,
+                                              const JobReport& report);
 
 /// max |a_i - b_i| over the shorter of both; infinite where one is not a number.
 [[nodiscard]] double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b);

@@ -34,20 +34,41 @@ void require_same_faces(const Input& cage, const PolygonMesh& given, const std::
   }
 }
 
+std::vector<glm::dvec3> progressive_limits(const Input& cage, const PolygonMesh& given,
+                                           const std::string& name, const VerifyOptions& options) {
+  require_same_faces(cage, given, name);
+  PolygonMesh control = cage.file.mesh;
+  if (cage.file.format != MeshFormat::Obj) {
+    control.creases = given.creases;
+    control.corners = given.corners;
+  }
+  require_usable(control, cage.name);
+  return limit_positions(control, options.weights, {options.boundary, options.creases.use_tags});
+}
+
+std::vector<glm::dvec3> fair_limits(const Input& cage, const PolygonMesh& given,
+                                    const std::string& name, const VerifyOptions& options) {
+  const SharpFeatureOptions sharp{options.boundary, options.creases.use_tags};
+  const LevelOne level_one{cage.file.mesh.positions, {}};
+  try {
+    require_same_faces(cage, level_one_mesh(given, level_one, sharp), name);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::InvalidArgument) throw;
+    throw Error(ErrorCode::UnusableMesh,
+                cage.name + " is no cage of " + name + ": " + error.what());
+  }
+  return limit_positions(given, level_one, sharp);
+}
+
 }  // namespace
 
 Verification verify(const Input& cage, const Input& given, const VerifyOptions& options) {
   const PolygonMesh prepared = prepare(given.file.mesh, options.repair, options.creases).mesh;
   require_usable(prepared, given.name);
-  require_same_faces(cage, prepared, given.name);
-  PolygonMesh control = cage.file.mesh;
-  if (cage.file.format != MeshFormat::Obj) {
-    control.creases = prepared.creases;
-    control.corners = prepared.corners;
-  }
-  require_usable(control, cage.name);
   const std::vector<glm::dvec3> limit =
-      limit_positions(control, options.weights, {options.boundary, options.creases.use_tags});
+      options.interpolation == InterpolationMethod::Fair
+          ? fair_limits(cage, prepared, given.name, options)
+          : progressive_limits(cage, prepared, given.name, options);
   const double diagonal = placement_of(prepared).diagonal;
   Verification result;
   result.vertex_count = prepared.vertex_count();

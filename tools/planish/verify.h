@@ -9,6 +9,7 @@
 namespace planish::command {
 
 struct VerifyOptions {
+  InterpolationMethod interpolation = InterpolationMethod::Progressive;
   Weights weights = Weights::DooSabin;
   BoundaryRule boundary = BoundaryRule::Edge;
   CreaseChoice creases;
@@ -26,9 +27,10 @@ struct Verification {
 };
 
 /// Evaluates the cage's limit points in double on the CPU and compares them with the given
-/// vertices, which are the cage's first ones. Formats without crease tags (all but OBJ) take those
-/// of the given mesh, prepared as the options say. Throws Error{UnusableMesh} for a cage that is no
-/// cage of the given mesh: fewer vertices, or other faces.
+/// vertices. Progressive: these are the cage's first ones. Fair: the cage is the mesh of level 1,
+/// see level_one_mesh(). Formats without crease tags (all but OBJ) take those of the given mesh,
+/// prepared as the options say. Throws Error{UnusableMesh} for a cage that is no cage of the given
+/// mesh: other numbers of vertices, or other faces.
 [[nodiscard]] Verification verify(const Input& cage, const Input& given,
                                   const VerifyOptions& options);
 

@@ -11,7 +11,7 @@ namespace planish::command {
 namespace {
 
 struct VerifyFlags {
-  std::string cage, input, weights, boundary, creases, repair;
+  std::string cage, input, interpolation, weights, boundary, creases, repair;
   double tolerance = 0;  ///< 0: not given
   CLI::Option* tolerance_flag = nullptr;
   bool json = false;
@@ -20,11 +20,15 @@ struct VerifyFlags {
 // Flags first, then the cage's header, then the defaults of fit.
 VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
   VerifyOptions options;
+  options.interpolation = header.interpolation.value_or(options.interpolation);
   options.weights = header.weights.value_or(options.weights);
   options.boundary = header.boundary.value_or(options.boundary);
   options.creases = header.creases.value_or(options.creases);
   options.repair = header.repair.value_or(options.repair);
   options.tolerance = header.tolerance.value_or(options.tolerance);
+  if (!flags.interpolation.empty()) {
+    options.interpolation = parse_method(flags.interpolation, "--interpolation");
+  }
   if (!flags.weights.empty()) options.weights = parse_weights(flags.weights, "--weights");
   if (!flags.boundary.empty()) options.boundary = parse_boundary(flags.boundary, "--boundary");
   if (!flags.creases.empty()) options.creases = parse_creases(flags.creases, "--creases");
@@ -43,6 +47,7 @@ std::string to_json_text(const Verification& result, const VerifyOptions& option
   json["schema"] = "planish.verify/1";
   json["cage"] = {{"path", cage.name}, {"sha256", cage.sha256}};
   json["input"] = {{"path", given.name}, {"sha256", given.sha256}};
+  json["interpolation"] = name_of(options.interpolation);
   json["weights"] = name_of(options.weights);
   json["boundary"] = name_of(options.boundary);
   json["creases"] = name_of(options.creases);
@@ -90,6 +95,9 @@ void add_verify_command(CLI::App& app, Invocation& invocation) {
       ->required();
   command->add_option("INPUT", flags->input, "the mesh that was fitted")->type_name("")->required();
   const char* group = "Instead of what the cage's header says";
+  command->add_option("--interpolation", flags->interpolation, "how the mesh was fitted")
+      ->type_name("progressive|fair")
+      ->group(group);
   command->add_option("--weights", flags->weights, "subdivision weights")
       ->type_name("doo-sabin|averaged")
       ->group(group);

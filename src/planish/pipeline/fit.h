@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "planish/backend/backend.h"
 #include "planish/core/callbacks.h"
@@ -9,14 +10,24 @@
 #include "planish/interpolate/progressive.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/surface/evaluate.h"
+#include "planish/surface/level_one.h"
 
 namespace planish {
 
+/// How the surface comes to pass through the given vertices.
+enum class InterpolationMethod {
+  Progressive,  ///< the paper's: control points of the mesh are moved until it does
+  Fair,         ///< control points of level 1 are built to do so, without folds on uneven meshes
+};
+
 struct FitOptions {
+  InterpolationMethod method = InterpolationMethod::Progressive;
   Weights weights = Weights::DooSabin;
-  Solver solver = Solver::Chebyshev;
+  Solver solver = Solver::Chebyshev;  ///< of the progressive method, as max_iterations
   double tolerance = 1e-6;  ///< of the maximum error, relative to the bounding-box diagonal
   std::int32_t max_iterations = 200;
+  std::int32_t polish_steps = 8;  ///< of the fair method, see FairOptions
   SharpFeatureOptions sharp;
   Callbacks callbacks;
 };
@@ -27,9 +38,19 @@ struct FitTiming {
   double check = 0, topology = 0, stencils = 0, upload = 0, solve = 0;
 };
 
-/// A control cage whose limit surface passes through the given vertices.
+/// What the fair method makes.
+struct FairFit {
+  LevelOne level_one;
+  std::int64_t shrunk_vertices = 0, reversed_vertices = 0;  ///< see FairNet
+  std::int64_t flagged_edges = 0, flagged_faces = 0;
+};
+
+/// The control points of a surface that passes through the given vertices.
 struct Fit {
-  PolygonMesh cage;  ///< the input with its positions replaced by control points
+  /// The input with its positions replaced by control points. With the fair method, which moves
+  /// none of them, without vertices and faces; see control_cage().
+  PolygonMesh cage;
+  std::optional<FairFit> fair;  ///< with that method
   Interpolation interpolation;
   Placement placement;  ///< of the input
   double spectral_bound = 0;
@@ -40,9 +61,20 @@ struct Fit {
   FitTiming timing;
 };
 
-/// Finds the control cage: check, limit stencils, progressive interpolation.
-/// Throws Error{UnusableMesh}, Error{InvalidArgument} (conjugate gradients on a mesh that is not
-/// closed and smooth), Error{OutOfMemory}, Error{Cancelled}. Not converging is a result.
+/// Finds the control points: check, limit stencils, progressive interpolation; or the fair net.
+/// Warns "folds-left" where a fair net still has edges or faces that are turned over. Throws
+/// Error{UnusableMesh}, Error{InvalidArgument} (conjugate gradients on a mesh that is not closed
+/// and smooth), Error{OutOfMemory}, Error{Cancelled}. Not converging is a result.
 [[nodiscard]] Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options = {});
+
+/// The surface of a fitted mesh; the options' weights and sharp features are those of the fit.
+/// Sector angles are measured on `mesh` unless the options name a rest pose. Throws as the other
+/// evaluate().
+[[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
+                                   const EvaluateOptions& options = {});
+
+/// The cage as it is written to files: fit.cage, or with the fair method level_one_mesh().
+[[nodiscard]] PolygonMesh control_cage(const PolygonMesh& mesh, const Fit& fit,
+                                       const SharpFeatureOptions& sharp);
 
 }  // namespace planish

@@ -7,6 +7,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
+#include "planish/core/parallel.h"
 #include "planish/doosabin/vertex_ring.h"
 #include "planish/surface/subdivided_mesh.h"
 
@@ -166,28 +167,39 @@ PolygonMesh level_one_mesh(const PolygonMesh& mesh, const LevelOne& level_one,
   return result;
 }
 
+std::vector<glm::dvec3> limit_points(const Subdivision& subdivision,
+                                     std::span<const glm::dvec3> state) {
+  const auto count = static_cast<std::size_t>(subdivision.split().counts(0).vertices);
+  std::vector<glm::dvec3> limits(count);
+  parallel_for(count, 1024, [&](std::size_t begin, std::size_t end) {
+    VertexRing ring;
+    for (std::size_t v = begin; v < end; ++v) {
+      gather_ring(subdivision, 1, static_cast<std::int32_t>(v), ring);
+      if (ring.kind == VertexKind::Corner) {
+        limits[v] = state[ring.corner_point];
+      } else if (ring.kind == VertexKind::Crease) {
+        const VertexRing::Sector& sector = ring.sectors.front();
+        limits[v] = 0.5 * (state[sector.curve0] + state[sector.curve1]);
+      } else {
+        // About one of the points: far from the origin the sum would lose digits.
+        const glm::dvec3 origin = state[ring.faces.front()];
+        glm::dvec3 sum(0.0);
+        for (const std::int32_t face : ring.faces) sum += state[face] - origin;
+        limits[v] = origin + sum / static_cast<double>(ring.faces.size());
+      }
+    }
+  });
+  return limits;
+}
+
 std::vector<glm::dvec3> limit_positions(const PolygonMesh& mesh, const LevelOne& level_one,
                                         const SharpFeatureOptions& sharp) {
   const SubdividedMesh base(mesh, first_level(sharp));
   require_state_of(base.subdivision, level_one);
-  const std::vector<glm::dvec3>& state = level_one.state;
+  const auto points = limit_points(base.subdivision, level_one.state);
   std::vector<glm::dvec3> limits = mesh.positions;
-  VertexRing ring;
-  for (std::int32_t v = 0; v < base.used.mesh.vertex_count(); ++v) {
-    gather_ring(base.subdivision, 1, v, ring);
-    glm::dvec3 limit = state[ring.faces.front()];
-    if (ring.kind == VertexKind::Corner) {
-      limit = state[ring.corner_point];
-    } else if (ring.kind == VertexKind::Crease) {
-      const VertexRing::Sector& sector = ring.sectors.front();
-      limit = 0.5 * (state[sector.curve0] + state[sector.curve1]);
-    } else {
-      // About one of the points: far from the origin the sum would lose digits.
-      glm::dvec3 sum(0.0);
-      for (const std::int32_t face : ring.faces) sum += state[face] - limit;
-      limit += sum / static_cast<double>(ring.faces.size());
-    }
-    limits[base.used.vertices[v]] = level_one.placement.to_model(limit);
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    limits[base.used.vertices[v]] = level_one.placement.to_model(points[v]);
   }
   return limits;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "planish/doosabin/sharp_features.h"
@@ -35,6 +36,11 @@ void require_state_of(const Subdivision& subdivision, const LevelOne& level_one)
 /// Throws Error{UnusableMesh}, Error{InvalidArgument} as above.
 [[nodiscard]] PolygonMesh level_one_mesh(const PolygonMesh& mesh, const LevelOne& level_one,
                                          const SharpFeatureOptions& sharp);
+
+/// Limit points of the vertices of the mesh without its unused ones, from the state of level 1 and
+/// in its coordinates; in double on the CPU.
+[[nodiscard]] std::vector<glm::dvec3> limit_points(const Subdivision& subdivision,
+                                                   std::span<const glm::dvec3> state);
 
 /// Limit positions of the vertices of `mesh`, in double on the CPU. Unused vertices stay where they
 /// are. Throws as above.

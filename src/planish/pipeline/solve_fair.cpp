@@ -1,0 +1,61 @@
+#include "planish/pipeline/solve_fair.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+#include <utility>
+
+#include "planish/fair/fair_net.h"
+
+namespace planish {
+
+namespace {
+
+// The error of the finished net: nothing that built it is taken at its word.
+Interpolation measured(const Subdivision& subdivision, std::span<const glm::dvec3> state,
+                       std::span<const glm::dvec3> given, double tolerance) {
+  Interpolation result;
+  const std::vector<glm::dvec3> limits = limit_points(subdivision, state);
+  double sum_of_squares = 0;
+  for (std::size_t v = 0; v < given.size(); ++v) {
+    double error = glm::length(limits[v] - given[v]);
+    if (!std::isfinite(error)) error = HUGE_VAL;
+    sum_of_squares += error * error;
+    if (result.worst_vertex < 0 || error > result.error.max) {
+      result.error.max = error;
+      result.worst_vertex = static_cast<std::int64_t>(v);
+    }
+  }
+  result.error.rms = std::sqrt(sum_of_squares / static_cast<double>(given.size()));
+  result.converged = result.error.max <= tolerance;
+  result.stop_reason = result.converged ? StopReason::Converged : StopReason::Stagnated;
+  return result;
+}
+
+void warn_of_folds(const FairFit& fair, const Callbacks& callbacks) {
+  const std::int64_t count = fair.flagged_edges + fair.flagged_faces;
+  if (count == 0) return;
+  callbacks.warn({"folds-left",
+                  "the fair surface still turns over at " + std::to_string(fair.flagged_edges) +
+                      " edges and " + std::to_string(fair.flagged_faces) +
+                      " faces, where the mesh itself is folded or too sharp for a smooth surface; "
+                      "--creases auto keeps sharp edges sharp",
+                  count, -1});
+}
+
+}  // namespace
+
+void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
+                std::span<const glm::dvec3> given, const FitOptions& options) {
+  FairNet net = fair_net(mesh, subdivision, given, {options.polish_steps, options.callbacks});
+  result.interpolation = measured(subdivision, net.state, given, options.tolerance);
+  FairFit& fair = result.fair.emplace();
+  fair.level_one = {std::move(net.state), result.placement};
+  fair.shrunk_vertices = net.shrunk_vertices;
+  fair.reversed_vertices = net.reversed_vertices;
+  fair.flagged_edges = net.flagged_edges;
+  fair.flagged_faces = net.flagged_faces;
+  warn_of_folds(fair, options.callbacks);
+}
+
+}  // namespace planish

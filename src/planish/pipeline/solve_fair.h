@@ -1,0 +1,16 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "planish/pipeline/fit.h"
+
+namespace planish {
+
+/// Builds the fair net of a mesh without unused vertices and measures, in double from its limit
+/// points, how far it is from `given` (unit coordinates): result.fair and result.interpolation,
+/// which has no iterations. `subdivision` has Weights::DooSabin. Throws and warns as fit().
+void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
+                std::span<const glm::dvec3> given, const FitOptions& options);
+
+}  // namespace planish

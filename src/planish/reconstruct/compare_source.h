@@ -1,0 +1,23 @@
+#pragma once
+
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/reconstruct/triangle_tree.h"
+#include "planish/surface/surface_mesh.h"
+#include "planish/surface/surface_quality.h"
+
+namespace planish {
+
+/// How a surface differs from the shape that it stands for.
+struct SourceComparison {
+  SurfaceQuality quality;    ///< against the normals of the nearest source triangles
+  PointDistances distances;  ///< of the surface's vertices to the source
+};
+
+/// Looks up the nearest point of the source, its polygons cut into fans, from every vertex of the
+/// surface and from beside every corner of its faces: normals are compared within faces, so that
+/// those on both sides of a crease find their own sides of the source. Throws Error{UnusableMesh}
+/// for a source without faces.
+[[nodiscard]] SourceComparison compare_with_source(const SurfaceMesh& surface,
+                                                   const PolygonMesh& source);
+
+}  // namespace planish

@@ -1,0 +1,197 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+#include <sstream>
+
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+
+namespace planish::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// A unit sphere whose triangles are long and thin in places: rings at random heights, each turned
+// at random.
+std::string uneven_sphere_obj() {
+  constexpr int kRings = 20, kSegments = 20;
+  std::mt19937 random(11);
+  const auto unit = [&] { return random() * 0x1p-32; };
+  std::ostringstream obj;
+  obj.precision(17);
+  obj << "v 0 0 -1\n";
+  for (int ring = 0; ring < kRings; ++ring) {
+    const double z = -0.95 + 1.9 * (ring + 0.8 * unit()) / kRings;
+    for (int segment = 0; segment < kSegments; ++segment) {
+      const double angle = 2 * M_PI * (segment + 0.9 * unit()) / kSegments;
+      const double radius = std::sqrt(1 - z * z);
+      obj << "v " << radius * std::cos(angle) << ' ' << radius * std::sin(angle) << ' ' << z
+          << '\n';
+    }
+  }
+  obj << "v 0 0 1\n";
+  const auto at = [](int ring, int segment) {
+    return std::to_string(2 + ring * kSegments + segment % kSegments);
+  };
+  for (int s = 0; s < kSegments; ++s) {
+    obj << "f 1 " << at(0, s + 1) << ' ' << at(0, s) << '\n';
+    for (int r = 0; r + 1 < kRings; ++r) {
+      obj << "f " << at(r, s) << ' ' << at(r, s + 1) << ' ' << at(r + 1, s + 1) << '\n';
+      obj << "f " << at(r, s) << ' ' << at(r + 1, s + 1) << ' ' << at(r + 1, s) << '\n';
+    }
+    obj << "f " << at(kRings - 1, s) << ' ' << at(kRings - 1, s + 1) << ' '
+        << 2 + kRings * kSegments << '\n';
+  }
+  return obj.str();
+}
+
+class Fair : public FolderTest {
+ protected:
+  // The report of a fit of `input`.
+  nlohmann::json fit(const std::string& input, std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"fit", input, "--report", path("r.json"), "-f"});
+    const ProcessResult result = run_planish(flags);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    messages_ = result.err;
+    return read_json("r.json");
+  }
+
+  std::string sphere_ = write("sphere.obj", uneven_sphere_obj());
+  std::string plate_ = write("plate.obj", bumpy_plate_obj(6));
+  std::string messages_;
+};
+
+TEST_F(Fair, UnfoldsWhatTheProgressiveMethodFolds) {
+  const nlohmann::json progressive = fit(sphere_, {"-o", path("p.glb")});
+  EXPECT_EQ(progressive["solve"]["method"], "progressive");
+  EXPECT_GT(progressive["surface"]["folded_area"], 1e-4);
+  EXPECT_THAT(messages_, HasSubstr("--interpolation fair is made for such meshes"));
+  const nlohmann::json fair = fit(sphere_, {"-o", path("f.glb"), "--interpolation", "fair"});
+  EXPECT_EQ(fair["solve"]["method"], "fair");
+  EXPECT_EQ(fair["surface"]["folded_area"], 0.0);
+  EXPECT_THAT(messages_, Not(HasSubstr("folded (")));
+  for (const char* key : {"rms_normal_deviation", "max_normal_deviation", "bending"}) {
+    EXPECT_LT(fair["surface"][key], progressive["surface"][key]) << key;
+  }
+  // Float32 of the file is all that is lost.
+  EXPECT_LT(fair["outputs"][0]["as_written_error"], 1e-7);
+}
+
+TEST_F(Fair, TheReportSaysWhatWasDone) {
+  const nlohmann::json solve =
+      fit(sphere_, {"--interpolation", "fair", "--polish", "3", "-o", path("f.ply")})["solve"];
+  EXPECT_EQ(solve["solver"], nullptr);
+  EXPECT_EQ(solve["spectral_bound"], nullptr);
+  EXPECT_EQ(solve["iterations"], 0);
+  EXPECT_EQ(solve["history"].size(), 0u);
+  EXPECT_LT(solve["error"]["max"], 1e-14);
+  EXPECT_EQ(solve["fair"]["polish"], 3);
+  EXPECT_EQ(solve["fair"]["flagged_edges"], 0);
+  EXPECT_GE(solve["fair"]["shrunk_vertices"], 0);
+  EXPECT_THAT(messages_, HasSubstr("fair (3 polish steps"));
+  EXPECT_EQ(fit(sphere_, {"-o", path("p.ply")})["solve"]["fair"], nullptr);
+}
+
+TEST_F(Fair, PolishChangesTheSurface) {
+  const nlohmann::json rough =
+      fit(sphere_, {"--interpolation", "fair", "--polish", "0", "-o", path("a.ply")});
+  const nlohmann::json polished = fit(sphere_, {"--interpolation", "fair", "-o", path("b.ply")});
+  EXPECT_EQ(polished["solve"]["fair"]["polish"], 8);
+  EXPECT_LT(polished["surface"]["bending"], rough["surface"]["bending"]);
+}
+
+TEST_F(Fair, IsASettingOfScenesAndOverridesThePreset) {
+  write("s.json", R"({"version":1,"jobs":[{"input":"sphere.obj","source":"sphere.obj",
+    "solve":{"preset":"paper","interpolation":"fair","polish":2},
+    "outputs":[{"path":"s.glb"}],"report":"r.json"}]})");
+  ASSERT_EQ(run_planish({"run", path("s.json")}).exit_code, 0);
+  const nlohmann::json report = read_json("r.json");
+  EXPECT_EQ(report["solve"]["method"], "fair");
+  EXPECT_EQ(report["solve"]["weights"], "averaged");
+  EXPECT_EQ(report["solve"]["fair"]["polish"], 2);
+  EXPECT_EQ(report["surface"]["reference"], sphere_);
+}
+
+TEST_F(Fair, CagesOfEveryFormatAreConfirmed) {
+  const std::string creased =
+      write("creased.obj", torus_obj(8) + "t crease 2/1/0 0 1 10\nt crease 2/1/0 1 2 10\n");
+  for (const std::string& input : {sphere_, plate_, creased}) {
+    for (const std::string name : {"c.obj", "c.ply", "c.off"}) {
+      const nlohmann::json report = fit(input, {"--interpolation", "fair", "--cage", path(name)});
+      const ProcessResult result = run_planish({"verify", path(name), input, "--json"});
+      EXPECT_EQ(result.exit_code, 0) << input << ' ' << name << result.err;
+      const nlohmann::json verified = nlohmann::json::parse(result.out);
+      EXPECT_EQ(verified["interpolation"], "fair");
+      EXPECT_LT(verified["error"]["max"], 1e-14);
+      EXPECT_EQ(verified["error"]["max"], report["outputs"][0]["as_written_error"]);
+    }
+  }
+}
+
+TEST_F(Fair, TheCageKeepsItsPolygons) {
+  const nlohmann::json report = fit(sphere_, {"--interpolation", "fair", "--cage", path("c.obj")});
+  // 402 vertices, 800 triangles, 1200 edges; each edge a quad, two control points a side.
+  EXPECT_EQ(report["outputs"][0]["vertices"], 2400);
+  EXPECT_THAT(read("c.obj"), HasSubstr("# planish interpolation=fair\n"));
+  const ProcessResult inspected = run_planish({"inspect", path("c.obj"), "--json"});
+  ASSERT_EQ(inspected.exit_code, 0);
+  const nlohmann::json sizes = nlohmann::json::parse(inspected.out)["face_sizes"];
+  EXPECT_EQ(sizes["20"], 2);  // around the poles
+  EXPECT_GE(sizes["3"], 800);
+  EXPECT_GE(sizes["4"], 1200);
+}
+
+TEST_F(Fair, AMovedOrForeignCageIsRejected) {
+  (void)fit(sphere_, {"--interpolation", "fair", "--cage", path("c.obj")});
+  std::string cage = read("c.obj");
+  const std::size_t first = cage.find("\nv ") + 3;
+  cage.replace(first, cage.find(' ', first) - first, "0.5");
+  write("moved.obj", cage);
+  EXPECT_EQ(run_planish({"verify", path("moved.obj"), sphere_}).exit_code, 5);
+  const ProcessResult foreign = run_planish({"verify", path("c.obj"), plate_});
+  EXPECT_EQ(foreign.exit_code, 4);
+  EXPECT_THAT(foreign.err, HasSubstr("is no cage of"));
+  // Taken for a cage on the mesh itself it has too many faces.
+  EXPECT_EQ(
+      run_planish({"verify", path("c.obj"), sphere_, "--interpolation", "progressive"}).exit_code,
+      4);
+}
+
+TEST_F(Fair, AToleranceBelowRoundingIsNotReached) {
+  const ProcessResult result = run_planish(
+      {"fit", plate_, "--interpolation", "fair", "-o", path("f.ply"), "--tolerance", "1e-30"});
+  EXPECT_EQ(result.exit_code, 5);
+  EXPECT_THAT(result.err, HasSubstr("raise --tolerance"));
+}
+
+TEST_F(Fair, TheSourceIsWhatTheSurfaceIsComparedWith) {
+  const nlohmann::json itself = fit(sphere_, {"-o", path("p.ply"), "--source", sphere_});
+  EXPECT_EQ(itself["surface"]["reference"], sphere_);
+  EXPECT_GT(itself["surface"]["max_source_distance"], 0.0);
+  EXPECT_LT(itself["surface"]["rms_source_distance"], itself["surface"]["max_source_distance"]);
+  // A torus is no sphere.
+  const std::string torus = write("torus.obj", torus_obj(12));
+  const nlohmann::json other = fit(sphere_, {"-o", path("p.ply"), "--source", torus});
+  EXPECT_GT(other["surface"]["rms_source_distance"],
+            10 * itself["surface"]["rms_source_distance"].get<double>());
+  EXPECT_GT(other["surface"]["rms_normal_deviation"], itself["surface"]["rms_normal_deviation"]);
+}
+
+TEST_F(Fair, ASourceHasToBeAMesh) {
+  const std::string empty = write("empty.obj", "v 0 0 0\n");
+  const std::vector<std::string> common{"fit", plate_, "-o", path("p.ply"), "--source"};
+  const auto with = [&](const std::string& source) {
+    std::vector<std::string> arguments = common;
+    arguments.push_back(source);
+    return run_planish(arguments);
+  };
+  EXPECT_EQ(with(empty).exit_code, 4);
+  EXPECT_THAT(with(empty).err, HasSubstr("empty.obj: a source has to be a mesh"));
+  EXPECT_EQ(with(path("missing.obj")).exit_code, 3);
+  EXPECT_EQ(with(path("p.ply")).exit_code, 2);  // no input is overwritten
+}
+
+}  // namespace
+}  // namespace planish::test

@@ -1,0 +1,140 @@
+#include <gmock/gmock.h>
+
+#include <glm/geometric.hpp>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/mesh/area_vector.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/surface_quality.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish {
+namespace {
+
+FitOptions fair_options() {
+  FitOptions options;
+  options.method = InterpolationMethod::Fair;
+  return options;
+}
+
+// A sphere of uneven triangles: random steps along it.
+PolygonMesh uneven_sphere(std::uint32_t seed) {
+  PolygonMesh mesh = test::jittered(test::icosphere(3), 0.04, seed);
+  for (glm::dvec3& p : mesh.positions) p = glm::normalize(p);
+  return mesh;
+}
+
+std::vector<test::NamedMesh> meshes() {
+  return {{"cube", test::cube()},
+          {"prism", test::prism(9)},
+          {"grid", test::flat_grid(4, 3)},
+          {"L", test::l_shaped_plate(3)},
+          {"uneven", uneven_sphere(1)},
+          {"random", test::random_closed_mesh(4)},
+          {"open", test::random_open_mesh(4)},
+          {"creased", test::with_random_creases(test::random_open_mesh(5), 0.2, 5)}};
+}
+
+TEST(FairFit, SurfacePassesThroughEveryVertex) {
+  const auto backend = make_cpu_backend();
+  for (const auto& [name, mesh] : meshes()) {
+    const Fit result = fit(mesh, *backend, fair_options());
+    ASSERT_TRUE(result.fair) << name;
+    EXPECT_TRUE(result.interpolation.converged) << name;
+    EXPECT_EQ(result.interpolation.iterations, 0);
+    EXPECT_EQ(result.cage.vertex_count(), 0);
+    for (int level = 0; level <= 2; ++level) {
+      const SurfaceMesh surface = evaluate(mesh, result, *backend, {.level = level});
+      for (std::size_t v = 0; v < surface.base_vertices.size(); ++v) {
+        const glm::dvec3 given = mesh.positions[surface.base_vertices[v]];
+        EXPECT_LT(glm::length(surface.positions[v] - given), 1e-13) << name << " vertex " << v;
+      }
+    }
+  }
+}
+
+// The written cage of a closed smooth mesh, taken as any Doo-Sabin cage, hits the given vertices
+// at the middles of its first faces.
+TEST(FairFit, TheCageIsADooSabinCage) {
+  const auto backend = make_cpu_backend();
+  for (const PolygonMesh& mesh : {uneven_sphere(2), test::random_closed_mesh(7)}) {
+    const Fit result = fit(mesh, *backend, fair_options());
+    const PolygonMesh cage = control_cage(mesh, result, {});
+    const SurfaceMesh surface = evaluate(cage, *backend, {.level = 1});
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+      EXPECT_LT(glm::length(surface.positions[cage.vertex_count() + v] - mesh.positions[v]), 1e-13);
+    }
+  }
+}
+
+TEST(FairFit, DoesNotFoldWhereTheProgressiveMethodDoes) {
+  const auto backend = make_cpu_backend();
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    const PolygonMesh mesh = uneven_sphere(seed);
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {  // the mesh itself is sound
+      ASSERT_GT(
+          glm::dot(area_vector(mesh.positions, mesh.face(f)), mesh.positions[mesh.face(f)[0]]),
+          0.0);
+    }
+    const auto quality_of = [&](const FitOptions& options) {
+      const Fit result = fit(mesh, *backend, options);
+      const SurfaceMesh surface = evaluate(mesh, result, *backend, {.level = 3});
+      // Against the sphere itself.
+      return surface_quality(surface, [&](std::int64_t face, std::int32_t corner) {
+        return surface.positions[surface.face(face)[corner]];
+      });
+    };
+    const SurfaceQuality progressive = quality_of({});
+    const SurfaceQuality fair = quality_of(fair_options());
+    EXPECT_GT(progressive.folded_area, 0.0);
+    EXPECT_EQ(fair.folded_area, 0.0);
+    EXPECT_LT(fair.rms_normal_deviation, progressive.rms_normal_deviation);
+  }
+}
+
+TEST(FairFit, KeepsUnusedVerticesAndPlacesFarModels) {
+  PolygonMesh mesh = uneven_sphere(3);
+  for (glm::dvec3& p : mesh.positions) p += glm::dvec3(1e4, -2e4, 3e4);
+  mesh.positions.insert(mesh.positions.begin(), glm::dvec3(0.0));
+  for (std::int32_t& v : mesh.face_vertices) ++v;
+  const auto backend = make_cpu_backend();
+  const Fit result = fit(mesh, *backend, fair_options());
+  EXPECT_GE(result.interpolation.worst_vertex, 1);
+  const auto limits = limit_positions(mesh, result.fair->level_one, {});
+  EXPECT_EQ(limits[0], glm::dvec3(0.0));
+  for (std::size_t v = 1; v < limits.size(); ++v) {
+    EXPECT_LT(glm::length(limits[v] - mesh.positions[v]), 1e-11);
+  }
+}
+
+TEST(FairFit, AveragedWeightsTakeOverFromLevelOne) {
+  const PolygonMesh mesh = uneven_sphere(1);
+  const auto backend = make_cpu_backend();
+  FitOptions options = fair_options();
+  options.weights = Weights::Averaged;
+  const Fit averaged = fit(mesh, *backend, options);
+  const Fit standard = fit(mesh, *backend, fair_options());
+  EXPECT_EQ(averaged.fair->level_one.state, standard.fair->level_one.state);
+  const SurfaceMesh surface =
+      evaluate(mesh, averaged, *backend, {.level = 2, .weights = Weights::Averaged});
+  EXPECT_NE(surface.positions, evaluate(mesh, standard, *backend, {.level = 2}).positions);
+}
+
+TEST(FairFit, WarnsOfFoldsThatAreLeft) {
+  // A crumpled ball: its own faces are folded over each other.
+  const PolygonMesh mesh = test::jittered(test::icosphere(2), 0.5, 1);
+  std::vector<Warning> warnings;
+  FitOptions options = fair_options();
+  options.callbacks.warning = [&](const Warning& w) { warnings.push_back(w); };
+  const Fit result = fit(mesh, *make_cpu_backend(), options);
+  const std::int64_t left = result.fair->flagged_edges + result.fair->flagged_faces;
+  ASSERT_GT(left, 0);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].code, "folds-left");
+  EXPECT_EQ(warnings[0].count, left);
+  EXPECT_TRUE(result.interpolation.converged);
+}
+
+}  // namespace
+}  // namespace planish
