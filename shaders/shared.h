@@ -64,6 +64,17 @@ struct TableParameters {
   uint normal_offset; // floats from a point's position to its normal
 };
 
+// Push constants of apply_stencils. Offsets are in floats, from the start of the bound window.
+struct StencilParameters {
+  uint first_chunk;
+  uint chunk_count;
+  uint begin_row;  // rows before it and from end_row on are left alone
+  uint end_row;
+  uint first_row;     // whose element is at first_target
+  uint first_source;  // of the source that entries count from
+  uint first_target;
+};
+
 // Push constants of the kernels that walk vectors or partial sums.
 struct VectorParameters {
   uint count;

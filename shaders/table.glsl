@@ -1,4 +1,5 @@
-// Walking a stencil table; see shared.h for its layout. Read-only arrays come as storage buffers, or
+// Walking a stencil table; see shared.h for its layout. PLANISH_PARAMETERS names the push constants
+// of kernels that do not take TableParameters. Read-only arrays come as storage buffers, or
 // with PLANISH_TEXEL as uniform texel buffers, which software devices gather from many times faster.
 layout(local_size_x = 64) in;
 layout(constant_id = 1) const uint kChunksPerGroup = 1u;
@@ -14,6 +15,9 @@ uint chunk_word(uint i) { return texelFetch(chunks, int(i)).x; }
 #define PAIRS_BINDING(number, name)                                \
   layout(set = 0, binding = number) uniform samplerBuffer name;    \
   vec2 name##_at(uint i) { return texelFetch(name, int(i)).xy; }
+#define FLOATS_BINDING(number, name)                               \
+  layout(set = 0, binding = number) uniform samplerBuffer name;    \
+  float name##_at(uint i) { return texelFetch(name, int(i)).x; }
 #else
 layout(std430, set = 0, binding = 0) restrict readonly buffer Entries { uvec2 entries[]; };
 layout(std430, set = 0, binding = 1) restrict readonly buffer Chunks { uint chunks[]; };
@@ -25,9 +29,16 @@ uint chunk_word(uint i) { return chunks[i]; }
 #define PAIRS_BINDING(number, name)                                                           \
   layout(std430, set = 0, binding = number) restrict readonly buffer name##_block { vec2 name[]; }; \
   vec2 name##_at(uint i) { return name[i]; }
+// May be the buffer that the kernel writes, so nothing is promised about its neighbours.
+#define FLOATS_BINDING(number, name)                                                          \
+  layout(std430, set = 0, binding = number) readonly buffer name##_block { float name[]; };    \
+  float name##_at(uint i) { return name[i]; }
 #endif
 
-layout(push_constant) uniform Parameters { TableParameters parameters; };
+#ifndef PLANISH_PARAMETERS
+#define PLANISH_PARAMETERS TableParameters
+#endif
+layout(push_constant) uniform Parameters { PLANISH_PARAMETERS parameters; };
 
 struct ChunkRow {
   uint row;

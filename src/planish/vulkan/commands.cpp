@@ -13,10 +13,9 @@ void record_barrier(const Context& context, VkCommandBuffer commands, const Scop
 
 namespace {
 
-void bind(const Context& context, VkCommandBuffer commands, Kernel kernel, VkDescriptorSet set,
-          const void* parameters) noexcept {
+void bind(const Context& context, VkCommandBuffer commands, const Pipeline& pipeline,
+          VkDescriptorSet set, const void* parameters) noexcept {
   const DeviceFunctions& vk = context.vk();
-  const Pipeline& pipeline = context.pipelines()[kernel];
   vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
   vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0, 1, &set,
                              0, nullptr);
@@ -28,14 +27,19 @@ void bind(const Context& context, VkCommandBuffer commands, Kernel kernel, VkDes
 
 void record_dispatch(const Context& context, VkCommandBuffer commands, Kernel kernel,
                      VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept {
-  bind(context, commands, kernel, set, parameters);
+  record_dispatch(context, commands, context.pipelines()[kernel], set, parameters, groups);
+}
+
+void record_dispatch(const Context& context, VkCommandBuffer commands, const Pipeline& pipeline,
+                     VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept {
+  bind(context, commands, pipeline, set, parameters);
   context.vk().vkCmdDispatch(commands, groups, 1, 1);
 }
 
 void record_dispatch_indirect(const Context& context, VkCommandBuffer commands, Kernel kernel,
                               VkDescriptorSet set, const void* parameters,
                               const IndirectGroups& groups) noexcept {
-  bind(context, commands, kernel, set, parameters);
+  bind(context, commands, context.pipelines()[kernel], set, parameters);
   context.vk().vkCmdDispatchIndirect(commands, groups.buffer, groups.offset);
 }
 

@@ -25,6 +25,8 @@ void record_barrier(const Context& context, VkCommandBuffer commands, const Scop
                     const Scope& to) noexcept;
 
 /// `parameters` points to the kernel's own push constants.
+void record_dispatch(const Context& context, VkCommandBuffer commands, const Pipeline& pipeline,
+                     VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept;
 void record_dispatch(const Context& context, VkCommandBuffer commands, Kernel kernel,
                      VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept;
 

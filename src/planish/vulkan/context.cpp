@@ -63,6 +63,10 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
                   : DebugLabels()),
       memory_(functions_, device_, capabilities_, callbacks_, host.memory),
       pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_) {
+  // Texels may be as small as a float.
+  if (variant_.read_path == ReadPath::Texel)
+    max_storage_range_ =
+        std::min(max_storage_range_, capabilities_.max_texel_elements * sizeof(float));
   log("planish: " + capabilities_.name + ", " +
       (variant_.read_path == ReadPath::Texel ? "texel" : "storage") + " buffers, " +
       std::to_string(max_storage_range_) + " bytes a binding");

@@ -6,14 +6,16 @@
 
 namespace planish::vulkan {
 
-DeviceTable::DeviceTable(Context& context, const StencilView<double>& table,
-                         const LimitStencilView<double>* derivatives,
+template <class Real>
+DeviceTable::DeviceTable(Context& context, const StencilView<Real>& table,
+                         const std::type_identity_t<LimitStencilView<Real>>* derivatives,
                          const DeviceTableOptions& options)
     : context_(context), row_count_(table.row_count()), source_count_(table.source_count) {
   SliceLimits limits;
   limits.max_range = context.max_storage_range();
   limits.max_chunks = std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
   limits.max_elements = context.max_texel_elements();
+  limits.source_stride = options.source_stride;
   limits.target_stride = options.target_stride;
   limits.includes_own_rows = options.includes_own_rows;
   plan_ = plan_table(table, limits);
@@ -35,8 +37,10 @@ DeviceTable::DeviceTable(Context& context, const StencilView<double>& table,
   }
 }
 
-PackedSlice DeviceTable::pack(std::size_t i, const StencilView<double>& table,
-                              const LimitStencilView<double>* derivatives) const {
+template <class Real>
+PackedSlice DeviceTable::pack(
+    std::size_t i, const StencilView<Real>& table,
+    const std::type_identity_t<LimitStencilView<Real>>* derivatives) const {
   return pack_slice(table, derivatives, plan_, slices_[i].rows);
 }
 
@@ -62,6 +66,15 @@ void DeviceTable::record_dispatch(VkCommandBuffer commands, Kernel kernel, VkDes
   planish::vulkan::record_dispatch(context_, commands, kernel, set, &parameters,
                                    slices_[i].group_count);
 }
+
+template DeviceTable::DeviceTable(Context&, const StencilView<float>&,
+                                  const LimitStencilView<float>*, const DeviceTableOptions&);
+template DeviceTable::DeviceTable(Context&, const StencilView<double>&,
+                                  const LimitStencilView<double>*, const DeviceTableOptions&);
+template PackedSlice DeviceTable::pack(std::size_t, const StencilView<float>&,
+                                       const LimitStencilView<float>*) const;
+template PackedSlice DeviceTable::pack(std::size_t, const StencilView<double>&,
+                                       const LimitStencilView<double>*) const;
 
 BufferRange point_range(const Buffer& points, std::int32_t first, std::int32_t count) {
   constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "planish/stencil/stencil_table.h"
@@ -12,6 +13,7 @@ namespace planish::vulkan {
 
 struct DeviceTableOptions {
   bool includes_own_rows = false;    ///< for square tables that solves use
+  std::uint64_t source_stride = 16;  ///< bytes from one point of the source to the next
   std::uint64_t target_stride = 16;  ///< bytes that a row takes in the target
 };
 
@@ -25,8 +27,10 @@ class DeviceTable {
   };
 
   /// Plans the slices and takes the memory. Throws Error{OutOfMemory} naming the limit.
-  DeviceTable(Context& context, const StencilView<double>& table,
-              const LimitStencilView<double>* derivatives, const DeviceTableOptions& options);
+  template <class Real>
+  DeviceTable(Context& context, const StencilView<Real>& table,
+              const std::type_identity_t<LimitStencilView<Real>>* derivatives,
+              const DeviceTableOptions& options);
 
   [[nodiscard]] const std::vector<Slice>& slices() const { return slices_; }
   [[nodiscard]] std::int32_t row_count() const { return row_count_; }
@@ -36,8 +40,10 @@ class DeviceTable {
   [[nodiscard]] std::uint32_t partials_total() const;
 
   /// What is to be copied into slice `i`'s buffers. The views are those given on construction.
-  [[nodiscard]] PackedSlice pack(std::size_t i, const StencilView<double>& table,
-                                 const LimitStencilView<double>* derivatives) const;
+  template <class Real>
+  [[nodiscard]] PackedSlice pack(
+      std::size_t i, const StencilView<Real>& table,
+      const std::type_identity_t<LimitStencilView<Real>>* derivatives) const;
 
   /// Drops what only pack() needs.
   void finish_packing() { plan_ = {}; }

@@ -15,21 +15,22 @@ constexpr std::uint32_t kVectorBytes = 3 * sizeof(float);
 GpuEvaluation::GpuEvaluation(Context& context, std::span<const DeviceTable> refinement,
                              const DeviceTable& limit, const Buffer& control_points,
                              const VertexLayout& layout)
-    : context_(context), refinement_(refinement), limit_(limit), layout_(layout) {
-  std::vector<BoundKernel> bound;
+    : context_(context), limit_(limit), layout_(layout) {
+  constexpr std::uint32_t kFloats = shared::kPointFloats;
   const Buffer* source = &control_points;
   states_.reserve(refinement.size());
   for (const DeviceTable& table : refinement) {
-    const Buffer& target = states_.emplace_back(
-        context, std::uint64_t(table.row_count()) * shared::kPointFloats * sizeof(float),
-        MemoryUse::Device, "planish refined points");
-    for (const DeviceTable::Slice& slice : table.slices())
-      bound.push_back({Kernel::ApplyStencils,
-                       {whole(slice.entries), whole(slice.chunks),
-                        point_range(*source, slice.rows.first_source, slice.rows.source_count),
-                        point_range(target, slice.rows.first_row, slice.rows.row_count)}});
+    const Buffer& target =
+        states_.emplace_back(context, std::uint64_t(table.row_count()) * kFloats * sizeof(float),
+                             MemoryUse::Device, "planish refined points");
+    refinement_.push_back({context,
+                           table,
+                           {source->handle(), 0, 3, kFloats},
+                           {target.handle(), 0, 3, kFloats},
+                           {0, table.row_count()}});
     source = &target;
   }
+  std::vector<BoundKernel> bound;
   for (const DeviceTable::Slice& slice : limit.slices()) {
     const Window window = window_of(slice.rows);
     first_targets_.push_back(window.first_target);
@@ -51,10 +52,8 @@ GpuEvaluation::Window GpuEvaluation::window_of(const TableSlice& rows) const {
 }
 
 void GpuEvaluation::record(VkCommandBuffer commands) const noexcept {
-  std::size_t set = 0;
-  for (const DeviceTable& table : refinement_) {
-    for (std::size_t i = 0; i < table.slices().size(); ++i)
-      table.record_dispatch(commands, Kernel::ApplyStencils, sets_[set++], i, table.parameters(i));
+  for (const StencilPass& pass : refinement_) {
+    pass.record(commands);
     record_barrier(context_, commands, kKernelScope, kKernelScope);
   }
   for (std::size_t i = 0; i < limit_.slices().size(); ++i) {
@@ -64,7 +63,7 @@ void GpuEvaluation::record(VkCommandBuffer commands) const noexcept {
     // May be negative: the kernel's sum wraps around.
     parameters.normal_offset =
         layout_.normal_offset / sizeof(float) - layout_.position_offset / sizeof(float);
-    limit_.record_dispatch(commands, Kernel::ApplyLimit, sets_[set++], i, parameters);
+    limit_.record_dispatch(commands, Kernel::ApplyLimit, sets_[i], i, parameters);
     // Windows of neighbouring slices share their edge.
     record_barrier(context_, commands, kKernelScope, kKernelScope);
   }

@@ -6,6 +6,7 @@
 
 #include "planish/vulkan/device_table.h"
 #include "planish/vulkan/embed.h"
+#include "planish/vulkan/stencil_pass.h"
 
 namespace planish::vulkan {
 
@@ -28,12 +29,12 @@ class GpuEvaluation {
   [[nodiscard]] Window window_of(const TableSlice& rows) const;
 
   Context& context_;
-  std::span<const DeviceTable> refinement_;
   const DeviceTable& limit_;
   VertexLayout layout_;
   std::vector<Buffer> states_;
+  std::vector<StencilPass> refinement_;
   std::vector<std::uint32_t> first_targets_;  // per slice of the limit table
-  DescriptorSets sets_;                       // slices of all refinement tables, then of the limit
+  DescriptorSets sets_;                       // per slice of the limit table
 };
 
 }  // namespace planish::vulkan

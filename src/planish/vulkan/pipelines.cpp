@@ -37,10 +37,14 @@ struct KernelSource {
   std::uint32_t binding_count;
 };
 
+// 0 is the work group's size, which no variant changes.
+constexpr std::uint32_t kFirstConstant = 1;
+
 using enum Binding;
 
-KernelSource table_kernel(Code storage, Code texel, std::initializer_list<Binding> others) {
-  KernelSource source{storage, texel, sizeof(shared::TableParameters), {Entries, Words}, 2};
+KernelSource table_kernel(Code storage, Code texel, std::initializer_list<Binding> others,
+                          std::uint32_t parameter_bytes = sizeof(shared::TableParameters)) {
+  KernelSource source{storage, texel, parameter_bytes, {Entries, Words}, 2};
   for (const Binding binding : others) source.bindings[source.binding_count++] = binding;
   return source;
 }
@@ -58,7 +62,8 @@ const KernelSource kSources[kKernelCount] = {
                  {Points, Points, Points, Storage, Storage, Storage}),
     vector_kernel(spirv::reduce_rms, 2),
     vector_kernel(spirv::finish_solve, 2),
-    table_kernel(PLANISH_BOTH(apply_stencils), {Points, Storage}),
+    table_kernel(PLANISH_BOTH(apply_stencils), {Floats, Storage},
+                 sizeof(shared::StencilParameters)),
     table_kernel(PLANISH_BOTH(apply_limit), {Points, Storage, Pairs}),
     table_kernel(PLANISH_BOTH(cg_apply), {Points, Storage, Storage, Storage}),
     vector_kernel(spirv::cg_advance, 6),
@@ -92,6 +97,8 @@ VkFormat texel_format(Binding binding, ReadPath path) {
       return VK_FORMAT_R32G32B32A32_SFLOAT;
     case Pairs:
       return VK_FORMAT_R32G32_SFLOAT;
+    case Floats:
+      return VK_FORMAT_R32_SFLOAT;
     default:
       return VK_FORMAT_UNDEFINED;
   }
@@ -99,9 +106,9 @@ VkFormat texel_format(Binding binding, ReadPath path) {
 
 Pipelines::Pipelines(const DeviceFunctions& functions, VkDevice device, VkPipelineCache cache,
                      const VkAllocationCallbacks* callbacks, const PipelineVariant& variant)
-    : vk_(functions), device_(device), callbacks_(callbacks) {
+    : vk_(functions), device_(device), cache_(cache), callbacks_(callbacks), variant_(variant) {
   try {
-    for (std::size_t i = 0; i < kKernelCount; ++i) create(static_cast<Kernel>(i), cache, variant);
+    for (std::size_t i = 0; i < kKernelCount; ++i) create(static_cast<Kernel>(i));
   } catch (...) {
     destroy();
     throw;
@@ -110,7 +117,7 @@ Pipelines::Pipelines(const DeviceFunctions& functions, VkDevice device, VkPipeli
 
 Pipelines::~Pipelines() { destroy(); }
 
-void Pipelines::create(Kernel kernel, VkPipelineCache cache, const PipelineVariant& variant) {
+void Pipelines::create(Kernel kernel) {
   const KernelSource& source = kSources[static_cast<std::size_t>(kernel)];
   Pipeline& target = pipelines_[static_cast<std::size_t>(kernel)];
   target.bindings = std::span(source.bindings).first(source.binding_count);
@@ -118,7 +125,7 @@ void Pipelines::create(Kernel kernel, VkPipelineCache cache, const PipelineVaria
 
   std::array<VkDescriptorSetLayoutBinding, kMaxBindings> bindings{};
   for (std::uint32_t i = 0; i < source.binding_count; ++i)
-    bindings[i] = {i, descriptor_type(source.bindings[i], variant.read_path), 1,
+    bindings[i] = {i, descriptor_type(source.bindings[i], variant_.read_path), 1,
                    VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
   set_info.bindingCount = source.binding_count;
@@ -134,33 +141,55 @@ void Pipelines::create(Kernel kernel, VkPipelineCache cache, const PipelineVaria
   layout_info.pPushConstantRanges = &range;
   check(vk_.vkCreatePipelineLayout(device_, &layout_info, callbacks_, &target.layout),
         "vkCreatePipelineLayout");
+  target.pipeline = compile(kernel, target.layout, {});
+}
 
+VkPipeline Pipelines::compile(Kernel kernel, VkPipelineLayout layout,
+                              std::span<const std::uint32_t> constants) const {
+  const KernelSource& source = kSources[static_cast<std::size_t>(kernel)];
   VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  const Code code = variant.read_path == ReadPath::Texel ? source.texel : source.storage;
+  const Code code = variant_.read_path == ReadPath::Texel ? source.texel : source.storage;
   module_info.codeSize = code.size_bytes();
   module_info.pCode = code.data();
   VkShaderModule module = VK_NULL_HANDLE;
   check(vk_.vkCreateShaderModule(device_, &module_info, callbacks_, &module),
         "vkCreateShaderModule");
 
-  const std::uint32_t values[] = {variant.chunks_per_group, variant.lane_sums};
-  const VkSpecializationMapEntry entries[] = {{1, 0, sizeof values[0]},
-                                              {2, sizeof values[0], sizeof values[1]}};
-  const VkSpecializationInfo constants{2, entries, sizeof values, values};
+  std::vector<std::uint32_t> values = {variant_.chunks_per_group, variant_.lane_sums};
+  std::vector<VkSpecializationMapEntry> entries;
+  values.insert(values.end(), constants.begin(), constants.end());
+  for (std::uint32_t i = 0; i < values.size(); ++i)
+    entries.push_back({kFirstConstant + i, i * std::uint32_t{sizeof values[0]}, sizeof values[0]});
+  const VkSpecializationInfo info_of_constants{static_cast<std::uint32_t>(entries.size()),
+                                               entries.data(), values.size() * sizeof values[0],
+                                               values.data()};
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   info.stage.module = module;
   info.stage.pName = "main";
-  info.stage.pSpecializationInfo = &constants;
-  info.layout = target.layout;
+  info.stage.pSpecializationInfo = &info_of_constants;
+  info.layout = layout;
+  VkPipeline pipeline = VK_NULL_HANDLE;
   const VkResult result =
-      vk_.vkCreateComputePipelines(device_, cache, 1, &info, callbacks_, &target.pipeline);
+      vk_.vkCreateComputePipelines(device_, cache_, 1, &info, callbacks_, &pipeline);
   vk_.vkDestroyShaderModule(device_, module, callbacks_);
   check(result, "vkCreateComputePipelines");
+  return pipeline;
+}
+
+Pipeline Pipelines::specialised(Kernel kernel, std::span<const std::uint32_t> constants) const {
+  Pipeline result = (*this)[kernel];
+  const std::lock_guard lock(mutex_);
+  VkPipeline& pipeline = specialised_[{kernel, {constants.begin(), constants.end()}}];
+  if (!pipeline) pipeline = compile(kernel, result.layout, constants);
+  result.pipeline = pipeline;
+  return result;
 }
 
 void Pipelines::destroy() noexcept {
+  for (const auto& [key, pipeline] : specialised_)
+    vk_.vkDestroyPipeline(device_, pipeline, callbacks_);
   for (const Pipeline& kernel : pipelines_) {
     vk_.vkDestroyPipeline(device_, kernel.pipeline, callbacks_);
     vk_.vkDestroyPipelineLayout(device_, kernel.layout, callbacks_);

@@ -2,7 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "planish/vulkan/functions.h"
 
@@ -32,7 +36,7 @@ inline constexpr std::uint32_t kMaxBindings = 8;
 
 /// What a binding holds. All but Storage are read only, and are uniform texel buffers where the
 /// device reads those faster.
-enum class Binding { Storage, Entries, Words, Points, Pairs };
+enum class Binding { Storage, Entries, Words, Points, Pairs, Floats };
 
 /// How kernels read the arrays that they only read.
 enum class ReadPath { Storage, Texel };
@@ -55,6 +59,9 @@ struct PipelineVariant {
   bool lane_sums = false;              ///< partial sums per lane instead of per work group
 };
 
+/// Specialisation constants below this one follow from the variant.
+inline constexpr std::uint32_t kFirstOwnConstant = 3;
+
 /// The compute pipelines of all kernels on one device.
 class Pipelines {
  public:
@@ -69,14 +76,25 @@ class Pipelines {
     return pipelines_[static_cast<std::size_t>(kernel)];
   }
 
+  /// The kernel with its own specialisation constants, those with ids from kFirstOwnConstant on,
+  /// instead of their defaults. Compiled when first asked for; as long-lived as this. Thread-safe.
+  /// Throws planish::Error.
+  [[nodiscard]] Pipeline specialised(Kernel kernel, std::span<const std::uint32_t> constants) const;
+
  private:
-  void create(Kernel kernel, VkPipelineCache cache, const PipelineVariant& variant);
+  void create(Kernel kernel);
+  [[nodiscard]] VkPipeline compile(Kernel kernel, VkPipelineLayout layout,
+                                   std::span<const std::uint32_t> constants) const;
   void destroy() noexcept;
 
   const DeviceFunctions& vk_;
   VkDevice device_;
+  VkPipelineCache cache_;
   const VkAllocationCallbacks* callbacks_;
+  PipelineVariant variant_;
   std::array<Pipeline, kKernelCount> pipelines_{};
+  mutable std::mutex mutex_;  // of specialised_
+  mutable std::map<std::pair<Kernel, std::vector<std::uint32_t>>, VkPipeline> specialised_;
 };
 
 }  // namespace planish::vulkan

@@ -34,7 +34,8 @@ struct WindowNeeds {
   std::int32_t end_source = 0;
 };
 
-WindowNeeds sort_window(const StencilView<double>& table, std::int32_t window, bool own_rows,
+template <class Real>
+WindowNeeds sort_window(const StencilView<Real>& table, std::int32_t window, bool own_rows,
                         TablePlan& plan) {
   const std::int32_t first = window * kSortWindow;
   const std::int32_t last = std::min(first + kSortWindow, table.row_count());
@@ -86,8 +87,8 @@ std::string exceeded(const TableSlice& slice, const SliceLimits& limits) {
   const std::uint64_t bytes =
       std::max({slice.entry_count * sizeof(PackedEntry),
                 slice.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
-                slice.row_count * std::max(limits.target_stride, kPointBytes),
-                slice.source_count * kPointBytes});
+                slice.row_count * std::max(limits.target_stride, limits.source_stride),
+                slice.source_count * limits.source_stride});
   if (bytes > limits.max_range)
     return std::to_string(bytes) + " bytes in one binding, but maxStorageBufferRange is " +
            std::to_string(limits.max_range);
@@ -105,7 +106,8 @@ std::string exceeded(const TableSlice& slice, const SliceLimits& limits) {
 
 }  // namespace
 
-TablePlan plan_table(const StencilView<double>& table, const SliceLimits& limits) {
+template <class Real>
+TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits) {
   const std::int32_t rows = table.row_count();
   const std::int32_t window_count = (rows + kSortWindow - 1) / kSortWindow;
   const std::size_t chunk_count = (std::size_t(rows) + kLanes - 1) / kLanes;
@@ -142,9 +144,10 @@ TablePlan plan_table(const StencilView<double>& table, const SliceLimits& limits
   return plan;
 }
 
-PackedSlice pack_slice(const StencilView<double>& table,
-                       const LimitStencilView<double>* derivatives, const TablePlan& plan,
-                       const TableSlice& slice) {
+template <class Real>
+PackedSlice pack_slice(const StencilView<Real>& table,
+                       const std::type_identity_t<LimitStencilView<Real>>* derivatives,
+                       const TablePlan& plan, const TableSlice& slice) {
   PackedSlice packed;
   packed.chunks.resize(slice.chunk_count * shared::kChunkWords);
   packed.entries.resize(slice.entry_count);
@@ -188,5 +191,12 @@ PackedSlice pack_slice(const StencilView<double>& table,
   });
   return packed;
 }
+
+template TablePlan plan_table(const StencilView<float>&, const SliceLimits&);
+template TablePlan plan_table(const StencilView<double>&, const SliceLimits&);
+template PackedSlice pack_slice(const StencilView<float>&, const LimitStencilView<float>*,
+                                const TablePlan&, const TableSlice&);
+template PackedSlice pack_slice(const StencilView<double>&, const LimitStencilView<double>*,
+                                const TablePlan&, const TableSlice&);
 
 }  // namespace planish::vulkan

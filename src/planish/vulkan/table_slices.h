@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "planish/stencil/stencil_table.h"
@@ -31,13 +32,15 @@ struct SliceLimits {
   std::uint64_t max_range = 0;       ///< bytes that a binding may span
   std::uint64_t max_chunks = 0;      ///< that one dispatch may walk
   std::uint64_t max_elements = 0;    ///< entries, words or points that a binding may have
+  std::uint64_t source_stride = 16;  ///< bytes from one point of the source to the next
   std::uint64_t target_stride = 16;  ///< bytes that a row takes in the target
   bool includes_own_rows = false;    ///< row i also reads source i
 };
 
 /// Cuts a table into as few slices as the limits allow. Throws Error{OutOfMemory} naming the limit
 /// where kSortWindow rows alone exceed it.
-[[nodiscard]] TablePlan plan_table(const StencilView<double>& table, const SliceLimits& limits);
+template <class Real>
+[[nodiscard]] TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits);
 
 struct PackedEntry {
   std::uint32_t source;  ///< counted from the slice's first_source
@@ -55,8 +58,9 @@ struct PackedSlice {
 };
 
 /// `derivatives` is null, or the same table with its derivative weights.
-[[nodiscard]] PackedSlice pack_slice(const StencilView<double>& table,
-                                     const LimitStencilView<double>* derivatives,
-                                     const TablePlan& plan, const TableSlice& slice);
+template <class Real>
+[[nodiscard]] PackedSlice pack_slice(
+    const StencilView<Real>& table, const std::type_identity_t<LimitStencilView<Real>>* derivatives,
+    const TablePlan& plan, const TableSlice& slice);
 
 }  // namespace planish::vulkan

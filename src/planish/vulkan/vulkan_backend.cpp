@@ -6,7 +6,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
-#include "planish/vulkan/commands.h"
+#include "planish/vulkan/stencil_pass.h"
 #include "planish/vulkan/vulkan_machine.h"
 #include "planish/vulkan/vulkan_solve.h"
 
@@ -95,29 +95,12 @@ void VulkanBackend::apply(const StencilView<double>& view, const DevicePoints& s
   Context& context = machine_->context;
   DeviceTable table(context, view, nullptr, {});
   machine_->upload_table(table, view, nullptr);
-  // Windows begin at multiples of 64 points; the kernel adds what is left.
-  constexpr std::int32_t kAlignment = 64;
-  const std::int32_t shift = first_target % kAlignment;
-  std::vector<BoundKernel> bound;
-  for (const DeviceTable::Slice& slice : table.slices()) {
-    const TableSlice& rows = slice.rows;
-    bound.push_back(
-        {Kernel::ApplyStencils,
-         {whole(slice.entries), whole(slice.chunks),
-          point_range(vulkan_points(source).buffer(), rows.first_source, rows.source_count),
-          point_range(vulkan_points(target).buffer(), first_target - shift + rows.first_row,
-                      shift + rows.row_count)}});
-  }
-  const DescriptorSets sets(context, bound);
-  machine_->submitter.run([&](VkCommandBuffer commands) {
-    for (std::size_t i = 0; i < table.slices().size(); ++i) {
-      shared::TableParameters parameters = table.parameters(i);
-      parameters.first_target = shared::kPointFloats * static_cast<std::uint32_t>(shift);
-      table.record_dispatch(commands, Kernel::ApplyStencils, sets[i], i, parameters);
-      // Windows of neighbouring slices may share their edge.
-      record_barrier(context, commands, kKernelScope, kKernelScope);
-    }
-  });
+  constexpr std::uint32_t kFloats = shared::kPointFloats;
+  const StencilPass pass(
+      context, table, {vulkan_points(source).buffer().handle(), 0, 3, kFloats},
+      {vulkan_points(target).buffer().handle(), std::uint64_t(first_target) * kFloats, 3, kFloats},
+      {0, view.row_count()});
+  machine_->submitter.run([&](VkCommandBuffer commands) { pass.record(commands); });
 }
 
 void VulkanBackend::apply_limit(const LimitStencilView<double>& view, const DevicePoints& source,
