@@ -13,6 +13,7 @@ set(level_vulkan 3)
 set(level_surface 4)
 set(level_gltf 4)
 set(level_pipeline 5)
+set(level_osd 5)
 set(level_reconstruct 5)
 # Neighbours on one level that may be used: tables and splits are made of meshes, files of surfaces.
 set(allowed stencil>mesh gltf>surface)
