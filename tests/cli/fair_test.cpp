@@ -79,6 +79,18 @@ TEST_F(Fair, UnfoldsWhatTheProgressiveMethodFolds) {
   EXPECT_LT(fair["outputs"][0]["as_written_error"], 1e-7);
 }
 
+TEST_F(Fair, UnfoldsASimplifiedScan) {
+  const std::string scan = std::string(PLANISH_SCENES) + "/rocker_arm_scan.obj";
+  const nlohmann::json progressive = fit(scan, {"-o", path("p.glb")});
+  const nlohmann::json fair = fit(scan, {"-o", path("f.glb"), "--interpolation", "fair"});
+  EXPECT_GT(progressive["surface"]["folded_area"], 1e-3);
+  EXPECT_EQ(fair["surface"]["folded_area"], 0.0);
+  EXPECT_EQ(fair["solve"]["fair"]["flagged_edges"], 0);
+  EXPECT_EQ(fair["solve"]["fair"]["flagged_faces"], 0);
+  EXPECT_LT(fair["surface"]["rms_normal_deviation"].get<double>(),
+            0.5 * progressive["surface"]["rms_normal_deviation"].get<double>());
+}
+
 TEST_F(Fair, TheReportSaysWhatWasDone) {
   const nlohmann::json solve =
       fit(sphere_, {"--interpolation", "fair", "--polish", "3", "-o", path("f.ply")})["solve"];

@@ -8,7 +8,12 @@
 #include <sstream>
 #include <string>
 
+#include "make_scenes/rocker_arm.h"
+#include "make_scenes/scan.h"
 #include "make_scenes/scene_list.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/mesh_file.h"
+#include "planish/mesh/statistics.h"
 
 namespace planish::shapes {
 namespace {
@@ -41,6 +46,7 @@ TEST(CommittedFiles, AreAllOnTheList) {
   std::set<std::string> made;
   for (const Scene& scene : scenes()) made.insert(scene.file);
   for (const BadFile& bad : bad_files()) made.insert("bad/" + bad.file);
+  made.insert(kScanFile);
   // Not below: scenes/out/ holds what runs of the scene files wrote.
   for (const auto& folder : {kFolder, kFolder / "bad"}) {
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -50,6 +56,22 @@ TEST(CommittedFiles, AreAllOnTheList) {
       }
     }
   }
+}
+
+// It needs a mesher and follows every change of the simplifier, so it is not made anew here.
+TEST(CommittedFiles, TheScanIsAClosedMeshOfUnevenTrianglesOnTheRockerArm) {
+  const std::string bytes = bytes_of(kFolder / kScanFile);
+  const PolygonMesh mesh =
+      read_mesh(std::as_bytes(std::span(bytes)), kScanFile, MeshFormat::Obj).mesh;
+  EXPECT_TRUE(check(mesh).empty());
+  const MeshStatistics facts = statistics(mesh);
+  EXPECT_EQ(facts.boundary_loop_count, 0);
+  EXPECT_EQ(facts.genus, 1);
+  EXPECT_EQ(facts.component_count, 1);
+  EXPECT_EQ(2 * facts.vertex_count, facts.face_count);  // triangles only
+  for (const glm::dvec3& p : mesh.positions) EXPECT_LT(std::abs(rocker_arm_field(p)), 2e-6);
+  EXPECT_NE(bytes_of(kFolder / "README.md").find("`" + std::string(kScanFile) + "`"),
+            std::string::npos);
 }
 
 TEST(CommittedFiles, StandInTheReadme) {

@@ -3,8 +3,11 @@
 #include <filesystem>
 #include <string>
 
+#include "make_scenes/obj_text.h"
+#include "make_scenes/scan.h"
 #include "make_scenes/scene_list.h"
 #include "planish/core/output_file.h"
+#include "planish/reconstruct/mesher_process.h"
 
 namespace {
 
@@ -27,6 +30,14 @@ int main(int argument_count, char** arguments) {
     std::filesystem::create_directories(folder / "bad");
     for (const auto& scene : planish::shapes::scenes()) {
       write(folder / scene.file, planish::shapes::scene_text(scene));
+    }
+    if (const auto mesher = planish::find_mesher_program()) {
+      const auto mesh = planish::shapes::scanned_rocker_arm(planish::mesher_process(*mesher));
+      write(folder / planish::shapes::kScanFile,
+            planish::shapes::obj_text(mesh, "Rocker arm of an engine, scanned and simplified"));
+    } else {
+      std::fprintf(stderr, "planish-make-scenes: without planish-reconstruct %s is not made\n",
+                   planish::shapes::kScanFile);
     }
     for (const auto& bad : planish::shapes::bad_files()) {
       write(folder / "bad" / bad.file, bad.bytes);

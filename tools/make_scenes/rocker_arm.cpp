@@ -37,6 +37,8 @@ double ribbed_arm(const glm::dvec3& p, const glm::dvec2& end, double hub_radius,
   return smooth_difference(body, pocket, kRounding);
 }
 
+}  // namespace
+
 double rocker_arm_field(const glm::dvec3& p) {
   // Hub and its bore, along z.
   const double hub_distance = glm::length(glm::dvec2(p));
@@ -63,8 +65,6 @@ double rocker_arm_field(const glm::dvec3& p) {
   body = smooth_difference(body, hub_distance - 0.32, kRounding);
   return smooth_difference(body, socket, kRounding);
 }
-
-}  // namespace
 
 PolygonMesh rocker_arm() {
   SurfaceNetsOptions options;

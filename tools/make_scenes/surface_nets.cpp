@@ -26,6 +26,16 @@ struct Lattice {
   [[nodiscard]] glm::dvec3 position(const glm::dvec3& point) const { return low + point * cell; }
 };
 
+// The Newton step from a point to the zero set, no longer than `longest`.
+glm::dvec3 step_to_surface(double value, const glm::dvec3& slope, double longest) {
+  constexpr double kLeastSlopeSquared = 0.01;  // where bodies cancel, the slope may vanish
+  const glm::dvec3 move = slope * (-value / std::max(glm::dot(slope, slope), kLeastSlopeSquared));
+  const double length = glm::length(move);
+  return length > longest ? move * (longest / length) : move;
+}
+
+}  // namespace
+
 // From the corners of a small tetrahedron: four evaluations, exact for linear fields.
 glm::dvec3 gradient(const Field& field, const glm::dvec3& p) {
   constexpr double kStep = 1e-5;
@@ -34,14 +44,6 @@ glm::dvec3 gradient(const Field& field, const glm::dvec3& p) {
   glm::dvec3 result(0.0);
   for (const glm::dvec3& corner : kCorners) result += corner * field(p + corner * kStep);
   return result / (4.0 * kStep);
-}
-
-// The Newton step from a point to the zero set, no longer than `longest`.
-glm::dvec3 step_to_surface(double value, const glm::dvec3& slope, double longest) {
-  constexpr double kLeastSlopeSquared = 0.01;  // where bodies cancel, the slope may vanish
-  const glm::dvec3 move = slope * (-value / std::max(glm::dot(slope, slope), kLeastSlopeSquared));
-  const double length = glm::length(move);
-  return length > longest ? move * (longest / length) : move;
 }
 
 // Newton along the gradient; a step never leaves the cell's neighbourhood.
@@ -55,6 +57,8 @@ glm::dvec3 projected(const Field& field, glm::dvec3 p, double longest_step) {
   }
   return p;
 }
+
+namespace {
 
 Lattice sampled(const Field& field, const SurfaceNetsOptions& options) {
   Lattice lattice{options.low, options.cell, {}, {}};

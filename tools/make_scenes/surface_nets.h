@@ -19,6 +19,12 @@ struct SurfaceNetsOptions {
   std::function<glm::dvec3(const glm::dvec3&)> warp;
 };
 
+/// By differences over 1e-5.
+[[nodiscard]] glm::dvec3 gradient(const Field& field, const glm::dvec3& p);
+
+/// Newton along the gradient to the zero set of `field`, in steps of at most `longest_step`.
+[[nodiscard]] glm::dvec3 projected(const Field& field, glm::dvec3 p, double longest_step);
+
 /// The zero set of `field` as quads, one vertex a lattice cell that it passes, spread evenly and
 /// each on the zero set within 1e-9. Two-manifold where the lattice resolves the field; the caller
 /// checks. Source: Gibson, "Constrained Elastic Surface Nets", 1998.
