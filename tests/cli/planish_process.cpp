@@ -8,6 +8,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <stdexcept>
 #include <thread>
 
@@ -53,6 +54,9 @@ PlanishProcess::PlanishProcess(const std::vector<std::string>& arguments, const 
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = options.environment;
   environment.emplace_back("PATH=/usr/bin:/bin");
+  if (const char* sanitizer = std::getenv("ASAN_OPTIONS")) {
+    environment.push_back(std::string("ASAN_OPTIONS=") + sanitizer);
+  }
   std::vector<char*> argv = pointers(texts);
   std::vector<char*> envp = pointers(environment);
   const int failed =
