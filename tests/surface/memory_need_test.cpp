@@ -11,22 +11,24 @@ namespace {
 TEST(MemoryNeed, GrowsFourfoldWithEachLevel) {
   const QuadSplit split(test::torus(100, 100, 1.0, 0.4));
   const double coarse =
-      static_cast<double>(tessellation_bytes(split, 4) - tessellation_bytes(split, 3));
+      static_cast<double>(tessellation_bytes(split.counts_to(4), LastLevel::FacesOnly) -
+                          tessellation_bytes(split.counts_to(3), LastLevel::FacesOnly));
   const double fine =
-      static_cast<double>(tessellation_bytes(split, 5) - tessellation_bytes(split, 4));
+      static_cast<double>(tessellation_bytes(split.counts_to(5), LastLevel::FacesOnly) -
+                          tessellation_bytes(split.counts_to(4), LastLevel::FacesOnly));
   EXPECT_NEAR(fine / coarse, 4.0, 0.01);
 }
 
 TEST(MemoryNeed, IsComparedWithTheLimit) {
   const QuadSplit split(test::torus(100, 100, 1.0, 0.4));
-  EXPECT_NO_THROW(require_memory(split, 2, 1ull << 30));
-  EXPECT_THROW(require_memory(split, 5, 1ull << 30), Error);
+  EXPECT_NO_THROW(require_memory(split.counts_to(2), LastLevel::FacesOnly, 1ull << 30));
+  EXPECT_THROW(require_memory(split.counts_to(5), LastLevel::FacesOnly, 1ull << 30), Error);
 }
 
 TEST(MemoryNeed, IndicesStayWithin32Bits) {
   const QuadSplit split(test::torus(1000, 1000, 1.0, 0.4));
   try {
-    require_memory(split, 6, ~0ull);
+    require_memory(split.counts_to(6), LastLevel::FacesOnly, ~0ull);
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("32-bit"), std::string::npos) << error.what();

@@ -7,26 +7,16 @@
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/sharpness.h"
 #include "planish/stencil/quad_split.h"
 
 namespace planish {
-
-/// What an untagged open boundary is.
-enum class BoundaryRule {
-  Edge,           ///< creases throughout
-  EdgeAndCorner,  ///< and boundary vertices with one face are corners
-};
 
 /// By the number of sharp edges at the vertex: none, one, two, three or more (or tagged).
 enum class VertexKind : std::uint8_t { Smooth, Dart, Crease, Corner };
 
 /// How the surface continues in the sector between two sharp edges at a corner vertex.
 enum class CornerSector : std::uint8_t { Convex, HalfPlane, Reflex };
-
-struct SharpFeatureOptions {
-  BoundaryRule boundary = BoundaryRule::Edge;
-  bool use_tags = true;  ///< false: only boundaries are sharp
-};
 
 /// The sharp edges and vertices of a mesh. A sharp edge is a boundary edge or one tagged with
 /// infinite sharpness; lower sharpness counts as none.

@@ -139,30 +139,28 @@ StencilTable<double> refinement_table(const Subdivision& subdivision, int level,
 }
 
 LimitRows::LimitRows(const Subdivision& subdivision, int level, std::int64_t vertex_count)
-    : subdivision_(subdivision), level_(level), vertex_count_(vertex_count) {
-  if (subdivision.features().interior_sharp_edge_count == 0) return;
-  VertexRing ring;
-  for (std::int32_t v = 0; v < vertex_count; ++v) {
-    gather_ring(subdivision, level, v, ring);
-    for (std::size_t s = 1; s < ring.sectors.size(); ++s) {
-      extra_.push_back({v, static_cast<std::int32_t>(s)});
+    : subdivision_(subdivision), level_(level) {
+  std::vector<Place> extra;
+  if (subdivision.features().interior_sharp_edge_count > 0) {
+    VertexRing ring;
+    for (std::int32_t v = 0; v < vertex_count; ++v) {
+      gather_ring(subdivision, level, v, ring);
+      for (std::size_t s = 1; s < ring.sectors.size(); ++s) {
+        extra.push_back({v, static_cast<std::int32_t>(s)});
+      }
     }
   }
+  sectors_ = {vertex_count, std::move(extra)};
 }
 
 std::int32_t LimitRows::row_of(std::int32_t vertex, std::int32_t face, VertexRing& scratch) const {
-  if (extra_.empty()) return vertex;
-  const auto first =
-      std::lower_bound(extra_.begin(), extra_.end(), vertex,
-                       [](const Place& place, std::int32_t v) { return place.vertex < v; });
-  if (first == extra_.end() || first->vertex != vertex) return vertex;
+  if (!sectors_.is_split(vertex)) return vertex;
   gather_ring(subdivision_, level_, vertex, scratch);
   for (std::size_t s = 0; s < scratch.sectors.size(); ++s) {
     const VertexRing::Sector& sector = scratch.sectors[s];
     const auto begin = scratch.faces.begin() + sector.first;
     if (std::find(begin, begin + sector.count, face) == begin + sector.count) continue;
-    if (s == 0) return vertex;
-    return static_cast<std::int32_t>(vertex_count_ + (first - extra_.begin()) + s - 1);
+    return sectors_.row(vertex, static_cast<std::int32_t>(s));
   }
   PLANISH_ASSERT(!"the face is not around the vertex");
   return -1;

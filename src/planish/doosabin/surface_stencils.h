@@ -6,14 +6,11 @@
 #include "planish/doosabin/subdivision.h"
 #include "planish/doosabin/vertex_ring.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/stencil/sector_rows.h"
+#include "planish/stencil/stencil_builder.h"
 #include "planish/stencil/stencil_table.h"
 
 namespace planish {
-
-/// A range of rows of one of the tables below.
-struct RowRange {
-  std::int64_t first, count;
-};
 
 /// From control points to the state of level 1: one Doo-Sabin step.
 [[nodiscard]] StencilTable<double> first_step_table(const PolygonMesh& mesh,
@@ -23,24 +20,16 @@ struct RowRange {
 [[nodiscard]] StencilTable<double> refinement_table(const Subdivision& subdivision, int level,
                                                     RowRange rows);
 
-/// The output vertices of Q_level, level >= 1: row v < vertex count is vertex v with its first
-/// sector's normal; vertices between sharp edges with several sectors have one more row each for
-/// the others.
+/// The output vertices of Q_level, level >= 1.
 class LimitRows {
  public:
+  using Place = SectorRows::Place;
+
   LimitRows(const Subdivision& subdivision, int level, std::int64_t vertex_count);
 
-  [[nodiscard]] std::int64_t count() const {
-    return vertex_count_ + static_cast<std::int64_t>(extra_.size());
-  }
-  /// Vertex and sector of a row.
-  struct Place {
-    std::int32_t vertex, sector;
-  };
-  [[nodiscard]] Place place(std::int64_t row) const {
-    return row < vertex_count_ ? Place{static_cast<std::int32_t>(row), 0}
-                               : extra_[static_cast<std::size_t>(row - vertex_count_)];
-  }
+  [[nodiscard]] const SectorRows& sectors() const { return sectors_; }
+  [[nodiscard]] std::int64_t count() const { return sectors_.count(); }
+  [[nodiscard]] Place place(std::int64_t row) const { return sectors_.place(row); }
   /// The row of `vertex` as seen from face `face` of Q_level.
   [[nodiscard]] std::int32_t row_of(std::int32_t vertex, std::int32_t face,
                                     VertexRing& scratch) const;
@@ -48,8 +37,7 @@ class LimitRows {
  private:
   const Subdivision& subdivision_;
   int level_;
-  std::int64_t vertex_count_;
-  std::vector<Place> extra_;  // sorted by vertex, then sector
+  SectorRows sectors_;
 };
 
 /// Limit points, with du and dv whose cross product is the outward normal's direction, of rows of

@@ -58,7 +58,7 @@ glm::vec2 stored_uv(const glm::dvec2& uv) { return {uv.x, 1.0 - uv.y}; }
 void require_faces(const SurfaceMesh& surface, const GltfOptions& options) {
   const auto& corners = surface.face_vertices;
   if (surface.face_count() < 1) refuse(options, "the surface has no face; glTF needs one");
-  if (surface.level != 0) {
+  if (surface.face_offsets.empty()) {
     if (corners.size() % 4 != 0) refuse(options, "the number of quad corners is no multiple of 4");
   } else {
     const auto& offsets = surface.face_offsets;
@@ -214,7 +214,7 @@ void write_polygons(const FaceRange& faces, const ByteSink& sink) {
 
 template <class Index>
 void write_indices(const FaceRange& faces, const ByteSink& sink) {
-  if (faces.surface.level == 0) {
+  if (!faces.surface.face_offsets.empty()) {
     write_polygons<Index>(faces, sink);
   } else {
     write_quads<Index>(faces, sink);

@@ -159,6 +159,11 @@ void run_conjugate_gradients(Solve& solve, std::span<const glm::dvec3> initial,
       result.stop_reason = StopReason::Diverged;
       return;
     }
+    const std::span<const ErrorNorms> history = result.history;
+    if (result.iterations % kBatchSteps == 0 && watch.stagnates(history.last(kBatchSteps))) {
+      result.stop_reason = StopReason::Stagnated;
+      return;
+    }
     solve.cg_turn(divide_or_zero(advance.residual_square, residual_square));
     residual_square = advance.residual_square;
   }
@@ -188,6 +193,8 @@ const char* name_of(StopReason reason) {
       return "iteration-limit";
     case StopReason::Stagnated:
       return "stagnated";
+    case StopReason::Singular:
+      return "singular";
     case StopReason::Diverged:
       return "diverged";
   }

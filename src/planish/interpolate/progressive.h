@@ -19,7 +19,13 @@ enum class Solver {
   ConjugateGradients,  ///< closed smooth meshes only
 };
 
-enum class StopReason { Converged, IterationLimit, Stagnated, Diverged };
+enum class StopReason {
+  Converged,
+  IterationLimit,
+  Stagnated,  ///< the error no longer falls: the device's precision ends above the tolerance
+  Singular,   ///< the same because B has, to rounding, no inverse; set by fit()
+  Diverged,
+};
 [[nodiscard]] const char* name_of(StopReason reason);
 
 struct InterpolationOptions {

@@ -1,14 +1,14 @@
 // Based on: "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces", section 3: a
-// polygon mesh in, the control mesh of the interpolating Doo-Sabin surface out.
+// polygon mesh in, the control mesh of the interpolating subdivision surface out.
 #include "planish/pipeline/fit.h"
 
 #include <algorithm>
 #include <chrono>
 #include <string>
 
-#include "planish/doosabin/limit_masks.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/used_vertices.h"
+#include "planish/pipeline/limit_system.h"
 #include "planish/pipeline/solve_fair.h"
 #include "planish/stencil/quad_split.h"
 
@@ -31,7 +31,8 @@ class Stopwatch {
 };
 
 void warn_of_semi_sharp(const PolygonMesh& mesh, const FitOptions& options) {
-  if (!options.sharp.use_tags) return;
+  // OpenSubdiv's own schemes obey them.
+  if (!options.sharp.use_tags || options.scheme != Scheme::DooSabin) return;
   std::int64_t count = 0;
   const CreaseEdge* first = nullptr;
   for (const CreaseEdge& crease : mesh.creases) {
@@ -47,33 +48,34 @@ void warn_of_semi_sharp(const PolygonMesh& mesh, const FitOptions& options) {
        count, first->v0});
 }
 
-void require_solver_fits(Solver solver, const SharpFeatures& features) {
-  if (solver != Solver::ConjugateGradients || is_self_adjoint(features)) return;
+void require_method_fits(const FitOptions& options) {
+  if (options.method == InterpolationMethod::Progressive || options.scheme == Scheme::DooSabin) {
+    return;
+  }
   throw Error(ErrorCode::InvalidArgument,
-              "the solver cg needs a closed mesh without creases and corners, and this one has " +
-                  std::to_string(features.sharp_edge_count) + " boundary or crease edges and " +
-                  std::to_string(features.corner_count) + " corners; take chebyshev");
+              "fair interpolation builds control points of Doo-Sabin's level 1, which Catmull-Clark "
+              "and Loop do not have; take progressive");
 }
 
 // The iteration of the paper, or one of its accelerations, in coordinates of unit diagonal.
-void solve_progressive(Fit& result, const UsedMesh& used, const Subdivision& subdivision,
+void solve_progressive(Fit& result, const UsedMesh& used, const LimitSystem& system,
                        std::span<const glm::dvec3> given, Backend& backend,
                        const FitOptions& options, Stopwatch& watch) {
-  const StencilTable<double> masks = limit_masks(used.mesh, subdivision);
-  result.spectral_bound = spectral_bound(used.mesh, options.weights);
-  result.stencil_entries = static_cast<std::int64_t>(masks.GetWeights().size());
+  result.spectral_bound = system.spectral_bound;
+  result.stencil_entries = static_cast<std::int64_t>(system.masks.GetWeights().size());
   result.timing.stencils = watch.lap();
 
-  std::vector<double> row_weights;
-  if (options.solver == Solver::ConjugateGradients) row_weights = valences(subdivision.split());
   InterpolationOptions interpolation;
   interpolation.solver = options.solver;
   interpolation.tolerance = options.tolerance;
   interpolation.max_iterations = options.max_iterations;
   interpolation.spectral_bound = result.spectral_bound;
-  interpolation.row_weights = row_weights;
+  interpolation.row_weights = system.row_weights;
   interpolation.callbacks = options.callbacks;
-  result.interpolation = interpolate(backend, masks.view(), given, interpolation);
+  result.interpolation = interpolate(backend, system.masks.view(), given, interpolation);
+  if (result.interpolation.stop_reason == StopReason::Stagnated && system.nearly_singular) {
+    result.interpolation.stop_reason = StopReason::Singular;
+  }
   result.timing.upload = result.interpolation.upload_milliseconds;
   result.timing.solve = watch.lap() - result.timing.upload;
 
@@ -83,19 +85,8 @@ void solve_progressive(Fit& result, const UsedMesh& used, const Subdivision& sub
   }
 }
 
-}  // namespace
-
-Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
-  Stopwatch watch;
-  Fit result;
-  require_usable(mesh, "mesh");
-  const UsedMesh used = without_unused_vertices(mesh);
-  warn_of_semi_sharp(mesh, options);
-  result.placement = placement_of(used.mesh);
-  result.timing.check = watch.lap();
-
-  // Topology, once on the CPU.
-  options.callbacks.report("stencils", 0);
+void fit_doo_sabin(Fit& result, const UsedMesh& used, std::span<const glm::dvec3> given,
+                   Backend& backend, const FitOptions& options, Stopwatch& watch) {
   const QuadSplit split(used.mesh);
   result.timing.topology = watch.lap();
   const SharpFeatures features =
@@ -103,19 +94,50 @@ Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
   result.sharp_edge_count = features.sharp_edge_count;
   result.boundary_edge_count = features.sharp_edge_count - features.interior_sharp_edge_count;
   result.corner_count = features.corner_count;
-
-  std::vector<glm::dvec3> given(used.mesh.positions.size());
-  std::transform(used.mesh.positions.begin(), used.mesh.positions.end(), given.begin(),
-                 [&](const glm::dvec3& p) { return result.placement.to_unit(p); });
   if (options.method == InterpolationMethod::Fair) {
     // Its first step takes the weights of 1978 whatever the later levels take.
     solve_fair(result, used.mesh, Subdivision(split, features, Weights::DooSabin), given, options);
     result.timing.solve = watch.lap();
   } else {
-    require_solver_fits(options.solver, features);
-    result.cage = mesh;
-    solve_progressive(result, used, Subdivision(split, features, options.weights), given, backend,
-                      options, watch);
+    const Subdivision subdivision(split, features, options.weights);
+    solve_progressive(result, used, doo_sabin_system(used.mesh, subdivision, options), given,
+                      backend, options, watch);
+  }
+}
+
+void fit_primal(Fit& result, const UsedMesh& used, PrimalScheme scheme,
+                std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options,
+                Stopwatch& watch) {
+  PrimalSplit split(used.mesh, {scheme, options.sharp});
+  split.refine(1);
+  result.timing.topology = watch.lap();
+  result.sharp_edge_count = split.sharp_edge_count();
+  result.boundary_edge_count = split.boundary_edge_count();
+  result.corner_count = split.corner_count();
+  solve_progressive(result, used, primal_system(split, options), given, backend, options, watch);
+}
+
+}  // namespace
+
+Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
+  Stopwatch watch;
+  Fit result;
+  require_method_fits(options);
+  require_usable(mesh, "mesh");
+  const UsedMesh used = without_unused_vertices(mesh);
+  warn_of_semi_sharp(mesh, options);
+  result.placement = placement_of(used.mesh);
+  std::vector<glm::dvec3> given(used.mesh.positions.size());
+  std::transform(used.mesh.positions.begin(), used.mesh.positions.end(), given.begin(),
+                 [&](const glm::dvec3& p) { return result.placement.to_unit(p); });
+  result.timing.check = watch.lap();
+
+  options.callbacks.report("stencils", 0);
+  if (options.method == InterpolationMethod::Progressive) result.cage = mesh;
+  if (const auto scheme = primal_scheme(options.scheme)) {
+    fit_primal(result, used, *scheme, given, backend, options, watch);
+  } else {
+    fit_doo_sabin(result, used, given, backend, options, watch);
   }
   if (result.interpolation.worst_vertex >= 0) {
     result.interpolation.worst_vertex = used.vertices[result.interpolation.worst_vertex];

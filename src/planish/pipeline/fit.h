@@ -10,6 +10,7 @@
 #include "planish/interpolate/progressive.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/primal/scheme.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one.h"
 
@@ -23,7 +24,8 @@ enum class InterpolationMethod {
 
 struct FitOptions {
   InterpolationMethod method = InterpolationMethod::Progressive;
-  Weights weights = Weights::DooSabin;
+  Scheme scheme = Scheme::DooSabin;
+  Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
   Solver solver = Solver::Chebyshev;  ///< of the progressive method, as max_iterations
   double tolerance = 1e-6;  ///< of the maximum error, relative to the bounding-box diagonal
   std::int32_t max_iterations = 200;
@@ -53,6 +55,8 @@ struct Fit {
   std::optional<FairFit> fair;  ///< with that method
   Interpolation interpolation;
   Placement placement;  ///< of the input
+  /// Lower bound of B's spectrum that the iteration took. For Catmull-Clark and Loop it may be an
+  /// estimate, raised to a small positive number where that lies at or below 0.
   double spectral_bound = 0;
   std::int64_t stencil_entries = 0;
   std::int32_t sharp_edge_count = 0;  ///< boundary edges included
@@ -63,11 +67,13 @@ struct Fit {
 
 /// Finds the control points: check, limit stencils, progressive interpolation; or the fair net.
 /// Warns "folds-left" where a fair net still has edges or faces that are turned over. Throws
-/// Error{UnusableMesh}, Error{InvalidArgument} (conjugate gradients on a mesh that is not closed
-/// and smooth), Error{OutOfMemory}, Error{Cancelled}. Not converging is a result.
+/// Error{UnusableMesh} (also for Loop on other faces than triangles), Error{InvalidArgument}
+/// (conjugate gradients on a mesh that is not closed and smooth; the fair method with another scheme
+/// than Doo-Sabin), Error{OutOfMemory}, Error{Cancelled}. Not converging is a result: Catmull-Clark's
+/// B can be singular, as on a cube.
 [[nodiscard]] Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options = {});
 
-/// The surface of a fitted mesh; the options' weights and sharp features are those of the fit.
+/// The surface of a fitted mesh; the options' scheme, weights and sharp features are those of the fit.
 /// Sector angles are measured on `mesh` unless the options name a rest pose. Throws as the other
 /// evaluate().
 [[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& mesh, const Fit& fit, Backend& backend,

@@ -24,9 +24,10 @@ struct LevelCounts {
 ///   - the faces around a vertex come counter-clockwise, at a boundary from the first to the last.
 class QuadSplit {
  public:
-  /// The mesh must pass check() and have no unused vertices. Crease tags become OpenSubdiv's
-  /// edge sharpness. Throws Error{UnusableMesh} should OpenSubdiv refuse it.
+  /// The mesh must pass check() and have no unused vertices. Its tags become OpenSubdiv's
+  /// sharpness. Throws Error{UnusableMesh} should OpenSubdiv refuse it.
   explicit QuadSplit(const PolygonMesh& mesh);
+  QuadSplit(QuadSplit&&) noexcept;
   ~QuadSplit();
 
   /// Splits `levels` times, discarding earlier splits. Levels below `levels` have full topology;
@@ -36,12 +37,13 @@ class QuadSplit {
   [[nodiscard]] int level_count() const;  ///< finest level made so far; 0 before refine()
   [[nodiscard]] const OpenSubdiv::Far::TopologyLevel& level(int index) const;
 
-  /// For OpenSubdiv's own interpolation of primvars. Channel 0 holds the mesh's texture
-  /// coordinates, corners without one naming one more value than the mesh has.
+  /// For OpenSubdiv's own interpolation of primvars, see make_refiner().
   [[nodiscard]] const OpenSubdiv::Far::TopologyRefiner& refiner() const { return *refiner_; }
 
   /// Counts of any level, without making it.
-  [[nodiscard]] LevelCounts counts(int level) const;
+  [[nodiscard]] LevelCounts counts(int level) const { return counts_to(level).back(); }
+  /// Counts of the levels 0 to `last`.
+  [[nodiscard]] std::vector<LevelCounts> counts_to(int last) const;
 
   /// Index of the first corner of a face of `level` among all its corners, which is also the
   /// index of the first child of that face.

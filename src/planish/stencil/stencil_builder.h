@@ -11,6 +11,11 @@
 
 namespace planish {
 
+/// A range of rows of a table.
+struct RowRange {
+  std::int64_t first, count;
+};
+
 /// One row being gathered: sources may be added several times and in any order.
 class StencilRow {
  public:

@@ -7,6 +7,8 @@
 
 namespace planish {
 
+namespace Far = OpenSubdiv::Far;
+
 namespace {
 
 // A primvar of OpenSubdiv's protocol.
@@ -19,19 +21,20 @@ struct Primvar {
   }
 };
 
-void carry_uvs(const PolygonMesh& mesh, const QuadSplit& split, SurfaceMesh& surface) {
+void carry_uvs(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
+               SurfaceMesh& surface) {
   std::vector<Primvar<glm::dvec2>> values(mesh.uvs.size() + 1);
   for (std::size_t i = 0; i < mesh.uvs.size(); ++i) values[i].value = mesh.uvs[i];
-  const OpenSubdiv::Far::PrimvarRefinerReal<float> refiner(split.refiner());
+  const OpenSubdiv::Far::PrimvarRefinerReal<float> refiner(topology);
   for (int l = 1; l <= surface.level; ++l) {
     std::vector<Primvar<glm::dvec2>> finer(
-        static_cast<std::size_t>(split.level(l).GetNumFVarValues()));
+        static_cast<std::size_t>(topology.GetLevel(l).GetNumFVarValues()));
     refiner.InterpolateFaceVarying(l, values, finer);
     values = std::move(finer);
   }
   for (const auto& primvar : values) surface.uvs.push_back(primvar.value);
 
-  const auto& level = split.level(surface.level);
+  const auto& level = topology.GetLevel(surface.level);
   surface.face_uvs.reserve(surface.face_vertices.size());
   for (int f = 0; f < level.GetNumFaces(); ++f) {
     const auto corners = level.GetFaceFVarValues(f);
@@ -39,15 +42,15 @@ void carry_uvs(const PolygonMesh& mesh, const QuadSplit& split, SurfaceMesh& sur
   }
 }
 
-void carry_colors(const PolygonMesh& mesh, const QuadSplit& split, const LimitRows& rows,
-                  SurfaceMesh& surface) {
+void carry_colors(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
+                  const SectorRows& rows, SurfaceMesh& surface) {
   std::vector<Primvar<glm::dvec4>> values(mesh.colors.size());
   for (std::size_t i = 0; i < values.size(); ++i) values[i].value = glm::dvec4(mesh.colors[i]);
-  const OpenSubdiv::Far::PrimvarRefinerReal<float> refiner(split.refiner());
+  const OpenSubdiv::Far::PrimvarRefinerReal<float> refiner(topology);
   for (int l = 1; l <= surface.level; ++l) {
     std::vector<Primvar<glm::dvec4>> finer(
-        static_cast<std::size_t>(split.level(l).GetNumVertices()));
-    refiner.Interpolate(l, values, finer);
+        static_cast<std::size_t>(topology.GetLevel(l).GetNumVertices()));
+    refiner.InterpolateVarying(l, values, finer);
     values = std::move(finer);
   }
   surface.colors.reserve(surface.positions.size());
@@ -58,20 +61,22 @@ void carry_colors(const PolygonMesh& mesh, const QuadSplit& split, const LimitRo
 
 }  // namespace
 
-std::int64_t descendant_count(std::int32_t face_size, int level) {
-  return level == 0 ? 1 : static_cast<std::int64_t>(face_size) << (2 * (level - 1));
+std::int64_t descendant_count(const SurfaceMesh& surface, std::int32_t face_size) {
+  if (surface.level == 0) return 1;
+  return surface.is_triangles() ? std::int64_t{1} << (2 * surface.level)
+                                : static_cast<std::int64_t>(face_size) << (2 * (surface.level - 1));
 }
 
-void carry_attributes(const PolygonMesh& mesh, const QuadSplit& split, const LimitRows& rows,
-                      SurfaceMesh& surface) {
-  if (!mesh.face_uvs.empty()) carry_uvs(mesh, split, surface);
-  if (!mesh.colors.empty()) carry_colors(mesh, split, rows, surface);
+void carry_attributes(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
+                      const SectorRows& rows, SurfaceMesh& surface) {
+  if (!mesh.face_uvs.empty()) carry_uvs(mesh, topology, surface);
+  if (!mesh.colors.empty()) carry_colors(mesh, topology, rows, surface);
   if (mesh.face_groups.empty()) return;
   surface.groups = mesh.groups;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     surface.face_groups.insert(
         surface.face_groups.end(),
-        static_cast<std::size_t>(descendant_count(mesh.face_size(f), surface.level)),
+        static_cast<std::size_t>(descendant_count(surface, mesh.face_size(f))),
         mesh.face_groups[f]);
   }
 }
@@ -87,16 +92,16 @@ void remove_holes(const PolygonMesh& mesh, SurfaceMesh& surface) {
   surface.uvs = whole.uvs;
   surface.colors = whole.colors;
   surface.groups = whole.groups;
-  if (whole.level == 0) surface.face_offsets = {0};
+  if (!whole.face_offsets.empty()) surface.face_offsets = {0};
   std::int64_t face = 0;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const std::int64_t end = face + descendant_count(mesh.face_size(f), whole.level);
+    const std::int64_t end = face + descendant_count(whole, mesh.face_size(f));
     for (; face < end; ++face) {
       if (is_hole[f]) continue;
       const auto vertices = whole.face(face);
       const auto first = vertices.data() - whole.face_vertices.data();
       surface.face_vertices.insert(surface.face_vertices.end(), vertices.begin(), vertices.end());
-      if (whole.level == 0) {
+      if (!whole.face_offsets.empty()) {
         surface.face_offsets.push_back(static_cast<std::int32_t>(surface.face_vertices.size()));
       }
       if (!whole.face_uvs.empty()) {

@@ -1,22 +1,24 @@
 #pragma once
 
+#include <opensubdiv/far/topologyRefiner.h>
+
 #include <cstdint>
 
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/quad_split.h"
+#include "planish/stencil/sector_rows.h"
 #include "planish/surface/surface_mesh.h"
 
 namespace planish {
 
 /// Gives a connected surface the attributes of the mesh it was refined from: texture coordinates
-/// and colours linearly on the quad split (what OpenSubdiv's bilinear scheme makes of them; given
-/// corners and vertices keep theirs, seams stay seams), groups by face.
-void carry_attributes(const PolygonMesh& mesh, const QuadSplit& split, const LimitRows& rows,
-                      SurfaceMesh& surface);
+/// and colours linearly (given corners and vertices keep theirs, seams stay seams), groups by face.
+/// `refiner` is refined to the surface's level at least.
+void carry_attributes(const PolygonMesh& mesh, const OpenSubdiv::Far::TopologyRefiner& refiner,
+                      const SectorRows& rows, SurfaceMesh& surface);
 
-/// Faces of a surface that stem from one face of the mesh.
-[[nodiscard]] std::int64_t descendant_count(std::int32_t face_size, int level);
+/// Faces of the surface, holes in it included, that stem from one face of the mesh. They follow one
+/// another in the order of the mesh's faces.
+[[nodiscard]] std::int64_t descendant_count(const SurfaceMesh& surface, std::int32_t face_size);
 
 /// Takes the descendants of the mesh's hole faces out of a surface. Vertices stay.
 void remove_holes(const PolygonMesh& mesh, SurfaceMesh& surface);

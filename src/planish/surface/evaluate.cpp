@@ -1,5 +1,4 @@
-// The chain of small stencil tables: control points -> state of level 1 -> ... -> state of the
-// last level -> limit points and tangents. Tables are made and used in slices of rows, so that the
+// The chain of small stencil tables of SurfaceTables, made and used in slices of rows, so that the
 // tables of the last level never stand in memory whole.
 #include "planish/surface/evaluate.h"
 
@@ -8,13 +7,13 @@
 #include <string>
 
 #include "planish/core/assert.h"
-#include "planish/doosabin/face_rows.h"
 #include "planish/doosabin/limit_masks.h"
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/placement.h"
+#include "planish/primal/primal_stencils.h"
 #include "planish/surface/attributes.h"
 #include "planish/surface/subdivided_mesh.h"
+#include "planish/surface/surface_tables.h"
 
 namespace planish {
 
@@ -39,22 +38,31 @@ struct Source {
   int level;
 };
 
-// The state of the level whose rings give the output's limit points.
-std::unique_ptr<DevicePoints> refine_points(Source source, const SubdividedMesh& cage, int level,
+// The state of the level that gives the output's limit points.
+std::unique_ptr<DevicePoints> refine_points(Source source, const SurfaceTables& tables,
                                             Backend& backend, const Callbacks& callbacks) {
-  for (int l = source.level + 1; l <= level; ++l) {
-    const std::int64_t size = cage.subdivision.state_layout(l).size;
+  for (int l = source.level + 1; l <= tables.state_level(); ++l) {
+    const std::int64_t size = tables.state_size(l);
     auto target = backend.allocate(static_cast<std::int32_t>(size));
     for_slices(size, callbacks, [&](RowRange rows) {
-      const StencilTable<double> table =
-          l == 1 ? first_step_table(cage.used.mesh, cage.subdivision, rows)
-                 : refinement_table(cage.subdivision, l - 1, rows);
-      backend.apply(table.view(), *source.points, *target, static_cast<std::int32_t>(rows.first));
+      backend.apply(tables.step(l, rows).view(), *source.points, *target,
+                    static_cast<std::int32_t>(rows.first));
     });
     source.points = std::move(target);
-    callbacks.report("evaluate", 0.4 * l / level);
+    callbacks.report("evaluate", 0.4 * l / tables.state_level());
   }
   return std::move(source.points);
+}
+
+// The output's faces, whose size is not stored where all are quads.
+void connect(const PolygonMesh& mesh, const SurfaceTables& tables, SurfaceMesh& surface) {
+  surface.face_vertices = tables.face_vertices();
+  if (surface.level == 0) {
+    surface.face_offsets = mesh.face_offsets;
+  } else if (const int size = tables.corners_per_face(); size != 4) {
+    const auto corner_count = static_cast<std::int32_t>(surface.face_vertices.size());
+    for (std::int32_t c = 0; c <= corner_count; c += size) surface.face_offsets.push_back(c);
+  }
 }
 
 // Area vectors of the faces around the given vertices, summed.
@@ -104,22 +112,18 @@ void require_level(const EvaluateOptions& options) {
                                               " is outside 0 to " + std::to_string(kMaxLevel));
 }
 
-SurfaceMesh surface_from(Source source, const Placement& placement, const SubdividedMesh& cage,
-                         Backend& backend, const EvaluateOptions& options) {
-  // The input's own vertices have their limit points on every level: level 0 reads them off the
-  // state of level 1.
-  const int state_level = std::max(options.level, 1);
-  const auto state =
-      refine_points(std::move(source), cage, state_level, backend, options.callbacks);
-  const Subdivision& subdivision = cage.subdivision;
+SurfaceMesh surface_from(Source source, const Placement& placement, const UsedMesh& used,
+                         const SurfaceTables& tables, Backend& backend,
+                         const EvaluateOptions& options) {
+  const auto state = refine_points(std::move(source), tables, backend, options.callbacks);
   SurfaceMesh surface;
   surface.level = options.level;
-  surface.base_vertices = cage.used.vertices;
-  const LimitRows rows(subdivision, state_level, cage.split.counts(options.level).vertices);
+  surface.base_vertices = used.vertices;
+  const SectorRows& rows = tables.rows();
   surface.positions.resize(static_cast<std::size_t>(rows.count()));
   surface.normals.resize(surface.positions.size());
   for_slices(rows.count(), options.callbacks, [&](RowRange range) {
-    const LimitStencilTable<double> table = limit_table(subdivision, state_level, rows, range);
+    const LimitStencilTable<double> table = tables.limit(range);
     const auto first = static_cast<std::size_t>(range.first);
     const auto count = static_cast<std::size_t>(range.count);
     backend.apply_limit(table.view(), *state, std::span(surface.positions).subspan(first, count),
@@ -128,12 +132,41 @@ SurfaceMesh surface_from(Source source, const Placement& placement, const Subdiv
         "evaluate", 0.4 + 0.6 * static_cast<double>(range.first + range.count) / rows.count());
   });
   for (glm::dvec3& position : surface.positions) position = placement.to_model(position);
-  if (surface.level == 0) surface.face_offsets = cage.used.mesh.face_offsets;
-  surface.face_vertices = face_rows(cage.used.mesh, cage.split, surface.level, rows);
-  carry_attributes(cage.used.mesh, cage.split, rows, surface);
+  connect(used.mesh, tables, surface);
+  carry_attributes(used.mesh, tables.refiner(), rows, surface);
   replace_degenerate_normals(surface, options.callbacks);
-  remove_holes(cage.used.mesh, surface);
+  remove_holes(used.mesh, surface);
   return surface;
+}
+
+Source cage_points(const PolygonMesh& cage, const Placement& placement, Backend& backend) {
+  std::vector<glm::dvec3> unit(cage.positions.size());
+  std::transform(cage.positions.begin(), cage.positions.end(), unit.begin(),
+                 [&](const glm::dvec3& p) { return placement.to_unit(p); });
+  return {backend.upload(unit), 0};
+}
+
+SurfaceMesh primal_surface(const PolygonMesh& cage, PrimalScheme scheme, Backend& backend,
+                           const EvaluateOptions& options) {
+  const UsedMesh used = usable_part(cage);
+  const auto tables = primal_tables(used.mesh, scheme, options);
+  const Placement placement = placement_of(used.mesh);
+  return surface_from(cage_points(used.mesh, placement, backend), placement, used, *tables,
+                      backend, options);
+}
+
+StencilTable<double> primal_masks(const PolygonMesh& mesh, PrimalScheme scheme,
+                                  const LimitOptions& options) {
+  PrimalSplit split(mesh, {scheme, options.sharp});
+  split.refine(1);
+  return primal_limit_masks(split);
+}
+
+StencilTable<double> doo_sabin_masks(const PolygonMesh& mesh, const LimitOptions& options) {
+  const QuadSplit split(mesh);
+  const SharpFeatures features =
+      find_sharp_features(mesh, split, mesh.positions, options.sharp);
+  return limit_masks(mesh, Subdivision(split, features, options.weights));
 }
 
 }  // namespace
@@ -142,32 +175,33 @@ SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOp
   require_level(options);
   PLANISH_ASSERT(options.rest_positions.empty() ||
                  options.rest_positions.size() == cage.positions.size());
+  if (const auto scheme = primal_scheme(options.scheme)) {
+    return primal_surface(cage, *scheme, backend, options);
+  }
   const SubdividedMesh subdivided(cage, options);
-  const Placement placement = placement_of(subdivided.used.mesh);
-  std::vector<glm::dvec3> unit(subdivided.used.mesh.positions.size());
-  std::transform(subdivided.used.mesh.positions.begin(), subdivided.used.mesh.positions.end(),
-                 unit.begin(), [&](const glm::dvec3& p) { return placement.to_unit(p); });
-  return surface_from({backend.upload(unit), 0}, placement, subdivided, backend, options);
+  const PolygonMesh& mesh = subdivided.used.mesh;
+  const Placement placement = placement_of(mesh);
+  return surface_from(cage_points(mesh, placement, backend), placement, subdivided.used,
+                      *doo_sabin_tables(subdivided, options.level), backend, options);
 }
 
 SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one, Backend& backend,
                      const EvaluateOptions& options) {
   require_level(options);
+  PLANISH_ASSERT(options.scheme == Scheme::DooSabin);
   PLANISH_ASSERT(options.rest_positions.empty() ||
                  options.rest_positions.size() == mesh.positions.size());
   const SubdividedMesh subdivided(mesh, options);
   require_state_of(subdivided.subdivision, level_one);
-  return surface_from({backend.upload(level_one.state), 1}, level_one.placement, subdivided,
-                      backend, options);
+  return surface_from({backend.upload(level_one.state), 1}, level_one.placement, subdivided.used,
+                      *doo_sabin_tables(subdivided, options.level), backend, options);
 }
 
-std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, Weights weights,
-                                        const SharpFeatureOptions& sharp) {
-  EvaluateOptions options{.level = 0, .weights = weights};
-  options.sharp = sharp;
-  const SubdividedMesh subdivided(cage, options);
-  const UsedMesh& used = subdivided.used;
-  const StencilTable<double> masks = limit_masks(used.mesh, subdivided.subdivision);
+std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, const LimitOptions& options) {
+  const UsedMesh used = usable_part(cage);
+  const auto scheme = primal_scheme(options.scheme);
+  const StencilTable<double> masks = scheme ? primal_masks(used.mesh, *scheme, options)
+                                            : doo_sabin_masks(used.mesh, options);
   const StencilView<double> view = masks.view();
   std::vector<glm::dvec3> limits = cage.positions;
   for (std::int32_t i = 0; i < view.row_count(); ++i) {

@@ -10,17 +10,19 @@
 #include "planish/doosabin/face_rule.h"
 #include "planish/doosabin/sharp_features.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/primal/scheme.h"
 #include "planish/surface/level_one.h"
 #include "planish/surface/surface_mesh.h"
 
 namespace planish {
 
-/// Quad splits beyond which a tessellation is refused: 4096 quads for each quad of the cage.
+/// Splits beyond which a tessellation is refused: 4096 faces for each face of the cage.
 inline constexpr int kMaxLevel = 6;
 
 struct EvaluateOptions {
-  int level = 2;  ///< 0 to kMaxLevel quad splits
-  Weights weights = Weights::DooSabin;
+  int level = 2;  ///< 0 to kMaxLevel splits into quads (triangles with Loop)
+  Scheme scheme = Scheme::DooSabin;
+  Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
   SharpFeatureOptions sharp;
   /// Where given, one per vertex of the cage: sector angles at corners are measured on these
   /// positions (the rest pose: the input's vertices), not on the cage's.
@@ -29,22 +31,37 @@ struct EvaluateOptions {
   Callbacks callbacks;
 };
 
-/// The tessellated limit surface of a control cage, with exact limit points and normals.
-/// Throws Error{UnusableMesh}, Error{InvalidArgument} for the level, Error{OutOfMemory} before
+/// The tessellated limit surface of a control cage, with exact limit points and normals. Throws
+/// Error{UnusableMesh} (also for Loop where a face is no triangle), Error{InvalidArgument} for the
+/// level, Error{OutOfMemory} before
 /// memory is taken, Error{Cancelled}. Warns "degenerate-normals" where tangents are parallel and a
 /// facet's normal stands in.
 [[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend,
                                    const EvaluateOptions& options = {});
 
-/// The same for the surface of these control points on the topology, tags and attributes of `mesh`,
+/// The same for the Doo-Sabin surface of these control points on the topology, tags and attributes of `mesh`,
 /// whose positions only serve as the rest pose. Throws as above; Error{InvalidArgument} for a state
 /// of another size.
 [[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one,
                                    Backend& backend, const EvaluateOptions& options = {});
 
+/// The surface that a cage controls.
+struct LimitOptions {
+  Scheme scheme = Scheme::DooSabin;
+  Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
+  SharpFeatureOptions sharp;
+};
+
 /// Limit positions of the cage's vertices in double on the CPU, whatever backend made the cage.
 /// Unused vertices stay where they are. Throws Error{UnusableMesh}.
-[[nodiscard]] std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, Weights weights,
-                                                      const SharpFeatureOptions& sharp);
+[[nodiscard]] std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage,
+                                                      const LimitOptions& options);
+
+/// The same for Doo-Sabin.
+[[nodiscard]] inline std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage,
+                                                             Weights weights,
+                                                             const SharpFeatureOptions& sharp) {
+  return limit_positions(cage, {Scheme::DooSabin, weights, sharp});
+}
 
 }  // namespace planish

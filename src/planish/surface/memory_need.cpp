@@ -37,17 +37,16 @@ std::uint64_t read_number(const char* path) {
 
 }  // namespace
 
-std::uint64_t tessellation_bytes(const QuadSplit& split, int level) {
+std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last) {
   std::uint64_t bytes = kFixedBytes;
-  for (int l = 0; l < level; ++l) {
-    bytes += kFullTopologyBytes * static_cast<std::uint64_t>(split.counts(l).faces);
+  for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
+    bytes += kFullTopologyBytes * static_cast<std::uint64_t>(levels[l].faces);
   }
-  const LevelCounts last = split.counts(level);
-  const LevelCounts state = split.counts(std::max(level, 1));
-  bytes += kLastTopologyBytes * static_cast<std::uint64_t>(last.faces);
-  bytes += kStateBytes * static_cast<std::uint64_t>(state.faces + state.faces / 4);
-  bytes += kSurfaceVertexBytes * static_cast<std::uint64_t>(last.vertices);
-  bytes += kSurfaceFaceBytes * static_cast<std::uint64_t>(last.faces);
+  const auto faces = static_cast<std::uint64_t>(levels.back().faces);
+  bytes += (last == LastLevel::Full ? kFullTopologyBytes : kLastTopologyBytes) * faces;
+  bytes += kStateBytes * (faces + faces / 4);
+  bytes += kSurfaceVertexBytes * static_cast<std::uint64_t>(levels.back().vertices);
+  bytes += kSurfaceFaceBytes * faces;
   return bytes;
 }
 
@@ -68,9 +67,10 @@ std::uint64_t available_memory_bytes() {
   return available;
 }
 
-void require_memory(const QuadSplit& split, int level, std::uint64_t limit_bytes) {
-  const LevelCounts counts = split.counts(level);
-  const std::string what = "level " + std::to_string(level) + " has " +
+void require_memory(std::span<const LevelCounts> levels, LastLevel last,
+                    std::uint64_t limit_bytes) {
+  const LevelCounts& counts = levels.back();
+  const std::string what = "level " + std::to_string(levels.size() - 1) + " has " +
                            std::to_string(counts.vertices) + " vertices and " +
                            std::to_string(counts.faces) + " faces";
   // Four corners a face are indexed by int32.
@@ -78,7 +78,7 @@ void require_memory(const QuadSplit& split, int level, std::uint64_t limit_bytes
     throw Error(ErrorCode::OutOfMemory,
                 what + ", more than 32-bit indices reach; take fewer levels");
   }
-  const std::uint64_t need = tessellation_bytes(split, level);
+  const std::uint64_t need = tessellation_bytes(levels, last);
   const std::uint64_t limit = limit_bytes > 0 ? limit_bytes : available_memory_bytes();
   if (need > limit) {
     throw Error(ErrorCode::OutOfMemory, what + " and needs " + gibibytes(need) +

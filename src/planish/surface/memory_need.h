@@ -1,21 +1,25 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "planish/stencil/quad_split.h"
 
 namespace planish {
 
-/// Peak of host memory that tessellating down to `level` takes, in bytes: an upper estimate from
-/// element counts.
-[[nodiscard]] std::uint64_t tessellation_bytes(const QuadSplit& split, int level);
+/// How much of the last level's topology a scheme keeps.
+enum class LastLevel { FacesOnly, Full };
+
+/// Peak of host memory that tessellating takes, in bytes: an upper estimate. `levels` holds the
+/// element counts of level 0 to the one whose points give the limit.
+[[nodiscard]] std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last);
 
 /// Memory that the machine can still give, in bytes: the least of what the kernel calls available
 /// and what control groups leave; the largest value where neither can be read.
 [[nodiscard]] std::uint64_t available_memory_bytes();
 
-/// Throws Error{OutOfMemory} naming counts, need and limit when tessellating to `level` exceeds
-/// `limit_bytes` (0: what is available) or 32-bit indices.
-void require_memory(const QuadSplit& split, int level, std::uint64_t limit_bytes);
+/// Throws Error{OutOfMemory} naming counts, need and limit when tessellating exceeds `limit_bytes`
+/// (0: what is available) or 32-bit indices.
+void require_memory(std::span<const LevelCounts> levels, LastLevel last, std::uint64_t limit_bytes);
 
 }  // namespace planish

@@ -1,5 +1,6 @@
 #include "planish/surface/subdivided_mesh.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "planish/mesh/check.h"
@@ -9,14 +10,10 @@ namespace planish {
 
 namespace {
 
-UsedMesh usable_part(const PolygonMesh& mesh) {
-  require_usable(mesh, "control cage");
-  return without_unused_vertices(mesh);
-}
-
 // Splits down to the level asked for and finds what is sharp.
 SharpFeatures refine_split(const UsedMesh& used, QuadSplit& split, const EvaluateOptions& options) {
-  require_memory(split, options.level, options.memory_limit_bytes);
+  require_memory(split.counts_to(std::max(options.level, 1)), LastLevel::FacesOnly,
+                 options.memory_limit_bytes);
   split.refine(options.level);
   std::vector<glm::dvec3> rest = used.mesh.positions;
   if (!options.rest_positions.empty()) {
@@ -27,6 +24,11 @@ SharpFeatures refine_split(const UsedMesh& used, QuadSplit& split, const Evaluat
 }
 
 }  // namespace
+
+UsedMesh usable_part(const PolygonMesh& mesh) {
+  require_usable(mesh, "control cage");
+  return without_unused_vertices(mesh);
+}
 
 SubdividedMesh::SubdividedMesh(const PolygonMesh& mesh, const EvaluateOptions& options)
     : used(usable_part(mesh)),

@@ -12,13 +12,13 @@
 namespace planish {
 
 /// A tessellation whose every vertex lies on the limit surface, in model coordinates. At level 0
-/// its faces are the input's polygons, from level 1 on all quads.
+/// its faces are the input's polygons, from level 1 on all quads, or triangles with Loop.
 struct SurfaceMesh {
   int level = 0;
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> normals;           ///< unit, finite, one per position
-  std::vector<std::int32_t> face_offsets;   ///< level 0 only: face_count + 1
-  std::vector<std::int32_t> face_vertices;  ///< level 0: all corners; else 4 per quad
+  std::vector<std::int32_t> face_offsets;   ///< face_count + 1; empty where all faces are quads
+  std::vector<std::int32_t> face_vertices;  ///< all corners
   /// The first positions are the limit points of the input's vertices, in its order: entry i is
   /// the input's index of position i (unused vertices are left out). Vertices of several normals
   /// (creases) have their further copies at the end.
@@ -32,12 +32,14 @@ struct SurfaceMesh {
   std::vector<std::int32_t> face_groups;  ///< one per face: its group
 
   [[nodiscard]] std::int64_t face_count() const {
-    return level == 0 ? static_cast<std::int64_t>(face_offsets.size()) - 1
-                      : static_cast<std::int64_t>(face_vertices.size()) / 4;
+    return face_offsets.empty() ? static_cast<std::int64_t>(face_vertices.size()) / 4
+                                : static_cast<std::int64_t>(face_offsets.size()) - 1;
   }
+  /// Of a level from 1 on: Loop's.
+  [[nodiscard]] bool is_triangles() const { return level > 0 && !face_offsets.empty(); }
   [[nodiscard]] std::span<const std::int32_t> face(std::int64_t index) const {
-    const std::int64_t first = level == 0 ? face_offsets[index] : 4 * index;
-    const std::int64_t size = level == 0 ? face_offsets[index + 1] - first : 4;
+    const std::int64_t first = face_offsets.empty() ? 4 * index : face_offsets[index];
+    const std::int64_t size = face_offsets.empty() ? 4 : face_offsets[index + 1] - first;
     return {face_vertices.data() + first, static_cast<std::size_t>(size)};
   }
 };

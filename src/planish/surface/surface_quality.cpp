@@ -67,7 +67,7 @@ std::vector<std::int32_t> ancestors(const SurfaceMesh& surface, const PolygonMes
   for (std::int32_t f = 0; f < input.face_count(); ++f) {
     if (is_hole[f]) continue;
     // Descendants of a face follow one another.
-    const auto count = descendant_count(input.face_size(f), surface.level);
+    const auto count = descendant_count(surface, input.face_size(f));
     result.insert(result.end(), static_cast<std::size_t>(count), f);
   }
   PLANISH_ASSERT(static_cast<std::int64_t>(result.size()) == surface.face_count());

@@ -9,7 +9,7 @@ void write_surface(const std::filesystem::path& path, MeshFormat format, const S
   PolygonView view;
   view.positions = surface.positions;
   view.normals = surface.normals;
-  if (surface.level == 0) view.face_offsets = surface.face_offsets;
+  view.face_offsets = surface.face_offsets;
   view.face_vertices = surface.face_vertices;
   view.uvs = surface.uvs;
   view.face_uvs = surface.face_uvs;

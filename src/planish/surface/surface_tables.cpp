@@ -1,0 +1,126 @@
+#include "planish/surface/surface_tables.h"
+
+#include <algorithm>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+#include "planish/doosabin/face_rows.h"
+#include "planish/doosabin/surface_stencils.h"
+#include "planish/primal/primal_stencils.h"
+#include "planish/primal/vertex_star.h"
+#include "planish/surface/memory_need.h"
+
+namespace planish {
+
+namespace {
+
+class DooSabinTables final : public SurfaceTables {
+ public:
+  DooSabinTables(const SubdividedMesh& cage, int level)
+      : cage_(cage),
+        level_(level),
+        rows_(cage.subdivision, state_level(), cage.split.counts(level).vertices) {}
+
+  [[nodiscard]] int state_level() const override { return std::max(level_, 1); }
+  [[nodiscard]] std::int64_t state_size(int level) const override {
+    return cage_.subdivision.state_layout(level).size;
+  }
+  [[nodiscard]] StencilTable<double> step(int level, RowRange rows) const override {
+    return level == 1 ? first_step_table(cage_.used.mesh, cage_.subdivision, rows)
+                      : refinement_table(cage_.subdivision, level - 1, rows);
+  }
+  [[nodiscard]] const SectorRows& rows() const override { return rows_.sectors(); }
+  [[nodiscard]] LimitStencilTable<double> limit(RowRange rows) const override {
+    return limit_table(cage_.subdivision, state_level(), rows_, rows);
+  }
+  [[nodiscard]] std::vector<std::int32_t> face_vertices() const override {
+    return face_rows(cage_.used.mesh, cage_.split, level_, rows_);
+  }
+  [[nodiscard]] int corners_per_face() const override { return 4; }
+  [[nodiscard]] const OpenSubdiv::Far::TopologyRefiner& refiner() const override {
+    return cage_.split.refiner();
+  }
+
+ private:
+  const SubdividedMesh& cage_;
+  int level_;
+  LimitRows rows_;
+};
+
+class PrimalTables final : public SurfaceTables {
+ public:
+  PrimalTables(const PolygonMesh& mesh, PrimalScheme scheme, const EvaluateOptions& options)
+      : level_(options.level), split_(mesh, {scheme, options.sharp}) {
+    const std::vector<LevelCounts> counts = split_.counts_to(state_level());
+    require_memory(counts, LastLevel::Full, options.memory_limit_bytes);
+    split_.refine(state_level());
+    rows_ = primal_sector_rows(split_, state_level(), counts[level_].vertices);
+  }
+
+  [[nodiscard]] int state_level() const override { return std::max(level_, 1); }
+  [[nodiscard]] std::int64_t state_size(int level) const override {
+    return split_.level(level).GetNumVertices();
+  }
+  [[nodiscard]] StencilTable<double> step(int level, RowRange rows) const override {
+    return primal_refinement_table(split_, level - 1, rows);
+  }
+  [[nodiscard]] const SectorRows& rows() const override { return rows_; }
+  [[nodiscard]] LimitStencilTable<double> limit(RowRange rows) const override {
+    return primal_limit_table(split_, state_level(), rows_, rows);
+  }
+  [[nodiscard]] std::vector<std::int32_t> face_vertices() const override {
+    const auto& topology = split_.level(level_);
+    const auto face_count = static_cast<std::size_t>(topology.GetNumFaces());
+    std::vector<std::size_t> first(face_count + 1, 0);
+    for (std::size_t f = 0; f < face_count; ++f) {
+      first[f + 1] = first[f] + topology.GetFaceVertices(static_cast<int>(f)).size();
+    }
+    std::vector<std::int32_t> result(first.back());
+    parallel_for(face_count, 4096, [&](std::size_t begin, std::size_t end) {
+      VertexStar star;
+      for (std::size_t f = begin; f < end; ++f) {
+        const auto vertices = topology.GetFaceVertices(static_cast<int>(f));
+        for (int k = 0; k < vertices.size(); ++k) {
+          result[first[f] + k] = row_of(static_cast<std::int32_t>(f), k, vertices[k], star);
+        }
+      }
+    });
+    return result;
+  }
+  [[nodiscard]] int corners_per_face() const override {
+    return split_.scheme() == PrimalScheme::Loop ? 3 : 4;
+  }
+  [[nodiscard]] const OpenSubdiv::Far::TopologyRefiner& refiner() const override {
+    return split_.refiner();
+  }
+
+ private:
+  // The row of a vertex as seen from a face of the output, of which it is corner `corner`.
+  [[nodiscard]] std::int32_t row_of(std::int32_t face, int corner, std::int32_t vertex,
+                                    VertexStar& star) const {
+    if (!rows_.is_split(vertex)) return vertex;
+    const std::int32_t state_face =
+        level_ == 0 ? split_.level(0).GetFaceChildFaces(face)[corner] : face;
+    const int place = split_.level(state_level()).GetVertexFaces(vertex).FindIndex(state_face);
+    PLANISH_ASSERT(place >= 0);
+    gather_star(split_, state_level(), vertex, star);
+    return rows_.row(vertex, sector_of(star, place));
+  }
+
+  int level_;
+  PrimalSplit split_;
+  SectorRows rows_;
+};
+
+}  // namespace
+
+std::unique_ptr<SurfaceTables> doo_sabin_tables(const SubdividedMesh& cage, int level) {
+  return std::make_unique<DooSabinTables>(cage, level);
+}
+
+std::unique_ptr<SurfaceTables> primal_tables(const PolygonMesh& mesh, PrimalScheme scheme,
+                                             const EvaluateOptions& options) {
+  return std::make_unique<PrimalTables>(mesh, scheme, options);
+}
+
+}  // namespace planish
