@@ -52,9 +52,22 @@ void require_method_fits(const FitOptions& options) {
   if (options.method == InterpolationMethod::Progressive || options.scheme == Scheme::DooSabin) {
     return;
   }
-  throw Error(ErrorCode::InvalidArgument,
-              "fair interpolation builds control points of Doo-Sabin's level 1, which Catmull-Clark "
-              "and Loop do not have; take progressive");
+  throw Error(
+      ErrorCode::InvalidArgument,
+      "fair interpolation builds control points of Doo-Sabin's level 1, which Catmull-Clark "
+      "and Loop do not have; take progressive");
+}
+
+// Why no progress is made where B is to blame. Eigenvalues nearer to 0 than this make none within
+// any sensible number of steps; where one is negative its part of the error grows.
+void explain_stagnation(const LimitSystem& system, Interpolation& interpolation) {
+  constexpr double kSingular = 1e-3;
+  if (interpolation.stop_reason != StopReason::Stagnated) return;
+  if (system.smallest_eigenvalue < -kSingular) {
+    interpolation.stop_reason = StopReason::Diverged;
+  } else if (system.smallest_eigenvalue < kSingular) {
+    interpolation.stop_reason = StopReason::Singular;
+  }
 }
 
 // The iteration of the paper, or one of its accelerations, in coordinates of unit diagonal.
@@ -73,9 +86,7 @@ void solve_progressive(Fit& result, const UsedMesh& used, const LimitSystem& sys
   interpolation.row_weights = system.row_weights;
   interpolation.callbacks = options.callbacks;
   result.interpolation = interpolate(backend, system.masks.view(), given, interpolation);
-  if (result.interpolation.stop_reason == StopReason::Stagnated && system.nearly_singular) {
-    result.interpolation.stop_reason = StopReason::Singular;
-  }
+  explain_stagnation(system, result.interpolation);
   result.timing.upload = result.interpolation.upload_milliseconds;
   result.timing.solve = watch.lap() - result.timing.upload;
 

@@ -26,7 +26,7 @@ struct FitOptions {
   InterpolationMethod method = InterpolationMethod::Progressive;
   Scheme scheme = Scheme::DooSabin;
   Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
-  Solver solver = Solver::Chebyshev;  ///< of the progressive method, as max_iterations
+  Solver solver = Solver::Chebyshev;    ///< of the progressive method, as max_iterations
   double tolerance = 1e-6;  ///< of the maximum error, relative to the bounding-box diagonal
   std::int32_t max_iterations = 200;
   std::int32_t polish_steps = 8;  ///< of the fair method, see FairOptions
@@ -68,14 +68,14 @@ struct Fit {
 /// Finds the control points: check, limit stencils, progressive interpolation; or the fair net.
 /// Warns "folds-left" where a fair net still has edges or faces that are turned over. Throws
 /// Error{UnusableMesh} (also for Loop on other faces than triangles), Error{InvalidArgument}
-/// (conjugate gradients on a mesh that is not closed and smooth; the fair method with another scheme
-/// than Doo-Sabin), Error{OutOfMemory}, Error{Cancelled}. Not converging is a result: Catmull-Clark's
-/// B can be singular, as on a cube.
+/// (conjugate gradients on a mesh that is not closed and smooth; the fair method with another
+/// scheme than Doo-Sabin), Error{OutOfMemory}, Error{Cancelled}. Not converging is a result:
+/// Catmull-Clark's B can be singular, as on a cube.
 [[nodiscard]] Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options = {});
 
-/// The surface of a fitted mesh; the options' scheme, weights and sharp features are those of the fit.
-/// Sector angles are measured on `mesh` unless the options name a rest pose. Throws as the other
-/// evaluate().
+/// The surface of a fitted mesh; the options' scheme, weights and sharp features are those of the
+/// fit. Sector angles are measured on `mesh` unless the options name a rest pose. Throws as the
+/// other evaluate().
 [[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
                                    const EvaluateOptions& options = {});
 

@@ -12,10 +12,6 @@ namespace planish {
 
 namespace {
 
-// Eigenvalues below this make no progress within any sensible number of steps: B counts as
-// singular.
-constexpr double kSingular = 1e-3;
-
 // Where the least eigenvalue is smaller than this, or unknown. With too large a bound the Chebyshev
 // semi-iteration still converges for every eigenvalue in (0, 1], only slower; with too small a one
 // it takes its time for all. 1/100 costs three times the steps of Doo-Sabin's 1/4 and a half.
@@ -42,6 +38,7 @@ LimitSystem doo_sabin_system(const PolygonMesh& mesh, const Subdivision& subdivi
                       features.corner_count);
   LimitSystem system{limit_masks(mesh, subdivision)};
   system.spectral_bound = spectral_bound(mesh, options.weights);
+  system.smallest_eigenvalue = system.spectral_bound;
   if (options.solver == Solver::ConjugateGradients) {
     system.row_weights = valences(subdivision.split());
   }
@@ -55,7 +52,7 @@ LimitSystem primal_system(const PrimalSplit& split, const FitOptions& options) {
                       split.corner_count());
   const double smallest = spectrum.smallest * (spectrum.proven ? 1.0 : kEstimateMargin);
   system.spectral_bound = std::clamp(smallest, kLeastBound, 0.9);
-  system.nearly_singular = spectrum.smallest < kSingular;
+  system.smallest_eigenvalue = spectrum.smallest;
   if (options.solver == Solver::ConjugateGradients) system.row_weights = primal_row_weights(split);
   return system;
 }

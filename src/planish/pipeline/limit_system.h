@@ -14,7 +14,9 @@ namespace planish {
 struct LimitSystem {
   StencilTable<double> masks;  ///< B
   double spectral_bound = 0;   ///< above 0 and below 1; what the Chebyshev semi-iteration takes
-  bool nearly_singular = false;
+  /// Estimate of B's smallest eigenvalue; at or near 0 B is singular, below it no iteration
+  /// converges.
+  double smallest_eigenvalue = 0;
   std::vector<double> row_weights;  ///< for conjugate gradients; empty for the other solvers
 };
 

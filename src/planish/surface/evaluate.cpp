@@ -151,8 +151,8 @@ SurfaceMesh primal_surface(const PolygonMesh& cage, PrimalScheme scheme, Backend
   const UsedMesh used = usable_part(cage);
   const auto tables = primal_tables(used.mesh, scheme, options);
   const Placement placement = placement_of(used.mesh);
-  return surface_from(cage_points(used.mesh, placement, backend), placement, used, *tables,
-                      backend, options);
+  return surface_from(cage_points(used.mesh, placement, backend), placement, used, *tables, backend,
+                      options);
 }
 
 StencilTable<double> primal_masks(const PolygonMesh& mesh, PrimalScheme scheme,
@@ -164,8 +164,7 @@ StencilTable<double> primal_masks(const PolygonMesh& mesh, PrimalScheme scheme,
 
 StencilTable<double> doo_sabin_masks(const PolygonMesh& mesh, const LimitOptions& options) {
   const QuadSplit split(mesh);
-  const SharpFeatures features =
-      find_sharp_features(mesh, split, mesh.positions, options.sharp);
+  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, options.sharp);
   return limit_masks(mesh, Subdivision(split, features, options.weights));
 }
 
@@ -200,8 +199,8 @@ SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one, Backend
 std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, const LimitOptions& options) {
   const UsedMesh used = usable_part(cage);
   const auto scheme = primal_scheme(options.scheme);
-  const StencilTable<double> masks = scheme ? primal_masks(used.mesh, *scheme, options)
-                                            : doo_sabin_masks(used.mesh, options);
+  const StencilTable<double> masks =
+      scheme ? primal_masks(used.mesh, *scheme, options) : doo_sabin_masks(used.mesh, options);
   const StencilView<double> view = masks.view();
   std::vector<glm::dvec3> limits = cage.positions;
   for (std::int32_t i = 0; i < view.row_count(); ++i) {

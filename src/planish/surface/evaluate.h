@@ -39,9 +39,9 @@ struct EvaluateOptions {
 [[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend,
                                    const EvaluateOptions& options = {});
 
-/// The same for the Doo-Sabin surface of these control points on the topology, tags and attributes of `mesh`,
-/// whose positions only serve as the rest pose. Throws as above; Error{InvalidArgument} for a state
-/// of another size.
+/// The same for the Doo-Sabin surface of these control points on the topology, tags and attributes
+/// of `mesh`, whose positions only serve as the rest pose. Throws as above; Error{InvalidArgument}
+/// for a state of another size.
 [[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one,
                                    Backend& backend, const EvaluateOptions& options = {});
 

@@ -12,7 +12,8 @@ namespace planish {
 /// The mesh without its unused vertices. Throws Error{UnusableMesh}.
 [[nodiscard]] UsedMesh usable_part(const PolygonMesh& mesh);
 
-/// A mesh with everything that Doo-Sabin's tables depend on besides control points, down to a level.
+/// A mesh with everything that Doo-Sabin's tables depend on besides control points, down to a
+/// level.
 struct SubdividedMesh {
   /// Takes the level, the weights, what is sharp and the rest pose of the options. Throws
   /// Error{UnusableMesh}, and Error{OutOfMemory} for what evaluating that level needs.
