@@ -4,6 +4,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "conformance/catalogue.h"
@@ -115,6 +116,65 @@ double rms_torus_distance(const FairCase& c, const LimitSamples& samples) {
 TEST(FairNet, KeepsTheAccuracyOfTensorProductsOnARegularTorus) {
   const FairCase c(torus(24, 12, 1, 0.4), 3);
   EXPECT_LT(rms_torus_distance(c, limit_samples(c, c.net(0).state, 3)), 3.8e-5);
+}
+
+// The polygon of every vertex as its own mesh numbers it must follow it to its new number.
+TEST(FairNet, FollowsTheNumberingOfTheMesh) {
+  for (const auto& [name, mesh] : all_meshes()) {
+    SCOPED_TRACE(name);
+    const Relabelled other = relabelled(mesh, 4);
+    const FairCase before(mesh), after(other.mesh);
+    const FairNet net_before = before.net(8), net_after = after.net(8);
+    VertexRing ring_before, ring_after;
+    double worst = 0;
+    for (int32_t v = 0; v < mesh.vertex_count(); ++v) {
+      gather_ring(before.subdivision, 1, v, ring_before);
+      gather_ring(after.subdivision, 1, other.new_index[v], ring_after);
+      for (const int32_t face : ring_before.faces) {
+        double nearest = HUGE_VAL;
+        for (const int32_t candidate : ring_after.faces) {
+          nearest =
+              std::min(nearest, glm::distance(net_before.state[face], net_after.state[candidate]));
+        }
+        worst = std::max(worst, nearest);
+      }
+    }
+    EXPECT_LT(worst, 1e-5);
+  }
+}
+
+TEST(FairNet, DoesNotFoldRandomSpheres) {
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const FairCase c(delaunay_sphere(600, seed), 3);
+    for (const int32_t steps : {0, 8}) {
+      const LimitSamples samples = limit_samples(c, c.net(steps).state, 3);
+      const Placement placement = placement_of(c.mesh);
+      std::int64_t folded = 0;
+      for (std::size_t i = 0; i < samples.positions.size(); ++i) {
+        // The outward direction of the sphere.
+        const dvec3 out = placement.to_model(samples.positions[i]);
+        folded += glm::dot(out, dvec3(samples.normals[i])) <= 0;
+      }
+      EXPECT_EQ(folded, 0) << "seed " << seed << ", steps " << steps;
+    }
+  }
+}
+
+TEST(FairNet, RefusesStepsOutOfRange) {
+  const FairCase c(cube());
+  EXPECT_THROW(static_cast<void>(c.net(-1)), Error);
+  EXPECT_THROW(static_cast<void>(c.net(1001)), Error);
+}
+
+TEST(FairNet, IsFiniteOnDegenerateInput) {
+  FairCase c(icosphere(1));
+  c.given[3] = c.given[c.mesh.face(0)[0]];                // coincident
+  for (int i = 10; i < 20; ++i) c.given[i] = dvec3(0.0);  // many at once
+  for (const int32_t steps : {0, 8}) {
+    for (const dvec3& p : c.net(steps).state) {
+      EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+    }
+  }
 }
 
 }  // namespace

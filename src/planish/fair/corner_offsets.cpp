@@ -79,4 +79,18 @@ void corner_offsets(const FairTopology& topology, std::span<const dvec3> given,
                });
 }
 
+dvec3 corner_offset(const FairTopology& topology, std::span<const dvec3> given,
+                    std::span<const dvec3> points, std::int32_t corner) {
+  const std::int32_t face = topology.corner_faces[corner];
+  const std::int32_t first = topology.face_offsets[face], m = topology.face_size(face);
+  const auto circle = topology.unit_circle.of(m);
+  const dvec3& own = points[topology.corner_vertices[corner]];
+  dvec3 sum(0.0);
+  for (std::int32_t i = 0; i < m; ++i) {
+    const std::int32_t place = corner - first + i;
+    sum += (3 + 2 * circle[i].x) * (points[topology.corner_vertices[first + place % m]] - own);
+  }
+  return (own - given[topology.corner_vertices[corner]]) + sum / (4.0 * m);
+}
+
 }  // namespace planish

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 
@@ -11,5 +12,10 @@ namespace planish {
 /// the given point of its vertex. `offsets`: one per corner.
 void corner_offsets(const FairTopology& topology, std::span<const glm::dvec3> given,
                     std::span<const glm::dvec3> points, std::span<glm::dvec3> offsets);
+
+/// The same for one corner.
+[[nodiscard]] glm::dvec3 corner_offset(const FairTopology& topology,
+                                       std::span<const glm::dvec3> given,
+                                       std::span<const glm::dvec3> points, std::int32_t corner);
 
 }  // namespace planish

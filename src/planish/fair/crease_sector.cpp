@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
+#include "planish/fair/corner_offsets.h"
 #include "planish/fair/planar_ring.h"
 #include "planish/fair/vertex_frame.h"
 
@@ -38,7 +39,7 @@ double handle_factor(double handle_length, const dvec3& edge) {
 
 void build_sector(const FairTopology& topology, std::span<const dvec3> given,
                   std::span<const dvec3> face_normals, const FairTopology::Sector& sector,
-                  const SectorShape& shape, std::span<dvec3> result) {
+                  const SectorShape& shape, std::span<dvec3> offsets) {
   const VertexFrame frame = sector_frame(topology, given, face_normals, sector, shape.handle);
   const double handle_length = glm::length(shape.handle);
   for (std::int32_t i = 0; i < sector.count; ++i) {
@@ -47,7 +48,7 @@ void build_sector(const FairTopology& topology, std::span<const dvec3> given,
     const dvec3 next = given[topology.ring_next[place]] - given[sector.vertex];
     const dvec3 previous = given[topology.ring_previous[place]] - given[sector.vertex];
     const dvec2 flat_next = frame.project(next), flat_previous = frame.project(previous);
-    dvec2 flat = frame.project(shape.given_offsets[corner]);
+    dvec2 flat = frame.project(corner_offset(topology, given, given, corner));
     const PlanarRing::Wedge wedge = wedge_of(flat, flat_next, flat_previous);
     if (wedge.valid) {
       const double next_factor = i == 0 ? handle_factor(handle_length, next) : 1.0;
@@ -56,8 +57,8 @@ void build_sector(const FairTopology& topology, std::span<const dvec3> given,
       flat = next_factor * wedge.along_next * flat_next +
              previous_factor * wedge.along_previous * flat_previous;
     }
-    result[corner] = shape.share * (shape.offsets[corner] + shape.tensor_shift) +
-                     (1 - shape.share) * (flat.x * frame.tangent1 + flat.y * frame.tangent2);
+    offsets[corner] = shape.share * (offsets[corner] + shape.tensor_shift) +
+                      (1 - shape.share) * (flat.x * frame.tangent1 + flat.y * frame.tangent2);
   }
 }
 

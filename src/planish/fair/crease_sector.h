@@ -12,15 +12,13 @@ struct SectorShape {
   glm::dvec3 handle;        ///< offset of the curve point before the first sector
   double share;             ///< of the tensor-product construction, 0 to 1
   glm::dvec3 tensor_shift;  ///< given - B P at the vertex
-  /// Control points of one step of the given points and of P, relative to their given points.
-  std::span<const glm::dvec3> given_offsets, offsets;
 };
 
-/// The control points of a crease or boundary sector, written to `result` (one per corner):
-/// flat in the plane of the handle and the sector's normal where share is 0, following the
-/// curve's handles beside the sharp edges.
+/// Builds the control points of a crease or boundary sector in place of those in `offsets`, which
+/// are of one step of the given points or of P: flat in the plane of the handle and the sector's
+/// normal where share is 0, following the curve's handles beside the sharp edges.
 void build_sector(const FairTopology& topology, std::span<const glm::dvec3> given,
                   std::span<const glm::dvec3> face_normals, const FairTopology::Sector& sector,
-                  const SectorShape& shape, std::span<glm::dvec3> result);
+                  const SectorShape& shape, std::span<glm::dvec3> offsets);
 
 }  // namespace planish

@@ -69,34 +69,29 @@ std::vector<double> tensor_shares(const FairTopology& topology, std::span<const 
   return shares;
 }
 
-// The net in the making: everything relative to the given points.
+// The net in the making.
 struct NetBuilder {
   const FairTopology& topology;
   std::span<const dvec3> given;
   std::vector<dvec3> face_normals{}, normals{};
   std::vector<double> shares{};
-  std::vector<dvec3> points{};                    // P, empty where no vertex has a share
-  std::vector<dvec3> given_offsets{}, offsets{};  // of the given points, of P (empty: the same)
-  std::vector<dvec3> result{};                    // the state
+  std::vector<dvec3> points{};  // of the masked iteration; empty where no vertex has a share
+  /// The state relative to the given points.
+  std::vector<dvec3> offsets{};
 
   void prepare();
   std::int64_t build_polygons();
   void build_crease(std::int32_t vertex);
   void build_curve_points();
-
-  [[nodiscard]] std::span<const dvec3> tensor_offsets() const {
-    return offsets.empty() ? given_offsets : offsets;
-  }
 };
 
 void NetBuilder::prepare() {
   face_normals = unit_face_normals(topology, given);
   normals = vertex_normals(topology, given, face_normals);
-  given_offsets.resize(static_cast<std::size_t>(topology.corner_count));
-  corner_offsets(topology, given, given, given_offsets);
-  shares = tensor_shares(topology, given, normals, given_offsets);
+  offsets.resize(static_cast<std::size_t>(topology.state_size));
+  corner_offsets(topology, given, given, offsets);
+  shares = tensor_shares(topology, given, normals, offsets);
   if (std::any_of(shares.begin(), shares.end(), [](double share) { return share > 0; })) {
-    offsets = given_offsets;
     points = masked_iteration(topology, given, shares, offsets);
   }
 }
@@ -107,15 +102,11 @@ std::int64_t NetBuilder::build_polygons() {
   for_vertices(topology, [&] {
     return [&, scratch = PolygonScratch{}](std::int32_t v) mutable {
       if (topology.has_polygon(v)) {
-        const PolygonShape shape{normals[v], shares[v], given_offsets, tensor_offsets()};
-        if (build_vertex_polygon(topology, given, v, shape, scratch, result)) ++reversed;
+        if (build_vertex_polygon(topology, given, v, {normals[v], shares[v]}, scratch, offsets)) {
+          ++reversed;
+        }
       } else if (topology.kind(v) == VertexKind::Crease) {
         build_crease(v);
-      } else {
-        for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
-          const std::int32_t corner = topology.ring_corners[i];
-          result[corner] = tensor_offsets()[corner];
-        }
       }
     };
   });
@@ -124,8 +115,7 @@ std::int64_t NetBuilder::build_polygons() {
 
 void NetBuilder::build_crease(std::int32_t vertex) {
   const CreaseArms arms = crease_arms(topology, given, vertex);
-  SectorShape shape{crease_handle(arms, imbalance(arms)), shares[vertex], dvec3(0.0), given_offsets,
-                    tensor_offsets()};
+  SectorShape shape{crease_handle(arms, imbalance(arms)), shares[vertex], dvec3(0.0)};
   if (shape.share > 0) {
     const auto [before, after] = topology.crease_neighbours(vertex);
     shape.handle = shape.share * (points[before] - points[after]) / 8.0 +
@@ -137,18 +127,18 @@ void NetBuilder::build_crease(std::int32_t vertex) {
   const std::int32_t crease = topology.crease_of_vertex[vertex];
   for (std::int32_t s = topology.sector_offsets[crease]; s < topology.sector_offsets[crease + 1];
        ++s) {
-    build_sector(topology, given, face_normals, topology.sectors[s], shape, result);
+    build_sector(topology, given, face_normals, topology.sectors[s], shape, offsets);
   }
   const FairTopology::Sector& first = topology.sectors[topology.sector_offsets[crease]];
-  result[first.curve0] = shape.handle;
-  result[first.curve1] = -shape.handle;
+  offsets[first.curve0] = shape.handle;
+  offsets[first.curve1] = -shape.handle;
 }
 
 // Those of corner vertices; crease vertices have theirs, darts take the mean of their neighbours.
 void NetBuilder::build_curve_points() {
   for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
     const FairTopology::CurvePoint& place = topology.curve_points[s];
-    dvec3& point = result[static_cast<std::size_t>(topology.corner_count) + s];
+    dvec3& point = offsets[static_cast<std::size_t>(topology.corner_count) + s];
     switch (topology.kind(place.vertex)) {
       case VertexKind::Corner: {
         const dvec3& end = points.empty() ? given[place.other] : points[place.other];
@@ -156,7 +146,7 @@ void NetBuilder::build_curve_points() {
         break;
       }
       case VertexKind::Dart:
-        point = (result[place.corner_after] + result[place.corner_before]) / 2.0;
+        point = (offsets[place.corner_after] + offsets[place.corner_before]) / 2.0;
         break;
       case VertexKind::Crease:
       case VertexKind::Smooth:
@@ -195,7 +185,6 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
 
   FairNet net;
   NetBuilder builder{topology, given};
-  builder.result.resize(static_cast<std::size_t>(topology.state_size), dvec3(0.0));
   builder.prepare();
   net.reversed_vertices = builder.build_polygons();
   builder.build_curve_points();
@@ -203,15 +192,16 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
 
   std::vector<std::uint8_t> halvings(given.size(), 0);
   const auto repair = [&] {
-    return repair_folds(topology, given, builder.face_normals, builder.result, halvings);
+    return repair_folds(topology, given, builder.face_normals, builder.offsets, halvings);
   };
   FoldCount folds = repair();
   if (options.polish_steps > 0) {
     options.callbacks.check_cancelled();
     builder.build_curve_points();
-    const BendingRows bending = make_bending_rows(topology, given, builder.normals, builder.result);
-    apply_heights(topology, bending, builder.normals,
-                  polish_heights(topology, bending, options.polish_steps), builder.result);
+    BendingRows bending = make_bending_rows(topology, given, builder.normals, builder.offsets);
+    apply_heights(topology, builder.normals,
+                  polish_heights(topology, std::move(bending), options.polish_steps),
+                  builder.offsets);
     folds = repair();
   }
   builder.build_curve_points();
@@ -219,7 +209,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   net.flagged_faces = folds.faces;
   net.shrunk_vertices =
       std::count_if(halvings.begin(), halvings.end(), [](std::uint8_t count) { return count > 0; });
-  net.state = std::move(builder.result);
+  net.state = std::move(builder.offsets);
   add_given_points(topology, given, net.state);
   return net;
 }

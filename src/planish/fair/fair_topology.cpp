@@ -21,7 +21,7 @@ void number_corners(const PolygonMesh& mesh, FairTopology& topology) {
   topology.face_offsets = mesh.face_offsets;
   topology.corner_vertices = mesh.face_vertices;
   topology.corner_count = static_cast<std::int32_t>(mesh.face_vertices.size());
-  topology.corner_faces.resize(mesh.face_vertices.size());
+  topology.corner_faces = std::vector<std::int32_t>(mesh.face_vertices.size());
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     std::fill(topology.corner_faces.begin() + mesh.face_offsets[f],
               topology.corner_faces.begin() + mesh.face_offsets[f + 1], f);
@@ -65,7 +65,7 @@ void gather_rings(const Subdivision& subdivision, FairTopology& topology) {
   }
   for (auto* array : {&topology.ring_corners, &topology.ring_next, &topology.ring_previous,
                       &topology.corner_ccw, &topology.corner_cw}) {
-    array->resize(corner_count);
+    *array = std::vector<std::int32_t>(corner_count);
   }
   topology.is_regular.resize(vertex_count);
   topology.kinds.resize(vertex_count);
@@ -133,7 +133,7 @@ void gather_edges(const Subdivision& subdivision, FairTopology& topology) {
   for (int e = 0; e < base.GetNumEdges(); ++e) {
     if (subdivision.sharp_of_edge(0, e) < 0) smooth.push_back(e);
   }
-  topology.edges.resize(smooth.size());
+  topology.edges = std::vector<FairTopology::Edge>(smooth.size());
   parallel_for(smooth.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
       const auto faces = base.GetEdgeFaces(smooth[e]);

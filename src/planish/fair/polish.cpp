@@ -1,14 +1,15 @@
 // Based on: Hestenes & Stiefel 1952, conjugate gradients, on the subspace of heights with sum 0
-// over every polygon; the scaling of BendingRows stands for the preconditioner. With J the rows'
-// coefficients: two passes over the rows a step, one for J p, one for J^t (J p).
+// over every polygon. With J the rows' coefficients a step is three passes: faces multiply by
+// J^t J as far as a face sees it, vertices gather the residual, vertices turn the direction.
 #include "planish/fair/polish.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numeric>
+#include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/fair/piecewise_sum.h"
 
 namespace planish {
 
@@ -16,94 +17,82 @@ using glm::dvec3;
 
 namespace {
 
-// Vertices of a piece. Sums are over pieces of fixed size, so that they round the same whatever
-// the threads.
-constexpr std::int32_t kPiece = 2048;
+constexpr std::size_t kGrain = 4096;
 constexpr double kFarthestMove = 0.3;
+// Of the first residual's square: single precision reaches no lower.
+constexpr double kConverged = 1e-12;
 
-// body(vertex) over all vertices, its results summed.
-template <class Body>
-double sum_over_vertices(const FairTopology& topology, const Body& body) {
-  std::vector<double> pieces(
-      static_cast<std::size_t>((topology.vertex_count + kPiece - 1) / kPiece));
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t piece = begin; piece < end; ++piece) {
-      const auto first = static_cast<std::int32_t>(piece) * kPiece;
-      const std::int32_t last = std::min(first + kPiece, topology.vertex_count);
-      double sum = 0;
-      for (std::int32_t v = first; v < last; ++v) sum += body(v);
-      pieces[piece] = sum;
+// Conjugate gradients in the making.
+struct Polisher {
+  Polisher(const FairTopology& net_topology, BendingRows&& rows);
+
+  template <class Size>
+  double multiply(std::int32_t first, Size m, std::vector<BendingLines>& scratch);
+  double descend(std::int32_t vertex, float step);
+  void turn(std::int32_t vertex, float step, float momentum);
+  double descend_all(double step);
+  void turn_all(double step, double momentum);
+  double multiply_all();
+  void run(std::int32_t steps);
+
+  const FairTopology& topology;
+  BendingRows bending;                 // its products: J^t J direction
+  RawVector<float> heights, residual;  // per place
+  RawVector<float> direction;          // per state index: 0 beyond the corners
+};
+
+Polisher::Polisher(const FairTopology& net_topology, BendingRows&& rows)
+    : topology(net_topology), bending(std::move(rows)) {
+  const std::size_t count = bending.rows.size();
+  for (auto* vector : {&heights, &residual, &direction}) vector->resize(count);
+  direction.resize(static_cast<std::size_t>(topology.state_size), 0.0f);
+  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (auto* vector : {&heights, &residual, &direction}) {
+      std::fill(&(*vector)[begin], &(*vector)[begin] + (end - begin), 0.0f);
     }
   });
-  return std::accumulate(pieces.begin(), pieces.end(), 0.0);
 }
 
-struct RowValues {
-  float line1, line2;
-};
-
-// Conjugate gradients in the making; vectors per place.
-struct Polisher {
-  const FairTopology& topology;
-  const BendingRows& bending;
-  std::vector<float> heights, residual, direction;
-  std::vector<RowValues> images;  // J direction
-
-  Polisher(const FairTopology& net_topology, const BendingRows& rows)
-      : topology(net_topology),
-        bending(rows),
-        heights(rows.rows.size(), 0.0f),
-        residual(heights),
-        direction(heights),
-        images(heights.size()) {}
-
-  double apply_rows(std::int32_t vertex);
-  double descend(std::int32_t vertex, double step);
-  void turn(std::int32_t vertex, float momentum);
-  void run(std::int32_t steps);
-};
-
-// images = J direction around a vertex; returns their square.
-double Polisher::apply_rows(std::int32_t vertex) {
-  const std::int32_t first = topology.ring_offsets[vertex];
-  const std::int32_t last = topology.ring_offsets[vertex + 1] - 1;
-  double square = 0;
-  float before = direction[last];
-  for (std::int32_t i = first; i <= last; ++i) {
-    const BendingRows::Row& row = bending.rows[i];
-    const float own = direction[i];
-    const float after = direction[i == last ? first : i + 1];
-    const RowValues image{
-        row.next * direction[bending.next[i]] + row.own1 * own + row.after * after,
-        row.previous * direction[bending.previous[i]] + row.own2 * own + row.before * before};
-    images[i] = image;
-    square += static_cast<double>(image.line1) * image.line1 +
-              static_cast<double>(image.line2) * image.line2;
-    before = own;
+// products = J^t J direction for the corners of a face; returns the square of J direction.
+template <class Size>
+double Polisher::multiply(std::int32_t first, Size m, std::vector<BendingLines>& scratch) {
+  if (scratch.size() < static_cast<std::size_t>(m)) scratch.resize(static_cast<std::size_t>(m));
+  BendingLines* const lines = scratch.data();
+  const BendingRows::Row* const rows = &bending.rows[first];
+  const float* const along = &direction[first];
+  float square = 0;
+  for (std::int32_t i = 0; i < m; ++i) {
+    const BendingRows::Row& row = rows[i];
+    lines[i] = {row.next * along[i + 1 == m ? 0 : i + 1] + row.own1 * along[i] +
+                    row.after * direction[topology.corner_ccw[first + i]],
+                row.previous * along[i == 0 ? m - 1 : i - 1] + row.own2 * along[i] +
+                    row.before * direction[topology.corner_cw[first + i]]};
+    square += lines[i].line1 * lines[i].line1 + lines[i].line2 * lines[i].line2;
+  }
+  for (std::int32_t i = 0; i < m; ++i) {
+    const std::int32_t previous = i == 0 ? m - 1 : i - 1, next = i + 1 == m ? 0 : i + 1;
+    bending.products[first + i] = transposed_product(rows[i], lines[i], rows[previous],
+                                                     lines[previous], rows[next], lines[next]);
   }
   return square;
 }
 
-// heights += step * direction, residual -= step * J^t images less its mean; returns the residual's
-// square.
-double Polisher::descend(std::int32_t vertex, double step) {
+// residual -= step * products, less its mean; returns its preconditioned square.
+double Polisher::descend(std::int32_t vertex, float step) {
   const std::int32_t first = topology.ring_offsets[vertex];
   const std::int32_t last = topology.ring_offsets[vertex + 1] - 1;
-  const auto factor = static_cast<float>(step);
+  const auto product = [&](std::int32_t place) {
+    return &bending.products[topology.ring_corners[place]];
+  };
   double sum = 0;
+  const BendingRows::Product* before = product(last);
+  const BendingRows::Product* own = product(first);
   for (std::int32_t i = first; i <= last; ++i) {
-    const BendingRows::Row& row = bending.rows[i];
-    const std::int32_t before = i == first ? last : i - 1;
-    const std::int32_t after = i == last ? first : i + 1;
-    const std::int32_t next = bending.next[i], previous = bending.previous[i];
-    const float gradient = row.own1 * images[i].line1 + row.own2 * images[i].line2 +
-                           bending.rows[before].after * images[before].line1 +
-                           bending.rows[after].before * images[after].line2 +
-                           bending.rows[previous].next * images[previous].line1 +
-                           bending.rows[next].previous * images[next].line2;
-    residual[i] -= factor * gradient;
-    heights[i] += factor * direction[i];
+    const BendingRows::Product* after = product(i == last ? first : i + 1);
+    residual[i] -= step * (own->face + before->after + after->before);
     sum += residual[i];
+    before = own;
+    own = after;
   }
   const auto mean = static_cast<float>(sum / (last + 1 - first));
   double square = 0;
@@ -111,91 +100,89 @@ double Polisher::descend(std::int32_t vertex, double step) {
     residual[i] -= mean;
     square += static_cast<double>(residual[i]) * residual[i];
   }
-  return square;
+  return square * bending.preconditioner[vertex];
 }
 
-void Polisher::turn(std::int32_t vertex, float momentum) {
+// heights += step * direction, then the next direction.
+void Polisher::turn(std::int32_t vertex, float step, float momentum) {
+  const float scale = bending.preconditioner[vertex];
   for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1]; ++i) {
-    direction[i] = residual[i] + momentum * direction[i];
+    float& along = direction[topology.ring_corners[i]];
+    heights[i] += step * along;
+    along = scale * residual[i] + momentum * along;
   }
+}
+
+double Polisher::multiply_all() {
+  return piecewise_sum(topology.face_count, [&] {
+    return [&, scratch = std::vector<BendingLines>{}](std::int32_t face) mutable {
+      return for_face_size(topology, face,
+                           [&](std::int32_t first, auto m) { return multiply(first, m, scratch); });
+    };
+  });
+}
+
+double Polisher::descend_all(double step) {
+  return piecewise_sum(topology.vertex_count, [&] {
+    return [&](std::int32_t v) { return descend(v, static_cast<float>(step)); };
+  });
+}
+
+void Polisher::turn_all(double step, double momentum) {
+  parallel_for(bending.preconditioner.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      turn(static_cast<std::int32_t>(v), static_cast<float>(step), static_cast<float>(momentum));
+    }
+  });
 }
 
 void Polisher::run(std::int32_t steps) {
-  // The first residual is minus the gradient at heights 0: as a step along direction 0.
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    images[i] = {bending.rows[i].value1, bending.rows[i].value2};
-  }
-  double square = sum_over_vertices(topology, [&](std::int32_t v) { return descend(v, 1.0); });
-  direction = residual;
-  // Of the first residual's square: single precision reaches no lower.
-  constexpr double kConverged = 1e-12;
+  // The first residual is minus the gradient at heights 0, whose products the rows bring along.
+  double square = descend_all(1.0);
+  turn_all(0.0, 0.0);
   const double enough = kConverged * square;
   for (std::int32_t step = 0; step < steps && square > enough; ++step) {
-    const double curvature =
-        sum_over_vertices(topology, [&](std::int32_t v) { return apply_rows(v); });
+    const double curvature = multiply_all();
     if (!(curvature > 0)) return;
     const double length = square / curvature;
-    const double next_square =
-        sum_over_vertices(topology, [&](std::int32_t v) { return descend(v, length); });
-    const auto momentum = static_cast<float>(next_square / square);
+    const double next_square = descend_all(length);
+    turn_all(length, next_square / square);
     square = next_square;
-    sum_over_vertices(topology, [&](std::int32_t v) {
-      turn(v, momentum);
-      return 0.0;
-    });
   }
 }
 
 }  // namespace
 
-std::vector<float> polish_heights(const FairTopology& topology, const BendingRows& bending,
-                                  std::int32_t steps) {
-  Polisher polisher(topology, bending);
+RawVector<float> polish_heights(const FairTopology& topology, BendingRows&& bending,
+                                std::int32_t steps) {
+  Polisher polisher(topology, std::move(bending));
   polisher.run(steps);
   return std::move(polisher.heights);
 }
 
-double bending_energy(const FairTopology& topology, const BendingRows& bending,
-                      std::span<const float> heights) {
-  return sum_over_vertices(topology, [&](std::int32_t vertex) {
-    const std::int32_t first = topology.ring_offsets[vertex];
-    const std::int32_t last = topology.ring_offsets[vertex + 1] - 1;
-    double square = 0;
-    for (std::int32_t i = first; i <= last; ++i) {
-      const BendingRows::Row& row = bending.rows[i];
-      const double own = heights[i];
-      const double line1 = row.value1 + row.next * static_cast<double>(heights[bending.next[i]]) +
-                           row.own1 * own +
-                           row.after * static_cast<double>(heights[i == last ? first : i + 1]);
-      const double line2 =
-          row.value2 + row.previous * static_cast<double>(heights[bending.previous[i]]) +
-          row.own2 * own + row.before * static_cast<double>(heights[i == first ? last : i - 1]);
-      square += line1 * line1 + line2 * line2;
+void apply_heights(const FairTopology& topology, std::span<const dvec3> normals,
+                   std::span<const float> heights, std::span<dvec3> offsets) {
+  parallel_for(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      if (!topology.has_polygon(static_cast<std::int32_t>(v))) continue;
+      const std::int32_t first = topology.ring_offsets[v], last = topology.ring_offsets[v + 1];
+      double sum = 0, farthest = 0;  // the latter a square
+      for (std::int32_t i = first; i < last; ++i) sum += heights[i];
+      const double mean = sum / (last - first);
+      for (std::int32_t i = first; i < last; ++i) {
+        const dvec3& offset = offsets[topology.ring_corners[i]];
+        const double move = heights[i] - mean;
+        const double distance = glm::dot(offset, offset);
+        if (move * move > farthest * distance) {
+          farthest = distance > 0 ? move * move / distance : HUGE_VAL;
+        }
+      }
+      const double trusted =
+          farthest > kFarthestMove * kFarthestMove ? kFarthestMove / std::sqrt(farthest) : 1.0;
+      for (std::int32_t i = first; i < last; ++i) {
+        offsets[topology.ring_corners[i]] += (heights[i] - mean) * trusted * normals[v];
+      }
     }
-    return square;
-  });
-}
-
-void apply_heights(const FairTopology& topology, const BendingRows& bending,
-                   std::span<const dvec3> normals, std::span<const float> heights,
-                   std::span<dvec3> offsets) {
-  sum_over_vertices(topology, [&](std::int32_t v) {
-    if (!topology.has_polygon(v)) return 0.0;
-    const std::int32_t first = topology.ring_offsets[v], end = topology.ring_offsets[v + 1];
-    double sum = 0, farthest = 0;
-    for (std::int32_t i = first; i < end; ++i) sum += heights[i];
-    const double mean = sum / (end - first);
-    const double unit = bending.height_units[v];
-    for (std::int32_t i = first; i < end; ++i) {
-      const double distance = glm::length(offsets[topology.ring_corners[i]]);
-      const double move = std::abs(heights[i] - mean) * unit;
-      if (move > farthest * distance) farthest = distance > 0 ? move / distance : HUGE_VAL;
-    }
-    const double trusted = farthest > kFarthestMove ? kFarthestMove / farthest : 1.0;
-    for (std::int32_t i = first; i < end; ++i) {
-      offsets[topology.ring_corners[i]] += (heights[i] - mean) * unit * trusted * normals[v];
-    }
-    return 0.0;
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "planish/fair/corner_offsets.h"
 #include "planish/fair/limit_normal.h"
 #include "planish/fair/vertex_frame.h"
 
@@ -40,24 +41,22 @@ bool is_reversed(const FairTopology& topology, std::span<const dvec3> offsets, s
 }
 
 void build_local(const FairTopology& topology, std::span<const dvec3> given, std::int32_t vertex,
-                 const PolygonShape& shape, PolygonScratch& scratch, std::span<dvec3> result) {
+                 const dvec3& normal, PolygonScratch& scratch, std::span<dvec3> offsets) {
   const std::int32_t first = topology.ring_offsets[vertex];
   const std::int32_t n = topology.valence(vertex);
-  const VertexFrame frame = frame_of(shape.normal);
-  project_ring(topology, given, shape.offsets, vertex, first, n, frame, scratch.ring);
+  const VertexFrame frame = frame_of(normal);
+  project_ring(topology, given, offsets, vertex, first, n, frame, scratch.ring);
   build_local_polygon(scratch.ring, imbalance(scratch.ring), scratch.local);
   if (topology.is_regular[vertex]) {
-    if (scratch.heights.size() < static_cast<std::size_t>(n)) {
-      scratch.heights.resize(static_cast<std::size_t>(n));
-    }
+    scratch.heights.resize(static_cast<std::size_t>(n));
     for (std::int32_t i = 0; i < n; ++i) {
-      scratch.heights[i] = glm::dot(shape.offsets[topology.ring_corners[first + i]], shape.normal);
+      scratch.heights[i] = glm::dot(offsets[topology.ring_corners[first + i]], normal);
     }
     add_twist(scratch.ring, scratch.heights, scratch.local);
   }
   for (std::int32_t i = 0; i < n; ++i) {
     const glm::dvec2& flat = scratch.local.points[i];
-    result[topology.ring_corners[first + i]] =
+    offsets[topology.ring_corners[first + i]] =
         flat.x * frame.tangent1 + flat.y * frame.tangent2 + scratch.local.heights[i] * frame.normal;
   }
 }
@@ -66,30 +65,33 @@ void build_local(const FairTopology& topology, std::span<const dvec3> given, std
 
 bool build_vertex_polygon(const FairTopology& topology, std::span<const dvec3> given,
                           std::int32_t vertex, const PolygonShape& shape, PolygonScratch& scratch,
-                          std::span<dvec3> result) {
+                          std::span<dvec3> offsets) {
   const std::int32_t first = topology.ring_offsets[vertex];
-  const std::int32_t end = topology.ring_offsets[vertex + 1];
+  const std::int32_t n = topology.valence(vertex);
   // Two control points only: translation puts them on both sides of the vertex.
-  const double share = end - first > 2 ? shape.share : 1.0;
-  if (share < 1) {
-    build_local(topology, given, vertex, shape, scratch, result);
-  }
-  if (share > 0) {
-    const dvec3 mean = mean_of(topology, shape.offsets, vertex);
-    for (std::int32_t i = first; i < end; ++i) {
-      const std::int32_t corner = topology.ring_corners[i];
-      const dvec3 translated = shape.offsets[corner] - mean;
-      result[corner] = share < 1 ? share * translated + (1 - share) * result[corner] : translated;
+  const double share = n > 2 ? shape.share : 1.0;
+  if (share > 0 && share < 1) {
+    const dvec3 mean = mean_of(topology, offsets, vertex);
+    scratch.translated.resize(static_cast<std::size_t>(n));
+    for (std::int32_t i = 0; i < n; ++i) {
+      scratch.translated[i] = offsets[topology.ring_corners[first + i]] - mean;
     }
   }
-  const bool reversed = is_reversed(topology, result, vertex, shape.normal);
+  if (share < 1) build_local(topology, given, vertex, shape.normal, scratch, offsets);
+  if (share > 0 && share < 1) {
+    for (std::int32_t i = 0; i < n; ++i) {
+      dvec3& offset = offsets[topology.ring_corners[first + i]];
+      offset = share * scratch.translated[i] + (1 - share) * offset;
+    }
+  }
+  const bool reversed = is_reversed(topology, offsets, vertex, shape.normal);
   if (reversed) {
-    for (std::int32_t i = first; i < end; ++i) {
-      const std::int32_t corner = topology.ring_corners[i];
-      result[corner] = kReversedFactor * shape.given_offsets[corner];
+    for (std::int32_t i = 0; i < n; ++i) {
+      const std::int32_t corner = topology.ring_corners[first + i];
+      offsets[corner] = kReversedFactor * corner_offset(topology, given, given, corner);
     }
   }
-  centre(topology, result, vertex);
+  centre(topology, offsets, vertex);
   return reversed;
 }
 

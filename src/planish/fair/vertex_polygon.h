@@ -16,22 +16,21 @@ struct PolygonScratch {
   PlanarRing ring;
   LocalPolygon local;
   std::vector<double> heights;
+  std::vector<glm::dvec3> translated;
 };
 
 /// What the polygon of control points around a smooth or dart vertex is built from.
 struct PolygonShape {
   glm::dvec3 normal;  ///< of the vertex, unit
   double share;       ///< of the tensor-product construction, 0 to 1
-  /// Control points of one step of the given points, and of the masked iteration's, relative to
-  /// their given points; the same where no vertex has a share.
-  std::span<const glm::dvec3> given_offsets, offsets;
 };
 
-/// The polygon around `vertex`, written to `result` (one per corner), its mean exactly 0.
+/// Builds the polygon around `vertex`, its mean exactly 0, in place of its control points in
+/// `offsets`, which are those of one step of the given points or of the masked iteration's.
 /// True where the built polygon came out turned over and a small translated copy of the given
 /// points' stands in for it.
 bool build_vertex_polygon(const FairTopology& topology, std::span<const glm::dvec3> given,
                           std::int32_t vertex, const PolygonShape& shape, PolygonScratch& scratch,
-                          std::span<glm::dvec3> result);
+                          std::span<glm::dvec3> offsets);
 
 }  // namespace planish

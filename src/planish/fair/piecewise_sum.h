@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <type_traits>
+#include <vector>
+
+#include "planish/core/parallel.h"
+#include "planish/fair/fair_topology.h"
+
+namespace planish {
+
+/// Calls body(i) for i in [0, count) on all threads and sums what it returns; `make_body` makes one
+/// for each run of elements. Sums are over pieces of fixed size: the same bits for every thread
+/// count.
+template <class MakeBody>
+double piecewise_sum(std::int32_t count, const MakeBody& make_body) {
+  constexpr std::int32_t kPiece = 4096;
+  std::vector<double> pieces((static_cast<std::size_t>(count) + kPiece - 1) / kPiece);
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    auto body = make_body();
+    for (std::size_t piece = begin; piece < end; ++piece) {
+      const auto first = static_cast<std::int32_t>(piece) * kPiece;
+      const std::int32_t last = std::min(first + kPiece, count);
+      double sum = 0;
+      for (std::int32_t i = first; i < last; ++i) sum += body(i);
+      pieces[piece] = sum;
+    }
+  });
+  return std::accumulate(pieces.begin(), pieces.end(), 0.0);
+}
+
+/// body(first corner, size of the face), the size as a constant of its type for triangles and quads
+/// so that loops over it unroll.
+template <class Body>
+double for_face_size(const FairTopology& topology, std::int32_t face, const Body& body) {
+  const std::int32_t first = topology.face_offsets[face];
+  const std::int32_t m = topology.face_size(face);
+  if (m == 3) return body(first, std::integral_constant<std::int32_t, 3>{});
+  if (m == 4) return body(first, std::integral_constant<std::int32_t, 4>{});
+  return body(first, m);
+}
+
+}  // namespace planish
