@@ -12,8 +12,7 @@
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
-#include "vulkan/embedding.h"
-#include "vulkan/fixture.h"
+#include "vulkan/embedding_fixture.h"
 
 namespace planish::testing {
 namespace {
@@ -23,40 +22,6 @@ using namespace vulkan;
 // Single precision of coordinates of a few units, through a solve and a chain of levels.
 constexpr double kDistance = 4e-6;
 constexpr double kCosine = 1 - 1e-5;
-
-class Embedding : public VulkanTest {
- protected:
-  void SetUp() override {
-    VulkanTest::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
-    OwnDeviceOptions options;
-    options.instance.validation = true;
-    options.instance.message = [this](std::string_view message) {
-      const std::lock_guard lock(mutex_);
-      messages_.emplace_back(message);
-    };
-    own_ = std::make_unique<OwnDevice>(options);
-    make_context({});
-  }
-
-  void make_context(const ContextOptions& options) {
-    submitter_.reset();
-    context_ = std::make_unique<Context>(*own_, options);
-    submitter_ =
-        std::make_unique<Submitter>(*context_, own_->queue(), own_->capabilities().compute_family);
-  }
-
-  std::vector<Vertex> run(HostFrame& frame, const PolygonMesh& pose,
-                          const SolveParameters& parameters) {
-    frame.set_points(pose);
-    submitter_->run([&](VkCommandBuffer commands) { frame.record(commands, parameters); });
-    return frame.vertices();
-  }
-
-  std::unique_ptr<OwnDevice> own_;
-  std::unique_ptr<Context> context_;
-  std::unique_ptr<Submitter> submitter_;
-};
 
 /// Meshes whose vertices, faces, boundaries and creases differ most.
 std::vector<test::NamedMesh> mixed_meshes() {

@@ -92,15 +92,24 @@ TEST(TableSlices, EndWhereALimitIsReached) {
   }
 }
 
+TEST(TableSlices, ShrinkToSingleChunksWhereLimitsAreLow) {
+  const StencilTable<double> table = random_table(200, 100);
+  SliceLimits limits = no_limits();
+  limits.max_range = 12 * 64 * sizeof(PackedEntry);  // the longest rows, 64 of them
+  const TablePlan plan = plan_table(table.view(), limits);
+  EXPECT_EQ(plan.slices.size(), 4u);
+  expect_same_table(table.view(), plan);
+}
+
 TEST(TableSlices, RefuseByTheNameOfTheLimit) {
   const StencilTable<double> table = random_table(5000, 5000);
   SliceLimits by_range = no_limits(), by_chunks = no_limits(), by_elements = no_limits();
   by_range.max_range = 5000;
-  by_chunks.max_chunks = 15;
+  by_chunks.max_chunks = 0;
   by_elements.max_elements = 1000;
   const std::pair<SliceLimits, const char*> cases[] = {
       {by_range, "maxStorageBufferRange is 5000"},
-      {by_chunks, "maxComputeWorkGroupCount allows 15"},
+      {by_chunks, "maxComputeWorkGroupCount allows 0"},
       {by_elements, "maxTexelBufferElements is 1000"}};
   for (const auto& [limits, words] : cases) try {
       static_cast<void>(plan_table(table.view(), limits));

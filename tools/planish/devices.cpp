@@ -42,7 +42,9 @@ void add_vulkan_devices(DeviceList& list) {
                              {"max_allocation_bytes", device.max_allocation_bytes},
                              {"max_work_groups", device.max_work_groups},
                              {"max_storage_buffers", device.max_storage_buffers}},
-                            device.usable ? "" : device.reason});
+                            device.usable ? "" : device.reason,
+                            device.portability_subset,
+                            device.missing});
   }
   if (!list.devices.empty() && std::ranges::none_of(list.devices, is_usable)) {
     const ListedDevice& first = list.devices.front();

@@ -17,6 +17,8 @@ struct ListedDevice {
   DeviceDescription description;
   std::vector<std::pair<std::string, std::uint64_t>> limits;
   std::string unusable_because;  ///< empty: usable
+  bool portability_subset = false;
+  std::vector<std::string> missing;  ///< what it lacks that is not needed
 };
 
 struct DeviceList {

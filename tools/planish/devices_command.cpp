@@ -26,6 +26,8 @@ std::string devices_json(const DeviceList& list, std::size_t automatic) {
     entry["api"] = device.description.api;
     entry["usable"] = device.unusable_because.empty();
     entry["unusable_because"] = device.unusable_because;
+    entry["portability_subset"] = device.portability_subset;
+    entry["missing"] = device.missing;
     entry["limits"] = nlohmann::ordered_json::object();
     for (const auto& [name, value] : device.limits) entry["limits"][name] = value;
     json["devices"].push_back(entry);
@@ -50,6 +52,10 @@ std::string devices_table(const DeviceList& list, std::size_t automatic) {
       text += device.selector + ": " + name + " " +
               with_separators(static_cast<std::int64_t>(value)) + "\n";
     }
+    if (device.portability_subset)
+      text += device.selector + ": a layer over another API (VK_KHR_portability_subset)\n";
+    for (const std::string& feature : device.missing)
+      text += device.selector + ": lacks " + feature + "\n";
   }
   const std::string& reason = list.no_vulkan_because;
   return reason.empty() ? text : text + "no usable Vulkan device: " + reason + "\n";

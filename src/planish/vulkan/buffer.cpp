@@ -79,7 +79,8 @@ VkMappedMemoryRange mapped_range(const MemoryBlock& block, std::uint64_t size, s
   VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
   range.memory = block.memory;
   range.offset = block.offset;
-  // Our own blocks are whole allocations; a host's start and end at multiples of the atom.
+  // Our own blocks are whole allocations, whose sizes need not be multiples of the atom; a host's
+  // start and end at multiples of it.
   range.size = block.owner ? (size + atom - 1) / atom * atom : VK_WHOLE_SIZE;
   return range;
 }

@@ -28,6 +28,8 @@ std::string uuid_text(const std::uint8_t (&uuid)[VK_UUID_SIZE]) {
   return text;
 }
 
+constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
+
 bool has_extension(const InstanceFunctions& vk, VkPhysicalDevice device, const char* name) {
   std::uint32_t count = 0;
   check(vk.vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr),
@@ -58,20 +60,25 @@ void query_properties(const InstanceFunctions& vk, VkPhysicalDevice device, Capa
 
   VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
   VkPhysicalDeviceIDProperties id{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
+  VkPhysicalDeviceSubgroupProperties subgroup{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &id};
   VkPhysicalDeviceMaintenance3Properties maintenance{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &id};
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES, &subgroup};
   const bool has_driver = has_extension(vk, device, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME);
   if (has_driver) id.pNext = &driver;
   properties.pNext = &maintenance;
   vk.vkGetPhysicalDeviceProperties2(device, &properties);
   result.uuid = uuid_text(id.deviceUUID);
+  result.subgroup_size = subgroup.subgroupSize;
   result.max_allocation = maintenance.maxMemoryAllocationSize;
   if (has_driver) result.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+  result.portability_subset = has_extension(vk, device, kPortabilitySubset);
+  if (result.portability_subset) result.required_extensions.push_back(kPortabilitySubset);
 }
 
 /// Returns whether there is a queue family with compute.
 bool find_compute_family(const InstanceFunctions& vk, VkPhysicalDevice device,
-                         std::uint32_t& family) {
+                         Capabilities& result) {
   std::uint32_t count = 0;
   vk.vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
@@ -81,10 +88,17 @@ bool find_compute_family(const InstanceFunctions& vk, VkPhysicalDevice device,
     const VkQueueFlags flags = families[i].queueFlags;
     if (!(flags & VK_QUEUE_COMPUTE_BIT)) continue;
     if (found && (flags & VK_QUEUE_GRAPHICS_BIT)) continue;
-    family = i;
+    result.compute_family = i;
+    result.timestamp_bits = families[i].timestampValidBits;
     found = true;
   }
   return found;
+}
+
+std::vector<OptionalFeature> optional_features(const Capabilities& device, bool debug_utils) {
+  return {{"timestamps", device.timestamp_bits > 0, "recorded work can be timed on the device"},
+          {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, debug_utils,
+           "objects and recorded work have names in debuggers"}};
 }
 
 std::string why_not_usable(const Capabilities& device, bool has_compute) {
@@ -110,7 +124,9 @@ Capabilities query_capabilities(PFN_vkGetInstanceProcAddr get_proc, VkInstance i
     if (heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
       result.largest_device_heap = std::max<std::uint64_t>(result.largest_device_heap, heap.size);
   }
-  const bool has_compute = find_compute_family(vk, device, result.compute_family);
+  const bool has_compute = find_compute_family(vk, device, result);
+  result.optional_features = optional_features(
+      result, has_instance_extension(get_proc, VK_EXT_DEBUG_UTILS_EXTENSION_NAME));
   result.reason = why_not_usable(result, has_compute);
   result.usable = result.reason.empty();
   return result;

@@ -9,6 +9,13 @@
 
 namespace planish::vulkan {
 
+/// Something that planish does without, but would use.
+struct OptionalFeature {
+  std::string name;
+  bool available = false;
+  std::string use;  ///< what it is good for, as a sentence's end
+};
+
 /// What a physical device offers, and whether that is enough. Asked before a device is created.
 struct Capabilities {
   std::string name;
@@ -28,11 +35,20 @@ struct Capabilities {
   VkPhysicalDeviceMemoryProperties memory{};
   std::uint32_t compute_family = 0;  ///< a family with compute, without graphics if there is one
 
+  std::uint32_t timestamp_bits = 0;  ///< of that family; 0: it has no timestamps
+  std::uint32_t subgroup_size = 0;   ///< for information: no kernel uses subgroup operations
+
+  /// Device extensions that a host must enable on this device: VK_KHR_portability_subset where the
+  /// device has it, that is, where it is a layer over another API.
+  std::vector<std::string> required_extensions;
+  bool portability_subset = false;
+  std::vector<OptionalFeature> optional_features;
+
   bool usable = false;
   std::string reason;  ///< why not, naming the limit and its value; empty if usable
 };
 
-/// Fills in Capabilities. Throws only where the device answers with an error.
+/// Fills in Capabilities, before a VkDevice exists. The instance is of Vulkan 1.1 at least. Throws only where the device answers with an error.
 [[nodiscard]] Capabilities query_capabilities(PFN_vkGetInstanceProcAddr get_proc,
                                               VkInstance instance, VkPhysicalDevice device);
 

@@ -1,6 +1,9 @@
 #include "planish/vulkan/functions.h"
 
+#include <algorithm>
+#include <cstring>
 #include <string>
+#include <vector>
 
 #include "planish/core/error.h"
 
@@ -33,5 +36,17 @@ DeviceFunctions DeviceFunctions::load(PFN_vkGetDeviceProcAddr get, VkDevice hand
 }
 
 #undef PLANISH_VULKAN_LOAD
+
+bool has_instance_extension(PFN_vkGetInstanceProcAddr get, const char* name) {
+  const auto enumerate = reinterpret_cast<PFN_vkEnumerateInstanceExtensionProperties>(
+      get(nullptr, "vkEnumerateInstanceExtensionProperties"));
+  std::uint32_t count = 0;
+  if (!enumerate || enumerate(nullptr, &count, nullptr) != VK_SUCCESS) return false;
+  std::vector<VkExtensionProperties> extensions(count);
+  if (enumerate(nullptr, &count, extensions.data()) != VK_SUCCESS) return false;
+  return std::any_of(extensions.begin(), extensions.end(), [&](const auto& extension) {
+    return std::strcmp(extension.extensionName, name) == 0;
+  });
+}
 
 }  // namespace planish::vulkan

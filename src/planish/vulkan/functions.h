@@ -88,6 +88,9 @@ struct DeviceFunctions {
 
 #undef PLANISH_VULKAN_MEMBER
 
+/// Whether an instance may be made with the extension.
+[[nodiscard]] bool has_instance_extension(PFN_vkGetInstanceProcAddr get, const char* name);
+
 /// A handle as a number: handles are pointers or integers, by platform.
 template <class Handle>
 [[nodiscard]] std::uint64_t handle_number(Handle handle) {

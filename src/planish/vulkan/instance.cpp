@@ -37,17 +37,23 @@ bool has_layer(PFN_vkGetInstanceProcAddr get, const char* name) {
   return false;
 }
 
+VkDebugUtilsMessengerCreateInfoEXT messenger_info(
+    const std::function<void(std::string_view)>& message) {
+  VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                         VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                     VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  info.pfnUserCallback = forward_message;
+  info.pUserData = const_cast<std::function<void(std::string_view)>*>(&message);
+  return info;
+}
+
 }  // namespace
 
 Instance::Instance(const InstanceOptions& options)
-    : library_(::dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL), ::dlclose), message_(options.message) {
-  if (!library_)
-    throw Error(ErrorCode::NoDevice, std::string("no Vulkan loader: ") + ::dlerror() +
-                                         "; install the package libvulkan1");
-  get_proc_ =
-      reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library_.get(), "vkGetInstanceProcAddr"));
-  if (!get_proc_)
-    throw Error(ErrorCode::NoDevice, std::string(kLibrary) + " has no vkGetInstanceProcAddr");
+    : library_(nullptr, ::dlclose), get_proc_(options.get_proc), message_(options.message) {
+  if (!get_proc_) open_loader();
   try {
     create(options);
   } catch (...) {
@@ -56,20 +62,23 @@ Instance::Instance(const InstanceOptions& options)
   }
 }
 
+void Instance::open_loader() {
+  library_.reset(::dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL));
+  if (!library_)
+    throw Error(ErrorCode::NoDevice, std::string("no Vulkan loader: ") + ::dlerror() +
+                                         "; install the package libvulkan1");
+  get_proc_ =
+      reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library_.get(), "vkGetInstanceProcAddr"));
+  if (!get_proc_)
+    throw Error(ErrorCode::NoDevice, std::string(kLibrary) + " has no vkGetInstanceProcAddr");
+}
+
 void Instance::create(const InstanceOptions& options) {
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "planish";
   application.apiVersion = VK_API_VERSION_1_1;
 
-  VkDebugUtilsMessengerCreateInfoEXT messenger{
-      VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
-  messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
-                              VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-  messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
-                          VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
-  messenger.pfnUserCallback = forward_message;
-  messenger.pUserData = &message_;
-
+  const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(message_);
   const VkValidationFeatureEnableEXT enabled[] = {
       VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
   VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
@@ -77,9 +86,14 @@ void Instance::create(const InstanceOptions& options) {
   features.pEnabledValidationFeatures = enabled;
 
   const char* layers[] = {kValidationLayer};
-  const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
+  std::vector<const char*> extensions;
   VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   info.pApplicationInfo = &application;
+  // Without it, loaders hide devices that are layers over another API.
+  if (has_instance_extension(get_proc_, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
+    extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+    info.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+  }
   if (options.validation) {
     if (!has_layer(get_proc_, kValidationLayer))
       throw Error(ErrorCode::NoDevice, std::string(kValidationLayer) +
@@ -88,25 +102,29 @@ void Instance::create(const InstanceOptions& options) {
     info.pNext = &features;
     info.enabledLayerCount = 1;
     info.ppEnabledLayerNames = layers;
-    info.enabledExtensionCount = 1;
-    info.ppEnabledExtensionNames = extensions;
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   }
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
 
   const auto create_instance =
       reinterpret_cast<PFN_vkCreateInstance>(get_proc_(nullptr, "vkCreateInstance"));
   const VkResult result = create_instance ? create_instance(&info, nullptr, &instance_)
                                           : VK_ERROR_INITIALIZATION_FAILED;
   if (result != VK_SUCCESS)
-    throw Error(ErrorCode::NoDevice, std::string("no Vulkan driver: vkCreateInstance: ") +
-                                         name_of(result) +
-                                         "; install one, e.g. the package mesa-vulkan-drivers");
+    throw VulkanError(ErrorCode::NoDevice,
+                      std::string("no Vulkan driver: vkCreateInstance: ") + name_of(result) +
+                          "; install one, e.g. the package mesa-vulkan-drivers",
+                      result);
   functions_ = InstanceFunctions::load(get_proc_, instance_);
-  if (!options.validation) return;
-  const auto create_messenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+  if (options.validation) create_messenger(messenger);
+}
+
+void Instance::create_messenger(const VkDebugUtilsMessengerCreateInfoEXT& info) {
+  const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
       get_proc_(instance_, "vkCreateDebugUtilsMessengerEXT"));
-  if (create_messenger)
-    check(create_messenger(instance_, &messenger, nullptr, &messenger_),
-          "vkCreateDebugUtilsMessengerEXT");
+  if (create)
+    check(create(instance_, &info, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
 }
 
 Instance::~Instance() { destroy(); }

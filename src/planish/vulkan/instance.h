@@ -13,9 +13,11 @@ struct InstanceOptions {
   bool validation = false;
   /// Gets every message of the validation layer; may be called from any thread.
   std::function<void(std::string_view)> message;
+  /// Where functions come from; unset: libvulkan.so.1, opened at run time.
+  PFN_vkGetInstanceProcAddr get_proc = nullptr;
 };
 
-/// The command's own way to Vulkan: libvulkan.so.1, opened at run time, and an instance of it.
+/// The command's own way to Vulkan: libvulkan.so.1, and an instance of it.
 class Instance {
  public:
   /// Throws Error{NoDevice} where the loader, a driver, or the validation layer asked for is
@@ -28,9 +30,13 @@ class Instance {
   [[nodiscard]] VkInstance handle() const { return instance_; }
   [[nodiscard]] PFN_vkGetInstanceProcAddr get_proc() const { return get_proc_; }
   [[nodiscard]] const InstanceFunctions& functions() const { return functions_; }
+  /// Whether VK_EXT_debug_utils is enabled: with validation.
+  [[nodiscard]] bool has_debug_utils() const { return messenger_ != VK_NULL_HANDLE; }
 
  private:
+  void open_loader();
   void create(const InstanceOptions& options);
+  void create_messenger(const VkDebugUtilsMessengerCreateInfoEXT& info);
   void destroy() noexcept;
 
   std::unique_ptr<void, int (*)(void*)> library_;

@@ -118,6 +118,11 @@ OwnDevice::OwnDevice(const OwnDeviceOptions& options) : instance_(options.instan
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
+  std::vector<const char*> extensions;
+  for (const std::string& name : capabilities_.required_extensions)
+    extensions.push_back(name.c_str());
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   const InstanceFunctions& vk = instance_.functions();
   check(vk.vkCreateDevice(physical_device_, &info, nullptr, &device_), "vkCreateDevice");
   destroy_device_ =
@@ -135,6 +140,7 @@ HostDevice OwnDevice::host_device() const {
   host.instance = instance_.handle();
   host.physical_device = physical_device_;
   host.device = device_;
+  host.features.debug_utils = instance_.has_debug_utils();
   return host;
 }
 

@@ -17,12 +17,14 @@ namespace planish::vulkan {
 namespace {
 
 constexpr std::int32_t kLanes = static_cast<std::int32_t>(shared::kChunkRows);
-constexpr std::int32_t kChunksPerWindow = kSortWindow / kLanes;
 constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
 // Windows start at multiples of 64 points: 1024 bytes, a multiple of every alignment that Vulkan
 // allows a device to ask for.
 constexpr std::int32_t kWindowAlignment = 64;
 static_assert(kWindowAlignment * kPointBytes % 256 == 0);
+
+// A target need not begin where a binding may: what the binding holds before it.
+constexpr std::uint64_t kTargetSlack = kWindowAlignment * kPointBytes;
 
 // A slice ends here even where the limits allow more: it bounds what the host holds while it packs.
 constexpr std::uint64_t kEnoughEntries = std::uint64_t(32) << 20;
@@ -35,10 +37,9 @@ struct WindowNeeds {
 };
 
 template <class Real>
-WindowNeeds sort_window(const StencilView<Real>& table, std::int32_t window, bool own_rows,
-                        TablePlan& plan) {
-  const std::int32_t first = window * kSortWindow;
-  const std::int32_t last = std::min(first + kSortWindow, table.row_count());
+WindowNeeds sort_window(const StencilView<Real>& table, std::int32_t first, std::int32_t size,
+                        bool own_rows, TablePlan& plan) {
+  const std::int32_t last = std::min(first + size, table.row_count());
   const auto slots = plan.row_of_slot.begin() + first;
   std::iota(slots, slots + (last - first), first);
   std::stable_sort(slots, slots + (last - first),
@@ -87,7 +88,8 @@ std::string exceeded(const TableSlice& slice, const SliceLimits& limits) {
   const std::uint64_t bytes =
       std::max({slice.entry_count * sizeof(PackedEntry),
                 slice.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
-                slice.row_count * std::max(limits.target_stride, limits.source_stride),
+                slice.row_count * std::max(limits.target_stride, limits.source_stride) +
+                    kTargetSlack,
                 slice.source_count * limits.source_stride});
   if (bytes > limits.max_range)
     return std::to_string(bytes) + " bytes in one binding, but maxStorageBufferRange is " +
@@ -104,12 +106,12 @@ std::string exceeded(const TableSlice& slice, const SliceLimits& limits) {
   return {};
 }
 
-}  // namespace
-
+/// The plan where rows are sorted by size `window_rows` together. Throws as plan_table.
 template <class Real>
-TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits) {
+TablePlan plan_with_windows(const StencilView<Real>& table, const SliceLimits& limits,
+                            std::int32_t window_rows) {
   const std::int32_t rows = table.row_count();
-  const std::int32_t window_count = (rows + kSortWindow - 1) / kSortWindow;
+  const std::int32_t window_count = (rows + window_rows - 1) / window_rows;
   const std::size_t chunk_count = (std::size_t(rows) + kLanes - 1) / kLanes;
   TablePlan plan;
   plan.row_of_slot.assign(chunk_count * kLanes, -1);
@@ -117,20 +119,21 @@ TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits) 
   std::vector<WindowNeeds> needs(window_count);
   parallel_for(needs.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t window = begin; window < end; ++window)
-      needs[window] =
-          sort_window(table, static_cast<std::int32_t>(window), limits.includes_own_rows, plan);
+      needs[window] = sort_window(table, static_cast<std::int32_t>(window) * window_rows,
+                                  window_rows, limits.includes_own_rows, plan);
   });
 
   TableSlice slice;
   for (std::int32_t window = 0; window < window_count; ++window) {
-    const std::int32_t count = std::min(kSortWindow, rows - window * kSortWindow);
+    const std::int32_t first_row = window * window_rows;
+    const std::int32_t count = std::min(window_rows, rows - first_row);
     TableSlice longer = extended(slice, needs[window], count);
     const bool full = longer.entry_count > kEnoughEntries || !exceeded(longer, limits).empty();
     if (slice.row_count > 0 && full) {
       plan.slices.push_back(slice);
       slice = {};
-      slice.first_chunk = std::size_t(window) * kChunksPerWindow;
-      slice.first_row = window * kSortWindow;
+      slice.first_chunk = std::size_t(first_row) / kLanes;
+      slice.first_row = first_row;
       longer = extended(slice, needs[window], count);
     }
     if (const std::string limit = exceeded(longer, limits); !limit.empty())
@@ -142,6 +145,20 @@ TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits) 
   }
   if (slice.row_count > 0) plan.slices.push_back(slice);
   return plan;
+}
+
+}  // namespace
+
+template <class Real>
+TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits) {
+  for (std::int32_t window_rows = kSortWindow; window_rows > kLanes; window_rows /= 2) {
+    try {
+      return plan_with_windows(table, limits, window_rows);
+    } catch (const Error&) {
+      // Smaller windows may fit.
+    }
+  }
+  return plan_with_windows(table, limits, kLanes);
 }
 
 template <class Real>

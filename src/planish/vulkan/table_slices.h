@@ -10,7 +10,7 @@
 namespace planish::vulkan {
 
 /// Rows that are sorted by size together, so that rows of one chunk have about the same; slices
-/// consist of whole windows.
+/// consist of whole windows. Where the limits are too low for that, windows are smaller.
 inline constexpr std::int32_t kSortWindow = 1024;
 
 /// Consecutive rows of a table that one dispatch does, with what its bindings must span.
@@ -38,7 +38,7 @@ struct SliceLimits {
 };
 
 /// Cuts a table into as few slices as the limits allow. Throws Error{OutOfMemory} naming the limit
-/// where kSortWindow rows alone exceed it.
+/// where the rows of one chunk alone exceed it.
 template <class Real>
 [[nodiscard]] TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits);
 

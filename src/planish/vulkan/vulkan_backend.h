@@ -21,6 +21,8 @@ struct VulkanDeviceInfo {
   std::uint64_t max_allocation_bytes = 0;
   std::uint32_t max_work_groups = 0;      ///< of one dispatch
   std::uint32_t max_storage_buffers = 0;  ///< of one kernel
+  bool portability_subset = false;        ///< a layer over another API: VK_KHR_portability_subset
+  std::vector<std::string> missing;       ///< what it lacks that is not needed, and what that costs
 };
 
 /// What list_vulkan_devices found. A device's index is its place in the list.

@@ -1,0 +1,312 @@
+#include "vulkan/pretended_driver.h"
+
+#include <dlfcn.h>
+
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+namespace planish::testing {
+
+namespace {
+
+#define PRETENDED_OTHERS(X)          \
+  X(vkCreateInstance)                \
+  X(vkCreateDebugUtilsMessengerEXT)  \
+  X(vkDestroyDebugUtilsMessengerEXT) \
+  X(vkSetDebugUtilsObjectNameEXT)    \
+  X(vkCmdBeginDebugUtilsLabelEXT)    \
+  X(vkCmdEndDebugUtilsLabelEXT)
+
+#define PRETENDED_ALL(X)               \
+  PLANISH_VULKAN_INSTANCE_FUNCTIONS(X) \
+  PLANISH_VULKAN_DEVICE_FUNCTIONS(X)   \
+  PRETENDED_OTHERS(X)
+
+#define PRETENDED_SLOT(name) Slot_##name,
+#define PRETENDED_NAME(name) #name,
+#define PRETENDED_MEMBER(name) PFN_##name name = nullptr;
+enum Slot : int { PRETENDED_ALL(PRETENDED_SLOT) kSlotCount };
+constexpr const char* kNames[] = {PRETENDED_ALL(PRETENDED_NAME)};
+
+/// The loader's and the driver's functions.
+struct Real {
+  PRETENDED_ALL(PRETENDED_MEMBER)
+} real;
+
+struct State {
+  PretendedDriver::Pretence pretence;
+  std::array<std::atomic<int>, kSlotCount> counts{};
+  std::atomic<int> fallible{0}, illegal_maps{0};
+  std::mutex mutex;  // guards what follows
+  std::map<std::string, int> alive, uncounted;
+  std::set<VkDeviceMemory> device_only;
+} state;
+
+constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
+
+PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char* name);
+
+// What pretends something calls the real function itself; the rest are the real functions.
+
+void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperties2* properties) {
+  real.vkGetPhysicalDeviceProperties2(device, properties);
+  const PretendedDriver::Pretence& pretence = state.pretence;
+  VkPhysicalDeviceLimits& limits = properties->properties.limits;
+  if (pretence.storage_buffers)
+    limits.maxPerStageDescriptorStorageBuffers = pretence.storage_buffers;
+  if (pretence.storage_range) limits.maxStorageBufferRange = pretence.storage_range;
+  if (pretence.texel_elements) limits.maxTexelBufferElements = pretence.texel_elements;
+  if (pretence.split_memory) limits.nonCoherentAtomSize = 256;
+  for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next; next = next->pNext)
+    if (pretence.no_subgroup_operations &&
+        next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES) {
+      auto* subgroup = reinterpret_cast<VkPhysicalDeviceSubgroupProperties*>(next);
+      subgroup->supportedOperations = 0;
+      subgroup->supportedStages = 0;
+      subgroup->subgroupSize = 1;
+    }
+}
+
+void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties* memory) {
+  real.vkGetPhysicalDeviceMemoryProperties(device, memory);
+  if (!state.pretence.split_memory) return;
+  const std::uint32_t heap = memory->memoryTypes[0].heapIndex;
+  memory->memoryTypeCount = 3;
+  memory->memoryTypes[0] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, heap};
+  memory->memoryTypes[1] = {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, heap};
+  memory->memoryTypes[2] = {
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, heap};
+}
+
+void VKAPI_CALL get_families(VkPhysicalDevice device, std::uint32_t* count,
+                             VkQueueFamilyProperties* families) {
+  real.vkGetPhysicalDeviceQueueFamilyProperties(device, count, families);
+  for (std::uint32_t i = 0; state.pretence.no_timestamps && families && i < *count; ++i)
+    families[i].timestampValidBits = 0;
+}
+
+VkResult VKAPI_CALL get_extensions(VkPhysicalDevice device, const char* layer, std::uint32_t* count,
+                                   VkExtensionProperties* extensions) {
+  if (!state.pretence.portability_subset)
+    return real.vkEnumerateDeviceExtensionProperties(device, layer, count, extensions);
+  std::uint32_t real_count = extensions ? *count - 1 : 0;
+  const VkResult result =
+      real.vkEnumerateDeviceExtensionProperties(device, layer, &real_count, extensions);
+  *count = real_count + 1;
+  if (extensions) {
+    extensions[real_count] = {};
+    std::strcpy(extensions[real_count].extensionName, kPortabilitySubset);
+  }
+  return result;
+}
+
+VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
+                                  const VkAllocationCallbacks* callbacks, VkDevice* device) {
+  VkDeviceCreateInfo changed = *info;
+  bool enables_subset = false;
+  std::vector<const char*> extensions;
+  for (std::uint32_t i = 0; i < info->enabledExtensionCount; ++i) {
+    const char* name = info->ppEnabledExtensionNames[i];
+    if (std::strcmp(name, kPortabilitySubset) == 0)
+      enables_subset = true;
+    else
+      extensions.push_back(name);
+  }
+  // As the extension's rule wants it.
+  if (enables_subset != state.pretence.portability_subset) return VK_ERROR_EXTENSION_NOT_PRESENT;
+  changed.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  changed.ppEnabledExtensionNames = extensions.data();
+  return real.vkCreateDevice(physical, &changed, callbacks, device);
+}
+
+void VKAPI_CALL get_requirements(VkDevice device, VkBuffer buffer,
+                                 VkMemoryRequirements* requirements) {
+  real.vkGetBufferMemoryRequirements(device, buffer, requirements);
+  if (state.pretence.split_memory) requirements->memoryTypeBits = 7;
+}
+
+VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAllocateInfo* info,
+                                    const VkAllocationCallbacks* callbacks,
+                                    VkDeviceMemory* memory) {
+  VkMemoryAllocateInfo changed = *info;
+  if (state.pretence.split_memory) changed.memoryTypeIndex = 0;
+  const VkResult result = real.vkAllocateMemory(device, &changed, callbacks, memory);
+  if (state.pretence.split_memory && result == VK_SUCCESS) {
+    const std::lock_guard lock(state.mutex);
+    if (info->memoryTypeIndex == 0)
+      state.device_only.insert(*memory);
+    else
+      state.device_only.erase(*memory);
+  }
+  return result;
+}
+
+VkResult VKAPI_CALL map_memory(VkDevice device, VkDeviceMemory memory, VkDeviceSize offset,
+                               VkDeviceSize size, VkMemoryMapFlags flags, void** data) {
+  {
+    const std::lock_guard lock(state.mutex);
+    if (state.device_only.count(memory)) ++state.illegal_maps;
+  }
+  return real.vkMapMemory(device, memory, offset, size, flags, data);
+}
+
+VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos,
+                           VkFence fence) {
+  if (state.pretence.submit_result != VK_SUCCESS) return state.pretence.submit_result;
+  return real.vkQueueSubmit(queue, count, infos, fence);
+}
+
+/// The function behind a slot: ours where there is one.
+template <Slot slot, class Function>
+Function behind(Function otherwise) {
+  if constexpr (slot == Slot_vkGetPhysicalDeviceProperties2) return get_properties;
+  if constexpr (slot == Slot_vkGetPhysicalDeviceMemoryProperties) return get_memory;
+  if constexpr (slot == Slot_vkGetPhysicalDeviceQueueFamilyProperties) return get_families;
+  if constexpr (slot == Slot_vkEnumerateDeviceExtensionProperties) return get_extensions;
+  if constexpr (slot == Slot_vkCreateDevice) return create_device;
+  if constexpr (slot == Slot_vkGetDeviceProcAddr) return get_device_proc;
+  if constexpr (slot == Slot_vkGetBufferMemoryRequirements) return get_requirements;
+  if constexpr (slot == Slot_vkAllocateMemory) return allocate_memory;
+  if constexpr (slot == Slot_vkMapMemory) return map_memory;
+  if constexpr (slot == Slot_vkQueueSubmit) return submit;
+  return otherwise;
+}
+
+bool starts(std::string_view text, std::string_view with) {
+  return text.substr(0, with.size()) == with;
+}
+
+/// What a function makes or destroys; empty for others, and for what pools free.
+std::string kind_of(std::string_view name) {
+  if (name == "vkCreateComputePipelines") return "Pipeline";
+  for (const char* verb : {"vkCreate", "vkDestroy", "vkAllocate", "vkFree"})
+    if (starts(name, verb)) {
+      const std::string kind(name.substr(std::strlen(verb)));
+      return kind == "DescriptorSets" || kind == "CommandBuffers" ? std::string() : kind;
+    }
+  return {};
+}
+
+void note_alive(const std::string& kind, int change) {
+  if (kind.empty()) return;
+  const std::lock_guard lock(state.mutex);
+  if ((state.alive[kind] += change) == 0) state.alive.erase(kind);
+}
+
+template <class Function>
+struct Thunk;
+
+template <class R, class... A>
+struct Thunk<R(VKAPI_PTR*)(A...)> {
+  using Function = R(VKAPI_PTR*)(A...);
+
+  template <Slot slot, Function Real::*member>
+  static R VKAPI_CALL call(A... arguments) {
+    ++state.counts[slot];
+    const Function function = behind<slot>(real.*member);
+    if constexpr (std::is_same_v<R, VkResult>) {
+      if (++state.fallible == state.pretence.failing_call) return state.pretence.failure;
+      const VkResult result = function(arguments...);
+      if (result >= 0) note_alive(kind_of(kNames[slot]), 1);
+      return result;
+    } else {
+      if (is_handle(arguments...)) note_alive(kind_of(kNames[slot]), -1);
+      return function(arguments...);
+    }
+  }
+
+  /// Whether a destroying function, (handle, callbacks) or (parent, handle, callbacks), is given one.
+  template <class Handle>
+  static bool is_handle(Handle handle, const VkAllocationCallbacks*) {
+    return handle != VK_NULL_HANDLE;
+  }
+  template <class Parent, class Handle>
+  static bool is_handle(Parent, Handle handle, const VkAllocationCallbacks*) {
+    return handle != VK_NULL_HANDLE;
+  }
+  template <class... Others>
+  static bool is_handle(Others...) {
+    return false;
+  }
+};
+
+/// The counting function of that name, whose real one is kept; or just the real one.
+PFN_vkVoidFunction counted(const char* name, PFN_vkVoidFunction function) {
+  if (!function) return nullptr;
+#define PRETENDED_CASE(known)                                 \
+  if (std::strcmp(name, #known) == 0) {                       \
+    real.known = reinterpret_cast<PFN_##known>(function);     \
+    return reinterpret_cast<PFN_vkVoidFunction>(              \
+        &Thunk<PFN_##known>::call<Slot_##known, &Real::known>); \
+  }
+  PRETENDED_ALL(PRETENDED_CASE)
+  const std::lock_guard lock(state.mutex);
+  ++state.uncounted[name];
+  return function;
+}
+
+PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char* name) {
+  return counted(name, real.vkGetDeviceProcAddr(device, name));
+}
+
+PFN_vkGetInstanceProcAddr loader() {
+  static void* const library = ::dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (!library) throw std::runtime_error("no Vulkan loader");
+  return reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library, "vkGetInstanceProcAddr"));
+}
+
+PFN_vkVoidFunction VKAPI_CALL get_instance_proc(VkInstance instance, const char* name) {
+  return counted(name, loader()(instance, name));
+}
+
+}  // namespace
+
+void PretendedDriver::reset() {
+  state.pretence = {};
+  for (std::atomic<int>& count : state.counts) count = 0;
+  state.fallible = 0;
+  state.illegal_maps = 0;
+  const std::lock_guard lock(state.mutex);
+  state.alive.clear();
+  state.uncounted.clear();
+  state.device_only.clear();
+}
+
+PFN_vkGetInstanceProcAddr PretendedDriver::get_proc() { return get_instance_proc; }
+PretendedDriver::Pretence& PretendedDriver::pretence() { return state.pretence; }
+
+std::map<std::string, int> PretendedDriver::counts() {
+  std::map<std::string, int> result;
+  for (int slot = 0; slot < kSlotCount; ++slot)
+    if (state.counts[slot] > 0) result[kNames[slot]] = state.counts[slot];
+  return result;
+}
+
+int PretendedDriver::count(const std::string& function) {
+  const std::map<std::string, int> all = counts();
+  const auto found = all.find(function);
+  return found == all.end() ? 0 : found->second;
+}
+
+int PretendedDriver::fallible_calls() { return state.fallible; }
+
+std::map<std::string, int> PretendedDriver::alive() {
+  const std::lock_guard lock(state.mutex);
+  return state.alive;
+}
+
+std::map<std::string, int> PretendedDriver::uncounted() {
+  const std::lock_guard lock(state.mutex);
+  return state.uncounted;
+}
+
+int PretendedDriver::illegal_maps() { return state.illegal_maps; }
+
+}  // namespace planish::testing

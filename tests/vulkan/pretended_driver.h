@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "planish/vulkan/functions.h"
+
+namespace planish::testing {
+
+/// A vkGetInstanceProcAddr between planish and the loader: it counts what planish calls and what it
+/// leaves alive, and on demand pretends that calls fail, that limits are low and that memory is not
+/// what it is. Vulkan hands no state to functions: there is one, for one device at a time.
+class PretendedDriver {
+ public:
+  /// Forgets all counts and pretends nothing.
+  static void reset();
+  static PFN_vkGetInstanceProcAddr get_proc();
+
+  struct Pretence {
+    std::uint32_t storage_buffers = 0;  ///< maxPerStageDescriptorStorageBuffers; 0: the real one
+    std::uint32_t storage_range = 0;    ///< maxStorageBufferRange, bytes; 0: the real one
+    std::uint32_t texel_elements = 0;   ///< maxTexelBufferElements; 0: the real one
+    /// Memory that only the device sees, and two types that the host sees, of which none is coherent.
+    bool split_memory = false;
+    bool no_subgroup_operations = false;
+    bool no_timestamps = false;
+    bool portability_subset = false;
+    VkResult submit_result = VK_SUCCESS;
+    /// Which of the calls that return a VkResult fails, counted from 1; 0: none.
+    int failing_call = 0;
+    VkResult failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  };
+  static Pretence& pretence();
+
+  /// Calls since reset() by function, only of functions that planish asked for.
+  static std::map<std::string, int> counts();
+  static int count(const std::string& function);
+  /// Calls that return a VkResult.
+  static int fallible_calls();
+  /// What vkCreate and vkAllocateMemory made and nothing destroyed, by kind; pools count for what is
+  /// allocated from them.
+  static std::map<std::string, int> alive();
+  /// Functions that planish asked for and that are not counted.
+  static std::map<std::string, int> uncounted();
+  /// Memory of the pretended type 0, which only the device sees, that was mapped.
+  static int illegal_maps();
+};
+
+}  // namespace planish::testing
