@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -47,17 +49,227 @@ TEST_F(Embedding, SurfaceEqualsTheCpus) {
       HostTopology topology(*context_, mesh.mesh, options);
       topology.upload(*submitter_);
       HostFrame frame(*context_, topology);
-      SolveParameters parameters;
-      parameters.iterations = 40;
       const PolygonMesh pose = posed(mesh.mesh, 1);
       const Difference off =
-          difference(run(frame, pose, parameters), surface_by_cpu(pose, mesh.mesh, options));
+          difference(run(frame, pose, iterations(40)), surface_by_cpu(pose, mesh.mesh, options));
       EXPECT_LT(off.distance, kDistance) << mesh.name << " " << level;
       EXPECT_GT(off.cosine, kCosine) << mesh.name << " " << level;
       EXPECT_EQ(frame.status().iterations, 40u);
       EXPECT_EQ(frame.status().state, SolveState::Stepped);
       EXPECT_LT(frame.status().residual, 2e-6) << mesh.name << " " << level;
     }
+}
+
+TEST_F(Embedding, IndicesAreTheCpuSurfaces) {
+  for (const test::NamedMesh& mesh : mixed_meshes())
+    for (const int level : {0, 2}) {
+      SystemOptions options;
+      options.level = level;
+      HostTopology topology(*context_, mesh.mesh, options);
+      topology.upload(*submitter_);
+      EvaluateOptions evaluation;
+      evaluation.level = level;
+      const SurfaceMesh surface = evaluate(mesh.mesh, *make_cpu_backend(), evaluation);
+      std::vector<std::uint32_t> expected;
+      for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+        const auto face = surface.face(f);
+        for (std::size_t k = 2; k < face.size(); ++k)
+          expected.insert(expected.end(), {std::uint32_t(face[0]), std::uint32_t(face[k - 1]),
+                                           std::uint32_t(face[k])});
+      }
+      std::vector<std::uint32_t> indices(topology.device.index_count());
+      ASSERT_EQ(indices.size(), expected.size()) << mesh.name;
+      std::memcpy(indices.data(), topology.indices.mapped().data(), 4 * indices.size());
+      EXPECT_EQ(indices, expected) << mesh.name << " " << level;
+      if (level == 0) continue;
+      EXPECT_TRUE(std::equal(topology.system.quads().begin(), topology.system.quads().end(),
+                             surface.face_vertices.begin(), surface.face_vertices.end()))
+          << mesh.name;
+    }
+}
+
+TEST_F(Embedding, WritesTheHostsLayoutAndNothingBeside) {
+  const PolygonMesh mesh = test::icosphere(1);
+  HostTopology topology(*context_, mesh);
+  topology.upload(*submitter_);
+  HostFrame tight(*context_, topology);
+  const std::vector<Vertex> expected = run(tight, mesh, iterations(20));
+  // Normals before positions, at an offset that no device takes as a binding's.
+  for (const Layout& layout : {Layout{52, 40, 16, 0}, Layout{4, 64, 0, 52}, Layout{0, 24, 12, 0}}) {
+    HostFrame frame(*context_, topology, layout);
+    std::memset(frame.output.mapped().data(), 0x5a, frame.output.mapped().size());
+    frame.output.flush();
+    const std::vector<Vertex> found = run(frame, mesh, iterations(20));
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      ASSERT_EQ(found[i].position, expected[i].position) << i;
+      ASSERT_EQ(found[i].normal, expected[i].normal) << i;
+      std::byte* vertex = &frame.output.mapped()[layout.offset + i * layout.stride];
+      std::memset(vertex + layout.position_offset, 0x5a, sizeof(glm::vec3));
+      std::memset(vertex + layout.normal_offset, 0x5a, sizeof(glm::vec3));
+    }
+    EXPECT_THAT(frame.output.mapped(), ::testing::Each(std::byte{0x5a}));
+  }
+}
+
+TEST_F(Embedding, TakesPointsOfAnyStrideAndFromStaging) {
+  const PolygonMesh mesh = mixed_meshes()[5].mesh;  // with an unused vertex
+  HostTopology topology(*context_, mesh);
+  topology.upload(*submitter_);
+  HostFrame tight(*context_, topology);
+  const std::vector<Vertex> expected = run(tight, mesh, iterations(20));
+
+  const std::size_t count = mesh.positions.size();
+  Buffer strided(*context_, 20 + 32 * count, MemoryUse::Upload);
+  Buffer staging(*context_, 8 + sizeof(glm::vec3) * count, MemoryUse::Upload);
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec3 point(mesh.positions[i]);
+    std::memcpy(&strided.mapped()[20 + 32 * i], &point, sizeof point);
+    std::memcpy(&staging.mapped()[8 + sizeof point * i], &point, sizeof point);
+  }
+  strided.flush();
+  staging.flush();
+  SolveOptions options;
+  options.vertices.buffer = tight.output.handle();
+  const vulkan::Solve staged(*context_, topology.device, options);
+  options.given = {strided.handle(), 20, 32};
+  const vulkan::Solve direct(*context_, topology.device, options);
+  for (const vulkan::Solve* solve : {&staged, &direct}) {
+    std::memset(tight.output.mapped().data(), 0, tight.output.mapped().size());
+    submitter_->run([&](VkCommandBuffer commands) {
+      if (solve == &staged) solve->record_given(commands, staging.handle(), 8);
+      solve->record_solve(commands, iterations(20));
+      solve->record_evaluate(commands);
+    });
+    const std::vector<Vertex> found = tight.vertices();
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      ASSERT_EQ(found[i].position, expected[i].position) << i;
+      ASSERT_EQ(found[i].normal, expected[i].normal) << i;
+    }
+  }
+}
+
+TEST_F(Embedding, StopsOnTheDeviceAtTheStepThatTheSystemCounted) {
+  const PolygonMesh mesh = test::random_closed_mesh(3);
+  SystemOptions options;
+  options.tolerance = 1e-4;
+  HostTopology topology(*context_, mesh, options);
+  topology.upload(*submitter_);
+  const std::uint32_t needed = topology.system.rest_iterations();
+  ASSERT_GT(needed, 5u);  // so that indirect dispatches are both done and left out
+  HostFrame frame(*context_, topology);
+  SolveParameters parameters = iterations(60);
+  parameters.stop_error = static_cast<float>(topology.system.tolerance());
+  const std::vector<Vertex> stopped = run(frame, mesh, parameters);
+  EXPECT_EQ(frame.status().iterations, needed);
+  EXPECT_EQ(frame.status().state, SolveState::Converged);
+  EXPECT_LE(frame.status().residual, parameters.stop_error);
+  const std::vector<Vertex> counted = run(frame, mesh, iterations(needed));
+  EXPECT_EQ(frame.status().state, SolveState::Stepped);
+  EXPECT_EQ(frame.status().iterations, needed);
+  for (std::size_t i = 0; i < counted.size(); ++i)
+    ASSERT_EQ(stopped[i].position, counted[i].position) << i;
+  // One step less does not suffice.
+  static_cast<void>(run(frame, mesh, iterations(needed - 1)));
+  EXPECT_GT(frame.status().residual, parameters.stop_error);
+}
+
+TEST_F(Embedding, StatusTellsTheErrorThatTheStepsLeave) {
+  const PolygonMesh mesh = test::icosphere(2);
+  HostTopology topology(*context_, mesh);
+  topology.upload(*submitter_);
+  HostFrame frame(*context_, topology);
+  static_cast<void>(run(frame, mesh, iterations(0)));
+  EXPECT_NEAR(frame.status().residual, topology.system.rest_error(), 1e-6);
+  for (const std::uint32_t count : {0u, 1u, 2u, 3u, 6u}) {
+    const std::vector<Vertex> found = run(frame, mesh, iterations(count));
+    double largest = 0;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+      largest = std::max<double>(
+          largest, glm::distance(glm::vec3(mesh.positions[v]), found[v].position));
+    EXPECT_NEAR(frame.status().residual, largest, 1e-6) << count;
+    SolveParameters before = iterations(count);
+    before.measures_last = false;
+    const float after = frame.status().residual;
+    static_cast<void>(run(frame, mesh, before));
+    EXPECT_EQ(frame.status().iterations, count);
+    // Without any step there is nothing before the last.
+    EXPECT_EQ(frame.status().residual == after, count == 0) << count;
+    EXPECT_GE(frame.status().residual, after) << count;
+  }
+}
+
+TEST_F(Embedding, WarmStartsNeedFewerIterations) {
+  const PolygonMesh mesh = test::torus(14, 9, 2, 0.7);
+  HostTopology topology(*context_, mesh);
+  topology.upload(*submitter_);
+  HostFrame warm(*context_, topology), cold(*context_, topology);
+  SolveParameters parameters = iterations(64);
+  parameters.stop_error = 3e-6f;
+  submitter_->run([&](VkCommandBuffer commands) { warm.solve.record_reset(commands); });
+  std::uint32_t warm_total = 0, cold_total = 0;
+  for (int frame = 0; frame < 6; ++frame) {
+    PolygonMesh pose = mesh;
+    for (glm::dvec3& p : pose.positions) p.z += 0.002 * frame * std::sin(p.x);
+    parameters.warm_start = true;
+    const std::vector<Vertex> by_warm = run(warm, pose, parameters);
+    EXPECT_EQ(warm.status().state, SolveState::Converged) << frame;
+    warm_total += warm.status().iterations;
+    parameters.warm_start = false;
+    const std::vector<Vertex> by_cold = run(cold, pose, parameters);
+    cold_total += cold.status().iterations;
+    // The first frame starts from nothing either way.
+    EXPECT_EQ(warm.status().iterations == cold.status().iterations, frame == 0) << frame;
+    EXPECT_LT(difference(by_warm, by_cold).distance, 2 * 3e-6) << frame;
+  }
+  EXPECT_LT(warm_total, 0.7 * cold_total);
+}
+
+TEST_F(Embedding, RecoversFromAFrameWithoutNumbers) {
+  const PolygonMesh mesh = test::icosphere(1);
+  HostTopology topology(*context_, mesh);
+  topology.upload(*submitter_);
+  HostFrame frame(*context_, topology);
+  const std::vector<Vertex> expected = run(frame, mesh, iterations(20));
+  PolygonMesh broken = mesh;
+  broken.positions[7].y = std::numeric_limits<double>::quiet_NaN();
+  SolveParameters parameters = iterations(20);
+  parameters.stop_error = 1e-6f;
+  static_cast<void>(run(frame, broken, parameters));
+  EXPECT_EQ(frame.status().state, SolveState::NotFinite);
+  EXPECT_EQ(frame.status().residual, std::numeric_limits<float>::infinity());
+  parameters = iterations(40);
+  parameters.warm_start = true;
+  EXPECT_LT(difference(run(frame, mesh, parameters), expected).distance, kDistance);
+}
+
+TEST_F(Embedding, RefusesLayoutsThatCannotBe) {
+  const PolygonMesh mesh = test::cube();
+  HostTopology topology(*context_, mesh);
+  HostFrame frame(*context_, topology);
+  const auto refuse = [&](const SolveOptions& options, const char* words) {
+    try {
+      const vulkan::Solve solve(*context_, topology.device, options);
+      ADD_FAILURE() << "nothing thrown: " << words;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(words));
+    }
+  };
+  const VkBuffer buffer = frame.output.handle();
+  refuse({.vertices = {buffer, 2}}, "multiples of 4");
+  refuse({.vertices = {buffer, 0, 20}}, "stride 20 does not hold 12 bytes from offset 12");
+  refuse({.vertices = {buffer, 0, 128}}, "max_vertex_stride");
+  refuse({.given = {buffer, 0, 8}}, "12 or more apart");
+  refuse({.max_iterations = 0}, "max_iterations 0 is outside 1 to");
+}
+
+TEST_F(Embedding, UploadsOnlyWhatItWasMadeFor) {
+  const HostTopology topology(*context_, test::cube());
+  std::vector<std::byte> staging(topology.device.upload_bytes());
+  EXPECT_THROW(topology.device.write_upload(System(test::icosphere(1)), staging), Error);
+  staging.pop_back();
+  EXPECT_THROW(topology.device.write_upload(topology.system, staging), Error);
 }
 
 }  // namespace
