@@ -55,9 +55,10 @@ Difference difference(const std::vector<Vertex>& a, const std::vector<Vertex>& b
   return result;
 }
 
-HostTopology::HostTopology(Context& context, const PolygonMesh& rest, const SystemOptions& options)
+HostTopology::HostTopology(Context& context, const PolygonMesh& rest, const SystemOptions& options,
+                           std::uint32_t max_vertex_stride)
     : system(rest, options),
-      device(context, system),
+      device(context, system, {max_vertex_stride}),
       indices(context, device.index_count() * sizeof(std::uint32_t), MemoryUse::Download),
       staging(context, device.upload_bytes(), MemoryUse::Upload) {
   device.write_upload(system, staging.mapped().first(device.upload_bytes()));

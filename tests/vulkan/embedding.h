@@ -41,7 +41,7 @@ struct Layout {
 /// What a host keeps for one topology: tables, and an index buffer.
 struct HostTopology {
   HostTopology(vulkan::Context& context, const PolygonMesh& rest,
-               const vulkan::SystemOptions& options = {});
+               const vulkan::SystemOptions& options = {}, std::uint32_t max_vertex_stride = 64);
   /// From its staging memory to the device.
   void upload(vulkan::Submitter& submitter);
 
@@ -67,8 +67,8 @@ struct HostFrame {
   vulkan::Solve solve;
 };
 
-/// A command buffer that a host records once and submits as often as it likes, with a fence. Made of
-/// functions that the host loads for itself.
+/// A command buffer that a host records once and submits as often as it likes, with a fence. Made
+/// of functions that the host loads for itself.
 class HostCommands {
  public:
   HostCommands(const vulkan::OwnDevice& device,

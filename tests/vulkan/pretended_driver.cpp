@@ -212,7 +212,10 @@ struct Thunk<R(VKAPI_PTR*)(A...)> {
     ++state.counts[slot];
     const Function function = behind<slot>(real.*member);
     if constexpr (std::is_same_v<R, VkResult>) {
-      if (++state.fallible == state.pretence.failing_call) return state.pretence.failure;
+      // A name that cannot be set is no error, and destructors wait as well as they can.
+      if (slot != Slot_vkSetDebugUtilsObjectNameEXT && slot != Slot_vkDeviceWaitIdle &&
+          ++state.fallible == state.pretence.failing_call)
+        return state.pretence.failure;
       const VkResult result = function(arguments...);
       if (result >= 0) note_alive(kind_of(kNames[slot]), 1);
       return result;
@@ -222,7 +225,8 @@ struct Thunk<R(VKAPI_PTR*)(A...)> {
     }
   }
 
-  /// Whether a destroying function, (handle, callbacks) or (parent, handle, callbacks), is given one.
+  /// Whether a destroying function, (handle, callbacks) or (parent, handle, callbacks), is given
+  /// one.
   template <class Handle>
   static bool is_handle(Handle handle, const VkAllocationCallbacks*) {
     return handle != VK_NULL_HANDLE;
@@ -240,10 +244,10 @@ struct Thunk<R(VKAPI_PTR*)(A...)> {
 /// The counting function of that name, whose real one is kept; or just the real one.
 PFN_vkVoidFunction counted(const char* name, PFN_vkVoidFunction function) {
   if (!function) return nullptr;
-#define PRETENDED_CASE(known)                                 \
-  if (std::strcmp(name, #known) == 0) {                       \
-    real.known = reinterpret_cast<PFN_##known>(function);     \
-    return reinterpret_cast<PFN_vkVoidFunction>(              \
+#define PRETENDED_CASE(known)                                   \
+  if (std::strcmp(name, #known) == 0) {                         \
+    real.known = reinterpret_cast<PFN_##known>(function);       \
+    return reinterpret_cast<PFN_vkVoidFunction>(                \
         &Thunk<PFN_##known>::call<Slot_##known, &Real::known>); \
   }
   PRETENDED_ALL(PRETENDED_CASE)

@@ -21,7 +21,8 @@ class PretendedDriver {
     std::uint32_t storage_buffers = 0;  ///< maxPerStageDescriptorStorageBuffers; 0: the real one
     std::uint32_t storage_range = 0;    ///< maxStorageBufferRange, bytes; 0: the real one
     std::uint32_t texel_elements = 0;   ///< maxTexelBufferElements; 0: the real one
-    /// Memory that only the device sees, and two types that the host sees, of which none is coherent.
+    /// Memory that only the device sees, and two types that the host sees, of which none is
+    /// coherent.
     bool split_memory = false;
     bool no_subgroup_operations = false;
     bool no_timestamps = false;
@@ -36,10 +37,10 @@ class PretendedDriver {
   /// Calls since reset() by function, only of functions that planish asked for.
   static std::map<std::string, int> counts();
   static int count(const std::string& function);
-  /// Calls that return a VkResult.
+  /// Calls that return a VkResult and whose failure matters.
   static int fallible_calls();
-  /// What vkCreate and vkAllocateMemory made and nothing destroyed, by kind; pools count for what is
-  /// allocated from them.
+  /// What vkCreate and vkAllocateMemory made and nothing destroyed, by kind; pools count for what
+  /// is allocated from them.
   static std::map<std::string, int> alive();
   /// Functions that planish asked for and that are not counted.
   static std::map<std::string, int> uncounted();

@@ -67,6 +67,11 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
   if (variant_.read_path == ReadPath::Texel)
     max_storage_range_ =
         std::min(max_storage_range_, capabilities_.max_texel_elements * sizeof(float));
+  for (std::size_t i = 0; i < kKernelCount; ++i) {
+    const auto kernel = static_cast<Kernel>(i);
+    labels_.name(VK_OBJECT_TYPE_PIPELINE, handle_number(pipelines_[kernel].pipeline),
+                 name_of(kernel));
+  }
   log("planish: " + capabilities_.name + ", " +
       (variant_.read_path == ReadPath::Texel ? "texel" : "storage") + " buffers, " +
       std::to_string(max_storage_range_) + " bytes a binding");

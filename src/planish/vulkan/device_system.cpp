@@ -103,6 +103,11 @@ std::uint64_t DeviceSystem::upload_bytes() const {
 std::uint32_t DeviceSystem::index_count() const { return parts_->index_count; }
 std::int32_t DeviceSystem::given_count() const { return parts_->given_count; }
 std::int32_t DeviceSystem::vertex_count() const { return parts_->limit.row_count(); }
+std::size_t DeviceSystem::slice_count() const {
+  std::size_t count = parts_->masks.slices().size() + parts_->limit.slices().size();
+  for (const DeviceTable& table : parts_->refinement) count += table.slices().size();
+  return count;
+}
 std::uint64_t DeviceSystem::device_bytes() const { return parts_->device_bytes; }
 
 void DeviceSystem::write_upload(const System& system, std::span<std::byte> staging) const {

@@ -28,12 +28,13 @@ DeviceTable::DeviceTable(Context& context, const StencilView<Real>& table,
         static_cast<std::uint32_t>((rows.chunk_count + context.variant().chunks_per_group - 1) /
                                    context.variant().chunks_per_group);
     group_total_ += slice.group_count;
-    slice.entries = Buffer(context, rows.entry_count * sizeof(PackedEntry), MemoryUse::Device);
+    slice.entries = Buffer(context, rows.entry_count * sizeof(PackedEntry), MemoryUse::Device,
+                           "planish entries");
     slice.chunks = Buffer(context, rows.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
-                          MemoryUse::Device);
+                          MemoryUse::Device, "planish chunks");
     if (derivatives)
-      slice.derivatives =
-          Buffer(context, rows.entry_count * sizeof(PackedDerivative), MemoryUse::Device);
+      slice.derivatives = Buffer(context, rows.entry_count * sizeof(PackedDerivative),
+                                 MemoryUse::Device, "planish derivatives");
   }
 }
 

@@ -159,6 +159,9 @@ class DeviceSystem {
   [[nodiscard]] std::uint32_t index_count() const;
   [[nodiscard]] std::int32_t given_count() const;
   [[nodiscard]] std::int32_t vertex_count() const;
+  /// Dispatches that one pass over all tables takes: more than one a table where the device's
+  /// limits are low.
+  [[nodiscard]] std::size_t slice_count() const;
   /// Device memory that the tables take.
   [[nodiscard]] std::uint64_t device_bytes() const;
 

@@ -35,18 +35,19 @@ GpuSolve::GpuSolve(Context& context, const DeviceTable& masks, const GpuSolveOpt
                                    : steps_that_fit(context, masks.partials_total())) {
   const std::uint64_t point_bytes =
       std::uint64_t(masks.row_count()) * shared::kPointFloats * sizeof(float);
-  for (Buffer& side : sides_) side = Buffer(context, point_bytes, MemoryUse::Device);
-  initial_ = Buffer(context, point_bytes, MemoryUse::Device);
+  for (Buffer& side : sides_)
+    side = Buffer(context, point_bytes, MemoryUse::Device, "planish displacement");
+  initial_ = Buffer(context, point_bytes, MemoryUse::Device, "planish first residual");
   const std::uint64_t step_bytes = max_steps_ * sizeof(shared::StepRecord);
-  plan_ = Buffer(context, step_bytes, MemoryUse::Upload);
-  steps_ = Buffer(context, step_bytes, MemoryUse::Device);
-  status_ = Buffer(context, sizeof(shared::SolveStatus), MemoryUse::Device);
+  plan_ = Buffer(context, step_bytes, MemoryUse::Upload, "planish plan");
+  steps_ = Buffer(context, step_bytes, MemoryUse::Device, "planish steps");
+  status_ = Buffer(context, sizeof(shared::SolveStatus), MemoryUse::Device, "planish status");
   const std::uint64_t summed_steps = sums_squares_ ? max_steps_ : 1;
-  partials_ =
-      Buffer(context, summed_steps * masks.partials_total() * sizeof(float), MemoryUse::Device);
+  partials_ = Buffer(context, summed_steps * masks.partials_total() * sizeof(float),
+                     MemoryUse::Device, "planish partial sums");
   const std::uint64_t argument_bytes = masks.slices().size() * sizeof(VkDispatchIndirectCommand);
-  full_arguments_ = Buffer(context, argument_bytes, MemoryUse::Upload);
-  arguments_ = Buffer(context, argument_bytes, MemoryUse::Device);
+  full_arguments_ = Buffer(context, argument_bytes, MemoryUse::Upload, "planish work groups");
+  arguments_ = Buffer(context, argument_bytes, MemoryUse::Device, "planish work groups left");
   write_full_arguments();
   bind(context);
 }

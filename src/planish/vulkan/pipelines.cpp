@@ -78,7 +78,25 @@ const KernelSource kSources[kKernelCount] = {
 
 #undef PLANISH_BOTH
 
+// In the order of enum Kernel.
+constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step",
+                                                    "planish reduce_rms",
+                                                    "planish finish_solve",
+                                                    "planish apply_stencils",
+                                                    "planish apply_limit",
+                                                    "planish cg_apply",
+                                                    "planish cg_advance",
+                                                    "planish cg_turn",
+                                                    "planish reduce_sums",
+                                                    "planish stop_test",
+                                                    "planish gather_points",
+                                                    "planish initial_residual",
+                                                    "planish take_up",
+                                                    "planish control_points"};
+
 }  // namespace
+
+const char* name_of(Kernel kernel) { return kKernelNames[static_cast<std::size_t>(kernel)]; }
 
 VkDescriptorType descriptor_type(Binding binding, ReadPath path) {
   return texel_format(binding, path) == VK_FORMAT_UNDEFINED

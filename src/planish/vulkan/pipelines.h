@@ -31,6 +31,9 @@ enum class Kernel {
 };
 inline constexpr std::size_t kKernelCount = 14;
 
+/// The name of its file, for debuggers.
+[[nodiscard]] const char* name_of(Kernel kernel);
+
 /// Bindings of the kernel with the most of them.
 inline constexpr std::uint32_t kMaxBindings = 8;
 

@@ -44,7 +44,6 @@ Submitter::Submitter(Context& context, VkQueue queue, std::uint32_t queue_family
 
 Submitter::~Submitter() {
   const DeviceFunctions& vk = context_.vk();
-  // After a failed wait the work may still be pending.
   vk.vkDeviceWaitIdle(context_.device());
   vk.vkDestroyFence(context_.device(), fence_, context_.callbacks());
   vk.vkDestroyCommandPool(context_.device(), pool_, context_.callbacks());
@@ -63,9 +62,12 @@ void Submitter::run(const std::function<void(VkCommandBuffer)>& record) {
   VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &commands_;
-  check(vk.vkQueueSubmit(queue_, 1, &submit, fence_), "vkQueueSubmit");
-  check(vk.vkWaitForFences(context_.device(), 1, &fence_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
   check(vk.vkResetFences(context_.device(), 1, &fence_), "vkResetFences");
+  check(vk.vkQueueSubmit(queue_, 1, &submit, fence_), "vkQueueSubmit");
+  const VkResult waited = vk.vkWaitForFences(context_.device(), 1, &fence_, VK_TRUE, UINT64_MAX);
+  // Whoever catches the error drops buffers that the work may still be using.
+  if (waited != VK_SUCCESS) vk.vkDeviceWaitIdle(context_.device());
+  check(waited, "vkWaitForFences");
 }
 
 void Submitter::upload(const BufferRange& target,

@@ -1,0 +1,190 @@
+// What hosts and drivers do wrong or lack: calls that fail, memory that is split, limits that are
+// low.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <iostream>
+
+#include "planish/vulkan/result.h"
+#include "planish/vulkan/vulkan_machine.h"
+#include "planish/vulkan/vulkan_solve.h"
+#include "support/meshes.h"
+#include "vulkan/embedding_fixture.h"
+#include "vulkan/tables.h"
+
+namespace planish::testing {
+namespace {
+
+using namespace vulkan;
+
+class EmbedFaults : public Embedding {
+ protected:
+  /// Calls `make`, whose fallible calls fail one after another, until none does. Nothing must be
+  /// left of a failed attempt.
+  void fail_each_call(const std::function<void()>& make) {
+    const std::map<std::string, int> before = PretendedDriver::alive();
+    const std::map<std::string, int> first_counts = PretendedDriver::counts();
+    int failures = 0;
+    for (;; ++failures) {
+      PretendedDriver::pretence().failing_call = PretendedDriver::fallible_calls() + failures + 1;
+      const int last_call = PretendedDriver::pretence().failing_call;
+      try {
+        make();
+        if (PretendedDriver::fallible_calls() < last_call) break;
+        ADD_FAILURE() << "call " << failures + 1 << " failed and nobody said so";
+      } catch (const Error& error) {
+        EXPECT_TRUE(error.code() == ErrorCode::OutOfMemory || error.code() == ErrorCode::NoDevice)
+            << error.what();
+        EXPECT_THAT(error.what(), ::testing::HasSubstr("VK_ERROR_OUT_OF_DEVICE_MEMORY"));
+      }
+      ASSERT_EQ(PretendedDriver::alive(), before) << "after failure " << failures + 1;
+      ASSERT_LT(failures, 2000);
+    }
+    PretendedDriver::pretence().failing_call = 0;
+    std::cout << "  " << failures << " calls failed in turn\n";
+    EXPECT_GT(failures, 0);
+  }
+
+  std::vector<Vertex> surface_of(const PolygonMesh& mesh, int level) {
+    SystemOptions options;
+    options.level = level;
+    HostTopology topology(*context_, mesh, options, /*max_vertex_stride=*/24);
+    topology.upload(*submitter_);
+    slice_count_ = topology.device.slice_count();
+    HostFrame frame(*context_, topology);
+    return run(frame, mesh, iterations(30));
+  }
+
+  std::size_t slice_count_ = 0;
+};
+
+TEST_F(EmbedFaults, EveryFailingCallOfAnOwnDeviceUnwinds) {
+  fail_each_call([&] { const OwnDevice device(device_options()); });
+}
+
+TEST_F(EmbedFaults, EveryFailingCallOfAContextUnwinds) {
+  fail_each_call([&] { const Context context(*own_); });
+}
+
+TEST_F(EmbedFaults, EveryFailingCallOfAFrameUnwinds) {
+  const PolygonMesh mesh = test::icosphere(1);
+  const System system(mesh);
+  for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant}) {
+    ContextOptions options;
+    options.variant = variant;
+    open(options);
+    fail_each_call([&] {
+      const DeviceSystem tables(*context_, system);
+      const Buffer vertices(*context_, 1 << 20, MemoryUse::Device);
+      SolveOptions solve;
+      solve.vertices.buffer = vertices.handle();
+      const vulkan::Solve frame(*context_, tables, solve);
+    });
+  }
+}
+
+TEST_F(EmbedFaults, EveryFailingCallOfTheCommandsMachineUnwinds) {
+  const StencilTable<double> masks = torus_masks(8, 8);
+  const std::vector<glm::dvec3> initial = random_points(64);
+  const auto machine = std::make_shared<VulkanMachine>(device_options(), ContextOptions{});
+  const auto work = [&] {
+    const Submitter submitter(machine->context, machine->device.queue(),
+                              machine->device.capabilities().compute_family);
+    VulkanSolve solve(machine, masks.view());
+    solve.begin(initial);
+    static_cast<void>(solve.run(std::vector<StepCoefficients>(3, {0, 1}), -1));
+    static_cast<void>(solve.displacement());
+  };
+  work();  // the machine keeps its staging buffers
+  fail_each_call(work);
+}
+
+TEST_F(EmbedFaults, ALostDeviceIsReportedAndLeavesNothing) {
+  const StencilTable<double> masks = torus_masks(8, 8);
+  const std::map<std::string, int> before = PretendedDriver::alive();
+  PretendedDriver::pretence().submit_result = VK_ERROR_DEVICE_LOST;
+  try {
+    const auto machine = std::make_shared<VulkanMachine>(device_options(), ContextOptions{});
+    VulkanSolve solve(machine, masks.view());
+    FAIL() << "nothing thrown";
+  } catch (const VulkanError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::DeviceLost);
+    EXPECT_EQ(error.result(), VK_ERROR_DEVICE_LOST);
+  }
+  EXPECT_EQ(PretendedDriver::alive(), before);
+}
+
+TEST_F(EmbedFaults, FourKibibyteRangesSliceWithEqualResults) {
+  struct Case {
+    PolygonMesh mesh;
+    int level;
+    std::uint32_t range;
+  };
+  // A level's points within one binding, more than one work group of rows: small meshes only.
+  const Case cases[] = {{test::icosphere(0), 2, 4096},
+                        {test::tetrahedron(), 3, 4096},
+                        {test::torus(12, 7, 2, 0.7), 1, 8192}};
+  for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant})
+    for (const Case& one : cases) {
+      ContextOptions options;
+      options.variant = variant;
+      open(options);
+      const std::vector<Vertex> whole = surface_of(one.mesh, one.level);
+      const std::size_t whole_slices = slice_count_;
+      PretendedDriver::pretence().storage_range = one.range;
+      open(options);
+      EXPECT_EQ(context_->max_storage_range(), one.range);
+      const std::vector<Vertex> sliced = surface_of(one.mesh, one.level);
+      PretendedDriver::pretence().storage_range = 0;
+      EXPECT_GT(slice_count_, whole_slices);
+      ASSERT_EQ(sliced.size(), whole.size());
+      for (std::size_t i = 0; i < whole.size(); ++i) {
+        ASSERT_EQ(sliced[i].position, whole[i].position) << i;
+        ASSERT_EQ(sliced[i].normal, whole[i].normal) << i;
+      }
+    }
+}
+
+TEST_F(EmbedFaults, WhatNoSliceMeetsIsRefusedByName) {
+  PretendedDriver::pretence().storage_range = 4096;
+  open();
+  try {
+    static_cast<void>(surface_of(test::icosphere(2), 2));
+    FAIL() << "nothing thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("maxStorageBufferRange is 4096"));
+  }
+}
+
+TEST_F(EmbedFaults, SplitMemoryThatIsNotCoherentServes) {
+  const PolygonMesh mesh = test::icosphere(1);
+  const std::vector<Vertex> expected = surface_of(mesh, 2);
+  PretendedDriver::pretence().split_memory = true;
+  open();
+  const int flushes = PretendedDriver::count("vkFlushMappedMemoryRanges");
+  const std::vector<Vertex> found = surface_of(mesh, 2);
+  close();
+  PretendedDriver::pretence().split_memory = false;
+  EXPECT_GE(PretendedDriver::count("vkFlushMappedMemoryRanges"), flushes + 3);
+  EXPECT_GT(PretendedDriver::count("vkInvalidateMappedMemoryRanges"), 0);
+  EXPECT_EQ(PretendedDriver::illegal_maps(), 0);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+    ASSERT_EQ(found[i].position, expected[i].position) << i;
+}
+
+TEST_F(EmbedFaults, SubgroupOperationsAreNotNeeded) {
+  const PolygonMesh mesh = test::icosphere(1);
+  const std::vector<Vertex> expected = surface_of(mesh, 1);
+  PretendedDriver::pretence().no_subgroup_operations = true;
+  open();
+  EXPECT_EQ(own_->capabilities().subgroup_size, 1u);
+  const std::vector<Vertex> found = surface_of(mesh, 1);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    ASSERT_EQ(found[i].position, expected[i].position) << i;
+}
+
+}  // namespace
+}  // namespace planish::testing
