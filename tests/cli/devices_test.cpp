@@ -4,6 +4,7 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "devices_text.h"
 #include "planish/core/error.h"
 
 namespace planish::command {
@@ -90,6 +91,23 @@ TEST(Devices, WhatCannotBeChosenSaysWhy) {
   list = list_of({});
   list.no_vulkan_because = "no Vulkan loader";
   EXPECT_THAT(message_of(for_device("vulkan"), ErrorCode::NoDevice), HasSubstr("no Vulkan loader"));
+}
+
+TEST(DevicesText, SaysWhatADeviceLacks) {
+  DeviceList list = list_of({"gpu", "software"});
+  list.devices[0].portability_subset = true;
+  list.devices[0].missing = {"timestamps, with which recorded work can be timed on the device"};
+  list.devices[1].unusable_because = "has no queue family with compute";
+  const std::string text = devices_table(list, 0);
+  EXPECT_THAT(text, HasSubstr("0: a layer over another API (VK_KHR_portability_subset)\n"));
+  EXPECT_THAT(text, HasSubstr("0: lacks timestamps, with which recorded work can be timed"));
+  EXPECT_THAT(text, HasSubstr("unusable: has no queue family with compute"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("1: a layer")));
+  const nlohmann::json json = nlohmann::json::parse(devices_json(list, 0));
+  EXPECT_EQ(json["devices"][0]["portability_subset"], true);
+  EXPECT_EQ(json["devices"][0]["missing"].size(), 1u);
+  EXPECT_EQ(json["devices"][1]["portability_subset"], false);
+  EXPECT_EQ(json["devices"][1]["unusable_because"], "has no queue family with compute");
 }
 
 TEST(DevicesCommand, ListsTheCpuAndWhatAutoTakes) {
