@@ -185,8 +185,8 @@ TEST_F(Embedding, StatusTellsTheErrorThatTheStepsLeave) {
     const std::vector<Vertex> found = run(frame, mesh, iterations(count));
     double largest = 0;
     for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-      largest = std::max<double>(
-          largest, glm::distance(glm::vec3(mesh.positions[v]), found[v].position));
+      largest =
+          std::max<double>(largest, glm::distance(glm::vec3(mesh.positions[v]), found[v].position));
     EXPECT_NEAR(frame.status().residual, largest, 1e-6) << count;
     SolveParameters before = iterations(count);
     before.measures_last = false;

@@ -12,8 +12,8 @@
 
 namespace planish::testing {
 
-/// A host with its device, on a driver that counts and pretends. Any message of the validation layer
-/// fails the test, and so does what is left alive.
+/// A host with its device, on a driver that counts and pretends. Any message of the validation
+/// layer fails the test, and so does what is left alive.
 class Embedding : public VulkanTest {
  protected:
   void SetUp() override {

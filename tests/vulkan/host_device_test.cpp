@@ -1,5 +1,5 @@
-// A host's device, seen through a driver that pretends: memory that is not coherent, limits that are
-// too low, a device that gets lost.
+// A host's device, seen through a driver that pretends: memory that is not coherent, limits that
+// are too low, a device that gets lost.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

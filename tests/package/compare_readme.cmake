@@ -1,0 +1,18 @@
+# Fails unless README holds the example's lines between its marks.
+# cmake -DREADME=<file> -DEXAMPLE=<file> -P compare_readme.cmake
+cmake_minimum_required(VERSION 3.25)
+file(READ ${README} readme)
+file(READ ${EXAMPLE} example)
+string(FIND "${example}" "// README begins\n" begin)
+string(FIND "${example}" "// README ends" end)
+if(begin EQUAL -1 OR end LESS begin)
+  message(FATAL_ERROR "${EXAMPLE} has no marks")
+endif()
+string(LENGTH "// README begins\n" mark)
+math(EXPR begin "${begin} + ${mark}")
+math(EXPR length "${end} - ${begin}")
+string(SUBSTRING "${example}" ${begin} ${length} lines)
+string(FIND "${readme}" "```cpp\n${lines}```" place)
+if(place EQUAL -1)
+  message(FATAL_ERROR "README.md does not hold the example of ${EXAMPLE} as it is:\n${lines}")
+endif()

@@ -1,0 +1,57 @@
+#pragma once
+
+#define VK_NO_PROTOTYPES
+#include <vulkan/vulkan_core.h>
+
+#include <cstddef>
+#include <functional>
+#include <list>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+/// A buffer in memory that the application maps.
+struct MappedBuffer {
+  VkBuffer handle = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  std::span<std::byte> bytes;
+};
+
+/// A small application that owns its VkInstance, VkDevice, queue and memory, and whose loader is
+/// its own: libvulkan.so.1 through dlopen.
+class Application {
+ public:
+  Application();
+  ~Application();
+  Application(const Application&) = delete;
+  Application& operator=(const Application&) = delete;
+
+  PFN_vkGetInstanceProcAddr get_instance_proc = nullptr;
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_device = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+
+  MappedBuffer make_buffer(VkDeviceSize size, VkBufferUsageFlags usage);
+  /// Records, submits and waits.
+  void run(const std::function<void(VkCommandBuffer)>& record);
+  /// Makes what compute shaders wrote readable as vertices, and by the host.
+  void vertices_after(VkCommandBuffer commands, VkPipelineStageFlags stages,
+                      VkAccessFlags accesses);
+  /// What the validation layer said, where it is installed.
+  std::vector<std::string> messages;
+
+ private:
+  template <class Function>
+  Function load(const char* name) const;
+  void make_instance();
+  void make_device();
+
+  void* library_ = nullptr;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  std::uint32_t family_ = 0;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  std::list<MappedBuffer> buffers_;
+};

@@ -1,0 +1,106 @@
+// A mesh deformed for ten frames in an application that owns its device, by nothing but the
+// installed package; positions are checked against the CPU, and what the validation layer says, if
+// it is there.
+#include <planish/planish.h>
+#include <planish/vulkan/vulkan_backend.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "example.h"
+
+namespace {
+
+constexpr int kFrames = 10;
+// Single precision of coordinates of a few units.
+constexpr double kTolerance = 1e-5;
+
+planish::PolygonMesh torus(int around, int across) {
+  planish::PolygonMesh mesh;
+  for (int i = 0; i < around; ++i)
+    for (int j = 0; j < across; ++j) {
+      const double u = 2 * M_PI * i / around, v = 2 * M_PI * j / across;
+      mesh.positions.emplace_back((2 + 0.7 * std::cos(v)) * std::cos(u),
+                                  (2 + 0.7 * std::cos(v)) * std::sin(u), 0.7 * std::sin(v));
+    }
+  for (int i = 0; i < around; ++i)
+    for (int j = 0; j < across; ++j) {
+      const auto at = [&](int a, int b) { return a % around * across + b % across; };
+      const std::int32_t face[] = {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};
+      mesh.add_face(face);
+    }
+  return mesh;
+}
+
+planish::PolygonMesh posed(planish::PolygonMesh mesh, int frame) {
+  for (glm::dvec3& p : mesh.positions)
+    p += 0.2 * glm::dvec3(0, std::sin(p.x + 0.4 * frame), std::cos(p.y - 0.3 * frame));
+  return mesh;
+}
+
+/// How far the vertices of a frame are from the CPU's.
+double difference(const planish::PolygonMesh& pose, std::span<const std::byte> vertices) {
+  const auto backend = planish::make_cpu_backend();
+  planish::FitOptions options;
+  options.tolerance = 1e-10;
+  const planish::Fit fit = planish::fit(pose, *backend, options);
+  const planish::SurfaceMesh surface = planish::evaluate(fit.cage, *backend, {.level = 2});
+  if (vertices.size() != 24 * surface.positions.size()) return HUGE_VAL;
+  double largest = 0;
+  for (std::size_t i = 0; i < surface.positions.size(); ++i) {
+    glm::vec3 vertex[2];
+    std::memcpy(vertex, &vertices[24 * i], sizeof vertex);
+    largest = std::max(largest, glm::distance(glm::dvec3(vertex[0]), surface.positions[i]));
+    largest = std::max<double>(largest, 0.1 * glm::distance(vertex[1], surface.normals[i]));
+  }
+  return largest;
+}
+
+int run() {
+  const planish::PolygonMesh mesh = torus(16, 9);
+  double largest = 0;
+  std::size_t index_bytes = 0;
+  std::vector<std::string> messages;
+  {
+    Application app;
+    draw_frames(
+        app, mesh, kFrames,
+        [&](int frame, std::span<std::byte> points) {
+          const planish::PolygonMesh pose = posed(mesh, frame);
+          const std::vector<glm::vec3> rounded(pose.positions.begin(), pose.positions.end());
+          std::memcpy(points.data(), rounded.data(), points.size());
+        },
+        [&](int frame, std::span<const std::byte> vertices, std::span<const std::byte> indices) {
+          largest = std::max(largest, difference(posed(mesh, frame), vertices));
+          index_bytes = indices.size();
+        });
+    messages = app.messages;
+  }
+  for (const std::string& message : messages) std::printf("%s\n", message.c_str());
+  std::printf("%d frames, off by %g\n", kFrames, largest);
+  const bool right = largest < kTolerance && index_bytes == 4u * 6 * 16 * 9 * 16;
+  return right && messages.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+int main() {
+  // The package's own list of devices says whether there is any.
+  const planish::VulkanDeviceList list = planish::list_vulkan_devices();
+  const char* required = std::getenv("PLANISH_REQUIRE_VULKAN");
+  if (list.best < 0 && !(required && std::string(required) == "1")) {
+    std::printf("skipped: no Vulkan device: %s\n", list.reason.c_str());
+    return 1;  // ctest knows the words
+  }
+  try {
+    return run();
+  } catch (const std::exception& error) {
+    std::printf("%s\n", error.what());
+    return 1;
+  }
+}
