@@ -1,27 +1,14 @@
-// Applies a stencil table: for every row the weighted sum of source elements, each of kLength floats.
+// Applies a stencil table: for every row the weighted sum of source elements.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 #define PLANISH_PARAMETERS StencilParameters
 #include "table.glsl"
 
-// Floats of an element, and from one element to the next.
-layout(constant_id = 3) const uint kLength = 3u;
-layout(constant_id = 4) const uint kSourceStride = kPointFloats;
-layout(constant_id = 5) const uint kTargetStride = kPointFloats;
-
 FLOATS_BINDING(2, source)
 layout(std430, set = 0, binding = 3) writeonly buffer Target { float target[]; };
 
-// Up to four floats of an element; `left` are those that there are.
-vec4 source_piece(uint at, uint left) {
-  vec4 piece = vec4(0.0);
-  piece.x = source_at(at);
-  if (left > 1u) piece.y = source_at(at + 1u);
-  if (left > 2u) piece.z = source_at(at + 2u);
-  if (left > 3u) piece.w = source_at(at + 3u);
-  return piece;
-}
+#include "elements.glsl"
 
 void apply_row(ChunkRow at, uint first, uint place, uint left) {
   precise vec4 image = vec4(0.0);
@@ -29,10 +16,7 @@ void apply_row(ChunkRow at, uint first, uint place, uint left) {
     uvec2 entry = entry_at(at.first + k * kChunkRows);
     image += uintBitsToFloat(entry.y) * source_piece(first + entry.x * kSourceStride, left);
   }
-  target[place] = image.x;
-  if (left > 1u) target[place + 1u] = image.y;
-  if (left > 2u) target[place + 2u] = image.z;
-  if (left > 3u) target[place + 3u] = image.w;
+  write_piece(image, place, left);
 }
 
 void main() {

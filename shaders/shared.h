@@ -75,6 +75,21 @@ struct StencilParameters {
   uint first_target;
 };
 
+// Words of OpenSubdiv's Osd::PatchCoord, of a patch array and of Osd::PatchParam, as kernels read
+// them. An array: regular type, irregular type, patches, first index, indices of a patch, first
+// patch.
+PLANISH_SHARED_CONSTANT kPatchCoordWords = 5u;
+PLANISH_SHARED_CONSTANT kPatchArrayWords = 6u;
+PLANISH_SHARED_CONSTANT kPatchParamWords = 3u;
+
+// Push constants of eval_patches. Offsets are in floats, from the start of the bound window.
+struct PatchParameters {
+  uint coord_count;
+  uint array_count;
+  uint first_source;  // of element 0
+  uint first_target;  // of the first coordinate
+};
+
 // Push constants of the kernels that walk vectors or partial sums.
 struct VectorParameters {
   uint count;

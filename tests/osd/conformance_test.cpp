@@ -1,5 +1,7 @@
 // Osd::CpuEvaluator and VkComputeEvaluator on every cage and layout, to 1e-6 of the largest
 // magnitude in each buffer.
+#include <gmock/gmock.h>
+
 #include "osd/conformance.h"
 #include "osd/fixture.h"
 
@@ -35,9 +37,12 @@ TEST_F(OsdConformance, EqualsCpuEvaluatorOnAllCages) {
   Conformance conformance{*device_context_, {}};
   const std::vector<Cage> cages = all_cages();
   const std::vector<Layout> layouts = all_layouts();
+  // Patches have a kernel for each layout and derivative, which a software device compiles slowly.
+  const std::vector<Layout> few_layouts = patch_layouts();
   ASSERT_GE(cages.size(), 40u);
   std::size_t turn = 0;
   const auto next_layout = [&]() -> const Layout& { return layouts[turn++ % layouts.size()]; };
+  const auto next_few = [&]() -> const Layout& { return few_layouts[turn++ % few_layouts.size()]; };
   for (std::size_t i = 0; i < cages.size(); ++i) {
     for (const RefineOptions& options : {uniform(i), adaptive(i)}) {
       const Cage& cage = cages[i];
@@ -50,10 +55,24 @@ TEST_F(OsdConformance, EqualsCpuEvaluatorOnAllCages) {
         conformance.stencils(name + ", face-varying", cage, *refined.face_varying, next_layout());
       if (options.adaptive)
         conformance.limit_stencils(name + ", limits", cage, *refined.limits, next_layout());
+      conformance.patches(name + ", patches", cage, refined, PatchKind::Vertex, next_few());
+      conformance.patches(name + ", varying patches", cage, refined, PatchKind::Varying,
+                          next_few());
+      if (refined.face_varying)
+        conformance.patches(name + ", face-varying patches", cage, refined, PatchKind::FaceVarying,
+                            next_few());
     }
     ++conformance.tally.cages;
   }
   conformance.tally.print();
+  using OpenSubdiv::Far::PatchDescriptor;
+  EXPECT_THAT(
+      conformance.patch_types,
+      ::testing::ElementsAre(PatchDescriptor::QUADS, PatchDescriptor::TRIANGLES,
+                             PatchDescriptor::LOOP, PatchDescriptor::REGULAR,
+                             PatchDescriptor::GREGORY_BASIS, PatchDescriptor::GREGORY_TRIANGLE));
+  EXPECT_GT(conformance.sharp_patches, 0);
+  EXPECT_GT(conformance.boundary_patches, 0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "planish/osd/vk_device_context.h"
+#include "planish/osd/vk_vertex_buffer.h"
 #include "planish/vulkan/own_device.h"
 #include "vulkan/fixture.h"
 
@@ -40,6 +41,20 @@ class OsdTest : public VulkanTest {
   std::unique_ptr<osd::VkDeviceContext> make_device_context() {
     return std::make_unique<osd::VkDeviceContext>(*context_, device_->queue(),
                                                   device_->capabilities().compute_family);
+  }
+
+  std::unique_ptr<osd::VkVertexBuffer> buffer_of(const std::vector<float>& floats) {
+    const int count = static_cast<int>(floats.size());
+    std::unique_ptr<osd::VkVertexBuffer> buffer(
+        osd::VkVertexBuffer::Create(1, count, device_context_.get()));
+    buffer->UpdateData(floats.data(), 0, count, device_context_.get());
+    return buffer;
+  }
+
+  std::vector<float> floats_of(const osd::VkVertexBuffer& buffer) {
+    std::vector<float> floats(std::size_t(buffer.GetNumVertices()) * buffer.GetNumElements());
+    buffer.ReadData(floats.data(), 0, buffer.GetNumVertices(), device_context_.get());
+    return floats;
   }
 
   std::unique_ptr<vulkan::OwnDevice> device_;

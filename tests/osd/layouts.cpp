@@ -50,6 +50,11 @@ std::vector<Layout> all_layouts() {
           together("in place 2", {0, 2, 14}, true)};
 }
 
+std::vector<Layout> patch_layouts() {
+  const std::vector<Layout> all = all_layouts();
+  return {all[1], all[5], all[6]};
+}
+
 Floats::Floats(const Layout& layout, const Cage& cage, int sources, int rows, int count) {
   std::size_t source_end = end_of(layout.source, sources);
   buffers.resize(1);

@@ -25,6 +25,8 @@ struct Layout {
 
 /// Lengths 1 to 7, tight and with gaps, apart and in one buffer.
 [[nodiscard]] std::vector<Layout> all_layouts();
+/// Three of them: apart, together, in place.
+[[nodiscard]] std::vector<Layout> patch_layouts();
 
 /// The floats of all buffers of an evaluation: source first, then each destination's, where it has
 /// one of its own. Floats that no descriptor covers count too: they must stay as they are.

@@ -69,6 +69,7 @@ Refined refine(const Cage& cage, const RefineOptions& options) {
   }
   Far::PatchTableFactory::Options patch_options = options.patches;
   patch_options.generateVaryingTables = true;
+  patch_options.includeFVarBaseLevelIndices = true;
   patch_options.generateFVarTables = cage.face_varying_count > 0;
   patch_options.generateFVarLegacyLinearPatches = !options.adaptive;
   refined.patches.reset(Far::PatchTableFactory::Create(*refined.refiner, patch_options));

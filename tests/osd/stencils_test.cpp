@@ -47,17 +47,6 @@ struct Refinement {
 
 class OsdStencils : public OsdTest {
  protected:
-  std::unique_ptr<VkVertexBuffer> buffer_of(const std::vector<float>& floats) {
-    const int count = static_cast<int>(floats.size());
-    std::unique_ptr<VkVertexBuffer> buffer(VkVertexBuffer::Create(1, count, device_context_.get()));
-    buffer->UpdateData(floats.data(), 0, count, device_context_.get());
-    return buffer;
-  }
-  std::vector<float> floats_of(const VkVertexBuffer& buffer) {
-    std::vector<float> floats(std::size_t(buffer.GetNumVertices()) * buffer.GetNumElements());
-    buffer.ReadData(floats.data(), 0, buffer.GetNumVertices(), device_context_.get());
-    return floats;
-  }
   std::unique_ptr<VkStencilTable> upload(const Far::StencilTable& table) {
     return std::unique_ptr<VkStencilTable>(VkStencilTable::Create(&table, device_context_.get()));
   }

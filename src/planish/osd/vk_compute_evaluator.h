@@ -1,10 +1,6 @@
 #pragma once
 
-#include <opensubdiv/osd/bufferDescriptor.h>
-
-#include <array>
-
-#include "planish/osd/vk_device_context.h"
+#include "planish/osd/vk_patch_evaluator.h"
 #include "planish/osd/vk_stencil_table.h"
 
 namespace planish::osd {
@@ -24,9 +20,8 @@ namespace planish::osd {
 /// An instance is a layout whose kernels are compiled, as Osd::EvaluatorCache keeps them. Static
 /// functions take one or null; kernels for other layouts are compiled when first used, and kept by
 /// the vulkan::Context.
-class VkComputeEvaluator {
+class VkComputeEvaluator : public VkPatchEvaluator {
  public:
-  using BufferDescriptor = OpenSubdiv::Osd::BufferDescriptor;
   typedef bool Instantiatable;
 
   /// Null where the descriptors do not fit. The caller owns the result, which uses the context.
@@ -51,8 +46,9 @@ class VkComputeEvaluator {
                            VkStencilTable const* stencilTable, VkComputeEvaluator const* instance,
                            VkDeviceContext* deviceContext = nullptr) {
     VkDeviceContext* const context = pick(instance, deviceContext);
-    return evalStencils(context, bind(srcBuffer, srcDesc, context),
-                        {bind(dstBuffer, dstDesc, context)}, stencilTable);
+    return evalStencils(context, bind(context, srcBuffer, srcDesc),
+                        destinations(context, dstBuffer, dstDesc), stencilTable, 0,
+                        stencilTable ? stencilTable->GetNumStencils() : 0);
   }
 
   template <typename SRC_BUFFER, typename DST_BUFFER>
@@ -63,10 +59,10 @@ class VkComputeEvaluator {
                            VkStencilTable const* stencilTable, VkComputeEvaluator const* instance,
                            VkDeviceContext* deviceContext = nullptr) {
     VkDeviceContext* const context = pick(instance, deviceContext);
-    return evalStencils(context, bind(srcBuffer, srcDesc, context),
-                        {bind(dstBuffer, dstDesc, context), bind(duBuffer, duDesc, context),
-                         bind(dvBuffer, dvDesc, context)},
-                        stencilTable);
+    return evalStencils(
+        context, bind(context, srcBuffer, srcDesc),
+        destinations(context, dstBuffer, dstDesc, duBuffer, duDesc, dvBuffer, dvDesc), stencilTable,
+        0, stencilTable ? stencilTable->GetNumStencils() : 0);
   }
 
   template <typename SRC_BUFFER, typename DST_BUFFER>
@@ -80,11 +76,11 @@ class VkComputeEvaluator {
                            VkStencilTable const* stencilTable, VkComputeEvaluator const* instance,
                            VkDeviceContext* deviceContext = nullptr) {
     VkDeviceContext* const context = pick(instance, deviceContext);
-    return evalStencils(context, bind(srcBuffer, srcDesc, context),
-                        {bind(dstBuffer, dstDesc, context), bind(duBuffer, duDesc, context),
-                         bind(dvBuffer, dvDesc, context), bind(duuBuffer, duuDesc, context),
-                         bind(duvBuffer, duvDesc, context), bind(dvvBuffer, dvvDesc, context)},
-                        stencilTable);
+    return evalStencils(
+        context, bind(context, srcBuffer, srcDesc),
+        destinations(context, dstBuffer, dstDesc, duBuffer, duDesc, dvBuffer, dvDesc, duuBuffer,
+                     duuDesc, duvBuffer, duvDesc, dvvBuffer, dvvDesc),
+        stencilTable, 0, stencilTable ? stencilTable->GetNumStencils() : 0);
   }
 
   template <typename SRC_BUFFER, typename DST_BUFFER>
@@ -115,15 +111,26 @@ class VkComputeEvaluator {
                         this);
   }
 
-  /// By handles, stencils [start, end) only: stencil i still goes to element i.
+  // By handles, stencils [start, end) only: stencil i still goes to element i.
+
   bool EvalStencils(VkBuffer srcBuffer, BufferDescriptor const& srcDesc, VkBuffer dstBuffer,
                     BufferDescriptor const& dstDesc, VkStencilTable const* stencilTable, int start,
-                    int end) const;
+                    int end) const {
+    return evalStencils(_deviceContext, {srcBuffer, srcDesc},
+                        destinations(_deviceContext, dstBuffer, dstDesc), stencilTable, start, end);
+  }
+
   bool EvalStencils(VkBuffer srcBuffer, BufferDescriptor const& srcDesc, VkBuffer dstBuffer,
                     BufferDescriptor const& dstDesc, VkBuffer duBuffer,
                     BufferDescriptor const& duDesc, VkBuffer dvBuffer,
                     BufferDescriptor const& dvDesc, VkStencilTable const* stencilTable, int start,
-                    int end) const;
+                    int end) const {
+    return evalStencils(
+        _deviceContext, {srcBuffer, srcDesc},
+        destinations(_deviceContext, dstBuffer, dstDesc, duBuffer, duDesc, dvBuffer, dvDesc),
+        stencilTable, start, end);
+  }
+
   bool EvalStencils(VkBuffer srcBuffer, BufferDescriptor const& srcDesc, VkBuffer dstBuffer,
                     BufferDescriptor const& dstDesc, VkBuffer duBuffer,
                     BufferDescriptor const& duDesc, VkBuffer dvBuffer,
@@ -131,34 +138,19 @@ class VkComputeEvaluator {
                     BufferDescriptor const& duuDesc, VkBuffer duvBuffer,
                     BufferDescriptor const& duvDesc, VkBuffer dvvBuffer,
                     BufferDescriptor const& dvvDesc, VkStencilTable const* stencilTable, int start,
-                    int end) const;
+                    int end) const {
+    return evalStencils(
+        _deviceContext, {srcBuffer, srcDesc},
+        destinations(_deviceContext, dstBuffer, dstDesc, duBuffer, duDesc, dvBuffer, dvDesc,
+                     duuBuffer, duuDesc, duvBuffer, duvDesc, dvvBuffer, dvvDesc),
+        stencilTable, start, end);
+  }
 
  private:
-  struct Bound {
-    VkBuffer buffer = VK_NULL_HANDLE;
-    BufferDescriptor desc;
-  };
-  /// Destinations in the order of StencilWeights.
-  using Destinations = std::array<Bound, kStencilWeightsCount>;
+  using VkPatchEvaluator::VkPatchEvaluator;
 
-  explicit VkComputeEvaluator(VkDeviceContext* deviceContext) : _deviceContext(deviceContext) {}
-
-  static VkDeviceContext* pick(VkComputeEvaluator const* instance, VkDeviceContext* deviceContext) {
-    return deviceContext || !instance ? deviceContext : instance->_deviceContext;
-  }
-
-  template <typename BUFFER>
-  static Bound bind(BUFFER* buffer, BufferDescriptor const& desc, VkDeviceContext* deviceContext) {
-    return {buffer ? buffer->BindVBO(deviceContext) : VK_NULL_HANDLE, desc};
-  }
-
-  static bool evalStencils(VkDeviceContext* deviceContext, Bound const& src,
-                           Destinations const& destinations, VkStencilTable const* stencilTable);
-  static bool evalStencils(VkDeviceContext* deviceContext, Bound const& src,
-                           Destinations const& destinations, VkStencilTable const* stencilTable,
-                           int start, int end);
-
-  VkDeviceContext* _deviceContext;
+  static bool evalStencils(VkDeviceContext* deviceContext, Bound const& src, Destinations const& to,
+                           VkStencilTable const* stencilTable, int start, int end);
 };
 
 }  // namespace planish::osd

@@ -12,6 +12,7 @@
 #include "shaders/cg_apply_texel.spv.h"
 #include "shaders/cg_turn.spv.h"
 #include "shaders/control_points.spv.h"
+#include "shaders/eval_patches.spv.h"
 #include "shaders/finish_solve.spv.h"
 #include "shaders/gather_points.spv.h"
 #include "shaders/initial_residual.spv.h"
@@ -35,6 +36,7 @@ struct KernelSource {
   std::uint32_t parameter_bytes;
   std::array<Binding, kMaxBindings> bindings;
   std::uint32_t binding_count;
+  bool on_demand = false;  // compiled by specialised() only
 };
 
 // 0 is the work group's size, which no variant changes.
@@ -74,6 +76,7 @@ const KernelSource kSources[kKernelCount] = {
     table_kernel(PLANISH_BOTH(initial_residual), {Points, Storage}),
     vector_kernel(spirv::take_up, 4),
     vector_kernel(spirv::control_points, 6),
+    {spirv::eval_patches, spirv::eval_patches, sizeof(shared::PatchParameters), {}, 6, true},
 };
 
 #undef PLANISH_BOTH
@@ -159,7 +162,7 @@ void Pipelines::create(Kernel kernel) {
   layout_info.pPushConstantRanges = &range;
   check(vk_.vkCreatePipelineLayout(device_, &layout_info, callbacks_, &target.layout),
         "vkCreatePipelineLayout");
-  target.pipeline = compile(kernel, target.layout, {});
+  if (!source.on_demand) target.pipeline = compile(kernel, target.layout, {});
 }
 
 VkPipeline Pipelines::compile(Kernel kernel, VkPipelineLayout layout,

@@ -28,8 +28,9 @@ enum class Kernel {
   InitialResidual,
   TakeUp,
   ControlPoints,
+  EvalPatches,  ///< only specialised
 };
-inline constexpr std::size_t kKernelCount = 14;
+inline constexpr std::size_t kKernelCount = 15;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);

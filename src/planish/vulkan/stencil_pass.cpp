@@ -21,15 +21,6 @@ Pipeline specialised(const Context& context, std::uint32_t length, std::uint32_t
   return context.pipelines().specialised(Kernel::ApplyStencils, constants);
 }
 
-void check_range(const Context& context, const ElementWindow& window) {
-  if (window.range.size > context.max_storage_range())
-    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": elements span " +
-                                            std::to_string(window.range.size) +
-                                            " bytes of one binding, but maxStorageBufferRange is " +
-                                            std::to_string(context.max_storage_range()) +
-                                            "; use smaller strides");
-}
-
 /// Whole sort windows of rows that a target's binding can span.
 std::int32_t rows_per_dispatch(const Context& context, std::uint32_t target_stride) {
   const std::uint64_t fit =
@@ -51,6 +42,15 @@ ElementWindow element_window(const FloatElements& elements, std::uint64_t first,
   window.range = {elements.buffer, (begin - window.shift) * sizeof(float),
                   (end - begin + window.shift) * sizeof(float)};
   return window;
+}
+
+void check_range(const Context& context, const ElementWindow& window) {
+  if (window.range.size > context.max_storage_range())
+    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": elements span " +
+                                            std::to_string(window.range.size) +
+                                            " bytes of one binding, but maxStorageBufferRange is " +
+                                            std::to_string(context.max_storage_range()) +
+                                            "; use smaller strides");
 }
 
 void StencilPass::compile(const Context& context, std::uint32_t length, std::uint32_t source_stride,
