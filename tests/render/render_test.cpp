@@ -55,6 +55,20 @@ TEST(Frame, PointsFillTheImageUpToTheMargin) {
   EXPECT_NEAR(left + right, 400, 1);
 }
 
+TEST(Frame, ZoomEnlargesAboutItsMiddle) {
+  const std::vector<glm::vec3> points{{0, 0, 0}, {1, 2, 3}, {-2, 1, 0}};
+  ViewOptions zoomed;
+  zoomed.zoom = 3;
+  zoomed.middle = {0.25f, 0.75f};
+  const Camera whole = frame(points, 200, 100, {}), part = frame(points, 200, 100, zoomed);
+  for (const glm::vec3& p : points) {
+    const glm::vec2 expected =
+        glm::vec2(100, 50) + 3.0f * (glm::vec2(whole.project(p)) - glm::vec2(50, 75));
+    EXPECT_NEAR(part.project(p).x, expected.x, 1e-3f);
+    EXPECT_NEAR(part.project(p).y, expected.y, 1e-3f);
+  }
+}
+
 TEST(Frame, RayGoesThroughTheProjectedPoint) {
   const RenderMesh mesh = sphere();
   const Camera camera = frame(mesh.positions, 400, 300, {});

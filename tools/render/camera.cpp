@@ -52,6 +52,9 @@ Camera frame(std::span<const glm::vec3> points, int width, int height, const Vie
   const glm::vec2 along = -0.5f * (plus + minus) / half;
   camera.eye =
       centre.x * camera.right + centre.y * camera.up + std::min(along.x, along.y) * camera.forward;
+  const glm::vec2 target = options.middle * 2.0f * camera.principal;
+  camera.principal += options.zoom * (camera.principal - target);
+  camera.focal *= options.zoom;
   return camera;
 }
 

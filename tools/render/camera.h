@@ -21,6 +21,10 @@ struct Camera {
 struct ViewOptions {
   float azimuth_degrees = 35, elevation_degrees = 20;  ///< of the eye; azimuth 0 looks along -z
   float margin = 0.08f;  ///< of the image's width and height, kept free all round
+  /// What lies at `middle` (fractions of the image's width and height) moves to its middle and is
+  /// enlarged by `zoom`.
+  float zoom = 1;
+  glm::vec2 middle{0.5f};
 };
 
 /// A camera of 28 degrees that frames all points in an image of `width` x `height` samples.

@@ -20,7 +20,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs, views;
-  std::string output, overlay, size = "1200x900", colour;
+  std::string output, overlay, size = "1200x900", colour, zoom;
   bool stripes = false, heat = false;
   PictureOptions picture;
 };
@@ -53,6 +53,12 @@ void parse_texts(Arguments& arguments) {
 // Of the input of that number.
 ViewOptions view_of(const Arguments& arguments, std::size_t input) {
   ViewOptions view;
+  char left = 0;
+  if (!arguments.zoom.empty() && (std::sscanf(arguments.zoom.c_str(), "%f,%f,%f%c", &view.zoom,
+                                              &view.middle.x, &view.middle.y, &left) != 3 ||
+                                  !(view.zoom > 0))) {
+    refuse("--zoom " + arguments.zoom + ": is not FACTOR,X,Y");
+  }
   if (arguments.views.empty()) return view;
   const std::string& text = arguments.views[arguments.views.size() == 1 ? 0 : input];
   char rest = 0;
@@ -111,6 +117,8 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", arguments.output, "the PNG")->required();
   app.add_option("--size", arguments.size, "WIDTHxHEIGHT of each in pixels")->capture_default_str();
   app.add_option("--view", arguments.views, "AZIMUTH,ELEVATION of the eye in degrees");
+  app.add_option("--zoom", arguments.zoom,
+                 "FACTOR,X,Y: enlarges what lies there, in fractions of the picture");
   app.add_option("--color", arguments.colour, "RRGGBB of the material");
   app.add_flag("--stripes", arguments.stripes, "reflection lines, to judge smoothness");
   app.add_flag("--heat", arguments.heat, "colours by curvature")->excludes("--stripes");

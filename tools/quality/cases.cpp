@@ -1,0 +1,186 @@
+#include "quality/cases.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <utility>
+
+#include "make_scenes/bust.h"
+#include "make_scenes/random_mesh.h"
+#include "make_scenes/random_numbers.h"
+#include "make_scenes/revolve.h"
+#include "make_scenes/rocker_arm.h"
+#include "make_scenes/scan.h"
+#include "make_scenes/shapes.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/mesh/detect_creases.h"
+#include "planish/mesh/mesh_file.h"
+#include "planish/mesh/repair.h"
+#include "planish/mesh/used_vertices.h"
+#include "planish/reconstruct/pair_triangles.h"
+#include "planish/reconstruct/simplify.h"
+#include "planish/reconstruct/triangle_edges.h"
+#include "quality/random_sphere.h"
+
+namespace planish::quality {
+
+namespace {
+
+using shapes::Sampling;
+
+// Every quad cut along one of its diagonals, the first or drawn by lot.
+PolygonMesh cut_quads(const PolygonMesh& quads, bool by_lot) {
+  shapes::RandomNumbers random(5);
+  PolygonMesh mesh = quads;
+  mesh.face_offsets = {0};
+  mesh.face_vertices.clear();
+  for (std::int32_t f = 0; f < quads.face_count(); ++f) {
+    const auto v = quads.face(f);
+    const int first = by_lot ? random.below(2) : 0;
+    for (const int k : {first, first + 2}) {
+      mesh.add_face(std::array{v[k % 4], v[(k + 1) % 4], v[(k + 2) % 4]});
+    }
+  }
+  return mesh;
+}
+
+PolygonMesh cube_sphere(std::int32_t cells) {
+  PolygonMesh mesh = shapes::cube(cells);
+  for (glm::dvec3& p : mesh.positions) p = glm::normalize(p);
+  return mesh;
+}
+
+PolygonMesh random_sphere(bool paired) {
+  const std::vector<glm::dvec3> points = random_sphere_points(600, 1);
+  const std::vector<Triangle> triangles = delaunay_on_sphere(points);
+  if (paired) return pair_triangles(points, triangles);
+  PolygonMesh mesh = polygons_of(triangles);
+  mesh.positions = points;
+  return mesh;
+}
+
+// A shape's own smooth surface in fine quads, to be sampled and to compare with.
+PolygonMesh fine_polygons(const PolygonMesh& mesh) {
+  const auto backend = make_cpu_backend({Precision::Double});
+  const SurfaceMesh surface =
+      evaluate(mesh, fit(mesh, *backend), *backend, EvaluateOptions{.level = 2});
+  PolygonMesh fine;
+  fine.positions = surface.positions;
+  for (std::int64_t f = 0; f < surface.face_count(); ++f) fine.add_face(surface.face(f));
+  return fine;
+}
+
+Case scanned_arm(const Mesher& mesher, const std::string& name,
+                 const shapes::ScanOptions& options) {
+  Case made{name, shapes::scan(shapes::rocker_arm(), shapes::rocker_arm_field, mesher, options),
+            true_zero_set(shapes::rocker_arm_field)};
+  made.is_scan = options.tolerance > 0;
+  return made;
+}
+
+Case scanned_shape(const Mesher& mesher, const std::string& name, const PolygonMesh& shape) {
+  Case made{name};
+  made.source = fine_polygons(shape);
+  made.mesh = shapes::scan(made.source, {}, mesher, {.point_count = 100'000, .tolerance = 2e-4});
+  made.has_smooth_source = made.is_scan = made.is_held_out = true;
+  return made;
+}
+
+// The bearing block in few uneven triangles, its sharp edges tagged.
+Case simplified_part() {
+  Case made{"bearing block, simplified"};
+  made.source = shapes::bearing_block();
+  const SimplifiedMesh simplified =
+      simplify(made.source.positions, quads_as_triangles(made.source.face_vertices),
+               {.tolerance = 1e-3 * placement_of(made.source).diagonal});
+  PolygonMesh mesh = polygons_of(simplified.triangles);
+  mesh.positions = made.source.positions;
+  made.mesh = with_detected_creases(without_unused_vertices(mesh).mesh);
+  return made;
+}
+
+Case of(const std::string& name, PolygonMesh mesh, Truth truth, bool is_held_out = false) {
+  Case made{name, std::move(mesh), std::move(truth)};
+  made.is_held_out = is_held_out;
+  return made;
+}
+
+Case of_file(const std::filesystem::path& path) {
+  const MeshFile file = read_mesh(read_file(path), path.string(), MeshFormat::Obj);
+  return of(path.filename().string(), repair(file.mesh).mesh, {});
+}
+
+}  // namespace
+
+std::vector<NamedCase> analytic_cases() {
+  constexpr shapes::TorusOptions kTorus{.ring_count = 24, .tube_count = 12};
+  const Truth torus = true_torus(kTorus.radius, kTorus.tube_radius), sphere = true_sphere(1.0);
+  const Truth wave = true_zero_set([](const glm::dvec3& p) {
+    return p.z - 0.1 * std::sin(2 * std::numbers::pi * p.x) * std::cos(2 * std::numbers::pi * p.y);
+  });
+  std::vector<NamedCase> cases;
+  const auto add = [&](const std::string& name, const Truth& truth, bool is_held_out,
+                       const std::function<PolygonMesh()>& make) {
+    cases.push_back({name, [=] { return of(name, make(), truth, is_held_out); }});
+  };
+  add("torus 24 x 12, quads", torus, false, [=] { return shapes::torus(kTorus); });
+  add("torus 24 x 12, triangles", torus, false,
+      [=] { return cut_quads(shapes::torus(kTorus), false); });
+  add("torus 24 x 12, cut by lot", torus, true,
+      [=] { return cut_quads(shapes::torus(kTorus), true); });
+  add("icosphere 3", sphere, false, [] { return shapes::icosphere(3); });
+  add("dual of icosphere 2", sphere, false, [] {
+    PolygonMesh mesh = shapes::dual(shapes::icosphere(2));
+    for (glm::dvec3& p : mesh.positions) p = glm::normalize(p);
+    return mesh;
+  });
+  add("cube sphere 8", sphere, false, [] { return cube_sphere(8); });
+  add("pole sphere, 64-gons", sphere, true, [] { return shapes::pole_sphere(64, 30); });
+  add("Delaunay sphere 600", sphere, false, [] { return random_sphere(false); });
+  add("Delaunay sphere 600, paired", sphere, false, [] { return random_sphere(true); });
+  add("mixed polygons", {}, true, [] { return shapes::mixed_polygons(); });
+  add("random polygons", {}, true, [] { return shapes::random_polygon_mesh(); });
+  add("wavy patch, open", wave, true, [] { return shapes::wavy_patch(24, 24); });
+  add("wavy patch, cut by lot", wave, true,
+      [] { return cut_quads(shapes::wavy_patch(24, 24), true); });
+  add("bearing block, creased", {}, false, [] { return shapes::bearing_block(); });
+  cases.push_back({"bearing block, simplified", simplified_part});
+  return cases;
+}
+
+std::vector<NamedCase> scanned_cases(const Mesher& mesher) {
+  constexpr std::int32_t kSamples = 18'750;
+  std::vector<NamedCase> cases;
+  const auto add_arm = [&](const std::string& name, const shapes::ScanOptions& options) {
+    cases.push_back({name, [=] { return scanned_arm(mesher, name, options); }});
+  };
+  add_arm("arm, simplified scan", {});
+  add_arm("arm, simplified scan, paired", {.pair_quads = true});
+  add_arm("arm, simplified, 15 degrees", {.least_angle = 15});
+  add_arm("arm, even spacing",
+          {.sampling = Sampling::PoissonDisk, .point_count = kSamples, .tolerance = 0});
+  add_arm("arm, uniformly random", {.point_count = kSamples, .tolerance = 0});
+  for (const auto& [name, make] :
+       {std::pair<std::string, PolygonMesh (*)()>{"bust, simplified scan", shapes::bust},
+        {"goblet, simplified scan", shapes::goblet}}) {
+    cases.push_back({name, [=] { return scanned_shape(mesher, name, make()); }});
+  }
+  return cases;
+}
+
+std::vector<NamedCase> file_cases() {
+  std::vector<NamedCase> cases;
+  const char* folder = std::getenv("PLANISH_TEST_DATA");
+  if (folder == nullptr) return cases;
+  for (const char* name : {"rocker-arm.obj", "spot.obj", "suzanne.obj"}) {
+    cases.push_back(
+        {name, [path = std::filesystem::path(folder) / name] { return of_file(path); }});
+  }
+  return cases;
+}
+
+}  // namespace planish::quality

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "planish/reconstruct/triangles.h"
+#include "quality/figures.h"
+
+namespace planish::quality {
+
+/// Makes its case when it is wanted.
+struct NamedCase {
+  std::string name;
+  std::function<Case()> make;
+};
+
+/// Small shapes of known form.
+[[nodiscard]] std::vector<NamedCase> analytic_cases();
+
+/// The scenes' rocker arm and others, sampled and meshed by `mesher`, and creased parts.
+[[nodiscard]] std::vector<NamedCase> scanned_cases(const Mesher& mesher);
+
+/// The files rocker-arm.obj, spot.obj and suzanne.obj in the folder that PLANISH_TEST_DATA names;
+/// none where it is not set.
+[[nodiscard]] std::vector<NamedCase> file_cases();
+
+}  // namespace planish::quality

@@ -1,0 +1,118 @@
+#include "quality/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/core/parallel.h"
+#include "planish/reconstruct/compare_source.h"
+#include "planish/surface/surface_quality.h"
+
+namespace planish::quality {
+
+namespace {
+
+SurfaceMesh surface_of(const PolygonMesh& mesh, const Method& method) {
+  // Each corner of the mesh becomes 4^(level - 1) quads.
+  constexpr std::size_t kLargeMesh = 60'000;
+  EvaluateOptions options;
+  options.level = mesh.face_vertices.size() > kLargeMesh ? 2 : 3;
+  options.weights = method.options.weights;
+  options.rest_positions = mesh.positions;
+  const auto backend = make_cpu_backend({Precision::Double});
+  if (!method.interpolates) return evaluate(mesh, *backend, options);
+  return evaluate(mesh, fit(mesh, *backend, method.options), *backend, options);
+}
+
+// Feet of all vertices.
+std::vector<Foot> feet_of(const SurfaceMesh& surface, const Truth& truth) {
+  std::vector<Foot> feet(surface.positions.size());
+  parallel_for(feet.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) feet[v] = truth(surface.positions[v]);
+  });
+  return feet;
+}
+
+// Largest and root of the mean square.
+void note_distances(Figures& figures, const std::vector<glm::dvec3>& a,
+                    const std::vector<Foot>& feet) {
+  double sum = 0;
+  for (std::size_t v = 0; v < a.size(); ++v) {
+    const double distance = glm::distance(a[v], feet[v].point);
+    figures.max_distance = std::max(figures.max_distance, distance);
+    sum += distance * distance;
+  }
+  figures.rms_distance = std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+void note_quality(Figures& figures, const SurfaceQuality& quality, double true_bending) {
+  figures.folded_area = quality.folded_area;
+  figures.rms_normal = quality.rms_normal_deviation;
+  figures.max_normal = quality.max_normal_deviation;
+  figures.bending = quality.bending / true_bending;
+}
+
+void compare_with_truth(Figures& figures, const SurfaceMesh& surface, const Truth& truth) {
+  const std::vector<Foot> feet = feet_of(surface, truth);
+  const ReferenceNormal reference = [&](std::int64_t face, std::int32_t corner) {
+    return feet[surface.face(face)[corner]].normal;
+  };
+  SurfaceMesh ideal = surface;
+  for (std::size_t v = 0; v < feet.size(); ++v) {
+    ideal.positions[v] = feet[v].point;
+    ideal.normals[v] = glm::vec3(feet[v].normal);
+  }
+  note_quality(figures, surface_quality(surface, reference),
+               surface_quality(ideal, reference).bending);
+  note_distances(figures, surface.positions, feet);
+}
+
+}  // namespace
+
+const std::vector<Method>& methods() {
+  static const std::vector<Method> kMethods = [] {
+    FitOptions exact;
+    exact.tolerance = 1e-12;
+    FitOptions averaged = exact, fair = exact;
+    averaged.weights = Weights::Averaged;
+    fair.method = InterpolationMethod::Fair;
+    FitOptions unpolished = fair;
+    unpolished.polish_steps = 0;
+    return std::vector<Method>{{"none", false, {}},
+                               {"averaged", true, averaged},
+                               {"doo-sabin", true, exact},
+                               {"fair", true, unpolished},
+                               {"fair, polished", true, fair}};
+  }();
+  return kMethods;
+}
+
+Figures measure(const Case& what, const Method& method) {
+  const SurfaceMesh surface = surface_of(what.mesh, method);
+  Figures figures;
+  if (what.truth) {
+    compare_with_truth(figures, surface, what.truth);
+  } else {
+    const PolygonMesh& source = what.source.face_count() > 0 ? what.source : what.mesh;
+    const SourceComparison comparison = compare_with_source(surface, source);
+    note_quality(figures,
+                 what.has_smooth_source ? comparison.quality : surface_quality(surface, what.mesh),
+                 8 * std::numbers::pi);
+    figures.max_distance = comparison.distances.max;
+    figures.rms_distance = comparison.distances.rms;
+  }
+  for (std::size_t i = 0; i < surface.base_vertices.size(); ++i) {
+    const glm::dvec3& given = what.mesh.positions[surface.base_vertices[i]];
+    figures.interpolation_error =
+        std::max(figures.interpolation_error, glm::distance(surface.positions[i], given));
+  }
+  const double diagonal = placement_of(what.mesh).diagonal;
+  figures.max_distance /= diagonal;
+  figures.rms_distance /= diagonal;
+  figures.interpolation_error /= diagonal;
+  return figures;
+}
+
+}  // namespace planish::quality

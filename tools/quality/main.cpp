@@ -1,0 +1,103 @@
+// Measures how good surfaces are, by each method on meshes of many kinds. See README.md beside
+// this file.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+
+#include "planish/mesh/statistics.h"
+#include "planish/reconstruct/mesher_process.h"
+#include "quality/animation.h"
+#include "quality/cases.h"
+#include "quality/figures.h"
+#include "quality/verdict.h"
+
+namespace {
+
+using namespace planish;
+using namespace planish::quality;
+
+struct Arguments {
+  std::vector<std::string> only;
+  bool list = false, smoke = false, animation = false, check = false;
+};
+
+void print_head() {
+  std::printf(
+      "| mesh (vertices) | method | folded %% | rms normal | max normal | bending | max distance | "
+      "rms distance | interpolation |\n"
+      "|---|---|--:|--:|--:|--:|--:|--:|--:|\n");
+}
+
+void print_row(const std::string& label, const Method& method, const Figures& f) {
+  std::printf("| %s | %s | %.4f | %.2f | %.1f | %.2f | %.1e | %.1e | %.0e |\n", label.c_str(),
+              method.name.c_str(), 100 * f.folded_area, f.rms_normal, f.max_normal, f.bending,
+              f.max_distance, f.rms_distance, f.interpolation_error);
+  std::fflush(stdout);
+}
+
+// Returns what falls short.
+std::vector<std::string> run_case(const NamedCase& named) {
+  const Case made = named.make();
+  std::string label = made.name + (made.is_held_out ? "* (" : " (") +
+                      std::to_string(made.mesh.vertex_count()) + ")";
+  std::vector<Figures> figures;
+  for (const Method& method : methods()) {
+    figures.push_back(measure(made, method));
+    print_row(label, method, figures.back());
+    label.clear();
+  }
+  return shortfalls(made, figures);
+}
+
+std::vector<NamedCase> all_cases(const Arguments& arguments) {
+  std::vector<NamedCase> cases = analytic_cases();
+  if (arguments.smoke) return cases;
+  if (const auto program = find_mesher_program()) {
+    for (NamedCase& scanned : scanned_cases(mesher_process(*program))) {
+      cases.push_back(std::move(scanned));
+    }
+  } else {
+    std::fputs("planish-quality: without planish-reconstruct no scans are measured\n", stderr);
+  }
+  for (NamedCase& file : file_cases()) cases.push_back(std::move(file));
+  return cases;
+}
+
+int run(const Arguments& arguments) {
+  std::vector<std::string> wrong;
+  bool first = true;
+  for (const NamedCase& named : all_cases(arguments)) {
+    if (arguments.list) std::printf("%s\n", named.name.c_str());
+    const bool wanted =
+        arguments.only.empty() ||
+        std::find(arguments.only.begin(), arguments.only.end(), named.name) != arguments.only.end();
+    if (arguments.list || !wanted) continue;
+    if (first) print_head();
+    first = false;
+    for (std::string& text : run_case(named)) wrong.push_back(std::move(text));
+  }
+  if (arguments.animation) print_animation(arguments.smoke ? 8 : kFrames);
+  if (!wrong.empty()) std::printf("\n");
+  for (const std::string& text : wrong) std::printf("short of the aim: %s\n", text.c_str());
+  return arguments.check && !wrong.empty() ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app{"Measures surfaces against the shapes that their meshes were taken from."};
+  app.add_option("--case", arguments.only, "cases to run, by name; all by default");
+  app.add_flag("--list", arguments.list, "name the cases");
+  app.add_flag("--animation", arguments.animation, "and 8 s of a mesh that moves");
+  app.add_flag("--smoke", arguments.smoke, "the small cases only");
+  app.add_flag("--check", arguments.check, "exit code 1 where the fair method falls short");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "planish-quality: %s\n", error.what());
+    return 2;
+  }
+}
