@@ -13,7 +13,7 @@ using std::int32_t;
 
 namespace {
 
-constexpr double kShortestPart = 0.02;
+constexpr double kShortestPart = 0.001;
 
 struct NetReader {
   const FairTopology& topology;

@@ -76,7 +76,7 @@ TEST(LocalPolygon, KeepsControlPointsInTheirWedgesAroundTheVertex) {
     const double rho = imbalance(ring);
     LocalPolygon polygon;
     build_local_polygon(ring, rho, polygon);
-    uneven += rho > 0.3;
+    uneven += rho > 0.5;
     bool inside = true;
     dvec2 sum(0.0);
     for (int32_t i = 0; i < ring.count; ++i) {

@@ -17,11 +17,9 @@ namespace {
 constexpr std::size_t kGrain = 8192;
 constexpr int kRounds = 3;
 constexpr double kShrink = 0.5;
-// Cosines between limit normals and the mesh's below which an element counts as folded.
-constexpr double kFaceCosine = 0.3;
-constexpr double kEdgeCosine = 0.3;
-// At sharp dihedral angles less is asked: this part of the cosine of half the angle.
-constexpr double kDihedralPart = 0.5;
+// Cosine between the limit normal of a face or edge and the mesh's below which it counts as folded.
+// At edges it is a part of the cosine of half their own turn: less is asked of sharp ones.
+constexpr double kLeastCosine = 0.5;
 
 // Whether `normal`, of any length, is within `cosine` of the unit vector `reference`.
 bool agrees(const dvec3& normal, const dvec3& reference, double cosine) {
@@ -44,14 +42,14 @@ struct FoldTest {
     const double length = glm::length(f + g);
     if (!(length > 0)) return false;  // a knife's edge has no normal to compare with
     // length / 2 is the cosine of half the dihedral turn.
-    return !agrees(normal, (f + g) / length, std::min(kEdgeCosine, kDihedralPart * length / 2));
+    return !agrees(normal, (f + g) / length, kLeastCosine * length / 2);
   }
 
   [[nodiscard]] bool face_is_folded(std::int32_t face) const {
     const std::int32_t first = topology.face_offsets[face];
     const dvec3 normal = limit_normal(topology, topology.face_size(face),
                                       [&](std::int32_t i) { return point(first + i); });
-    return !agrees(normal, face_normals[face], kFaceCosine);
+    return !agrees(normal, face_normals[face], kLeastCosine);
   }
 };
 

@@ -16,7 +16,7 @@ namespace {
 
 // Up to this imbalance translation alone keeps every control point well inside its wedge; beyond
 // it, translation takes this much of the wedge and factors do the rest.
-constexpr double kTranslatedImbalance = 0.3;
+constexpr double kTranslatedImbalance = 0.5;
 // Control points may move away from the vertex by this factor: farther ones meet their neighbours'.
 constexpr double kLongestFactor = 1.15;
 // Control points this near to an edge of their wedge give no direction to balance along.
