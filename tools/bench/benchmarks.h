@@ -19,5 +19,7 @@ namespace planish::bench {
 [[nodiscard]] std::vector<Row> bench_surface(const Options& options);
 /// From the bytes of a file to the bytes of a file.
 [[nodiscard]] std::vector<Row> bench_job(const Options& options);
+/// Catmull-Clark stencils that make a level 2.
+[[nodiscard]] std::vector<Row> bench_osd(const Options& options);
 
 }  // namespace planish::bench
