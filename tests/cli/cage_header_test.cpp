@@ -47,9 +47,10 @@ TEST(CageHeader, KeysOfNewerVersionsAreLeftToThem) {
 }
 
 TEST(CageHeader, WrongValuesAreNamed) {
-  for (const char* line : {"planish weights=heavy", "planish tolerance=small",
-                           "planish tolerance=-1", "planish tolerance=1e-6x", "planish scheme=loop",
-                           "planish boundary=", "planish interpolation=auto"}) {
+  for (const char* line :
+       {"planish weights=heavy", "planish tolerance=small", "planish tolerance=-1",
+        "planish tolerance=1e-6x", "planish scheme=kobbelt",
+        "planish boundary=", "planish interpolation=auto"}) {
     const std::vector<std::string> lines{line};
     try {
       (void)parse_cage_header(lines, "cage.obj");

@@ -47,7 +47,7 @@ TEST_F(Report, HasTheKeysThatItPromises) {
                           "welded", "dropped", "changed_faces"));
   EXPECT_THAT(keys_of(report["device"]), ElementsAre("kind", "name", "uuid", "driver", "api"));
   EXPECT_THAT(keys_of(report["solve"]),
-              ElementsAre("method", "weights", "solver", "boundary", "creases", "repair",
+              ElementsAre("method", "scheme", "weights", "solver", "boundary", "creases", "repair",
                           "tolerance", "converged", "stop_reason", "iterations", "spectral_bound",
                           "error", "history", "fair"));
   EXPECT_THAT(keys_of(report["solve"]["error"]), ElementsAre("max", "rms", "worst_vertex"));

@@ -88,14 +88,25 @@ TEST(Usage, NumbersOutOfRangeAreRefused) {
   expect_usage_error(with("--levels", "2,"), "is no list of levels");
 }
 
-TEST(Usage, WhatIsNotBuiltYetSaysSo) {
-  const std::vector<std::vector<std::string>> later{{"--scheme", "loop"},
-                                                    {"--scheme", "catmull-clark"}};
-  for (const auto& flags : later) {
-    std::vector<std::string> arguments{"fit", "a.obj", "-o", "b.glb"};
-    arguments.insert(arguments.end(), flags.begin(), flags.end());
-    expect_usage_error(arguments, "not built yet");
+TEST(Usage, OtherSchemesHaveNeitherWeightsNorTheFairMethod) {
+  for (const std::string scheme : {"catmull-clark", "loop"}) {
+    const auto with = [&](std::vector<std::string> flags) {
+      flags.insert(flags.begin(), {"fit", "a.obj", "-o", "b.glb", "--scheme", scheme});
+      return flags;
+    };
+    expect_usage_error(with({"--interpolation", "fair"}),
+                       "--interpolation: fair builds control points of Doo-Sabin's level 1, which " +
+                           scheme + " does not have; take progressive, or --scheme doo-sabin");
+    expect_usage_error(with({"--weights", "averaged"}),
+                       "--weights: averaged belongs to --scheme doo-sabin");
+    expect_usage_error(with({"--preset", "paper"}),
+                       "--weights: averaged belongs to --scheme doo-sabin; leave it and --preset "
+                       "paper out with --scheme " +
+                           scheme);
   }
+  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--scheme", "lop"},
+                     "--scheme: \"lop\" is not one of doo-sabin, catmull-clark, loop; did you mean "
+                     "loop?");
 }
 
 TEST(Usage, PrecisionIsForTheCpu) {

@@ -38,10 +38,7 @@ void apply(CageHeader& header, std::string_view key, std::string_view value,
   if (key == "repair") header.repair = parse_repair(value, where);
   if (key == "tolerance") header.tolerance = parse_tolerance(value, where);
   if (key == "source") header.source = std::string(value);
-  if (key == "scheme" && value != "doo-sabin") {
-    throw Error(ErrorCode::InvalidArgument,
-                where + ": the scheme " + plain_utf8(value) + " is not built yet");
-  }
+  if (key == "scheme") header.scheme = parse_scheme(value, where);
 }
 
 }  // namespace
@@ -53,7 +50,7 @@ std::vector<std::string> cage_header_lines(const Settings& settings, Interpolati
   };
   const std::string file_name = std::filesystem::path(source).filename().string();
   return {line("version", PLANISH_VERSION),
-          line("scheme", "doo-sabin"),
+          line("scheme", name_of(settings.scheme)),
           line("interpolation", name_of(method)),
           line("weights", name_of(settings.weights)),
           line("boundary", name_of(settings.boundary)),

@@ -12,6 +12,7 @@ namespace planish::command {
 /// What a cage says about how it was made, so that `verify` needs no flags.
 struct CageHeader {
   std::optional<InterpolationMethod> interpolation;
+  std::optional<Scheme> scheme;
   std::optional<Weights> weights;
   std::optional<BoundaryRule> boundary;
   std::optional<CreaseChoice> creases;
@@ -26,8 +27,7 @@ struct CageHeader {
                                                          const std::string& source);
 
 /// Reads them back; a leading comment sign is allowed. Keys that are not known are left to newer
-/// versions. Throws Error{UnreadableInput} naming `name` for a known key whose value is none, or
-/// for a scheme other than doo-sabin.
+/// versions. Throws Error{UnreadableInput} naming `name` for a known key whose value is none.
 [[nodiscard]] CageHeader parse_cage_header(std::span<const std::string> lines,
                                            const std::string& name);
 

@@ -22,6 +22,15 @@ void describe_point_job(const Job& job, const std::vector<PlannedOutput>& output
   write_stdout(text);
 }
 
+std::string face_count_text(const PolygonMesh& mesh, Scheme scheme, int level) {
+  if (level == 0) return counted(mesh.face_count(), "face");
+  if (scheme == Scheme::Loop) {
+    return counted(static_cast<std::int64_t>(mesh.face_count()) << (2 * level), "triangle");
+  }
+  const auto corners = static_cast<std::int64_t>(mesh.face_vertices.size());
+  return counted(corners << (2 * (level - 1)), "quad");
+}
+
 }  // namespace
 
 void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
@@ -37,19 +46,17 @@ void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
                      " vertices" + ", " + counted(mesh.face_count(), "face") + "\n";
   const Settings& settings = job.settings;
   text += "  device      " + device.kind + ", " + device.name + "\n  solve       " +
-          std::string(name_of(settings.solver)) + ", " + std::string(name_of(settings.weights)) +
-          " weights, tolerance " + short_number(settings.tolerance) + "\n";
+          std::string(name_of(settings.solver)) + ", " +
+          subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
+          short_number(settings.tolerance) + "\n";
   for (const PlannedOutput& output : outputs) {
     text += "  would write " + (output.to_stdout ? std::string("stdout") : output.path.string());
     if (output.kind == OutputKind::Cage) {
       text += "  (control cage)\n";
       continue;
     }
-    const auto corners = static_cast<std::int64_t>(mesh.face_vertices.size());
     text += "  (level " + std::to_string(output.level) + ", " +
-            (output.level == 0 ? counted(mesh.face_count(), "face")
-                               : counted(corners << (2 * (output.level - 1)), "quad")) +
-            ")\n";
+            face_count_text(mesh, settings.scheme, output.level) + ")\n";
   }
   if (!job.report.empty()) text += "  would write " + job.report + "  (report)\n";
   write_stdout(text);

@@ -10,10 +10,11 @@ namespace planish::command {
 namespace {
 
 // Auto: points are meshed unevenly, which folds progressive surfaces; a mesh is taken as the paper
-// takes it.
+// takes it. Other schemes than Doo-Sabin have no fair method.
 InterpolationMethod method_for(const Settings& settings, const JobInput& made) {
   const bool fair = settings.interpolation == InterpolationChoice::Fair ||
-                    (settings.interpolation == InterpolationChoice::Auto && !made.points.empty());
+                    (settings.interpolation == InterpolationChoice::Auto && !made.points.empty() &&
+                     settings.scheme == Scheme::DooSabin);
   return fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
 }
 
@@ -23,6 +24,7 @@ Fit run_fit(const Input& input, Backend& backend, const JobReport& report,
   FitOptions options;
   options.method = report.method;
   options.polish_steps = settings.polish_steps;
+  options.scheme = settings.scheme;
   options.weights = settings.weights;
   options.solver = settings.solver;
   options.tolerance = settings.tolerance;
@@ -33,8 +35,9 @@ Fit run_fit(const Input& input, Backend& backend, const JobReport& report,
     return fit(input.file.mesh, backend, options);
   } catch (const Error& error) {
     // fit() knows no file name: say it again with the name.
-    if (error.code() == ErrorCode::UnusableMesh) require_usable(input.file.mesh, input.name);
-    throw;
+    if (error.code() != ErrorCode::UnusableMesh) throw;
+    require_usable(input.file.mesh, input.name);
+    throw Error(error.code(), input.name + ": " + error.what(), error.element());
   }
 }
 
@@ -55,6 +58,20 @@ void note_fit(JobReport& report, Fit& result) {
   report.interpolation.displacement.clear();
 }
 
+std::string remedy(const JobReport& report) {
+  if (report.method == InterpolationMethod::Fair) return "raise --tolerance";
+  switch (report.interpolation.stop_reason) {
+    case StopReason::Singular:
+      return "this scheme has no surface through these vertices, as can be where three faces meet "
+             "at every vertex; take --scheme doo-sabin, which always has one";
+    case StopReason::Diverged:
+      return "the iteration drives the error up on this mesh; take --scheme doo-sabin, whose error "
+             "always falls";
+    default:
+      return "raise --max-iterations or --tolerance";
+  }
+}
+
 void warn_of_the_solve(JobReport& report, Console& console) {
   const Interpolation& result = report.interpolation;
   if (result.converged) return;
@@ -66,8 +83,7 @@ void warn_of_the_solve(JobReport& report, Console& console) {
                    "): the error is " + short_number(result.error.max) +
                    (iterates ? " after " + counted(result.iterations, "iteration") : "") +
                    ", the tolerance " + short_number(report.settings.tolerance) +
-                   "; what is written says so; raise " +
-                   (iterates ? "--max-iterations or --tolerance" : "--tolerance"),
+                   "; what is written says so; " + remedy(report),
                1, result.worst_vertex});
 }
 

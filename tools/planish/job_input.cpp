@@ -39,6 +39,7 @@ void reconstruct_points(const PointInput& cloud, JobInput& made, JobReport& repo
                         const Callbacks& callbacks) {
   ReconstructOptions options = report.settings.points;
   options.callbacks = callbacks;
+  if (report.settings.scheme == Scheme::Loop) options.pair_quads = false;  // triangles only
   Reconstruction result = reconstruct_input(cloud, options);
   report.reconstruction = reconstruction_json(cloud, result);
   report.reconstruction_summary = reconstruction_summary(cloud, result);

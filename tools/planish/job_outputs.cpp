@@ -42,8 +42,7 @@ SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
   }
   const Settings& settings = report.settings;
   options.gltf.extras = {{"planish", std::string(PLANISH_VERSION)},
-                         {"scheme", std::string("doo-sabin")},
-                         {"weights", std::string(name_of(settings.weights))},
+                         {"scheme", std::string(name_of(settings.scheme))},
                          {"method", std::string(name_of(report.method))},
                          {"solver", solver_name(report)},
                          {"boundary", std::string(name_of(settings.boundary))},
@@ -52,6 +51,9 @@ SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
                          {"converged", report.interpolation.converged},
                          {"iterations", std::int64_t{report.interpolation.iterations}},
                          {"max_error", report.interpolation.error.max}};
+  if (settings.scheme == Scheme::DooSabin) {
+    options.gltf.extras.emplace_back("weights", std::string(name_of(settings.weights)));
+  }
   return options;
 }
 
@@ -70,6 +72,7 @@ void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& 
 SurfaceMesh evaluate_level(const FittedJob& work, int level) {
   EvaluateOptions options;
   options.level = level;
+  options.scheme = work.job.settings.scheme;
   options.weights = work.job.settings.weights;
   options.sharp = work.job.settings.sharp();
   options.callbacks = callbacks_for(work.report, work.context);

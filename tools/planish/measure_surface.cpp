@@ -16,6 +16,16 @@ PointDistances relative(PointDistances distances, double diagonal) {
   return distances;
 }
 
+std::vector<Triangle> triangles_of(const SurfaceMesh& surface) {
+  if (!surface.is_triangles()) return quads_as_triangles(surface.face_vertices);
+  std::vector<Triangle> triangles;
+  for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+    const auto face = surface.face(f);
+    triangles.push_back({face[0], face[1], face[2]});
+  }
+  return triangles;
+}
+
 void note_quality(const JobInput& made, const Fit& fitted, const SurfaceMesh& surface,
                   JobReport& report) {
   MeasuredSurface& measured = report.surface.emplace();
@@ -40,7 +50,9 @@ void warn_of_folds(JobReport& report, Console& console) {
                    " % of the surface is folded (turned by more than 90 degrees from " +
                    (report.surface->reference.empty() ? "its face" : "the source") + "); " +
                    (is_fair ? "the input itself is folded or sharp there, --creases auto may help"
-                            : "--interpolation fair is made for such meshes"),
+                    : report.settings.scheme == Scheme::DooSabin
+                        ? "--interpolation fair is made for such meshes"
+                        : "--scheme doo-sabin --interpolation fair is made for such meshes"),
                1, -1});
 }
 
@@ -53,7 +65,7 @@ void measure_surface(const JobInput& made, const Fit& fitted, const SurfaceMesh&
     warn_of_folds(report, console);
   }
   if (surface.level >= kPointDistanceLevel && !made.points.empty() && !report.point_distances) {
-    const auto triangles = quads_as_triangles(surface.face_vertices);
+    const auto triangles = triangles_of(surface);
     report.point_distances = relative(measure_distances(made.points, surface.positions, triangles),
                                       fitted.placement.diagonal);
   }

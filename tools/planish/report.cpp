@@ -39,7 +39,9 @@ Json solve_json(const JobReport& report) {
   const bool iterates = report.method == InterpolationMethod::Progressive;
   Json json;
   json["method"] = name_of(report.method);
-  json["weights"] = name_of(report.settings.weights);
+  json["scheme"] = name_of(report.settings.scheme);
+  const bool has_weights = report.settings.scheme == Scheme::DooSabin;
+  json["weights"] = has_weights ? Json(name_of(report.settings.weights)) : Json();
   json["solver"] = iterates ? Json(name_of(report.settings.solver)) : Json();
   json["boundary"] = name_of(report.settings.boundary);
   json["creases"] = name_of(report.settings.creases);

@@ -96,6 +96,12 @@ Table make_table() {
                 {"ms", Align::Right}});
 }
 
+// The other schemes have no choice of weights.
+std::string weights_text(const Settings& settings) {
+  return std::string(settings.scheme == Scheme::DooSabin ? name_of(settings.weights)
+                                                         : name_of(settings.scheme));
+}
+
 std::vector<std::string> row_of(const JobReport& report) {
   const JobTiming& timing = report.timing;
   const Interpolation& result = report.interpolation;
@@ -103,7 +109,7 @@ std::vector<std::string> row_of(const JobReport& report) {
       report.job,
       with_separators(report.input.statistics.vertex_count),
       std::string(name_of(report.settings.solver)),
-      std::string(name_of(report.settings.weights)),
+      weights_text(report.settings),
       std::to_string(result.iterations) + (result.converged ? "" : " (not converged)"),
       short_number(result.error.max),
       fixed(timing.check + timing.topology + timing.stencils + timing.upload + timing.solve, 1)};
@@ -113,7 +119,7 @@ std::vector<std::string> failed_row(const Job& job) {
   return {job.name,
           "-",
           std::string(name_of(job.settings.solver)),
-          std::string(name_of(job.settings.weights)),
+          weights_text(job.settings),
           "failed",
           "-",
           "-"};

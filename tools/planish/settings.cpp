@@ -40,7 +40,9 @@ constexpr std::array kInterpolations{
 constexpr std::array kMethods{
     Word<InterpolationMethod>{"progressive", InterpolationMethod::Progressive},
     Word<InterpolationMethod>{"fair", InterpolationMethod::Fair}};
-constexpr std::array kSchemes{Word<bool>{"doo-sabin", true}};
+constexpr std::array kSchemes{Word<Scheme>{"doo-sabin", Scheme::DooSabin},
+                              Word<Scheme>{"catmull-clark", Scheme::CatmullClark},
+                              Word<Scheme>{"loop", Scheme::Loop}};
 constexpr std::array kPresets{Word<bool>{"paper", true}};
 
 [[noreturn]] void refuse(std::string_view where, const std::string& what) {
@@ -71,13 +73,6 @@ void set_preset(Settings& settings, std::string_view value, std::string_view whe
   settings.interpolation = InterpolationChoice::Progressive;
   settings.weights = Weights::Averaged;
   settings.solver = Solver::Plain;
-}
-
-void set_scheme(Settings&, std::string_view value, std::string_view where) {
-  if (value == "catmull-clark" || value == "loop") {
-    refuse(where, std::string(value) + " is not built yet; doo-sabin is");
-  }
-  parse(kSchemes, value, where);
 }
 
 constexpr std::array kWordSettings{
@@ -123,8 +118,11 @@ constexpr std::array kWordSettings{
                 [](Settings& s, std::string_view value, std::string_view where) {
                   s.repair = parse_repair(value, where);
                 }},
-    WordSetting{"scheme", "doo-sabin", "doo-sabin",
-                "subdivision scheme; catmull-clark and loop are not built yet", true, set_scheme},
+    WordSetting{"scheme", "doo-sabin|catmull-clark|loop", "doo-sabin",
+                "subdivision scheme; catmull-clark and loop as OpenSubdiv has them", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.scheme = parse_scheme(value, where);
+                }},
     WordSetting{"up", "y|z", "y", "z turns a Z-up input upright for glTF", false,
                 [](Settings& s, std::string_view value, std::string_view where) {
                   s.up = parse(kUpAxes, value, where);
@@ -140,6 +138,10 @@ constexpr std::array kWordSettings{
 }  // namespace
 
 std::span<const WordSetting> word_settings() { return kWordSettings; }
+
+Scheme parse_scheme(std::string_view value, std::string_view where) {
+  return parse(kSchemes, value, where);
+}
 
 Weights parse_weights(std::string_view value, std::string_view where) {
   return parse(kWeights, value, where);
@@ -217,6 +219,23 @@ void check_consistent(const Settings& settings) {
                               " is for the CPU backend; leave it out with --device vulkan, or take "
                               "--device cpu");
   }
+  if (settings.scheme == Scheme::DooSabin) return;
+  const std::string scheme(name_of(settings.scheme));
+  if (settings.weights != Weights::DooSabin) {
+    refuse("--weights", std::string(name_of(settings.weights)) +
+                            " belongs to --scheme doo-sabin; leave it and --preset paper out with "
+                            "--scheme " +
+                            scheme);
+  }
+  if (settings.interpolation == InterpolationChoice::Fair) {
+    refuse("--interpolation", "fair builds control points of Doo-Sabin's level 1, which " + scheme +
+                                  " does not have; take progressive, or --scheme doo-sabin");
+  }
+}
+
+std::string subdivision_text(Scheme scheme, Weights weights) {
+  return scheme == Scheme::DooSabin ? std::string(name_of(weights)) + " weights"
+                                    : std::string(name_of(scheme));
 }
 
 Precision solve_precision(const Settings& settings) {
@@ -233,6 +252,7 @@ Precision solve_precision(const Settings& settings) {
   return settings.tolerance < kFloatTolerance ? Precision::Double : Precision::Float;
 }
 
+std::string_view name_of(Scheme scheme) { return text_of(kSchemes, scheme); }
 std::string_view name_of(Weights weights) { return text_of(kWeights, weights); }
 std::string_view name_of(InterpolationMethod method) { return text_of(kMethods, method); }
 std::string_view name_of(Solver solver) { return text_of(kSolvers, solver); }

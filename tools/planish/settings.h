@@ -28,7 +28,8 @@ struct CreaseChoice {
 
 /// Everything that can be set for one job, by flags of `fit` or keys of a scene file.
 struct Settings {
-  Weights weights = Weights::DooSabin;
+  Scheme scheme = Scheme::DooSabin;
+  Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
   InterpolationChoice interpolation = InterpolationChoice::Auto;
   std::int32_t polish_steps = 8;
   Solver solver = Solver::Chebyshev;
@@ -79,6 +80,7 @@ void check_consistent(const Settings& settings);
 [[nodiscard]] Precision solve_precision(const Settings& settings);
 
 // Stable names, as given in flags and written in reports.
+[[nodiscard]] std::string_view name_of(Scheme scheme);
 [[nodiscard]] std::string_view name_of(Weights weights);
 [[nodiscard]] std::string_view name_of(InterpolationMethod method);
 [[nodiscard]] std::string_view name_of(Solver solver);
@@ -86,7 +88,11 @@ void check_consistent(const Settings& settings);
 [[nodiscard]] std::string name_of(const CreaseChoice& creases);
 [[nodiscard]] std::string_view name_of(RepairChoice repair);
 
+/// The subdivision for people: "doo-sabin weights", "averaged weights", "catmull-clark", "loop".
+[[nodiscard]] std::string subdivision_text(Scheme scheme, Weights weights);
+
 /// Shared by the flags of `fit` and `verify`. Same errors as WordSetting::set.
+[[nodiscard]] Scheme parse_scheme(std::string_view value, std::string_view where);
 [[nodiscard]] Weights parse_weights(std::string_view value, std::string_view where);
 [[nodiscard]] InterpolationMethod parse_method(std::string_view value, std::string_view where);
 [[nodiscard]] BoundaryRule parse_boundary(std::string_view value, std::string_view where);

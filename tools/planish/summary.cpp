@@ -39,12 +39,15 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
   line += "level " + std::to_string(output.level) + ", " + counted(output.vertices, "vertice");
   // The only plural that is not the singular and an s.
   if (output.vertices == 1) line.replace(line.rfind("vertice"), 7, "vertex");
-  return line + (output.quads > 0 ? ", " + counted(output.quads, "quad") : "");
+  if (output.level == 0) return line;
+  return line + ", " +
+         (output.quads > 0 ? counted(output.quads, "quad") : counted(output.triangles, "triangle"));
 }
 
 std::string method_line(const JobReport& report) {
   const Interpolation& result = report.interpolation;
-  const std::string weights = std::string(name_of(report.settings.weights)) + " weights)";
+  const std::string weights =
+      subdivision_text(report.settings.scheme, report.settings.weights) + ")";
   std::string line;
   if (report.fair) {
     line = "  method      fair (" + counted(report.settings.polish_steps, "polish step") + ", " +

@@ -60,7 +60,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   written.kind = planned.kind;
   written.level = surface.level;
   written.vertices = static_cast<std::int64_t>(surface.positions.size());
-  written.quads = surface.level == 0 ? 0 : surface.face_count();
+  written.quads = surface.face_offsets.empty() ? surface.face_count() : 0;
   const auto corners = static_cast<std::int64_t>(surface.face_vertices.size());
   written.triangles = corners - 2 * surface.face_count();
   const bool is_gltf = planned.format == OutputFormat::Glb || planned.format == OutputFormat::Gltf;
@@ -103,7 +103,7 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
   note_file(written, target);
   const std::vector<glm::dvec3> limit =
       fitted.fair ? limit_positions(input, LevelOne{cage.positions, {}}, settings.sharp())
-                  : limit_positions(cage, settings.weights, settings.sharp());
+                  : limit_positions(cage, {settings.scheme, settings.weights, settings.sharp()});
   written.as_written_error = largest_distance(limit, input.positions) / fitted.placement.diagonal;
   return written;
 }

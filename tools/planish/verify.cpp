@@ -43,7 +43,8 @@ std::vector<glm::dvec3> progressive_limits(const Input& cage, const PolygonMesh&
     control.corners = given.corners;
   }
   require_usable(control, cage.name);
-  return limit_positions(control, options.weights, {options.boundary, options.creases.use_tags});
+  return limit_positions(
+      control, {options.scheme, options.weights, {options.boundary, options.creases.use_tags}});
 }
 
 std::vector<glm::dvec3> fair_limits(const Input& cage, const PolygonMesh& given,

@@ -10,7 +10,8 @@ namespace planish::command {
 
 struct VerifyOptions {
   InterpolationMethod interpolation = InterpolationMethod::Progressive;
-  Weights weights = Weights::DooSabin;
+  Scheme scheme = Scheme::DooSabin;
+  Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
   BoundaryRule boundary = BoundaryRule::Edge;
   CreaseChoice creases;
   RepairChoice repair = RepairChoice::Safe;

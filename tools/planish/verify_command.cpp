@@ -11,7 +11,7 @@ namespace planish::command {
 namespace {
 
 struct VerifyFlags {
-  std::string cage, input, interpolation, weights, boundary, creases, repair;
+  std::string cage, input, interpolation, scheme, weights, boundary, creases, repair;
   double tolerance = 0;  ///< 0: not given
   CLI::Option* tolerance_flag = nullptr;
   bool json = false;
@@ -21,6 +21,7 @@ struct VerifyFlags {
 VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
   VerifyOptions options;
   options.interpolation = header.interpolation.value_or(options.interpolation);
+  options.scheme = header.scheme.value_or(options.scheme);
   options.weights = header.weights.value_or(options.weights);
   options.boundary = header.boundary.value_or(options.boundary);
   options.creases = header.creases.value_or(options.creases);
@@ -29,6 +30,7 @@ VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
   if (!flags.interpolation.empty()) {
     options.interpolation = parse_method(flags.interpolation, "--interpolation");
   }
+  if (!flags.scheme.empty()) options.scheme = parse_scheme(flags.scheme, "--scheme");
   if (!flags.weights.empty()) options.weights = parse_weights(flags.weights, "--weights");
   if (!flags.boundary.empty()) options.boundary = parse_boundary(flags.boundary, "--boundary");
   if (!flags.creases.empty()) options.creases = parse_creases(flags.creases, "--creases");
@@ -48,7 +50,9 @@ std::string to_json_text(const Verification& result, const VerifyOptions& option
   json["cage"] = {{"path", cage.name}, {"sha256", cage.sha256}};
   json["input"] = {{"path", given.name}, {"sha256", given.sha256}};
   json["interpolation"] = name_of(options.interpolation);
-  json["weights"] = name_of(options.weights);
+  json["scheme"] = name_of(options.scheme);
+  const bool has_weights = options.scheme == Scheme::DooSabin;
+  json["weights"] = has_weights ? nlohmann::ordered_json(name_of(options.weights)) : nullptr;
   json["boundary"] = name_of(options.boundary);
   json["creases"] = name_of(options.creases);
   json["repair"] = name_of(options.repair);
@@ -67,8 +71,8 @@ std::string to_text(const Verification& result, const VerifyOptions& options, co
          with_separators(result.vertex_count) + " vertices of " + given.name + "\n  max error  " +
          short_number(result.error.max) + " of the diagonal, at vertex " +
          std::to_string(result.worst_vertex) + " (tolerance " + short_number(options.tolerance) +
-         ")\n  rms error  " + short_number(result.error.rms) + "\n  weights    " +
-         std::string(name_of(options.weights)) + ", boundary " +
+         ")\n  rms error  " + short_number(result.error.rms) + "\n  surface    " +
+         subdivision_text(options.scheme, options.weights) + ", boundary " +
          std::string(name_of(options.boundary)) + ", creases " + name_of(options.creases) +
          ", repair " + std::string(name_of(options.repair)) + "\n";
 }
@@ -97,6 +101,9 @@ void add_verify_command(CLI::App& app, Invocation& invocation) {
   const char* group = "Instead of what the cage's header says";
   command->add_option("--interpolation", flags->interpolation, "how the mesh was fitted")
       ->type_name("progressive|fair")
+      ->group(group);
+  command->add_option("--scheme", flags->scheme, "subdivision scheme")
+      ->type_name("doo-sabin|catmull-clark|loop")
       ->group(group);
   command->add_option("--weights", flags->weights, "subdivision weights")
       ->type_name("doo-sabin|averaged")
