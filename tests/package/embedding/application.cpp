@@ -100,8 +100,9 @@ void Application::make_device() {
   LOAD(vkGetPhysicalDeviceQueueFamilyProperties)(physical_device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   LOAD(vkGetPhysicalDeviceQueueFamilyProperties)(physical_device, &count, families.data());
-  while (family_ < count && !(families[family_].queueFlags & VK_QUEUE_COMPUTE_BIT)) ++family_;
-  require(family_ < count, "no queue family with compute");
+  constexpr VkQueueFlags kWanted = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT;
+  while (family_ < count && (families[family_].queueFlags & kWanted) != kWanted) ++family_;
+  require(family_ < count, "no queue family with compute and graphics");
   const float priority = 1;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
   queue.queueFamilyIndex = family_;
