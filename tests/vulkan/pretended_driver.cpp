@@ -241,12 +241,18 @@ struct Thunk<R(VKAPI_PTR*)(A...)> {
   }
 };
 
+/// Threads may ask for functions at the same time: only the first answer is written.
+template <class Function>
+void keep(Function& kept, PFN_vkVoidFunction function) {
+  if (kept != reinterpret_cast<Function>(function)) kept = reinterpret_cast<Function>(function);
+}
+
 /// The counting function of that name, whose real one is kept; or just the real one.
 PFN_vkVoidFunction counted(const char* name, PFN_vkVoidFunction function) {
   if (!function) return nullptr;
 #define PRETENDED_CASE(known)                                   \
   if (std::strcmp(name, #known) == 0) {                         \
-    real.known = reinterpret_cast<PFN_##known>(function);       \
+    keep(real.known, function);                                 \
     return reinterpret_cast<PFN_vkVoidFunction>(                \
         &Thunk<PFN_##known>::call<Slot_##known, &Real::known>); \
   }
