@@ -5,7 +5,7 @@
 
 #include "osd/conformance.h"
 #include "osd/fixture.h"
-#include "osd/host_commands.h"
+#include "osd/host_side.h"
 #include "planish/osd/vk_compute_evaluator.h"
 
 namespace planish::testing {

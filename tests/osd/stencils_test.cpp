@@ -4,11 +4,15 @@
 #include <opensubdiv/osd/cpuEvaluator.h>
 #include <opensubdiv/osd/mesh.h>
 
+#include <numeric>
+#include <thread>
+
 #include "osd/conformance.h"
 #include "osd/fixture.h"
-#include "osd/host_commands.h"
+#include "osd/host_side.h"
 #include "planish/core/error.h"
 #include "planish/osd/vk_compute_evaluator.h"
+#include "planish/stencil/stencil_table.h"
 
 namespace planish::testing {
 namespace {
@@ -44,6 +48,16 @@ struct Refinement {
     return result;
   }
 };
+
+/// A table of planish's own: every row is its own source.
+StencilTable<float> identity(int rows) {
+  StencilRows<float> result;
+  result.sizes.assign(rows, 1);
+  result.indices.resize(rows);
+  std::iota(result.indices.begin(), result.indices.end(), 0);
+  result.weights.assign(rows, 1.0f);
+  return {rows, std::move(result)};
+}
 
 class OsdStencils : public OsdTest {
  protected:
@@ -121,6 +135,60 @@ TEST_F(OsdStencils, ACommandBufferOfTheHostIsOnlyRecordedInto) {
   host.end_submit_wait();
   EXPECT_EQ(floats_of(*target), torus.expected);
   recording.Release(host.commands());
+}
+
+TEST_F(OsdStencils, ThreadsRecordWithContextsOfTheirOwn) {
+  constexpr int kThreads = 4;
+  const Refinement torus;
+  const auto source = buffer_of(torus.points);
+  const auto padded = buffer_of(std::vector<float>(8 * std::size_t(torus.sources), 0.5f));
+  const auto table = upload(torus.table);
+  device_context_->Synchronize();
+  std::vector<std::unique_ptr<HostCommands>> hosts;
+  std::vector<std::unique_ptr<osd::VkDeviceContext>> contexts;
+  std::vector<std::unique_ptr<VkVertexBuffer>> targets;
+  for (int i = 0; i < kThreads; ++i) {
+    hosts.push_back(std::make_unique<HostCommands>(*context_, device_->queue(),
+                                                   device_->capabilities().compute_family));
+    contexts.push_back(std::make_unique<osd::VkDeviceContext>(*context_));
+    targets.push_back(buffer_of(torus.expected));
+  }
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i)
+    threads.emplace_back([&, i] {
+      hosts[i]->begin();
+      contexts[i]->SetCommandBuffer(hosts[i]->commands());
+      // Strides that no other thread has: kernels are compiled side by side.
+      const BufferDescriptor wide(0, 1, 4 + i);
+      EXPECT_TRUE(VkComputeEvaluator::EvalStencils(padded.get(), wide, targets[i].get(), {0, 1, 3},
+                                                   table.get(), nullptr, contexts[i].get()));
+      EXPECT_TRUE(VkComputeEvaluator::EvalStencils(source.get(), torus.desc, targets[i].get(),
+                                                   torus.desc, table.get(), nullptr,
+                                                   contexts[i].get()));
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (int i = 0; i < kThreads; ++i) hosts[i]->end_submit_wait();
+  for (int i = 0; i < kThreads; ++i) EXPECT_EQ(floats_of(*targets[i]), torus.expected) << i;
+}
+
+TEST_F(OsdStencils, BuffersOfTheHostNeedNoMoreThanTheUsageStated) {
+  const Refinement torus;
+  const auto table = upload(torus.table);
+  const auto source = buffer_of(torus.points);
+  const std::unique_ptr<VkComputeEvaluator> instance(VkComputeEvaluator::Create(
+      torus.desc, torus.desc, unused(), unused(), device_context_.get()));
+  // From ours to the host's, and back by a table that copies.
+  HostBuffer host(*context_, torus.expected.size() * sizeof(float),
+                  device_context_->GetBufferUsage());
+  EXPECT_TRUE(instance->EvalStencils(source->BindVBO(), torus.desc, host.handle(), torus.desc,
+                                     table.get(), 0, torus.rows));
+  const StencilTable<float> copies = identity(torus.rows);
+  const std::unique_ptr<VkStencilTable> copy(
+      VkStencilTable::Create(&copies, device_context_.get()));
+  const auto result = buffer_of(std::vector<float>(torus.expected.size(), 9.0f));
+  EXPECT_TRUE(instance->EvalStencils(host.handle(), torus.desc, result->BindVBO(), torus.desc,
+                                     copy.get(), 0, torus.rows));
+  EXPECT_EQ(floats_of(*result), torus.expected);
 }
 
 TEST_F(OsdStencils, SeveralMeshesAndFramesAreInFlight) {

@@ -53,4 +53,37 @@ class HostCommands {
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
 };
 
+/// A buffer that a host made for itself, with memory of its own.
+class HostBuffer {
+ public:
+  HostBuffer(vulkan::Context& context, VkDeviceSize size, VkBufferUsageFlags usage)
+      : context_(context) {
+    const vulkan::DeviceFunctions& vk = context.vk();
+    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+    info.size = size;
+    info.usage = usage;
+    vulkan::check(vk.vkCreateBuffer(context.device(), &info, nullptr, &buffer_), "vkCreateBuffer");
+    vulkan::MemoryRequest request{{}, vulkan::MemoryUse::Device};
+    vk.vkGetBufferMemoryRequirements(context.device(), buffer_, &request.requirements);
+    size_ = request.requirements.size;
+    block_ = context.memory().allocate(request);
+    vulkan::check(vk.vkBindBufferMemory(context.device(), buffer_, block_.memory, block_.offset),
+                  "vkBindBufferMemory");
+  }
+  ~HostBuffer() {
+    context_.vk().vkDestroyBuffer(context_.device(), buffer_, nullptr);
+    context_.memory().free(block_, size_);
+  }
+  HostBuffer(const HostBuffer&) = delete;
+  HostBuffer& operator=(const HostBuffer&) = delete;
+
+  [[nodiscard]] VkBuffer handle() const { return buffer_; }
+
+ private:
+  vulkan::Context& context_;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  vulkan::MemoryBlock block_;
+  VkDeviceSize size_ = 0;
+};
+
 }  // namespace planish::testing
