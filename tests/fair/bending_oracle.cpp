@@ -1,5 +1,6 @@
 #include "fair/bending_oracle.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -47,14 +48,15 @@ BendingOracle::BendingOracle(const FairTopology& topology, std::span<const dvec3
           glm::cross(net.point(next) - net.point(after), net.point(previous) - net.point(before)) /
           4.0;
       const dvec3 normal = glm::normalize(area);
-      const double weight = std::sqrt(glm::length(area));
       const std::array<std::pair<int32_t, int32_t>, 2> lines{{{next, after}, {previous, before}}};
       for (int line = 0; line < 2; ++line) {
         const auto [far, near] = lines[line];
         const double far_length = glm::distance(net.point(far), net.point(own));
         const double near_length = glm::distance(net.point(near), net.point(own));
         const double whole = far_length + near_length;
-        if (std::min(far_length, near_length) <= kShortestPart * whole) continue;
+        const double part = std::min(far_length, near_length) / whole;
+        const double weight =
+            std::sqrt(glm::length(area)) * std::clamp(part / kShortestPart - 1, 0.0, 1.0);
         const dvec3 bend = (net.point(far) - net.point(own)) / far_length -
                            (net.point(own) - net.point(near)) / near_length;
         const int32_t row = 2 * own + line;

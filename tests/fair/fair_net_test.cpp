@@ -177,5 +177,48 @@ TEST(FairNet, IsFiniteOnDegenerateInput) {
   }
 }
 
+TEST(FairNet, RepeatsItsDecisions) {
+  for (const auto& [name, mesh] : all_meshes()) {
+    SCOPED_TRACE(name);
+    const FairCase c(mesh);
+    const FairNet net = c.net(8);
+    const FairNet again =
+        fair_net(c.mesh, c.subdivision, c.given, {.polish_steps = 8, .decisions = &net.decisions});
+    EXPECT_EQ(net.state, again.state);
+    EXPECT_EQ(net.flagged_edges, again.flagged_edges);
+    EXPECT_EQ(net.shrunk_vertices, again.shrunk_vertices);
+  }
+}
+
+// A sphere that is bent and stretched through 200 frames, its decisions those of the first.
+TEST(FairNet, MovesContinuouslyWithFrozenDecisions) {
+  FairCase c(delaunay_sphere(300, 2), 2);
+  const FairDecisions decisions = c.net(8).decisions;
+  const std::vector<dvec3> rest = c.given;
+  const auto frame = [&](double time) {
+    for (std::size_t v = 0; v < rest.size(); ++v) {
+      const dvec3& p = rest[v];
+      c.given[v] = p + time * dvec3(0.4 * p.y * p.z, 0.3 * std::sin(4 * p.x), 0.5 * p.z);
+    }
+    const FairNet net =
+        fair_net(c.mesh, c.subdivision, c.given, {.polish_steps = 8, .decisions = &decisions});
+    return net.state;
+  };
+  // A jump would not shrink with the step.
+  const auto largest_step = [&](int count) {
+    double largest = 0;
+    std::vector<dvec3> last = frame(0);
+    for (int k = 1; k <= count; ++k) {
+      std::vector<dvec3> next = frame(static_cast<double>(k) / count);
+      for (std::size_t i = 0; i < next.size(); ++i) {
+        largest = std::max(largest, glm::distance(next[i], last[i]));
+      }
+      last = std::move(next);
+    }
+    return largest;
+  };
+  EXPECT_LT(largest_step(200), 0.35 * largest_step(50));
+}
+
 }  // namespace
 }  // namespace planish::test

@@ -20,7 +20,7 @@ using std::int32_t;
 TEST(BalancedWeights, BalanceWhatSurroundsTheOrigin) {
   const std::array<dvec2, 4> points{dvec2(3, 0.2), dvec2(0.1, 1), dvec2(-0.5, -0.1), dvec2(0, -2)};
   std::array<double, 4> weights;
-  ASSERT_TRUE(balance(points, weights));
+  ASSERT_EQ(balance(points, weights), 1);
   dvec2 sum(0.0);
   for (int i = 0; i < 4; ++i) {
     EXPECT_GT(weights[i], 0);
@@ -32,7 +32,7 @@ TEST(BalancedWeights, BalanceWhatSurroundsTheOrigin) {
 TEST(BalancedWeights, AreOneWhereThePointsBalanceAlready) {
   const std::array<dvec2, 3> points{dvec2(1, 0), dvec2(-0.5, 2), dvec2(-0.5, -2)};
   std::array<double, 3> weights;
-  ASSERT_TRUE(balance(points, weights));
+  ASSERT_EQ(balance(points, weights), 1);
   for (const double weight : weights) EXPECT_NEAR(weight, 1, 1e-12);
 }
 
@@ -40,8 +40,8 @@ TEST(BalancedWeights, RefuseWhatDoesNotSurroundTheOrigin) {
   const std::array<dvec2, 3> one_side{dvec2(1, 0), dvec2(0.5, 2), dvec2(0.5, -2)};
   const std::array<dvec2, 3> nothing{dvec2(0), dvec2(0), dvec2(0)};
   std::array<double, 3> weights;
-  EXPECT_FALSE(balance(one_side, weights));
-  EXPECT_FALSE(balance(nothing, weights));
+  EXPECT_EQ(balance(one_side, weights), 0);
+  EXPECT_EQ(balance(nothing, weights), 0);
 }
 
 // A ring of triangles with uneven angles and edges.

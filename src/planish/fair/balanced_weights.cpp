@@ -16,10 +16,14 @@ constexpr int kNewtonSteps = 6;
 constexpr double kLongestStep = 1.5;
 // Keeps the Hessian invertible where all points lie on a line.
 constexpr double kDamping = 1e-9;
-// What may remain of the sum, as a part of the weights' sum; the centroid is made exact later.
+// What may remain of the sum, as a part of the weights' sum; the centroid is made exact later. At
+// twice this the weights are useless.
 constexpr double kTolerance = 1e-3;
-// A weight above this means that the points surround 0 only just.
-constexpr double kLargestWeight = 30.0;
+// Points that need a larger weight surround 0 only just; at twice this the weights are useless.
+constexpr double kLargestWeight = 15.0;
+
+// 1 up to the limit, falling to 0 at twice the limit.
+double ramp(double value, double limit) { return std::clamp(2 - value / limit, 0.0, 1.0); }
 
 // Sets weights[i] = exp(-y . points[i] * scale) and returns their sum.
 double set_weights(std::span<const dvec2> points, const dvec2& y, std::span<double> weights) {
@@ -33,10 +37,10 @@ double set_weights(std::span<const dvec2> points, const dvec2& y, std::span<doub
 
 }  // namespace
 
-bool balance(std::span<const dvec2> points, std::span<double> weights) {
+double balance(std::span<const dvec2> points, std::span<double> weights) {
   double square = 0;
   for (const dvec2& point : points) square += glm::dot(point, point);
-  if (!(square > 0)) return false;
+  if (!(square > 0)) return 0;
   const double unit = static_cast<double>(points.size()) / square;  // 1 / rms^2
 
   // y is kept in units of 1 / length, so that no scaled copy of the points is needed.
@@ -58,7 +62,7 @@ bool balance(std::span<const dvec2> points, std::span<double> weights) {
     xx += kDamping / unit;
     yy += kDamping / unit;
     const double determinant = xx * yy - xy * xy;
-    if (!(determinant > 0)) return false;
+    if (!(determinant > 0)) return 0;
     dvec2 move(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x);
     move /= determinant;
     const double length = std::sqrt(glm::dot(move, move) / unit);
@@ -67,8 +71,9 @@ bool balance(std::span<const dvec2> points, std::span<double> weights) {
     sum = set_weights(points, y, weights);
   }
   const double largest = *std::max_element(weights.begin(), weights.end());
-  return std::sqrt(glm::dot(moment, moment) * unit) <= kTolerance * sum &&
-         largest <= kLargestWeight;
+  const double left = std::sqrt(glm::dot(moment, moment) * unit) / sum;
+  if (!std::isfinite(left) || !std::isfinite(largest)) return 0;
+  return std::min(ramp(left, kTolerance), ramp(largest, kLargestWeight));
 }
 
 }  // namespace planish

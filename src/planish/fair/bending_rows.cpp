@@ -48,8 +48,11 @@ struct Line {
 Line make_line(const NetEdge& far_edge, float far_sign, const NetEdge& near_edge,
                const vec3& normal) {
   const float whole = far_edge.length + near_edge.length;
-  if (!(std::min(far_edge.length, near_edge.length) > kShortestPart * whole)) return {};
-  const float unit = 2 / (whole * far_edge.length * near_edge.length);
+  const float part = std::min(far_edge.length, near_edge.length) / whole;
+  if (!(part > kShortestPart)) return {};
+  // A ramp to full weight, so that no line appears at once in a deforming mesh.
+  const float weight = std::min((part - kShortestPart) / kShortestPart, 1.0f);
+  const float unit = 2 * weight / (whole * far_edge.length * near_edge.length);
   const float far = unit * near_edge.length, near = unit * far_edge.length;
   if (!(std::max(far, near) * glm::length(normal) < kLargestCoefficient)) return {};
   return {far, near,

@@ -5,7 +5,6 @@
 #include "planish/fair/fair_net.h"
 
 #include <algorithm>
-#include <atomic>
 #include <string>
 
 #include "planish/core/assert.h"
@@ -80,7 +79,8 @@ struct NetBuilder {
   std::vector<dvec3> offsets{};
 
   void prepare();
-  std::int64_t build_polygons();
+  /// Takes the decisions that are there, makes them where there are none.
+  void build_polygons(std::vector<std::uint8_t>& reversed);
   void build_crease(std::int32_t vertex);
   void build_curve_points();
 };
@@ -96,21 +96,20 @@ void NetBuilder::prepare() {
   }
 }
 
-// Returns how many came out reversed.
-std::int64_t NetBuilder::build_polygons() {
-  std::atomic<std::int64_t> reversed = 0;
+void NetBuilder::build_polygons(std::vector<std::uint8_t>& reversed) {
+  const bool decided = !reversed.empty();
+  if (!decided) reversed.assign(given.size(), 0);
   for_vertices(topology, [&] {
     return [&, scratch = PolygonScratch{}](std::int32_t v) mutable {
       if (topology.has_polygon(v)) {
-        if (build_vertex_polygon(topology, given, v, {normals[v], shares[v]}, scratch, offsets)) {
-          ++reversed;
-        }
+        PolygonShape shape{normals[v], shares[v]};
+        if (decided) shape.reversed = reversed[v] != 0;
+        reversed[v] = build_vertex_polygon(topology, given, v, shape, scratch, offsets);
       } else if (topology.kind(v) == VertexKind::Crease) {
         build_crease(v);
       }
     };
   });
-  return reversed;
 }
 
 void NetBuilder::build_crease(std::int32_t vertex) {
@@ -155,6 +154,17 @@ void NetBuilder::build_curve_points() {
   }
 }
 
+// Repairs the folds, or halves what was halved before.
+FoldCount settle_folds(const NetBuilder& builder, bool decided, std::vector<std::uint8_t>& halvings,
+                       std::span<dvec3> offsets) {
+  if (decided) {
+    halve_polygons(builder.topology, halvings, offsets);
+    return count_folds(builder.topology, builder.given, builder.face_normals, offsets);
+  }
+  halvings.assign(builder.given.size(), 0);
+  return repair_folds(builder.topology, builder.given, builder.face_normals, offsets, halvings);
+}
+
 void add_given_points(const FairTopology& topology, std::span<const dvec3> given,
                       std::span<dvec3> state) {
   for (std::int32_t c = 0; c < topology.corner_count; ++c) {
@@ -180,21 +190,25 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                  std::span<const dvec3> given, const FairOptions& options) {
   require_valid(options);
   PLANISH_ASSERT(given.size() == mesh.positions.size());
+  if (const FairDecisions* decisions = options.decisions) {
+    PLANISH_ASSERT(decisions->reversed.size() == given.size());
+    PLANISH_ASSERT(decisions->halvings.size() == given.size());
+    PLANISH_ASSERT(decisions->late_halvings.size() == given.size());
+  }
   const FairTopology topology = make_fair_topology(mesh, subdivision);
   options.callbacks.check_cancelled();
 
   FairNet net;
+  FairDecisions& decisions = net.decisions;
+  const bool decided = options.decisions != nullptr;
+  if (decided) decisions = *options.decisions;
   NetBuilder builder{topology, given};
   builder.prepare();
-  net.reversed_vertices = builder.build_polygons();
+  builder.build_polygons(decisions.reversed);
   builder.build_curve_points();
   options.callbacks.check_cancelled();
 
-  std::vector<std::uint8_t> halvings(given.size(), 0);
-  const auto repair = [&] {
-    return repair_folds(topology, given, builder.face_normals, builder.offsets, halvings);
-  };
-  FoldCount folds = repair();
+  FoldCount folds = settle_folds(builder, decided, decisions.halvings, builder.offsets);
   if (options.polish_steps > 0) {
     options.callbacks.check_cancelled();
     builder.build_curve_points();
@@ -202,13 +216,17 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     apply_heights(topology, builder.normals,
                   polish_heights(topology, std::move(bending), options.polish_steps),
                   builder.offsets);
-    folds = repair();
+    folds = settle_folds(builder, decided, decisions.late_halvings, builder.offsets);
+  } else if (!decided) {
+    decisions.late_halvings.assign(given.size(), 0);
   }
   builder.build_curve_points();
   net.flagged_edges = folds.edges;
   net.flagged_faces = folds.faces;
-  net.shrunk_vertices =
-      std::count_if(halvings.begin(), halvings.end(), [](std::uint8_t count) { return count > 0; });
+  for (std::size_t v = 0; v < given.size(); ++v) {
+    net.reversed_vertices += decisions.reversed[v];
+    net.shrunk_vertices += decisions.halvings[v] + decisions.late_halvings[v] > 0;
+  }
   net.state = std::move(builder.offsets);
   add_given_points(topology, given, net.state);
   return net;

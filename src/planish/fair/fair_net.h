@@ -11,9 +11,19 @@
 
 namespace planish {
 
+/// What a net's construction decided by thresholds, per vertex of the mesh; all else is continuous
+/// in the given points. Kept through the frames of an animation, they let nothing pop.
+struct FairDecisions {
+  std::vector<std::uint8_t> reversed;  ///< 1: the polygon came out turned over and was replaced
+  /// How often the repair halved the vertex's polygon, before and after the polish.
+  std::vector<std::uint8_t> halvings, late_halvings;
+};
+
 struct FairOptions {
   std::int32_t polish_steps = 8;  ///< 0 to 1000; 0: none
   Callbacks callbacks;
+  /// Where given, of a net of the same mesh: these decisions instead of new ones.
+  const FairDecisions* decisions = nullptr;
 };
 
 /// A Doo-Sabin net of level 1 whose surface passes through the given vertices: the polygon around
@@ -26,6 +36,7 @@ struct FairNet {
   std::int64_t reversed_vertices = 0;  ///< whose polygons came out turned over and were replaced
   std::int64_t flagged_edges = 0;      ///< smooth edges still turned over in the end
   std::int64_t flagged_faces = 0;      ///< faces still turned over in the end
+  FairDecisions decisions;
 };
 
 /// Builds the net: a local construction at every vertex that keeps each control point inside its

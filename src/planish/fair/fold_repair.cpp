@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::size_t kGrain = 8192;
 constexpr int kRounds = 3;
-constexpr double kShrink = 0.5;
 // Cosine between the limit normal of a face or edge and the mesh's below which it counts as folded.
 // At edges it is a part of the cosine of half their own turn: less is asked of sharp ones.
 constexpr double kLeastCosine = 0.5;
@@ -93,37 +92,50 @@ FoldCount find_folds(const FoldTest& test, VertexFlags& flags) {
   return {edges, faces};
 }
 
-void shrink(const FairTopology& topology, const VertexFlags& flags, std::span<dvec3> offsets,
-            std::span<std::uint8_t> halvings) {
+}  // namespace
+
+void halve_polygons(const FairTopology& topology, std::span<const std::uint8_t> halvings,
+                    std::span<dvec3> offsets) {
   parallel_for(halvings.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      // Corner points and the curves that end there are where they must be.
-      if (!flags[v] || topology.kind(static_cast<std::int32_t>(v)) == VertexKind::Corner) continue;
-      ++halvings[v];
+      if (halvings[v] == 0) continue;
+      const double factor = std::ldexp(1.0, -halvings[v]);
       for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
-        offsets[topology.ring_corners[i]] *= kShrink;
+        offsets[topology.ring_corners[i]] *= factor;
       }
     }
   });
   for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
     const std::int32_t vertex = topology.curve_points[s].vertex;
-    if (flags[vertex] && topology.kind(vertex) == VertexKind::Crease) {
-      offsets[static_cast<std::size_t>(topology.corner_count) + s] *= kShrink;
-    }
+    if (topology.kind(vertex) != VertexKind::Crease) continue;
+    offsets[static_cast<std::size_t>(topology.corner_count) + s] *=
+        std::ldexp(1.0, -halvings[vertex]);
   }
 }
 
-}  // namespace
+FoldCount count_folds(const FairTopology& topology, std::span<const dvec3> given,
+                      std::span<const dvec3> face_normals, std::span<const dvec3> offsets) {
+  VertexFlags flags(topology.vertex_count);
+  return find_folds({topology, given, face_normals, offsets}, flags);
+}
 
 FoldCount repair_folds(const FairTopology& topology, std::span<const dvec3> given,
                        std::span<const dvec3> face_normals, std::span<dvec3> offsets,
                        std::span<std::uint8_t> halvings) {
   const FoldTest test{topology, given, face_normals, offsets};
+  std::vector<std::uint8_t> round_halvings(halvings.size());
   for (int round = 0;; ++round) {
     VertexFlags flags(topology.vertex_count);
     const FoldCount folds = find_folds(test, flags);
     if (round == kRounds || folds.edges + folds.faces == 0) return folds;
-    shrink(topology, flags, offsets, halvings);
+    for (std::size_t v = 0; v < halvings.size(); ++v) {
+      // Corner points and the curves that end there are where they must be.
+      const bool halve =
+          flags[v] && topology.kind(static_cast<std::int32_t>(v)) != VertexKind::Corner;
+      round_halvings[v] = halve ? 1 : 0;
+      halvings[v] = static_cast<std::uint8_t>(halvings[v] + round_halvings[v]);
+    }
+    halve_polygons(topology, round_halvings, offsets);
   }
 }
 

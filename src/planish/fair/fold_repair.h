@@ -24,4 +24,13 @@ FoldCount repair_folds(const FairTopology& topology, std::span<const glm::dvec3>
                        std::span<const glm::dvec3> face_normals, std::span<glm::dvec3> offsets,
                        std::span<std::uint8_t> halvings);
 
+/// The halving alone, as an earlier repair decided it.
+void halve_polygons(const FairTopology& topology, std::span<const std::uint8_t> halvings,
+                    std::span<glm::dvec3> offsets);
+
+/// Counts what is folded and changes nothing.
+[[nodiscard]] FoldCount count_folds(const FairTopology& topology, std::span<const glm::dvec3> given,
+                                    std::span<const glm::dvec3> face_normals,
+                                    std::span<const glm::dvec3> offsets);
+
 }  // namespace planish

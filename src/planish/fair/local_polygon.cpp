@@ -31,44 +31,7 @@ void resize(LocalPolygon& polygon, std::int32_t count) {
   polygon.heights.resize(polygon.points.size());
   polygon.targets.resize(polygon.points.size());
   polygon.shares.resize(polygon.points.size());
-}
-
-// d_c = s_c q_c. False where the targets do not surround the vertex.
-bool balance_corners(const PlanarRing& ring, double rho, LocalPolygon& polygon) {
-  const auto n = static_cast<std::size_t>(ring.count);
-  for (std::size_t i = 0; i < n; ++i) {
-    polygon.targets[i] = ring.offsets[i] - kTranslatedImbalance / rho * ring.mean;
-  }
-  const auto shares = std::span(polygon.shares).first(n);
-  if (!balance(std::span(polygon.targets).first(n), shares)) return false;
-  for (std::size_t i = 0; i < n; ++i) polygon.points[i] = shares[i] * polygon.targets[i];
-  return true;
-}
-
-PlanarRing::Wedge usable_wedge(const PlanarRing::Wedge& wedge) {
-  const bool usable = wedge.valid && wedge.along_next >= kLeastCoordinate &&
-                      wedge.along_previous >= kLeastCoordinate;
-  return usable ? wedge : PlanarRing::Wedge{kRegularCoordinate, kRegularCoordinate, true};
-}
-
-// The same on edges, which surround the vertex more evenly: each edge takes the parts of its two
-// control points along it and gets one factor.
-bool balance_edges(const PlanarRing& ring, LocalPolygon& polygon) {
-  const auto n = static_cast<std::size_t>(ring.count);
-  for (std::size_t i = 0; i < n; ++i) {
-    const PlanarRing::Wedge own = usable_wedge(ring.wedges[i]);
-    const PlanarRing::Wedge before = usable_wedge(ring.wedges[(i + n - 1) % n]);
-    polygon.targets[i] = (own.along_next + before.along_previous) * ring.next[i];
-  }
-  const auto shares = std::span(polygon.shares).first(n);
-  if (!balance(std::span(polygon.targets).first(n), shares)) return false;
-  for (std::size_t i = 0; i < n; ++i) {
-    const PlanarRing::Wedge own = usable_wedge(ring.wedges[i]);
-    polygon.points[i] = shares[i] * own.along_next * ring.next[i] +
-                        shares[(i + 1) % n] * own.along_previous * ring.previous[i];
-    polygon.targets[i] = own.along_next * ring.next[i] + own.along_previous * ring.previous[i];
-  }
-  return true;
+  polygon.blended.resize(polygon.points.size());
 }
 
 void limit_length(std::int32_t count, LocalPolygon& polygon) {
@@ -84,6 +47,52 @@ void limit_length(std::int32_t count, LocalPolygon& polygon) {
   for (std::int32_t i = 0; i < count; ++i) polygon.points[i] *= scale;
 }
 
+// d_c = s_c q_c. Returns how far that is to be used, as balance() does.
+double balance_corners(const PlanarRing& ring, double rho, LocalPolygon& polygon) {
+  const auto n = static_cast<std::size_t>(ring.count);
+  for (std::size_t i = 0; i < n; ++i) {
+    polygon.targets[i] = ring.offsets[i] - kTranslatedImbalance / rho * ring.mean;
+  }
+  const auto shares = std::span(polygon.shares).first(n);
+  const double usable = balance(std::span(polygon.targets).first(n), shares);
+  for (std::size_t i = 0; i < n; ++i) polygon.points[i] = shares[i] * polygon.targets[i];
+  if (usable > 0) limit_length(ring.count, polygon);
+  return usable;
+}
+
+PlanarRing::Wedge usable_wedge(const PlanarRing::Wedge& wedge) {
+  const bool usable = wedge.valid && wedge.along_next >= kLeastCoordinate &&
+                      wedge.along_previous >= kLeastCoordinate;
+  return usable ? wedge : PlanarRing::Wedge{kRegularCoordinate, kRegularCoordinate, true};
+}
+
+// The same on edges, which surround the vertex more evenly: each edge takes the parts of its two
+// control points along it and gets one factor.
+double balance_edges(const PlanarRing& ring, LocalPolygon& polygon) {
+  const auto n = static_cast<std::size_t>(ring.count);
+  for (std::size_t i = 0; i < n; ++i) {
+    const PlanarRing::Wedge own = usable_wedge(ring.wedges[i]);
+    const PlanarRing::Wedge before = usable_wedge(ring.wedges[(i + n - 1) % n]);
+    polygon.targets[i] = (own.along_next + before.along_previous) * ring.next[i];
+  }
+  const auto shares = std::span(polygon.shares).first(n);
+  const double usable = balance(std::span(polygon.targets).first(n), shares);
+  for (std::size_t i = 0; i < n; ++i) {
+    const PlanarRing::Wedge own = usable_wedge(ring.wedges[i]);
+    polygon.points[i] = shares[i] * own.along_next * ring.next[i] +
+                        shares[(i + 1) % n] * own.along_previous * ring.previous[i];
+    polygon.targets[i] = own.along_next * ring.next[i] + own.along_previous * ring.previous[i];
+  }
+  if (usable > 0) limit_length(ring.count, polygon);
+  return usable;
+}
+
+// Adds `part` of the points, where it is any, to the blend.
+void add_part(std::int32_t count, double part, LocalPolygon& polygon) {
+  if (!(part > 0)) return;  // points that are not to be used may be no numbers
+  for (std::int32_t i = 0; i < count; ++i) polygon.blended[i] += part * polygon.points[i];
+}
+
 }  // namespace
 
 void build_local_polygon(const PlanarRing& ring, double rho, LocalPolygon& polygon) {
@@ -93,12 +102,15 @@ void build_local_polygon(const PlanarRing& ring, double rho, LocalPolygon& polyg
     for (std::int32_t i = 0; i < ring.count; ++i) polygon.points[i] = ring.offsets[i] - ring.mean;
     return;
   }
-  if (balance_corners(ring, rho, polygon) || balance_edges(ring, polygon)) {
-    limit_length(ring.count, polygon);
-    return;
-  }
+  const double by_corners = balance_corners(ring, rho, polygon);
+  if (by_corners == 1) return;
+  std::fill_n(polygon.blended.begin(), ring.count, dvec2(0.0));
+  add_part(ring.count, by_corners, polygon);
+  const double by_edges = (1 - by_corners) * balance_edges(ring, polygon);
+  add_part(ring.count, by_edges, polygon);
+  const double rest = (1 - by_corners - by_edges) * kLastResortFactor;
   for (std::int32_t i = 0; i < ring.count; ++i) {
-    polygon.points[i] = kLastResortFactor * ring.offsets[i];
+    polygon.points[i] = polygon.blended[i] + rest * ring.offsets[i];
   }
 }
 

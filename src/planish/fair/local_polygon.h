@@ -15,13 +15,13 @@ struct LocalPolygon {
   std::vector<double> heights;     ///< above the plane; all 0 but at regular vertices
 
   // Scratch.
-  std::vector<glm::dvec2> targets;
+  std::vector<glm::dvec2> targets, blended;
   std::vector<double> shares;
 };
 
 /// Moves the ring's control points so that their mean comes to the vertex and each stays in the
 /// wedge of its own face: by translation where the ring is even, by positive factors where it is
-/// not. `rho` is imbalance(ring).
+/// not, of its edges where those do not balance. `rho` is imbalance(ring). Continuous in the ring.
 void build_local_polygon(const PlanarRing& ring, double rho, LocalPolygon& polygon);
 
 /// What bilinear corners add to a plane: the part of the control points' heights that no plane

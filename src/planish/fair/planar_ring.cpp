@@ -15,8 +15,16 @@ namespace {
 // A wedge narrower than this sine is a sliver: coordinates in it are noise.
 constexpr double kSliverSine = 1e-3;
 // A control point nearer to an edge of its wedge than this part of the other edge is not safely
-// inside: 1/6 is regular.
+// inside.
 constexpr double kLeastCoordinate = 0.02;
+constexpr double kRegularCoordinate = 1.0 / 6.0;
+
+// Counts a coordinate from the least one on, so that the imbalance grows to infinity there instead
+// of jumping; regular ones stay as they are.
+double above_least(double coordinate) {
+  constexpr double kScale = kRegularCoordinate / (kRegularCoordinate - kLeastCoordinate);
+  return kScale * (coordinate - kLeastCoordinate);
+}
 
 double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
@@ -54,12 +62,13 @@ double imbalance(const PlanarRing& ring) {
   double worst = 0;
   for (std::int32_t i = 0; i < ring.count; ++i) {
     const PlanarRing::Wedge& own = ring.wedges[i];
-    if (!own.valid || own.along_next < kLeastCoordinate || own.along_previous < kLeastCoordinate) {
+    if (!own.valid || own.along_next <= kLeastCoordinate ||
+        own.along_previous <= kLeastCoordinate) {
       return std::numeric_limits<double>::infinity();
     }
     const PlanarRing::Wedge mean = wedge_of(ring.mean, ring.next[i], ring.previous[i]);
-    worst = std::max({worst, std::abs(mean.along_next) / own.along_next,
-                      std::abs(mean.along_previous) / own.along_previous});
+    worst = std::max({worst, std::abs(mean.along_next) / above_least(own.along_next),
+                      std::abs(mean.along_previous) / above_least(own.along_previous)});
   }
   return worst;
 }

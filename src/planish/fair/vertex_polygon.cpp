@@ -84,7 +84,8 @@ bool build_vertex_polygon(const FairTopology& topology, std::span<const dvec3> g
       offset = share * scratch.translated[i] + (1 - share) * offset;
     }
   }
-  const bool reversed = is_reversed(topology, offsets, vertex, shape.normal);
+  const bool reversed =
+      shape.reversed ? *shape.reversed : is_reversed(topology, offsets, vertex, shape.normal);
   if (reversed) {
     for (std::int32_t i = 0; i < n; ++i) {
       const std::int32_t corner = topology.ring_corners[first + i];

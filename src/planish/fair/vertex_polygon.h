@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct PolygonScratch {
 struct PolygonShape {
   glm::dvec3 normal;  ///< of the vertex, unit
   double share;       ///< of the tensor-product construction, 0 to 1
+  /// Whether the polygon came out turned over; not given: to be found out.
+  std::optional<bool> reversed = std::nullopt;
 };
 
 /// Builds the polygon around `vertex`, its mean exactly 0, in place of its control points in
