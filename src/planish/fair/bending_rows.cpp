@@ -44,27 +44,28 @@ struct Line {
   float far = 0, near = 0, value = 0;
 };
 
-// `normal` is scaled by the square root of the area; `far_sign` turns the far edge round.
-Line make_line(const NetEdge& far_edge, float far_sign, const NetEdge& near_edge,
-               const vec3& normal) {
+// `turn`: along the normal, `scale` times it the normal times the square root of the area. The
+// scale comes late out of two roots: whatever can do without it runs beside them.
+Line make_line(const NetEdge& far_edge, float far_sign, const NetEdge& near_edge, const vec3& turn,
+               float scale) {
   const float whole = far_edge.length + near_edge.length;
-  const float part = std::min(far_edge.length, near_edge.length) / whole;
-  if (!(part > kShortestPart)) return {};
+  const float shorter = std::min(far_edge.length, near_edge.length);
+  if (!(shorter > kShortestPart * whole)) return {};
   // A ramp to full weight, so that no line appears at once in a deforming mesh.
-  const float weight = std::min((part - kShortestPart) / kShortestPart, 1.0f);
+  const float weight = std::min(shorter / (kShortestPart * whole) - 1, 1.0f);
   const float unit = 2 * weight / (whole * far_edge.length * near_edge.length);
   const float far = unit * near_edge.length, near = unit * far_edge.length;
-  if (!(std::max(far, near) * glm::length(normal) < kLargestCoefficient)) return {};
-  return {far, near,
-          far_sign * far * glm::dot(normal, far_edge.vector) +
-              near * glm::dot(normal, near_edge.vector)};
+  const float value =
+      far_sign * far * glm::dot(turn, far_edge.vector) + near * glm::dot(turn, near_edge.vector);
+  return {scale * far, scale * near, scale * value};
 }
 
 // A corner of the face whose rows are being made.
 struct FaceCorner {
   dvec3 position;
-  vec3 direction;  // in which a height moves the control point; 0 where it must stay
-  NetEdge edge;    // to the next corner
+  vec3 direction;         // in which a height moves the control point; 0 where it must stay
+  NetEdge edge;           // to the next corner
+  NetEdge after, before;  // around the vertex
   BendingLines lines;
 };
 
@@ -93,6 +94,10 @@ double RowBuilder::build_face(std::int32_t first, Size m) {
   }
   for (std::int32_t i = 0; i < m; ++i) {
     c[i].edge = net_edge(c[i + 1 == m ? 0 : i + 1].position - c[i].position);
+    // Control points around the same vertex differ by their offsets alone.
+    const dvec3& own = offsets[first + i];
+    c[i].after = net_edge(offsets[topology.corner_ccw[first + i]] - own);
+    c[i].before = net_edge(offsets[topology.corner_cw[first + i]] - own);
   }
   for (std::int32_t i = 0; i < m; ++i) {
     build_row(first + i, c[i == 0 ? m - 1 : i - 1], c[i], c[i + 1 == m ? 0 : i + 1]);
@@ -118,26 +123,22 @@ double RowBuilder::build_face(std::int32_t first, Size m) {
 
 void RowBuilder::build_row(std::int32_t corner, const FaceCorner& previous, FaceCorner& own,
                            const FaceCorner& next) {
-  // Control points around the same vertex differ by their offsets alone.
-  const NetEdge after = net_edge(offsets[topology.corner_ccw[corner]] - offsets[corner]);
-  const NetEdge before = net_edge(offsets[topology.corner_cw[corner]] - offsets[corner]);
-  // The normal of the quad of the four neighbours, times the square root of half its area.
-  vec3 normal = glm::cross(own.edge.vector - after.vector, -previous.edge.vector - before.vector);
-  const float length = glm::length(normal);
-  if (!(length > 0)) {
-    bending.rows[corner] = {};
-    own.lines = {};
-    return;
+  // Along the normal of the quad of the four neighbours, twice its area long.
+  const vec3 turn =
+      glm::cross(own.edge.vector - own.after.vector, -previous.edge.vector - own.before.vector);
+  const float length = glm::length(turn);
+  // The square root of half the quad's area by the length; coincident points have no normal.
+  const float scale = length > 0 ? 0.5f / std::sqrt(length) : 0.0f;
+  Line line1 = make_line(own.edge, 1.0f, own.after, turn, scale);
+  Line line2 = make_line(previous.edge, -1.0f, own.before, turn, scale);
+  for (Line* line : {&line1, &line2}) {
+    if (!(std::max(line->far, line->near) * length < kLargestCoefficient)) *line = {};
   }
-  normal *= 0.5f / std::sqrt(length);
-
-  const Line line1 = make_line(own.edge, 1.0f, after, normal);
-  const Line line2 = make_line(previous.edge, -1.0f, before, normal);
-  const float move = glm::dot(normal, own.direction);
-  bending.rows[corner] = {line1.far * glm::dot(normal, next.direction),
+  const float move = glm::dot(turn, own.direction);
+  bending.rows[corner] = {line1.far * glm::dot(turn, next.direction),
                           -(line1.far + line1.near) * move,
                           line1.near * move,
-                          line2.far * glm::dot(normal, previous.direction),
+                          line2.far * glm::dot(turn, previous.direction),
                           -(line2.far + line2.near) * move,
                           line2.near * move};
   own.lines = {line1.value, line2.value};
