@@ -121,6 +121,23 @@ TEST(FairFit, AveragedWeightsTakeOverFromLevelOne) {
   EXPECT_NE(surface.positions, evaluate(mesh, standard, *backend, {.level = 2}).positions);
 }
 
+TEST(FairFit, KeepsTheDecisionsOfAnotherFrame) {
+  // Crumpled, so that some polygons are drawn in.
+  PolygonMesh mesh = test::jittered(test::icosphere(2), 0.3, 1);
+  const auto backend = make_cpu_backend();
+  const Fit rest = fit(mesh, *backend, fair_options());
+  ASSERT_GT(rest.fair->shrunk_vertices, 0);
+  for (glm::dvec3& p : mesh.positions) p = glm::normalize(p);
+  FitOptions options = fair_options();
+  options.fair_decisions = &rest.fair->decisions;
+  const Fit frame = fit(mesh, *backend, options);
+  EXPECT_EQ(frame.fair->decisions.halvings, rest.fair->decisions.halvings);
+  EXPECT_EQ(frame.fair->decisions.late_halvings, rest.fair->decisions.late_halvings);
+  EXPECT_NE(fit(mesh, *backend, fair_options()).fair->decisions.halvings,
+            rest.fair->decisions.halvings);
+  EXPECT_TRUE(frame.interpolation.converged);
+}
+
 TEST(FairFit, WarnsOfFoldsThatAreLeft) {
   // A crumpled ball: its own faces are folded over each other.
   const PolygonMesh mesh = test::jittered(test::icosphere(2), 0.5, 1);

@@ -82,16 +82,21 @@ void print_animation(int frame_count) {
   const PolygonMesh rest = scan_of_the_scenes();
   const auto backend = make_cpu_backend({Precision::Double});
   std::vector<Turns> turns(methods().size());
+  std::vector<FairDecisions> decisions(methods().size());
   Turns shape;
   for (int frame = 0; frame < frame_count; ++frame) {
     PolygonMesh mesh = rest;
     for (glm::dvec3& p : mesh.positions) p = moved(p, static_cast<double>(frame) / kFrames);
     const std::vector<double> own = shape.advance(mesh_normals(mesh), {});
     for (std::size_t m = 1; m < methods().size(); ++m) {
-      const Method& method = methods()[m];
-      const SurfaceMesh surface = evaluate(
-          mesh, fit(mesh, *backend, method.options), *backend,
-          {.level = 0, .weights = method.options.weights, .rest_positions = rest.positions});
+      FitOptions options = methods()[m].options;
+      if (frame > 0) options.fair_decisions = &decisions[m];
+      Fit fitted = fit(mesh, *backend, options);
+      const SurfaceMesh surface =
+          evaluate(mesh, fitted, *backend,
+                   {.level = 0, .weights = options.weights, .rest_positions = rest.positions});
+      // The first frame is the rest pose.
+      if (frame == 0 && fitted.fair) decisions[m] = std::move(fitted.fair->decisions);
       std::vector<glm::dvec3> normals(surface.normals.begin(), surface.normals.end());
       (void)turns[m].advance(std::move(normals), own);
     }

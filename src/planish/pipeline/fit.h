@@ -7,6 +7,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/doosabin/face_rule.h"
 #include "planish/doosabin/sharp_features.h"
+#include "planish/fair/fair_net.h"
 #include "planish/interpolate/progressive.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/polygon_mesh.h"
@@ -30,6 +31,9 @@ struct FitOptions {
   double tolerance = 1e-6;  ///< of the maximum error, relative to the bounding-box diagonal
   std::int32_t max_iterations = 200;
   std::int32_t polish_steps = 8;  ///< of the fair method, see FairOptions
+  /// Of the fair method: those of another frame of an animation, usually the rest pose's, so that
+  /// nothing pops.
+  const FairDecisions* fair_decisions = nullptr;
   SharpFeatureOptions sharp;
   Callbacks callbacks;
 };
@@ -45,6 +49,7 @@ struct FairFit {
   LevelOne level_one;
   std::int64_t shrunk_vertices = 0, reversed_vertices = 0;  ///< see FairNet
   std::int64_t flagged_edges = 0, flagged_faces = 0;
+  FairDecisions decisions;
 };
 
 /// The control points of a surface that passes through the given vertices.

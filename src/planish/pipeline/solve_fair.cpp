@@ -47,7 +47,8 @@ void warn_of_folds(const FairFit& fair, const Callbacks& callbacks) {
 
 void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
                 std::span<const glm::dvec3> given, const FitOptions& options) {
-  FairNet net = fair_net(mesh, subdivision, given, {options.polish_steps, options.callbacks});
+  FairNet net = fair_net(mesh, subdivision, given,
+                         {options.polish_steps, options.callbacks, options.fair_decisions});
   result.interpolation = measured(subdivision, net.state, given, options.tolerance);
   FairFit& fair = result.fair.emplace();
   fair.level_one = {std::move(net.state), result.placement};
@@ -55,6 +56,7 @@ void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivi
   fair.reversed_vertices = net.reversed_vertices;
   fair.flagged_edges = net.flagged_edges;
   fair.flagged_faces = net.flagged_faces;
+  fair.decisions = std::move(net.decisions);
   warn_of_folds(fair, options.callbacks);
 }
 
