@@ -3,10 +3,10 @@
 // Interpolating Doo-Sabin surfaces inside a Vulkan application that owns its device, its command
 // buffers, its memory and its frame loop. This is the one header for such hosts.
 //
-//   System         CPU: topology and stencil tables of a mesh; immutable, shared by all
-//   Context        functions, limits and pipelines of the host's VkDevice
-//   (planish/vulkan/context.h) DeviceSystem   the tables of one System on the device; read-only
-//   once its upload ran Solve          work buffers and descriptor sets of one frame in flight
+// - System: topology and stencil tables of a mesh, on the CPU; immutable, shared by all.
+// - Context: functions, limits and pipelines of the host's VkDevice (planish/vulkan/context.h).
+// - DeviceSystem: the tables of one System on the device; read-only once its upload ran.
+// - Solve: work buffers and descriptor sets of one frame in flight.
 //
 // Each must outlive those below it; a System need only live until DeviceSystem::write_upload() is
 // done. Order of use:
@@ -40,9 +40,9 @@
 //   demands.
 // Threads. System, Context and DeviceSystem may be used from many threads; a Solve and the command
 //   buffer that it records to, from one at a time.
+// Names. planish::Solve is the interface of backends; this one is planish::vulkan::Solve.
 // Units. Positions and errors are in the mesh's own units, in float32; coordinates should lie
-// within
-//   1e-9 to 1e9. Single precision reaches about 1e-7 of the largest coordinate.
+//   within 1e-9 to 1e9. Single precision reaches about 1e-7 of the largest coordinate.
 
 #include <cstddef>
 #include <cstdint>
