@@ -10,6 +10,14 @@
 
 namespace planish::test {
 
+namespace {
+
+bool is_finite(const glm::dvec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+}  // namespace
+
 void fuzz_read(std::span<const std::byte> bytes, MeshFormat format) {
   PolygonMesh mesh;
   try {
@@ -20,11 +28,24 @@ void fuzz_read(std::span<const std::byte> bytes, MeshFormat format) {
     return;
   }
   for (const glm::dvec3& p : mesh.positions)
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) std::abort();
+    if (!is_finite(p)) std::abort();
   const std::vector<MeshProblem> problems = check(mesh);
   for (const MeshProblem& problem : problems)
     if (problem.kind == MeshProblemKind::IndexOutOfRange) std::abort();
   if (problems.empty() && statistics(mesh).genus < 0) std::abort();
+}
+
+void fuzz_read(std::span<const std::byte> bytes, PointFormat format) {
+  PointCloud cloud;
+  try {
+    cloud = read_points(bytes, "fuzz", format);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnreadableInput) std::abort();
+    return;
+  }
+  if (!is_finite(cloud.origin) || cloud.missing_count < 0) std::abort();
+  for (const glm::dvec3& p : cloud.points)
+    if (!is_finite(p) || !is_finite(p + cloud.origin)) std::abort();
 }
 
 }  // namespace planish::test

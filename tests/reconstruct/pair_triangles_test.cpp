@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "planish/mesh/check.h"
+#include "planish/reconstruct/simplify.h"
 #include "reconstruct/test_clouds.h"
 
 namespace planish {
@@ -39,6 +40,26 @@ TEST(PairTriangles, BeginsQuadsAtTheLostEdge) {
   }
   EXPECT_THAT(cut, testing::UnorderedElementsAreArray(expected));
   EXPECT_GT(quads, 200);
+}
+
+TEST(PairTriangles, ExchangesAPairToJoinTwoMore) {
+  // A strip of four triangles whose best pair is the middle one, which leaves both ends alone.
+  const std::vector<glm::dvec3> positions = {{-0.8, 1, 0}, {0, 0, 0}, {0, 1, 0},
+                                             {1, 0, 0},    {1, 1, 0}, {1.8, 0, 0}};
+  const std::vector<Triangle> triangles = {{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}};
+  const PolygonMesh mesh = pair_triangles(positions, triangles);
+  ASSERT_EQ(mesh.face_count(), 2);
+  EXPECT_THAT(mesh.face(0), testing::UnorderedElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(mesh.face(1), testing::UnorderedElementsAre(2, 3, 4, 5));
+}
+
+TEST(PairTriangles, JoinsMostOfAnIrregularMesh) {
+  // The figure of simplified scans is 82 %.
+  const test::TriangleMesh torus = test::torus_mesh(80, 40);
+  const SimplifiedMesh simple = simplify(torus.positions, torus.triangles, {.tolerance = 0.01});
+  const PolygonMesh mesh = pair_triangles(torus.positions, simple.triangles);
+  const auto joined = 2 * (static_cast<double>(simple.triangles.size()) - mesh.face_count());
+  EXPECT_GT(joined / static_cast<double>(simple.triangles.size()), 0.8);
 }
 
 TEST(PairTriangles, LeavesSharpEdgesAlone) {

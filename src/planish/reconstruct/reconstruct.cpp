@@ -109,19 +109,22 @@ void finish_mesh(PolygonMesh polygons, const glm::dvec3& origin, Reconstruction&
   result.statistics = statistics(result.mesh);
 }
 
-}  // namespace
-
-Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
-                           const ReconstructOptions& options) {
-  check_options(options);
-  const Callbacks& callbacks = options.callbacks;
+// The cloud on its way through the steps.
+struct Work {
+  const PointCloud& cloud;
+  const ReconstructOptions& options;
+  std::vector<glm::dvec3> points;  // those used
+  std::vector<Triangle> triangles;
   Reconstruction result;
   Stopwatch watch;
+};
 
-  // 1. Clean.
-  CleanOptions clean_options = options.clean;
+void clean_points(Work& work) {
+  const Callbacks& callbacks = work.options.callbacks;
+  Reconstruction& result = work.result;
+  CleanOptions clean_options = work.options.clean;
   clean_options.callbacks = callbacks;
-  CleanPoints cleaned = clean(cloud.points, clean_options);
+  CleanPoints cleaned = clean(work.cloud.points, clean_options);
   result.used_points = std::move(cleaned.kept);
   result.duplicate_count = cleaned.duplicate_count;
   result.outlier_count = cleaned.outlier_count;
@@ -137,59 +140,75 @@ Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
                                " points lie far from all others and were removed; --outliers off "
                                "keeps them",
                     .count = result.outlier_count});
-  std::vector<glm::dvec3> points = chosen(cloud.points, result.used_points);
-  result.diagonal = diagonal_of(points);
-  if (options.measure_noise) judge_noise(points, options, result);
-  result.timing.clean = watch.lap();
+  work.points = chosen(work.cloud.points, result.used_points);
+  result.diagonal = diagonal_of(work.points);
+  if (work.options.measure_noise) judge_noise(work.points, work.options, result);
+  result.timing.clean = work.watch.lap();
+}
 
-  // 2. Smooth, only on request: it moves the samples.
-  if (options.smooth_rounds > 0) points = smooth_points(points, options.smooth_rounds, callbacks);
-  result.timing.smooth = watch.lap();
-
-  // 3. Mesh through all points.
-  std::vector<Triangle> triangles = mesher(points, callbacks);
-  result.timing.mesh = watch.lap();
-
-  // 4. Repair.
-  RepairedTriangles repaired = repair_triangles(points, std::move(triangles),
+void repair(Work& work) {
+  const ReconstructOptions& options = work.options;
+  RepairedTriangles repaired = repair_triangles(work.points, std::move(work.triangles),
                                                 {.longest_filled_loop = options.longest_filled_loop,
                                                  .components = options.components,
-                                                 .callbacks = callbacks});
-  triangles = std::move(repaired.triangles);
-  result.filled_loop_count = repaired.filled_loop_count;
-  result.dropped_component_count = repaired.dropped_component_count;
-  if (triangles.empty())
+                                                 .callbacks = options.callbacks});
+  work.triangles = std::move(repaired.triangles);
+  work.result.filled_loop_count = repaired.filled_loop_count;
+  work.result.dropped_component_count = repaired.dropped_component_count;
+  if (work.triangles.empty())
     throw Error(ErrorCode::UnusableMesh,
-                "no surface was found in " + std::to_string(points.size()) + " points");
-  result.timing.repair = watch.lap();
+                "no surface was found in " + std::to_string(work.points.size()) + " points");
+  work.result.timing.repair = work.watch.lap();
+}
 
-  // 5. Simplify within the tolerance of every point.
+void simplify_within_tolerance(Work& work) {
+  const ReconstructOptions& options = work.options;
   if (options.tolerance > 0) {
-    SimplifiedMesh simplified = simplify(points, triangles,
-                                         {.tolerance = options.tolerance * result.diagonal,
+    SimplifiedMesh simplified = simplify(work.points, work.triangles,
+                                         {.tolerance = options.tolerance * work.result.diagonal,
                                           .target_vertices = options.target_vertices,
                                           .spacing = options.spacing,
                                           .least_angle = options.least_angle,
                                           .max_valence = options.max_valence,
-                                          .callbacks = callbacks});
-    triangles = std::move(simplified.triangles);
-    result.strayed_count = simplified.strayed_count;
+                                          .callbacks = options.callbacks});
+    work.triangles = std::move(simplified.triangles);
+    work.result.strayed_count = simplified.strayed_count;
   }
-  result.timing.simplify = watch.lap();
+  work.result.timing.simplify = work.watch.lap();
+}
 
-  // 6. Measure, and pair triangles to quads.
-  result.distances = measure_distances(points, points, triangles);
+void measure_and_pair(Work& work) {
+  Reconstruction& result = work.result;
+  result.distances = measure_distances(work.points, work.points, work.triangles);
   PolygonMesh polygons;
-  if (options.pair_quads) {
-    polygons = pair_triangles(points, triangles);
+  if (work.options.pair_quads) {
+    polygons = pair_triangles(work.points, work.triangles);
   } else {
-    polygons = polygons_of(triangles);
-    polygons.positions = std::move(points);
+    polygons = polygons_of(work.triangles);
+    polygons.positions = std::move(work.points);
   }
-  finish_mesh(std::move(polygons), cloud.origin, result);
-  result.timing.measure = watch.lap();
-  diagnose(result, options);
-  return result;
+  finish_mesh(std::move(polygons), work.cloud.origin, result);
+  result.timing.measure = work.watch.lap();
+}
+
+}  // namespace
+
+Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
+                           const ReconstructOptions& options) {
+  check_options(options);
+  Work work{.cloud = cloud, .options = options};
+  clean_points(work);
+  // Only on request: it moves the samples.
+  if (options.smooth_rounds > 0)
+    work.points = smooth_points(work.points, options.smooth_rounds, options.callbacks);
+  work.result.timing.smooth = work.watch.lap();
+  work.triangles = mesher(work.points, options.callbacks);  // through all points
+  work.result.timing.mesh = work.watch.lap();
+  repair(work);
+  simplify_within_tolerance(work);
+  measure_and_pair(work);
+  diagnose(work.result, options);
+  return std::move(work.result);
 }
 
 }  // namespace planish

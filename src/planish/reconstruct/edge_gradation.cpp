@@ -1,0 +1,52 @@
+#include "planish/reconstruct/edge_gradation.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace planish {
+namespace {
+
+// Squared lengths of the edges at a vertex, the shortest and the longest.
+struct EdgeRange {
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+
+  void add(const glm::dvec3& edge) {
+    const double squared = glm::dot(edge, edge);
+    shortest = std::min(shortest, squared);
+    longest = std::max(longest, squared);
+  }
+};
+
+}  // namespace
+
+double EdgeGradation::squared_ratio(std::int32_t vertex, const EdgeChange& change) const {
+  EdgeRange range;
+  mesh_.for_each_neighbour(vertex, [&](std::int32_t other) {
+    if (other != change.without) range.add(positions_[vertex] - positions_[other]);
+  });
+  if (change.with >= 0) range.add(positions_[vertex] - positions_[change.with]);
+  return range.longest / range.shortest;
+}
+
+bool EdgeGradation::keeps(std::int32_t vertex, const EdgeChange& change) const {
+  const double after = squared_ratio(vertex, change);
+  return after <= largest_squared_ratio_ || after <= squared_ratio(vertex, {});
+}
+
+bool EdgeGradation::keeps_all(std::int32_t vertex, const Fan& fan, std::size_t target) const {
+  const std::int32_t other = fan.ring[target];
+  EdgeRange range;
+  for (const std::int32_t rim : fan.ring) {
+    if (rim == other) continue;
+    if (!keeps(rim, {.without = vertex, .with = other})) return false;
+    range.add(positions_[other] - positions_[rim]);
+  }
+  mesh_.for_each_neighbour(other, [&](std::int32_t n) {
+    if (n != vertex) range.add(positions_[other] - positions_[n]);
+  });
+  return range.longest <=
+         std::max(largest_squared_ratio_, squared_ratio(other, {})) * range.shortest;
+}
+
+}  // namespace planish

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planish/reconstruct/triangles.h"
+
+namespace planish {
+
+/// Triangles of a mesh that give way to fewer or as many new ones.
+struct TriangleChange {
+  std::int32_t removed_vertex = -1;     ///< that no triangle names afterwards; -1: none
+  std::vector<std::int32_t> old_slots;  ///< indices of the triangles that go
+  std::vector<Triangle> triangles;      ///< that come
+  std::vector<std::int32_t> slots;      ///< indices that they take, all of them among old_slots
+
+  void clear() {
+    removed_vertex = -1;
+    old_slots.clear();
+    triangles.clear();
+    slots.clear();
+  }
+};
+
+}  // namespace planish
