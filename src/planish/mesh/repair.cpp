@@ -32,8 +32,8 @@ class Repair {
     drop_unknown_tags();
     carry_attributes();
     std::ranges::sort(result_.changed_faces);
-    const auto repeated = std::ranges::unique(result_.changed_faces);
-    result_.changed_faces.erase(repeated.begin(), repeated.end());
+    std::vector<std::int32_t>& faces = result_.changed_faces;
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
     return std::move(result_);
   }
 
