@@ -6,5 +6,5 @@ run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf
 
 # To build and run the tests and benchmarks: reference implementations, a software Vulkan device
 # and its validation layers.
-test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev libegl-dev
+test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev libmeshoptimizer-dev libegl-dev
   libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers python3"

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "cli/planish_process.h"
+#include "cli/test_files.h"
 
 namespace planish::test {
 namespace {
@@ -77,6 +78,22 @@ TEST_F(Points, BecomeASurfaceWhoseDistanceIsReported) {
   EXPECT_LT(report["surface"]["max_point_distance"], 0.05);
   EXPECT_LE(report["surface"]["rms_point_distance"], report["surface"]["max_point_distance"]);
   EXPECT_EQ(report["input"]["vertices"], report["reconstruction"]["vertices"]);
+}
+
+TEST_F(Points, AreSampledFromAMeshForAScene) {
+  std::ofstream(path("torus.obj")) << torus_obj(24);
+  std::ofstream(path("s.json"))
+      << R"({"version":1,"jobs":[{"name":"ring","input":"torus.obj","report":"r.json","device":"cpu",
+             "sample":{"points":4000,"outliers":0.01},"tolerance_mesh":2e-3}]})";
+  const auto result = run_planish({"run", path("s.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, testing::ContainsRegex("\nring +4,040 "));
+  const auto report = json("r.json");
+  EXPECT_EQ(report["reconstruction"]["sampled"]["points"], 4000);
+  EXPECT_EQ(report["reconstruction"]["genus"], 1);
+  EXPECT_EQ(report["reconstruction"]["boundary_loops"], 0);
+  EXPECT_GT(report["reconstruction"]["outliers"], 20);
+  EXPECT_EQ(report["input"]["format"], "obj");
 }
 
 TEST_F(Points, NameWhatIsWrongWithThem) {

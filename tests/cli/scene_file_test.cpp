@@ -171,6 +171,25 @@ TEST(SceneFile, JobsAreSelectedByName) {
   }
 }
 
+TEST(SceneFile, ReadsASampling) {
+  const Job job = parse(scene_with({{"input", "a.obj"},
+                                    {"sample",
+                                     {{"points", 500},
+                                      {"pattern", "uniform"},
+                                      {"seed", 3},
+                                      {"noise", 1e-3},
+                                      {"outliers", 0.01}}}}))
+                      .at(0);
+  ASSERT_TRUE(job.sampling);
+  EXPECT_EQ(job.sampling->points, 500);
+  EXPECT_FALSE(job.sampling->poisson_disk);
+  EXPECT_EQ(job.sampling->seed, 3u);
+  EXPECT_EQ(job.sampling->noise, 1e-3);
+  EXPECT_EQ(job.sampling->outliers, 0.01);
+  EXPECT_THAT(message_of(scene_with({{"input", "a.obj"}, {"sample", {{"seed", 3}}}}).dump()),
+              HasSubstr("jobs[0].sample: has no \"points\""));
+}
+
 // ---- the published schema against the parser ----
 
 json schema() {
@@ -205,6 +224,10 @@ json scene_holding(SceneObject object, const std::string& key, const json& value
     case SceneObject::Output:
       job["outputs"][0][key] = value;
       break;
+    case SceneObject::Sample:
+      job["sample"]["points"] = 100;
+      job["sample"][key] = value;
+      break;
   }
   if (value == "cage") job["outputs"][0]["path"] = "a.obj";
   return scene;
@@ -215,7 +238,8 @@ const std::vector<std::pair<SceneObject, std::string>> kSchemaObjects{
     {SceneObject::Defaults, "/$defs/settings"},
     {SceneObject::Job, "/$defs/job"},
     {SceneObject::Solve, "/$defs/solve"},
-    {SceneObject::Output, "/$defs/output"}};
+    {SceneObject::Output, "/$defs/output"},
+    {SceneObject::Sample, "/$defs/sample"}};
 
 TEST(SceneSchema, HasTheKeysOfTheParserAndNoOthers) {
   const json document = schema();

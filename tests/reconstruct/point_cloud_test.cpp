@@ -29,6 +29,16 @@ TEST(PointCloud, ReadsPlyWithoutFaces) {
               ElementsAre(glm::dvec3(0.1, 2, 3), glm::dvec3(4, 5, 6)));
 }
 
+TEST(PointCloud, RefusesCoordinatesThatOverflowWhenSquared) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
+      "property double z\nend_header\n0 0 0\n0 1e160 0\n";
+  EXPECT_THAT(
+      test::message_of(ErrorCode::UnreadableInput,
+                       [&] { (void)read_points(test::bytes_of(text), "a.ply", PointFormat::Ply); }),
+      testing::HasSubstr("a.ply: point 1 of 2: a coordinate is beyond 1e150"));
+}
+
 TEST(PointCloud, ShiftsFarCloudsExactly) {
   std::mt19937_64 random(3);
   std::vector<glm::dvec3> places;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <unordered_map>
 
 #include "make_scenes/random_numbers.h"
 
@@ -16,7 +15,7 @@ namespace {
 
 // Darts thrown for each point that shall stick.
 constexpr std::int32_t kDartsPerPoint = 12;
-constexpr int kBisections = 10;
+constexpr int kBisections = 7;
 
 // Draws points even in area.
 class AreaSampler {
@@ -48,34 +47,48 @@ class AreaSampler {
   double area_ = 0;
 };
 
+// Points in cells as wide as a radius: those nearer than it lie in the 27 cells around a place.
+// Cells may share a bucket, which costs time and changes nothing.
+class CellGrid {
+ public:
+  CellGrid(double radius, std::size_t expected)
+      : radius_(radius), heads_(std::bit_ceil(2 * expected + 1), -1) {}
+
+  [[nodiscard]] const std::vector<glm::dvec3>& points() const { return points_; }
+
+  void add_if_free(const glm::dvec3& point) {
+    const glm::dvec3 cell = glm::floor(point / radius_);
+    for (int i = 0; i < 27; ++i) {
+      const glm::dvec3 step(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
+      for (std::int32_t other = heads_[bucket(cell + step)]; other >= 0; other = next_[other]) {
+        const glm::dvec3 between = points_[other] - point;
+        if (glm::dot(between, between) < radius_ * radius_) return;
+      }
+    }
+    std::int32_t& head = heads_[bucket(cell)];
+    next_.push_back(head);
+    head = static_cast<std::int32_t>(points_.size());
+    points_.push_back(point);
+  }
+
+ private:
+  [[nodiscard]] std::size_t bucket(const glm::dvec3& cell) const {
+    const auto mixed = static_cast<std::uint64_t>(static_cast<std::int64_t>(cell.x)) * 73856093u ^
+                       static_cast<std::uint64_t>(static_cast<std::int64_t>(cell.y)) * 19349663u ^
+                       static_cast<std::uint64_t>(static_cast<std::int64_t>(cell.z)) * 83492791u;
+    return mixed & (heads_.size() - 1);
+  }
+
+  double radius_;
+  std::vector<std::int32_t> heads_, next_;
+  std::vector<glm::dvec3> points_;
+};
+
 // The darts, in order, that keep `radius` from all before them.
 std::vector<glm::dvec3> keep_apart(std::span<const glm::dvec3> darts, double radius) {
-  // Cells are as wide as the radius: only neighbouring cells matter. Mixed keys may collide, which
-  // costs time and changes nothing.
-  const auto key = [](std::int64_t x, std::int64_t y, std::int64_t z) {
-    return static_cast<std::uint64_t>(x) * 73856093u ^ static_cast<std::uint64_t>(y) * 19349663u ^
-           static_cast<std::uint64_t>(z) * 83492791u;
-  };
-  const auto cell = [&](double v) { return static_cast<std::int64_t>(std::floor(v / radius)); };
-  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> grid;
-  std::vector<glm::dvec3> kept;
-  const auto is_free = [&](const glm::dvec3& dart) {
-    for (int i = 0; i < 27; ++i) {
-      const auto found = grid.find(
-          key(cell(dart.x) + i / 9 - 1, cell(dart.y) + i / 3 % 3 - 1, cell(dart.z) + i % 3 - 1));
-      if (found == grid.end()) continue;
-      for (const std::int32_t other : found->second)
-        if (glm::distance(kept[other], dart) < radius) return false;
-    }
-    return true;
-  };
-  for (const glm::dvec3& dart : darts) {
-    if (!is_free(dart)) continue;
-    grid[key(cell(dart.x), cell(dart.y), cell(dart.z))].push_back(
-        static_cast<std::int32_t>(kept.size()));
-    kept.push_back(dart);
-  }
-  return kept;
+  CellGrid grid(radius, darts.size() / kDartsPerPoint);
+  for (const glm::dvec3& dart : darts) grid.add_if_free(dart);
+  return grid.points();
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "planish/mesh/mesh_file.h"
 #include "progress.h"
 #include "report.h"
+#include "sampling.h"
 #include "settings.h"
 
 namespace planish::command {
@@ -19,6 +20,7 @@ struct Job {
   std::string name;                        ///< in messages and tables
   std::string input;                       ///< path, or "-" for stdin
   std::optional<MeshFormat> input_format;  ///< empty: by extension
+  std::optional<Sampling> sampling;        ///< then the input is only what points are sampled from
   Settings settings;
   std::vector<OutputRequest> outputs;
   std::string source;  ///< mesh that the surface is compared with; empty: the input

@@ -35,6 +35,16 @@ Callbacks callbacks_for(JobReport& report, const JobContext& context) {
 
 namespace {
 
+// The mesh of the file gives way to points of its surface.
+PointInput sample_input(const Job& job, const Callbacks& callbacks) {
+  (void)require_mesher();  // before the work
+  const Input mesh = read_input(job.input, job.input_format);
+  require_usable(mesh.file.mesh, mesh.name);
+  return {.name = mesh.name,
+          .cloud = sample_surface(mesh, *job.sampling, callbacks),
+          .sha256 = mesh.sha256};
+}
+
 void reconstruct_points(const PointInput& cloud, JobInput& made, JobReport& report,
                         const Callbacks& callbacks) {
   ReconstructOptions options = report.settings.points;
@@ -63,7 +73,15 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
   Console& console = context.console;
   JobInput made;
   Input& input = made.input;
-  if (is_point_path(job.input, job.input_format)) {
+  if (job.sampling) {
+    const Callbacks callbacks = callbacks_for(report, context);
+    const PointInput cloud = sample_input(job, callbacks);
+    input.name = cloud.name;
+    input.sha256 = cloud.sha256;
+    report.input.format = name_of(input_format_of(job.input, job.input_format));
+    reconstruct_points(cloud, made, report, callbacks);
+    report.reconstruction["sampled"] = sampling_json(*job.sampling);
+  } else if (is_point_path(job.input, job.input_format)) {
     const PointInput cloud = read_point_input(job.input);
     input.name = cloud.name;
     input.sha256 = cloud.sha256;

@@ -39,10 +39,8 @@ std::optional<PointInput> points_of(const Input& input) {
   const PolygonMesh& mesh = input.file.mesh;
   if (input.file.format != MeshFormat::Ply || mesh.face_count() > 0 || mesh.positions.empty())
     return std::nullopt;
-  PointInput points{.name = input.name, .sha256 = input.sha256};
-  points.cloud.points = mesh.positions;
-  recentre(points.cloud);
-  return points;
+  return PointInput{
+      .name = input.name, .cloud = cloud_of(mesh.positions, input.name), .sha256 = input.sha256};
 }
 
 Mesher require_mesher() {

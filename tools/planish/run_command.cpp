@@ -88,6 +88,7 @@ class OpenBackends {
 
 Table make_table() {
   return Table({{"name", Align::Left},
+                {"points", Align::Right},
                 {"vertices", Align::Right},
                 {"solver", Align::Left},
                 {"weights", Align::Left},
@@ -107,6 +108,9 @@ std::vector<std::string> row_of(const JobReport& report) {
   const Interpolation& result = report.interpolation;
   return {
       report.job,
+      report.reconstruction.is_null()
+          ? "-"
+          : with_separators(report.reconstruction["points"].get<std::int64_t>()),
       with_separators(report.input.statistics.vertex_count),
       std::string(name_of(report.settings.solver)),
       weights_text(report.settings),
@@ -117,6 +121,7 @@ std::vector<std::string> row_of(const JobReport& report) {
 
 std::vector<std::string> failed_row(const Job& job) {
   return {job.name,
+          "-",
           "-",
           std::string(name_of(job.settings.solver)),
           weights_text(job.settings),
@@ -164,6 +169,7 @@ ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& argume
     if (report) console.debug(summary(*report));
   }
   write_stdout(table.text() +
+               "points: of a cloud, of which the vertices are a part\n"
                "error: largest vertex error over the diagonal; ms: check, stencils and solve\n");
   if (failed == 0) return ExitCode::Done;
   console.error(std::to_string(failed) + " of " + counted(jobs.size(), "job") + " failed");

@@ -10,43 +10,11 @@
 #include "planish/core/error.h"
 #include "point_input.h"
 #include "point_settings.h"
+#include "scene_values.h"
 #include "text.h"
 
 namespace planish::command {
 namespace {
-
-using Json = nlohmann::json;
-
-[[noreturn]] void refuse(const std::string& where, const std::string& what) {
-  throw Error(ErrorCode::InvalidArgument, where + ": " + what);
-}
-
-void require_object(const Json& json, const std::string& where) {
-  if (!json.is_object()) refuse(where, std::string("an object is wanted, not ") + json.type_name());
-}
-
-const std::string& text_of(const Json& json, const std::string& where) {
-  if (!json.is_string()) refuse(where, std::string("a text is wanted, not ") + json.type_name());
-  return json.get_ref<const std::string&>();
-}
-
-std::int64_t integer_of(const Json& json, const std::string& where) {
-  const bool too_large = json.is_number_unsigned() && json.get<std::uint64_t>() > INT32_MAX;
-  if (!json.is_number_integer() || too_large) {
-    refuse(where, "a whole number is wanted, not " + json.dump().substr(0, 40));
-  }
-  return json.get<std::int64_t>();
-}
-
-std::string key_path(const std::string& where, std::string_view key) {
-  // "scene.json" is followed by ": ", everything deeper by '.'.
-  const bool top = where.find(": ") == std::string::npos;
-  return where + (top ? ": " : ".") + plain_utf8(key);
-}
-
-std::string entry_path(const std::string& where, std::size_t index) {
-  return where + "[" + std::to_string(index) + "]";
-}
 
 void check_keys(const Json& json, SceneObject kind, const std::string& where) {
   require_object(json, where);
@@ -140,6 +108,30 @@ void apply_settings(Settings& settings, const Json& json, const std::string& whe
   });
 }
 
+Sampling sampling_of(const Json& json, const std::string& where) {
+  constexpr std::int64_t kMostPoints = 10'000'000;
+  constexpr std::array<std::string_view, 2> kPatterns{"poisson-disk", "uniform"};
+  check_keys(json, SceneObject::Sample, where);
+  Sampling sampling;
+  if (!json.contains("points")) refuse(where, "has no \"points\"");
+  const auto path = [&](std::string_view key) { return key_path(where, key); };
+  sampling.points = count_of(json["points"], path("points"), 4, kMostPoints);
+  if (json.contains("pattern")) {
+    const std::string& pattern = text_of(json["pattern"], path("pattern"));
+    sampling.poisson_disk = pattern == kPatterns[0];
+    if (std::ranges::find(kPatterns, pattern) == kPatterns.end())
+      refuse(path("pattern"), "\"" + plain_utf8(pattern) +
+                                  "\" is not one of poisson-disk, uniform" +
+                                  did_you_mean(pattern, kPatterns));
+  }
+  if (json.contains("seed"))
+    sampling.seed = static_cast<std::uint32_t>(count_of(json["seed"], path("seed"), 0, INT32_MAX));
+  if (json.contains("noise")) sampling.noise = fraction_of(json["noise"], path("noise"));
+  if (json.contains("outliers"))
+    sampling.outliers = fraction_of(json["outliers"], path("outliers"));
+  return sampling;
+}
+
 class JobParser {
  public:
   JobParser(const Settings& defaults, std::filesystem::path folder)
@@ -162,6 +154,12 @@ class JobParser {
     }
     require_readable(job.input, job.input_format);
     if (json.contains("source")) job.source = path_of(json["source"], key_path(where, "source"));
+    if (json.contains("sample")) {
+      const std::string path = key_path(where, "sample");
+      if (is_point_path(job.input, job.input_format))
+        refuse(path, "the input holds points already");
+      job.sampling = sampling_of(json["sample"], path);
+    }
     if (json.contains("outputs")) parse_outputs(job, json["outputs"], key_path(where, "outputs"));
     if (json.contains("report")) job.report = path_of(json["report"], key_path(where, "report"));
     return job;
@@ -282,12 +280,15 @@ std::vector<std::string_view> scene_keys(SceneObject object) {
     case SceneObject::Defaults:
       return all;
     case SceneObject::Job:
-      all.insert(all.end(), {"name", "input", "input_format", "outputs", "source", "report"});
+      all.insert(all.end(),
+                 {"name", "input", "input_format", "sample", "outputs", "source", "report"});
       return all;
     case SceneObject::Solve:
       return solve;
     case SceneObject::Output:
       return {"path", "what", "levels"};
+    case SceneObject::Sample:
+      return {"points", "pattern", "seed", "noise", "outliers"};
   }
   return {};
 }

@@ -24,7 +24,7 @@ namespace planish::command {
                                            const std::vector<std::string>& names);
 
 /// The keys that each kind of object in a scene file may have; the schema is held against them.
-enum class SceneObject { Scene, Defaults, Job, Solve, Output };
+enum class SceneObject { Scene, Defaults, Job, Solve, Output, Sample };
 [[nodiscard]] std::vector<std::string_view> scene_keys(SceneObject object);
 
 }  // namespace planish::command

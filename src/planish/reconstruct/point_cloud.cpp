@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "planish/core/error.h"
+#include "planish/mesh/check.h"
 #include "planish/mesh/mesh_file.h"
 #include "planish/reconstruct/read_pcd.h"
 #include "planish/reconstruct/read_xyz.h"
@@ -38,8 +40,7 @@ Bounds bounds_of(std::span<const glm::dvec3> points) {
 
 PointCloud read_ply_points(std::span<const std::byte> bytes, std::string_view name) {
   MeshFile file = read_mesh(bytes, name, MeshFormat::Ply);
-  PointCloud cloud;
-  cloud.points = std::move(file.mesh.positions);
+  PointCloud cloud = cloud_of(std::move(file.mesh.positions), name);
   cloud.warnings = std::move(file.warnings);
   return cloud;
 }
@@ -82,22 +83,27 @@ void recentre(PointCloud& cloud) {
   for (glm::dvec3& point : cloud.points) point -= cloud.origin;
 }
 
+PointCloud cloud_of(std::vector<glm::dvec3> positions, std::string_view name) {
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(std::abs(positions[i][axis]) <= kMaxCoordinate))
+        throw Error(ErrorCode::UnreadableInput,
+                    std::string(name) + ": point " + std::to_string(i) + " of " +
+                        std::to_string(positions.size()) + ": a coordinate is beyond 1e150",
+                    static_cast<std::int64_t>(i));
+  PointCloud cloud{.points = std::move(positions)};
+  recentre(cloud);
+  return cloud;
+}
+
 PointCloud read_points(std::span<const std::byte> bytes, std::string_view name,
                        PointFormat format) {
+  if (format == PointFormat::Ply) return read_ply_points(bytes, name);
   PointCloud cloud;
-  switch (format) {
-    case PointFormat::Ply:
-      cloud = read_ply_points(bytes, name);
-      break;
-    case PointFormat::Xyz:
-      cloud = read_xyz(bytes, name, TextPoints::Xyz);
-      break;
-    case PointFormat::Pts:
-      cloud = read_xyz(bytes, name, TextPoints::Pts);
-      break;
-    case PointFormat::Pcd:
-      cloud = read_pcd(bytes, name);
-      break;
+  if (format == PointFormat::Pcd) {
+    cloud = read_pcd(bytes, name);
+  } else {
+    cloud = read_xyz(bytes, name, format == PointFormat::Pts ? TextPoints::Pts : TextPoints::Xyz);
   }
   recentre(cloud);
   return cloud;

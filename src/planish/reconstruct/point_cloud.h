@@ -39,6 +39,10 @@ inline constexpr double kFarDiagonals = 10.0;
 /// bounding-box diagonals away.
 void recentre(PointCloud& cloud);
 
+/// The positions as a cloud near 0. Throws Error{UnreadableInput} for one that is not finite or
+/// beyond kMaxCoordinate: `name: point 12 of 345: ...`.
+[[nodiscard]] PointCloud cloud_of(std::vector<glm::dvec3> positions, std::string_view name);
+
 /// Length of the bounding box's diagonal; 0 for no points.
 [[nodiscard]] double diagonal_of(std::span<const glm::dvec3> points);
 

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+namespace planish::command {
+
+using Json = nlohmann::json;
+
+// Values of a scene file. Each throws Error{InvalidArgument}: `where: what is wanted, not what is`.
+
+[[noreturn]] void refuse(const std::string& where, const std::string& what);
+void require_object(const Json& json, const std::string& where);
+[[nodiscard]] const std::string& text_of(const Json& json, const std::string& where);
+[[nodiscard]] std::int64_t integer_of(const Json& json, const std::string& where);
+/// From `least` to `most`.
+[[nodiscard]] std::int64_t count_of(const Json& json, const std::string& where, std::int64_t least,
+                                    std::int64_t most);
+/// From 0 to 1.
+[[nodiscard]] double fraction_of(const Json& json, const std::string& where);
+
+// Where a value stands: "scene.json: jobs[0].solve".
+[[nodiscard]] std::string key_path(const std::string& where, std::string_view key);
+[[nodiscard]] std::string entry_path(const std::string& where, std::size_t index);
+
+}  // namespace planish::command
