@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "mesh/expect_error.h"
 #include "reconstruct/test_clouds.h"
 
@@ -58,6 +60,23 @@ TEST(Reconstruct, SaysWhatItCouldNotDo) {
   EXPECT_THAT(codes_of({.points = torus.positions}, given(torus.triangles),
                        {.clean = {.outliers = OutlierRule::Off}}),
               testing::ElementsAre("points-left-out"));
+}
+
+TEST(Reconstruct, WarnsOfNoiseAndOfATolerancesBelowIt) {
+  test::TriangleMesh torus = test::torus_mesh(90, 45);
+  std::mt19937_64 random(5);
+  for (glm::dvec3& p : torus.positions)
+    for (int axis = 0; axis < 3; ++axis)
+      p[axis] += 0.06 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5);
+  const PointCloud cloud{.points = torus.positions};
+  const Mesher mesher = given(torus.triangles);
+  EXPECT_THAT(codes_of(cloud, mesher, {.tolerance = 1e-3, .measure_noise = true}),
+              testing::ElementsAre("noisy-points", "tolerance-below-noise"));
+  EXPECT_THAT(
+      codes_of(cloud, mesher, {.tolerance = 1e-3, .smooth_rounds = 1, .measure_noise = true}),
+      testing::ElementsAre("tolerance-below-noise"));
+  EXPECT_THAT(codes_of(cloud, mesher, {.tolerance = 0.02, .measure_noise = true}),
+              testing::ElementsAre("noisy-points"));
 }
 
 TEST(Reconstruct, RefusesWhatIsNoSurface) {

@@ -1,7 +1,9 @@
-# The installed package: find_package(planish) gives planish::planish.
+# The installed package: find_package(planish) gives planish::planish, and planish::reconstruct for
+# points (MIT too; the mesher that it starts is the GPL-3 program planish-reconstruct).
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/planish)
-install(TARGETS planish EXPORT planishTargets ARCHIVE LIBRARY RUNTIME FILE_SET HEADERS)
+install(TARGETS planish planish_reconstruct EXPORT planishTargets ARCHIVE LIBRARY RUNTIME
+        FILE_SET HEADERS)
 install(EXPORT planishTargets NAMESPACE planish:: DESTINATION ${package_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/planishConfig.cmake.in
   ${PROJECT_BINARY_DIR}/planishConfig.cmake INSTALL_DESTINATION ${package_dir})

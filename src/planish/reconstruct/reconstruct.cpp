@@ -44,14 +44,25 @@ void check_options(const ReconstructOptions& options) {
                                                 std::to_string(kMostSmoothRounds) + " work");
 }
 
+// Noise is told from shape only where the tolerance is larger; smoothing leaves about half of it.
 void judge_noise(std::span<const glm::dvec3> points, const ReconstructOptions& options,
                  Reconstruction& result) {
   result.noise = measure_noise(points);
-  if (result.noise <= kNoisySpacings * result.spacing || options.smooth_rounds > 0) return;
-  options.callbacks.warn(
-      {.code = "noisy-points",
-       .message = "the points scatter by " + std::to_string(result.noise / result.spacing) +
-                  " of their spacing about a smooth surface; --smooth 2 moves them onto it"});
+  if (result.noise <= kNoisySpacings * result.spacing) return;
+  const Callbacks& callbacks = options.callbacks;
+  const bool smooths = options.smooth_rounds > 0;
+  if (!smooths)
+    callbacks.warn({.code = "noisy-points",
+                    .message = "the points scatter by " +
+                               std::to_string(result.noise / result.spacing) +
+                               " of their spacing about a smooth surface; --smooth 2 moves them "
+                               "onto it"});
+  const double sensible = (smooths ? 0.5 : 1.0) * result.noise / result.diagonal;
+  if (options.tolerance > 0 && options.tolerance < sensible)
+    callbacks.warn({.code = "tolerance-below-noise",
+                    .message = "the points scatter by more than --tolerance-mesh, so that vertices "
+                               "are spent on their noise; " +
+                               std::to_string(sensible) + " would leave fewer"});
 }
 
 // What came out, said plainly: an open or broken mesh is no silent success.
