@@ -92,7 +92,7 @@ TEST_F(Points, AreSampledFromAMeshForAScene) {
   EXPECT_EQ(report["reconstruction"]["sampled"]["points"], 4000);
   EXPECT_EQ(report["reconstruction"]["genus"], 1);
   EXPECT_EQ(report["reconstruction"]["boundary_loops"], 0);
-  EXPECT_GT(report["reconstruction"]["outliers"], 20);
+  EXPECT_GT(report["reconstruction"]["outliers"], 10);  // of 40, some of them near the surface
   EXPECT_EQ(report["input"]["format"], "obj");
 }
 
