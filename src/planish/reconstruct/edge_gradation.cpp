@@ -37,9 +37,14 @@ bool EdgeGradation::keeps(std::int32_t vertex, const EdgeChange& change) const {
 bool EdgeGradation::keeps_all(std::int32_t vertex, const Fan& fan, std::size_t target) const {
   const std::int32_t other = fan.ring[target];
   EdgeRange range;
-  for (const std::int32_t rim : fan.ring) {
+  const std::size_t count = fan.ring.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t rim = fan.ring[i];
     if (rim == other) continue;
-    if (!keeps(rim, {.without = vertex, .with = other})) return false;
+    // Those beside the target only lose an edge, which makes no ratio worse.
+    const std::size_t apart = i < target ? target - i : i - target;
+    const bool is_beside = apart == 1 || (fan.closed && apart + 1 == count);
+    if (!is_beside && !keeps(rim, {.without = vertex, .with = other})) return false;
     range.add(positions_[other] - positions_[rim]);
   }
   mesh_.for_each_neighbour(other, [&](std::int32_t n) {
