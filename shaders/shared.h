@@ -104,6 +104,90 @@ struct VectorParameters {
   uint warm;           // 1: from the last displacement, 0: from none
 };
 
+// The fair construction: topology records, see FairTopology. Indices of control points are those of
+// the state of level 1, whose first points are the corners'.
+PLANISH_SHARED_CONSTANT kNone = 0xffffffffu;
+// VertexKind.
+PLANISH_SHARED_CONSTANT kSmooth = 0u;
+PLANISH_SHARED_CONSTANT kDart = 1u;
+PLANISH_SHARED_CONSTANT kCrease = 2u;
+PLANISH_SHARED_CONSTANT kCorner = 3u;
+
+struct FairVertex {
+  uint first;  // of its places: corners around it, counter-clockwise
+  uint count;
+  uint kind;
+  uint regular;         // 1: only quads around it
+  uint before, after;   // at crease vertices: neighbours along the curve
+  uint curve0, curve1;  // and the control points on the way to them
+  uint circle;          // where the unit circle has the regular polygon of `count` points
+};
+struct FairPlace {
+  uint corner;
+  uint next, previous;  // the vertices beside it in its face
+  uint face;
+};
+struct FairCorner {
+  uint vertex;
+  uint next, previous;  // corners beside it in its face
+  uint after, before;   // control points beside it around its vertex
+};
+struct FairFace {
+  uint first;  // corner
+  uint count;
+  uint circle;
+};
+struct FairEdge {
+  uint corner0, corner1, corner2, corner3;
+  uint face0, face1;
+};
+struct FairCrease {
+  uint vertex;
+  uint before, after;
+  uint curve0, curve1;
+};
+struct FairSector {
+  uint vertex;
+  uint first;  // place
+  uint count;
+  uint crease;
+  uint handle;  // control point on the curve before its vertex's first sector
+};
+struct FairCurvePoint {
+  uint vertex, other;
+  uint kind;           // of the vertex
+  uint after, before;  // at darts: the corners beside it
+};
+
+// What the construction counts: edges and faces turned over, per round of repair, and polygons that
+// came out reversed.
+PLANISH_SHARED_CONSTANT kRepairRounds = 3u;
+PLANISH_SHARED_CONSTANT kRepairCounts = 8u;  // (kRepairRounds + 1) * edges and faces
+PLANISH_SHARED_CONSTANT kReversedCount = 16u;
+PLANISH_SHARED_CONSTANT kFairCounts = 17u;  // words: two repairs, reversed
+
+// The scalars of the polish.
+struct FairScalars {
+  float square;       // of the residual, preconditioned
+  float enough;       // at which it has converged
+  float step;         // along the direction
+  float momentum;     // of the last direction in the next
+  uint largest_bits;  // of the mean diagonals
+};
+
+// Work groups of kernels that sum, at most: their partial sums are added up by one work group.
+PLANISH_SHARED_CONSTANT kMostSumGroups = 1024u;
+
+// Push constants of the fair construction's kernels.
+struct FairParameters {
+  uint count;          // elements to do
+  uint place;          // of repair's counts
+  uint start;          // 1: the polish begins
+  uint partial_count;  // partial sums
+  float x, y, z;       // origin of the unit coordinates
+  float scale;         // model units of one unit
+};
+
 #ifdef __cplusplus
 }  // namespace planish::vulkan::shared
 #endif

@@ -27,6 +27,7 @@ std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& r
                                    const SystemOptions& options) {
   const auto backend = make_cpu_backend();
   FitOptions fitting;
+  fitting.method = options.method;
   fitting.weights = options.weights;
   fitting.sharp = options.sharp;
   fitting.tolerance = 1e-12;
@@ -35,7 +36,7 @@ std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& r
   evaluation.weights = options.weights;
   evaluation.sharp = options.sharp;
   evaluation.rest_positions = rest.positions;
-  const SurfaceMesh surface = evaluate(fit(mesh, *backend, fitting).cage, *backend, evaluation);
+  const SurfaceMesh surface = evaluate(mesh, fit(mesh, *backend, fitting), *backend, evaluation);
   std::vector<Vertex> vertices(surface.positions.size());
   for (std::size_t i = 0; i < vertices.size(); ++i)
     vertices[i] = {glm::vec3(surface.positions[i]), surface.normals[i]};

@@ -13,6 +13,8 @@ namespace planish::bench {
 [[nodiscard]] std::vector<Row> bench_update(const Options& options);
 /// The whole solve to 1e-6 of the diagonal.
 [[nodiscard]] std::vector<Row> bench_solve(const Options& options);
+/// The fair net, and one plain step beside it.
+[[nodiscard]] std::vector<Row> bench_fair(const Options& options);
 /// Topology and limit masks.
 [[nodiscard]] std::vector<Row> bench_masks(const Options& options);
 /// Tessellation of the limit surface.

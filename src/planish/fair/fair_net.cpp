@@ -177,14 +177,14 @@ void add_given_points(const FairTopology& topology, std::span<const dvec3> given
   for (const std::int32_t vertex : topology.corner_points) state[index++] += given[vertex];
 }
 
-void require_valid(const FairOptions& options) {
-  constexpr std::int32_t kMostSteps = 1000;
-  if (options.polish_steps >= 0 && options.polish_steps <= kMostSteps) return;
-  throw Error(ErrorCode::InvalidArgument, "polish steps " + std::to_string(options.polish_steps) +
-                                              " are outside 0 to " + std::to_string(kMostSteps));
-}
-
 }  // namespace
+
+void require_valid(const FairOptions& options) {
+  if (options.polish_steps >= 0 && options.polish_steps <= kMostPolishSteps) return;
+  throw Error(ErrorCode::InvalidArgument, "polish steps " + std::to_string(options.polish_steps) +
+                                              " are outside 0 to " +
+                                              std::to_string(kMostPolishSteps));
+}
 
 FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                  std::span<const dvec3> given, const FairOptions& options) {

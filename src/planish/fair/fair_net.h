@@ -11,6 +11,8 @@
 
 namespace planish {
 
+inline constexpr std::int32_t kMostPolishSteps = 1000;
+
 /// What a net's construction decided by thresholds, per vertex of the mesh; all else is continuous
 /// in the given points. Kept through the frames of an animation, they let nothing pop.
 struct FairDecisions {
@@ -20,11 +22,14 @@ struct FairDecisions {
 };
 
 struct FairOptions {
-  std::int32_t polish_steps = 8;  ///< 0 to 1000; 0: none
+  std::int32_t polish_steps = 8;  ///< 0 to kMostPolishSteps; 0: none
   Callbacks callbacks;
   /// Where given, of a net of the same mesh: these decisions instead of new ones.
   const FairDecisions* decisions = nullptr;
 };
+
+/// Throws Error{InvalidArgument} for polish_steps out of range.
+void require_valid(const FairOptions& options);
 
 /// A Doo-Sabin net of level 1 whose surface passes through the given vertices: the polygon around
 /// every smooth vertex has its centroid there, the two curve points beside a crease or boundary

@@ -107,7 +107,8 @@ void fit_doo_sabin(Fit& result, const UsedMesh& used, std::span<const glm::dvec3
   result.corner_count = features.corner_count;
   if (options.method == InterpolationMethod::Fair) {
     // Its first step takes the weights of 1978 whatever the later levels take.
-    solve_fair(result, used.mesh, Subdivision(split, features, Weights::DooSabin), given, options);
+    solve_fair(result, used.mesh, Subdivision(split, features, Weights::DooSabin), given, backend,
+               options);
     result.timing.solve = watch.lap();
   } else {
     const Subdivision subdivision(split, features, options.weights);

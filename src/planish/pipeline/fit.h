@@ -8,6 +8,7 @@
 #include "planish/doosabin/face_rule.h"
 #include "planish/doosabin/sharp_features.h"
 #include "planish/fair/fair_net.h"
+#include "planish/fair/interpolation_method.h"
 #include "planish/interpolate/progressive.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/polygon_mesh.h"
@@ -16,12 +17,6 @@
 #include "planish/surface/level_one.h"
 
 namespace planish {
-
-/// How the surface comes to pass through the given vertices.
-enum class InterpolationMethod {
-  Progressive,  ///< the paper's: control points of the mesh are moved until it does
-  Fair,         ///< control points of level 1 are built to do so, without folds on uneven meshes
-};
 
 struct FitOptions {
   InterpolationMethod method = InterpolationMethod::Progressive;
@@ -32,7 +27,8 @@ struct FitOptions {
   std::int32_t max_iterations = 200;
   std::int32_t polish_steps = 8;  ///< of the fair method, see FairOptions
   /// Of the fair method: those of another frame of an animation, usually the rest pose's, so that
-  /// nothing pops.
+  /// nothing pops. Nets with decisions are built on the CPU whatever the backend, and those that
+  /// another device built tell none.
   const FairDecisions* fair_decisions = nullptr;
   SharpFeatureOptions sharp;
   Callbacks callbacks;

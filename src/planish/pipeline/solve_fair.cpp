@@ -5,7 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "planish/fair/fair_net.h"
+#include "planish/core/error.h"
+#include "planish/fair/fair_builder.h"
 
 namespace planish {
 
@@ -43,12 +44,26 @@ void warn_of_folds(const FairFit& fair, const Callbacks& callbacks) {
                   count, -1});
 }
 
+// On the backend's device where it can.
+FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
+                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
+  const FairOptions fair{options.polish_steps, options.callbacks, options.fair_decisions};
+  if (fair.decisions && fair.decisions->reversed.size() != given.size()) {
+    throw Error(ErrorCode::InvalidArgument,
+                "fair_decisions are of " + std::to_string(fair.decisions->reversed.size()) +
+                    " vertices, the mesh has " + std::to_string(given.size()) +
+                    "; take those of the same mesh, fitted on the CPU");
+  }
+  auto* const builder = dynamic_cast<FairBuilder*>(&backend);
+  if (!builder || fair.decisions) return fair_net(mesh, subdivision, given, fair);
+  return builder->build_fair_net(make_fair_topology(mesh, subdivision), given, fair);
+}
+
 }  // namespace
 
 void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
-                std::span<const glm::dvec3> given, const FitOptions& options) {
-  FairNet net = fair_net(mesh, subdivision, given,
-                         {options.polish_steps, options.callbacks, options.fair_decisions});
+                std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
+  FairNet net = make_net(mesh, subdivision, given, backend, options);
   result.interpolation = measured(subdivision, net.state, given, options.tolerance);
   FairFit& fair = result.fair.emplace();
   fair.level_one = {std::move(net.state), result.placement};

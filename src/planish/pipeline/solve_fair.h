@@ -11,6 +11,6 @@ namespace planish {
 /// points, how far it is from `given` (unit coordinates): result.fair and result.interpolation,
 /// which has no iterations. `subdivision` has Weights::DooSabin. Throws and warns as fit().
 void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
-                std::span<const glm::dvec3> given, const FitOptions& options);
+                std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options);
 
 }  // namespace planish

@@ -69,6 +69,7 @@ Context::Context(const HostDevice& host, const ContextOptions& options)
         std::min(max_storage_range_, capabilities_.max_texel_elements * sizeof(float));
   for (std::size_t i = 0; i < kKernelCount; ++i) {
     const auto kernel = static_cast<Kernel>(i);
+    if (!pipelines_[kernel].pipeline) continue;  // compiled on demand
     labels_.name(VK_OBJECT_TYPE_PIPELINE, handle_number(pipelines_[kernel].pipeline),
                  name_of(kernel));
   }

@@ -73,6 +73,12 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
   for (const DeviceTable& table : refinement) plan_copies(table, false);
   plan_copies(limit, true);
   copies.push_back({vertices.handle(), used_vertices.size() * sizeof(std::int32_t)});
+  if (const FairRecords* records = system.fair_records()) {
+    fair.emplace(on, *records);
+    fair->for_each(*records, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
+      copies.push_back({buffer.handle(), bytes.size()});
+    });
+  }
   for (const Copy& copy : copies) device_bytes += copy.bytes;
   on.log("planish: a system of " + std::to_string(used_vertices.size()) + " vertices takes " +
          std::to_string(device_bytes) + " bytes, its limit masks in " +
@@ -116,7 +122,8 @@ void DeviceSystem::write_upload(const System& system, std::span<std::byte> stagi
                                                 " bytes of staging memory, not " +
                                                 std::to_string(staging.size()));
   if (system.vertex_count() != vertex_count() || system.triangles().size() != index_count() ||
-      system.refinement_count() != parts_->refinement.size())
+      system.refinement_count() != parts_->refinement.size() ||
+      parts_->fair.has_value() != (system.fair_records() != nullptr))
     throw Error(ErrorCode::InvalidArgument, "the upload is not of the System that it was made for");
   StagingWriter writer(staging);
   writer.write_table(parts_->masks, system.limit_masks(), nullptr);
@@ -125,6 +132,10 @@ void DeviceSystem::write_upload(const System& system, std::span<std::byte> stagi
   const LimitStencilView<double> limit = system.limit_stencils();
   writer.write_table(parts_->limit, limit, &limit);
   writer.write(parts_->used_vertices);
+  if (parts_->fair)
+    parts_->fair->for_each(
+        *system.fair_records(),
+        [&](const Buffer&, std::span<const std::byte> bytes) { writer.write(bytes); });
   writer.write(system.triangles());
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "planish/vulkan/device_table.h"
 #include "planish/vulkan/embed.h"
+#include "planish/vulkan/fair_tables.h"
 
 namespace planish::vulkan {
 
@@ -27,8 +29,9 @@ struct DeviceSystem::Parts {
   DeviceTable masks;
   std::vector<DeviceTable> refinement;
   DeviceTable limit;
-  Buffer vertices;           // used_vertices, on the device
-  std::vector<Copy> copies;  // in the order of their bytes; indices come after them
+  std::optional<FairTables> fair;  // where that is the method
+  Buffer vertices;                 // used_vertices, on the device
+  std::vector<Copy> copies;        // in the order of their bytes; indices come after them
   std::uint64_t device_bytes = 0;
 };
 

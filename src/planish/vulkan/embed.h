@@ -53,6 +53,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/doosabin/face_rule.h"
 #include "planish/doosabin/sharp_features.h"
+#include "planish/fair/interpolation_method.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/stencil/stencil_table.h"
 #include "planish/vulkan/context.h"
@@ -62,8 +63,13 @@
 
 namespace planish::vulkan {
 
+struct FairRecords;
+
 struct SystemOptions {
   int level = 2;  ///< quad splits of the surface, 0 to 6: its vertex count grows fourfold with each
+  /// Fair: the surface's control points of level 1 are built, without iterations. A System's tables
+  /// and all Solves made with them are of one method.
+  InterpolationMethod method = InterpolationMethod::Progressive;
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;
   double tolerance = 1e-6;  ///< wanted error, relative to the rest pose's bounding-box diagonal
@@ -94,14 +100,19 @@ class System {
   /// Four indices a quad; empty at level 0, whose faces are the mesh's polygons.
   [[nodiscard]] std::span<const std::uint32_t> quads() const;
 
-  /// B: row i gives the limit point of used vertex i from all control points.
+  /// B: row i gives the limit point of used vertex i from all control points. Without rows where
+  /// the method is Fair.
   [[nodiscard]] StencilView<double> limit_masks() const;
   /// Refinement: entry 0 from control points to the state of level 1, entry l from the state of
-  /// level l to that of l + 1; the last gives the state of level max(level(), 1).
+  /// level l to that of l + 1; the last gives the state of level max(level(), 1). Where the method
+  /// is Fair, from the entry from level 1 to level 2 on.
   [[nodiscard]] std::size_t refinement_count() const;
   [[nodiscard]] StencilView<double> refinement(std::size_t step) const;
   /// Limit points and tangents from that state, a row per output vertex; du x dv points outward.
   [[nodiscard]] LimitStencilView<double> limit_stencils() const;
+
+  /// What the fair method needs to know of the mesh; null where the method is another.
+  [[nodiscard]] const FairRecords* fair_records() const;
 
   /// Of the rest pose's bounding box.
   [[nodiscard]] double diagonal() const;
@@ -109,7 +120,8 @@ class System {
   [[nodiscard]] double tolerance() const;
   /// Lower bound of B's spectrum, which lies in (0, 1].
   [[nodiscard]] double spectral_bound() const;
-  /// Largest distance of a rest vertex from its limit point before any iteration.
+  /// Largest distance of a rest vertex from its limit point before any iteration. This and all that
+  /// tells of iterations is 0 where the method is Fair.
   [[nodiscard]] double rest_error() const;
   /// Iterations after which the rest pose, from a cold start, is within tolerance(); counted by
   /// solving it in double.
@@ -193,6 +205,8 @@ struct VertexLayout {
 
 struct SolveOptions {
   std::uint32_t max_iterations = 64;  ///< that one record_solve can ask for
+  /// Of the fair method, 0 to 1000: steps of conjugate gradients that even out the curvature.
+  std::uint32_t polish_steps = 8;
   GivenPoints given;
   VertexLayout vertices;
 };
@@ -204,6 +218,7 @@ struct Timestamps {
   std::uint32_t first = 0;
 };
 
+/// Of the progressive method, but for the timestamps: the fair one does all its work each time.
 struct SolveParameters {
   /// At most SolveOptions::max_iterations, which stands in for more.
   std::uint32_t iterations = 0;
@@ -259,7 +274,8 @@ class Solve {
   void record_status(VkCommandBuffer commands, VkBuffer target, VkDeviceSize offset) const noexcept;
 
   /// The control cage's points after record_evaluate: four floats each (the last is 0), one per
-  /// used vertex; may be bound as a vertex or storage buffer. Owned by the Solve.
+  /// used vertex; may be bound as a vertex or storage buffer. Where the method is Fair the state of
+  /// level 1, as Subdivision documents it, after record_solve. Owned by the Solve.
   [[nodiscard]] VkBuffer control_points() const;
 
  private:

@@ -6,9 +6,11 @@
 
 #include "planish/backend/chebyshev.h"
 #include "planish/core/error.h"
+#include "planish/fair/fair_net.h"
 #include "planish/vulkan/commands.h"
 #include "planish/vulkan/device_system.h"
 #include "planish/vulkan/gpu_evaluation.h"
+#include "planish/vulkan/gpu_fair.h"
 #include "planish/vulkan/gpu_given.h"
 #include "planish/vulkan/gpu_solve.h"
 #include "planish/vulkan/stop_square.h"
@@ -54,6 +56,13 @@ GpuSolveOptions solve_options(const Context& context, const SolveOptions& option
   return result;
 }
 
+GpuFairOptions fair_options(const SolveOptions& options) {
+  require(options.polish_steps <= kMostPolishSteps,
+          "polish_steps " + std::to_string(options.polish_steps) + " are outside 0 to " +
+              std::to_string(kMostPolishSteps));
+  return {options.polish_steps};
+}
+
 /// Writes the two timestamps around what is recorded while it lives.
 class TimedScope {
  public:
@@ -79,20 +88,56 @@ class TimedScope {
 }  // namespace
 
 struct Solve::Parts {
+  /// The iteration of the paper.
+  struct Progressive {
+    Progressive(Context& context, const DeviceSystem::Parts& system, const SolveOptions& options,
+                const GivenPoints& points);
+    GpuSolve solve;
+    GpuGiven given;
+  };
+  /// Or the fair construction.
+  struct Fair {
+    Fair(Context& context, const DeviceSystem::Parts& system, const GpuFairOptions& options,
+         const GivenPoints& points)
+        : gather(context, system.vertices, system.used_vertices, points),
+          fair(context, *system.fair, gather.points(), options) {}
+    GpuGather gather;
+    GpuFair fair;
+  };
+
   Parts(Context& on, const DeviceSystem::Parts& system, const SolveOptions& options);
+
+  [[nodiscard]] const Buffer& control_points() const {
+    return fair ? fair->fair.buffers().state : progressive->given.control_points();
+  }
+  [[nodiscard]] const Buffer& status() const {
+    return fair ? fair->fair.buffers().status : progressive->solve.status();
+  }
 
   Context& context;
   std::uint32_t max_iterations;
   std::uint64_t given_bytes;
-  GpuSolve solve;
-  std::optional<Buffer> own_given;  // where the host gives no buffer
-  GpuGiven given;
+  std::optional<Buffer> own_given;         // where the host gives no buffer
+  std::optional<Progressive> progressive;  // one of these two
+  std::optional<Fair> fair;
   std::optional<GpuEvaluation> evaluation;
 
  private:
   static std::optional<Buffer> make_given(Context& context, std::uint64_t bytes,
                                           const GivenPoints& given);
 };
+
+Solve::Parts::Progressive::Progressive(Context& context, const DeviceSystem::Parts& system,
+                                       const SolveOptions& options, const GivenPoints& points)
+    : solve(context, system.masks, solve_options(context, options)),
+      given(context, system.masks, solve, system.vertices, system.used_vertices, points) {
+  const std::vector<StepCoefficients> steps =
+      chebyshev_steps(system.spectral_bound, static_cast<std::int32_t>(options.max_iterations));
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    solve.plan()[i] = {static_cast<float>(steps[i].momentum), static_cast<float>(steps[i].gain), 0,
+                       0};
+  solve.flush_plan();
+}
 
 std::optional<Buffer> Solve::Parts::make_given(Context& context, std::uint64_t bytes,
                                                const GivenPoints& given) {
@@ -105,19 +150,16 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const SolveO
     : context(on),
       max_iterations(options.max_iterations),
       given_bytes(std::uint64_t(system.given_count) * kVectorBytes),
-      solve(on, system.masks, solve_options(on, options)),
-      own_given(make_given(on, given_bytes, options.given)),
-      given(on, system.masks, solve, system.vertices, system.used_vertices,
-            own_given ? GivenPoints{own_given->handle(), 0, kVectorBytes} : options.given) {
-  const std::vector<StepCoefficients> steps =
-      chebyshev_steps(system.spectral_bound, static_cast<std::int32_t>(options.max_iterations));
-  for (std::size_t i = 0; i < steps.size(); ++i)
-    solve.plan()[i] = {static_cast<float>(steps[i].momentum), static_cast<float>(steps[i].gain), 0,
-                       0};
-  solve.flush_plan();
+      own_given(make_given(on, given_bytes, options.given)) {
+  const GivenPoints points =
+      own_given ? GivenPoints{own_given->handle(), 0, kVectorBytes} : options.given;
+  if (system.fair)
+    fair.emplace(on, system, fair_options(options), points);
+  else
+    progressive.emplace(on, system, options, points);
   if (!options.vertices.buffer) return;
   check_layout(options.vertices, system.max_vertex_stride);
-  evaluation.emplace(on, system.refinement, system.limit, given.control_points(), options.vertices);
+  evaluation.emplace(on, system.refinement, system.limit, control_points(), options.vertices);
 }
 
 Solve::Solve(Context& context, const DeviceSystem& system, const SolveOptions& options)
@@ -126,11 +168,11 @@ Solve::~Solve() = default;
 Solve::Solve(Solve&&) noexcept = default;
 Solve& Solve::operator=(Solve&&) noexcept = default;
 
-VkBuffer Solve::control_points() const { return parts_->given.control_points().handle(); }
+VkBuffer Solve::control_points() const { return parts_->control_points().handle(); }
 
 void Solve::record_reset(VkCommandBuffer commands) const noexcept {
   record_barrier(parts_->context, commands, kExitScope, kEntryScope);
-  parts_->solve.record_clear(commands);
+  if (parts_->progressive) parts_->progressive->solve.record_clear(commands);
 }
 
 void Solve::record_given(VkCommandBuffer commands, VkBuffer source,
@@ -147,12 +189,18 @@ void Solve::record_solve(VkCommandBuffer commands,
   const LabelScope label(context, commands, "planish solve");
   record_barrier(context, commands, kExitScope, kEntryScope);
   const TimedScope timed(context, commands, parameters.timestamps);
-  parts_->given.record_begin(commands, parameters.warm_start);
+  if (parts_->fair) {
+    parts_->fair->gather.record(commands);
+    record_barrier(context, commands, kKernelScope, kKernelScope);
+    parts_->fair->fair.record(commands);
+    return;
+  }
+  parts_->progressive->given.record_begin(commands, parameters.warm_start);
   StepRun run;
   run.count = std::min(parameters.iterations, parts_->max_iterations);
   run.stop_square = stop_square_of(parameters.stop_error);
   run.measures_last = parameters.measures_last || run.count == 0;
-  parts_->solve.record_steps(commands, run);
+  parts_->progressive->solve.record_steps(commands, run);
 }
 
 void Solve::record_evaluate(VkCommandBuffer commands, const Timestamps& timestamps) const noexcept {
@@ -160,7 +208,7 @@ void Solve::record_evaluate(VkCommandBuffer commands, const Timestamps& timestam
   const LabelScope label(context, commands, "planish evaluate");
   record_barrier(context, commands, kExitScope, kEntryScope);
   const TimedScope timed(context, commands, timestamps);
-  parts_->given.record_control_points(commands);
+  if (parts_->progressive) parts_->progressive->given.record_control_points(commands);
   if (parts_->evaluation) parts_->evaluation->record(commands);
 }
 
@@ -168,7 +216,7 @@ void Solve::record_status(VkCommandBuffer commands, VkBuffer target,
                           VkDeviceSize offset) const noexcept {
   record_barrier(parts_->context, commands, kExitScope, kEntryScope);
   const VkBufferCopy copy{0, offset, sizeof(GpuStatus)};
-  parts_->context.vk().vkCmdCopyBuffer(commands, parts_->solve.status().handle(), target, 1, &copy);
+  parts_->context.vk().vkCmdCopyBuffer(commands, parts_->status().handle(), target, 1, &copy);
 }
 
 }  // namespace planish::vulkan

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "planish/vulkan/device_table.h"
-#include "planish/vulkan/embed.h"
+#include "planish/vulkan/gpu_gather.h"
 #include "planish/vulkan/gpu_solve.h"
 #include "planish/vulkan/vector_pieces.h"
 
@@ -15,7 +15,7 @@ namespace planish::vulkan {
 /// to control points. Externally synchronised; solve and tables outlive it.
 class GpuGiven {
  public:
-  /// `vertices` holds the index of each row's point, which `rows_vertices` has on the host.
+  /// `vertices` holds the index of each row's point, which `row_vertices` has on the host.
   GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& solve,
            const Buffer& vertices, std::span<const std::int32_t> row_vertices,
            const GivenPoints& given);
@@ -29,25 +29,16 @@ class GpuGiven {
   [[nodiscard]] const Buffer& control_points() const { return control_; }
 
  private:
-  /// Rows whose points one binding spans.
-  struct Gather {
-    std::int32_t first_row, row_count;
-    BufferRange source;
-    std::uint32_t first_vertex, shift;
-  };
-  void cut_gathers(std::span<const std::int32_t> row_vertices, const GivenPoints& given);
-  void bind(const GpuSolve& solve, const Buffer& vertices);
-  void record_gather(VkCommandBuffer commands) const noexcept;
+  void bind(const GpuSolve& solve);
   void record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_t first_set,
                      bool warm_start) const noexcept;
 
   Context& context_;
   const DeviceTable& masks_;
-  std::uint32_t source_stride_;  // floats
-  std::vector<Gather> gathers_;
   std::vector<VectorPiece> pieces_;
-  Buffer given_, control_;
-  DescriptorSets sets_;  // gathers, take up per piece, control points per piece, slices of masks
+  GpuGather gather_;
+  Buffer control_;
+  DescriptorSets sets_;  // take up per piece, control points per piece, slices of masks
 };
 
 }  // namespace planish::vulkan

@@ -13,6 +13,33 @@
 #include "shaders/cg_turn.spv.h"
 #include "shaders/control_points.spv.h"
 #include "shaders/eval_patches.spv.h"
+#include "shaders/fair_apply_heights.spv.h"
+#include "shaders/fair_curve_points.spv.h"
+#include "shaders/fair_descend.spv.h"
+#include "shaders/fair_diagonals.spv.h"
+#include "shaders/fair_edge_folds.spv.h"
+#include "shaders/fair_face_folds.spv.h"
+#include "shaders/fair_face_normals.spv.h"
+#include "shaders/fair_gradient.spv.h"
+#include "shaders/fair_handles.spv.h"
+#include "shaders/fair_lines.spv.h"
+#include "shaders/fair_mask_step.spv.h"
+#include "shaders/fair_measure.spv.h"
+#include "shaders/fair_momentum.spv.h"
+#include "shaders/fair_offsets.spv.h"
+#include "shaders/fair_place.spv.h"
+#include "shaders/fair_polygons.spv.h"
+#include "shaders/fair_precondition.spv.h"
+#include "shaders/fair_reversed.spv.h"
+#include "shaders/fair_rows.spv.h"
+#include "shaders/fair_sector_normals.spv.h"
+#include "shaders/fair_sectors.spv.h"
+#include "shaders/fair_shares.spv.h"
+#include "shaders/fair_shrink.spv.h"
+#include "shaders/fair_state.spv.h"
+#include "shaders/fair_step_length.spv.h"
+#include "shaders/fair_turn.spv.h"
+#include "shaders/fair_vertex_normals.spv.h"
 #include "shaders/finish_solve.spv.h"
 #include "shaders/gather_points.spv.h"
 #include "shaders/initial_residual.spv.h"
@@ -56,6 +83,10 @@ KernelSource vector_kernel(Code code, std::uint32_t binding_count) {
   return {code, code, sizeof(shared::VectorParameters), {}, binding_count};
 }
 
+KernelSource fair_kernel(Code code, std::uint32_t binding_count) {
+  return {code, code, sizeof(shared::FairParameters), {}, binding_count, true};
+}
+
 #define PLANISH_BOTH(name) spirv::name, spirv::name##_texel
 
 // In the order of enum Kernel.
@@ -77,6 +108,33 @@ const KernelSource kSources[kKernelCount] = {
     vector_kernel(spirv::take_up, 4),
     vector_kernel(spirv::control_points, 6),
     {spirv::eval_patches, spirv::eval_patches, sizeof(shared::PatchParameters), {}, 6, true},
+    fair_kernel(spirv::fair_place, 2),
+    fair_kernel(spirv::fair_face_normals, 4),
+    fair_kernel(spirv::fair_vertex_normals, 5),
+    fair_kernel(spirv::fair_sector_normals, 5),
+    fair_kernel(spirv::fair_offsets, 6),
+    fair_kernel(spirv::fair_shares, 6),
+    fair_kernel(spirv::fair_mask_step, 7),
+    fair_kernel(spirv::fair_polygons, 7),
+    fair_kernel(spirv::fair_reversed, 7),
+    fair_kernel(spirv::fair_handles, 6),
+    fair_kernel(spirv::fair_sectors, 8),
+    fair_kernel(spirv::fair_curve_points, 4),
+    fair_kernel(spirv::fair_edge_folds, 7),
+    fair_kernel(spirv::fair_face_folds, 8),
+    fair_kernel(spirv::fair_shrink, 5),
+    fair_kernel(spirv::fair_rows, 7),
+    fair_kernel(spirv::fair_diagonals, 7),
+    fair_kernel(spirv::fair_precondition, 2),
+    fair_kernel(spirv::fair_lines, 6),
+    fair_kernel(spirv::fair_gradient, 5),
+    fair_kernel(spirv::fair_step_length, 2),
+    fair_kernel(spirv::fair_descend, 7),
+    fair_kernel(spirv::fair_momentum, 2),
+    fair_kernel(spirv::fair_turn, 6),
+    fair_kernel(spirv::fair_apply_heights, 5),
+    fair_kernel(spirv::fair_measure, 5),
+    fair_kernel(spirv::fair_state, 4),
 };
 
 #undef PLANISH_BOTH
@@ -95,7 +153,35 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish gather_points",
                                                     "planish initial_residual",
                                                     "planish take_up",
-                                                    "planish control_points"};
+                                                    "planish control_points",
+                                                    "planish eval_patches",
+                                                    "planish fair_place",
+                                                    "planish fair_face_normals",
+                                                    "planish fair_vertex_normals",
+                                                    "planish fair_sector_normals",
+                                                    "planish fair_offsets",
+                                                    "planish fair_shares",
+                                                    "planish fair_mask_step",
+                                                    "planish fair_polygons",
+                                                    "planish fair_reversed",
+                                                    "planish fair_handles",
+                                                    "planish fair_sectors",
+                                                    "planish fair_curve_points",
+                                                    "planish fair_edge_folds",
+                                                    "planish fair_face_folds",
+                                                    "planish fair_shrink",
+                                                    "planish fair_rows",
+                                                    "planish fair_diagonals",
+                                                    "planish fair_precondition",
+                                                    "planish fair_lines",
+                                                    "planish fair_gradient",
+                                                    "planish fair_step_length",
+                                                    "planish fair_descend",
+                                                    "planish fair_momentum",
+                                                    "planish fair_turn",
+                                                    "planish fair_apply_heights",
+                                                    "planish fair_measure",
+                                                    "planish fair_state"};
 
 }  // namespace
 

@@ -29,8 +29,36 @@ enum class Kernel {
   TakeUp,
   ControlPoints,
   EvalPatches,  ///< only specialised
+  // The fair construction; only specialised.
+  FairPlace,
+  FairFaceNormals,
+  FairVertexNormals,
+  FairSectorNormals,
+  FairOffsets,
+  FairShares,
+  FairMaskStep,
+  FairPolygons,
+  FairReversed,
+  FairHandles,
+  FairSectors,
+  FairCurvePoints,
+  FairEdgeFolds,
+  FairFaceFolds,
+  FairShrink,
+  FairRows,
+  FairDiagonals,
+  FairPrecondition,
+  FairLines,
+  FairGradient,
+  FairStepLength,
+  FairDescend,
+  FairMomentum,
+  FairTurn,
+  FairApplyHeights,
+  FairMeasure,
+  FairState,
 };
-inline constexpr std::size_t kKernelCount = 15;
+inline constexpr std::size_t kKernelCount = 42;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);
@@ -66,7 +94,8 @@ struct PipelineVariant {
 /// Specialisation constants below this one follow from the variant.
 inline constexpr std::uint32_t kFirstOwnConstant = 3;
 
-/// The compute pipelines of all kernels on one device.
+/// The compute pipelines of all kernels on one device; those that few hosts want only by
+/// specialised().
 class Pipelines {
  public:
   /// Throws planish::Error.

@@ -19,6 +19,7 @@
 #include "planish/mesh/used_vertices.h"
 #include "planish/stencil/quad_split.h"
 #include "planish/vulkan/embed.h"
+#include "planish/vulkan/fair_tables.h"
 
 namespace planish::vulkan {
 
@@ -85,7 +86,9 @@ struct System::Parts {
 
   void build_tables(const PolygonMesh& mesh, const SystemOptions& options);
   void build_faces(const PolygonMesh& mesh, const QuadSplit& split, const LimitRows& rows);
-  void measure_rest(const PolygonMesh& mesh, double relative_tolerance);
+  void build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
+                    const SystemOptions& options);
+  void measure_rest(const PolygonMesh& mesh, const Placement& placement, double relative_tolerance);
 
   int level;
   std::int32_t given_count;
@@ -94,6 +97,7 @@ struct System::Parts {
   std::optional<StencilTable<double>> masks;
   std::vector<StencilTable<double>> refinement;
   std::optional<LimitStencilTable<double>> limit;
+  std::optional<FairRecords> fair;
   double diagonal = 1, tolerance = 0, spectral_bound = 0, rest_error = 0;
   double valence_spread = 1;  // of all valences, their sum over the smallest
   std::uint32_t rest_iterations = 0;
@@ -106,7 +110,13 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
   UsedMesh used = without_unused_vertices(rest);
   used_vertices = std::move(used.vertices);
   build_tables(used.mesh, options);
-  measure_rest(used.mesh, options.tolerance);
+  const Placement placement = placement_of(used.mesh);
+  diagonal = placement.diagonal;
+  tolerance = options.tolerance * diagonal;
+  if (fair)
+    fair->placement = placement;
+  else
+    measure_rest(used.mesh, placement, options.tolerance);
 }
 
 void System::Parts::build_tables(const PolygonMesh& mesh, const SystemOptions& options) {
@@ -117,13 +127,8 @@ void System::Parts::build_tables(const PolygonMesh& mesh, const SystemOptions& o
   const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, options.sharp);
   const Subdivision subdivision(split, features, options.weights);
   options.callbacks.check_cancelled();
-  masks.emplace(planish::limit_masks(mesh, subdivision));
-  spectral_bound = planish::spectral_bound(mesh, options.weights);
-  const std::vector<double> valence = valences(split);
-  if (!valence.empty())
-    valence_spread = std::accumulate(valence.begin(), valence.end(), 0.0) /
-                     *std::min_element(valence.begin(), valence.end());
-  for (int l = 1; l <= state_level; ++l) {
+  build_method(mesh, subdivision, options);
+  for (int l = fair ? 2 : 1; l <= state_level; ++l) {
     options.callbacks.check_cancelled();
     options.callbacks.report("tables", 0.5 * l / state_level);
     const RowRange rows{0, subdivision.state_layout(l).size};
@@ -134,6 +139,22 @@ void System::Parts::build_tables(const PolygonMesh& mesh, const SystemOptions& o
   options.callbacks.check_cancelled();
   limit.emplace(limit_table(subdivision, state_level, rows, {0, rows.count()}));
   build_faces(mesh, split, rows);
+}
+
+// What the solve goes by.
+void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
+                                 const SystemOptions& options) {
+  if (options.method == InterpolationMethod::Fair) {
+    masks.emplace(0, StencilRows<double>{});
+    fair.emplace(planish::vulkan::fair_records(make_fair_topology(mesh, subdivision)));
+    return;
+  }
+  masks.emplace(planish::limit_masks(mesh, subdivision));
+  spectral_bound = planish::spectral_bound(mesh, options.weights);
+  const std::vector<double> valence = valences(subdivision.split());
+  if (!valence.empty())
+    valence_spread = std::accumulate(valence.begin(), valence.end(), 0.0) /
+                     *std::min_element(valence.begin(), valence.end());
 }
 
 void System::Parts::build_faces(const PolygonMesh& mesh, const QuadSplit& split,
@@ -147,10 +168,8 @@ void System::Parts::build_faces(const PolygonMesh& mesh, const QuadSplit& split,
   });
 }
 
-void System::Parts::measure_rest(const PolygonMesh& mesh, double relative_tolerance) {
-  const Placement placement = placement_of(mesh);
-  diagonal = placement.diagonal;
-  tolerance = relative_tolerance * diagonal;
+void System::Parts::measure_rest(const PolygonMesh& mesh, const Placement& placement,
+                                 double relative_tolerance) {
   std::vector<glm::dvec3> unit(mesh.positions.size());
   std::transform(mesh.positions.begin(), mesh.positions.end(), unit.begin(),
                  [&](const glm::dvec3& p) { return placement.to_unit(p); });
@@ -179,6 +198,7 @@ StencilView<double> System::refinement(std::size_t step) const {
   return parts_->refinement[step].view();
 }
 LimitStencilView<double> System::limit_stencils() const { return parts_->limit->view(); }
+const FairRecords* System::fair_records() const { return parts_->fair ? &*parts_->fair : nullptr; }
 double System::diagonal() const { return parts_->diagonal; }
 double System::tolerance() const { return parts_->tolerance; }
 double System::spectral_bound() const { return parts_->spectral_bound; }
@@ -186,7 +206,7 @@ double System::rest_error() const { return parts_->rest_error; }
 std::uint32_t System::rest_iterations() const { return parts_->rest_iterations; }
 
 std::uint32_t System::sufficient_iterations(double initial_error) const {
-  if (!(initial_error > parts_->tolerance)) return 0;
+  if (parts_->fair || !(initial_error > parts_->tolerance)) return 0;
   // With M the valences: max |r_k| sqrt(min M) <= |r_k|_M <= 2 sigma^k |r_0|_M and
   // |r_0|_M <= sqrt(sum M) max |r_0|.
   const double factor = parts_->tolerance / initial_error / std::sqrt(parts_->valence_spread);

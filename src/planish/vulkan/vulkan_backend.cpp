@@ -7,6 +7,7 @@
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
 #include "planish/vulkan/stencil_pass.h"
+#include "planish/vulkan/vulkan_fair.h"
 #include "planish/vulkan/vulkan_machine.h"
 #include "planish/vulkan/vulkan_solve.h"
 
@@ -53,7 +54,7 @@ const VulkanPoints& vulkan_points(const DevicePoints& points) {
   return *result;
 }
 
-class VulkanBackend final : public Backend {
+class VulkanBackend final : public Backend, public FairBuilder {
  public:
   explicit VulkanBackend(std::shared_ptr<VulkanMachine> machine) : machine_(std::move(machine)) {}
 
@@ -80,6 +81,11 @@ class VulkanBackend final : public Backend {
              std::int32_t first_target) override;
   void apply_limit(const LimitStencilView<double>& table, const DevicePoints& source,
                    std::span<glm::dvec3> positions, std::span<glm::vec3> normals) override;
+  [[nodiscard]] FairNet build_fair_net(const FairTopology& topology,
+                                       std::span<const glm::dvec3> given,
+                                       const FairOptions& options) override {
+    return vulkan::build_fair_net(*machine_, topology, given, options);
+  }
   [[nodiscard]] std::uint64_t peak_device_bytes() const override {
     return machine_->context.memory().peak_bytes();
   }

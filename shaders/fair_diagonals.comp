@@ -1,0 +1,33 @@
+// The mean diagonal of the bending's Hessian over every vertex's polygon, and the largest of them.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairVertex, vertices);
+READ(1, FairPlace, places);
+READ(2, FairCorner, corners);
+READ(3, vec4, rows1);
+READ(4, vec4, rows2);
+WRITE(5, float, diagonals);
+UPDATE(6, FairScalars, scalars);
+
+void main() {
+  FOR_ELEMENTS(v) {
+    FairVertex vertex = vertices[v];
+    float sum = 0.0;
+    if (has_polygon(vertex)) {
+      for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
+        uint c = places[i].corner;
+        vec3 row1 = rows1[c].xyz, row2 = rows2[c].xyz;
+        float next = rows2[corners[c].next].x, previous = rows1[corners[c].previous].x;
+        // The lines beside it around the vertex are counted where they stand: over the polygon it
+        // comes to the same mean.
+        sum += row1.y * row1.y + row1.z * row1.z + row2.y * row2.y + row2.z * row2.z +
+               next * next + previous * previous;
+      }
+    }
+    float mean = sum / float(vertex.count);
+    diagonals[v] = mean;
+    if (mean > 0.0) atomicMax(scalars[0].largest_bits, floatBitsToUint(mean));
+  }
+}

@@ -1,0 +1,29 @@
+// Flags the vertices of every face whose polygon is turned away from the mesh.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairFace, faces);
+READ(1, FairCorner, corners);
+READ(2, vec4, given);
+READ(3, vec4, face_normals);
+READ(4, vec4, result);
+READ(5, vec2, circle);
+UPDATE(6, uint, flags);
+UPDATE(7, uint, counts);
+
+#include "fair_fold.glsl"
+uint first_corner;
+#define POLYGON_POINT(i) control_point(first_corner + (i))
+#include "fair_limit_normal.glsl"
+
+void main() {
+  FOR_ELEMENTS(f) {
+    FairFace face = faces[f];
+    first_corner = face.first;
+    if (agrees(limit_normal(face.count, face.circle), face_normals[f].xyz, kLeastCosine)) continue;
+    atomicAdd(counts[parameters.place + 1u], 1u);
+    for (uint i = face.first; i < face.first + face.count; ++i)
+      atomicOr(flags[corners[i].vertex], 1u);
+  }
+}

@@ -1,0 +1,54 @@
+// The two curve points at every crease or boundary vertex, on opposite sides of it.
+// fair/crease_handle.h.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairCrease, creases);
+READ(1, vec4, given);
+READ(2, float, shares);
+READ(3, vec4, points);
+WRITE(4, vec4, shifts);
+WRITE(5, vec4, result);
+
+#include "fair_crease.glsl"
+
+// Where arms differ by more than this part of the shorter, the handle is the chord's alone.
+const float kUnevenArms = 0.4;
+// A handle may pass the shorter arm by this factor.
+const float kLongestFactor = 1.15;
+
+vec3 chord_handle(CreaseArms arms) {
+  float before = safe_length(arms.before), after = safe_length(arms.after);
+  if (!(before > 0.0) || !(after > 0.0)) return vec3(0.0);
+  // Along arms.before / before^2 - arms.after / after^2, whose squares might leave the floats.
+  vec3 direction = arms.before / before * (after / before) - arms.after / after;
+  float size = safe_length(direction);
+  if (!(size > 0.0)) return vec3(0.0);  // a cusp: both arms the same way
+  return direction *
+         (min((before + after) / 2.0, kLongestFactor * min(before, after)) / size);
+}
+
+void main() {
+  FOR_ELEMENTS(c) {
+    FairCrease crease = creases[c];
+    vec3 own = given[crease.vertex].xyz;
+    CreaseArms arms =
+        CreaseArms((given[crease.before].xyz - own) / 4.0, (given[crease.after].xyz - own) / 4.0);
+    float share = shares[crease.vertex];
+    vec3 handle, shift = vec3(0.0);
+    if (share > 0.0) {
+      vec3 before = points[crease.before].xyz, after = points[crease.after].xyz;
+      vec3 point = points[crease.vertex].xyz;
+      handle = share * (before - after) / 8.0 + (1.0 - share) * chord_handle(arms);
+      shift = (own - point) - ((before - point) + (after - point)) / 8.0;
+    } else {
+      float chord_share = min(arm_imbalance(arms) / kUnevenArms, 1.0);
+      handle = (1.0 - chord_share) * (arms.before - arms.after) / 2.0 +
+               chord_share * chord_handle(arms);
+    }
+    shifts[c] = vec4(shift, share);
+    result[crease.curve0] = vec4(handle, 0.0);
+    result[crease.curve1] = vec4(-handle, 0.0);
+  }
+}

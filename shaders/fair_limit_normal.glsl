@@ -1,0 +1,16 @@
+// The limit normal at the centre of a polygon of control points; the including kernel declares
+// POLYGON_POINT(i) and circle.
+vec3 limit_normal(uint count, uint circle_first) {
+  if (count < 3u) return vec3(0.0);
+  vec3 origin = POLYGON_POINT(0u);
+  if (count == 3u) return cross(POLYGON_POINT(1u) - origin, POLYGON_POINT(2u) - origin);
+  if (count == 4u)
+    return cross(origin - POLYGON_POINT(2u), POLYGON_POINT(1u) - POLYGON_POINT(3u));
+  vec3 tangent1 = vec3(0.0), tangent2 = vec3(0.0);
+  for (uint i = 1u; i < count; ++i) {
+    vec3 p = POLYGON_POINT(i) - origin;
+    tangent1 += circle[circle_first + i].x * p;
+    tangent2 += circle[circle_first + i].y * p;
+  }
+  return cross(tangent1, tangent2);
+}

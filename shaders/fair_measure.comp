@@ -1,0 +1,30 @@
+// Measures how far the limit point of every vertex is from its given point.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairVertex, vertices);
+READ(1, FairPlace, places);
+READ(2, vec4, given);
+READ(3, vec4, result);
+UPDATE(4, uint, status);  // words of SolveStatus
+
+const uint kStateWord = 1u, kResidualWord = 2u;
+
+void main() {
+  FOR_ELEMENTS(v) {
+    FairVertex vertex = vertices[v];
+    vec3 error = given[v].xyz - given[v].xyz;  // nothing, but of points that are no numbers
+    if (has_polygon(vertex)) {
+      for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
+        error += result[places[i].corner].xyz;
+      error /= float(vertex.count);
+    } else if (vertex.kind == kCrease) {
+      error += (result[vertex.curve0].xyz + result[vertex.curve1].xyz) / 2.0;
+    }
+    float size = parameters.scale * safe_length(error);
+    bool finite = (floatBitsToUint(error.x + error.y + error.z) & 0x7f800000u) != 0x7f800000u;
+    if (!finite) atomicMax(status[kStateWord], kStateNotFinite);
+    atomicMax(status[kResidualWord], finite ? floatBitsToUint(size) : 0x7f800000u);
+  }
+}

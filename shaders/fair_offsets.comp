@@ -1,0 +1,67 @@
+// One Doo-Sabin step of points: every corner's control point relative to its vertex's given point.
+// Based on: Doo & Sabin 1978; fair/corner_offsets.h.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairFace, faces);
+READ(1, FairCorner, corners);
+READ(2, vec4, given);
+READ(3, vec4, points);
+READ(4, vec2, circle);
+WRITE(5, vec4, offsets);
+
+vec3 point(uint corner) { return points[corners[corner].vertex].xyz; }
+void write_offset(uint corner, vec3 from, vec3 step) {
+  offsets[corner] = vec4((from - given[corners[corner].vertex].xyz) + step, 0.0);
+}
+
+void step_triangle(uint first) {
+  for (uint i = 0u; i < 3u; ++i) {
+    vec3 own = point(first + i);
+    write_offset(first + i, own,
+                 (point(first + (i + 1u) % 3u) - own) / 6.0 +
+                     (point(first + (i + 2u) % 3u) - own) / 6.0);
+  }
+}
+
+void step_quad(uint first) {
+  for (uint i = 0u; i < 4u; ++i) {
+    vec3 own = point(first + i);
+    write_offset(first + i, own,
+                 (3.0 * (point(first + (i + 1u) % 4u) - own) +
+                  3.0 * (point(first + (i + 3u) % 4u) - own) +
+                  (point(first + (i + 2u) % 4u) - own)) /
+                     16.0);
+  }
+}
+
+void step_polygon(FairFace face) {
+  vec3 origin = point(face.first);
+  vec3 mean = vec3(0.0), cosine_sum = vec3(0.0), sine_sum = vec3(0.0);
+  for (uint i = 0u; i < face.count; ++i) {
+    vec3 p = point(face.first + i) - origin;
+    mean += p;
+    cosine_sum += circle[face.circle + i].x * p;
+    sine_sum += circle[face.circle + i].y * p;
+  }
+  mean /= float(face.count);
+  for (uint i = 0u; i < face.count; ++i) {
+    vec2 at = circle[face.circle + i];
+    write_offset(face.first + i, origin,
+                 0.25 * (point(face.first + i) - origin) + 0.75 * mean +
+                     (at.x * cosine_sum + at.y * sine_sum) / (2.0 * float(face.count)));
+  }
+}
+
+void main() {
+  FOR_ELEMENTS(f) {
+    FairFace face = faces[f];
+    if (face.count == 3u)
+      step_triangle(face.first);
+    else if (face.count == 4u)
+      step_quad(face.first);
+    else
+      step_polygon(face);
+  }
+}

@@ -1,0 +1,235 @@
+// The polygon of control points around every smooth or dart vertex, its mean the vertex and each in
+// its own face's wedge, and those of corners as they are. fair/vertex_polygon.h, local_polygon.h.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairVertex, vertices);
+READ(1, FairPlace, places);
+READ(2, vec4, given);
+READ(3, vec4, normals);
+READ(4, float, shares);
+READ(5, vec4, offsets);
+UPDATE(6, vec4, result);
+
+#include "fair_ring.glsl"
+
+// Up to this imbalance translation alone keeps every control point well inside its wedge.
+const float kTranslatedImbalance = 0.5;
+// Control points may move away from the vertex by this factor.
+const float kLongestFactor = 1.15;
+const float kLeastUsableCoordinate = 0.01;
+// Where nothing balances: small enough to stay clear of the neighbours' polygons.
+const float kLastResortFactor = 0.15;
+
+// balance() of fair/balanced_weights.h. While a local polygon is built, the first two floats of the
+// results are the targets, the last two the blend of what was made of them.
+const int kNewtonSteps = 6;
+const float kLongestStep = 1.5;
+const float kDamping = 1e-9;
+const float kTolerance = 1e-3;
+const float kLargestWeight = 15.0;
+
+vec2 target(FairVertex vertex, uint i) { return result[places[vertex.first + i].corner].xy; }
+float weight(FairVertex vertex, uint i, vec2 y) { return exp(-dot(y, target(vertex, i))); }
+// 1 up to the limit, falling to 0 at twice the limit.
+float ramp(float value, float limit) { return clamp(2.0 - value / limit, 0.0, 1.0); }
+
+// Returns how far the weights are to be used.
+float balance(FairVertex vertex, out vec2 y) {
+  y = vec2(0.0);
+  float square = 0.0;
+  for (uint i = 0u; i < vertex.count; ++i) square += dot(target(vertex, i), target(vertex, i));
+  if (!(square > 0.0)) return 0.0;
+  float unit = float(vertex.count) / square;  // 1 / rms^2
+  float sum = 0.0, largest = 0.0;
+  vec2 moment = vec2(0.0);
+  for (int step = 0;; ++step) {
+    moment = vec2(0.0);
+    sum = 0.0;
+    largest = 0.0;
+    float xx = kDamping / unit, xy = 0.0, yy = kDamping / unit;
+    for (uint i = 0u; i < vertex.count; ++i) {
+      vec2 point = target(vertex, i);
+      float s = exp(-dot(y, point));
+      sum += s;
+      largest = max(largest, s);
+      moment += s * point;
+      xx += s * point.x * point.x;
+      xy += s * point.x * point.y;
+      yy += s * point.y * point.y;
+    }
+    if (step == kNewtonSteps) break;
+    float determinant = xx * yy - xy * xy;
+    if (!(determinant > 0.0)) return 0.0;
+    vec2 move = vec2(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x) / determinant;
+    float size = sqrt(dot(move, move) / unit);
+    if (size > kLongestStep) move *= kLongestStep / size;
+    y += move;
+  }
+  float left = sqrt(dot(moment, moment) * unit) / sum;
+  if (!(left < INFINITE && largest < INFINITE)) return 0.0;
+  return min(ramp(left, kTolerance), ramp(largest, kLargestWeight));
+}
+
+void add_to_blend(FairVertex vertex, uint i, vec2 point) {
+  result[places[vertex.first + i].corner].zw += point;
+}
+
+// Blends d_c = s_c q_c, scaled so that none is longer than kLongestFactor q_c. Returns how far.
+float add_corners(Ring ring, float rho) {
+  FairVertex vertex = ring.vertex;
+  for (uint i = 0u; i < vertex.count; ++i)
+    result[places[vertex.first + i].corner] =
+        vec4(ring_offset(ring, i) - kTranslatedImbalance / rho * ring.mean, 0.0, 0.0);
+  vec2 y;
+  float usable = balance(vertex, y);
+  if (!(usable > 0.0)) return 0.0;
+  float largest = 0.0;
+  for (uint i = 0u; i < vertex.count; ++i)
+    if (target(vertex, i) != vec2(0.0)) largest = max(largest, weight(vertex, i, y));
+  float scale = usable * min(1.0, kLongestFactor / largest);
+  for (uint i = 0u; i < vertex.count; ++i)
+    add_to_blend(vertex, i, scale * weight(vertex, i, y) * target(vertex, i));
+  return usable;
+}
+
+Wedge usable_wedge(RingCorner corner) {
+  Wedge wedge = wedge_of(corner.offset, corner.next, corner.previous);
+  bool usable = wedge.valid && wedge.along_next >= kLeastUsableCoordinate &&
+                wedge.along_previous >= kLeastUsableCoordinate;
+  return usable ? wedge : Wedge(kRegularCoordinate, kRegularCoordinate, true);
+}
+
+vec2 edge_point(Ring ring, uint i, vec2 y) {
+  RingCorner corner = ring_corner(ring, i);
+  Wedge own = usable_wedge(corner);
+  uint after = i + 1u == ring.vertex.count ? 0u : i + 1u;
+  return weight(ring.vertex, i, y) * own.along_next * corner.next +
+         weight(ring.vertex, after, y) * own.along_previous * corner.previous;
+}
+
+// The same on edges: each takes the parts of its two control points along it and gets one factor.
+// Blends `part` of it, as far as it is to be used; returns how much.
+float add_edges(Ring ring, float part) {
+  FairVertex vertex = ring.vertex;
+  uint n = vertex.count;
+  float before = usable_wedge(ring_corner(ring, n - 1u)).along_previous;
+  for (uint i = 0u; i < n; ++i) {
+    RingCorner corner = ring_corner(ring, i);
+    Wedge own = usable_wedge(corner);
+    result[places[vertex.first + i].corner].xy = (own.along_next + before) * corner.next;
+    before = own.along_previous;
+  }
+  vec2 y;
+  part *= balance(vertex, y);
+  if (!(part > 0.0)) return 0.0;
+  float largest = 0.0;
+  for (uint i = 0u; i < n; ++i) {
+    RingCorner corner = ring_corner(ring, i);
+    Wedge own = usable_wedge(corner);
+    vec2 point = edge_point(ring, i, y);
+    vec2 goal = own.along_next * corner.next + own.along_previous * corner.previous;
+    float square = dot(goal, goal);
+    if (square > 0.0) largest = max(largest, dot(point, point) / square);
+  }
+  float scale = largest > kLongestFactor * kLongestFactor ? kLongestFactor / sqrt(largest) : 1.0;
+  for (uint i = 0u; i < n; ++i) add_to_blend(vertex, i, part * scale * edge_point(ring, i, y));
+  return part;
+}
+
+// Local polygon in the tangent plane, in the first two floats of the results.
+void build_local(Ring ring) {
+  float rho = imbalance(ring);
+  bool translated = rho <= kTranslatedImbalance;
+  float rest = 0.0;
+  if (!translated) {
+    rest = 1.0 - add_corners(ring, rho);
+    if (rest > 0.0) rest -= add_edges(ring, rest);
+  }
+  for (uint i = 0u; i < ring.vertex.count; ++i) {
+    uint corner = places[ring.vertex.first + i].corner;
+    vec2 offset = ring_offset(ring, i);
+    result[corner] = vec4(translated ? offset - ring.mean
+                                     : result[corner].zw + rest * kLastResortFactor * offset,
+                          0.0, 0.0);
+  }
+}
+
+// What bilinear corners add to a plane: the part of the heights that no plane explains.
+void add_twist(Ring ring) {
+  FairVertex vertex = ring.vertex;
+  float mean = 0.0;
+  for (uint i = 0u; i < vertex.count; ++i)
+    mean += dot(offsets[places[vertex.first + i].corner].xyz, ring.frame.normal);
+  mean /= float(vertex.count);
+  float xx = 0.0, xy = 0.0, yy = 0.0;
+  vec2 moment = vec2(0.0);
+  for (uint i = 0u; i < vertex.count; ++i) {
+    vec2 p = ring_offset(ring, i) - ring.mean;
+    float height = dot(offsets[places[vertex.first + i].corner].xyz, ring.frame.normal) - mean;
+    xx += p.x * p.x;
+    xy += p.x * p.y;
+    yy += p.y * p.y;
+    moment += height * p;
+  }
+  float determinant = xx * yy - xy * xy;
+  vec2 slope = vec2(0.0);
+  // Below this the control points lie on a line up to rounding.
+  if (determinant > 1e-6 * (xx + yy) * (xx + yy))
+    slope = vec2(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x) / determinant;
+  for (uint i = 0u; i < vertex.count; ++i) {
+    uint corner = places[vertex.first + i].corner;
+    vec2 offset = ring_offset(ring, i);
+    float height = dot(offsets[corner].xyz, ring.frame.normal);
+    float twist = height - mean - dot(slope, offset - ring.mean);
+    float before = length(offset), after = length(result[corner].xy);
+    result[corner].z = twist * (after < before ? after / before : 1.0);
+  }
+}
+
+void centre(FairVertex vertex) {
+  vec3 mean = vec3(0.0);
+  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
+    mean += result[places[i].corner].xyz;
+  mean /= float(vertex.count);
+  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
+    result[places[i].corner].xyz -= mean;
+}
+
+void build_polygon(uint v, FairVertex vertex) {
+  Ring ring = ring_of(v, normals[v].xyz);
+  // Two control points only: translation puts them on both sides of the vertex.
+  float share = vertex.count > 2u ? shares[v] : 1.0;
+  if (share < 1.0) {
+    build_local(ring);
+    if (vertex.regular != 0u) add_twist(ring);
+  }
+  vec3 mean = vec3(0.0);
+  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
+    mean += offsets[places[i].corner].xyz;
+  mean /= float(vertex.count);
+  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
+    uint corner = places[i].corner;
+    vec3 translated = offsets[corner].xyz - mean;
+    vec3 local = translated;
+    if (share < 1.0) {
+      vec3 flat_point = result[corner].xyz;
+      local = lift(ring.frame, flat_point.xy) + flat_point.z * ring.frame.normal;
+    }
+    result[corner] = vec4(share * translated + (1.0 - share) * local, 0.0);
+  }
+  centre(vertex);
+}
+
+void main() {
+  FOR_ELEMENTS(v) {
+    FairVertex vertex = vertices[v];
+    if (has_polygon(vertex)) {
+      build_polygon(v, vertex);
+    } else if (vertex.kind == kCorner) {
+      for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
+        result[places[i].corner] = offsets[places[i].corner];
+    }
+  }
+}

@@ -1,0 +1,60 @@
+// The bending of the two lines through every control point, linear in heights along vertex normals.
+// fair/bending_rows.h.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairCorner, corners);
+READ(1, FairVertex, vertices);
+READ(2, vec4, given);
+READ(3, vec4, normals);
+READ(4, vec4, result);
+WRITE(5, vec4, rows1);  // coefficients of next, own, after; value
+WRITE(6, vec4, rows2);  // of previous, own, before; value
+
+// A part of a line below this of the whole measures noise.
+const float kShortestPart = 0.001;
+// A line whose numbers leave single precision is no line.
+const float kLargestCoefficient = 1e15;
+
+// In which a height moves the control point of a corner; 0 where it must stay.
+vec3 direction(uint vertex) {
+  return has_polygon(vertices[vertex]) ? normals[vertex].xyz : vec3(0.0);
+}
+
+vec4 row(vec3 to_far, vec3 to_near, vec3 normal, vec3 own_direction, vec3 far_direction) {
+  float far_length = safe_length(to_far), near_length = safe_length(to_near);
+  float whole = far_length + near_length;
+  float part = min(far_length, near_length) / whole;
+  if (!(part > kShortestPart)) return vec4(0.0);
+  // A ramp to full weight, so that no line appears at once in a deforming mesh.
+  float scale = 2.0 * min((part - kShortestPart) / kShortestPart, 1.0) / whole;
+  float far = scale / far_length, near = scale / near_length;
+  if (!(max(far, near) * length(normal) < kLargestCoefficient)) return vec4(0.0);
+  float move = dot(normal, own_direction);
+  return vec4(far * dot(normal, far_direction), -(far + near) * move, near * move,
+              dot(normal, far * to_far + near * to_near));
+}
+
+void main() {
+  FOR_ELEMENTS(c) {
+    FairCorner corner = corners[c];
+    vec3 own = result[c].xyz, origin = given[corner.vertex].xyz;
+    uint next = corners[corner.next].vertex, previous = corners[corner.previous].vertex;
+    vec3 to_next = (given[next].xyz - origin) + (result[corner.next].xyz - own);
+    vec3 to_previous = (given[previous].xyz - origin) + (result[corner.previous].xyz - own);
+    // Control points around the same vertex differ by their offsets alone.
+    vec3 to_after = result[corner.after].xyz - own;
+    vec3 to_before = result[corner.before].xyz - own;
+    // Of the quad of the four neighbours, scaled to the square root of half its area.
+    vec3 normal = cross(to_next - to_after, to_previous - to_before);
+    float size = safe_length(normal);
+    rows1[c] = vec4(0.0);
+    rows2[c] = vec4(0.0);
+    if (!(size > 0.0)) continue;
+    normal *= 0.5 / sqrt(size);
+    vec3 move = direction(corner.vertex);
+    rows1[c] = row(to_next, to_after, normal, move, direction(next));
+    rows2[c] = row(to_previous, to_before, normal, move, direction(previous));
+  }
+}

@@ -1,0 +1,246 @@
+// Fair surfaces made in a host's command buffers, against fit() and evaluate() on the CPU.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
+
+#include "support/delaunay_sphere.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+#include "vulkan/embedding_fixture.h"
+
+namespace planish::testing {
+namespace {
+
+using namespace vulkan;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+// Coordinates of a few units in single precision.
+constexpr double kRounding = 2e-6;
+// Root mean square angle between normals, in degrees; as in fair_net_test.cpp.
+constexpr double kNormals = 0.5;
+
+class EmbedFair : public Embedding {
+ protected:
+  std::unique_ptr<HostTopology> make_topology(const PolygonMesh& mesh, SystemOptions options = {}) {
+    options.method = InterpolationMethod::Fair;
+    auto topology = std::make_unique<HostTopology>(*context_, mesh, options);
+    topology->upload(*submitter_);
+    return topology;
+  }
+};
+
+SystemOptions fair_options(int level = 2) {
+  SystemOptions options;
+  options.method = InterpolationMethod::Fair;
+  options.level = level;
+  return options;
+}
+
+double rms_degrees(const std::vector<Vertex>& a, const std::vector<Vertex>& b) {
+  if (a.size() != b.size()) return HUGE_VAL;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const glm::dvec3 n(a[i].normal), m(b[i].normal);
+    if (n == glm::dvec3(0.0) || m == glm::dvec3(0.0)) continue;
+    const double angle = std::atan2(glm::length(glm::cross(n, m)), glm::dot(n, m));
+    sum += angle * angle;
+    ++count;
+  }
+  return count ? std::sqrt(sum / count) * 180 / M_PI : 0;
+}
+
+double rms_distance(const std::vector<Vertex>& a, const std::vector<Vertex>& b) {
+  if (a.size() != b.size()) return HUGE_VAL;
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double distance = glm::distance(a[i].position, b[i].position);
+    sum += distance * distance;
+  }
+  return std::sqrt(sum / double(a.size()));
+}
+
+// Of the used vertices, which come first.
+double worst_limit_point(const std::vector<Vertex>& vertices, const PolygonMesh& pose,
+                         std::span<const std::int32_t> used) {
+  double worst = 0;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const double distance = glm::distance(vertices[i].position, glm::vec3(pose.positions[used[i]]));
+    if (!(distance <= worst)) worst = distance;
+  }
+  return worst;
+}
+
+TEST_F(EmbedFair, SurfaceEqualsTheCpus) {
+  PolygonMesh unused = test::torus(9, 6, 2, 0.7);
+  unused.positions.insert(unused.positions.begin() + 20, glm::dvec3(100, 0, 0));
+  for (std::int32_t& v : unused.face_vertices) v += v >= 20;
+  const std::vector<test::NamedMesh> meshes = {
+      {"icosphere", test::icosphere(2)},
+      {"torus", test::torus(12, 7, 2, 0.7)},
+      {"random sphere", test::delaunay_sphere(300, 2)},
+      {"random", test::random_closed_mesh(3)},
+      {"open", test::random_open_mesh(4)},
+      {"creases", test::with_random_creases(test::random_open_mesh(5), 0.15, 6)},
+      {"unused vertex", unused}};
+  for (const test::NamedMesh& mesh : meshes)
+    for (const int level : {0, 1, 2}) {
+      SCOPED_TRACE(mesh.name + " " + std::to_string(level));
+      const SystemOptions options = fair_options(level);
+      const auto topology = make_topology(mesh.mesh, options);
+      HostFrame frame(*context_, *topology);
+      const PolygonMesh pose = posed(mesh.mesh, 1);
+      const std::vector<Vertex> vertices = run(frame, pose, {});
+      const std::vector<Vertex> expected = surface_by_cpu(pose, mesh.mesh, options);
+      EXPECT_LT(worst_limit_point(vertices, pose, topology->system.used_vertices()), kRounding);
+      EXPECT_LT(rms_degrees(vertices, expected), kNormals);
+      EXPECT_LT(rms_distance(vertices, expected), 1e-3);
+      EXPECT_EQ(frame.status().iterations, 0u);
+      EXPECT_EQ(frame.status().state, SolveState::Stepped);
+      EXPECT_LT(frame.status().residual, 1e-7 * topology->system.diagonal());
+    }
+}
+
+TEST_F(EmbedFair, SizeAndPlaceDoNotMatter) {
+  const PolygonMesh mesh = test::delaunay_sphere(300, 4);
+  std::vector<Vertex> first;
+  for (const double size : {1.0, 1e-8, 1e8}) {
+    PolygonMesh scaled = mesh;
+    for (glm::dvec3& p : scaled.positions) p *= size;
+    const auto topology = make_topology(scaled);
+    HostFrame frame(*context_, *topology);
+    std::vector<Vertex> vertices = run(frame, scaled, {});
+    EXPECT_LT(worst_limit_point(vertices, scaled, topology->system.used_vertices()), 1e-6 * size);
+    for (Vertex& vertex : vertices) vertex.position = glm::vec3(glm::dvec3(vertex.position) / size);
+    if (first.empty()) first = vertices;
+    EXPECT_LT(rms_degrees(vertices, first), 0.01) << size;
+    EXPECT_LT(rms_distance(vertices, first), 1e-5) << size;
+  }
+}
+
+TEST_F(EmbedFair, DoesNothingButRecord) {
+  const PolygonMesh mesh = test::torus(12, 7, 2, 0.7);
+  const auto topology = make_topology(mesh);
+  HostFrame frame(*context_, *topology);
+  frame.set_points(mesh);
+  SolveOptions options;
+  options.vertices.buffer = frame.output.handle();
+  const vulkan::Solve staged(*context_, topology->device, options);
+  std::map<std::string, int> before, after;
+  HostCommands commands(*own_);
+  commands.record([&](VkCommandBuffer buffer) {
+    before = PretendedDriver::counts();
+    topology->device.record_upload(buffer, topology->staging.handle(), 0,
+                                   {topology->indices.handle(), 0});
+    staged.record_reset(buffer);
+    staged.record_given(buffer, frame.points.handle(), 0);
+    staged.record_solve(buffer, {});
+    staged.record_evaluate(buffer);
+    staged.record_status(buffer, frame.report.handle(), 0);
+    after = PretendedDriver::counts();
+  });
+  for (const auto& [name, count] : after) {
+    if (count != before[name]) {
+      EXPECT_THAT(name, StartsWith("vkCmd"));
+    }
+  }
+  // 8 polish steps of 6 kernels, and two repairs of 4 looks and 3 turns among them.
+  EXPECT_GT(after["vkCmdDispatch"] - before["vkCmdDispatch"], 8 * 6 + 2 * (4 * 2 + 3));
+  commands.submit();
+  commands.wait();
+}
+
+TEST_F(EmbedFair, ResubmissionFollowsTheHostsPoints) {
+  const PolygonMesh mesh = test::delaunay_sphere(200, 5);
+  const auto topology = make_topology(mesh);
+  HostFrame frame(*context_, *topology), fresh(*context_, *topology);
+  HostCommands commands(*own_);
+  commands.record([&](VkCommandBuffer buffer) { frame.record(buffer, {}); });
+  for (int i = 0; i < 4; ++i) {
+    const PolygonMesh pose = posed(mesh, i);
+    frame.set_points(pose);
+    commands.submit();
+    commands.wait();
+    // No recorded value depends on what ran before: not a bit of it.
+    const std::vector<Vertex> vertices = frame.vertices(), expected = run(fresh, pose, {});
+    EXPECT_EQ(std::memcmp(vertices.data(), expected.data(), vertices.size() * sizeof(Vertex)), 0);
+  }
+}
+
+TEST_F(EmbedFair, TwoFramesInFlight) {
+  const PolygonMesh mesh = test::random_closed_mesh(4);
+  const auto topology = make_topology(mesh);
+  std::unique_ptr<HostFrame> frames[2];
+  std::unique_ptr<HostCommands> commands[2];
+  for (int i = 0; i < 2; ++i) {
+    frames[i] = std::make_unique<HostFrame>(*context_, *topology);
+    commands[i] = std::make_unique<HostCommands>(*own_);
+    commands[i]->record([&](VkCommandBuffer buffer) { frames[i]->record(buffer, {}); });
+  }
+  const auto finish = [&](int number) {
+    commands[number % 2]->wait();
+    const PolygonMesh pose = posed(mesh, number);
+    EXPECT_LT(
+        worst_limit_point(frames[number % 2]->vertices(), pose, topology->system.used_vertices()),
+        kRounding)
+        << number;
+  };
+  for (int number = 0; number < 6; ++number) {
+    if (number >= 2) finish(number - 2);  // the last is still in flight
+    frames[number % 2]->set_points(posed(mesh, number));
+    commands[number % 2]->submit();
+  }
+  finish(4);
+  finish(5);
+}
+
+TEST_F(EmbedFair, PointsThatAreNoNumbersSayStop) {
+  const PolygonMesh mesh = test::icosphere(1);
+  const auto topology = make_topology(mesh);
+  HostFrame frame(*context_, *topology);
+  PolygonMesh bad = mesh;
+  bad.positions[5].y = std::numeric_limits<double>::quiet_NaN();
+  run(frame, bad, {});
+  EXPECT_EQ(frame.status().state, SolveState::NotFinite);
+  run(frame, mesh, {});
+  EXPECT_EQ(frame.status().state, SolveState::Stepped);
+  EXPECT_LT(frame.status().residual, 1e-6);
+}
+
+TEST_F(EmbedFair, RefusesWhatItCannotDo) {
+  const auto topology = make_topology(test::icosphere(1));
+  SolveOptions options;
+  options.polish_steps = 1001;
+  try {
+    const vulkan::Solve solve(*context_, topology->device, options);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+    EXPECT_THAT(error.what(), HasSubstr("polish_steps 1001"));
+  }
+  // The tables of one method are not those of the other.
+  const System progressive(test::icosphere(1));
+  std::vector<std::byte> staging(topology->device.upload_bytes());
+  EXPECT_THROW(topology->device.write_upload(progressive, staging), Error);
+}
+
+TEST_F(EmbedFair, NamesTheLimitThatAMeshExceeds) {
+  ContextOptions low;
+  low.max_storage_range = 16384;
+  open(low);
+  try {
+    const HostTopology topology(*context_, test::icosphere(3), fair_options(0));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
+    EXPECT_THAT(error.what(), HasSubstr("maxStorageBufferRange is 16384"));
+  }
+}
+
+}  // namespace
+}  // namespace planish::testing

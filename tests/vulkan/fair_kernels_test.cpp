@@ -1,0 +1,297 @@
+// Every kernel of the fair construction against its twin, the function of fair/ that does the same
+// in double, given what the kernel was given.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "planish/fair/bending_rows.h"
+#include "planish/fair/corner_offsets.h"
+#include "planish/fair/crease_handle.h"
+#include "planish/fair/crease_sector.h"
+#include "planish/fair/fold_repair.h"
+#include "planish/fair/masked_iteration.h"
+#include "planish/fair/polish.h"
+#include "planish/fair/vertex_frame.h"
+#include "planish/fair/vertex_polygon.h"
+#include "vulkan/fair_machine.h"
+
+namespace planish::testing {
+namespace {
+
+using glm::dvec3;
+
+// Coordinates are of unit diagonal: some roundings of single precision.
+constexpr double kRounding = 2e-6;
+// Of unit vectors: differences of coordinates lose more, the nearer vertices are to each other.
+constexpr double kDirection = 1e-4;
+
+class FairKernels : public FairMachine {
+ protected:
+  template <class Record>
+  void run(const Record& record) {
+    machine_->submitter.run([&](VkCommandBuffer commands) { record(commands); });
+  }
+  // Runs all before the polygons are built.
+  void prepare(DeviceNet& net) {
+    run([&](VkCommandBuffer commands) {
+      net.fair.record_clear(commands);
+      net.fair.record_prepare(commands);
+    });
+  }
+  void build(DeviceNet& net) {
+    run([&](VkCommandBuffer commands) {
+      net.fair.record_clear(commands);
+      net.fair.record_prepare(commands);
+      net.fair.record_build(commands);
+    });
+  }
+  std::vector<double> shares(const DeviceNet& net) {
+    const auto floats = download<float>(net.fair.buffers().shares, net.given.size());
+    return {floats.begin(), floats.end()};
+  }
+  std::vector<dvec3> result(const DeviceNet& net) {
+    return download_points(net.fair.buffers().result, net.records.owners.size());
+  }
+};
+
+double worst(std::span<const dvec3> a, std::span<const dvec3> b) {
+  double largest = a.size() == b.size() ? 0 : HUGE_VAL;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double distance = glm::distance(a[i], b[i]);
+    if (!(distance <= largest)) largest = distance;
+  }
+  return largest;
+}
+
+// Length of the sum of a vertex's corner normals, weighted by angles, by the sum of the angles:
+// what cancels makes roundings larger.
+double agreement(const DeviceNet& net, std::int32_t v) {
+  dvec3 sum(0.0);
+  double angles = 0;
+  for (std::int32_t i = net.topology.ring_offsets[v]; i < net.topology.ring_offsets[v + 1]; ++i) {
+    const dvec3 a = net.given[net.topology.ring_next[i]] - net.given[v];
+    const dvec3 b = net.given[net.topology.ring_previous[i]] - net.given[v];
+    const dvec3 turn = glm::cross(a, b);
+    const double length = glm::length(turn), angle = std::atan2(length, glm::dot(a, b));
+    angles += angle;
+    if (length > 0) sum += angle / length * turn;
+  }
+  const double part = glm::length(sum) / angles;
+  return part > 1e-4 ? part : 1.0;  // below, face normals stand in
+}
+
+TEST_F(FairKernels, NormalsAndOffsetsEqualTheirTwins) {
+  for (const test::NamedMesh& mesh : fair_meshes()) {
+    SCOPED_TRACE(mesh.name);
+    const test::FairCase c(mesh.mesh);
+    DeviceNet net(*machine_, c, 0);
+    prepare(net);
+    const FairTopology& topology = net.topology;
+    const auto& buffers = net.fair.buffers();
+    const auto face_normals =
+        download_points(buffers.face_normals, static_cast<std::size_t>(topology.face_count));
+    EXPECT_LT(worst(face_normals, unit_face_normals(topology, net.given)), kDirection);
+    const auto normals = download_points(buffers.normals, net.given.size());
+    for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
+      const dvec3 normal = angle_weighted_normal(topology, net.given, face_normals, v,
+                                                 topology.ring_offsets[v], topology.valence(v));
+      EXPECT_LT(glm::distance(normals[v], normal), kDirection / agreement(net, v)) << v;
+    }
+    std::vector<dvec3> offsets(static_cast<std::size_t>(topology.corner_count));
+    corner_offsets(topology, net.given, net.given, offsets);
+    EXPECT_LT(worst(download_points(buffers.given_offsets, offsets.size()), offsets), kRounding);
+  }
+}
+
+TEST_F(FairKernels, SharesAndMaskedIterationEqualTheirTwins) {
+  for (const test::NamedMesh& mesh : fair_meshes()) {
+    SCOPED_TRACE(mesh.name);
+    const test::FairCase c(mesh.mesh);
+    DeviceNet net(*machine_, c, 0);
+    prepare(net);
+    const FairTopology& topology = net.topology;
+    const auto& buffers = net.fair.buffers();
+    const auto corners = static_cast<std::size_t>(topology.corner_count);
+    const std::vector<double> shares = this->shares(net);
+    const auto normals = download_points(buffers.normals, net.given.size());
+    auto offsets = download_points(buffers.given_offsets, corners);
+    PlanarRing ring;
+    for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
+      double share = 0;
+      if (topology.is_regular[v] && topology.kind(v) == VertexKind::Crease) {
+        share = tensor_share(imbalance(crease_arms(topology, net.given, v)));
+      } else if (topology.is_regular[v] && topology.has_polygon(v)) {
+        project_ring(topology, net.given, offsets, v, topology.ring_offsets[v], topology.valence(v),
+                     frame_of(normals[v]), ring);
+        share = tensor_share(imbalance(ring));
+      }
+      EXPECT_NEAR(shares[v], share, 1e-3) << v;
+    }
+    if (!net.tables.has_regular_vertices) continue;
+    const auto points = masked_iteration(topology, net.given, shares, offsets);
+    EXPECT_LT(worst(download_points(buffers.points, points.size()), points), kRounding);
+    EXPECT_LT(worst(download_points(buffers.offsets, corners), offsets), kRounding);
+  }
+}
+
+// What the kernels that build polygons were given.
+struct Prepared {
+  std::vector<dvec3> normals, face_normals, points, offsets;
+  std::vector<double> shares;
+};
+
+// The twin of fair_handles.
+SectorShape crease_shape(const DeviceNet& net, const Prepared& from, std::int32_t v) {
+  const CreaseArms arms = crease_arms(net.topology, net.given, v);
+  SectorShape shape{crease_handle(arms, imbalance(arms)), from.shares[v], dvec3(0.0)};
+  if (shape.share > 0) {
+    const auto [before, after] = net.topology.crease_neighbours(v);
+    const std::vector<dvec3>& points = from.points;
+    shape.handle = shape.share * (points[before] - points[after]) / 8.0 +
+                   (1 - shape.share) * chord_handle(arms);
+    shape.tensor_shift =
+        net.given[v] - points[v] - (points[before] + points[after] - 2.0 * points[v]) / 8.0;
+  }
+  return shape;
+}
+
+// The twins of fair_polygons, fair_reversed, fair_handles and fair_sectors.
+std::vector<dvec3> built(const DeviceNet& net, const Prepared& from) {
+  const FairTopology& topology = net.topology;
+  std::vector<dvec3> result = from.offsets;
+  result.resize(static_cast<std::size_t>(topology.state_size));
+  PolygonScratch scratch;
+  for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
+    if (topology.has_polygon(v))
+      build_vertex_polygon(topology, net.given, v, {from.normals[v], from.shares[v]}, scratch,
+                           result);
+    if (topology.kind(v) != VertexKind::Crease) continue;
+    const SectorShape shape = crease_shape(net, from, v);
+    const std::int32_t crease = topology.crease_of_vertex[v];
+    const std::int32_t first = topology.sector_offsets[crease];
+    for (std::int32_t s = first; s < topology.sector_offsets[crease + 1]; ++s)
+      build_sector(topology, net.given, from.face_normals, topology.sectors[s], shape, result);
+    result[topology.sectors[first].curve0] = shape.handle;
+    result[topology.sectors[first].curve1] = -shape.handle;
+  }
+  return result;
+}
+
+// What is left of the curve points: those of darts and corners.
+void expect_curve_points(const DeviceNet& net, const Prepared& from, std::span<const dvec3> made,
+                         std::span<const dvec3> expected) {
+  const auto corners = static_cast<std::size_t>(net.topology.corner_count);
+  for (std::size_t s = 0; s < net.topology.curve_points.size(); ++s) {
+    const FairTopology::CurvePoint& place = net.topology.curve_points[s];
+    dvec3 own = expected[corners + s];
+    if (net.topology.kind(place.vertex) == VertexKind::Corner)
+      own = (from.points[place.other] - net.given[place.vertex]) / 4.0;
+    if (net.topology.kind(place.vertex) == VertexKind::Dart)
+      own = (made[place.corner_after] + made[place.corner_before]) / 2.0;
+    EXPECT_LT(glm::distance(made[corners + s], own), kRounding) << s;
+  }
+}
+
+TEST_F(FairKernels, PolygonsAndCreasesEqualTheirTwins) {
+  std::size_t compared = 0, different = 0;
+  for (const test::NamedMesh& mesh : fair_meshes()) {
+    SCOPED_TRACE(mesh.name);
+    const test::FairCase c(mesh.mesh);
+    DeviceNet net(*machine_, c, 0);
+    build(net);
+    const FairTopology& topology = net.topology;
+    const auto& buffers = net.fair.buffers();
+    const auto corners = static_cast<std::size_t>(topology.corner_count);
+    const Prepared from{
+        download_points(buffers.normals, net.given.size()),
+        download_points(buffers.face_normals, static_cast<std::size_t>(topology.face_count)),
+        net.tables.has_regular_vertices ? download_points(buffers.points, net.given.size())
+                                        : net.given,
+        download_points(net.fair.offsets(), corners), shares(net)};
+    const std::vector<dvec3> made = result(net), expected = built(net, from);
+    for (std::size_t i = 0; i < corners; ++i) {
+      ++compared;
+      if (!(glm::distance(made[i], expected[i]) <= 1e-5)) ++different;
+    }
+    expect_curve_points(net, from, made, expected);
+  }
+  // Where a test decides by less than single precision knows, it may decide otherwise.
+  EXPECT_GT(compared, 10000u);
+  EXPECT_LT(double(different), 1e-3 * double(compared)) << different << " of " << compared;
+}
+
+TEST_F(FairKernels, RepairEqualsItsTwin) {
+  std::int64_t halved = 0;
+  for (const test::NamedMesh& mesh : fair_meshes()) {
+    SCOPED_TRACE(mesh.name);
+    const test::FairCase c(mesh.mesh);
+    DeviceNet net(*machine_, c, 0);
+    build(net);
+    std::vector<dvec3> expected = result(net);
+    const auto face_normals = download_points(net.fair.buffers().face_normals,
+                                              static_cast<std::size_t>(net.topology.face_count));
+    run([&](VkCommandBuffer commands) { net.fair.record_repair(commands, 0); });
+    std::vector<std::uint8_t> halvings(net.given.size(), 0);
+    const FoldCount left = repair_folds(net.topology, net.given, face_normals, expected, halvings);
+    EXPECT_LT(worst(result(net), expected), kRounding);
+    const auto counts =
+        download<std::uint32_t>(net.fair.buffers().counts, vulkan::shared::kFairCounts);
+    EXPECT_EQ(counts[6], left.edges);
+    EXPECT_EQ(counts[7], left.faces);
+    const auto words = download<std::uint32_t>(net.fair.buffers().halvings, halvings.size());
+    EXPECT_TRUE(std::equal(words.begin(), words.end(), halvings.begin()));
+    for (const std::uint8_t count : halvings) halved += count;
+  }
+  EXPECT_GT(halved, 10);
+}
+
+// By `part` of the largest magnitude of `expected`, and `rounding`.
+void expect_near(std::span<const float> a, std::span<const float> expected, double part,
+                 double rounding) {
+  ASSERT_EQ(a.size(), expected.size());
+  double largest = 0, off = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    largest = std::max(largest, std::abs(double(expected[i])));
+    const double difference = std::abs(double(a[i]) - expected[i]);
+    if (!(difference <= off)) off = difference;
+  }
+  EXPECT_LE(off, part * largest + rounding);
+}
+
+TEST_F(FairKernels, RowsAndHeightsEqualTheirTwins) {
+  for (const test::NamedMesh& mesh : fair_meshes()) {
+    SCOPED_TRACE(mesh.name);
+    const test::FairCase c(mesh.mesh);
+    // Few steps: conjugate gradients double what rounding does with every one.
+    DeviceNet net(*machine_, c, 2);
+    build(net);
+    std::vector<dvec3> moved = result(net);
+    const auto normals = download_points(net.fair.buffers().normals, net.given.size());
+    run([&](VkCommandBuffer commands) { net.fair.record_polish(commands); });
+    BendingRows bending = make_bending_rows(net.topology, net.given, normals, moved);
+    const auto corners = static_cast<std::size_t>(net.topology.corner_count);
+    const auto rows1 = download<glm::vec4>(net.fair.buffers().rows1, corners);
+    const auto rows2 = download<glm::vec4>(net.fair.buffers().rows2, corners);
+    std::vector<float> made, expected;
+    for (std::size_t i = 0; i < corners; ++i) {
+      const BendingRows::Row& row = bending.rows[i];
+      made.insert(made.end(), {rows1[i].x, rows1[i].y, rows1[i].z});
+      made.insert(made.end(), {rows2[i].x, rows2[i].y, rows2[i].z});
+      expected.insert(expected.end(), {row.next, row.own1, row.after});
+      expected.insert(expected.end(), {row.previous, row.own2, row.before});
+    }
+    expect_near(made, expected, 1e-4, 0);
+    const auto per_corner = download<float>(net.fair.buffers().heights, corners);
+    std::vector<float> heights(corners);
+    for (std::size_t i = 0; i < corners; ++i) heights[i] = per_corner[net.topology.ring_corners[i]];
+    const auto twin = polish_heights(net.topology, std::move(bending), 2);
+    // Symmetric nets have nothing to polish but rounding.
+    expect_near(heights, twin, 1e-3, kRounding);
+    apply_heights(net.topology, normals, heights, moved);
+    EXPECT_LT(worst(result(net), moved), kRounding);
+  }
+}
+
+}  // namespace
+}  // namespace planish::testing

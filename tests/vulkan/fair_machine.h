@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstring>
+#include <glm/vec4.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "conformance/catalogue.h"
+#include "fair/fair_case.h"
+#include "planish/vulkan/gpu_fair.h"
+#include "planish/vulkan/vulkan_machine.h"
+#include "support/delaunay_sphere.h"
+#include "support/random_meshes.h"
+#include "vulkan/fixture.h"
+
+namespace planish::testing {
+
+/// Meshes of every kind, and those whose vertices, corners, edges or faces fill work groups nearly,
+/// just, and just not.
+[[nodiscard]] inline std::vector<test::NamedMesh> fair_meshes() {
+  std::vector<test::NamedMesh> meshes = test::closed_meshes();
+  for (test::NamedMesh& mesh : test::open_meshes()) meshes.push_back(std::move(mesh));
+  for (test::NamedMesh& mesh : test::sharp_meshes()) meshes.push_back(std::move(mesh));
+  meshes.push_back({"random sphere 600", test::delaunay_sphere(600, 1)});
+  for (const int n : {63, 64, 65}) {
+    meshes.push_back({"vertices " + std::to_string(n), test::bipyramid(n - 2)});
+    meshes.push_back({"faces " + std::to_string(n), test::prism(n - 2)});
+    meshes.push_back({"corners " + std::to_string(n), test::single_polygon(n)});
+  }
+  return meshes;
+}
+
+/// A device with validation on, and nets built on it step by step.
+class FairMachine : public VulkanTest {
+ protected:
+  void SetUp() override {
+    VulkanTest::SetUp();
+    if (!IsSkipped() && !HasFatalFailure()) make_machine({});
+  }
+
+  void make_machine(const vulkan::ContextOptions& context) {
+    vulkan::OwnDeviceOptions options;
+    options.instance.validation = true;
+    options.instance.message = [this](std::string_view message) {
+      const std::lock_guard lock(mutex_);
+      messages_.emplace_back(message);
+    };
+    machine_.reset();
+    machine_ = std::make_unique<vulkan::VulkanMachine>(options, context);
+  }
+
+  template <class Item>
+  std::vector<Item> download(const vulkan::Buffer& source, std::size_t count) {
+    std::vector<Item> items(count);
+    machine_->submitter.download({source.handle(), 0, count * sizeof(Item)},
+                                 [&](std::uint64_t offset, std::span<const std::byte> piece) {
+                                   std::memcpy(reinterpret_cast<std::byte*>(items.data()) + offset,
+                                               piece.data(), piece.size());
+                                 });
+    return items;
+  }
+  std::vector<glm::dvec3> download_points(const vulkan::Buffer& source, std::size_t count) {
+    return machine_->download_points(source, count);
+  }
+
+  std::unique_ptr<vulkan::VulkanMachine> machine_;
+};
+
+/// A net in the making on a device.
+struct DeviceNet {
+  DeviceNet(vulkan::VulkanMachine& machine, const test::FairCase& c, std::uint32_t polish_steps)
+      : topology(make_fair_topology(c.mesh, c.subdivision)),
+        records(vulkan::fair_records(topology)),
+        tables(machine.context, records),
+        points(machine.context, c.given.size() * sizeof(glm::vec4), vulkan::MemoryUse::Device),
+        fair(machine.context, tables, points, {polish_steps}) {
+    tables.for_each(records, [&](const vulkan::Buffer& buffer, std::span<const std::byte> bytes) {
+      machine.submitter.upload({buffer.handle(), 0, bytes.size()}, bytes);
+    });
+    machine.upload_points(points, c.given);
+    for (const glm::dvec3& p : c.given) given.emplace_back(glm::vec3(p));
+  }
+
+  FairTopology topology;
+  vulkan::FairRecords records;
+  vulkan::FairTables tables;
+  vulkan::Buffer points;
+  vulkan::GpuFair fair;
+  std::vector<glm::dvec3> given;  ///< as the device has them
+};
+
+}  // namespace planish::testing

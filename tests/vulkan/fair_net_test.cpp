@@ -1,0 +1,153 @@
+// Fair nets built on the device against fair_net() in double.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "planish/fair/fair_builder.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/level_one.h"
+#include "vulkan/fair_machine.h"
+
+namespace planish::testing {
+namespace {
+
+using glm::dvec3;
+
+// What exact nets leave in single precision before anything is rounded.
+constexpr double kInterpolation = 9e-8;
+// Root mean square angle between the normals of both surfaces, in degrees. Both go the same way but
+// where a test decides by less than single precision knows; a net of few vertices then differs
+// visibly at one of them.
+constexpr double kNormals = 0.5;
+// After the polish, whose conjugate gradients double what rounding does with every step on nets as
+// folded as random ones; the mean over all meshes is below 0.02.
+constexpr double kPolishedNormals = 1.0;
+
+class FairNetOnDevice : public FairMachine {
+ protected:
+  FairNet build(Backend& backend, const test::FairCase& c, std::int32_t polish_steps = 8) {
+    auto* const builder = dynamic_cast<FairBuilder*>(&backend);
+    EXPECT_NE(builder, nullptr);
+    return builder->build_fair_net(make_fair_topology(c.mesh, c.subdivision), c.given,
+                                   {.polish_steps = polish_steps});
+  }
+};
+
+double interpolation_error(const test::FairCase& c, std::span<const dvec3> state) {
+  const std::vector<dvec3> limits = limit_points(c.subdivision, state);
+  double worst = 0;
+  for (std::size_t v = 0; v < limits.size(); ++v) {
+    const double error = glm::distance(limits[v], c.given[v]);
+    if (!(error <= worst)) worst = error;
+  }
+  return worst;
+}
+
+double rms_degrees(const test::FairCase& c, std::span<const dvec3> a, std::span<const dvec3> b) {
+  const test::LimitSamples first = test::limit_samples(c, a, 2);
+  const test::LimitSamples second = test::limit_samples(c, b, 2);
+  double sum = 0;
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < first.normals.size(); ++i) {
+    const dvec3 n(first.normals[i]), m(second.normals[i]);
+    if (n == dvec3(0.0) || m == dvec3(0.0)) continue;
+    const double angle = std::atan2(glm::length(glm::cross(n, m)), glm::dot(n, m));
+    sum += angle * angle;
+    ++count;
+  }
+  return count ? std::sqrt(sum / double(count)) * 180 / M_PI : 0;
+}
+
+TEST_F(FairNetOnDevice, InterpolatesAndEqualsTheCpusSurface) {
+  const auto backend = make_backend();
+  double sum = 0;
+  int count = 0;
+  for (const test::NamedMesh& mesh : fair_meshes()) {
+    SCOPED_TRACE(mesh.name);
+    const test::FairCase c(mesh.mesh, 2);
+    for (const std::int32_t steps : {0, 8}) {
+      const FairNet net = build(*backend, c, steps);
+      const FairNet expected = c.net(steps);
+      ASSERT_EQ(net.state.size(), expected.state.size());
+      EXPECT_LT(interpolation_error(c, net.state), kInterpolation);
+      const double degrees = rms_degrees(c, net.state, expected.state);
+      EXPECT_LT(degrees, steps > 0 ? kPolishedNormals : kNormals) << steps;
+      sum += degrees;
+      ++count;
+    }
+  }
+  EXPECT_LT(sum / count, 0.02);
+}
+
+TEST_F(FairNetOnDevice, FitBuildsItThere) {
+  const auto backend = make_backend();
+  const PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(5), 0.15, 6);
+  FitOptions options;
+  options.method = InterpolationMethod::Fair;
+  const std::uint64_t before = backend->peak_device_bytes();
+  const Fit made = fit(mesh, *backend, options);
+  EXPECT_GT(backend->peak_device_bytes(), before);
+  ASSERT_TRUE(made.fair.has_value());
+  EXPECT_TRUE(made.interpolation.converged);
+  EXPECT_LT(made.interpolation.error.max, kInterpolation);
+  EXPECT_GT(made.interpolation.error.max, 1e-12);  // not the CPU's doubles
+  const Fit expected = fit(mesh, *make_cpu_backend(), options);
+  ASSERT_EQ(made.fair->level_one.state.size(), expected.fair->level_one.state.size());
+  EXPECT_EQ(made.fair->flagged_edges, expected.fair->flagged_edges);
+}
+
+TEST_F(FairNetOnDevice, CountsWhatItDidLikeTheCpu) {
+  const auto backend = make_backend();
+  const test::FairCase c(test::delaunay_sphere(2000, 3));
+  const FairNet net = build(*backend, c), expected = c.net(8);
+  EXPECT_GT(expected.shrunk_vertices, 20);
+  EXPECT_NEAR(net.shrunk_vertices, expected.shrunk_vertices, 2);
+  EXPECT_NEAR(net.reversed_vertices, expected.reversed_vertices, 1);
+  EXPECT_NEAR(net.flagged_edges, expected.flagged_edges, 1);
+  EXPECT_NEAR(net.flagged_faces, expected.flagged_faces, 1);
+}
+
+TEST_F(FairNetOnDevice, IsTheSameFromFewWorkGroups) {
+  const test::FairCase c(test::delaunay_sphere(600, 1));
+  const auto backend = make_backend();
+  VulkanBackendOptions few;
+  few.max_work_groups = 3;
+  const auto limited = make_backend(few);
+  const FairNet a = build(*backend, c), b = build(*limited, c);
+  double worst = 0;
+  for (std::size_t i = 0; i < a.state.size(); ++i)
+    worst = std::max(worst, glm::distance(a.state[i], b.state[i]));
+  EXPECT_LT(worst, 1e-5);  // the sums of the polish run in another order
+}
+
+TEST_F(FairNetOnDevice, NamesTheLimitThatAMeshExceeds) {
+  const test::FairCase c(test::delaunay_sphere(600, 1));
+  VulkanBackendOptions low;
+  low.max_storage_bytes = 32768;
+  const auto limited = make_backend(low);
+  try {
+    build(*limited, c);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::OutOfMemory);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("maxStorageBufferRange is 32768"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("--device cpu"));
+  }
+}
+
+TEST_F(FairNetOnDevice, SurvivesPointsThatCoincide) {
+  const auto backend = make_backend();
+  for (const double flat : {0.0, 1e-30}) {
+    test::FairCase c(test::random_closed_mesh(3));
+    for (std::size_t v = 0; v < c.given.size(); v += 2) c.given[v] = flat * c.given[v];
+    const FairNet net = build(*backend, c);
+    for (const dvec3& p : net.state)
+      EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+    EXPECT_LT(interpolation_error(c, net.state), kInterpolation);
+  }
+}
+
+}  // namespace
+}  // namespace planish::testing

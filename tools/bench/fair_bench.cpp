@@ -1,0 +1,79 @@
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "bench/agreement.h"
+#include "bench/bench_meshes.h"
+#include "bench/benchmarks.h"
+#include "bench/prepared_mesh.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/fair/fair_builder.h"
+#ifdef PLANISH_HAS_VULKAN
+#include "planish/vulkan/vulkan_backend.h"
+#endif
+
+namespace planish::bench {
+
+namespace {
+
+constexpr double kNoStop = -1;
+constexpr std::int32_t kPolishSteps = 8;
+
+PolygonMesh triangulated(const PolygonMesh& quads) {
+  PolygonMesh mesh;
+  mesh.positions = quads.positions;
+  mesh.face_offsets = {0};
+  for (std::int32_t f = 0; f < quads.face_count(); ++f) {
+    const std::int32_t* v = &quads.face_vertices[quads.face_offsets[f]];
+    for (const std::int32_t corner : {v[0], v[1], v[2], v[0], v[2], v[3]})
+      mesh.face_vertices.push_back(corner);
+    for (int triangle = 0; triangle < 2; ++triangle)
+      mesh.face_offsets.push_back(mesh.face_offsets.back() + 3);
+  }
+  return mesh;
+}
+
+// Plain steps of the paper's iteration on tables that are on the device.
+Peer plain_peer(const std::string& name, Backend& backend, const PreparedMesh& prepared) {
+  const std::shared_ptr<Solve> solve = backend.make_solve(prepared.masks.view());
+  solve->begin(prepared.given);
+  return {name, [solve] {
+            const std::array<StepCoefficients, 1> step = {{{0.0, 1.0}}};
+            (void)solve->run(step, kNoStop);
+          }};
+}
+
+}  // namespace
+
+std::vector<Row> bench_fair(const Options& options) {
+  const PreparedMesh prepared(triangulated(torus_grid(options.quad_count)));
+  const Subdivision subdivision(prepared.split, prepared.features, Weights::DooSabin);
+  const FairOptions fair{kPolishSteps, {}};
+  const auto cpu = make_cpu_backend({Precision::Float, 0});
+  Group group;
+  group.name = "fair";
+  group.size = std::to_string(prepared.mesh.vertex_count()) + " vertices, triangles";
+  group.baseline = "planish-cpu-plain-step";
+  group.peers = {plain_peer("planish-cpu-plain-step", *cpu, prepared),
+                 {"planish-cpu-fair",
+                  [&] { (void)fair_net(prepared.mesh, subdivision, prepared.given, fair); }}};
+#ifdef PLANISH_HAS_VULKAN
+  std::unique_ptr<Backend> vulkan;
+  if (list_vulkan_devices().best >= 0) vulkan = make_vulkan_backend();
+  auto* const builder = dynamic_cast<FairBuilder*>(vulkan.get());
+  const FairTopology topology = make_fair_topology(prepared.mesh, subdivision);
+  if (builder) {
+    group.size += ", " + vulkan->description().name;
+    group.baseline = "planish-vulkan-plain-step";
+    require_agreement("planish-vulkan-fair",
+                      builder->build_fair_net(topology, prepared.given, fair).state,
+                      fair_net(prepared.mesh, subdivision, prepared.given, fair).state);
+    group.peers.push_back(plain_peer("planish-vulkan-plain-step", *vulkan, prepared));
+    group.peers.push_back({"planish-vulkan-fair",
+                           [&] { (void)builder->build_fair_net(topology, prepared.given, fair); }});
+  }
+#endif
+  return run_group(group, std::min(options.repetitions, 3));
+}
+
+}  // namespace planish::bench
