@@ -6,14 +6,10 @@
 #include <string>
 #include <vector>
 
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#include <stb/stb_image_write.h>
-
 #include "picture.h"
 #include "planish/core/error.h"
-#include "planish/core/output_file.h"
 #include "planish/mesh/mesh_file.h"
+#include "write_png.h"
 
 namespace planish::render {
 namespace {
@@ -69,23 +65,6 @@ ViewOptions view_of(const Arguments& arguments, std::size_t input) {
   return view;
 }
 
-void write_png(const Arguments& arguments, const std::vector<std::uint8_t>& pixels) {
-  OutputFile file(arguments.output);
-  const auto send = [](void* context, void* data, int size) {
-    static_cast<OutputFile*>(context)->write(
-        std::span(static_cast<const std::byte*>(data), static_cast<std::size_t>(size)));
-  };
-  constexpr int kChannels = 3;
-  const int width = arguments.picture.width * static_cast<int>(arguments.inputs.size());
-  const int height = arguments.picture.height;
-  stbi_write_png_compression_level = 9;
-  if (!stbi_write_png_to_func(send, &file, width, height, kChannels, pixels.data(),
-                              kChannels * width)) {
-    throw Error(ErrorCode::OutOfMemory, arguments.output + ": no memory for the PNG");
-  }
-  file.commit();
-}
-
 void run(Arguments& arguments) {
   parse_texts(arguments);
   if (!arguments.overlay.empty()) {
@@ -104,7 +83,7 @@ void run(Arguments& arguments) {
       std::copy_n(&tile[row * y], row, &pixels[whole_row * y + row * i]);
     }
   }
-  write_png(arguments, pixels);
+  write_png(arguments.output, static_cast<int>(whole_row / 3), pixels);
 }
 
 }  // namespace

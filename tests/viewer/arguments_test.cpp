@@ -1,0 +1,76 @@
+// The viewer as a process: what it refuses, and what a run off-screen leaves.
+#include "viewer/arguments.h"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "cli/planish_process.h"
+#include "viewer/fixture.h"
+
+namespace planish::testing {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+void expect_error(const std::vector<std::string>& arguments, int code, const std::string& part) {
+  const test::ProcessResult result = test::run_planish(arguments);
+  EXPECT_EQ(result.exit_code, code) << part;
+  EXPECT_THAT(result.err, AllOf(StartsWith("planish-viewer: error: "), HasSubstr(part)));
+}
+
+TEST(ViewerArguments, HelpHasExamples) {
+  const test::ProcessResult result = test::run_planish({"--help"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, AllOf(HasSubstr("Examples:"), HasSubstr("--headless")));
+}
+
+TEST(ViewerArguments, WhatIsWrongIsNamed) {
+  expect_error({"--no-such-flag"}, 2, "--no-such-flag");
+  expect_error({"--png", "a.png"}, 2, "--headless");
+  expect_error({"--headless", "--frames", "0"}, 2, "--frames");
+  expect_error({"--headless", "--iterations", "65"}, 2, "--iterations");
+  expect_error({"--headless", "--level", "-1"}, 2, "--level");
+  expect_error({"--headless", "--size", "10x10"}, 2, "--size 10x10");
+  expect_error({"--headless", "--size", "100"}, 2, "--size 100");
+  expect_error({"--headless", "--view", "nan,0"}, 2, "--view nan,0");
+  expect_error({"--headless", "--view", "0,90"}, 2, "--view 0,90");
+  expect_error({"--headless", "--scene", "missing.obj"}, 3, "missing.obj");
+  expect_error({"--headless", "--scene", PLANISH_SCENES "/goblet.obj", "--job", "goblet"}, 2,
+               "--job goblet");
+  expect_error({"--headless", "--scene", PLANISH_SCENES "/goblet.json", "--job", "cup"}, 2, "cup");
+  expect_error({"--headless", "--scene", "points.xyz"}, 2, "planish reconstruct");
+}
+
+class ViewerProcess : public ViewerTest {};
+
+TEST_F(ViewerProcess, WritesAPicture) {
+  const auto path = std::filesystem::temp_directory_path() / "planish_viewer_test.png";
+  const test::ProcessResult result =
+      test::run_planish({"--headless", "--scene", PLANISH_SCENES "/cube_with_holes.obj", "--frames",
+                         "5", "--size", "64x48", "--heat", "--validate", "--png", path.string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("5 frames"), HasSubstr("validation: 0 messages")));
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(file), {});
+  EXPECT_THAT(bytes, StartsWith("\x89PNG"));
+  std::filesystem::remove(path);
+}
+
+TEST_F(ViewerProcess, SaysThatAPictureCannotBeWritten) {
+  expect_error({"--headless", "--scene", PLANISH_SCENES "/cube.obj", "--size", "64x48", "--png",
+                "/no/such/folder/a.png"},
+               7, "/no/such/folder");
+}
+
+TEST_F(ViewerProcess, DevicesThatAreNotThereAreNamed) {
+  expect_error({"--headless", "--device", "abacus"}, 6, "'abacus'");
+}
+
+}  // namespace
+}  // namespace planish::testing

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "viewer/headless.h"
+#include "vulkan/fixture.h"
+
+namespace planish::testing {
+
+/// Renders off-screen with validation and synchronization validation on; a message fails the test.
+class ViewerTest : public VulkanTest {
+ protected:
+  void SetUp() override {
+    VulkanTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    viewer::InstanceOptions options;
+    options.validation = true;
+    options.message = [this](std::string_view message) {
+      const std::lock_guard lock(mutex_);
+      messages_.emplace_back(message);
+    };
+    instance_ = std::make_unique<viewer::Instance>(options);
+    device_ = std::make_unique<viewer::Device>(*instance_, viewer::DeviceOptions{});
+  }
+
+  static viewer::Scene scene_of(PolygonMesh mesh) {
+    viewer::Scene scene;
+    scene.mesh = std::move(mesh);
+    return scene;
+  }
+
+  /// A small picture that frames the mesh.
+  static viewer::HeadlessOptions options_for(const PolygonMesh& mesh) {
+    viewer::HeadlessOptions options;
+    options.extent = {160, 120};
+    options.camera = viewer::camera_around(mesh.positions);
+    return options;
+  }
+
+  /// The mesh as the animation has it in that frame.
+  static PolygonMesh posed(const PolygonMesh& rest, int frame) {
+    std::vector<glm::vec3> points(rest.positions.size());
+    viewer::Animation(rest.positions).pose(frame / viewer::kFramesPerSecond, points);
+    PolygonMesh mesh = rest;
+    mesh.positions.assign(points.begin(), points.end());
+    return mesh;
+  }
+
+  std::unique_ptr<viewer::Instance> instance_;
+  std::unique_ptr<viewer::Device> device_;
+};
+
+}  // namespace planish::testing

@@ -1,0 +1,95 @@
+#include "arguments.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "planish/core/error.h"
+#include "planish/core/version.h"
+
+namespace planish::viewer {
+namespace {
+
+constexpr int kLeastSide = 16, kLargestSide = 8192, kMostFrames = 1000000;
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  planish-viewer --scene scenes/goblet.json\n"
+    "  planish-viewer --headless --scene scenes/goblet.json --frames 120 --png out.png\n"
+    "  planish-viewer --headless --scene bust.obj --level 3 --iterations 2 --heat --png heat.png\n"
+    "In the window: drag to orbit, scroll to zoom; S surface, C cage, P points, H errors, space\n"
+    "pause, Esc close. Exit codes are those of planish; 1 also where --validate had messages.\n";
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::InvalidArgument, what); }
+
+void parse_size(const std::string& text, Arguments& arguments) {
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &arguments.width, &arguments.height, &rest) != 2 ||
+      std::min(arguments.width, arguments.height) < kLeastSide ||
+      std::max(arguments.width, arguments.height) > kLargestSide)
+    refuse("--size " + text + ": is not WIDTHxHEIGHT from 16x16 to 8192x8192");
+}
+
+void parse_view(const std::string& text, Arguments& arguments) {
+  constexpr float kMostDegrees = 89;  // at the pole "up" has no direction in the picture
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%f,%f%c", &arguments.azimuth_degrees, &arguments.elevation_degrees,
+                  &rest) != 2 ||
+      !(std::abs(arguments.azimuth_degrees) <= 360) ||
+      !(std::abs(arguments.elevation_degrees) <= kMostDegrees))
+    refuse("--view " + text + ": is not AZIMUTH,ELEVATION in degrees, up to 360 and 89");
+}
+
+}  // namespace
+
+std::optional<Arguments> parse_arguments(int argc, const char* const* argv) {
+  Arguments arguments;
+  ViewSettings& settings = arguments.settings;
+  std::string size, view;
+  int level = -1;
+  bool cold_start = false, no_surface = false;
+  CLI::App app(
+      "Animates the given points of a scene and draws the surface through them, all on "
+      "the device: the example of embedding planish in a Vulkan application.",
+      "planish-viewer");
+  app.footer(kExamples);
+  app.set_version_flag("--version", "planish-viewer " PLANISH_VERSION);
+  app.add_option("--scene", arguments.scene, "scene file (.json) or mesh")->capture_default_str();
+  app.add_option("--job", arguments.job, "which job of the scene file; its first");
+  app.add_option("--level", level, "quad splits of the surface, 0 to 5; the scene's")
+      ->check(CLI::Range(0, kMostLevel));
+  app.add_option("--iterations", settings.iterations, "of each frame, 0 to 64")
+      ->check(CLI::Range(0, kMostIterations))
+      ->capture_default_str();
+  app.add_flag("--cold-start", cold_start, "each frame starts without what the last one found");
+  app.add_flag("--heat", settings.heat, "colours by interpolation error, with a legend");
+  app.add_flag("--cage", settings.cage, "the control cage's edges");
+  app.add_flag("--points", settings.points, "the given points");
+  app.add_flag("--no-surface", no_surface, "hides the surface");
+  app.add_option("--view", view, "AZIMUTH,ELEVATION of the eye in degrees; 35,20");
+  app.add_option("--size", size, "WIDTHxHEIGHT in pixels; 1280x720");
+  app.add_option("--device", arguments.device, "number or part of the name of a Vulkan device");
+  app.add_option("--frames", arguments.frames, "how many, then it ends; off-screen 1")
+      ->check(CLI::Range(1, kMostFrames));
+  auto* headless = app.add_flag("--headless", arguments.headless, "renders off-screen");
+  app.add_option("--png", arguments.png, "the last frame's picture, of --headless")
+      ->needs(headless);
+  app.add_flag("--validate", arguments.validate,
+               "Vulkan's validation layer with synchronization validation");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    app.exit(help);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    refuse(std::string(error.what()) + "; planish-viewer --help lists the flags");
+  }
+  if (!size.empty()) parse_size(size, arguments);
+  if (!view.empty()) parse_view(view, arguments);
+  if (level >= 0) arguments.level = level;
+  settings.warm_start = !cold_start;
+  settings.surface = !no_surface;
+  return arguments;
+}
+
+}  // namespace planish::viewer

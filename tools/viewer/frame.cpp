@@ -1,0 +1,91 @@
+#include "frame.h"
+
+#include <cstring>
+#include <string>
+
+#include "planish/core/error.h"
+
+namespace planish::viewer {
+namespace {
+
+vulkan::SolveOptions solve_options(VkBuffer points, VkBuffer vertices,
+                                   std::uint32_t max_iterations) {
+  constexpr std::uint32_t kFloat = sizeof(float);
+  vulkan::SolveOptions options;
+  options.max_iterations = max_iterations;
+  options.given = {points, 0, sizeof(glm::vec3)};
+  options.vertices = {vertices, 0, shared::kVertexFloats * kFloat, 0,
+                      shared::kNormalFloat * kFloat};
+  return options;
+}
+
+OwnedDescriptorPool make_pool(VkDevice device) {
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, shared::kBindingCount};
+  VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  info.maxSets = 1;
+  info.poolSizeCount = 1;
+  info.pPoolSizes = &size;
+  return OwnedDescriptorPool(device, info, "vkCreateDescriptorPool");
+}
+
+/// planish slices what is beyond the limit; the viewer binds its vertices whole.
+std::uint64_t vertex_bytes(vulkan::Context& context, const Model& model) {
+  const std::uint64_t bytes =
+      std::uint64_t(model.system().vertex_count()) * shared::kVertexFloats * sizeof(float);
+  const std::uint64_t limit = context.max_storage_range();
+  if (bytes > limit)
+    throw Error(ErrorCode::OutOfMemory, "level " + std::to_string(model.system().level()) +
+                                            " takes " + std::to_string(bytes) +
+                                            " bytes of vertices, but maxStorageBufferRange is " +
+                                            std::to_string(limit) + "; choose a lower level");
+  return bytes;
+}
+
+}  // namespace
+
+Frame::Frame(const Device& device, vulkan::Context& context, const Model& model,
+             const Pipelines& pipelines, std::uint32_t max_iterations)
+    : points_(device, model.system().given_count() * sizeof(glm::vec3),
+              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Place::Host),
+      vertices_(device, vertex_bytes(context, model),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                    VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                Place::Device),
+      status_(device, sizeof(vulkan::GpuStatus), VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Host),
+      solve_(context, model.tables(), solve_options(points_, vertices_, max_iterations)),
+      pool_(make_pool(device)) {
+  write_set(device, model, pipelines.set_layout);
+}
+
+void Frame::write_set(VkDevice device, const Model& model, VkDescriptorSetLayout layout) {
+  VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  allocate.descriptorPool = pool_;
+  allocate.descriptorSetCount = 1;
+  allocate.pSetLayouts = &layout;
+  vulkan::check(vkAllocateDescriptorSets(device, &allocate, &set_), "vkAllocateDescriptorSets");
+  // In the order of the bindings in shared.h.
+  const std::array<VkBuffer, shared::kBindingCount> buffers{
+      points_,       solve_.control_points(), vertices_,      model.used(),
+      model.edges(), model.offsets(),         model.nearest()};
+  std::array<VkDescriptorBufferInfo, shared::kBindingCount> infos{};
+  for (std::size_t i = 0; i < buffers.size(); ++i) infos[i] = {buffers[i], 0, VK_WHOLE_SIZE};
+  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+  write.dstSet = set_;
+  write.descriptorCount = infos.size();
+  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  write.pBufferInfo = infos.data();
+  vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
+}
+
+std::span<glm::vec3> Frame::points() const {
+  const auto bytes = points_.mapped();
+  return {reinterpret_cast<glm::vec3*>(bytes.data()), bytes.size() / sizeof(glm::vec3)};
+}
+
+vulkan::GpuStatus Frame::status() const {
+  vulkan::GpuStatus status;
+  std::memcpy(&status, status_.mapped().data(), sizeof status);
+  return status;
+}
+
+}  // namespace planish::viewer

@@ -1,0 +1,89 @@
+#include "headless.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "legend.h"
+
+namespace planish::viewer {
+namespace {
+
+constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;  // which all devices draw to and copy from
+constexpr std::size_t kPixelBytes = 4;
+constexpr float kFontHeight = 600;  // of the picture for which ImGui's font has its own size
+
+int font_scale(VkExtent2D extent) {
+  return std::max(1,
+                  static_cast<int>(std::lround(static_cast<float>(extent.height) / kFontHeight)));
+}
+
+}  // namespace
+
+Headless::Headless(const Device& device, Scene scene, const HeadlessOptions& options)
+    : device_(device),
+      options_(options),
+      pass_(make_render_pass(device, {kFormat, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL})),
+      image_(device, {kFormat, options.extent, VK_SAMPLE_COUNT_1_BIT,
+                      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                      VK_IMAGE_ASPECT_COLOR_BIT}),
+      targets_(device, pass_, kFormat, options.extent, std::array{image_.view()}),
+      overlay_(device, pass_, font_scale(options.extent)),
+      renderer_(device, pass_, std::move(scene)) {}
+
+void Headless::draw(VkCommandBuffer commands) {
+  overlay_.begin(options_.extent);
+  if (options_.settings.heat && renderer_.status())
+    draw_legend("largest " +
+                error_text(renderer_.status()->residual / renderer_.system().diagonal()) +
+                " after " + std::to_string(renderer_.status()->iterations) + " iterations");
+  targets_.begin(commands, 0);
+  renderer_.draw(commands, options_.camera, options_.extent, options_.settings);
+  overlay_.record(commands);
+  vkCmdEndRenderPass(commands);
+}
+
+void Headless::run(int frames) {
+  for (int i = 0; i < frames; ++i) {
+    draw(renderer_.begin_frame(next_frame_++ / kFramesPerSecond, options_.settings));
+    renderer_.end_frame();
+  }
+  renderer_.finish();
+}
+
+std::vector<std::uint8_t> Headless::picture() {
+  const auto [width, height] = options_.extent;
+  const std::size_t pixels = std::size_t{width} * height;
+  const Buffer copy(device_, kPixelBytes * pixels, VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Host);
+  // Once more, now that the status of the last frame is known.
+  const VkCommandBuffer commands = renderer_.begin_redraw();
+  draw(commands);
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageExtent = {width, height, 1};
+  vkCmdCopyImageToBuffer(commands, image_, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, copy, 1, &region);
+  host_barrier(commands);
+  renderer_.end_frame();
+  renderer_.finish();
+  std::vector<std::uint8_t> rgb(3 * pixels);
+  for (std::size_t i = 0; i < pixels; ++i)
+    std::memcpy(&rgb[3 * i], &copy.mapped()[kPixelBytes * i], 3);
+  return rgb;
+}
+
+std::vector<SurfaceVertex> Headless::vertices() const {
+  std::vector<SurfaceVertex> result(renderer_.system().vertex_count());
+  const std::size_t bytes = result.size() * sizeof(SurfaceVertex);
+  const Buffer copy(device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Host);
+  device_.run([&](VkCommandBuffer commands) {
+    const VkBufferCopy region{0, 0, bytes};
+    vkCmdCopyBuffer(commands, renderer_.vertices(), copy, 1, &region);
+    host_barrier(commands);
+  });
+  std::memcpy(result.data(), copy.mapped().data(), bytes);
+  return result;
+}
+
+}  // namespace planish::viewer

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace planish::viewer {
+
+/// Draws the scale of the error colours, with a number at each decade and a line of text below, in
+/// the lower left corner; between Overlay::begin() and record().
+void draw_legend(const std::string& line);
+
+/// "1.2e-05", the text of an error relative to the diagonal.
+[[nodiscard]] std::string error_text(double relative_error);
+
+}  // namespace planish::viewer

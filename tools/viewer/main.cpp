@@ -1,0 +1,105 @@
+// planish-viewer: planish embedded in an application that owns its Vulkan device, its memory and
+// its frame loop. Read scene.cpp, model.cpp, frame.cpp and renderer.cpp, in this order.
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <new>
+
+#include "arguments.h"
+#include "exit_codes.h"
+#include "headless.h"
+#include "legend.h"
+#include "planish/core/error.h"
+#include "window.h"
+#include "write_png.h"
+
+namespace planish::viewer {
+namespace {
+
+using command::ExitCode;
+
+OrbitCamera camera_of(const Arguments& arguments, const Scene& scene) {
+  OrbitCamera camera = camera_around(scene.mesh.positions);
+  camera.azimuth_degrees = arguments.azimuth_degrees;
+  camera.elevation_degrees = arguments.elevation_degrees;
+  return camera;
+}
+
+void show_window(const Arguments& arguments, Scene scene, const InstanceOptions& instance) {
+  WindowOptions options;
+  options.width = arguments.width;
+  options.height = arguments.height;
+  options.device = arguments.device;
+  options.validation = instance.validation;
+  options.message = instance.message;
+  options.camera = camera_of(arguments, scene);
+  options.settings = arguments.settings;
+  options.frames = arguments.frames;
+  const WindowRun shown = run_window(std::move(scene), options);
+  std::printf("%d frames in %.2f s\n", shown.frames, shown.seconds);
+}
+
+void run_headless(const Arguments& arguments, Scene scene,
+                  const InstanceOptions& instance_options) {
+  HeadlessOptions options;
+  options.extent = {static_cast<std::uint32_t>(arguments.width),
+                    static_cast<std::uint32_t>(arguments.height)};
+  options.settings = arguments.settings;
+  options.camera = camera_of(arguments, scene);
+  const Instance instance(instance_options);
+  const Device device(instance, {arguments.device});
+  const std::string name = scene.name;
+  Headless headless(device, std::move(scene), options);
+  const int frames = std::max(arguments.frames, 1);
+  const auto began = std::chrono::steady_clock::now();
+  headless.run(frames);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  const double error = headless.status().residual / headless.system().diagonal();
+  std::printf(
+      "%s at level %d on %s: %d frames of %d iterations in %.2f s, error %s of the diagonal\n",
+      name.c_str(), headless.system().level(), device.name().c_str(), frames,
+      arguments.settings.iterations, took.count(), error_text(error).c_str());
+  if (!arguments.png.empty()) render::write_png(arguments.png, arguments.width, headless.picture());
+}
+
+ExitCode run(int argc, char** argv) {
+  std::optional<Arguments> arguments = parse_arguments(argc, argv);
+  if (!arguments) return ExitCode::Done;
+  std::atomic<int> messages = 0;
+  InstanceOptions instance;
+  instance.validation = arguments->validate;
+  instance.message = [&](std::string_view message) {
+    ++messages;
+    std::cerr << message << '\n';
+  };
+  Scene scene = load_scene(arguments->scene, arguments->job);
+  arguments->settings.level = arguments->level.value_or(std::min(scene.system.level, kMostLevel));
+  if (arguments->headless)
+    run_headless(*arguments, std::move(scene), instance);
+  else
+    show_window(*arguments, std::move(scene), instance);
+  if (arguments->validate) std::printf("validation: %d messages\n", messages.load());
+  return messages == 0 ? ExitCode::Done : ExitCode::InternalError;
+}
+
+}  // namespace
+}  // namespace planish::viewer
+
+int main(int argc, char** argv) {
+  using planish::command::ExitCode;
+  ExitCode code = ExitCode::InternalError;
+  try {
+    code = planish::viewer::run(argc, argv);
+  } catch (const planish::Error& error) {
+    std::fprintf(stderr, "planish-viewer: error: %s\n", error.what());
+    code = planish::command::exit_code_of(error.code());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "planish-viewer: error: out of memory\n");
+    code = ExitCode::NoDevice;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "planish-viewer: error: %s\n", error.what());
+  }
+  return static_cast<int>(code);
+}

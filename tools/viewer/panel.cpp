@@ -1,0 +1,42 @@
+#include "panel.h"
+
+#include <imgui.h>
+
+#include "legend.h"
+
+namespace planish::viewer {
+
+void draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSettings& settings) {
+  const float em = ImGui::GetFontSize();
+  ImGui::SetNextWindowPos({em, em}, ImGuiCond_FirstUseEver);
+  ImGui::Begin("planish", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::PushItemWidth(12 * em);
+  ImGui::SliderInt("level", &settings.level, 0, kMostLevel, "%d", ImGuiSliderFlags_AlwaysClamp);
+  ImGui::SliderInt("iterations", &settings.iterations, 0, kMostIterations, "%d",
+                   ImGuiSliderFlags_AlwaysClamp);
+  ImGui::PopItemWidth();
+  ImGui::Checkbox("warm start", &settings.warm_start);
+  ImGui::SameLine();
+  ImGui::Checkbox("pause", &settings.paused);
+  ImGui::Checkbox("surface", &settings.surface);
+  ImGui::SameLine();
+  ImGui::Checkbox("cage", &settings.cage);
+  ImGui::SameLine();
+  ImGui::Checkbox("points", &settings.points);
+  ImGui::SameLine();
+  ImGui::Checkbox("errors", &settings.heat);
+  ImGui::Separator();
+  const vulkan::System& system = renderer.system();
+  ImGui::Text("%s: %d points, %zu triangles", renderer.scene().name.c_str(), system.given_count(),
+              system.triangles().size() / 3);
+  if (renderer.status()) {
+    const double error = renderer.status()->residual / system.diagonal();
+    ImGui::Text("error %s of the diagonal", error_text(error).c_str());
+  }
+  ImGui::Text("%.0f frames/s, %s", static_cast<double>(facts.frames_per_second),
+              facts.device.c_str());
+  if (!facts.problem.empty()) ImGui::TextWrapped("%s", facts.problem.c_str());
+  ImGui::End();
+}
+
+}  // namespace planish::viewer

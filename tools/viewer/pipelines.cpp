@@ -1,0 +1,171 @@
+#include "pipelines.h"
+
+#include <array>
+#include <span>
+
+#include "background.frag.spv.h"
+#include "background.vert.spv.h"
+#include "edge.frag.spv.h"
+#include "edge.vert.spv.h"
+#include "point.frag.spv.h"
+#include "point.vert.spv.h"
+#include "surface.frag.spv.h"
+#include "surface.vert.spv.h"
+#include "targets.h"
+#include "vertex_error.comp.spv.h"
+
+namespace planish::viewer {
+namespace {
+
+using Words = std::span<const std::uint32_t>;
+
+/// How one kind of thing is drawn.
+struct Drawing {
+  Words vertex, fragment;
+  bool has_vertices = false;  // of the surface; else the vertex shader makes them
+  bool tests_depth = true;
+  bool blends = false;
+};
+
+OwnedShader make_shader(VkDevice device, Words words) {
+  VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  info.codeSize = words.size_bytes();
+  info.pCode = words.data();
+  return OwnedShader(device, info, "vkCreateShaderModule");
+}
+
+VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits which, VkShaderModule shader) {
+  VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+  info.stage = which;
+  info.module = shader;
+  info.pName = "main";
+  return info;
+}
+
+OwnedSetLayout make_set_layout(VkDevice device) {
+  std::array<VkDescriptorSetLayoutBinding, shared::kBindingCount> bindings{};
+  for (std::uint32_t i = 0; i < bindings.size(); ++i)
+    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
+                   VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  info.bindingCount = bindings.size();
+  info.pBindings = bindings.data();
+  return OwnedSetLayout(device, info, "vkCreateDescriptorSetLayout");
+}
+
+OwnedPipelineLayout make_layout(VkDevice device, VkDescriptorSetLayout set) {
+  const VkPushConstantRange push{kPushStages, 0, sizeof(shared::DrawParameters)};
+  VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  info.setLayoutCount = 1;
+  info.pSetLayouts = &set;
+  info.pushConstantRangeCount = 1;
+  info.pPushConstantRanges = &push;
+  return OwnedPipelineLayout(device, info, "vkCreatePipelineLayout");
+}
+
+constexpr std::uint32_t kFloat = sizeof(float);
+constexpr VkVertexInputBindingDescription kVertex{0, shared::kVertexFloats* kFloat,
+                                                  VK_VERTEX_INPUT_RATE_VERTEX};
+constexpr std::array kAttributes{
+    VkVertexInputAttributeDescription{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0},
+    VkVertexInputAttributeDescription{1, 0, VK_FORMAT_R32G32B32_SFLOAT,
+                                      shared::kNormalFloat* kFloat},
+    VkVertexInputAttributeDescription{2, 0, VK_FORMAT_R32_SFLOAT, shared::kErrorFloat* kFloat}};
+
+VkPipelineVertexInputStateCreateInfo vertex_input(bool has_vertices) {
+  VkPipelineVertexInputStateCreateInfo info{
+      VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  if (!has_vertices) return info;
+  info.vertexBindingDescriptionCount = 1;
+  info.pVertexBindingDescriptions = &kVertex;
+  info.vertexAttributeDescriptionCount = kAttributes.size();
+  info.pVertexAttributeDescriptions = kAttributes.data();
+  return info;
+}
+
+VkPipelineColorBlendAttachmentState blending(bool blends) {
+  VkPipelineColorBlendAttachmentState state{};
+  state.blendEnable = blends;
+  state.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
+  state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+  state.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                         VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  return state;
+}
+
+OwnedGraphicsPipeline make_drawing(VkDevice device, VkRenderPass pass, VkPipelineLayout layout,
+                                   const Drawing& drawing) {
+  const OwnedShader vertex = make_shader(device, drawing.vertex);
+  const OwnedShader fragment = make_shader(device, drawing.fragment);
+  const std::array stages{stage(VK_SHADER_STAGE_VERTEX_BIT, vertex),
+                          stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment)};
+  const auto input = vertex_input(drawing.has_vertices);
+  VkPipelineInputAssemblyStateCreateInfo assembly{
+      VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+  assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+  viewport.viewportCount = 1;
+  viewport.scissorCount = 1;
+  VkPipelineRasterizationStateCreateInfo raster{
+      VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
+  raster.lineWidth = 1;
+  VkPipelineMultisampleStateCreateInfo samples{
+      VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+  samples.rasterizationSamples = kSamples;
+  VkPipelineDepthStencilStateCreateInfo depth{
+      VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+  depth.depthTestEnable = drawing.tests_depth;
+  depth.depthWriteEnable = drawing.tests_depth;
+  depth.depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL;
+  const VkPipelineColorBlendAttachmentState attachment = blending(drawing.blends);
+  VkPipelineColorBlendStateCreateInfo blend{
+      VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+  blend.attachmentCount = 1;
+  blend.pAttachments = &attachment;
+  constexpr std::array kDynamic{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+  dynamic.dynamicStateCount = kDynamic.size();
+  dynamic.pDynamicStates = kDynamic.data();
+  VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+  info.stageCount = stages.size();
+  info.pStages = stages.data();
+  info.pVertexInputState = &input;
+  info.pInputAssemblyState = &assembly;
+  info.pViewportState = &viewport;
+  info.pRasterizationState = &raster;
+  info.pMultisampleState = &samples;
+  info.pDepthStencilState = &depth;
+  info.pColorBlendState = &blend;
+  info.pDynamicState = &dynamic;
+  info.layout = layout;
+  info.renderPass = pass;
+  return OwnedGraphicsPipeline(device, info, "vkCreateGraphicsPipelines");
+}
+
+OwnedComputePipeline make_kernel(VkDevice device, VkPipelineLayout layout, Words words) {
+  const OwnedShader shader = make_shader(device, words);
+  VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+  info.stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, shader);
+  info.layout = layout;
+  return OwnedComputePipeline(device, info, "vkCreateComputePipelines");
+}
+
+}  // namespace
+
+Pipelines::Pipelines(VkDevice device, VkRenderPass pass)
+    : set_layout(make_set_layout(device)),
+      layout(make_layout(device, set_layout)),
+      background(make_drawing(device, pass, layout,
+                              {spirv::background_vert, spirv::background_frag, false, false})),
+      surface(make_drawing(device, pass, layout, {spirv::surface_vert, spirv::surface_frag, true})),
+      edges(make_drawing(device, pass, layout,
+                         {spirv::edge_vert, spirv::edge_frag, false, true, true})),
+      hidden_edges(make_drawing(device, pass, layout,
+                                {spirv::edge_vert, spirv::edge_frag, false, false, true})),
+      points(make_drawing(device, pass, layout, {spirv::point_vert, spirv::point_frag})),
+      vertex_error(make_kernel(device, layout, spirv::vertex_error_comp)) {}
+
+}  // namespace planish::viewer

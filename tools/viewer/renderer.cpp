@@ -1,0 +1,204 @@
+#include "renderer.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace planish::viewer {
+namespace {
+
+/// From one scope to another, for all memory.
+void barrier(VkCommandBuffer commands, const vulkan::Scope& from, const vulkan::Scope& to) {
+  VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  memory.srcAccessMask = from.accesses;
+  memory.dstAccessMask = to.accesses;
+  vkCmdPipelineBarrier(commands, from.stages, to.stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
+}
+
+constexpr vulkan::Scope kErrorScope{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                    VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+constexpr vulkan::Scope kVertexScope{
+    VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT,
+    VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_SHADER_READ_BIT};
+
+constexpr float kEdgeWidth = 1.5f, kPointWidth = 10;  // pixels of a picture of kWidthHeight
+constexpr float kWidthHeight = 720;
+constexpr float kHiddenAlpha = 0.16f;
+constexpr std::uint32_t kQuadVertices = 6;
+constexpr std::uint32_t kMostGroups = 65535;  // that every device takes
+
+}  // namespace
+
+Renderer::Renderer(const Device& device, VkRenderPass pass, Scene scene)
+    : device_(device),
+      scene_(std::move(scene)),
+      animation_(scene_.mesh.positions),
+      context_(device.host()),
+      pipelines_(device, pass) {
+  for (Slot& slot : slots_) slot = make_slot();
+}
+
+Renderer::~Renderer() {
+  // Nothing can be done here about a device that is lost.
+  vkDeviceWaitIdle(device_);
+}
+
+Renderer::Slot Renderer::make_slot() const {
+  Slot slot;
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+  pool.queueFamilyIndex = device_.family();
+  slot.pool = OwnedCommandPool(device_, pool, "vkCreateCommandPool");
+  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = slot.pool;
+  allocate.commandBufferCount = 1;
+  vulkan::check(vkAllocateCommandBuffers(device_, &allocate, &slot.commands),
+                "vkAllocateCommandBuffers");
+  const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  slot.done = OwnedFence(device_, fence, "vkCreateFence");
+  return slot;
+}
+
+void Renderer::wait_for(std::size_t index) {
+  Slot& slot = slots_[index];
+  if (!slot.submitted) return;
+  vulkan::check(vkWaitForFences(device_, 1, slot.done.address(), VK_TRUE, UINT64_MAX),
+                "vkWaitForFences");
+  vulkan::check(vkResetFences(device_, 1, slot.done.address()), "vkResetFences");
+  slot.submitted = false;
+  status_ = frames_[index]->status();
+}
+
+void Renderer::await_turn() { wait_for((current_ + 1) % kFramesInFlight); }
+
+void Renderer::finish() {
+  // The older first, so that the last status is the latest.
+  wait_for((current_ + 1) % kFramesInFlight);
+  wait_for(current_);
+}
+
+void Renderer::build(int level) {
+  finish();
+  scene_.system.level = level;
+  auto model = std::make_unique<Model>(device_, context_, scene_);
+  decltype(frames_) frames;
+  for (auto& frame : frames)
+    frame = std::make_unique<Frame>(device_, context_, *model, pipelines_, kMostIterations);
+  frames_ = std::move(frames);
+  model_ = std::move(model);
+  is_warm_ = {};
+}
+
+VkCommandBuffer Renderer::begin_commands() {
+  wait_for(current_);
+  Slot& slot = slots_[current_];
+  vulkan::check(vkResetCommandPool(device_, slot.pool, 0), "vkResetCommandPool");
+  const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr,
+                                       VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+  vulkan::check(vkBeginCommandBuffer(slot.commands, &begin), "vkBeginCommandBuffer");
+  return slot.commands;
+}
+
+VkCommandBuffer Renderer::begin_frame(double seconds, const ViewSettings& settings) {
+  if (!model_ || model_->system().level() != settings.level) build(settings.level);
+  current_ = (current_ + 1) % kFramesInFlight;
+  const VkCommandBuffer commands = begin_commands();
+  animation_.pose(seconds, frames_[current_]->points());
+  record_surface(commands, settings);
+  return commands;
+}
+
+VkCommandBuffer Renderer::begin_redraw() {
+  finish();
+  return begin_commands();
+}
+
+void Renderer::record_surface(VkCommandBuffer commands, const ViewSettings& settings) {
+  const Frame& frame = *frames_[current_];
+  vulkan::SolveParameters parameters;
+  parameters.iterations = static_cast<std::uint32_t>(settings.iterations);
+  parameters.warm_start = settings.warm_start && is_warm_[current_];
+  is_warm_[current_] = true;
+  frame.solve().record_solve(commands, parameters);
+  frame.solve().record_evaluate(commands);
+  frame.solve().record_status(commands, frame.status_target(), 0);
+  host_barrier(commands);
+  barrier(commands, vulkan::kExitScope, kErrorScope);
+  record_errors(commands);
+  barrier(commands, vulkan::kExitScope, kVertexScope);
+}
+
+void Renderer::record_errors(VkCommandBuffer commands) const {
+  const auto vertices = static_cast<std::uint32_t>(system().vertex_count());
+  const VkDescriptorSet set = frames_[current_]->set();
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.vertex_error);
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout, 0, 1, &set,
+                          0, nullptr);
+  vkCmdPushConstants(commands, pipelines_.layout, kPushStages, 0, sizeof vertices, &vertices);
+  const std::uint32_t groups = (vertices + shared::kErrorGroup - 1) / shared::kErrorGroup;
+  vkCmdDispatch(commands, std::min(groups, kMostGroups), 1, 1);
+}
+
+void Renderer::draw(VkCommandBuffer commands, const OrbitCamera& camera, VkExtent2D extent,
+                    const ViewSettings& settings) const {
+  const Frame& frame = *frames_[current_];
+  const float aspect = static_cast<float>(extent.width) / static_cast<float>(extent.height);
+  shared::DrawParameters parameters{};
+  parameters.clip_from_world = camera.clip_from_world(aspect);
+  parameters.eye = camera.eye(aspect);
+  parameters.diagonal = static_cast<float>(model_->system().diagonal());
+  parameters.key = camera.key_light();
+  parameters.heat = settings.heat;
+  parameters.viewport = {extent.width, extent.height};
+  const float pixel = static_cast<float>(extent.height) / kWidthHeight;
+  const auto bind = [&](VkPipeline pipeline, float width, float alpha) {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    parameters.width = width * pixel;
+    parameters.alpha = alpha;
+    vkCmdPushConstants(commands, pipelines_.layout, kPushStages, 0, sizeof parameters, &parameters);
+  };
+  const VkDescriptorSet set = frame.set();
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout, 0, 1, &set,
+                          0, nullptr);
+  bind(pipelines_.background, 0, 1);
+  vkCmdDraw(commands, 3, 1, 0, 0);
+  if (settings.surface) {
+    const VkBuffer vertices = frame.vertices();
+    const VkDeviceSize start = 0;
+    bind(pipelines_.surface, 0, 1);
+    vkCmdBindVertexBuffers(commands, 0, 1, &vertices, &start);
+    vkCmdBindIndexBuffer(commands, model_->indices(), 0, VK_INDEX_TYPE_UINT32);
+    vkCmdDrawIndexed(commands, model_->tables().index_count(), 1, 0, 0, 0);
+  }
+  if (settings.cage) {
+    bind(pipelines_.hidden_edges, kEdgeWidth, kHiddenAlpha);
+    vkCmdDraw(commands, kQuadVertices, model_->edge_count(), 0, 0);
+    bind(pipelines_.edges, kEdgeWidth, 1);
+    vkCmdDraw(commands, kQuadVertices, model_->edge_count(), 0, 0);
+  }
+  if (settings.points) {
+    bind(pipelines_.points, kPointWidth, 1);
+    vkCmdDraw(commands, kQuadVertices, model_->used_count(), 0, 0);
+  }
+}
+
+void Renderer::end_frame(const FrameSemaphores& semaphores) {
+  Slot& slot = slots_[current_];
+  vulkan::check(vkEndCommandBuffer(slot.commands), "vkEndCommandBuffer");
+  const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  submit.commandBufferCount = 1;
+  submit.pCommandBuffers = &slot.commands;
+  if (semaphores.image_ready) {
+    submit.waitSemaphoreCount = 1;
+    submit.pWaitSemaphores = &semaphores.image_ready;
+    submit.pWaitDstStageMask = &stage;
+  }
+  if (semaphores.drawn) {
+    submit.signalSemaphoreCount = 1;
+    submit.pSignalSemaphores = &semaphores.drawn;
+  }
+  vulkan::check(vkQueueSubmit(device_.queue(), 1, &submit, slot.done), "vkQueueSubmit");
+  slot.submitted = true;
+}
+
+}  // namespace planish::viewer

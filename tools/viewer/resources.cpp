@@ -1,0 +1,80 @@
+#include "resources.h"
+
+#include <cstring>
+
+namespace planish::viewer {
+namespace {
+
+OwnedMemory allocate(const Device& device, const VkMemoryRequirements& requirements,
+                     VkMemoryPropertyFlags properties) {
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  info.allocationSize = requirements.size;
+  info.memoryTypeIndex = device.memory_type(requirements.memoryTypeBits, properties);
+  return OwnedMemory(device, info, "vkAllocateMemory");
+}
+
+}  // namespace
+
+Buffer::Buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, Place place)
+    : bytes_(bytes) {
+  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  info.size = bytes;
+  info.usage = usage;
+  buffer_ = OwnedBuffer(device, info, "vkCreateBuffer");
+  VkMemoryRequirements requirements;
+  vkGetBufferMemoryRequirements(device, buffer_, &requirements);
+  // Vulkan promises a coherent type for every buffer.
+  memory_ = allocate(device, requirements,
+                     place == Place::Device ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
+                                            : VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                                                  VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+  vulkan::check(vkBindBufferMemory(device, buffer_, memory_, 0), "vkBindBufferMemory");
+  if (place == Place::Device) return;
+  void* start = nullptr;
+  vulkan::check(vkMapMemory(device, memory_, 0, VK_WHOLE_SIZE, 0, &start), "vkMapMemory");
+  mapped_ = static_cast<std::byte*>(start);
+}
+
+void host_barrier(VkCommandBuffer commands) {
+  VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  memory.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
+                       &memory, 0, nullptr, 0, nullptr);
+}
+
+Buffer word_buffer(const Device& device, std::span<const std::uint32_t> words) {
+  Buffer buffer(device, words.size_bytes(), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Place::Host);
+  std::memcpy(buffer.mapped().data(), words.data(), words.size_bytes());
+  return buffer;
+}
+
+OwnedImageView make_view(VkDevice device, VkImage image, VkFormat format,
+                         VkImageAspectFlags aspect) {
+  VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+  info.image = image;
+  info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+  info.format = format;
+  info.subresourceRange = {aspect, 0, 1, 0, 1};
+  return OwnedImageView(device, info, "vkCreateImageView");
+}
+
+Image::Image(const Device& device, const ImageOptions& options) {
+  VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = options.format;
+  info.extent = {options.extent.width, options.extent.height, 1};
+  info.mipLevels = 1;
+  info.arrayLayers = 1;
+  info.samples = options.samples;
+  info.tiling = VK_IMAGE_TILING_OPTIMAL;
+  info.usage = options.usage;
+  image_ = OwnedImage(device, info, "vkCreateImage");
+  VkMemoryRequirements requirements;
+  vkGetImageMemoryRequirements(device, image_, &requirements);
+  memory_ = allocate(device, requirements, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  vulkan::check(vkBindImageMemory(device, image_, memory_, 0), "vkBindImageMemory");
+  view_ = make_view(device, image_, options.format, options.aspect);
+}
+
+}  // namespace planish::viewer

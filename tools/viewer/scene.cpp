@@ -1,0 +1,53 @@
+#include "scene.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "input.h"
+#include "planish/core/error.h"
+#include "planish/mesh/check.h"
+#include "prepare.h"
+#include "scene_file.h"
+
+namespace planish::viewer {
+namespace {
+
+command::Job job_of(const std::string& path, const std::string& name) {
+  if (std::filesystem::path(path).extension() == ".json") {
+    std::vector<std::string> names;
+    if (!name.empty()) names.push_back(name);
+    auto jobs = command::select_jobs(command::read_scene_file(path), names);
+    if (jobs.empty()) throw Error(ErrorCode::InvalidArgument, path + ": has no job to show");
+    return std::move(jobs.front());
+  }
+  if (!name.empty())
+    throw Error(ErrorCode::InvalidArgument, "--job " + name + ": " + path + " is no scene file");
+  command::Job job;
+  job.name = std::filesystem::path(path).stem().string();
+  job.input = path;
+  return job;
+}
+
+}  // namespace
+
+Scene load_scene(const std::string& path, const std::string& name) {
+  const command::Job job = job_of(path, name);
+  const command::Settings& settings = job.settings;
+  if (settings.interpolation == command::InterpolationChoice::Fair)
+    throw Error(ErrorCode::InvalidArgument,
+                job.name + ": interpolation fair does not run on the device; choose another job");
+  const command::Input input = command::read_input(job.input, job.input_format);
+  Scene scene;
+  scene.name = job.name;
+  scene.mesh = command::prepare(input.file.mesh, settings).mesh;
+  require_usable(scene.mesh, input.name);
+  if (settings.up == command::UpAxis::Z)
+    for (glm::dvec3& p : scene.mesh.positions) p = {p.x, p.z, -p.y};
+  scene.system.level = settings.levels.front();
+  scene.system.weights = settings.weights;
+  scene.system.sharp = settings.sharp();
+  scene.system.tolerance = settings.tolerance;
+  return scene;
+}
+
+}  // namespace planish::viewer

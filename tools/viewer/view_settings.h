@@ -1,0 +1,17 @@
+#pragma once
+
+namespace planish::viewer {
+
+inline constexpr int kMostIterations = 64;
+inline constexpr int kMostLevel = 5;  // of the slider and --level
+
+/// What flags set at first and a window's panel changes.
+struct ViewSettings {
+  int level = 2;
+  int iterations = 6;  ///< of each frame
+  bool warm_start = true;
+  bool surface = true, cage = false, points = false, heat = false;
+  bool paused = false;
+};
+
+}  // namespace planish::viewer

@@ -1,0 +1,227 @@
+#include "window.h"
+
+#include <vulkan/vulkan.h>
+// After Vulkan, so that it declares glfwCreateWindowSurface.
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+#include <imgui_impl_glfw.h>
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "legend.h"
+#include "overlay.h"
+#include "panel.h"
+#include "planish/core/error.h"
+#include "swapchain.h"
+
+namespace planish::viewer {
+namespace {
+
+[[noreturn]] void fail(const std::string& what) {
+  const char* why = nullptr;
+  glfwGetError(&why);
+  throw Error(ErrorCode::NoDevice,
+              what + (why ? std::string(": ") + why : "") + "; --headless needs no display");
+}
+
+struct Glfw {
+  Glfw() {
+    if (!glfwInit()) fail("no window system");
+    if (!glfwVulkanSupported()) fail("no Vulkan in windows");
+  }
+  ~Glfw() { glfwTerminate(); }
+};
+
+struct DestroyWindow {
+  void operator()(GLFWwindow* window) const { glfwDestroyWindow(window); }
+};
+using OwnedWindow = std::unique_ptr<GLFWwindow, DestroyWindow>;
+
+OwnedWindow make_window(const WindowOptions& options, const std::string& title) {
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  OwnedWindow window(
+      glfwCreateWindow(options.width, options.height, title.c_str(), nullptr, nullptr));
+  if (!window) fail("no window");
+  return window;
+}
+
+InstanceOptions instance_options(const WindowOptions& options) {
+  std::uint32_t count = 0;
+  const char** names = glfwGetRequiredInstanceExtensions(&count);
+  return {options.validation, options.message, {names, names + count}};
+}
+
+/// A surface, destroyed before its window and after its device.
+struct Surface {
+  Surface(const Instance& made_of, GLFWwindow* window) : instance(made_of) {
+    if (glfwCreateWindowSurface(instance.handle(), window, nullptr, &handle) != VK_SUCCESS)
+      fail("no surface");
+  }
+  ~Surface() { vkDestroySurfaceKHR(instance.handle(), handle, nullptr); }
+  Surface(const Surface&) = delete;
+  Surface& operator=(const Surface&) = delete;
+
+  const Instance& instance;
+  VkSurfaceKHR handle = VK_NULL_HANDLE;
+};
+
+/// ImGui's eyes and ears; made after its context.
+struct ImguiInput {
+  explicit ImguiInput(GLFWwindow* window) { ImGui_ImplGlfw_InitForVulkan(window, true); }
+  ~ImguiInput() { ImGui_ImplGlfw_Shutdown(); }
+};
+
+class Window {
+ public:
+  Window(Scene scene, const WindowOptions& options)
+      : options_(options),
+        window_(make_window(options, "planish: " + scene.name)),
+        instance_(instance_options(options)),
+        surface_(instance_, window_.get()),
+        device_(instance_, {options.device, surface_.handle}),
+        pass_(make_render_pass(
+            device_, {surface_format(device_, surface_.handle), VK_IMAGE_LAYOUT_PRESENT_SRC_KHR})),
+        swapchain_(device_, surface_.handle, pass_),
+        overlay_(device_, pass_, 1),
+        input_(window_.get()),
+        renderer_(device_, pass_, std::move(scene)),
+        settings_(options.settings),
+        shown_level_(options.settings.level),
+        camera_(options.camera) {
+    const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+    for (OwnedSemaphore& ready : image_ready_)
+      ready = OwnedSemaphore(device_, info, "vkCreateSemaphore");
+    facts_.device = device_.name();
+  }
+
+  WindowRun run();
+
+ private:
+  void fit_images();
+  void show_frame();
+  void read_input();
+  void draw_interface();
+  VkCommandBuffer begin_frame();
+
+  using Clock = std::chrono::steady_clock;
+
+  const WindowOptions& options_;
+  Glfw glfw_;
+  OwnedWindow window_;
+  Instance instance_;
+  Surface surface_;
+  Device device_;
+  OwnedRenderPass pass_;
+  Swapchain swapchain_;
+  Overlay overlay_;
+  ImguiInput input_;
+  std::array<OwnedSemaphore, 2> image_ready_;  // of the frames in flight
+  Renderer renderer_;
+  ViewSettings settings_;
+  int shown_level_;
+  OrbitCamera camera_;
+  PanelFacts facts_;
+  int frame_ = 0;
+  bool fits_ = false;   // whether the swapchain's images fit the window
+  double seconds_ = 0;  // of the animation
+};
+
+void Window::read_input() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (!io.WantCaptureMouse) {
+    if (ImGui::IsMouseDown(ImGuiMouseButton_Left))
+      camera_.orbit(io.MouseDelta.x / io.DisplaySize.y, io.MouseDelta.y / io.DisplaySize.y);
+    constexpr float kZoom = 1.1f;
+    if (io.MouseWheel != 0) camera_.zoom_by(io.MouseWheel > 0 ? kZoom : 1 / kZoom);
+  }
+  if (io.WantCaptureKeyboard) return;
+  const std::array<std::pair<int, bool*>, 5> toggles{{{GLFW_KEY_S, &settings_.surface},
+                                                      {GLFW_KEY_C, &settings_.cage},
+                                                      {GLFW_KEY_P, &settings_.points},
+                                                      {GLFW_KEY_H, &settings_.heat},
+                                                      {GLFW_KEY_SPACE, &settings_.paused}}};
+  for (const auto& [key, value] : toggles)
+    if (ImGui::IsKeyPressed(key, false)) *value = !*value;
+  if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false)) glfwSetWindowShouldClose(window_.get(), true);
+}
+
+void Window::draw_interface() {
+  ImGui_ImplGlfw_NewFrame();
+  overlay_.begin();
+  const ImGuiIO& io = ImGui::GetIO();
+  if (!settings_.paused) seconds_ += io.DeltaTime;
+  facts_.frames_per_second = io.Framerate;
+  read_input();
+  draw_panel(renderer_, facts_, settings_);
+  if (settings_.heat)
+    draw_legend(renderer_.status() ? "largest " + error_text(renderer_.status()->residual /
+                                                             renderer_.system().diagonal())
+                                   : "");
+}
+
+// A level that does not fit the device leaves the old one and says why.
+VkCommandBuffer Window::begin_frame() {
+  try {
+    const VkCommandBuffer commands = renderer_.begin_frame(seconds_, settings_);
+    if (settings_.level != shown_level_) facts_.problem.clear();
+    shown_level_ = settings_.level;
+    return commands;
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::OutOfMemory || settings_.level == shown_level_) throw;
+    facts_.problem = error.what();
+    settings_.level = shown_level_;
+    return renderer_.begin_frame(seconds_, settings_);
+  }
+}
+
+void Window::fit_images() {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_.get(), &width, &height);
+  swapchain_.resize({static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)});
+  fits_ = swapchain_.has_images();
+}
+
+void Window::show_frame() {
+  renderer_.await_turn();  // and so the semaphore is free
+  const VkSemaphore ready = image_ready_[frame_ % image_ready_.size()];
+  const auto image = swapchain_.acquire(ready);
+  fits_ = image.has_value();
+  if (!image) return;
+  const VkCommandBuffer commands = begin_frame();
+  draw_interface();
+  swapchain_.targets().begin(commands, *image);
+  renderer_.draw(commands, camera_, swapchain_.targets().extent(), settings_);
+  overlay_.record(commands);
+  vkCmdEndRenderPass(commands);
+  renderer_.end_frame({ready, swapchain_.drawn(*image)});
+  fits_ = swapchain_.present(*image);
+  ++frame_;
+}
+
+WindowRun Window::run() {
+  const auto began = Clock::now();
+  while (!glfwWindowShouldClose(window_.get()) &&
+         (options_.frames == 0 || frame_ < options_.frames)) {
+    glfwPollEvents();
+    if (options_.before_frame) options_.before_frame(window_.get(), frame_);
+    if (!fits_) fit_images();
+    if (fits_)
+      show_frame();
+    else
+      glfwWaitEvents();  // a minimised window: until the user does something
+  }
+  renderer_.finish();
+  return {frame_, std::chrono::duration<double>(Clock::now() - began).count()};
+}
+
+}  // namespace
+
+WindowRun run_window(Scene scene, const WindowOptions& options) {
+  Window window(std::move(scene), options);
+  return window.run();
+}
+
+}  // namespace planish::viewer
