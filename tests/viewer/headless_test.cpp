@@ -72,13 +72,12 @@ TEST_F(HeadlessTest, WarmFramesFollowTheAnimation) {
 
 TEST_F(HeadlessTest, AnotherLevelIsBuiltWhileFramesAreInFlight) {
   const PolygonMesh rest = test::torus(9, 6, 2, 0.7);
-  const HeadlessOptions options = options_for(rest);
   const OwnedRenderPass pass =
       make_render_pass(*device_, {VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL});
   Renderer renderer(*device_, pass, scene_of(rest));
-  ViewSettings settings = options.settings;
+  const ViewSettings settings;
   for (const int level : {2, 0, 0, 3}) {
-    settings.level = level;
+    renderer.prepare(level);
     renderer.begin_frame(0, settings);
     renderer.end_frame();
   }

@@ -47,6 +47,7 @@ void Headless::draw(VkCommandBuffer commands) {
 
 void Headless::run(int frames) {
   for (int i = 0; i < frames; ++i) {
+    renderer_.prepare(options_.settings.level);
     draw(renderer_.begin_frame(next_frame_++ / kFramesPerSecond, options_.settings));
     renderer_.end_frame();
   }

@@ -68,7 +68,10 @@ void Renderer::wait_for(std::size_t index) {
   status_ = frames_[index]->status();
 }
 
-void Renderer::await_turn() { wait_for((current_ + 1) % kFramesInFlight); }
+void Renderer::prepare(int level) {
+  if (!model_ || model_->system().level() != level) build(level);
+  wait_for((current_ + 1) % kFramesInFlight);
+}
 
 void Renderer::finish() {
   // The older first, so that the last status is the latest.
@@ -99,7 +102,6 @@ VkCommandBuffer Renderer::begin_commands() {
 }
 
 VkCommandBuffer Renderer::begin_frame(double seconds, const ViewSettings& settings) {
-  if (!model_ || model_->system().level() != settings.level) build(settings.level);
   current_ = (current_ + 1) % kFramesInFlight;
   const VkCommandBuffer commands = begin_commands();
   animation_.pose(seconds, frames_[current_]->points());

@@ -19,7 +19,8 @@ struct FrameSemaphores {
 
 /// The frame loop's work: solve, evaluate and draw in one command buffer, two frames in flight.
 ///
-///   commands = begin_frame(seconds, settings);   // waits for the frame before last
+///   prepare(level);                              // waits for the frame before last
+///   commands = begin_frame(seconds, settings);
 ///   begin a render pass; draw(commands, ...); more draws; end it
 ///   end_frame(semaphores);                       // submits
 class Renderer {
@@ -30,12 +31,12 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Waits for the frame before last, as begin_frame() does: then what it waited for and signalled
-  /// may be used again.
-  void await_turn();
-  /// Writes the points of that time and records what planish does with them. A new level is built
-  /// first, once the frames in flight are done. Throws what Model and Frame throw; then nothing has
-  /// begun and the old level remains.
+  /// Waits for the frame before last, so that what it waited for and signalled may be used again,
+  /// and builds another level, once all frames are done. Throws what Model and Frame throw; then
+  /// the old level remains.
+  void prepare(int level);
+  /// Writes the points of that time and records what planish does with them, at the level that was
+  /// prepared.
   VkCommandBuffer begin_frame(double seconds, const ViewSettings& settings);
   /// The same for drawing the last frame once more, once it is done.
   VkCommandBuffer begin_redraw();

@@ -89,7 +89,6 @@ class Window {
         input_(window_.get()),
         renderer_(device_, pass_, std::move(scene)),
         settings_(options.settings),
-        shown_level_(options.settings.level),
         camera_(options.camera) {
     const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
     for (OwnedSemaphore& ready : image_ready_)
@@ -104,7 +103,7 @@ class Window {
   void show_frame();
   void read_input();
   void draw_interface();
-  VkCommandBuffer begin_frame();
+  void prepare();
 
   using Clock = std::chrono::steady_clock;
 
@@ -121,7 +120,6 @@ class Window {
   std::array<OwnedSemaphore, 2> image_ready_;  // of the frames in flight
   Renderer renderer_;
   ViewSettings settings_;
-  int shown_level_;
   OrbitCamera camera_;
   PanelFacts facts_;
   int frame_ = 0;
@@ -163,17 +161,16 @@ void Window::draw_interface() {
 }
 
 // A level that does not fit the device leaves the old one and says why.
-VkCommandBuffer Window::begin_frame() {
+void Window::prepare() {
+  const int shown = frame_ > 0 ? renderer_.system().level() : settings_.level;
   try {
-    const VkCommandBuffer commands = renderer_.begin_frame(seconds_, settings_);
-    if (settings_.level != shown_level_) facts_.problem.clear();
-    shown_level_ = settings_.level;
-    return commands;
+    renderer_.prepare(settings_.level);
+    if (settings_.level != shown) facts_.problem.clear();
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::OutOfMemory || settings_.level == shown_level_) throw;
+    if (error.code() != ErrorCode::OutOfMemory || settings_.level == shown) throw;
     facts_.problem = error.what();
-    settings_.level = shown_level_;
-    return renderer_.begin_frame(seconds_, settings_);
+    settings_.level = shown;
+    renderer_.prepare(shown);
   }
 }
 
@@ -185,12 +182,12 @@ void Window::fit_images() {
 }
 
 void Window::show_frame() {
-  renderer_.await_turn();  // and so the semaphore is free
+  prepare();  // and so the semaphore is free
   const VkSemaphore ready = image_ready_[frame_ % image_ready_.size()];
   const auto image = swapchain_.acquire(ready);
   fits_ = image.has_value();
   if (!image) return;
-  const VkCommandBuffer commands = begin_frame();
+  const VkCommandBuffer commands = renderer_.begin_frame(seconds_, settings_);
   draw_interface();
   swapchain_.targets().begin(commands, *image);
   renderer_.draw(commands, camera_, swapchain_.targets().extent(), settings_);
