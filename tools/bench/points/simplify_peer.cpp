@@ -2,12 +2,23 @@
 
 #include <meshoptimizer.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "planish/reconstruct/triangle_tree.h"
 
 namespace planish::bench {
+namespace {
+
+// Quadrics in float carry rounding errors of about 1e-7 of the squared extent. Targets far below
+// the root of that, 3e-4, all let the same collapses pass, those whose error rounds to nothing: a
+// smaller one would come no nearer to the points.
+constexpr double kLeastTarget = 1e-7;
+constexpr double kLargestTarget = 1e-2;
+
+}  // namespace
 
 MeshoptimizerMesh::MeshoptimizerMesh(std::span<const glm::dvec3> positions,
                                      std::span<const Triangle> triangles) {
@@ -30,19 +41,26 @@ std::vector<Triangle> MeshoptimizerMesh::simplified(double target_error) const {
   return triangles;
 }
 
-double target_error_for(const MeshoptimizerMesh& mesh, std::span<const glm::dvec3> positions,
-                        double distance) {
-  double low = 1e-7, high = 1e-2;
-  const auto holds = [&](double target) {
+SimplifyTarget target_error_for(const MeshoptimizerMesh& mesh,
+                                std::span<const glm::dvec3> positions, double distance) {
+  const auto farthest = [&](double target) {
     const std::vector<Triangle> triangles = mesh.simplified(target);
-    return !triangles.empty() && measure_distances(positions, positions, triangles).max <= distance;
+    return triangles.empty() ? std::numeric_limits<double>::infinity()
+                             : measure_distances(positions, positions, triangles).max;
   };
-  if (!holds(low)) throw std::runtime_error("meshoptimizer: no target error is small enough");
-  while (high / low > 1.1) {
-    const double middle = std::sqrt(low * high);
-    (holds(middle) ? low : high) = middle;
+  SimplifyTarget best{kLeastTarget, farthest(kLeastTarget)};
+  if (!std::isfinite(best.distance))
+    throw std::runtime_error("meshoptimizer: the smallest target error leaves no triangle");
+  const double allowed = std::max(distance, best.distance);
+  double high = kLargestTarget;
+  while (high / best.target_error > 1.1) {
+    const double middle = std::sqrt(best.target_error * high), reached = farthest(middle);
+    if (reached <= allowed)
+      best = {middle, reached};
+    else
+      high = middle;
   }
-  return low;
+  return best;
 }
 
 }  // namespace planish::bench

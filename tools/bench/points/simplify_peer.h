@@ -21,10 +21,18 @@ class MeshoptimizerMesh {
   std::vector<unsigned> indices_;
 };
 
+/// A target error for meshoptimizer and how far its result is from the farthest point, in the
+/// points' unit.
+struct SimplifyTarget {
+  double target_error = 0, distance = 0;
+};
+
 /// The largest target error, to a tenth, with which meshoptimizer's result is no farther from any
-/// point than `distance`, all measured as planish measures itself. Throws std::runtime_error when
-/// even the smallest is farther.
-[[nodiscard]] double target_error_for(const MeshoptimizerMesh& mesh,
-                                      std::span<const glm::dvec3> positions, double distance);
+/// point than `distance`, measured as planish measures itself. Where even the smallest target's
+/// result is farther, the largest target that comes as near as that one; `distance` of the result
+/// is then above the given one. Throws std::runtime_error when the smallest leaves no triangle.
+[[nodiscard]] SimplifyTarget target_error_for(const MeshoptimizerMesh& mesh,
+                                              std::span<const glm::dvec3> positions,
+                                              double distance);
 
 }  // namespace planish::bench
