@@ -69,7 +69,8 @@ TEST_F(ViewerProcess, SaysThatAPictureCannotBeWritten) {
 }
 
 TEST_F(ViewerProcess, DevicesThatAreNotThereAreNamed) {
-  expect_error({"--headless", "--device", "abacus"}, 6, "'abacus'");
+  expect_error({"--headless", "--scene", PLANISH_SCENES "/cube.obj", "--device", "abacus"}, 6,
+               "'abacus'");
 }
 
 }  // namespace
