@@ -58,6 +58,7 @@ using Point = Kernel::Point_3;
 // Inserted along a space-filling curve, as CGAL does for a range, but in slices.
 void triangulate(std::span<const glm::dvec3> points, Delaunay& delaunay,
                  const Callbacks& callbacks) {
+  if (points.empty()) return;  // CGAL's property map takes the first site's address
   std::vector<Point> sites;
   sites.reserve(points.size());
   for (const glm::dvec3& p : points) sites.emplace_back(p.x, p.y, p.z);
