@@ -8,7 +8,15 @@ namespace planish::vulkan {
 
 namespace {
 
-constexpr std::uint32_t kVectorBytes = 3 * sizeof(float);
+constexpr std::uint32_t kVectorFloats = 3;
+
+// The host's vertices as far as they are written.
+FloatElements elements_of(const VertexLayout& layout) {
+  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
+  return {layout.buffer, layout.offset / sizeof(float),
+          static_cast<std::uint32_t>(last / sizeof(float)) + kVectorFloats,
+          static_cast<std::uint32_t>(layout.stride / sizeof(float))};
+}
 
 }  // namespace
 
@@ -32,23 +40,16 @@ GpuEvaluation::GpuEvaluation(Context& context, std::span<const DeviceTable> refi
   }
   std::vector<BoundKernel> bound;
   for (const DeviceTable::Slice& slice : limit.slices()) {
-    const Window window = window_of(slice.rows);
-    first_targets_.push_back(window.first_target);
+    const ElementWindow window =
+        element_window(elements_of(layout), slice.rows.first_row, slice.rows.row_count);
+    first_targets_.push_back(window.shift +
+                             static_cast<std::uint32_t>(layout.position_offset / sizeof(float)));
     bound.push_back({Kernel::ApplyLimit,
                      {whole(slice.entries), whole(slice.chunks),
                       point_range(*source, slice.rows.first_source, slice.rows.source_count),
                       window.range, whole(slice.derivatives)}});
   }
   sets_ = DescriptorSets(context, bound);
-}
-
-GpuEvaluation::Window GpuEvaluation::window_of(const TableSlice& rows) const {
-  const VkDeviceSize first = layout_.offset + VkDeviceSize(rows.first_row) * layout_.stride;
-  const VkDeviceSize aligned = first - first % kBindingAlignment;
-  const VkDeviceSize end = first + VkDeviceSize(rows.row_count - 1) * layout_.stride +
-                           std::max(layout_.position_offset, layout_.normal_offset) + kVectorBytes;
-  return {{layout_.buffer, aligned, end - aligned},
-          static_cast<std::uint32_t>((first - aligned + layout_.position_offset) / sizeof(float))};
 }
 
 void GpuEvaluation::record(VkCommandBuffer commands) const noexcept {

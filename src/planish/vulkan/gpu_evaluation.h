@@ -22,12 +22,6 @@ class GpuEvaluation {
   void record(VkCommandBuffer commands) const noexcept;
 
  private:
-  struct Window {
-    BufferRange range;
-    std::uint32_t first_target;  // floats from its start to the first row's position
-  };
-  [[nodiscard]] Window window_of(const TableSlice& rows) const;
-
   Context& context_;
   const DeviceTable& limit_;
   VertexLayout layout_;
