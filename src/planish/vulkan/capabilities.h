@@ -48,7 +48,8 @@ struct Capabilities {
   std::string reason;  ///< why not, naming the limit and its value; empty if usable
 };
 
-/// Fills in Capabilities, before a VkDevice exists. The instance is of Vulkan 1.1 at least. Throws only where the device answers with an error.
+/// Fills in Capabilities, before a VkDevice exists. The instance is of Vulkan 1.1 at least. Throws
+/// only where the device answers with an error.
 [[nodiscard]] Capabilities query_capabilities(PFN_vkGetInstanceProcAddr get_proc,
                                               VkInstance instance, VkPhysicalDevice device);
 
