@@ -9,9 +9,9 @@ vec3 angle_weighted_normal(vec3 origin, uint first, uint count) {
   vec3 sum = vec3(0.0);
   float angles = 0.0;
   for (uint i = first; i < first + count; ++i) {
-    FairPlace place = places[i];
-    vec3 a = given[place.next].xyz - origin;
-    vec3 b = given[place.previous].xyz - origin;
+    FairPlace place = places_at(i);
+    vec3 a = given_at(place.next).xyz - origin;
+    vec3 b = given_at(place.previous).xyz - origin;
     vec3 c = cross(a, b);
     float size = safe_length(c);
     float angle = size > 0.0 || dot(a, b) != 0.0 ? atan(size, dot(a, b)) : 0.0;
@@ -21,6 +21,6 @@ vec3 angle_weighted_normal(vec3 origin, uint first, uint count) {
   float size = safe_length(sum);
   if (size > kCancelled * angles) return sum / size;
   sum = vec3(0.0);
-  for (uint i = first; i < first + count; ++i) sum += face_normals[places[i].face].xyz;
+  for (uint i = first; i < first + count; ++i) sum += face_normals_at(places_at(i).face).xyz;
   return normalised(sum);
 }

@@ -3,10 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairVertex, vertices);
-READ(1, FairPlace, places);
-READ(2, vec4, normals);
-READ(3, float, heights);
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, vec4, normals)
+READ(3, float, heights)
 UPDATE(4, vec4, result);
 
 // Of a control point's distance to the vertex.
@@ -14,24 +14,24 @@ const float kFarthestMove = 0.3;
 
 void main() {
   FOR_ELEMENTS(v) {
-    FairVertex vertex = vertices[v];
+    FairVertex vertex = vertices_at(v);
     if (!has_polygon(vertex)) continue;
     uint end = vertex.first + vertex.count;
     float mean = 0.0;
-    for (uint i = vertex.first; i < end; ++i) mean += heights[places[i].corner];
+    for (uint i = vertex.first; i < end; ++i) mean += heights_at(places_at(i).corner);
     mean /= float(vertex.count);
     float scale = 1.0;
     for (uint i = vertex.first; i < end; ++i) {
-      uint c = places[i].corner;
-      float move = abs(heights[c] - mean);
+      uint c = places_at(i).corner;
+      float move = abs(heights_at(c) - mean);
       float farthest = kFarthestMove * safe_length(result[c].xyz);
       if (move > farthest) scale = min(scale, farthest / move);
       if (!(move >= 0.0) || isinf(move)) scale = 0.0;
     }
     if (scale == 0.0) continue;
     for (uint i = vertex.first; i < end; ++i) {
-      uint c = places[i].corner;
-      result[c].xyz += (heights[c] - mean) * scale * normals[v].xyz;
+      uint c = places_at(i).corner;
+      result[c].xyz += (heights_at(c) - mean) * scale * normals_at(v).xyz;
     }
   }
 }

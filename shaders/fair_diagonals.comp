@@ -3,23 +3,23 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairVertex, vertices);
-READ(1, FairPlace, places);
-READ(2, FairCorner, corners);
-READ(3, vec4, rows1);
-READ(4, vec4, rows2);
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, FairLinks, links)
+READ(3, vec4, rows1)
+READ(4, vec4, rows2)
 WRITE(5, float, diagonals);
 UPDATE(6, FairScalars, scalars);
 
 void main() {
   FOR_ELEMENTS(v) {
-    FairVertex vertex = vertices[v];
+    FairVertex vertex = vertices_at(v);
     float sum = 0.0;
     if (has_polygon(vertex)) {
       for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
-        uint c = places[i].corner;
-        vec3 row1 = rows1[c].xyz, row2 = rows2[c].xyz;
-        float next = rows2[corners[c].next].x, previous = rows1[corners[c].previous].x;
+        uint c = places_at(i).corner;
+        vec3 row1 = rows1_at(c).xyz, row2 = rows2_at(c).xyz;
+        float next = rows2_at(links_at(c).next).x, previous = rows1_at(links_at(c).previous).x;
         // The lines beside it around the vertex are counted where they stand: over the polygon it
         // comes to the same mean.
         sum += row1.y * row1.y + row1.z * row1.z + row2.y * row2.y + row2.z * row2.z +

@@ -3,11 +3,11 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairEdge, edges);
-READ(1, FairCorner, corners);
-READ(2, vec4, given);
-READ(3, vec4, face_normals);
-READ(4, vec4, result);
+READ(0, FairEdge, edges)
+READ(1, uint, owners)
+READ(2, vec4, given)
+READ(3, vec4, face_normals)
+READ(4, vec4, result)
 UPDATE(5, uint, flags);
 UPDATE(6, uint, counts);
 
@@ -16,13 +16,13 @@ UPDATE(6, uint, counts);
 
 void main() {
   FOR_ELEMENTS(e) {
-    FairEdge edge = edges[e];
+    FairEdge edge = edges_at(e);
     // In differences of given points, which are exact where they are near each other.
-    uint end0 = corners[edge.corner0].vertex, end1 = corners[edge.corner1].vertex;
-    vec3 between = given[end1].xyz - given[end0].xyz;
-    vec3 diagonal0 = between + (result[edge.corner2].xyz - result[edge.corner0].xyz);
-    vec3 diagonal1 = (result[edge.corner3].xyz - result[edge.corner1].xyz) - between;
-    vec3 bisector = face_normals[edge.face0].xyz + face_normals[edge.face1].xyz;
+    uint end0 = owners_at(edge.corner0), end1 = owners_at(edge.corner1);
+    vec3 between = given_at(end1).xyz - given_at(end0).xyz;
+    vec3 diagonal0 = between + (result_at(edge.corner2).xyz - result_at(edge.corner0).xyz);
+    vec3 diagonal1 = (result_at(edge.corner3).xyz - result_at(edge.corner1).xyz) - between;
+    vec3 bisector = face_normals_at(edge.face0).xyz + face_normals_at(edge.face1).xyz;
     float size = safe_length(bisector);
     if (!(size > 0.0)) continue;  // a knife's edge has no normal to compare with
     // Less is asked of sharp ones: half the size is the cosine of half their turn.

@@ -3,12 +3,12 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairFace, faces);
-READ(1, FairCorner, corners);
-READ(2, vec4, given);
-READ(3, vec4, face_normals);
-READ(4, vec4, result);
-READ(5, vec2, circle);
+READ(0, FairFace, faces)
+READ(1, uint, owners)
+READ(2, vec4, given)
+READ(3, vec4, face_normals)
+READ(4, vec4, result)
+READ(5, vec2, circle)
 UPDATE(6, uint, flags);
 UPDATE(7, uint, counts);
 
@@ -19,11 +19,11 @@ uint first_corner;
 
 void main() {
   FOR_ELEMENTS(f) {
-    FairFace face = faces[f];
+    FairFace face = faces_at(f);
     first_corner = face.first;
-    if (agrees(limit_normal(face.count, face.circle), face_normals[f].xyz, kLeastCosine)) continue;
+    if (agrees(limit_normal(face.count, face.circle), face_normals_at(f).xyz, kLeastCosine)) continue;
     atomicAdd(counts[parameters.place + 1u], 1u);
     for (uint i = face.first; i < face.first + face.count; ++i)
-      atomicOr(flags[corners[i].vertex], 1u);
+      atomicOr(flags[owners_at(i)], 1u);
   }
 }

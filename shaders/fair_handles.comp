@@ -4,10 +4,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairCrease, creases);
-READ(1, vec4, given);
-READ(2, float, shares);
-READ(3, vec4, points);
+READ_STORED(0, FairCrease, creases);
+READ(1, vec4, given)
+READ(2, float, shares)
+READ(3, vec4, points)
 WRITE(4, vec4, shifts);
 WRITE(5, vec4, result);
 
@@ -32,14 +32,14 @@ vec3 chord_handle(CreaseArms arms) {
 void main() {
   FOR_ELEMENTS(c) {
     FairCrease crease = creases[c];
-    vec3 own = given[crease.vertex].xyz;
+    vec3 own = given_at(crease.vertex).xyz;
     CreaseArms arms =
-        CreaseArms((given[crease.before].xyz - own) / 4.0, (given[crease.after].xyz - own) / 4.0);
-    float share = shares[crease.vertex];
+        CreaseArms((given_at(crease.before).xyz - own) / 4.0, (given_at(crease.after).xyz - own) / 4.0);
+    float share = shares_at(crease.vertex);
     vec3 handle, shift = vec3(0.0);
     if (share > 0.0) {
-      vec3 before = points[crease.before].xyz, after = points[crease.after].xyz;
-      vec3 point = points[crease.vertex].xyz;
+      vec3 before = points_at(crease.before).xyz, after = points_at(crease.after).xyz;
+      vec3 point = points_at(crease.vertex).xyz;
       handle = share * (before - after) / 8.0 + (1.0 - share) * chord_handle(arms);
       shift = (own - point) - ((before - point) + (after - point)) / 8.0;
     } else {

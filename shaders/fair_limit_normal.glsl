@@ -9,8 +9,8 @@ vec3 limit_normal(uint count, uint circle_first) {
   vec3 tangent1 = vec3(0.0), tangent2 = vec3(0.0);
   for (uint i = 1u; i < count; ++i) {
     vec3 p = POLYGON_POINT(i) - origin;
-    tangent1 += circle[circle_first + i].x * p;
-    tangent2 += circle[circle_first + i].y * p;
+    tangent1 += circle_at(circle_first + i).x * p;
+    tangent2 += circle_at(circle_first + i).y * p;
   }
   return cross(tangent1, tangent2);
 }

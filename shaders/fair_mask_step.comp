@@ -4,30 +4,30 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairVertex, vertices);
-READ(1, FairPlace, places);
-READ(2, vec4, given);
-READ(3, float, shares);
-READ(4, vec4, offsets);
-READ(5, vec4, points);
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, vec4, given)
+READ(3, float, shares)
+READ(4, vec4, offsets)
+READ(5, vec4, points)
 WRITE(6, vec4, next);
 
 vec3 limit_error(uint v, FairVertex vertex) {
   if (has_polygon(vertex)) {
     vec3 sum = vec3(0.0);
     for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-      sum += offsets[places[i].corner].xyz;
+      sum += offsets_at(places_at(i).corner).xyz;
     return sum / float(vertex.count);
   }
-  vec3 own = points[v].xyz;
-  return (own - given[v].xyz) +
-         ((points[vertex.before].xyz - own) + (points[vertex.after].xyz - own)) / 8.0;
+  vec3 own = points_at(v).xyz;
+  return (own - given_at(v).xyz) +
+         ((points_at(vertex.before).xyz - own) + (points_at(vertex.after).xyz - own)) / 8.0;
 }
 
 void main() {
   FOR_ELEMENTS(v) {
-    vec3 point = points[v].xyz;
-    if (shares[v] > 0.0) point -= shares[v] * limit_error(v, vertices[v]);
+    vec3 point = points_at(v).xyz;
+    if (shares_at(v) > 0.0) point -= shares_at(v) * limit_error(v, vertices_at(v));
     next[v] = vec4(point, 0.0);
   }
 }

@@ -3,24 +3,24 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairVertex, vertices);
-READ(1, FairPlace, places);
-READ(2, vec4, given);
-READ(3, vec4, result);
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, vec4, given)
+READ(3, vec4, result)
 UPDATE(4, uint, status);  // words of SolveStatus
 
 const uint kStateWord = 1u, kResidualWord = 2u;
 
 void main() {
   FOR_ELEMENTS(v) {
-    FairVertex vertex = vertices[v];
-    vec3 error = given[v].xyz - given[v].xyz;  // nothing, but of points that are no numbers
+    FairVertex vertex = vertices_at(v);
+    vec3 error = given_at(v).xyz - given_at(v).xyz;  // nothing, but of points that are no numbers
     if (has_polygon(vertex)) {
       for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-        error += result[places[i].corner].xyz;
+        error += result_at(places_at(i).corner).xyz;
       error /= float(vertex.count);
     } else if (vertex.kind == kCrease) {
-      error += (result[vertex.curve0].xyz + result[vertex.curve1].xyz) / 2.0;
+      error += (result_at(vertex.curve0).xyz + result_at(vertex.curve1).xyz) / 2.0;
     }
     float size = parameters.scale * safe_length(error);
     bool finite = (floatBitsToUint(error.x + error.y + error.z) & 0x7f800000u) != 0x7f800000u;

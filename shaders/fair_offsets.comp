@@ -4,16 +4,16 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairFace, faces);
-READ(1, FairCorner, corners);
-READ(2, vec4, given);
-READ(3, vec4, points);
-READ(4, vec2, circle);
+READ(0, FairFace, faces)
+READ(1, uint, owners)
+READ(2, vec4, given)
+READ(3, vec4, points)
+READ(4, vec2, circle)
 WRITE(5, vec4, offsets);
 
-vec3 point(uint corner) { return points[corners[corner].vertex].xyz; }
+vec3 point(uint corner) { return points_at(owners_at(corner)).xyz; }
 void write_offset(uint corner, vec3 from, vec3 step) {
-  offsets[corner] = vec4((from - given[corners[corner].vertex].xyz) + step, 0.0);
+  offsets[corner] = vec4((from - given_at(owners_at(corner)).xyz) + step, 0.0);
 }
 
 void step_triangle(uint first) {
@@ -42,12 +42,12 @@ void step_polygon(FairFace face) {
   for (uint i = 0u; i < face.count; ++i) {
     vec3 p = point(face.first + i) - origin;
     mean += p;
-    cosine_sum += circle[face.circle + i].x * p;
-    sine_sum += circle[face.circle + i].y * p;
+    cosine_sum += circle_at(face.circle + i).x * p;
+    sine_sum += circle_at(face.circle + i).y * p;
   }
   mean /= float(face.count);
   for (uint i = 0u; i < face.count; ++i) {
-    vec2 at = circle[face.circle + i];
+    vec2 at = circle_at(face.circle + i);
     write_offset(face.first + i, origin,
                  0.25 * (point(face.first + i) - origin) + 0.75 * mean +
                      (at.x * cosine_sum + at.y * sine_sum) / (2.0 * float(face.count)));
@@ -56,7 +56,7 @@ void step_polygon(FairFace face) {
 
 void main() {
   FOR_ELEMENTS(f) {
-    FairFace face = faces[f];
+    FairFace face = faces_at(f);
     if (face.count == 3u)
       step_triangle(face.first);
     else if (face.count == 4u)

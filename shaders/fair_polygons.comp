@@ -4,12 +4,12 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairVertex, vertices);
-READ(1, FairPlace, places);
-READ(2, vec4, given);
-READ(3, vec4, normals);
-READ(4, float, shares);
-READ(5, vec4, offsets);
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, vec4, given)
+READ(3, vec4, normals)
+READ(4, float, shares)
+READ(5, vec4, offsets)
 UPDATE(6, vec4, result);
 
 #include "fair_ring.glsl"
@@ -30,7 +30,7 @@ const float kDamping = 1e-9;
 const float kTolerance = 1e-3;
 const float kLargestWeight = 15.0;
 
-vec2 target(FairVertex vertex, uint i) { return result[places[vertex.first + i].corner].xy; }
+vec2 target(FairVertex vertex, uint i) { return result[places_at(vertex.first + i).corner].xy; }
 float weight(FairVertex vertex, uint i, vec2 y) { return exp(-dot(y, target(vertex, i))); }
 // 1 up to the limit, falling to 0 at twice the limit.
 float ramp(float value, float limit) { return clamp(2.0 - value / limit, 0.0, 1.0); }
@@ -73,14 +73,14 @@ float balance(FairVertex vertex, out vec2 y) {
 }
 
 void add_to_blend(FairVertex vertex, uint i, vec2 point) {
-  result[places[vertex.first + i].corner].zw += point;
+  result[places_at(vertex.first + i).corner].zw += point;
 }
 
 // Blends d_c = s_c q_c, scaled so that none is longer than kLongestFactor q_c. Returns how far.
 float add_corners(Ring ring, float rho) {
   FairVertex vertex = ring.vertex;
   for (uint i = 0u; i < vertex.count; ++i)
-    result[places[vertex.first + i].corner] =
+    result[places_at(vertex.first + i).corner] =
         vec4(ring_offset(ring, i) - kTranslatedImbalance / rho * ring.mean, 0.0, 0.0);
   vec2 y;
   float usable = balance(vertex, y);
@@ -118,7 +118,7 @@ float add_edges(Ring ring, float part) {
   for (uint i = 0u; i < n; ++i) {
     RingCorner corner = ring_corner(ring, i);
     Wedge own = usable_wedge(corner);
-    result[places[vertex.first + i].corner].xy = (own.along_next + before) * corner.next;
+    result[places_at(vertex.first + i).corner].xy = (own.along_next + before) * corner.next;
     before = own.along_previous;
   }
   vec2 y;
@@ -148,7 +148,7 @@ void build_local(Ring ring) {
     if (rest > 0.0) rest -= add_edges(ring, rest);
   }
   for (uint i = 0u; i < ring.vertex.count; ++i) {
-    uint corner = places[ring.vertex.first + i].corner;
+    uint corner = places_at(ring.vertex.first + i).corner;
     vec2 offset = ring_offset(ring, i);
     result[corner] = vec4(translated ? offset - ring.mean
                                      : result[corner].zw + rest * kLastResortFactor * offset,
@@ -161,13 +161,13 @@ void add_twist(Ring ring) {
   FairVertex vertex = ring.vertex;
   float mean = 0.0;
   for (uint i = 0u; i < vertex.count; ++i)
-    mean += dot(offsets[places[vertex.first + i].corner].xyz, ring.frame.normal);
+    mean += dot(offsets_at(places_at(vertex.first + i).corner).xyz, ring.frame.normal);
   mean /= float(vertex.count);
   float xx = 0.0, xy = 0.0, yy = 0.0;
   vec2 moment = vec2(0.0);
   for (uint i = 0u; i < vertex.count; ++i) {
     vec2 p = ring_offset(ring, i) - ring.mean;
-    float height = dot(offsets[places[vertex.first + i].corner].xyz, ring.frame.normal) - mean;
+    float height = dot(offsets_at(places_at(vertex.first + i).corner).xyz, ring.frame.normal) - mean;
     xx += p.x * p.x;
     xy += p.x * p.y;
     yy += p.y * p.y;
@@ -179,9 +179,9 @@ void add_twist(Ring ring) {
   if (determinant > 1e-6 * (xx + yy) * (xx + yy))
     slope = vec2(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x) / determinant;
   for (uint i = 0u; i < vertex.count; ++i) {
-    uint corner = places[vertex.first + i].corner;
+    uint corner = places_at(vertex.first + i).corner;
     vec2 offset = ring_offset(ring, i);
-    float height = dot(offsets[corner].xyz, ring.frame.normal);
+    float height = dot(offsets_at(corner).xyz, ring.frame.normal);
     float twist = height - mean - dot(slope, offset - ring.mean);
     float before = length(offset), after = length(result[corner].xy);
     result[corner].z = twist * (after < before ? after / before : 1.0);
@@ -191,27 +191,27 @@ void add_twist(Ring ring) {
 void centre(FairVertex vertex) {
   vec3 mean = vec3(0.0);
   for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    mean += result[places[i].corner].xyz;
+    mean += result[places_at(i).corner].xyz;
   mean /= float(vertex.count);
   for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    result[places[i].corner].xyz -= mean;
+    result[places_at(i).corner].xyz -= mean;
 }
 
 void build_polygon(uint v, FairVertex vertex) {
-  Ring ring = ring_of(v, normals[v].xyz);
+  Ring ring = ring_of(v, normals_at(v).xyz);
   // Two control points only: translation puts them on both sides of the vertex.
-  float share = vertex.count > 2u ? shares[v] : 1.0;
+  float share = vertex.count > 2u ? shares_at(v) : 1.0;
   if (share < 1.0) {
     build_local(ring);
     if (vertex.regular != 0u) add_twist(ring);
   }
   vec3 mean = vec3(0.0);
   for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-    mean += offsets[places[i].corner].xyz;
+    mean += offsets_at(places_at(i).corner).xyz;
   mean /= float(vertex.count);
   for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
-    uint corner = places[i].corner;
-    vec3 translated = offsets[corner].xyz - mean;
+    uint corner = places_at(i).corner;
+    vec3 translated = offsets_at(corner).xyz - mean;
     vec3 local = translated;
     if (share < 1.0) {
       vec3 flat_point = result[corner].xyz;
@@ -224,12 +224,12 @@ void build_polygon(uint v, FairVertex vertex) {
 
 void main() {
   FOR_ELEMENTS(v) {
-    FairVertex vertex = vertices[v];
+    FairVertex vertex = vertices_at(v);
     if (has_polygon(vertex)) {
       build_polygon(v, vertex);
     } else if (vertex.kind == kCorner) {
       for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-        result[places[i].corner] = offsets[places[i].corner];
+        result[places_at(i).corner] = offsets_at(places_at(i).corner);
     }
   }
 }

@@ -4,7 +4,7 @@
 #include "fair.glsl"
 
 UPDATE(0, float, diagonals);
-READ(1, FairScalars, scalars);
+READ_STORED(1, FairScalars, scalars);
 
 // Of the largest: control points without lines stay where they are.
 const float kLeastDiagonal = 1e-14;

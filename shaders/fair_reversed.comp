@@ -3,16 +3,16 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairVertex, vertices);
-READ(1, FairPlace, places);
-READ(2, vec4, normals);
-READ(3, vec4, given_offsets);
-READ(4, vec2, circle);
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, vec4, normals)
+READ(3, vec4, given_offsets)
+READ(4, vec2, circle)
 UPDATE(5, vec4, result);
 UPDATE(6, uint, counts);
 
 uint first_place;
-#define POLYGON_POINT(i) result[places[first_place + (i)].corner].xyz
+#define POLYGON_POINT(i) result[places_at(first_place + (i)).corner].xyz
 #include "fair_limit_normal.glsl"
 
 // Cosine between the polygon's limit normal and the vertex's below which it is turned over.
@@ -21,19 +21,19 @@ const float kReversedFactor = 0.3;
 
 void main() {
   FOR_ELEMENTS(v) {
-    FairVertex vertex = vertices[v];
+    FairVertex vertex = vertices_at(v);
     if (!has_polygon(vertex)) continue;
     first_place = vertex.first;
     vec3 own = limit_normal(vertex.count, vertex.circle);
-    if (!(dot(own, normals[v].xyz) < kReversedCosine * safe_length(own))) continue;
+    if (!(dot(own, normals_at(v).xyz) < kReversedCosine * safe_length(own))) continue;
     atomicAdd(counts[kReversedCount], 1u);
     vec3 mean = vec3(0.0);
     for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-      mean += given_offsets[places[i].corner].xyz;
+      mean += given_offsets_at(places_at(i).corner).xyz;
     mean /= float(vertex.count);
     for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
-      uint corner = places[i].corner;
-      result[corner] = vec4(kReversedFactor * (given_offsets[corner].xyz - mean), 0.0);
+      uint corner = places_at(i).corner;
+      result[corner] = vec4(kReversedFactor * (given_offsets_at(corner).xyz - mean), 0.0);
     }
   }
 }

@@ -21,17 +21,17 @@ struct Ring {
 };
 
 vec2 ring_offset(Ring ring, uint i) {
-  return project(ring.frame, offsets[places[ring.vertex.first + i].corner].xyz);
+  return project(ring.frame, offsets_at(places_at(ring.vertex.first + i).corner).xyz);
 }
 RingCorner ring_corner(Ring ring, uint i) {
-  FairPlace place = places[ring.vertex.first + i];
-  return RingCorner(project(ring.frame, given[place.next].xyz - ring.origin),
-                    project(ring.frame, given[place.previous].xyz - ring.origin),
-                    project(ring.frame, offsets[place.corner].xyz));
+  FairPlace place = places_at(ring.vertex.first + i);
+  return RingCorner(project(ring.frame, given_at(place.next).xyz - ring.origin),
+                    project(ring.frame, given_at(place.previous).xyz - ring.origin),
+                    project(ring.frame, offsets_at(place.corner).xyz));
 }
 
 Ring ring_of(uint v, vec3 normal) {
-  Ring ring = Ring(vertices[v], given[v].xyz, frame_of(normal), vec2(0.0));
+  Ring ring = Ring(vertices_at(v), given_at(v).xyz, frame_of(normal), vec2(0.0));
   for (uint i = 0u; i < ring.vertex.count; ++i) ring.mean += ring_offset(ring, i);
   ring.mean /= float(ring.vertex.count);
   return ring;

@@ -4,13 +4,14 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairCorner, corners);
-READ(1, FairVertex, vertices);
-READ(2, vec4, given);
-READ(3, vec4, normals);
-READ(4, vec4, result);
-WRITE(5, vec4, rows1);  // coefficients of next, own, after; value
-WRITE(6, vec4, rows2);  // of previous, own, before; value
+READ(0, FairLinks, links)
+READ(1, FairVertex, vertices)
+READ(2, vec4, given)
+READ(3, vec4, normals)
+READ(4, vec4, result)
+READ(5, uint, owners)
+WRITE(6, vec4, rows1);  // coefficients of next, own, after; value
+WRITE(7, vec4, rows2);  // of previous, own, before; value
 
 // A part of a line below this of the whole measures noise.
 const float kShortestPart = 0.001;
@@ -19,7 +20,7 @@ const float kLargestCoefficient = 1e15;
 
 // In which a height moves the control point of a corner; 0 where it must stay.
 vec3 direction(uint vertex) {
-  return has_polygon(vertices[vertex]) ? normals[vertex].xyz : vec3(0.0);
+  return has_polygon(vertices_at(vertex)) ? normals_at(vertex).xyz : vec3(0.0);
 }
 
 vec4 row(vec3 to_far, vec3 to_near, vec3 normal, vec3 own_direction, vec3 far_direction) {
@@ -38,14 +39,15 @@ vec4 row(vec3 to_far, vec3 to_near, vec3 normal, vec3 own_direction, vec3 far_di
 
 void main() {
   FOR_ELEMENTS(c) {
-    FairCorner corner = corners[c];
-    vec3 own = result[c].xyz, origin = given[corner.vertex].xyz;
-    uint next = corners[corner.next].vertex, previous = corners[corner.previous].vertex;
-    vec3 to_next = (given[next].xyz - origin) + (result[corner.next].xyz - own);
-    vec3 to_previous = (given[previous].xyz - origin) + (result[corner.previous].xyz - own);
+    FairLinks corner = links_at(c);
+    uint vertex = owners_at(c);
+    vec3 own = result_at(c).xyz, origin = given_at(vertex).xyz;
+    uint next = owners_at(corner.next), previous = owners_at(corner.previous);
+    vec3 to_next = (given_at(next).xyz - origin) + (result_at(corner.next).xyz - own);
+    vec3 to_previous = (given_at(previous).xyz - origin) + (result_at(corner.previous).xyz - own);
     // Control points around the same vertex differ by their offsets alone.
-    vec3 to_after = result[corner.after].xyz - own;
-    vec3 to_before = result[corner.before].xyz - own;
+    vec3 to_after = result_at(corner.after).xyz - own;
+    vec3 to_before = result_at(corner.before).xyz - own;
     // Of the quad of the four neighbours, scaled to the square root of half its area.
     vec3 normal = cross(to_next - to_after, to_previous - to_before);
     float size = safe_length(normal);
@@ -53,7 +55,7 @@ void main() {
     rows2[c] = vec4(0.0);
     if (!(size > 0.0)) continue;
     normal *= 0.5 / sqrt(size);
-    vec3 move = direction(corner.vertex);
+    vec3 move = direction(vertex);
     rows1[c] = row(to_next, to_after, normal, move, direction(next));
     rows2[c] = row(to_previous, to_before, normal, move, direction(previous));
   }

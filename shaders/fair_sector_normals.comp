@@ -3,10 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairSector, sectors);
-READ(1, FairPlace, places);
-READ(2, vec4, given);
-READ(3, vec4, face_normals);
+READ_STORED(0, FairSector, sectors);
+READ(1, FairPlace, places)
+READ(2, vec4, given)
+READ(3, vec4, face_normals)
 WRITE(4, vec4, normals);
 
 #include "fair_angles.glsl"
@@ -14,7 +14,7 @@ WRITE(4, vec4, normals);
 void main() {
   FOR_ELEMENTS(s) {
     FairSector sector = sectors[s];
-    vec3 origin = given[sector.vertex].xyz;
+    vec3 origin = given_at(sector.vertex).xyz;
     normals[s] = vec4(angle_weighted_normal(origin, sector.first, sector.count), 0.0);
   }
 }

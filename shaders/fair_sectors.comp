@@ -4,13 +4,13 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairSector, sectors);
-READ(1, FairPlace, places);
-READ(2, vec4, given);
-READ(3, vec4, sector_normals);
-READ(4, vec4, given_offsets);
-READ(5, vec4, offsets);
-READ(6, vec4, shifts);
+READ_STORED(0, FairSector, sectors);
+READ(1, FairPlace, places)
+READ(2, vec4, given)
+READ(3, vec4, sector_normals)
+READ(4, vec4, given_offsets)
+READ(5, vec4, offsets)
+READ(6, vec4, shifts)
 UPDATE(7, vec4, result);
 
 #include "fair_plane.glsl"
@@ -37,17 +37,17 @@ float handle_factor(float handle_length, vec3 edge) {
 void main() {
   FOR_ELEMENTS(s) {
     FairSector sector = sectors[s];
-    vec3 origin = given[sector.vertex].xyz;
+    vec3 origin = given_at(sector.vertex).xyz;
     vec3 handle = result[sector.handle].xyz;
     float handle_length = safe_length(handle);
-    vec4 shift = shifts[sector.crease];
-    Frame frame = sector_frame(sector_normals[s].xyz, handle);
+    vec4 shift = shifts_at(sector.crease);
+    Frame frame = sector_frame(sector_normals_at(s).xyz, handle);
     for (uint i = 0u; i < sector.count; ++i) {
-      FairPlace place = places[sector.first + i];
-      vec3 next = given[place.next].xyz - origin;
-      vec3 previous = given[place.previous].xyz - origin;
+      FairPlace place = places_at(sector.first + i);
+      vec3 next = given_at(place.next).xyz - origin;
+      vec3 previous = given_at(place.previous).xyz - origin;
       vec2 flat_next = project(frame, next), flat_previous = project(frame, previous);
-      vec2 flat_point = project(frame, given_offsets[place.corner].xyz);
+      vec2 flat_point = project(frame, given_offsets_at(place.corner).xyz);
       Wedge wedge = wedge_of(flat_point, flat_next, flat_previous);
       if (wedge.valid) {
         float next_factor = i == 0u ? handle_factor(handle_length, next) : 1.0;
@@ -56,7 +56,7 @@ void main() {
         flat_point = next_factor * wedge.along_next * flat_next +
                      previous_factor * wedge.along_previous * flat_previous;
       }
-      result[place.corner] = vec4(shift.w * (offsets[place.corner].xyz + shift.xyz) +
+      result[place.corner] = vec4(shift.w * (offsets_at(place.corner).xyz + shift.xyz) +
                                       (1.0 - shift.w) * lift(frame, flat_point),
                                   0.0);
     }

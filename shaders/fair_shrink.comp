@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairVertex, vertices);
-READ(1, FairPlace, places);
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
 UPDATE(2, uint, flags);
 UPDATE(3, uint, halvings);
 UPDATE(4, vec4, result);
@@ -13,14 +13,14 @@ const float kShrink = 0.5;
 
 void main() {
   FOR_ELEMENTS(v) {
-    FairVertex vertex = vertices[v];
+    FairVertex vertex = vertices_at(v);
     bool flagged = flags[v] != 0u;
     flags[v] = 0u;
     // Corner points and the curves that end there are where they must be.
     if (!flagged || vertex.kind == kCorner) continue;
     halvings[v] += 1u;
     for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-      result[places[i].corner] *= kShrink;
+      result[places_at(i).corner] *= kShrink;
     if (vertex.kind != kCrease) continue;
     result[vertex.curve0] *= kShrink;
     result[vertex.curve1] *= kShrink;

@@ -3,14 +3,14 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, float, partials);
+READ(0, float, partials)
 UPDATE(1, FairScalars, scalars);
 
 #include "fair_sum.glsl"
 
 void main() {
   float sum = 0.0;
-  for (uint i = gl_LocalInvocationIndex; i < parameters.partial_count; i += 64u) sum += partials[i];
+  for (uint i = gl_LocalInvocationIndex; i < parameters.partial_count; i += 64u) sum += partials_at(i);
   float curvature = group_sum(sum);
   if (gl_LocalInvocationIndex != 0u) return;
   if (parameters.start != 0u) {

@@ -3,10 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairCorner, corners);
-READ(1, float, precondition);
-READ(2, FairScalars, scalars);
-READ(3, float, residual);
+READ(0, uint, owners)
+READ(1, float, precondition)
+READ_STORED(2, FairScalars, scalars);
+READ(3, float, residual)
 UPDATE(4, float, direction);
 UPDATE(5, float, heights);
 
@@ -15,6 +15,6 @@ void main() {
     float along = direction[c];
     heights[c] += scalars[0].step * along;
     direction[c] =
-        precondition[corners[c].vertex] * residual[c] + scalars[0].momentum * along;
+        precondition_at(owners_at(c)) * residual_at(c) + scalars[0].momentum * along;
   }
 }

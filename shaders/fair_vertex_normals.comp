@@ -3,17 +3,17 @@
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
-READ(0, FairVertex, vertices);
-READ(1, FairPlace, places);
-READ(2, vec4, given);
-READ(3, vec4, face_normals);
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, vec4, given)
+READ(3, vec4, face_normals)
 WRITE(4, vec4, normals);
 
 #include "fair_angles.glsl"
 
 void main() {
   FOR_ELEMENTS(v) {
-    FairVertex vertex = vertices[v];
-    normals[v] = vec4(angle_weighted_normal(given[v].xyz, vertex.first, vertex.count), 0.0);
+    FairVertex vertex = vertices_at(v);
+    normals[v] = vec4(angle_weighted_normal(given_at(v).xyz, vertex.first, vertex.count), 0.0);
   }
 }

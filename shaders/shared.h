@@ -121,25 +121,28 @@ struct FairVertex {
   uint before, after;   // at crease vertices: neighbours along the curve
   uint curve0, curve1;  // and the control points on the way to them
   uint circle;          // where the unit circle has the regular polygon of `count` points
+  uint unused0, unused1, unused2;  // records that every vertex, corner or face has are whole texels
 };
 struct FairPlace {
   uint corner;
   uint next, previous;  // the vertices beside it in its face
   uint face;
 };
-struct FairCorner {
-  uint vertex;
-  uint next, previous;  // corners beside it in its face
-  uint after, before;   // control points beside it around its vertex
+// Of a corner: what stands beside it.
+struct FairLinks {
+  uint next, previous;  // corners in its face
+  uint after, before;   // control points around its vertex
 };
 struct FairFace {
   uint first;  // corner
   uint count;
   uint circle;
+  uint unused;
 };
 struct FairEdge {
   uint corner0, corner1, corner2, corner3;
   uint face0, face1;
+  uint unused0, unused1;
 };
 struct FairCrease {
   uint vertex;

@@ -1,5 +1,5 @@
 // Every kernel of the fair construction against its twin, the function of fair/ that does the same
-// in double, given what the kernel was given.
+// in double, given what the kernel was given; reading storage buffers and texel buffers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,8 +26,17 @@ constexpr double kRounding = 2e-6;
 // Of unit vectors: differences of coordinates lose more, the nearer vertices are to each other.
 constexpr double kDirection = 1e-4;
 
-class FairKernels : public FairMachine {
+class FairKernels : public FairMachine,
+                    public ::testing::WithParamInterface<vulkan::PipelineVariant> {
  protected:
+  void SetUp() override {
+    FairMachine::SetUp();
+    if (!machine_) return;
+    vulkan::ContextOptions options;
+    options.variant = GetParam();
+    make_machine(options);
+  }
+
   template <class Record>
   void run(const Record& record) {
     machine_->submitter.run([&](VkCommandBuffer commands) { record(commands); });
@@ -81,7 +90,7 @@ double agreement(const DeviceNet& net, std::int32_t v) {
   return part > 1e-4 ? part : 1.0;  // below, face normals stand in
 }
 
-TEST_F(FairKernels, NormalsAndOffsetsEqualTheirTwins) {
+TEST_P(FairKernels, NormalsAndOffsetsEqualTheirTwins) {
   for (const test::NamedMesh& mesh : fair_meshes()) {
     SCOPED_TRACE(mesh.name);
     const test::FairCase c(mesh.mesh);
@@ -104,7 +113,7 @@ TEST_F(FairKernels, NormalsAndOffsetsEqualTheirTwins) {
   }
 }
 
-TEST_F(FairKernels, SharesAndMaskedIterationEqualTheirTwins) {
+TEST_P(FairKernels, SharesAndMaskedIterationEqualTheirTwins) {
   for (const test::NamedMesh& mesh : fair_meshes()) {
     SCOPED_TRACE(mesh.name);
     const test::FairCase c(mesh.mesh);
@@ -193,7 +202,7 @@ void expect_curve_points(const DeviceNet& net, const Prepared& from, std::span<c
   }
 }
 
-TEST_F(FairKernels, PolygonsAndCreasesEqualTheirTwins) {
+TEST_P(FairKernels, PolygonsAndCreasesEqualTheirTwins) {
   std::size_t compared = 0, different = 0;
   for (const test::NamedMesh& mesh : fair_meshes()) {
     SCOPED_TRACE(mesh.name);
@@ -221,7 +230,7 @@ TEST_F(FairKernels, PolygonsAndCreasesEqualTheirTwins) {
   EXPECT_LT(double(different), 1e-3 * double(compared)) << different << " of " << compared;
 }
 
-TEST_F(FairKernels, RepairEqualsItsTwin) {
+TEST_P(FairKernels, RepairEqualsItsTwin) {
   std::int64_t halved = 0;
   for (const test::NamedMesh& mesh : fair_meshes()) {
     SCOPED_TRACE(mesh.name);
@@ -259,7 +268,7 @@ void expect_near(std::span<const float> a, std::span<const float> expected, doub
   EXPECT_LE(off, part * largest + rounding);
 }
 
-TEST_F(FairKernels, RowsAndHeightsEqualTheirTwins) {
+TEST_P(FairKernels, RowsAndHeightsEqualTheirTwins) {
   for (const test::NamedMesh& mesh : fair_meshes()) {
     SCOPED_TRACE(mesh.name);
     const test::FairCase c(mesh.mesh);
@@ -292,6 +301,13 @@ TEST_F(FairKernels, RowsAndHeightsEqualTheirTwins) {
     EXPECT_LT(worst(result(net), moved), kRounding);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Reads, FairKernels,
+                         ::testing::Values(vulkan::kHardwareVariant, vulkan::kSoftwareVariant),
+                         [](const auto& variant) {
+                           return variant.param.read_path == vulkan::ReadPath::Texel ? "Texel"
+                                                                                     : "Storage";
+                         });
 
 }  // namespace
 }  // namespace planish::testing

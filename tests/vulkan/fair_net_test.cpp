@@ -45,6 +45,13 @@ double interpolation_error(const test::FairCase& c, std::span<const dvec3> state
   return worst;
 }
 
+double worst_distance(const FairNet& a, const FairNet& b) {
+  double worst = a.state.size() == b.state.size() ? 0 : HUGE_VAL;
+  for (std::size_t i = 0; i < a.state.size(); ++i)
+    worst = std::max(worst, glm::distance(a.state[i], b.state[i]));
+  return worst;
+}
+
 double rms_degrees(const test::FairCase& c, std::span<const dvec3> a, std::span<const dvec3> b) {
   const test::LimitSamples first = test::limit_samples(c, a, 2);
   const test::LimitSamples second = test::limit_samples(c, b, 2);
@@ -79,6 +86,15 @@ TEST_F(FairNetOnDevice, InterpolatesAndEqualsTheCpusSurface) {
     }
   }
   EXPECT_LT(sum / count, 0.02);
+}
+
+TEST_F(FairNetOnDevice, IsTheSameFromEitherKindOfReads) {
+  const test::FairCase c(test::with_random_creases(test::random_open_mesh(5), 0.15, 6));
+  VulkanBackendOptions storage, texel;
+  storage.reads = VulkanReads::StorageBuffers;
+  texel.reads = VulkanReads::TexelBuffers;
+  const auto storage_backend = make_backend(storage), texel_backend = make_backend(texel);
+  EXPECT_LT(worst_distance(build(*storage_backend, c), build(*texel_backend, c)), 1e-5);
 }
 
 TEST_F(FairNetOnDevice, FitBuildsItThere) {
@@ -116,10 +132,7 @@ TEST_F(FairNetOnDevice, IsTheSameFromFewWorkGroups) {
   few.max_work_groups = 3;
   const auto limited = make_backend(few);
   const FairNet a = build(*backend, c), b = build(*limited, c);
-  double worst = 0;
-  for (std::size_t i = 0; i < a.state.size(); ++i)
-    worst = std::max(worst, glm::distance(a.state[i], b.state[i]));
-  EXPECT_LT(worst, 1e-5);  // the sums of the polish run in another order
+  EXPECT_LT(worst_distance(a, b), 1e-5);  // the sums of the polish run in another order
 }
 
 TEST_F(FairNetOnDevice, NamesTheLimitThatAMeshExceeds) {

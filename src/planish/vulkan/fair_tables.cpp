@@ -27,7 +27,10 @@ void add_vertices(const FairTopology& topology, FairRecords& records) {
               0,
               0,
               0,
-              word(topology.unit_circle.offsets[topology.valence(v)])};
+              word(topology.unit_circle.offsets[topology.valence(v)]),
+              0,
+              0,
+              0};
     const VertexKind kind = topology.kind(v);
     if (topology.is_regular[v] && kind != VertexKind::Corner) records.has_regular_vertices = true;
     if (kind != VertexKind::Crease) continue;
@@ -44,7 +47,7 @@ void add_vertices(const FairTopology& topology, FairRecords& records) {
 void add_corners(const FairTopology& topology, FairRecords& records) {
   const auto count = static_cast<std::size_t>(topology.corner_count);
   records.places.resize(count);
-  records.corners.resize(count);
+  records.links.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t corner = topology.ring_corners[i];
     records.places[i] = {word(corner), word(topology.ring_next[i]), word(topology.ring_previous[i]),
@@ -53,12 +56,11 @@ void add_corners(const FairTopology& topology, FairRecords& records) {
   records.faces.resize(static_cast<std::size_t>(topology.face_count));
   for (std::int32_t f = 0; f < topology.face_count; ++f) {
     const std::int32_t first = topology.face_offsets[f], m = topology.face_size(f);
-    records.faces[f] = {word(first), word(m), word(topology.unit_circle.offsets[m])};
+    records.faces[f] = {word(first), word(m), word(topology.unit_circle.offsets[m]), 0};
     for (std::int32_t c = first; c < first + m; ++c) {
-      records.corners[c] = {word(topology.corner_vertices[c]),
-                            word(c + 1 == first + m ? first : c + 1),
-                            word(c == first ? first + m - 1 : c - 1), word(topology.corner_ccw[c]),
-                            word(topology.corner_cw[c])};
+      records.links[c] = {word(c + 1 == first + m ? first : c + 1),
+                          word(c == first ? first + m - 1 : c - 1), word(topology.corner_ccw[c]),
+                          word(topology.corner_cw[c])};
     }
   }
 }
@@ -67,7 +69,8 @@ void add_edges(const FairTopology& topology, FairRecords& records) {
   records.edges.reserve(topology.edges.size());
   for (const FairTopology::Edge& edge : topology.edges) {
     records.edges.push_back({word(edge.corners[0]), word(edge.corners[1]), word(edge.corners[2]),
-                             word(edge.corners[3]), word(edge.faces[0]), word(edge.faces[1])});
+                             word(edge.corners[3]), word(edge.faces[0]), word(edge.faces[1]), 0,
+                             0});
   }
 }
 
@@ -139,7 +142,7 @@ Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name) {
 
 FairTables::FairTables(Context& context, const FairRecords& records)
     : vertex_count(count_of(records.vertices)),
-      corner_count(count_of(records.corners)),
+      corner_count(count_of(records.links)),
       face_count(count_of(records.faces)),
       edge_count(count_of(records.edges)),
       crease_count(count_of(records.creases)),
@@ -150,7 +153,7 @@ FairTables::FairTables(Context& context, const FairRecords& records)
       placement(records.placement),
       vertices(make_table(context, records.vertices, "planish fair vertices")),
       places(make_table(context, records.places, "planish fair rings")),
-      corners(make_table(context, records.corners, "planish fair corners")),
+      links(make_table(context, records.links, "planish fair corners")),
       faces(make_table(context, records.faces, "planish fair faces")),
       edges(make_table(context, records.edges, "planish fair edges")),
       creases(make_table(context, records.creases, "planish fair creases")),

@@ -16,7 +16,7 @@ namespace planish::vulkan {
 struct FairRecords {
   std::vector<shared::FairVertex> vertices;
   std::vector<shared::FairPlace> places;
-  std::vector<shared::FairCorner> corners;
+  std::vector<shared::FairLinks> links;
   std::vector<shared::FairFace> faces;
   std::vector<shared::FairEdge> edges;
   std::vector<shared::FairCrease> creases;
@@ -38,7 +38,7 @@ struct FairTables {
       curve_point_count, state_size;
   bool has_regular_vertices;
   Placement placement;
-  Buffer vertices, places, corners, faces, edges, creases, sectors, curve_points, circle, owners;
+  Buffer vertices, places, links, faces, edges, creases, sectors, curve_points, circle, owners;
 
   /// Calls take(buffer, bytes) for all of them, in one order.
   template <class Take>
@@ -46,7 +46,7 @@ struct FairTables {
     const auto bytes = [](const auto& items) { return std::as_bytes(std::span(items)); };
     take(vertices, bytes(records.vertices));
     take(places, bytes(records.places));
-    take(corners, bytes(records.corners));
+    take(links, bytes(records.links));
     take(faces, bytes(records.faces));
     take(edges, bytes(records.edges));
     take(creases, bytes(records.creases));

@@ -105,12 +105,12 @@ void GpuFair::plan_prepare(Binder& binder, const Buffer& model_points) {
     binder.add(prepare_, kernel, count, buffers);
   };
   add(Kernel::FairPlace, t.vertex_count, {&model_points, &b.given});
-  add(Kernel::FairFaceNormals, t.face_count, {&t.faces, &t.corners, &b.given, &b.face_normals});
+  add(Kernel::FairFaceNormals, t.face_count, {&t.faces, &t.owners, &b.given, &b.face_normals});
   add(Kernel::FairVertexNormals, t.vertex_count,
       {&t.vertices, &t.places, &b.given, &b.face_normals, &b.normals});
   const auto add_offsets = [&](const Buffer& points, const Buffer& offsets) {
     add(Kernel::FairOffsets, t.face_count,
-        {&t.faces, &t.corners, &b.given, &points, &t.circle, &offsets});
+        {&t.faces, &t.owners, &b.given, &points, &t.circle, &offsets});
   };
   add_offsets(b.given, b.given_offsets);
   if (!t.has_regular_vertices) return;  // all shares stay 0
@@ -155,10 +155,10 @@ void GpuFair::plan_repair(Binder& binder) {
   const FairTables& t = tables_;
   Buffers& b = buffers_;
   binder.add(find_folds_, Kernel::FairEdgeFolds, t.edge_count,
-             {&t.edges, &t.corners, &b.given, &b.face_normals, &b.result, &b.flags, &b.counts});
+             {&t.edges, &t.owners, &b.given, &b.face_normals, &b.result, &b.flags, &b.counts});
   binder.add(
       find_folds_, Kernel::FairFaceFolds, t.face_count,
-      {&t.faces, &t.corners, &b.given, &b.face_normals, &b.result, &t.circle, &b.flags, &b.counts});
+      {&t.faces, &t.owners, &b.given, &b.face_normals, &b.result, &t.circle, &b.flags, &b.counts});
   binder.add(shrink_, Kernel::FairShrink, t.vertex_count,
              {&t.vertices, &t.places, &b.flags, &b.halvings, &b.result});
 }
@@ -167,26 +167,27 @@ void GpuFair::plan_polish(Binder& binder) {
   if (options_.polish_steps == 0) return;
   const FairTables& t = tables_;
   Buffers& b = buffers_;
-  binder.add(start_polish_, Kernel::FairRows, t.corner_count,
-             {&t.corners, &t.vertices, &b.given, &b.normals, &b.result, &b.rows1, &b.rows2});
+  binder.add(
+      start_polish_, Kernel::FairRows, t.corner_count,
+      {&t.links, &t.vertices, &b.given, &b.normals, &b.result, &t.owners, &b.rows1, &b.rows2});
   binder.add(start_polish_, Kernel::FairDiagonals, t.vertex_count,
-             {&t.vertices, &t.places, &t.corners, &b.rows1, &b.rows2, &b.precondition, &b.scalars});
+             {&t.vertices, &t.places, &t.links, &b.rows1, &b.rows2, &b.precondition, &b.scalars});
   binder.add(start_polish_, Kernel::FairPrecondition, t.vertex_count,
              {&b.precondition, &b.scalars});
   for (const std::uint32_t start : {1u, 0u}) {
     binder.common.start = start;
     Passes& passes = start ? start_polish_ : step_polish_;
     binder.add_sum(passes, Kernel::FairLines, t.corner_count,
-                   {&t.corners, &b.rows1, &b.rows2, &b.direction, &b.lines, &b.partials});
+                   {&t.links, &b.rows1, &b.rows2, &b.direction, &b.lines, &b.partials});
     binder.add_total(passes, Kernel::FairStepLength, {&b.partials, &b.scalars});
     binder.add(passes, Kernel::FairGradient, t.corner_count,
-               {&t.corners, &b.rows1, &b.rows2, &b.lines, &b.gradient});
+               {&t.links, &b.rows1, &b.rows2, &b.lines, &b.gradient});
     binder.add_sum(passes, Kernel::FairDescend, t.vertex_count,
                    {&t.vertices, &t.places, &b.gradient, &b.precondition, &b.scalars, &b.residual,
                     &b.partials});
     binder.add_total(passes, Kernel::FairMomentum, {&b.partials, &b.scalars});
     binder.add(passes, Kernel::FairTurn, t.corner_count,
-               {&t.corners, &b.precondition, &b.scalars, &b.residual, &b.direction, &b.heights});
+               {&t.owners, &b.precondition, &b.scalars, &b.residual, &b.direction, &b.heights});
   }
   binder.add(end_polish_, Kernel::FairApplyHeights, t.vertex_count,
              {&t.vertices, &t.places, &b.normals, &b.heights, &b.result});

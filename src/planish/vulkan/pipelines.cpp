@@ -14,32 +14,58 @@
 #include "shaders/control_points.spv.h"
 #include "shaders/eval_patches.spv.h"
 #include "shaders/fair_apply_heights.spv.h"
+#include "shaders/fair_apply_heights_texel.spv.h"
 #include "shaders/fair_curve_points.spv.h"
+#include "shaders/fair_curve_points_texel.spv.h"
 #include "shaders/fair_descend.spv.h"
+#include "shaders/fair_descend_texel.spv.h"
 #include "shaders/fair_diagonals.spv.h"
+#include "shaders/fair_diagonals_texel.spv.h"
 #include "shaders/fair_edge_folds.spv.h"
+#include "shaders/fair_edge_folds_texel.spv.h"
 #include "shaders/fair_face_folds.spv.h"
+#include "shaders/fair_face_folds_texel.spv.h"
 #include "shaders/fair_face_normals.spv.h"
+#include "shaders/fair_face_normals_texel.spv.h"
 #include "shaders/fair_gradient.spv.h"
+#include "shaders/fair_gradient_texel.spv.h"
 #include "shaders/fair_handles.spv.h"
+#include "shaders/fair_handles_texel.spv.h"
 #include "shaders/fair_lines.spv.h"
+#include "shaders/fair_lines_texel.spv.h"
 #include "shaders/fair_mask_step.spv.h"
+#include "shaders/fair_mask_step_texel.spv.h"
 #include "shaders/fair_measure.spv.h"
+#include "shaders/fair_measure_texel.spv.h"
 #include "shaders/fair_momentum.spv.h"
+#include "shaders/fair_momentum_texel.spv.h"
 #include "shaders/fair_offsets.spv.h"
+#include "shaders/fair_offsets_texel.spv.h"
 #include "shaders/fair_place.spv.h"
+#include "shaders/fair_place_texel.spv.h"
 #include "shaders/fair_polygons.spv.h"
+#include "shaders/fair_polygons_texel.spv.h"
 #include "shaders/fair_precondition.spv.h"
 #include "shaders/fair_reversed.spv.h"
+#include "shaders/fair_reversed_texel.spv.h"
 #include "shaders/fair_rows.spv.h"
+#include "shaders/fair_rows_texel.spv.h"
 #include "shaders/fair_sector_normals.spv.h"
+#include "shaders/fair_sector_normals_texel.spv.h"
 #include "shaders/fair_sectors.spv.h"
+#include "shaders/fair_sectors_texel.spv.h"
 #include "shaders/fair_shares.spv.h"
+#include "shaders/fair_shares_texel.spv.h"
 #include "shaders/fair_shrink.spv.h"
+#include "shaders/fair_shrink_texel.spv.h"
 #include "shaders/fair_state.spv.h"
+#include "shaders/fair_state_texel.spv.h"
 #include "shaders/fair_step_length.spv.h"
+#include "shaders/fair_step_length_texel.spv.h"
 #include "shaders/fair_turn.spv.h"
+#include "shaders/fair_turn_texel.spv.h"
 #include "shaders/fair_vertex_normals.spv.h"
+#include "shaders/fair_vertex_normals_texel.spv.h"
 #include "shaders/finish_solve.spv.h"
 #include "shaders/gather_points.spv.h"
 #include "shaders/initial_residual.spv.h"
@@ -83,8 +109,10 @@ KernelSource vector_kernel(Code code, std::uint32_t binding_count) {
   return {code, code, sizeof(shared::VectorParameters), {}, binding_count};
 }
 
-KernelSource fair_kernel(Code code, std::uint32_t binding_count) {
-  return {code, code, sizeof(shared::FairParameters), {}, binding_count, true};
+KernelSource fair_kernel(Code storage, Code texel, std::initializer_list<Binding> bindings) {
+  KernelSource source{storage, texel, sizeof(shared::FairParameters), {}, 0, true};
+  for (const Binding binding : bindings) source.bindings[source.binding_count++] = binding;
+  return source;
 }
 
 #define PLANISH_BOTH(name) spirv::name, spirv::name##_texel
@@ -108,33 +136,42 @@ const KernelSource kSources[kKernelCount] = {
     vector_kernel(spirv::take_up, 4),
     vector_kernel(spirv::control_points, 6),
     {spirv::eval_patches, spirv::eval_patches, sizeof(shared::PatchParameters), {}, 6, true},
-    fair_kernel(spirv::fair_place, 2),
-    fair_kernel(spirv::fair_face_normals, 4),
-    fair_kernel(spirv::fair_vertex_normals, 5),
-    fair_kernel(spirv::fair_sector_normals, 5),
-    fair_kernel(spirv::fair_offsets, 6),
-    fair_kernel(spirv::fair_shares, 6),
-    fair_kernel(spirv::fair_mask_step, 7),
-    fair_kernel(spirv::fair_polygons, 7),
-    fair_kernel(spirv::fair_reversed, 7),
-    fair_kernel(spirv::fair_handles, 6),
-    fair_kernel(spirv::fair_sectors, 8),
-    fair_kernel(spirv::fair_curve_points, 4),
-    fair_kernel(spirv::fair_edge_folds, 7),
-    fair_kernel(spirv::fair_face_folds, 8),
-    fair_kernel(spirv::fair_shrink, 5),
-    fair_kernel(spirv::fair_rows, 7),
-    fair_kernel(spirv::fair_diagonals, 7),
-    fair_kernel(spirv::fair_precondition, 2),
-    fair_kernel(spirv::fair_lines, 6),
-    fair_kernel(spirv::fair_gradient, 5),
-    fair_kernel(spirv::fair_step_length, 2),
-    fair_kernel(spirv::fair_descend, 7),
-    fair_kernel(spirv::fair_momentum, 2),
-    fair_kernel(spirv::fair_turn, 6),
-    fair_kernel(spirv::fair_apply_heights, 5),
-    fair_kernel(spirv::fair_measure, 5),
-    fair_kernel(spirv::fair_state, 4),
+    fair_kernel(PLANISH_BOTH(fair_place), {Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_face_normals), {Records, Words, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_vertex_normals), {Records, Records, Points, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_sector_normals), {Storage, Records, Points, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_offsets), {Records, Words, Points, Points, Pairs, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_shares), {Records, Records, Points, Points, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_mask_step),
+                {Records, Records, Points, Floats, Points, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_polygons),
+                {Records, Records, Points, Points, Floats, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_reversed),
+                {Records, Records, Points, Points, Pairs, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_handles), {Storage, Points, Floats, Points, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_sectors),
+                {Storage, Records, Points, Points, Points, Points, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_curve_points), {Storage, Points, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_edge_folds),
+                {Records, Words, Points, Points, Points, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_face_folds),
+                {Records, Words, Points, Points, Points, Pairs, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_shrink), {Records, Records, Storage, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_rows),
+                {Records, Records, Points, Points, Points, Words, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_diagonals),
+                {Records, Records, Records, Points, Points, Storage, Storage}),
+    fair_kernel(spirv::fair_precondition, spirv::fair_precondition, {Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_lines), {Records, Points, Points, Floats, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_gradient), {Records, Points, Points, Pairs, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_step_length), {Floats, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_descend),
+                {Records, Records, Floats, Floats, Storage, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_momentum), {Floats, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_turn), {Words, Floats, Storage, Floats, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_apply_heights), {Records, Records, Points, Floats, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_measure), {Records, Records, Points, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_state), {Words, Points, Points, Storage}),
 };
 
 #undef PLANISH_BOTH
@@ -200,6 +237,8 @@ VkFormat texel_format(Binding binding, ReadPath path) {
       return VK_FORMAT_R32G32_UINT;
     case Words:
       return VK_FORMAT_R32_UINT;
+    case Records:
+      return VK_FORMAT_R32G32B32A32_UINT;
     case Points:
       return VK_FORMAT_R32G32B32A32_SFLOAT;
     case Pairs:

@@ -68,7 +68,7 @@ inline constexpr std::uint32_t kMaxBindings = 8;
 
 /// What a binding holds. All but Storage are read only, and are uniform texel buffers where the
 /// device reads those faster.
-enum class Binding { Storage, Entries, Words, Points, Pairs, Floats };
+enum class Binding { Storage, Entries, Words, Records, Points, Pairs, Floats };
 
 /// How kernels read the arrays that they only read.
 enum class ReadPath { Storage, Texel };
