@@ -28,7 +28,8 @@ uint fetch_uint(usamplerBuffer from, uint i) { return texelFetch(from, int(i)).x
 FairVertex fetch_FairVertex(usamplerBuffer from, uint i) {
   int first = 3 * int(i);
   uvec4 a = texelFetch(from, first), b = texelFetch(from, first + 1);
-  return FairVertex(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, texelFetch(from, first + 2).x, 0u, 0u, 0u);
+  uvec4 c = texelFetch(from, first + 2);
+  return FairVertex(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, 0u, 0u);
 }
 FairPlace fetch_FairPlace(usamplerBuffer from, uint i) {
   uvec4 a = texelFetch(from, int(i));

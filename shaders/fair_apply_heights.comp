@@ -5,7 +5,7 @@
 
 READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
-READ(2, vec4, normals)
+READ(2, vec4, directions)
 READ(3, float, heights)
 UPDATE(4, vec4, result);
 
@@ -15,7 +15,9 @@ const float kFarthestMove = 0.3;
 void main() {
   FOR_ELEMENTS(v) {
     FairVertex vertex = vertices_at(v);
-    if (!has_polygon(vertex)) continue;
+    vec3 direction = directions_at(v).xyz;
+    float size = length(direction);
+    if (!(size > 0.0)) continue;
     uint end = vertex.first + vertex.count;
     float mean = 0.0;
     for (uint i = vertex.first; i < end; ++i) mean += heights_at(places_at(i).corner);
@@ -23,7 +25,7 @@ void main() {
     float scale = 1.0;
     for (uint i = vertex.first; i < end; ++i) {
       uint c = places_at(i).corner;
-      float move = abs(heights_at(c) - mean);
+      float move = abs(heights_at(c) - mean) * size;
       float farthest = kFarthestMove * safe_length(result[c].xyz);
       if (move > farthest) scale = min(scale, farthest / move);
       if (!(move >= 0.0) || isinf(move)) scale = 0.0;
@@ -31,7 +33,7 @@ void main() {
     if (scale == 0.0) continue;
     for (uint i = vertex.first; i < end; ++i) {
       uint c = places_at(i).corner;
-      result[c].xyz += (heights_at(c) - mean) * scale * normals_at(v).xyz;
+      result[c].xyz += (heights_at(c) - mean) * scale * direction;
     }
   }
 }

@@ -1,27 +1,21 @@
-// The bending of the two lines through every control point, linear in heights along vertex normals.
+// The bending of the two lines through every control point, linear in heights along the directions.
 // fair/bending_rows.h.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
 READ(0, FairLinks, links)
-READ(1, FairVertex, vertices)
+READ(1, uint, owners)
 READ(2, vec4, given)
-READ(3, vec4, normals)
+READ(3, vec4, directions)
 READ(4, vec4, result)
-READ(5, uint, owners)
-WRITE(6, vec4, rows1);  // coefficients of next, own, after; value
-WRITE(7, vec4, rows2);  // of previous, own, before; value
+WRITE(5, vec4, rows1);  // coefficients of next, own, after; value
+WRITE(6, vec4, rows2);  // of previous, own, before; value
 
 // A part of a line below this of the whole measures noise.
 const float kShortestPart = 0.001;
 // A line whose numbers leave single precision is no line.
 const float kLargestCoefficient = 1e15;
-
-// In which a height moves the control point of a corner; 0 where it must stay.
-vec3 direction(uint vertex) {
-  return has_polygon(vertices_at(vertex)) ? normals_at(vertex).xyz : vec3(0.0);
-}
 
 vec4 row(vec3 to_far, vec3 to_near, vec3 normal, vec3 own_direction, vec3 far_direction) {
   float far_length = safe_length(to_far), near_length = safe_length(to_near);
@@ -55,8 +49,8 @@ void main() {
     rows2[c] = vec4(0.0);
     if (!(size > 0.0)) continue;
     normal *= 0.5 / sqrt(size);
-    vec3 move = direction(vertex);
-    rows1[c] = row(to_next, to_after, normal, move, direction(next));
-    rows2[c] = row(to_previous, to_before, normal, move, direction(previous));
+    vec3 move = directions_at(vertex).xyz;
+    rows1[c] = row(to_next, to_after, normal, move, directions_at(next).xyz);
+    rows2[c] = row(to_previous, to_before, normal, move, directions_at(previous).xyz);
   }
 }

@@ -121,7 +121,8 @@ struct FairVertex {
   uint before, after;   // at crease vertices: neighbours along the curve
   uint curve0, curve1;  // and the control points on the way to them
   uint circle;          // where the unit circle has the regular polygon of `count` points
-  uint unused0, unused1, unused2;  // records that every vertex, corner or face has are whole texels
+  uint near_curve;      // 1: within two edges of a crease, boundary or corner vertex
+  uint unused0, unused1;  // records that every vertex, corner or face has are whole texels
 };
 struct FairPlace {
   uint corner;

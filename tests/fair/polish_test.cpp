@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "conformance/catalogue.h"
 #include "fair/bending_oracle.h"
 #include "fair/fair_case.h"
@@ -30,10 +33,13 @@ struct Net {
     for (int32_t v = 0; v < topology.vertex_count; ++v) {
       normals.push_back(angle_weighted_normal(topology, c.given, face_normals, v,
                                               topology.ring_offsets[v], topology.valence(v)));
+      // Near curves every third of them stays, every third moves half as far.
+      shares.push_back(topology.is_regular[v] ? double(v % 3) / 2 : 0.0);
     }
+    directions = polish_directions(topology, normals, shares);
   }
-  BendingRows rows() const { return make_bending_rows(topology, c.given, normals, offsets); }
-  BendingOracle oracle() const { return {topology, c.given, normals, offsets}; }
+  BendingRows rows() const { return make_bending_rows(topology, c.given, directions, offsets); }
+  BendingOracle oracle() const { return {topology, c.given, directions, offsets}; }
   // By corner instead of by place.
   Eigen::VectorXd heights(int32_t steps) const {
     const auto by_place = polish_heights(topology, rows(), steps);
@@ -46,7 +52,8 @@ struct Net {
 
   FairCase c;
   FairTopology topology;
-  std::vector<dvec3> offsets, normals;
+  std::vector<dvec3> offsets, normals, directions;
+  std::vector<double> shares;
 };
 
 std::vector<NamedMesh> small_meshes() {
@@ -54,7 +61,43 @@ std::vector<NamedMesh> small_meshes() {
           {"torus", jittered(torus(9, 7, 1, 0.4), 0.05, 4)},
           {"random closed", random_closed_mesh(1)},
           {"random open", random_open_mesh(2)},
-          {"random creases", with_random_creases(random_open_mesh(1), 0.1, 1)}};
+          {"random creases", with_random_creases(random_open_mesh(1), 0.1, 1)},
+          {"grid", jittered(flat_grid(6, 7), 0.05, 2)}};
+}
+
+TEST(Polish, HoldsTheTensorProductNearCurves) {
+  const FairCase c(flat_grid(8, 8));
+  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  const std::vector<dvec3> normals(c.given.size(), dvec3(0, 0, 1));
+  for (const double share : {0.0, 0.25, 1.0}) {
+    const auto directions =
+        polish_directions(topology, normals, std::vector<double>(c.given.size(), share));
+    for (int32_t v = 0; v < topology.vertex_count; ++v) {
+      // 8 x 8 quads, 9 vertices a row.
+      const int32_t edges = std::min({v % 9, v / 9, 8 - v % 9, 8 - v / 9});
+      const double expected = edges == 0 ? 0.0 : edges <= 2 ? 1 - share : 1.0;
+      EXPECT_EQ(directions[v], expected * normals[v]) << v;
+    }
+  }
+}
+
+// Fair surfaces of regular quads are the progressive ones; what bends less beside a boundary that
+// cannot follow is farther from them.
+TEST(Polish, LeavesRegularQuadsBesideBoundariesAlone) {
+  const FairCase c(grid(12, 12, [](double x, double y) {
+    return dvec3(x, y, 0.1 * std::sin(0.8 * x) * std::cos(0.7 * y));
+  }));
+  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  const auto plain = c.net(0).state, polished = c.net(8).state;
+  double moved = 0;
+  for (int32_t corner = 0; corner < topology.corner_count; ++corner) {
+    const double distance = glm::distance(plain[corner], polished[corner]);
+    if (topology.is_near_curve[topology.corner_vertices[corner]]) {
+      EXPECT_EQ(distance, 0) << corner;
+    }
+    moved = std::max(moved, distance);
+  }
+  EXPECT_GT(moved, 1e-6);
 }
 
 TEST(Polish, RowsAgreeWithTheFormula) {
@@ -126,7 +169,7 @@ TEST(Polish, TrustsNoMoveBeyondThreeTenthsOfTheDistance) {
     auto scaled = heights;
     for (float& height : scaled) height *= factor;
     std::vector<dvec3> offsets = net.offsets;
-    apply_heights(net.topology, net.normals, scaled, offsets);
+    apply_heights(net.topology, net.directions, scaled, offsets);
     for (int32_t v = 0; v < net.topology.vertex_count; ++v) {
       double farthest = 0;
       dvec3 sum(0.0);

@@ -71,7 +71,7 @@ struct FaceCorner {
 
 struct RowBuilder {
   const FairTopology& topology;
-  std::span<const dvec3> given, normals, offsets;
+  std::span<const dvec3> given, directions, offsets;
   BendingRows& bending;
   std::span<float> diagonals;  // per corner, of the Hessian
   std::vector<FaceCorner> corners{};
@@ -90,7 +90,7 @@ double RowBuilder::build_face(std::int32_t first, Size m) {
   for (std::int32_t i = 0; i < m; ++i) {
     const std::int32_t vertex = topology.corner_vertices[first + i];
     c[i].position = given[vertex] + offsets[first + i];
-    c[i].direction = topology.has_polygon(vertex) ? vec3(normals[vertex]) : vec3(0.0f);
+    c[i].direction = vec3(directions[vertex]);
   }
   for (std::int32_t i = 0; i < m; ++i) {
     c[i].edge = net_edge(c[i + 1 == m ? 0 : i + 1].position - c[i].position);
@@ -151,10 +151,8 @@ RawVector<float> make_preconditioner(const FairTopology& topology,
     for (std::size_t v = begin; v < end; ++v) {
       const auto vertex = static_cast<std::int32_t>(v);
       float sum = 0;
-      if (topology.has_polygon(vertex)) {
-        for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
-          sum += diagonals[topology.ring_corners[i]];
-        }
+      for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
+        sum += diagonals[topology.ring_corners[i]];
       }
       result[v] = sum / static_cast<float>(topology.valence(vertex));
     }
@@ -169,13 +167,13 @@ RawVector<float> make_preconditioner(const FairTopology& topology,
 }  // namespace
 
 BendingRows make_bending_rows(const FairTopology& topology, std::span<const dvec3> given,
-                              std::span<const dvec3> normals, std::span<const dvec3> offsets) {
+                              std::span<const dvec3> directions, std::span<const dvec3> offsets) {
   BendingRows bending;
   bending.rows.resize(topology.ring_corners.size());
   bending.products.resize(bending.rows.size());
   RawVector<float> diagonals(bending.rows.size());
   bending.value_square = piecewise_sum(topology.face_count, [&] {
-    return [&, builder = RowBuilder{topology, given, normals, offsets, bending, diagonals}](
+    return [&, builder = RowBuilder{topology, given, directions, offsets, bending, diagonals}](
                std::int32_t face) mutable {
       return for_face_size(
           topology, face, [&](std::int32_t first, auto m) { return builder.build_face(first, m); });

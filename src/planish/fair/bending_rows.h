@@ -32,12 +32,12 @@ struct BendingRows {
   double value_square = 0;  ///< sum of the squares of the values: the bending at heights 0
 };
 
-/// `offsets`: the state of level 1 relative to the given points; `normals`: unit, per vertex. In
-/// single precision, which coordinates near unit diagonal suit.
+/// `offsets`: the state of level 1 relative to the given points; `directions`: those in which heights
+/// move the control points, per vertex. In single precision, which coordinates near unit diagonal suit.
 /// A line one of whose two parts is too short to measure bending on counts for nothing.
 [[nodiscard]] BendingRows make_bending_rows(const FairTopology& topology,
                                             std::span<const glm::dvec3> given,
-                                            std::span<const glm::dvec3> normals,
+                                            std::span<const glm::dvec3> directions,
                                             std::span<const glm::dvec3> offsets);
 
 /// The product of one corner from the lines through it and through its face's neighbours.

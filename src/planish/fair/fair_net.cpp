@@ -212,8 +212,10 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   if (options.polish_steps > 0) {
     options.callbacks.check_cancelled();
     builder.build_curve_points();
-    BendingRows bending = make_bending_rows(topology, given, builder.normals, builder.offsets);
-    apply_heights(topology, builder.normals,
+    const std::vector<dvec3> directions =
+        polish_directions(topology, builder.normals, builder.shares);
+    BendingRows bending = make_bending_rows(topology, given, directions, builder.offsets);
+    apply_heights(topology, directions,
                   polish_heights(topology, std::move(bending), options.polish_steps),
                   builder.offsets);
     folds = settle_folds(builder, decided, decisions.late_halvings, builder.offsets);

@@ -126,6 +126,22 @@ void gather_sharp_places(const Subdivision& subdivision, FairTopology& topology)
   }
 }
 
+void mark_near_curves(FairTopology& topology) {
+  std::vector<std::uint8_t>& near = topology.is_near_curve;
+  near.resize(static_cast<std::size_t>(topology.vertex_count));
+  for (std::int32_t v = 0; v < topology.vertex_count; ++v) near[v] = !topology.has_polygon(v);
+  if (std::find(near.begin(), near.end(), 1) == near.end()) return;
+  constexpr int kEdges = 2;
+  for (int edge = 0; edge < kEdges; ++edge) {
+    const std::vector<std::uint8_t> last = near;
+    for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
+      for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
+        near[v] |= last[topology.ring_next[i]] | last[topology.ring_previous[i]];
+      }
+    }
+  }
+}
+
 void gather_edges(const Subdivision& subdivision, FairTopology& topology) {
   const TopologyLevel& base = subdivision.split().level(0);
   std::vector<int> smooth;
@@ -180,6 +196,7 @@ FairTopology make_fair_topology(const PolygonMesh& mesh, const Subdivision& subd
   number_corners(mesh, topology);
   gather_rings(subdivision, topology);
   gather_sharp_places(subdivision, topology);
+  mark_near_curves(topology);
   gather_edges(subdivision, topology);
   fill_unit_circle(topology);
   return topology;

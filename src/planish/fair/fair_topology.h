@@ -57,6 +57,8 @@ struct FairTopology {
       ring_previous;                     ///< the vertices beside, in the corner's face
   std::vector<std::uint8_t> kinds;       ///< VertexKind
   std::vector<std::uint8_t> is_regular;  ///< all faces around the vertex are quads
+  /// Within two edges of a crease, boundary or corner vertex, or such a vertex.
+  std::vector<std::uint8_t> is_near_curve;
 
   std::vector<std::int32_t> crease_of_vertex;  ///< its number among them, or -1; empty: none
   std::vector<std::int32_t> crease_vertices;

@@ -153,6 +153,18 @@ void Polisher::run(std::int32_t steps) {
 
 }  // namespace
 
+std::vector<dvec3> polish_directions(const FairTopology& topology, std::span<const dvec3> normals,
+                                     std::span<const double> shares) {
+  std::vector<dvec3> directions(normals.size(), dvec3(0.0));
+  parallel_for(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      if (!topology.has_polygon(static_cast<std::int32_t>(v))) continue;
+      directions[v] = (topology.is_near_curve[v] ? 1 - shares[v] : 1.0) * normals[v];
+    }
+  });
+  return directions;
+}
+
 RawVector<float> polish_heights(const FairTopology& topology, BendingRows&& bending,
                                 std::int32_t steps) {
   Polisher polisher(topology, std::move(bending));
@@ -160,18 +172,19 @@ RawVector<float> polish_heights(const FairTopology& topology, BendingRows&& bend
   return std::move(polisher.heights);
 }
 
-void apply_heights(const FairTopology& topology, std::span<const dvec3> normals,
+void apply_heights(const FairTopology& topology, std::span<const dvec3> directions,
                    std::span<const float> heights, std::span<dvec3> offsets) {
-  parallel_for(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(directions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      if (!topology.has_polygon(static_cast<std::int32_t>(v))) continue;
+      const double size = glm::length(directions[v]);
+      if (!(size > 0)) continue;
       const std::int32_t first = topology.ring_offsets[v], last = topology.ring_offsets[v + 1];
       double sum = 0, farthest = 0;  // the latter a square
       for (std::int32_t i = first; i < last; ++i) sum += heights[i];
       const double mean = sum / (last - first);
       for (std::int32_t i = first; i < last; ++i) {
         const dvec3& offset = offsets[topology.ring_corners[i]];
-        const double move = heights[i] - mean;
+        const double move = (heights[i] - mean) * size;
         const double distance = glm::dot(offset, offset);
         if (move * move > farthest * distance) {
           farthest = distance > 0 ? move * move / distance : HUGE_VAL;
@@ -180,7 +193,7 @@ void apply_heights(const FairTopology& topology, std::span<const dvec3> normals,
       const double trusted =
           farthest > kFarthestMove * kFarthestMove ? kFarthestMove / std::sqrt(farthest) : 1.0;
       for (std::int32_t i = first; i < last; ++i) {
-        offsets[topology.ring_corners[i]] += (heights[i] - mean) * trusted * normals[v];
+        offsets[topology.ring_corners[i]] += (heights[i] - mean) * trusted * directions[v];
       }
     }
   });

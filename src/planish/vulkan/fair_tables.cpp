@@ -28,7 +28,7 @@ void add_vertices(const FairTopology& topology, FairRecords& records) {
               0,
               0,
               word(topology.unit_circle.offsets[topology.valence(v)]),
-              0,
+              topology.is_near_curve[v],
               0,
               0};
     const VertexKind kind = topology.kind(v);

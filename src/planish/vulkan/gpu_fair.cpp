@@ -88,6 +88,7 @@ void GpuFair::make_buffers() {
   make(b.counts, shared::kFairCounts * sizeof(std::uint32_t));
   make(b.status, sizeof(shared::SolveStatus));
   if (options_.polish_steps == 0) return;
+  make(b.directions, vertices * kPointBytes);
   for (Buffer* buffer : {&b.rows1, &b.rows2}) make(*buffer, corners * 4 * sizeof(float));
   make(b.lines, corners * 2 * sizeof(float));
   make(b.direction, tables_.state_size * sizeof(float));
@@ -167,9 +168,10 @@ void GpuFair::plan_polish(Binder& binder) {
   if (options_.polish_steps == 0) return;
   const FairTables& t = tables_;
   Buffers& b = buffers_;
-  binder.add(
-      start_polish_, Kernel::FairRows, t.corner_count,
-      {&t.links, &t.vertices, &b.given, &b.normals, &b.result, &t.owners, &b.rows1, &b.rows2});
+  binder.add(start_polish_, Kernel::FairDirections, t.vertex_count,
+             {&t.vertices, &b.normals, &b.shares, &b.directions});
+  binder.add(start_polish_, Kernel::FairRows, t.corner_count,
+             {&t.links, &t.owners, &b.given, &b.directions, &b.result, &b.rows1, &b.rows2});
   binder.add(start_polish_, Kernel::FairDiagonals, t.vertex_count,
              {&t.vertices, &t.places, &t.links, &b.rows1, &b.rows2, &b.precondition, &b.scalars});
   binder.add(start_polish_, Kernel::FairPrecondition, t.vertex_count,
@@ -190,7 +192,7 @@ void GpuFair::plan_polish(Binder& binder) {
                {&t.owners, &b.precondition, &b.scalars, &b.residual, &b.direction, &b.heights});
   }
   binder.add(end_polish_, Kernel::FairApplyHeights, t.vertex_count,
-             {&t.vertices, &t.places, &b.normals, &b.heights, &b.result});
+             {&t.vertices, &t.places, &b.directions, &b.heights, &b.result});
 }
 
 void GpuFair::plan_finish(Binder& binder, const Buffer& model_points) {

@@ -45,6 +45,7 @@ class GpuFair {
     Buffer sector_normals, shifts;       // per sector, crease
     Buffer result;                       // per point of the state: relative to its given point
     Buffer flags, halvings, counts;      // words: per vertex, per vertex, shared::kFairCounts
+    Buffer directions;                   // per vertex, of the polish
     Buffer rows1, rows2;                 // per corner: four floats
     Buffer lines;                        // per corner: two floats
     Buffer direction;                    // float per point of the state

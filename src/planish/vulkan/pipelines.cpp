@@ -21,6 +21,8 @@
 #include "shaders/fair_descend_texel.spv.h"
 #include "shaders/fair_diagonals.spv.h"
 #include "shaders/fair_diagonals_texel.spv.h"
+#include "shaders/fair_directions.spv.h"
+#include "shaders/fair_directions_texel.spv.h"
 #include "shaders/fair_edge_folds.spv.h"
 #include "shaders/fair_edge_folds_texel.spv.h"
 #include "shaders/fair_face_folds.spv.h"
@@ -157,8 +159,9 @@ const KernelSource kSources[kKernelCount] = {
     fair_kernel(PLANISH_BOTH(fair_face_folds),
                 {Records, Words, Points, Points, Points, Pairs, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_shrink), {Records, Records, Storage, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_directions), {Records, Points, Floats, Storage}),
     fair_kernel(PLANISH_BOTH(fair_rows),
-                {Records, Records, Points, Points, Points, Words, Storage, Storage}),
+                {Records, Words, Points, Points, Points, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_diagonals),
                 {Records, Records, Records, Points, Points, Storage, Storage}),
     fair_kernel(spirv::fair_precondition, spirv::fair_precondition, {Storage, Storage}),
@@ -207,6 +210,7 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish fair_edge_folds",
                                                     "planish fair_face_folds",
                                                     "planish fair_shrink",
+                                                    "planish fair_directions",
                                                     "planish fair_rows",
                                                     "planish fair_diagonals",
                                                     "planish fair_precondition",

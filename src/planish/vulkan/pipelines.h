@@ -45,6 +45,7 @@ enum class Kernel {
   FairEdgeFolds,
   FairFaceFolds,
   FairShrink,
+  FairDirections,
   FairRows,
   FairDiagonals,
   FairPrecondition,
@@ -58,7 +59,7 @@ enum class Kernel {
   FairMeasure,
   FairState,
 };
-inline constexpr std::size_t kKernelCount = 42;
+inline constexpr std::size_t kKernelCount = 43;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);
