@@ -129,7 +129,9 @@ TEST_F(Fair, IsASettingOfScenesAndOverridesThePreset) {
 TEST_F(Fair, CagesOfEveryFormatAreConfirmed) {
   const std::string creased =
       write("creased.obj", torus_obj(8) + "t crease 2/1/0 0 1 10\nt crease 2/1/0 1 2 10\n");
-  for (const std::string& input : {sphere_, plate_, creased}) {
+  const std::string mapped = PLANISH_SCENES "/mapped_cube.obj";
+  const std::string holed = PLANISH_SCENES "/cube_with_windows.obj";
+  for (const std::string& input : {sphere_, plate_, creased, mapped, holed}) {
     for (const std::string name : {"c.obj", "c.ply", "c.off"}) {
       const nlohmann::json report = fit(input, {"--interpolation", "fair", "--cage", path(name)});
       const ProcessResult result = run_planish({"verify", path(name), input, "--json"});

@@ -2,17 +2,21 @@
 // same surface.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <map>
 
 #include "mesh/temporary_folder.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/mesh/area_vector.h"
 #include "planish/mesh/mesh_file.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
+#include "planish/surface/level_one_mesh.h"
 
 namespace planish {
 namespace {
@@ -83,6 +87,100 @@ TEST(MappedShapes, TheCagesFileGivesTheSameSurface) {
   expect_same_after_round_trip("mapped_cube.obj");
   expect_same_after_round_trip("cube_with_windows.obj");
   expect_same_after_round_trip("bearing_block.obj");
+}
+
+PolygonMesh written_and_read(const PolygonMesh& cage) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "cage.obj";
+  write_mesh(path, MeshFormat::Obj, cage);
+  return read_mesh(read_file(path), "cage.obj", MeshFormat::Obj).mesh;
+}
+
+double area_of(const SurfaceMesh& surface) {
+  double area = 0;
+  for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+    area += glm::length(area_vector(surface.positions, surface.face(f)));
+  }
+  return area;
+}
+
+FitOptions fair_options() {
+  FitOptions options;
+  options.method = InterpolationMethod::Fair;
+  return options;
+}
+
+TEST(MappedShapes, AFairCagesFileGivesTheSameSurface) {
+  const auto backend = make_cpu_backend();
+  for (const char* file : {"mapped_cube.obj", "cube_with_windows.obj", "bearing_block.obj"}) {
+    const PolygonMesh mesh = scene(file);
+    const Fit fitted = fit(mesh, *backend, fair_options());
+    const PolygonMesh cage = written_and_read(control_cage(mesh, fitted, {}));
+    const LevelOne again = level_one_of_cage(mesh, cage, {});
+    const SurfaceMesh direct = evaluate(mesh, fitted, *backend, {.level = 2});
+    const SurfaceMesh surface = evaluate(mesh, again, *backend, {.level = 2});
+    EXPECT_EQ(surface.face_vertices, direct.face_vertices);
+    EXPECT_EQ(surface.uvs, direct.uvs);
+    EXPECT_EQ(surface.face_uvs, direct.face_uvs);
+    ASSERT_EQ(surface.positions.size(), direct.positions.size());
+    for (std::size_t i = 0; i < direct.positions.size(); ++i)
+      EXPECT_LE(glm::distance(surface.positions[i], direct.positions[i]), 1e-12);
+    EXPECT_NEAR(area_of(surface), area_of(direct), 1e-12 * area_of(direct));
+    // The progressive method's attributes.
+    const SurfaceMesh progressive = evaluate(mesh, fit(mesh, *backend), *backend, {.level = 2});
+    EXPECT_EQ(direct.uvs, progressive.uvs);
+    EXPECT_EQ(direct.face_uvs, progressive.face_uvs);
+    EXPECT_EQ(direct.face_count(), progressive.face_count());
+  }
+}
+
+// By itself, refined as any Doo-Sabin cage: the second level of the surface is its first.
+TEST(MappedShapes, AFairCageCarriesItsCharts) {
+  const PolygonMesh mesh = scene("mapped_cube.obj");
+  const auto backend = make_cpu_backend();
+  const Fit fitted = fit(mesh, *backend, fair_options());
+  const PolygonMesh cage = written_and_read(control_cage(mesh, fitted, {}));
+  const SurfaceMesh direct = evaluate(mesh, fitted, *backend, {.level = 2});
+  const SurfaceMesh surface = evaluate(cage, *backend, {.level = 1});
+  ASSERT_EQ(surface.positions.size(), direct.positions.size());
+  ASSERT_EQ(surface.face_count(), direct.face_count());
+  // Where the surface has its texture coordinates, by place.
+  const auto key = [](const glm::dvec3& p) {
+    return std::array{std::llround(p.x * 1e9), std::llround(p.y * 1e9), std::llround(p.z * 1e9)};
+  };
+  std::multimap<std::array<long long, 3>, glm::dvec2> given;
+  for (std::size_t c = 0; c < direct.face_vertices.size(); ++c) {
+    given.emplace(key(direct.positions[direct.face_vertices[c]]), direct.uvs[direct.face_uvs[c]]);
+  }
+  std::int64_t apart = 0;
+  for (std::size_t c = 0; c < surface.face_vertices.size(); ++c) {
+    const auto [first, last] = given.equal_range(key(surface.positions[surface.face_vertices[c]]));
+    ASSERT_NE(first, last) << c;
+    const glm::dvec2 uv = surface.uvs[surface.face_uvs[c]];
+    apart += std::none_of(
+        first, last, [&](const auto& entry) { return glm::distance(entry.second, uv) < 1e-6; });
+  }
+  // Only across seams is one chart continued where the surface has the other: a ring of quads
+  // around each of twelve edges of four faces.
+  EXPECT_LT(static_cast<double>(apart) / static_cast<double>(surface.face_vertices.size()), 0.25);
+}
+
+TEST(MappedShapes, AFairCagesHolesCoverTheWindows) {
+  const PolygonMesh mesh = scene("cube_with_windows.obj");
+  const auto backend = make_cpu_backend();
+  const Fit fitted = fit(mesh, *backend, fair_options());
+  const PolygonMesh cage = written_and_read(control_cage(mesh, fitted, {}));
+  ASSERT_FALSE(cage.hole_faces.empty());
+  const SurfaceMesh holed = evaluate(mesh, fitted, *backend, {.level = 4});
+  PolygonMesh closed = mesh;
+  closed.hole_faces.clear();
+  const double windows =
+      area_of(evaluate(closed, fitted.fair->level_one, *backend, {.level = 4})) - area_of(holed);
+  double tagged = 0;
+  for (const std::int32_t f : cage.hole_faces)
+    tagged += glm::length(area_vector(cage.positions, cage.face(f)));
+  // A net lies a little outside its surface.
+  EXPECT_NEAR(tagged / windows, 1.0, 0.05);
 }
 
 TEST(MappedShapes, WindowsStayOpen) {

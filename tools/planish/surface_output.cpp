@@ -38,6 +38,13 @@ std::vector<glm::dvec3> given_points(const SurfaceMesh& surface,
   return points;
 }
 
+// The control points of a fair cage as they are written.
+LevelOne state_of(const PolygonMesh& cage, const FairFit& fair) {
+  LevelOne written{cage.positions, {}};
+  written.state.resize(fair.level_one.state.size());
+  return written;
+}
+
 }  // namespace
 
 double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
@@ -102,7 +109,7 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
   }
   note_file(written, target);
   const std::vector<glm::dvec3> limit =
-      fitted.fair ? limit_positions(input, LevelOne{cage.positions, {}}, settings.sharp())
+      fitted.fair ? limit_positions(input, state_of(cage, *fitted.fair), settings.sharp())
                   : limit_positions(cage, {settings.scheme, settings.weights, settings.sharp()});
   written.as_written_error = largest_distance(limit, input.positions) / fitted.placement.diagonal;
   return written;

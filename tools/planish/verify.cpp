@@ -8,6 +8,7 @@
 #include "planish/mesh/check.h"
 #include "planish/mesh/placement.h"
 #include "planish/surface/evaluate.h"
+#include "planish/surface/level_one_mesh.h"
 #include "prepare.h"
 #include "text.h"
 
@@ -50,15 +51,13 @@ std::vector<glm::dvec3> progressive_limits(const Input& cage, const PolygonMesh&
 std::vector<glm::dvec3> fair_limits(const Input& cage, const PolygonMesh& given,
                                     const std::string& name, const VerifyOptions& options) {
   const SharpFeatureOptions sharp{options.boundary, options.creases.use_tags};
-  const LevelOne level_one{cage.file.mesh.positions, {}};
   try {
-    require_same_faces(cage, level_one_mesh(given, level_one, sharp), name);
+    return limit_positions(given, level_one_of_cage(given, cage.file.mesh, sharp), sharp);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::InvalidArgument) throw;
-    throw Error(ErrorCode::UnusableMesh,
-                cage.name + " is no cage of " + name + ": " + error.what());
+    throw Error(ErrorCode::UnusableMesh, cage.name + " is no cage of " + name + ": " + error.what(),
+                error.element());
   }
-  return limit_positions(given, level_one, sharp);
 }
 
 }  // namespace

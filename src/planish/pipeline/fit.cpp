@@ -11,6 +11,7 @@
 #include "planish/pipeline/limit_system.h"
 #include "planish/pipeline/solve_fair.h"
 #include "planish/stencil/quad_split.h"
+#include "planish/surface/level_one_mesh.h"
 
 namespace planish {
 

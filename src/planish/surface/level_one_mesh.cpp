@@ -1,0 +1,319 @@
+// The polygons of level 1 are the rings of control points around the vertices of Q_1, which come in
+// the order: vertices, faces, edges of the mesh.
+#include "planish/surface/level_one_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "planish/core/assert.h"
+#include "planish/core/error.h"
+#include "planish/doosabin/vertex_ring.h"
+#include "planish/surface/level_one_uvs.h"
+#include "planish/surface/subdivided_mesh.h"
+
+namespace planish {
+
+namespace {
+
+class MeshBuilder {
+ public:
+  // `net` has the vertices of the state, and their colours.
+  MeshBuilder(const SubdividedMesh& base, PolygonMesh& net)
+      : base_(base), mesh_(base.used.mesh), net_(net), uvs_(base) {
+    for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
+      mesh_face_.insert(mesh_face_.end(), static_cast<std::size_t>(mesh_.face_size(f)), f);
+    }
+    is_hole_.resize(static_cast<std::size_t>(mesh_.face_count()));
+    for (const std::int32_t f : mesh_.hole_faces) is_hole_[f] = true;
+  }
+
+  void add_polygons() {
+    const auto counts = base_.split.counts(1);
+    const auto first_edge = mesh_.vertex_count() + mesh_.face_count();
+    for (std::int32_t v = 0; v < counts.vertices; ++v) {
+      gather_ring(base_.subdivision, 1, v, ring_);
+      around_ = v < first_edge ? RingAround::Vertex : RingAround::Edge;
+      centre_ = ring_.corner_point;
+      if (!ring_.sectors.empty()) {
+        add_sectors();
+      } else if (ring_.kind == VertexKind::Corner) {
+        add_cone();
+      } else if (ring_.kind == VertexKind::Dart) {
+        const std::int32_t curve = curve_point_at(v);
+        add_sector({0, static_cast<std::int32_t>(ring_.faces.size()), curve, curve});
+      } else if (ring_.faces.size() >= 3) {
+        add_smooth();
+      }
+    }
+    uvs_.move_to(net_);
+  }
+
+ private:
+  // Places in ring_.faces are taken modulo its size.
+  [[nodiscard]] std::int32_t face(std::size_t place) const {
+    return ring_.faces[place % ring_.faces.size()];
+  }
+  [[nodiscard]] bool is_hole(std::size_t place) const { return is_hole_[mesh_face_[face(place)]]; }
+  [[nodiscard]] bool is_cut(const VertexRing::Sector& sector) const {
+    return end_of_run(sector.first, sector.first + sector.count) < sector.first + sector.count;
+  }
+  // The first place behind `begin` whose face is not within a hole where the other is, or `end`.
+  [[nodiscard]] std::int32_t end_of_run(std::int32_t begin, std::int32_t end) const {
+    std::int32_t place = begin + 1;
+    while (place < end && is_hole(place) == is_hole(begin)) ++place;
+    return place;
+  }
+
+  void push_face(std::size_t place) { polygon_.push_back({face(place), face(place)}); }
+  // A point on the edge before the place: the leading edge at a vertex.
+  void push_before(std::int32_t vertex, std::size_t place) {
+    polygon_.push_back(
+        {vertex, face(place), 0.25,
+         around_ == RingAround::Vertex ? NetCorner::Toward::Next : NetCorner::Toward::Previous});
+  }
+  void push_after(std::int32_t vertex, std::size_t place) {
+    polygon_.push_back(
+        {vertex, face(place), 0.25,
+         around_ == RingAround::Vertex ? NetCorner::Toward::Previous : NetCorner::Toward::Next});
+  }
+  // Around an edge, corners at its ends alternate.
+  void push_centre(std::size_t place) {
+    if (around_ == RingAround::Vertex) {
+      polygon_.push_back({centre_, face(place), 0.0});
+    } else {
+      polygon_.push_back({centre_, face(place), 0.5,
+                          place % 2 == 0 ? NetCorner::Toward::Previous : NetCorner::Toward::Next});
+    }
+  }
+
+  void add_polygon(bool closed = false) {
+    const std::int32_t owner = mesh_face_[polygon_.front().face];
+    if (is_hole_[owner]) net_.hole_faces.push_back(net_.face_count());
+    vertices_.clear();
+    for (const NetCorner& corner : polygon_) vertices_.push_back(corner.vertex);
+    net_.add_face(vertices_);
+    if (!mesh_.face_groups.empty()) {
+      net_.face_groups.push_back(mesh_.face_groups[owner]);
+    }
+    uvs_.add(polygon_, around_, closed);
+    polygon_.clear();
+  }
+
+  void add_smooth() {
+    const auto n = static_cast<std::int32_t>(ring_.faces.size());
+    std::int32_t first = 0;
+    while (first < n && is_hole(first) == is_hole(first + n - 1)) ++first;
+    if (first == n) {
+      for (std::int32_t i = 0; i < n; ++i) push_face(i);
+      add_polygon(true);
+      return;
+    }
+    centre_ = add_mean(ring_.faces);
+    for (std::int32_t begin = first; begin < first + n;) {
+      const std::int32_t end = end_of_run(begin, first + n);
+      push_centre(begin);
+      push_before(middle(begin + n - 1, begin), begin);
+      for (std::int32_t i = begin; i < end; ++i) push_face(i);
+      push_after(middle(end - 1, end), end - 1);
+      add_polygon();
+      begin = end;
+    }
+  }
+
+  void add_sectors() {
+    const VertexRing::Sector& front = ring_.sectors.front();
+    const bool is_crease = ring_.kind == VertexKind::Crease;
+    if (is_crease && std::ranges::any_of(ring_.sectors, [&](const auto& s) { return is_cut(s); })) {
+      centre_ = add_mean({{front.curve0, front.curve1}});
+    }
+    for (const VertexRing::Sector& sector : ring_.sectors) {
+      if (ring_.kind == VertexKind::Corner && is_interior(sector.curve0)) {
+        tag_crease(ring_.corner_point, sector.curve0);
+      }
+      add_sector(sector);
+    }
+    if (!is_crease || ring_.sectors.size() != 2) return;
+    if (centre_ < 0) {
+      tag_crease(front.curve0, front.curve1);
+    } else {
+      tag_crease(front.curve0, centre_);
+      tag_crease(centre_, front.curve1);
+    }
+  }
+
+  // With curve points below 0 the sector has none.
+  void add_sector(const VertexRing::Sector& sector) {
+    const std::int32_t end = sector.first + sector.count;
+    if (is_cut(sector) && centre_ < 0) centre_ = add_mean(ring_.faces);  // of a dart
+    for (std::int32_t begin = sector.first; begin < end;) {
+      const std::int32_t stop = end_of_run(begin, end);
+      if (centre_ >= 0) push_centre(begin);
+      if (begin > sector.first) {
+        push_before(middle(begin - 1, begin), begin);
+      } else if (sector.curve0 >= 0) {
+        push_before(sector.curve0, begin);
+      }
+      for (std::int32_t i = begin; i < stop; ++i) push_face(i);
+      const bool is_whole_dart = centre_ < 0 && sector.curve1 == sector.curve0;
+      if (stop < end) {
+        push_after(middle(stop - 1, stop), stop - 1);
+      } else if (sector.curve1 >= 0 && !is_whole_dart) {
+        push_after(sector.curve1, stop - 1);
+      }
+      add_polygon();
+      begin = stop;
+    }
+  }
+
+  // A tagged vertex without sharp edges.
+  void add_cone() {
+    const auto n = static_cast<std::int32_t>(ring_.faces.size());
+    for (std::int32_t i = 0; i < n; ++i) add_sector({i, 2, -1, -1});
+  }
+
+  // Further vertices, where holes cut.
+  std::int32_t add_mean(std::span<const std::int32_t> vertices) {
+    const glm::dvec3 origin = net_.positions[vertices.front()];
+    glm::dvec3 sum(0.0);
+    glm::vec4 color(0.0f);
+    for (const std::int32_t v : vertices) {
+      sum += net_.positions[v] - origin;
+      if (!net_.colors.empty()) color += net_.colors[v];
+    }
+    const auto count = static_cast<double>(vertices.size());
+    net_.positions.push_back(origin + sum / count);
+    if (!net_.colors.empty()) net_.colors.push_back(color / static_cast<float>(count));
+    return net_.vertex_count() - 1;
+  }
+  std::int32_t middle(std::size_t place_a, std::size_t place_b) {
+    const auto key = std::minmax({face(place_a), face(place_b)});
+    const auto [found, is_new] = middles_.try_emplace(key, -1);
+    if (is_new) found->second = add_mean(std::array{key.first, key.second});
+    return found->second;
+  }
+
+  // The curve point at a vertex of the mesh where one sharp edge ends.
+  [[nodiscard]] std::int32_t curve_point_at(std::int32_t vertex) const {
+    const auto& topology = base_.split.level(0);
+    const auto edges = topology.GetVertexEdges(vertex);
+    for (int i = 0; i < edges.size(); ++i) {
+      const std::int32_t sharp = base_.subdivision.sharp_of_edge(0, edges[i]);
+      if (sharp < 0) continue;
+      const int end = topology.GetEdgeVertices(edges[i])[0] == vertex ? 0 : 1;
+      return static_cast<std::int32_t>(base_.subdivision.state_layout(1).first_sharp) + 2 * sharp +
+             end;
+    }
+    PLANISH_ASSERT(!"no sharp edge ends here");
+    return -1;
+  }
+
+  [[nodiscard]] bool is_interior(std::int32_t curve_point) const {
+    const auto first = static_cast<std::int32_t>(base_.subdivision.state_layout(1).first_sharp);
+    const int edge = base_.subdivision.edge_of_sharp(0, (curve_point - first) / 2);
+    return base_.split.level(0).GetEdgeFaces(edge).size() == 2;
+  }
+
+  void tag_crease(std::int32_t a, std::int32_t b) {
+    net_.creases.push_back({a, b, kInfiniteSharpness});
+  }
+
+  const SubdividedMesh& base_;
+  const PolygonMesh& mesh_;
+  PolygonMesh& net_;
+  LevelOneUvs uvs_;
+  std::vector<std::int32_t> mesh_face_;  // of each corner
+  std::vector<bool> is_hole_;            // per face of the mesh
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles_;
+  VertexRing ring_;
+  RingAround around_ = RingAround::Vertex;
+  std::int32_t centre_ = -1;  // of the ring where its polygons hold it
+  std::vector<NetCorner> polygon_;
+  std::vector<std::int32_t> vertices_;
+};
+
+// A face's control point takes the mean of the colours at the corners of its face of Q_1.
+void carry_colors(const SubdividedMesh& base, PolygonMesh& result) {
+  const PolygonMesh& mesh = base.used.mesh;
+  if (mesh.colors.empty()) return;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto vertices = mesh.face(f);
+    const std::size_t m = vertices.size();
+    glm::vec4 centre(0.0f);
+    for (const std::int32_t v : vertices) centre += mesh.colors[v] / static_cast<float>(m);
+    for (std::size_t i = 0; i < m; ++i) {
+      result.colors.push_back(0.25f * centre + 0.5f * mesh.colors[vertices[i]] +
+                              0.125f * mesh.colors[vertices[(i + 1) % m]] +
+                              0.125f * mesh.colors[vertices[(i + m - 1) % m]]);
+    }
+  }
+  for (std::int32_t s = 0; s < base.features.sharp_edge_count; ++s) {
+    const auto ends = base.split.level(0).GetEdgeVertices(base.subdivision.edge_of_sharp(0, s));
+    const glm::vec4 a = mesh.colors[ends[0]], b = mesh.colors[ends[1]];
+    result.colors.push_back(0.75f * a + 0.25f * b);
+    result.colors.push_back(0.75f * b + 0.25f * a);
+  }
+  for (const std::int32_t v : base.features.corner_vertices) {
+    result.colors.push_back(mesh.colors[v]);
+  }
+}
+
+EvaluateOptions first_level(const SharpFeatureOptions& sharp) {
+  EvaluateOptions options{.level = 0};
+  options.sharp = sharp;
+  return options;
+}
+
+PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one) {
+  require_state_of(base.subdivision, level_one);
+  PolygonMesh net;
+  for (const glm::dvec3& point : level_one.state) {
+    net.positions.push_back(level_one.placement.to_model(point));
+  }
+  carry_colors(base, net);
+  if (!base.used.mesh.face_groups.empty()) net.groups = base.used.mesh.groups;
+  MeshBuilder(base, net).add_polygons();
+  const auto first_corner =
+      static_cast<std::int32_t>(base.subdivision.state_layout(1).first_corner);
+  for (std::int32_t c = 0; c < base.features.corner_count; ++c) {
+    net.corners.push_back({first_corner + c, kInfiniteSharpness});
+  }
+  return net;
+}
+
+}  // namespace
+
+PolygonMesh level_one_mesh(const PolygonMesh& mesh, const LevelOne& level_one,
+                           const SharpFeatureOptions& sharp) {
+  return net_of(SubdividedMesh(mesh, first_level(sharp)), level_one);
+}
+
+LevelOne level_one_of_cage(const PolygonMesh& mesh, const PolygonMesh& cage,
+                           const SharpFeatureOptions& sharp) {
+  const SubdividedMesh base(mesh, first_level(sharp));
+  const auto size = static_cast<std::size_t>(base.subdivision.state_layout(1).size);
+  LevelOne level_one{cage.positions, {}};
+  level_one.state.resize(std::min(size, cage.positions.size()));
+  const PolygonMesh expected = net_of(base, level_one);
+  if (cage.vertex_count() < expected.vertex_count()) {
+    throw Error(ErrorCode::InvalidArgument, "it has " + std::to_string(cage.vertex_count()) +
+                                                " vertices for " +
+                                                std::to_string(expected.vertex_count()));
+  }
+  if (cage.face_count() != expected.face_count()) {
+    throw Error(ErrorCode::InvalidArgument, "it has " + std::to_string(cage.face_count()) +
+                                                " faces for " +
+                                                std::to_string(expected.face_count()));
+  }
+  for (std::int32_t f = 0; f < cage.face_count(); ++f) {
+    if (std::ranges::equal(cage.face(f), expected.face(f))) continue;
+    throw Error(ErrorCode::InvalidArgument, "face " + std::to_string(f) + " has other corners", f);
+  }
+  return level_one;
+}
+
+}  // namespace planish

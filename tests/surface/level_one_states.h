@@ -1,0 +1,67 @@
+#pragma once
+
+#include <vector>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/doosabin/surface_stencils.h"
+#include "planish/surface/level_one.h"
+#include "planish/surface/subdivided_mesh.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish::test {
+
+/// Level 1 of the surface of an ordinary cage: one Doo-Sabin step.
+inline LevelOne first_step(const PolygonMesh& cage, const SharpFeatureOptions& sharp = {},
+                           Weights weights = Weights::DooSabin) {
+  const SubdividedMesh base(cage, {.level = 0, .weights = weights, .sharp = sharp});
+  LevelOne result;
+  result.placement = placement_of(cage);
+  std::vector<glm::dvec3> unit;
+  for (const glm::dvec3& p : base.used.mesh.positions) unit.push_back(result.placement.to_unit(p));
+  const auto size = base.subdivision.state_layout(1).size;
+  const auto backend = make_cpu_backend();
+  const auto source = backend->upload(unit);
+  const auto target = backend->allocate(static_cast<std::int32_t>(size));
+  const StencilTable<double> table =
+      first_step_table(base.used.mesh, base.subdivision, RowRange{0, size});
+  backend->apply(table.view(), *source, *target, 0);
+  result.state = backend->download(*target);
+  return result;
+}
+
+inline std::vector<NamedMesh> smooth_net_meshes() {
+  return {{"cube", cube()},
+          {"prism", prism(9)},
+          {"bipyramid", bipyramid(7)},
+          {"torus", torus(6, 5, 1.0, 0.4)},
+          {"icosphere", jittered(icosphere(2), 0.05, 3)},
+          {"random", random_closed_mesh(5)}};
+}
+
+inline std::vector<NamedMesh> sharp_net_meshes() {
+  std::vector<NamedMesh> meshes = {
+      {"grid", flat_grid(4, 3)}, {"hole", plate_with_hole(5)},
+      {"fan", open_fan(5)},      {"polygon", single_polygon(6)},
+      {"L", l_shaped_plate(2)},  {"valence two", cube_with_split_edges()}};
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    meshes.push_back({"open " + std::to_string(seed), random_open_mesh(seed)});
+    meshes.push_back({"creased " + std::to_string(seed),
+                      with_random_creases(random_open_mesh(seed), 0.2, seed)});
+    meshes.push_back({"closed, creased " + std::to_string(seed),
+                      with_random_creases(random_closed_mesh(seed), 0.1, seed)});
+  }
+  PolygonMesh cone = icosphere(1);
+  cone.corners = {{3, kInfiniteSharpness}};
+  meshes.push_back({"cone", cone});
+  return meshes;
+}
+
+/// Closed, open and creased, with darts and a cone.
+inline std::vector<NamedMesh> net_meshes() {
+  std::vector<NamedMesh> meshes = smooth_net_meshes();
+  for (NamedMesh& mesh : sharp_net_meshes()) meshes.push_back(std::move(mesh));
+  return meshes;
+}
+
+}  // namespace planish::test
