@@ -1,4 +1,5 @@
-// The residual after a step, less its mean over every polygon, and its preconditioned square sum.
+// The step along the direction of every control point: its height, its residual after it, and the
+// residuals' preconditioned square sum.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
@@ -7,31 +8,39 @@ READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
 READ(2, float, gradient)
 READ(3, float, precondition)
-READ_STORED(4, FairScalars, scalars);
-UPDATE(5, float, residual);
-WRITE(6, float, partials);
+READ(4, vec4, motions)
+READ_STORED(5, FairScalars, scalars);
+WRITE(6, vec4, next);
+WRITE(7, float, partials);
 
+#include "fair_motion.glsl"
 #include "fair_sum.glsl"
+
+// Returns the square sum.
+float descend(FairVertex vertex, float scale, float step, float momentum) {
+  float mean = 0.0;
+  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
+    mean += gradient_at(places_at(i).corner);
+  mean /= float(vertex.count);
+  float square = 0.0;
+  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
+    uint c = places_at(i).corner;
+    vec4 motion = motions_at(c);
+    float along = turned(motion, momentum);
+    float residual = motion.x - scale * step * (gradient_at(c) - mean);
+    next[c].xyz = vec3(residual, along, motion.z + step * along);
+    square += residual * residual;
+  }
+  return square / scale;
+}
 
 void main() {
   float total = 0.0;
+  float step = scalars[0].step, momentum = scalars[0].momentum;
   FOR_ELEMENTS(v) {
-    FairVertex vertex = vertices_at(v);
-    if (!has_polygon(vertex)) continue;
-    float mean = 0.0;
-    for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
-      uint c = places_at(i).corner;
-      residual[c] -= scalars[0].step * gradient_at(c);
-      mean += residual[c];
-    }
-    mean /= float(vertex.count);
-    float square = 0.0;
-    for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
-      uint c = places_at(i).corner;
-      residual[c] -= mean;
-      square += residual[c] * residual[c];
-    }
-    total += precondition_at(v) * square;
+    float scale = precondition_at(v);
+    // Control points that must stay, or without lines, have no motion.
+    if (scale > 0.0) total += descend(vertices_at(v), scale, step, momentum);
   }
   total = group_sum(total);
   if (gl_LocalInvocationIndex == 0u) partials[gl_WorkGroupID.x] = total;

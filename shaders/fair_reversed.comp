@@ -1,4 +1,4 @@
-// Replaces every polygon that came out turned over by a small translated copy of the given points'.
+// Replaces every polygon that came out turned over, or was decided to have, by a small translated copy of the given points'.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
@@ -9,7 +9,7 @@ READ(2, vec4, normals)
 READ(3, vec4, given_offsets)
 READ(4, vec2, circle)
 UPDATE(5, vec4, result);
-UPDATE(6, uint, counts);
+UPDATE(6, uint, decisions);
 
 uint first_place;
 #define POLYGON_POINT(i) result[places_at(first_place + (i)).corner].xyz
@@ -25,8 +25,10 @@ void main() {
     if (!has_polygon(vertex)) continue;
     first_place = vertex.first;
     vec3 own = limit_normal(vertex.count, vertex.circle);
-    if (!(dot(own, normals_at(v).xyz) < kReversedCosine * safe_length(own))) continue;
-    atomicAdd(counts[kReversedCount], 1u);
+    bool reversed = dot(own, normals_at(v).xyz) < kReversedCosine * safe_length(own);
+    if (parameters.decided != 0u) reversed = (decisions[v] & kReversed) != 0u;
+    if (!reversed) continue;
+    decisions[v] |= kReversed;
     vec3 mean = vec3(0.0);
     for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
       mean += given_offsets_at(places_at(i).corner).xyz;

@@ -1,4 +1,5 @@
-// Halves the control points around every flagged vertex about it, and takes the flag down.
+// Halves the control points around every flagged vertex about it and takes the flag down, or halves
+// them as often as was decided.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
@@ -6,23 +7,29 @@
 READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
 UPDATE(2, uint, flags);
-UPDATE(3, uint, halvings);
+UPDATE(3, uint, decisions);
 UPDATE(4, vec4, result);
 
-const float kShrink = 0.5;
+uint halvings_of(uint v, uint kind) {
+  if (parameters.decided != 0u) return decisions[v] >> parameters.shift & kHalvingsMask;
+  if (flags[v] == 0u) return 0u;
+  flags[v] = 0u;
+  // Corner points and the curves that end there are where they must be.
+  if (kind == kCorner) return 0u;
+  decisions[v] += 1u << parameters.shift;
+  return 1u;
+}
 
 void main() {
   FOR_ELEMENTS(v) {
     FairVertex vertex = vertices_at(v);
-    bool flagged = flags[v] != 0u;
-    flags[v] = 0u;
-    // Corner points and the curves that end there are where they must be.
-    if (!flagged || vertex.kind == kCorner) continue;
-    halvings[v] += 1u;
+    uint halvings = halvings_of(v, vertex.kind);
+    if (halvings == 0u) continue;
+    float factor = ldexp(1.0, -int(halvings));
     for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
-      result[places_at(i).corner] *= kShrink;
+      result[places_at(i).corner] *= factor;
     if (vertex.kind != kCrease) continue;
-    result[vertex.curve0] *= kShrink;
-    result[vertex.curve1] *= kShrink;
+    result[vertex.curve0] *= factor;
+    result[vertex.curve1] *= factor;
   }
 }

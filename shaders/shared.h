@@ -163,12 +163,23 @@ struct FairCurvePoint {
   uint after, before;  // at darts: the corners beside it
 };
 
-// What the construction counts: edges and faces turned over, per round of repair, and polygons that
-// came out reversed.
+// What the construction counts: edges and faces turned over, per round of repair.
 PLANISH_SHARED_CONSTANT kRepairRounds = 3u;
 PLANISH_SHARED_CONSTANT kRepairCounts = 8u;  // (kRepairRounds + 1) * edges and faces
-PLANISH_SHARED_CONSTANT kReversedCount = 16u;
-PLANISH_SHARED_CONSTANT kFairCounts = 17u;  // words: two repairs, reversed
+PLANISH_SHARED_CONSTANT kFairCounts = 16u;  // words: two repairs
+
+// FairDecisions of a vertex in one word: halvings before the polish, and kLateShift bits higher those
+// after it, then whether its polygon was reversed.
+PLANISH_SHARED_CONSTANT kHalvingsMask = 0xffu;
+PLANISH_SHARED_CONSTANT kLateShift = 8u;
+PLANISH_SHARED_CONSTANT kReversed = 0x10000u;
+
+// The dispatches of a round of repair whose work groups the device decides, in the order of their
+// arguments.
+PLANISH_SHARED_CONSTANT kRoundEdges = 0u;
+PLANISH_SHARED_CONSTANT kRoundFaces = 1u;
+PLANISH_SHARED_CONSTANT kRoundVertices = 2u;
+PLANISH_SHARED_CONSTANT kRoundDispatches = 3u;
 
 // The scalars of the polish.
 struct FairScalars {
@@ -190,6 +201,9 @@ struct FairParameters {
   uint partial_count;  // partial sums
   float x, y, z;       // origin of the unit coordinates
   float scale;         // model units of one unit
+  uint decided;        // 1: decisions are given, not made
+  uint shift;          // of repair's halvings in a vertex's decisions
+  uint edge_groups, face_groups, vertex_groups;  // that a round of repair takes
 };
 
 #ifdef __cplusplus

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
+#include "planish/backend/cpu_backend.h"
+#include "planish/pipeline/fit.h"
 #include "support/delaunay_sphere.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -149,8 +151,9 @@ TEST_F(EmbedFair, DoesNothingButRecord) {
       EXPECT_THAT(name, StartsWith("vkCmd"));
     }
   }
-  // 8 polish steps of 6 kernels, and two repairs of 4 looks and 3 turns among them.
-  EXPECT_GT(after["vkCmdDispatch"] - before["vkCmdDispatch"], 8 * 6 + 2 * (4 * 2 + 3));
+  // 8 polish steps of 5 kernels, two first looks of 2, and 3 rounds after each.
+  EXPECT_GT(after["vkCmdDispatch"] - before["vkCmdDispatch"], 8 * 5 + 2 * (2 + 3));
+  EXPECT_EQ(after["vkCmdDispatchIndirect"] - before["vkCmdDispatchIndirect"], 2 * 3 * 3);
   commands.submit();
   commands.wait();
 }
@@ -170,6 +173,30 @@ TEST_F(EmbedFair, ResubmissionFollowsTheHostsPoints) {
     const std::vector<Vertex> vertices = frame.vertices(), expected = run(fresh, pose, {});
     EXPECT_EQ(std::memcmp(vertices.data(), expected.data(), vertices.size() * sizeof(Vertex)), 0);
   }
+}
+
+TEST_F(EmbedFair, KeepsTheRestPosesDecisions) {
+  PolygonMesh mesh = test::jittered(test::icosphere(3), 0.4, 1);
+  mesh.positions.insert(mesh.positions.begin() + 20, glm::dvec3(2, 0, 0));  // in no face
+  for (std::int32_t& v : mesh.face_vertices) v += v >= 20;
+  FitOptions fitting;
+  fitting.method = InterpolationMethod::Fair;
+  const Fit rest = fit(mesh, *make_cpu_backend(), fitting);
+  ASSERT_GT(rest.fair->shrunk_vertices, 10);
+  SystemOptions options = fair_options(1);
+  const auto free = make_topology(mesh, options);
+  options.fair_decisions = &rest.fair->decisions;
+  const auto kept = make_topology(mesh, options);
+  HostFrame free_frame(*context_, *free), kept_frame(*context_, *kept);
+  double most = 0;
+  for (int i = 0; i < 3; ++i) {
+    const PolygonMesh pose = posed(mesh, i);
+    const std::vector<Vertex> vertices = run(kept_frame, pose, {});
+    EXPECT_LT(rms_degrees(vertices, surface_by_cpu(pose, mesh, options)), kNormals);
+    EXPECT_LT(worst_limit_point(vertices, pose, kept->system.used_vertices()), kRounding);
+    most = std::max(most, rms_degrees(vertices, run(free_frame, pose, {})));
+  }
+  EXPECT_GT(most, 2 * kNormals);  // poses of their own mind are elsewhere
 }
 
 TEST_F(EmbedFair, TwoFramesInFlight) {
@@ -222,6 +249,16 @@ TEST_F(EmbedFair, RefusesWhatItCannotDo) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
     EXPECT_THAT(error.what(), HasSubstr("polish_steps 1001"));
+  }
+  const FairDecisions few{{0}, {0}, {0}};
+  SystemOptions decided = fair_options();
+  decided.fair_decisions = &few;
+  try {
+    const System system(test::icosphere(1), decided);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
+    EXPECT_THAT(error.what(), HasSubstr("fair_decisions are of 1 vertices, but faces name 42"));
   }
   // The tables of one method are not those of the other.
   const System progressive(test::icosphere(1));

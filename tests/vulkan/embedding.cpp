@@ -30,6 +30,7 @@ std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& r
   fitting.method = options.method;
   fitting.weights = options.weights;
   fitting.sharp = options.sharp;
+  fitting.fair_decisions = options.fair_decisions;
   fitting.tolerance = 1e-12;
   EvaluateOptions evaluation;
   evaluation.level = options.level;

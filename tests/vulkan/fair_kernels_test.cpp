@@ -248,11 +248,25 @@ TEST_P(FairKernels, RepairEqualsItsTwin) {
         download<std::uint32_t>(net.fair.buffers().counts, vulkan::shared::kFairCounts);
     EXPECT_EQ(counts[6], left.edges);
     EXPECT_EQ(counts[7], left.faces);
-    const auto words = download<std::uint32_t>(net.fair.buffers().halvings, halvings.size());
-    EXPECT_TRUE(std::equal(words.begin(), words.end(), halvings.begin()));
+    const auto words = download<std::uint32_t>(net.fair.buffers().decisions, halvings.size());
+    EXPECT_EQ(vulkan::unpack_decisions(words).halvings, halvings);
     for (const std::uint8_t count : halvings) halved += count;
   }
   EXPECT_GT(halved, 10);
+}
+
+TEST_P(FairKernels, RepairRunsOnlyWhereSomethingIsTurnedOver) {
+  const auto groups = [&](const PolygonMesh& mesh) {
+    const test::FairCase c(mesh);
+    DeviceNet net(*machine_, c, 0);
+    build(net);
+    run([&](VkCommandBuffer commands) { net.fair.record_repair(commands, 0); });
+    return download<std::uint32_t>(net.fair.buffers().arguments, 9);
+  };
+  EXPECT_EQ(groups(test::icosphere(2)), (std::vector<std::uint32_t>{0, 1, 1, 0, 1, 1, 0, 1, 1}));
+  // 642 vertices, 1920 edges, 1280 faces by 64; some are beyond repair.
+  EXPECT_EQ(groups(test::jittered(test::icosphere(3), 0.5, 1)),
+            (std::vector<std::uint32_t>{30, 1, 1, 20, 1, 1, 11, 1, 1}));
 }
 
 // By `part` of the largest magnitude of `expected`, and `rounding`.
@@ -294,9 +308,9 @@ TEST_P(FairKernels, RowsAndHeightsEqualTheirTwins) {
       expected.insert(expected.end(), {row.previous, row.own2, row.before});
     }
     expect_near(made, expected, 1e-4, 0);
-    const auto per_corner = download<float>(net.fair.buffers().heights, corners);
+    const auto motions = download<glm::vec4>(net.fair.motions(), corners);
     std::vector<float> heights(corners);
-    for (std::size_t i = 0; i < corners; ++i) heights[i] = per_corner[net.topology.ring_corners[i]];
+    for (std::size_t i = 0; i < corners; ++i) heights[i] = motions[net.topology.ring_corners[i]].z;
     const auto twin = polish_heights(net.topology, std::move(bending), 2);
     // Symmetric nets have nothing to polish but rounding.
     expect_near(heights, twin, 1e-3, kRounding);

@@ -125,6 +125,30 @@ TEST_F(FairNetOnDevice, CountsWhatItDidLikeTheCpu) {
   EXPECT_NEAR(net.flagged_faces, expected.flagged_faces, 1);
 }
 
+TEST_F(FairNetOnDevice, KeepsDecisions) {
+  const auto backend = make_backend();
+  auto* const builder = dynamic_cast<FairBuilder*>(backend.get());
+  ASSERT_NE(builder, nullptr);
+  test::FairCase c(test::jittered(test::icosphere(3), 0.4, 1));
+  const FairDecisions rest = c.net(8).decisions;
+  ASSERT_GT(std::count(rest.late_halvings.begin(), rest.late_halvings.end(), 0), 0);
+  for (dvec3& p : c.given) p = {p.x + 0.1 * p.y * p.y, 0.8 * p.y, p.z};  // another pose
+  const FairOptions options{.polish_steps = 8, .decisions = &rest};
+  const FairNet net =
+      builder->build_fair_net(make_fair_topology(c.mesh, c.subdivision), c.given, options);
+  const FairNet expected = fair_net(c.mesh, c.subdivision, c.given, options);
+  EXPECT_EQ(net.decisions.reversed, rest.reversed);
+  EXPECT_EQ(net.decisions.halvings, rest.halvings);
+  EXPECT_EQ(net.decisions.late_halvings, rest.late_halvings);
+  EXPECT_EQ(net.shrunk_vertices, expected.shrunk_vertices);
+  EXPECT_EQ(net.reversed_vertices, expected.reversed_vertices);
+  EXPECT_NEAR(net.flagged_edges, expected.flagged_edges, 2);
+  EXPECT_NEAR(net.flagged_faces, expected.flagged_faces, 2);
+  EXPECT_LT(worst_distance(net, expected), 1e-3);
+  // What this pose would decide is something else.
+  EXPECT_NE(build(*backend, c).decisions.halvings, rest.halvings);
+}
+
 TEST_F(FairNetOnDevice, IsTheSameFromFewWorkGroups) {
   const test::FairCase c(test::delaunay_sphere(600, 1));
   const auto backend = make_backend();

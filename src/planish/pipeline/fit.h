@@ -27,8 +27,7 @@ struct FitOptions {
   std::int32_t max_iterations = 200;
   std::int32_t polish_steps = 8;  ///< of the fair method, see FairOptions
   /// Of the fair method: those of another frame of an animation, usually the rest pose's, so that
-  /// nothing pops. Nets with decisions are built on the CPU whatever the backend, and those that
-  /// another device built tell none.
+  /// nothing pops.
   const FairDecisions* fair_decisions = nullptr;
   SharpFeatureOptions sharp;
   Callbacks callbacks;

@@ -52,10 +52,10 @@ FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     throw Error(ErrorCode::InvalidArgument,
                 "fair_decisions are of " + std::to_string(fair.decisions->reversed.size()) +
                     " vertices, the mesh has " + std::to_string(given.size()) +
-                    "; take those of the same mesh, fitted on the CPU");
+                    "; take those of the same mesh");
   }
   auto* const builder = dynamic_cast<FairBuilder*>(&backend);
-  if (!builder || fair.decisions) return fair_net(mesh, subdivision, given, fair);
+  if (!builder) return fair_net(mesh, subdivision, given, fair);
   return builder->build_fair_net(make_fair_topology(mesh, subdivision), given, fair);
 }
 

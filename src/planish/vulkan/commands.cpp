@@ -39,7 +39,13 @@ void record_dispatch(const Context& context, VkCommandBuffer commands, const Pip
 void record_dispatch_indirect(const Context& context, VkCommandBuffer commands, Kernel kernel,
                               VkDescriptorSet set, const void* parameters,
                               const IndirectGroups& groups) noexcept {
-  bind(context, commands, context.pipelines()[kernel], set, parameters);
+  record_dispatch_indirect(context, commands, context.pipelines()[kernel], set, parameters, groups);
+}
+
+void record_dispatch_indirect(const Context& context, VkCommandBuffer commands,
+                              const Pipeline& pipeline, VkDescriptorSet set, const void* parameters,
+                              const IndirectGroups& groups) noexcept {
+  bind(context, commands, pipeline, set, parameters);
   context.vk().vkCmdDispatchIndirect(commands, groups.buffer, groups.offset);
 }
 

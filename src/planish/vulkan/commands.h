@@ -37,6 +37,9 @@ struct IndirectGroups {
 };
 
 /// The same with work groups that the device reads; they were written within kIndirectScope.
+void record_dispatch_indirect(const Context& context, VkCommandBuffer commands,
+                              const Pipeline& pipeline, VkDescriptorSet set, const void* parameters,
+                              const IndirectGroups& groups) noexcept;
 void record_dispatch_indirect(const Context& context, VkCommandBuffer commands, Kernel kernel,
                               VkDescriptorSet set, const void* parameters,
                               const IndirectGroups& groups) noexcept;

@@ -61,6 +61,10 @@
 #include "planish/vulkan/result.h"
 #include "planish/vulkan/scope.h"
 
+namespace planish {
+struct FairDecisions;
+}
+
 namespace planish::vulkan {
 
 struct FairRecords;
@@ -72,6 +76,10 @@ struct SystemOptions {
   InterpolationMethod method = InterpolationMethod::Progressive;
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;
+  /// Of the fair method: what its thresholds decided in one pose, FairNet::decisions of a net of
+  /// `rest` or of another pose of it (Fit::fair of fit()), one per used vertex; copied. All poses
+  /// then keep them, so that nothing pops while the mesh moves. Null: each pose decides for itself.
+  const FairDecisions* fair_decisions = nullptr;
   double tolerance = 1e-6;  ///< wanted error, relative to the rest pose's bounding-box diagonal
   Callbacks callbacks;      ///< for the time of construction
 };

@@ -116,8 +116,9 @@ std::uint32_t count_of(const Items& items) {
 
 }  // namespace
 
-FairRecords fair_records(const FairTopology& topology) {
+FairRecords fair_records(const FairTopology& topology, const FairDecisions* decisions) {
   FairRecords records;
+  if (decisions) records.decisions = pack_decisions(*decisions);
   add_vertices(topology, records);
   add_corners(topology, records);
   add_edges(topology, records);
@@ -128,6 +129,27 @@ FairRecords fair_records(const FairTopology& topology) {
     records.circle.push_back(static_cast<float>(point.y));
   }
   return records;
+}
+
+std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions) {
+  std::vector<std::uint32_t> words(decisions.reversed.size());
+  for (std::size_t v = 0; v < words.size(); ++v) {
+    words[v] = decisions.halvings[v] |
+               std::uint32_t{decisions.late_halvings[v]} << shared::kLateShift |
+               (decisions.reversed[v] ? shared::kReversed : 0);
+  }
+  return words;
+}
+
+FairDecisions unpack_decisions(std::span<const std::uint32_t> words) {
+  FairDecisions decisions;
+  for (const std::uint32_t word : words) {
+    decisions.reversed.push_back(word & shared::kReversed ? 1 : 0);
+    decisions.halvings.push_back(static_cast<std::uint8_t>(word & shared::kHalvingsMask));
+    decisions.late_halvings.push_back(
+        static_cast<std::uint8_t>(word >> shared::kLateShift & shared::kHalvingsMask));
+  }
+  return decisions;
 }
 
 Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name) {
@@ -150,6 +172,7 @@ FairTables::FairTables(Context& context, const FairRecords& records)
       curve_point_count(count_of(records.curve_points)),
       state_size(count_of(records.owners)),
       has_regular_vertices(records.has_regular_vertices),
+      is_decided(!records.decisions.empty()),
       placement(records.placement),
       vertices(make_table(context, records.vertices, "planish fair vertices")),
       places(make_table(context, records.places, "planish fair rings")),
@@ -160,6 +183,7 @@ FairTables::FairTables(Context& context, const FairRecords& records)
       sectors(make_table(context, records.sectors, "planish fair sectors")),
       curve_points(make_table(context, records.curve_points, "planish fair curve points")),
       circle(make_table(context, records.circle, "planish fair circle")),
-      owners(make_table(context, records.owners, "planish fair owners")) {}
+      owners(make_table(context, records.owners, "planish fair owners")),
+      decisions(make_table(context, records.decisions, "planish fair decisions")) {}
 
 }  // namespace planish::vulkan

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "planish/fair/fair_net.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/vulkan/buffer.h"
@@ -22,12 +23,18 @@ struct FairRecords {
   std::vector<shared::FairCrease> creases;
   std::vector<shared::FairSector> sectors;
   std::vector<shared::FairCurvePoint> curve_points;
-  std::vector<float> circle;          ///< x and y of the points of regular polygons
-  std::vector<std::uint32_t> owners;  ///< the vertex of each point of the state
-  Placement placement;                ///< of the unit coordinates
-  bool has_regular_vertices = false;  ///< some vertex may have a share of the tensor product
+  std::vector<float> circle;             ///< x and y of the points of regular polygons
+  std::vector<std::uint32_t> owners;     ///< the vertex of each point of the state
+  Placement placement;                   ///< of the unit coordinates
+  std::vector<std::uint32_t> decisions;  ///< packed, per vertex; empty: every frame makes its own
+  bool has_regular_vertices = false;     ///< some vertex may have a share of the tensor product
 };
-[[nodiscard]] FairRecords fair_records(const FairTopology& topology);
+[[nodiscard]] FairRecords fair_records(const FairTopology& topology,
+                                       const FairDecisions* decisions = nullptr);
+
+/// FairDecisions as kernels keep them, a word per vertex.
+[[nodiscard]] std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions);
+[[nodiscard]] FairDecisions unpack_decisions(std::span<const std::uint32_t> words);
 
 /// FairRecords on a device. Read-only after its upload ran.
 struct FairTables {
@@ -36,9 +43,10 @@ struct FairTables {
 
   std::uint32_t vertex_count, corner_count, face_count, edge_count, crease_count, sector_count,
       curve_point_count, state_size;
-  bool has_regular_vertices;
+  bool has_regular_vertices, is_decided;
   Placement placement;
-  Buffer vertices, places, links, faces, edges, creases, sectors, curve_points, circle, owners;
+  Buffer vertices, places, links, faces, edges, creases, sectors, curve_points, circle, owners,
+      decisions;
 
   /// Calls take(buffer, bytes) for all of them, in one order.
   template <class Take>
@@ -54,6 +62,7 @@ struct FairTables {
     take(curve_points, bytes(records.curve_points));
     take(circle, bytes(records.circle));
     take(owners, bytes(records.owners));
+    take(decisions, bytes(records.decisions));
   }
 };
 

@@ -59,6 +59,7 @@ GpuFair::GpuFair(Context& context, const FairTables& tables, const Buffer& model
   binder.common.y = origin.y;
   binder.common.z = origin.z;
   binder.common.scale = static_cast<float>(tables.placement.diagonal);
+  binder.common.decided = tables.is_decided ? 1 : 0;
   plan_prepare(binder, model_points);
   plan_build(binder);
   plan_repair(binder);
@@ -83,17 +84,17 @@ void GpuFair::make_buffers() {
   make(b.sector_normals, tables_.sector_count * kPointBytes);
   make(b.shifts, tables_.crease_count * kPointBytes);
   for (Buffer* buffer : {&b.result, &b.state}) make(*buffer, tables_.state_size * kPointBytes);
-  for (Buffer* buffer : {&b.shares, &b.flags, &b.halvings, &b.precondition})
+  for (Buffer* buffer : {&b.shares, &b.flags, &b.decisions, &b.precondition})
     make(*buffer, vertices * sizeof(float));
   make(b.counts, shared::kFairCounts * sizeof(std::uint32_t));
+  make(b.arguments, shared::kRoundDispatches * shared::kArgumentWords * sizeof(std::uint32_t));
   make(b.status, sizeof(shared::SolveStatus));
   if (options_.polish_steps == 0) return;
   make(b.directions, vertices * kPointBytes);
   for (Buffer* buffer : {&b.rows1, &b.rows2}) make(*buffer, corners * 4 * sizeof(float));
   make(b.lines, corners * 2 * sizeof(float));
-  make(b.direction, tables_.state_size * sizeof(float));
-  for (Buffer* buffer : {&b.gradient, &b.residual, &b.heights})
-    make(*buffer, corners * sizeof(float));
+  for (Buffer& buffer : b.motions) make(buffer, tables_.state_size * 4 * sizeof(float));
+  make(b.gradient, corners * sizeof(float));
   make(b.partials, shared::kMostSumGroups * sizeof(float));
   make(b.scalars, sizeof(shared::FairScalars));
 }
@@ -138,7 +139,7 @@ void GpuFair::plan_build(Binder& binder) {
              {&t.vertices, &t.places, &b.given, &b.normals, &b.shares, &offsets(), &b.result});
   binder.add(
       build_, Kernel::FairReversed, t.vertex_count,
-      {&t.vertices, &t.places, &b.normals, &b.given_offsets, &t.circle, &b.result, &b.counts});
+      {&t.vertices, &t.places, &b.normals, &b.given_offsets, &t.circle, &b.result, &b.decisions});
   binder.add(build_, Kernel::FairSectorNormals, t.sector_count,
              {&t.sectors, &t.places, &b.given, &b.face_normals, &b.sector_normals});
   binder.add(build_, Kernel::FairHandles, t.crease_count,
@@ -155,13 +156,26 @@ void GpuFair::plan_build(Binder& binder) {
 void GpuFair::plan_repair(Binder& binder) {
   const FairTables& t = tables_;
   Buffers& b = buffers_;
-  binder.add(find_folds_, Kernel::FairEdgeFolds, t.edge_count,
-             {&t.edges, &t.owners, &b.given, &b.face_normals, &b.result, &b.flags, &b.counts});
-  binder.add(
-      find_folds_, Kernel::FairFaceFolds, t.face_count,
-      {&t.faces, &t.owners, &b.given, &b.face_normals, &b.result, &t.circle, &b.flags, &b.counts});
-  binder.add(shrink_, Kernel::FairShrink, t.vertex_count,
-             {&t.vertices, &t.places, &b.flags, &b.halvings, &b.result});
+  binder
+      .add(find_folds_, Kernel::FairEdgeFolds, t.edge_count,
+           {&t.edges, &t.owners, &b.given, &b.face_normals, &b.result, &b.flags, &b.counts})
+      .arguments = shared::kRoundEdges;
+  binder
+      .add(find_folds_, Kernel::FairFaceFolds, t.face_count,
+           {&t.faces, &t.owners, &b.given, &b.face_normals, &b.result, &t.circle, &b.flags,
+            &b.counts})
+      .arguments = shared::kRoundFaces;
+  for (const std::uint32_t which : {0u, 1u}) {
+    Pass& pass = binder.add(shrink_[which], Kernel::FairShrink, t.vertex_count,
+                            {&t.vertices, &t.places, &b.flags, &b.decisions, &b.result});
+    pass.arguments = shared::kRoundVertices;
+    pass.parameters.shift = which * shared::kLateShift;
+  }
+  shared::FairParameters& round =
+      binder.add(next_round_, Kernel::FairRound, 1, {&b.counts, &b.arguments}).parameters;
+  round.edge_groups = find_folds_[0].groups;
+  round.face_groups = find_folds_[1].groups;
+  round.vertex_groups = shrink_[0][0].groups;
 }
 
 void GpuFair::plan_polish(Binder& binder) {
@@ -176,23 +190,28 @@ void GpuFair::plan_polish(Binder& binder) {
              {&t.vertices, &t.places, &t.links, &b.rows1, &b.rows2, &b.precondition, &b.scalars});
   binder.add(start_polish_, Kernel::FairPrecondition, t.vertex_count,
              {&b.precondition, &b.scalars});
-  for (const std::uint32_t start : {1u, 0u}) {
-    binder.common.start = start;
-    Passes& passes = start ? start_polish_ : step_polish_;
-    binder.add_sum(passes, Kernel::FairLines, t.corner_count,
-                   {&t.links, &b.rows1, &b.rows2, &b.direction, &b.lines, &b.partials});
-    binder.add_total(passes, Kernel::FairStepLength, {&b.partials, &b.scalars});
-    binder.add(passes, Kernel::FairGradient, t.corner_count,
-               {&t.links, &b.rows1, &b.rows2, &b.lines, &b.gradient});
-    binder.add_sum(passes, Kernel::FairDescend, t.vertex_count,
-                   {&t.vertices, &t.places, &b.gradient, &b.precondition, &b.scalars, &b.residual,
-                    &b.partials});
-    binder.add_total(passes, Kernel::FairMomentum, {&b.partials, &b.scalars});
-    binder.add(passes, Kernel::FairTurn, t.corner_count,
-               {&t.owners, &b.precondition, &b.scalars, &b.residual, &b.direction, &b.heights});
-  }
+  binder.common.start = 1;
+  plan_polish_step(binder, start_polish_, b.motions[1], b.motions[0]);
+  binder.common.start = 0;
+  plan_polish_step(binder, step_polish_[0], b.motions[0], b.motions[1]);
+  plan_polish_step(binder, step_polish_[1], b.motions[1], b.motions[0]);
   binder.add(end_polish_, Kernel::FairApplyHeights, t.vertex_count,
-             {&t.vertices, &t.places, &b.directions, &b.heights, &b.result});
+             {&t.vertices, &t.places, &b.directions, &motions(), &b.result});
+}
+
+void GpuFair::plan_polish_step(Binder& binder, Passes& passes, const Buffer& from,
+                               const Buffer& to) {
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  binder.add_sum(passes, Kernel::FairLines, t.corner_count,
+                 {&t.links, &b.rows1, &b.rows2, &from, &b.scalars, &b.lines, &b.partials});
+  binder.add_total(passes, Kernel::FairStepLength, {&b.partials, &b.scalars});
+  binder.add(passes, Kernel::FairGradient, t.corner_count,
+             {&t.links, &b.rows1, &b.rows2, &b.lines, &b.gradient});
+  binder.add_sum(
+      passes, Kernel::FairDescend, t.vertex_count,
+      {&t.vertices, &t.places, &b.gradient, &b.precondition, &from, &b.scalars, &to, &b.partials});
+  binder.add_total(passes, Kernel::FairMomentum, {&b.partials, &b.scalars});
 }
 
 void GpuFair::plan_finish(Binder& binder, const Buffer& model_points) {
@@ -215,12 +234,34 @@ void GpuFair::record_passes(VkCommandBuffer commands, const Passes& passes,
   }
 }
 
+// As often as the device finds something to do.
+void GpuFair::record_repeated(VkCommandBuffer commands, const Passes& passes,
+                              std::uint32_t place) const noexcept {
+  for (const Pass& pass : passes) {
+    if (pass.groups == 0) continue;
+    shared::FairParameters parameters = pass.parameters;
+    parameters.place += place;
+    const VkDeviceSize offset =
+        VkDeviceSize{pass.arguments} * shared::kArgumentWords * sizeof(std::uint32_t);
+    record_dispatch_indirect(context_, commands, pass.pipeline, sets_[pass.set], &parameters,
+                             {buffers_.arguments.handle(), offset});
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+}
+
 void GpuFair::record_clear(VkCommandBuffer commands) const noexcept {
   const Buffers& b = buffers_;
-  for (const Buffer* buffer : {&b.result, &b.shares, &b.flags, &b.halvings, &b.counts, &b.status,
-                               &b.direction, &b.residual, &b.heights, &b.scalars})
+  for (const Buffer* buffer : {&b.result, &b.shares, &b.flags, &b.counts, &b.status, &b.motions[0],
+                               &b.motions[1], &b.scalars})
     if (buffer->handle())
       context_.vk().vkCmdFillBuffer(commands, buffer->handle(), 0, VK_WHOLE_SIZE, 0);
+  if (tables_.is_decided) {
+    const VkBufferCopy copy{0, 0, b.decisions.size()};
+    context_.vk().vkCmdCopyBuffer(commands, tables_.decisions.handle(), b.decisions.handle(), 1,
+                                  &copy);
+  } else {
+    context_.vk().vkCmdFillBuffer(commands, b.decisions.handle(), 0, VK_WHOLE_SIZE, 0);
+  }
   record_barrier(context_, commands, kCopyScope, kEntryScope);
 }
 
@@ -234,9 +275,21 @@ void GpuFair::record_build(VkCommandBuffer commands) const noexcept {
 }
 
 void GpuFair::record_repair(VkCommandBuffer commands, std::uint32_t which) const noexcept {
-  for (std::uint32_t round = 0; round <= shared::kRepairRounds; ++round) {
-    record_passes(commands, find_folds_, which * shared::kRepairCounts + 2 * round);
-    if (round < shared::kRepairRounds) record_passes(commands, shrink_, 0);
+  const std::uint32_t first = which * shared::kRepairCounts;
+  const std::uint32_t last = first + 2 * shared::kRepairRounds;
+  if (tables_.is_decided) {
+    record_passes(commands, shrink_[which], 0);
+    record_passes(commands, find_folds_, last);
+  } else {
+    record_passes(commands, find_folds_, first);
+    for (std::uint32_t place = first; place < last; place += 2) {
+      record_passes(commands, next_round_, place);
+      record_barrier(context_, commands, kKernelScope, kIndirectScope);
+      record_repeated(commands, shrink_[which], 0);
+      record_repeated(commands, find_folds_, place + 2);
+      // The next round's arguments are written after these have been read.
+      record_barrier(context_, commands, kIndirectScope, kKernelScope);
+    }
   }
   // The last look leaves flags standing, which the next repair must not meet.
   record_barrier(context_, commands, kKernelScope, kEntryScope);
@@ -248,7 +301,7 @@ void GpuFair::record_polish(VkCommandBuffer commands) const noexcept {
   record_passes(commands, curve_points_, 0);
   record_passes(commands, start_polish_, 0);
   for (std::uint32_t step = 0; step < options_.polish_steps; ++step)
-    record_passes(commands, step_polish_, 0);
+    record_passes(commands, step_polish_[step % 2], 0);
   record_passes(commands, end_polish_, 0);
 }
 

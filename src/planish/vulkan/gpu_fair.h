@@ -14,7 +14,9 @@ struct GpuFairOptions {
 
 /// Work buffers, pipelines and written descriptor sets of one fair construction on the device: all
 /// of it in one command buffer, each step a sequence of kernels; the scalars of the polish stay in
-/// a buffer. Externally synchronised; tables and points outlive it. Recording only records.
+/// a buffer, and rounds of repair with nothing to do are empty. Where the tables hold decisions
+/// these are taken instead of made. Externally synchronised; tables and points outlive it.
+/// Recording only records.
 class GpuFair {
  public:
   /// `model_points`: the points to pass through, shared::kPointFloats floats per vertex.
@@ -37,25 +39,30 @@ class GpuFair {
   // What they leave; points are of shared::kPointFloats floats, all but state() in unit
   // coordinates.
   struct Buffers {
-    Buffer given;                        // per vertex
-    Buffer face_normals, normals;        // per face, vertex
-    Buffer shares;                       // float per vertex
-    Buffer given_offsets, offsets;       // per corner: of one step of given points and of P
-    Buffer points, next_points;          // P per vertex
-    Buffer sector_normals, shifts;       // per sector, crease
-    Buffer result;                       // per point of the state: relative to its given point
-    Buffer flags, halvings, counts;      // words: per vertex, per vertex, shared::kFairCounts
-    Buffer directions;                   // per vertex, of the polish
-    Buffer rows1, rows2;                 // per corner: four floats
-    Buffer lines;                        // per corner: two floats
-    Buffer direction;                    // float per point of the state
-    Buffer gradient, residual, heights;  // float per corner
-    Buffer precondition;                 // float per vertex
-    Buffer partials, scalars;            // floats; shared::FairScalars
-    Buffer state;                        // per point of the state, model coordinates
-    Buffer status;                       // shared::SolveStatus
+    Buffer given;                     // per vertex
+    Buffer face_normals, normals;     // per face, vertex
+    Buffer shares;                    // float per vertex
+    Buffer given_offsets, offsets;    // per corner: of one step of given points and of P
+    Buffer points, next_points;       // P per vertex
+    Buffer sector_normals, shifts;    // per sector, crease
+    Buffer result;                    // per point of the state: relative to its given point
+    Buffer flags, decisions, counts;  // words: per vertex, per vertex, shared::kFairCounts
+    Buffer arguments;                 // of the dispatches of a round of repair
+    Buffer directions;                // per vertex, of the polish
+    Buffer rows1, rows2;              // per corner: four floats
+    Buffer lines;                     // per corner: two floats
+    Buffer motions[2];                // of the polish, per point of the state; in turn
+    Buffer gradient;                  // float per corner
+    Buffer precondition;              // float per vertex
+    Buffer partials, scalars;         // floats; shared::FairScalars
+    Buffer state;                     // per point of the state, model coordinates
+    Buffer status;                    // shared::SolveStatus
   };
   [[nodiscard]] const Buffers& buffers() const { return buffers_; }
+  /// Those that the polish ends with.
+  [[nodiscard]] const Buffer& motions() const {
+    return buffers_.motions[options_.polish_steps % 2];
+  }
   /// Where the masked iteration is left out, the given points' stand for P's.
   [[nodiscard]] const Buffer& offsets() const {
     return tables_.has_regular_vertices ? buffers_.offsets : buffers_.given_offsets;
@@ -68,6 +75,7 @@ class GpuFair {
     std::size_t set;
     shared::FairParameters parameters;
     std::uint32_t groups;
+    std::uint32_t arguments = 0;  // of repair: which of the device's own
   };
   using Passes = std::vector<Pass>;
   struct Binder;
@@ -77,16 +85,19 @@ class GpuFair {
   void plan_build(Binder& binder);
   void plan_repair(Binder& binder);
   void plan_polish(Binder& binder);
+  void plan_polish_step(Binder& binder, Passes& passes, const Buffer& from, const Buffer& to);
   void plan_finish(Binder& binder, const Buffer& model_points);
   void record_passes(VkCommandBuffer commands, const Passes& passes,
                      std::uint32_t place) const noexcept;
+  void record_repeated(VkCommandBuffer commands, const Passes& passes,
+                       std::uint32_t place) const noexcept;
 
   Context& context_;
   const FairTables& tables_;
   GpuFairOptions options_;
   Buffers buffers_;
-  Passes prepare_, build_, curve_points_, find_folds_, shrink_, start_polish_, step_polish_,
-      end_polish_, finish_;
+  Passes prepare_, build_, curve_points_, find_folds_, next_round_, shrink_[2], start_polish_,
+      step_polish_[2], end_polish_, finish_;
   DescriptorSets sets_;
 };
 

@@ -50,6 +50,7 @@
 #include "shaders/fair_precondition.spv.h"
 #include "shaders/fair_reversed.spv.h"
 #include "shaders/fair_reversed_texel.spv.h"
+#include "shaders/fair_round.spv.h"
 #include "shaders/fair_rows.spv.h"
 #include "shaders/fair_rows_texel.spv.h"
 #include "shaders/fair_sector_normals.spv.h"
@@ -64,8 +65,6 @@
 #include "shaders/fair_state_texel.spv.h"
 #include "shaders/fair_step_length.spv.h"
 #include "shaders/fair_step_length_texel.spv.h"
-#include "shaders/fair_turn.spv.h"
-#include "shaders/fair_turn_texel.spv.h"
 #include "shaders/fair_vertex_normals.spv.h"
 #include "shaders/fair_vertex_normals_texel.spv.h"
 #include "shaders/finish_solve.spv.h"
@@ -158,6 +157,7 @@ const KernelSource kSources[kKernelCount] = {
                 {Records, Words, Points, Points, Points, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_face_folds),
                 {Records, Words, Points, Points, Points, Pairs, Storage, Storage}),
+    fair_kernel(spirv::fair_round, spirv::fair_round, {Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_shrink), {Records, Records, Storage, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_directions), {Records, Points, Floats, Storage}),
     fair_kernel(PLANISH_BOTH(fair_rows),
@@ -165,14 +165,14 @@ const KernelSource kSources[kKernelCount] = {
     fair_kernel(PLANISH_BOTH(fair_diagonals),
                 {Records, Records, Records, Points, Points, Storage, Storage}),
     fair_kernel(spirv::fair_precondition, spirv::fair_precondition, {Storage, Storage}),
-    fair_kernel(PLANISH_BOTH(fair_lines), {Records, Points, Points, Floats, Storage, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_lines),
+                {Records, Points, Points, Points, Storage, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_gradient), {Records, Points, Points, Pairs, Storage}),
     fair_kernel(PLANISH_BOTH(fair_step_length), {Floats, Storage}),
     fair_kernel(PLANISH_BOTH(fair_descend),
-                {Records, Records, Floats, Floats, Storage, Storage, Storage}),
+                {Records, Records, Floats, Floats, Points, Storage, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_momentum), {Floats, Storage}),
-    fair_kernel(PLANISH_BOTH(fair_turn), {Words, Floats, Storage, Floats, Storage, Storage}),
-    fair_kernel(PLANISH_BOTH(fair_apply_heights), {Records, Records, Points, Floats, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_apply_heights), {Records, Records, Points, Points, Storage}),
     fair_kernel(PLANISH_BOTH(fair_measure), {Records, Records, Points, Points, Storage}),
     fair_kernel(PLANISH_BOTH(fair_state), {Words, Points, Points, Storage}),
 };
@@ -209,6 +209,7 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish fair_curve_points",
                                                     "planish fair_edge_folds",
                                                     "planish fair_face_folds",
+                                                    "planish fair_round",
                                                     "planish fair_shrink",
                                                     "planish fair_directions",
                                                     "planish fair_rows",
@@ -219,7 +220,6 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish fair_step_length",
                                                     "planish fair_descend",
                                                     "planish fair_momentum",
-                                                    "planish fair_turn",
                                                     "planish fair_apply_heights",
                                                     "planish fair_measure",
                                                     "planish fair_state"};

@@ -41,6 +41,16 @@ void check_options(const SystemOptions& options) {
                 "tolerance " + std::to_string(options.tolerance) + " is not above 0");
 }
 
+void check_decisions(const FairDecisions* decisions, std::size_t count) {
+  if (!decisions) return;
+  for (const auto* words : {&decisions->reversed, &decisions->halvings, &decisions->late_halvings})
+    if (words->size() != count)
+      throw Error(ErrorCode::InvalidArgument,
+                  "fair_decisions are of " + std::to_string(words->size()) +
+                      " vertices, but faces name " + std::to_string(count) +
+                      "; take those of a fair net of the same mesh");
+}
+
 /// Faces of Q_level that descend from a face with `size` corners.
 std::int64_t descendants(std::int32_t size, int level) {
   return level == 0 ? 1 : std::int64_t(size) << 2 * (level - 1);
@@ -146,7 +156,9 @@ void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& sub
                                  const SystemOptions& options) {
   if (options.method == InterpolationMethod::Fair) {
     masks.emplace(0, StencilRows<double>{});
-    fair.emplace(planish::vulkan::fair_records(make_fair_topology(mesh, subdivision)));
+    check_decisions(options.fair_decisions, mesh.positions.size());
+    fair.emplace(planish::vulkan::fair_records(make_fair_topology(mesh, subdivision),
+                                               options.fair_decisions));
     return;
   }
   masks.emplace(planish::limit_masks(mesh, subdivision));

@@ -1,6 +1,5 @@
 #include "planish/vulkan/vulkan_fair.h"
 
-#include <algorithm>
 #include <cstring>
 
 #include "planish/core/assert.h"
@@ -26,13 +25,9 @@ std::vector<std::uint32_t> download_words(Submitter& submitter, const Buffer& so
 FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
                        std::span<const glm::dvec3> given, const FairOptions& options) {
   require_valid(options);
-  if (options.decisions)
-    throw Error(ErrorCode::InvalidArgument,
-                "a fair net of kept decisions is built on the CPU only; leave them out or take the "
-                "CPU backend");
   PLANISH_ASSERT(std::ssize(given) == topology.vertex_count);
   Context& context = machine.context;
-  const FairRecords records = fair_records(topology);
+  const FairRecords records = fair_records(topology, options.decisions);
   const FairTables tables(context, records);
   tables.for_each(records, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
     machine.submitter.upload({buffer.handle(), 0, bytes.size()}, bytes);
@@ -57,10 +52,13 @@ FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
       (options.polish_steps > 0 ? shared::kRepairCounts : 0) + 2 * shared::kRepairRounds;
   net.flagged_edges = counts[last];
   net.flagged_faces = counts[last + 1];
-  net.reversed_vertices = counts[shared::kReversedCount];
-  const std::vector<std::uint32_t> halvings =
-      download_words(machine.submitter, fair.buffers().halvings, given.size());
-  net.shrunk_vertices = std::ssize(halvings) - std::count(halvings.begin(), halvings.end(), 0u);
+  const std::vector<std::uint32_t> decisions =
+      download_words(machine.submitter, fair.buffers().decisions, given.size());
+  for (const std::uint32_t word : decisions) {
+    net.reversed_vertices += (word & shared::kReversed) != 0;
+    net.shrunk_vertices += (word & (shared::kReversed - 1)) != 0;
+  }
+  net.decisions = unpack_decisions(decisions);
   return net;
 }
 
