@@ -1,4 +1,4 @@
-// The unit Newell normal of every face; +Z where it has no area.
+// The unit Newell normal of every face, +Z where it has no area; and how many corners it has.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
@@ -19,6 +19,6 @@ void main() {
       area += cross(last, next);
       last = next;
     }
-    face_normals[f] = vec4(normalised(area), 0.0);
+    face_normals[f] = vec4(normalised(area), float(face.count));
   }
 }

@@ -1,7 +1,9 @@
 #include "planish/fair/vertex_frame.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "planish/core/parallel.h"
 #include "planish/mesh/area_vector.h"
@@ -21,9 +23,29 @@ constexpr std::size_t kGrain = 8192;
 // Of the sum of the angles: a normal below this is what cancellation left.
 constexpr double kCancelled = 1e-6;
 
+// Cosine between a corner's own normal and its face's from which the corner's counts alone; and
+// sine of its angle: straight corners have no normal of their own.
+constexpr double kOwnNormalCosine = 0.5;
+constexpr double kStraightSine = 0.05;
+
 dvec3 normalised(const dvec3& vector) {
   const double length = glm::length(vector);
   return length > 0 ? vector / length : dvec3(0.0, 0.0, 1.0);
+}
+
+// How far a corner's own normal counts, 0 to 1; the rest is its face's.
+double own_normal_part(const dvec3& a, const dvec3& b, const dvec3& turn, double length,
+                       const dvec3& face_normal) {
+  const double cosine = glm::dot(turn, face_normal) / length;
+  const double sine = length / std::sqrt(glm::dot(a, a) * glm::dot(b, b));
+  return std::clamp(cosine / kOwnNormalCosine, 0.0, 1.0) * std::min(sine / kStraightSine, 1.0);
+}
+
+// The angle from a to b counter-clockwise about a unit normal, 0 to a full turn.
+double angle_about(const dvec3& a, const dvec3& b, const dvec3& turn, const dvec3& normal) {
+  const double cosine = glm::dot(a, b) - glm::dot(a, normal) * glm::dot(b, normal);
+  const double angle = std::atan2(glm::dot(turn, normal), cosine);
+  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
 }
 
 }  // namespace
@@ -52,9 +74,20 @@ dvec3 angle_weighted_normal(const FairTopology& topology, std::span<const dvec3>
     const dvec3 b = given[topology.ring_previous[i]] - given[vertex];
     const dvec3 turn = glm::cross(a, b);
     const double length = glm::length(turn);
-    const double angle = std::atan2(length, glm::dot(a, b));
-    angles += angle;
-    if (length > 0) sum += angle / length * turn;
+    const std::int32_t face = topology.corner_faces[topology.ring_corners[i]];
+    double own_part = 0;
+    if (length > 0) {
+      own_part = own_normal_part(a, b, turn, length, face_normals[face]);
+      const double own_angle = own_part * std::atan2(length, glm::dot(a, b));
+      angles += own_angle;
+      sum += own_angle / length * turn;
+    } else if (topology.face_size(face) == 3) {
+      continue;  // without area: its face has no normal either
+    }
+    if (own_part == 1) continue;
+    const double face_angle = (1 - own_part) * angle_about(a, b, turn, face_normals[face]);
+    angles += face_angle;
+    sum += face_angle * face_normals[face];
   }
   const double length = glm::length(sum);
   if (length > kCancelled * angles) return sum / length;

@@ -22,8 +22,9 @@ struct VertexFrame {
                                                         std::span<const glm::dvec3> given);
 
 /// Unit normal at a vertex: the normals of the corners [first, first + count) of the ring arrays,
-/// weighted by their angles. Where they cancel, at straight corners of valence 2, the sum of
-/// `face_normals` (unit_face_normals()).
+/// weighted by their angles. A corner that turns inward or lies athwart its face takes the face's
+/// normal, of `face_normals` (unit_face_normals()), and its angle about that, up to a full turn.
+/// Where they cancel, the sum of the faces' normals.
 [[nodiscard]] glm::dvec3 angle_weighted_normal(const FairTopology& topology,
                                                std::span<const glm::dvec3> given,
                                                std::span<const glm::dvec3> face_normals,
