@@ -34,7 +34,7 @@ vec3 angle_weighted_normal(vec3 origin, uint first, uint count) {
     vec3 b = given_at(place.previous).xyz - origin;
     vec3 c = cross(a, b);
     float size = safe_length(c);
-    vec4 face_normal = face_normals[place.face];
+    vec4 face_normal = face_normals_at(place.face);
     float own_part = 0.0;
     if (size > 0.0) {
       own_part = own_normal_part(a, b, c, size, face_normal.xyz);

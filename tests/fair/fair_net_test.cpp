@@ -118,6 +118,13 @@ TEST(FairNet, KeepsTheAccuracyOfTensorProductsOnARegularTorus) {
   EXPECT_LT(rms_torus_distance(c, limit_samples(c, c.net(0).state, 3)), 3.8e-5);
 }
 
+// Rows of quads that bend in their tangent planes move their points far out of narrow wedges, all
+// of them together: no reason to leave the tensor product.
+TEST(FairNet, KeepsTheAccuracyOfTensorProductsOnNarrowQuads) {
+  const FairCase c(torus(12, 48, 1, 0.4), 3);
+  EXPECT_LT(rms_torus_distance(c, limit_samples(c, c.net(0).state, 3)), 7e-5);
+}
+
 // The polygon of every vertex as its own mesh numbers it must follow it to its new number.
 TEST(FairNet, FollowsTheNumberingOfTheMesh) {
   for (const auto& [name, mesh] : all_meshes()) {

@@ -12,6 +12,7 @@
 #include "planish/fair/fold_repair.h"
 #include "planish/fair/masked_iteration.h"
 #include "planish/fair/polish.h"
+#include "planish/fair/tensor_share.h"
 #include "planish/fair/vertex_frame.h"
 #include "planish/fair/vertex_polygon.h"
 #include "vulkan/fair_machine.h"
@@ -127,14 +128,7 @@ TEST_P(FairKernels, SharesAndMaskedIterationEqualTheirTwins) {
     auto offsets = download_points(buffers.given_offsets, corners);
     PlanarRing ring;
     for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
-      double share = 0;
-      if (topology.is_regular[v] && topology.kind(v) == VertexKind::Crease) {
-        share = tensor_share(imbalance(crease_arms(topology, net.given, v)));
-      } else if (topology.is_regular[v] && topology.has_polygon(v)) {
-        project_ring(topology, net.given, offsets, v, topology.ring_offsets[v], topology.valence(v),
-                     frame_of(normals[v]), ring);
-        share = tensor_share(imbalance(ring));
-      }
+      const double share = tensor_share(topology, net.given, offsets, normals[v], v, ring);
       EXPECT_NEAR(shares[v], share, 1e-3) << v;
     }
     if (!net.tables.has_regular_vertices) continue;

@@ -23,6 +23,7 @@ namespace planish::testing {
   for (test::NamedMesh& mesh : test::open_meshes()) meshes.push_back(std::move(mesh));
   for (test::NamedMesh& mesh : test::sharp_meshes()) meshes.push_back(std::move(mesh));
   meshes.push_back({"random sphere 600", test::delaunay_sphere(600, 1)});
+  meshes.push_back({"narrow quads", test::torus(12, 48, 1, 0.4)});
   for (const int n : {63, 64, 65}) {
     meshes.push_back({"vertices " + std::to_string(n), test::bipyramid(n - 2)});
     meshes.push_back({"faces " + std::to_string(n), test::prism(n - 2)});

@@ -16,6 +16,7 @@
 #include "planish/fair/fold_repair.h"
 #include "planish/fair/masked_iteration.h"
 #include "planish/fair/polish.h"
+#include "planish/fair/tensor_share.h"
 #include "planish/fair/vertex_frame.h"
 #include "planish/fair/vertex_polygon.h"
 
@@ -49,20 +50,12 @@ std::vector<dvec3> vertex_normals(const FairTopology& topology, std::span<const 
   return normals;
 }
 
-// How far each vertex takes part in the tensor-product construction: only among quads.
 std::vector<double> tensor_shares(const FairTopology& topology, std::span<const dvec3> given,
                                   std::span<const dvec3> normals, std::span<const dvec3> offsets) {
-  std::vector<double> shares(given.size(), 0.0);
+  std::vector<double> shares(given.size());
   for_vertices(topology, [&] {
     return [&, ring = PlanarRing{}](std::int32_t v) mutable {
-      if (!topology.is_regular[v] || topology.kind(v) == VertexKind::Corner) return;
-      if (topology.kind(v) == VertexKind::Crease) {
-        shares[v] = tensor_share(imbalance(crease_arms(topology, given, v)));
-        return;
-      }
-      project_ring(topology, given, offsets, v, topology.ring_offsets[v], topology.valence(v),
-                   frame_of(normals[v]), ring);
-      shares[v] = tensor_share(imbalance(ring));
+      shares[v] = tensor_share(topology, given, offsets, normals[v], v, ring);
     };
   });
   return shares;

@@ -2,8 +2,6 @@
 // iteration of progressive interpolation, here weighted per vertex.
 #include "planish/fair/masked_iteration.h"
 
-#include <algorithm>
-
 #include "planish/core/parallel.h"
 #include "planish/fair/corner_offsets.h"
 
@@ -15,12 +13,9 @@ namespace {
 
 constexpr std::size_t kGrain = 8192;
 constexpr int kSteps = 3;
-// Imbalance from which the share falls below 1, and where it reaches 0: at 1 translation would put
-// a control point on the edge of its wedge.
-constexpr double kFullShareBelow = 0.4;
-constexpr double kNoShareFrom = 0.9;
 
-// (B P)_v - given_v.
+}  // namespace
+
 dvec3 limit_error(const FairTopology& topology, std::span<const dvec3> given,
                   std::span<const dvec3> points, std::span<const dvec3> offsets,
                   std::int32_t vertex) {
@@ -32,15 +27,10 @@ dvec3 limit_error(const FairTopology& topology, std::span<const dvec3> given,
     }
     return sum / static_cast<double>(topology.valence(vertex));
   }
+  if (topology.kind(vertex) == VertexKind::Corner) return dvec3(0.0);
   const auto [before, after] = topology.crease_neighbours(vertex);
   const dvec3& own = points[vertex];
   return (own - given[vertex]) + ((points[before] - own) + (points[after] - own)) / 8.0;
-}
-
-}  // namespace
-
-double tensor_share(double rho) {
-  return std::clamp((kNoShareFrom - rho) / (kNoShareFrom - kFullShareBelow), 0.0, 1.0);
 }
 
 std::vector<dvec3> masked_iteration(const FairTopology& topology, std::span<const dvec3> given,

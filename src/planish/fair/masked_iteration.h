@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -8,9 +9,12 @@
 
 namespace planish {
 
-/// How far a vertex takes part in the tensor-product construction, 0 to 1, by its imbalance: a
-/// blend, so that a deforming mesh does not jump.
-[[nodiscard]] double tensor_share(double rho);
+/// How far the limit point of `points` at a vertex is from its given point; 0 at corners.
+/// `offsets`: control points of `points` (corner_offsets).
+[[nodiscard]] glm::dvec3 limit_error(const FairTopology& topology,
+                                     std::span<const glm::dvec3> given,
+                                     std::span<const glm::dvec3> points,
+                                     std::span<const glm::dvec3> offsets, std::int32_t vertex);
 
 /// Three plain steps of progressive interpolation, P += share (given - B P) from P = given: keeps
 /// the accuracy of tensor products where the mesh is a regular grid. `shares`: one per vertex; 0 at
