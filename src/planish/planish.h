@@ -9,6 +9,7 @@
 #include "planish/gltf/read_gltf.h"
 #include "planish/gltf/write_gltf.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/convex_faces.h"
 #include "planish/mesh/detect_creases.h"
 #include "planish/mesh/mesh_file.h"
 #include "planish/mesh/polygon_mesh.h"

@@ -91,6 +91,24 @@ TEST_F(Fair, UnfoldsASimplifiedScan) {
             0.5 * progressive["surface"]["rms_normal_deviation"].get<double>());
 }
 
+TEST_F(Fair, CutsConcaveFaces) {
+  const std::string bracket = std::string(PLANISH_SCENES) + "/l_bracket.obj";
+  const std::vector<std::string> outputs{"-o", path("s.glb"), "--cage", path("c.obj")};
+  std::vector<std::string> flags = outputs;
+  EXPECT_GT(fit(bracket, flags)["surface"]["folded_area"], 0.01);
+  flags.insert(flags.end(), {"--interpolation", "fair"});
+  const nlohmann::json fair = fit(bracket, flags);
+  EXPECT_EQ(fair["surface"]["folded_area"], 0.0);
+  EXPECT_EQ(fair["input"]["changed_faces"], (nlohmann::json{0, 1}));
+  EXPECT_THAT(messages_, HasSubstr("faces with corners that turn inward, cut in parts"));
+  EXPECT_EQ(run_planish({"verify", path("c.obj"), bracket}).exit_code, 0);
+  // Left as they are, they fold and are named.
+  flags.insert(flags.end(), {"--repair", "none"});
+  EXPECT_GT(fit(bracket, flags)["surface"]["folded_area"], 0.01);
+  EXPECT_THAT(messages_, HasSubstr("may fold beside corners that turn inward: 2 faces"));
+  EXPECT_EQ(run_planish({"verify", path("c.obj"), bracket}).exit_code, 0);
+}
+
 TEST_F(Fair, TheReportSaysWhatWasDone) {
   const nlohmann::json solve =
       fit(sphere_, {"--interpolation", "fair", "--polish", "3", "-o", path("f.ply")})["solve"];

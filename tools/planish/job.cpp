@@ -35,7 +35,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   timed(report.timing.total, [&] {
     context.progress.update("read", 0);
     JobInput made = timed(report.timing.read, [&] { return read_job_input(job, report, context); });
-    timed(report.timing.check, [&] { prepare_input(made.input, report, context.console); });
+    timed(report.timing.check, [&] { prepare_input(made, report, context.console); });
     const Fit result = fit_input(made, backend, report, context);
     stdout_bytes = write_outputs({job, outputs, backend, context, made, result, report, staged});
   });

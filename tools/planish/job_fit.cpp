@@ -9,15 +9,6 @@
 namespace planish::command {
 namespace {
 
-// Auto: points are meshed unevenly, which folds progressive surfaces; a mesh is taken as the paper
-// takes it. Other schemes than Doo-Sabin have no fair method.
-InterpolationMethod method_for(const Settings& settings, const JobInput& made) {
-  const bool fair = settings.interpolation == InterpolationChoice::Fair ||
-                    (settings.interpolation == InterpolationChoice::Auto && !made.points.empty() &&
-                     settings.scheme == Scheme::DooSabin);
-  return fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
-}
-
 Fit run_fit(const Input& input, Backend& backend, const JobReport& report,
             const Callbacks& callbacks) {
   const Settings& settings = report.settings;
@@ -107,7 +98,6 @@ void warn_of_unused(JobReport& report, const PolygonMesh& mesh, Console& console
 Fit fit_input(const JobInput& made, Backend& backend, JobReport& report,
               const JobContext& context) {
   const PolygonMesh& mesh = made.input.file.mesh;
-  report.method = method_for(report.settings, made);
   Fit result = run_fit(made.input, backend, report, callbacks_for(report, context));
   report.input.statistics = timed(report.timing.check, [&] { return statistics(mesh); });
   note_fit(report, result);

@@ -67,6 +67,15 @@ Input read_source(const std::string& path) {
   return source;
 }
 
+// Auto: points are meshed unevenly, which folds progressive surfaces; a mesh is taken as the paper
+// takes it. Other schemes than Doo-Sabin have no fair method.
+InterpolationMethod method_for(const Settings& settings, const JobInput& made) {
+  const bool fair = settings.interpolation == InterpolationChoice::Fair ||
+                    (settings.interpolation == InterpolationChoice::Auto && !made.points.empty() &&
+                     settings.scheme == Scheme::DooSabin);
+  return fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
+}
+
 }  // namespace
 
 JobInput read_job_input(const Job& job, JobReport& report, const JobContext& context) {
@@ -102,10 +111,11 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
   return made;
 }
 
-void prepare_input(Input& input, JobReport& report, Console& console) {
-  const Settings& settings = report.settings;
+void prepare_input(JobInput& made, JobReport& report, Console& console) {
+  Input& input = made.input;
+  report.method = method_for(report.settings, made);
   try {
-    RepairedMesh prepared = prepare(input.file.mesh, settings);
+    RepairedMesh prepared = prepare(input.file.mesh, report.settings, report.method);
     for (Warning change : prepared.changes) {
       change.message = input.name + ": " + change.message;
       add_warning(report, console, change);

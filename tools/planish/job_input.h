@@ -27,8 +27,9 @@ struct JobInput {
 /// Throws planish::Error.
 [[nodiscard]] JobInput read_job_input(const Job& job, JobReport& report, const JobContext& context);
 
-/// Repairs the mesh and tags its creases as the job's settings say; repairs are told as warnings,
-/// since the file is not what its author believes. Throws Error{UnusableMesh} naming the file.
-void prepare_input(Input& input, JobReport& report, Console& console);
+/// Settles the report's method, then repairs the mesh and tags its creases as the job's settings
+/// say; repairs are told as warnings, since the file is not what its author believes. Throws
+/// Error{UnusableMesh} naming the file.
+void prepare_input(JobInput& made, JobReport& report, Console& console);
 
 }  // namespace planish::command

@@ -114,7 +114,9 @@ constexpr std::array kWordSettings{
                   s.creases = parse_creases(value, where);
                 }},
     WordSetting{"repair", "safe|none", "safe",
-                "safe mends winding, non-manifold and degenerate parts; none refuses them", true,
+                "safe mends winding, non-manifold and degenerate parts, and cuts concave faces for "
+                "fair surfaces; none leaves them and refuses what cannot be used",
+                true,
                 [](Settings& s, std::string_view value, std::string_view where) {
                   s.repair = parse_repair(value, where);
                 }},

@@ -19,6 +19,7 @@
 namespace planish {
 
 struct FitOptions {
+  /// Fair surfaces fold beside corners that turn inward: take with_convex_faces() of such meshes.
   InterpolationMethod method = InterpolationMethod::Progressive;
   Scheme scheme = Scheme::DooSabin;
   Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
@@ -66,7 +67,8 @@ struct Fit {
 };
 
 /// Finds the control points: check, limit stencils, progressive interpolation; or the fair net.
-/// Warns "folds-left" where a fair net still has edges or faces that are turned over. Throws
+/// Warns "folds-left" where a fair net still has edges or faces that are turned over, and
+/// "concave-faces" where it is of a mesh with such faces (see mesh/convex_faces.h). Throws
 /// Error{UnusableMesh} (also for Loop on other faces than triangles), Error{InvalidArgument}
 /// (conjugate gradients on a mesh that is not closed and smooth; the fair method with another
 /// scheme than Doo-Sabin), Error{OutOfMemory}, Error{Cancelled}. Not converging is a result:

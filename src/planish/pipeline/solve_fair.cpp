@@ -4,9 +4,11 @@
 #include <glm/geometric.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "planish/core/error.h"
 #include "planish/fair/fair_builder.h"
+#include "planish/mesh/convex_faces.h"
 
 namespace planish {
 
@@ -44,6 +46,17 @@ void warn_of_folds(const FairFit& fair, const Callbacks& callbacks) {
                   count, -1});
 }
 
+void warn_of_concave_faces(const PolygonMesh& mesh, const Callbacks& callbacks) {
+  const std::vector<std::int32_t> faces = concave_faces(mesh);
+  if (faces.empty()) return;
+  callbacks.warn({"concave-faces",
+                  "the fair surface may fold beside corners that turn inward: " +
+                      std::to_string(faces.size()) +
+                      " faces have some; cut them in parts, as "
+                      "with_convex_faces() and --repair safe do",
+                  static_cast<std::int64_t>(faces.size()), -1});
+}
+
 // On the backend's device where it can.
 FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                  std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
@@ -73,6 +86,7 @@ void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivi
   fair.flagged_faces = net.flagged_faces;
   fair.decisions = std::move(net.decisions);
   warn_of_folds(fair, options.callbacks);
+  warn_of_concave_faces(mesh, options.callbacks);
 }
 
 }  // namespace planish

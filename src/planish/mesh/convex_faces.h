@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish {
+
+/// A mesh whose faces have been cut, and what that took.
+struct ConvexMesh {
+  PolygonMesh mesh;
+  std::vector<std::int32_t> source_faces;  ///< for each face of `mesh` the input's
+  std::vector<std::int32_t> cut_faces;     ///< the input's faces that were cut; ascending
+  std::vector<std::int32_t>
+      concave_faces;  ///< the input's of which a part stayed concave; ascending
+};
+
+/// Faces with a corner that turns inward, by more than a few degrees, seen along their Newell
+/// normal; ascending. Doo-Sabin surfaces that interpolate fold beside such corners, because the
+/// face rule moves their control points out of the face.
+[[nodiscard]] std::vector<std::int32_t> concave_faces(const PolygonMesh& mesh);
+
+/// Cuts those faces along diagonals until no corner turns inward. No vertex is added or moved and
+/// no diagonal runs where the mesh has an edge. Faces that cross themselves may stay as they are,
+/// as do those of more than 1000 corners. What rides on the mesh rides on.
+/// The mesh must pass check().
+[[nodiscard]] ConvexMesh with_convex_faces(const PolygonMesh& mesh);
+
+}  // namespace planish

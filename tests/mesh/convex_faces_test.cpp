@@ -1,0 +1,170 @@
+#include "planish/mesh/convex_faces.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <numbers>
+
+#include "make_scenes/random_mesh.h"
+#include "planish/mesh/area_vector.h"
+#include "planish/mesh/check.h"
+
+namespace planish {
+namespace {
+
+using glm::dvec3;
+
+PolygonMesh single(std::vector<dvec3> points) {
+  PolygonMesh mesh;
+  for (std::int32_t v = 0; v < std::int32_t(points.size()); ++v) mesh.face_vertices.push_back(v);
+  mesh.face_offsets.push_back(std::int32_t(points.size()));
+  mesh.positions = std::move(points);
+  return mesh;
+}
+
+PolygonMesh letter_l() {
+  return single({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}});
+}
+
+// The largest inward turn of a corner against its face's Newell normal, in radians.
+double largest_inward_turn(const PolygonMesh& mesh) {
+  double largest = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto v = mesh.face(f);
+    const dvec3 normal = glm::normalize(area_vector(mesh.positions, v));
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const dvec3 own = mesh.positions[v[i]];
+      const auto flat = [&](std::size_t k) {
+        const dvec3 edge = mesh.positions[v[k % v.size()]] - own;
+        return edge - glm::dot(edge, normal) * normal;
+      };
+      const dvec3 next = flat(i + 1), previous = flat(i + v.size() - 1);
+      const double sine = glm::dot(glm::cross(next, previous), normal);
+      const double cosine = glm::dot(next, previous);
+      if (sine < 0) largest = std::max(largest, std::numbers::pi - std::atan2(-sine, cosine));
+    }
+  }
+  return largest;
+}
+
+dvec3 total_area(const PolygonMesh& mesh) {
+  dvec3 sum(0.0);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    sum += area_vector(mesh.positions, mesh.face(f));
+  return sum;
+}
+
+TEST(ConvexFaces, CutsTheLetterLOnce) {
+  const PolygonMesh mesh = letter_l();
+  EXPECT_EQ(concave_faces(mesh), std::vector<std::int32_t>{0});
+  const ConvexMesh convex = with_convex_faces(mesh);
+  EXPECT_EQ(convex.mesh.face_count(), 2);
+  EXPECT_EQ(convex.source_faces, (std::vector<std::int32_t>{0, 0}));
+  EXPECT_EQ(convex.cut_faces, std::vector<std::int32_t>{0});
+  EXPECT_TRUE(convex.concave_faces.empty());
+  EXPECT_TRUE(check(convex.mesh).empty());
+  EXPECT_EQ(largest_inward_turn(convex.mesh), 0);
+  EXPECT_EQ(total_area(convex.mesh), dvec3(0, 0, 3));
+  EXPECT_TRUE(concave_faces(convex.mesh).empty());
+}
+
+TEST(ConvexFaces, LeavesConvexAndNearlyStraightFacesAlone) {
+  // The corner at (1, e) turns inward by about 2 e: below what counts, and above it.
+  const auto dented = [](double e) { return single({{0, 0, 0}, {1, e, 0}, {2, 0, 0}, {1, 2, 0}}); };
+  const ConvexMesh same = with_convex_faces(dented(0.02));
+  EXPECT_EQ(same.mesh.face_vertices, dented(0.02).face_vertices);
+  EXPECT_TRUE(same.cut_faces.empty() && same.concave_faces.empty());
+  EXPECT_EQ(with_convex_faces(dented(0.03)).mesh.face_count(), 2);
+}
+
+TEST(ConvexFaces, CutsCombsAndSpiralsWithoutCrossings) {
+  std::vector<dvec3> comb{{0, 0, 0}, {20, 0, 0}};
+  for (int tooth = 9; tooth >= 0; --tooth) {
+    comb.push_back({2 * tooth + 2, 5, 0});
+    comb.push_back({2 * tooth + 1, 1, 0});
+  }
+  comb.push_back({0, 5, 0});
+  std::vector<dvec3> spiral, inner;
+  for (int i = 0; i < 24; ++i) {
+    const double angle = 0.5 * i, radius = 1 + 0.2 * i;
+    spiral.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    inner.insert(inner.begin(), 0.8 * spiral.back());
+  }
+  spiral.insert(spiral.end(), inner.begin(), inner.end());
+  for (const PolygonMesh& mesh : {single(comb), single(spiral)}) {
+    const ConvexMesh convex = with_convex_faces(mesh);
+    EXPECT_TRUE(convex.concave_faces.empty());
+    EXPECT_TRUE(check(convex.mesh).empty());
+    EXPECT_LT(largest_inward_turn(convex.mesh), 0.0501);
+    // Parts that crossed would count their overlap twice.
+    double sum = 0;
+    for (std::int32_t f = 0; f < convex.mesh.face_count(); ++f) {
+      const dvec3 area = area_vector(convex.mesh.positions, convex.mesh.face(f));
+      EXPECT_GT(area.z, 0);
+      sum += glm::length(area);
+    }
+    EXPECT_NEAR(sum, glm::length(total_area(mesh)), 1e-12 * sum);
+  }
+}
+
+TEST(ConvexFaces, KeepsRandomPolygonMeshesUsable) {
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    const PolygonMesh mesh = shapes::random_polygon_mesh(
+        {.seed = seed, .merged_share = 0.2 * seed, .largest_face = 12, .jitter = 0.05 * seed});
+    const ConvexMesh convex = with_convex_faces(mesh);
+    EXPECT_FALSE(convex.cut_faces.empty());
+    EXPECT_TRUE(convex.concave_faces.empty()) << convex.concave_faces.size();
+    EXPECT_TRUE(check(convex.mesh).empty());
+    EXPECT_EQ(convex.mesh.positions, mesh.positions);
+    EXPECT_LT(glm::length(total_area(convex.mesh)), 1e-9);  // closed, as before
+    std::map<std::int32_t, dvec3> areas;
+    for (std::int32_t f = 0; f < convex.mesh.face_count(); ++f)
+      areas[convex.source_faces[f]] += area_vector(mesh.positions, convex.mesh.face(f));
+    for (const auto& [face, area] : areas)
+      EXPECT_LT(glm::distance(area, area_vector(mesh.positions, mesh.face(face))), 1e-12);
+  }
+}
+
+TEST(ConvexFaces, CutsNowhereAlongAnEdge) {
+  // The only way out of the dent at 1 is to 3, which a second face already joins with it.
+  PolygonMesh mesh = single({{0, 0, 0}, {1, 0.5, 0}, {2, 0, 0}, {1, 2, 0}});
+  mesh.positions.push_back({1, 1, 1});
+  mesh.add_face(std::array{1, 3, 4});
+  const ConvexMesh convex = with_convex_faces(mesh);
+  EXPECT_TRUE(convex.cut_faces.empty());
+  EXPECT_EQ(convex.concave_faces, std::vector<std::int32_t>{0});
+  EXPECT_EQ(convex.mesh.face_vertices, mesh.face_vertices);
+}
+
+TEST(ConvexFaces, CarryWhatRidesOnThem) {
+  PolygonMesh mesh = letter_l();
+  mesh.positions.push_back({3, 0, 0});
+  mesh.add_face(std::array{1, 6, 2});
+  for (std::int32_t corner = 0; corner < 9; ++corner) mesh.uvs.push_back(glm::dvec2(corner, 0));
+  mesh.face_uvs = {8, 7, 6, 5, 4, 3, 2, 1, 0};
+  mesh.groups = {{"body", ""}, {"fin", ""}};
+  mesh.face_groups = {0, 1};
+  mesh.hole_faces = {0};
+  mesh.creases = {{2, 3, kInfiniteSharpness}};
+  const ConvexMesh convex = with_convex_faces(mesh);
+  EXPECT_EQ(convex.mesh.face_groups, (std::vector<std::int32_t>{0, 0, 1}));
+  EXPECT_EQ(convex.mesh.hole_faces, (std::vector<std::int32_t>{0, 1}));
+  EXPECT_EQ(convex.mesh.creases.size(), 1u);
+  ASSERT_EQ(convex.mesh.face_uvs.size(), convex.mesh.face_vertices.size());
+  for (std::size_t c = 0; c < 8; ++c)  // those of the first face
+    EXPECT_EQ(convex.mesh.face_uvs[c], 8 - convex.mesh.face_vertices[c]);
+  EXPECT_EQ(convex.mesh.face_uvs[8], 2);
+}
+
+TEST(ConvexFaces, LeaveWhatHasNoInsideAlone) {
+  const PolygonMesh bow = single({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}});
+  EXPECT_EQ(with_convex_faces(bow).mesh.face_count(), 1);
+  const PolygonMesh point = single({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}});
+  EXPECT_EQ(with_convex_faces(point).mesh.face_count(), 1);
+}
+
+}  // namespace
+}  // namespace planish
