@@ -63,15 +63,40 @@ PolygonMesh random_sphere(bool paired) {
   return mesh;
 }
 
-// A shape's own smooth surface in fine quads, to be sampled and to compare with.
-PolygonMesh fine_polygons(const PolygonMesh& mesh) {
-  const auto backend = make_cpu_backend({Precision::Double});
-  const SurfaceMesh surface =
-      evaluate(mesh, fit(mesh, *backend), *backend, EvaluateOptions{.level = 2});
+constexpr double kFlattened = 0.3;
+
+// As uneven as a random sphere, and its triangles are squeezed as well.
+PolygonMesh flat_ellipsoid() {
+  const std::vector<glm::dvec3> points = random_sphere_points(800, 3);
+  PolygonMesh mesh = polygons_of(delaunay_on_sphere(points));
+  mesh.positions = points;
+  for (glm::dvec3& p : mesh.positions) p.z *= kFlattened;
+  return mesh;
+}
+
+PolygonMesh random_polygons_on_sphere() {
+  PolygonMesh mesh = shapes::random_polygon_mesh({.seed = 7});
+  for (glm::dvec3& p : mesh.positions) p = glm::normalize(p);
+  return mesh;
+}
+
+PolygonMesh polygons_of(const SurfaceMesh& surface) {
   PolygonMesh fine;
   fine.positions = surface.positions;
   for (std::int64_t f = 0; f < surface.face_count(); ++f) fine.add_face(surface.face(f));
   return fine;
+}
+
+// Loop's surface of a triangle mesh: smooth, and none of the methods'.
+PolygonMesh loop_surface(const PolygonMesh& mesh) {
+  const auto backend = make_cpu_backend({Precision::Double});
+  return polygons_of(evaluate(mesh, *backend, {.level = 2, .scheme = Scheme::Loop}));
+}
+
+// A shape's own smooth surface in fine quads, to be sampled and to compare with.
+PolygonMesh fine_polygons(const PolygonMesh& mesh) {
+  const auto backend = make_cpu_backend({Precision::Double});
+  return polygons_of(evaluate(mesh, fit(mesh, *backend), *backend, EvaluateOptions{.level = 2}));
 }
 
 Case scanned_arm(const Mesher& mesher, const std::string& name,
@@ -90,16 +115,17 @@ Case scanned_shape(const Mesher& mesher, const std::string& name, const PolygonM
   return made;
 }
 
-// The bearing block in few uneven triangles, its sharp edges tagged.
-Case simplified_part() {
-  Case made{"bearing block, simplified"};
+// The bearing block in few uneven triangles, its sharp edges tagged or not.
+Case simplified_part(const std::string& name, bool creases) {
+  Case made{name};
   made.source = shapes::bearing_block();
   const SimplifiedMesh simplified =
       simplify(made.source.positions, quads_as_triangles(made.source.face_vertices),
                {.tolerance = 1e-3 * placement_of(made.source).diagonal});
   PolygonMesh mesh = polygons_of(simplified.triangles);
   mesh.positions = made.source.positions;
-  made.mesh = with_detected_creases(without_unused_vertices(mesh).mesh);
+  made.mesh = without_unused_vertices(mesh).mesh;
+  if (creases) made.mesh = with_detected_creases(made.mesh);
   return made;
 }
 
@@ -109,9 +135,20 @@ Case of(const std::string& name, PolygonMesh mesh, Truth truth, bool is_held_out
   return made;
 }
 
+PolygonMesh read_obj_mesh(const std::filesystem::path& path) {
+  return repair(read_mesh(read_file(path), path.string(), MeshFormat::Obj).mesh).mesh;
+}
+
+// Nobody knows what shape its vertices were taken from: that of triangles is taken to be Loop's
+// surface.
 Case of_file(const std::filesystem::path& path) {
-  const MeshFile file = read_mesh(read_file(path), path.string(), MeshFormat::Obj);
-  return of(path.filename().string(), repair(file.mesh).mesh, {});
+  Case made = of(path.filename().string(), read_obj_mesh(path), {});
+  const std::vector<std::int32_t>& offsets = made.mesh.face_offsets;
+  if (offsets.back() == 3 * made.mesh.face_count()) {
+    made.source = loop_surface(made.mesh);
+    made.has_smooth_source = true;
+  }
+  return made;
 }
 
 }  // namespace
@@ -132,6 +169,9 @@ std::vector<NamedCase> analytic_cases() {
       [=] { return cut_quads(shapes::torus(kTorus), false); });
   add("torus 24 x 12, cut by lot", torus, true,
       [=] { return cut_quads(shapes::torus(kTorus), true); });
+  add("torus 12 x 48, narrow quads", torus, true, [=] {
+    return shapes::torus({12, 48, kTorus.radius, kTorus.tube_radius});
+  });
   add("icosphere 3", sphere, false, [] { return shapes::icosphere(3); });
   add("dual of icosphere 2", sphere, false, [] {
     PolygonMesh mesh = shapes::dual(shapes::icosphere(2));
@@ -142,13 +182,23 @@ std::vector<NamedCase> analytic_cases() {
   add("pole sphere, 64-gons", sphere, true, [] { return shapes::pole_sphere(64, 30); });
   add("Delaunay sphere 600", sphere, false, [] { return random_sphere(false); });
   add("Delaunay sphere 600, paired", sphere, false, [] { return random_sphere(true); });
+  add("flat ellipsoid, Delaunay", true_zero_set([](const glm::dvec3& p) {
+        return glm::length(glm::dvec3(p.x, p.y, p.z / kFlattened)) - 1;
+      }),
+      true, flat_ellipsoid);
   add("mixed polygons", {}, true, [] { return shapes::mixed_polygons(); });
   add("random polygons", {}, true, [] { return shapes::random_polygon_mesh(); });
+  add("random polygons, spherical", sphere, true, random_polygons_on_sphere);
+  add("L-bracket", {}, true,
+      [] { return read_obj_mesh(std::filesystem::path(PLANISH_SCENES) / "l_bracket.obj"); });
   add("wavy patch, open", wave, true, [] { return shapes::wavy_patch(24, 24); });
   add("wavy patch, cut by lot", wave, true,
       [] { return cut_quads(shapes::wavy_patch(24, 24), true); });
   add("bearing block, creased", {}, false, [] { return shapes::bearing_block(); });
-  cases.push_back({"bearing block, simplified", simplified_part});
+  for (const auto& [name, creases] :
+       {std::pair("bearing block, simplified", true), {"bearing block, untagged", false}}) {
+    cases.push_back({name, [=] { return simplified_part(name, creases); }});
+  }
   return cases;
 }
 

@@ -4,10 +4,15 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <numeric>
+#include <vector>
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/parallel.h"
+#include "planish/mesh/area_vector.h"
+#include "planish/mesh/convex_faces.h"
 #include "planish/reconstruct/compare_source.h"
+#include "planish/surface/attributes.h"
 #include "planish/surface/surface_quality.h"
 
 namespace planish::quality {
@@ -24,6 +29,28 @@ SurfaceMesh surface_of(const PolygonMesh& mesh, const Method& method) {
   const auto backend = make_cpu_backend({Precision::Double});
   if (!method.interpolates) return evaluate(mesh, *backend, options);
   return evaluate(mesh, fit(mesh, *backend, method.options), *backend, options);
+}
+
+// What the command fits: for fair surfaces concave faces are cut.
+ConvexMesh fitted_mesh(const PolygonMesh& mesh, const Method& method) {
+  if (method.options.method == InterpolationMethod::Fair) return with_convex_faces(mesh);
+  ConvexMesh same{mesh, {}, {}, {}};
+  same.source_faces.resize(static_cast<std::size_t>(mesh.face_count()));
+  std::iota(same.source_faces.begin(), same.source_faces.end(), 0);
+  return same;
+}
+
+// Against the faces of the mesh that was given, of which those of the fitted one are parts.
+SurfaceQuality own_quality(const SurfaceMesh& surface, const ConvexMesh& fitted,
+                           const PolygonMesh& given) {
+  std::vector<std::int32_t> ancestors;
+  for (std::int32_t f = 0; f < fitted.mesh.face_count(); ++f) {
+    const auto count = descendant_count(surface, fitted.mesh.face_size(f));
+    ancestors.insert(ancestors.end(), static_cast<std::size_t>(count), fitted.source_faces[f]);
+  }
+  return surface_quality(surface, [&](std::int64_t face, std::int32_t) {
+    return area_vector(given.positions, given.face(ancestors[face]));
+  });
 }
 
 // Feet of all vertices.
@@ -90,16 +117,18 @@ const std::vector<Method>& methods() {
 }
 
 Figures measure(const Case& what, const Method& method) {
-  const SurfaceMesh surface = surface_of(what.mesh, method);
+  const ConvexMesh fitted = fitted_mesh(what.mesh, method);
+  const SurfaceMesh surface = surface_of(fitted.mesh, method);
   Figures figures;
   if (what.truth) {
     compare_with_truth(figures, surface, what.truth);
   } else {
     const PolygonMesh& source = what.source.face_count() > 0 ? what.source : what.mesh;
     const SourceComparison comparison = compare_with_source(surface, source);
-    note_quality(figures,
-                 what.has_smooth_source ? comparison.quality : surface_quality(surface, what.mesh),
-                 8 * std::numbers::pi);
+    note_quality(
+        figures,
+        what.has_smooth_source ? comparison.quality : own_quality(surface, fitted, what.mesh),
+        8 * std::numbers::pi);
     figures.max_distance = comparison.distances.max;
     figures.rms_distance = comparison.distances.rms;
   }
