@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "planish/vulkan/context.h"
+#include "planish/vulkan/fenced_commands.h"
 
 namespace planish::osd {
 
@@ -31,10 +31,7 @@ class Submission {
               std::shared_ptr<void> resources);
 
  private:
-  vulkan::Context& _context;
-  VkCommandPool _pool = VK_NULL_HANDLE;
-  VkCommandBuffer _commands = VK_NULL_HANDLE;
-  VkFence _fence = VK_NULL_HANDLE;
+  vulkan::FencedCommands _commands;
   bool _pending = false;
   std::vector<std::shared_ptr<void>> _resources;
 };

@@ -24,49 +24,18 @@ void make_room(Context& context, Buffer& staging, std::uint64_t size, MemoryUse 
 }  // namespace
 
 Submitter::Submitter(Context& context, VkQueue queue, std::uint32_t queue_family)
-    : context_(context), queue_(queue) {
-  const DeviceFunctions& vk = context.vk();
-  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-  pool.queueFamilyIndex = queue_family;
-  check(vk.vkCreateCommandPool(context.device(), &pool, context.callbacks(), &pool_),
-        "vkCreateCommandPool");
-  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-  allocate.commandPool = pool_;
-  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-  allocate.commandBufferCount = 1;
-  VkResult result = vk.vkAllocateCommandBuffers(context.device(), &allocate, &commands_);
-  VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  if (result == VK_SUCCESS)
-    result = vk.vkCreateFence(context.device(), &fence, context.callbacks(), &fence_);
-  if (result != VK_SUCCESS) vk.vkDestroyCommandPool(context.device(), pool_, context.callbacks());
-  check(result, "vkCreateFence");
-}
+    : context_(context), queue_(queue), commands_(context, queue_family) {}
 
-Submitter::~Submitter() {
-  const DeviceFunctions& vk = context_.vk();
-  vk.vkDeviceWaitIdle(context_.device());
-  vk.vkDestroyFence(context_.device(), fence_, context_.callbacks());
-  vk.vkDestroyCommandPool(context_.device(), pool_, context_.callbacks());
-}
+Submitter::~Submitter() { context_.vk().vkDeviceWaitIdle(context_.device()); }
 
 void Submitter::run(const std::function<void(VkCommandBuffer)>& record) {
-  const DeviceFunctions& vk = context_.vk();
-  check(vk.vkResetCommandPool(context_.device(), pool_, 0), "vkResetCommandPool");
-  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  check(vk.vkBeginCommandBuffer(commands_, &begin), "vkBeginCommandBuffer");
-  record_barrier(context_, commands_, kExitScope, kEntryScope);
-  record(commands_);
-  record_barrier(context_, commands_, kExitScope, kHostReadScope);
-  check(vk.vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
-  VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
-  submit.commandBufferCount = 1;
-  submit.pCommandBuffers = &commands_;
-  check(vk.vkResetFences(context_.device(), 1, &fence_), "vkResetFences");
-  check(vk.vkQueueSubmit(queue_, 1, &submit, fence_), "vkQueueSubmit");
-  const VkResult waited = vk.vkWaitForFences(context_.device(), 1, &fence_, VK_TRUE, UINT64_MAX);
+  commands_.submit(queue_, [&](VkCommandBuffer commands) {
+    record_barrier(context_, commands, kExitScope, kEntryScope);
+    record(commands);
+  });
+  const VkResult waited = commands_.wait(UINT64_MAX);
   // Whoever catches the error drops buffers that the work may still be using.
-  if (waited != VK_SUCCESS) vk.vkDeviceWaitIdle(context_.device());
+  if (waited != VK_SUCCESS) context_.vk().vkDeviceWaitIdle(context_.device());
   check(waited, "vkWaitForFences");
 }
 

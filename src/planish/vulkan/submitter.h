@@ -6,6 +6,7 @@
 #include <span>
 
 #include "planish/vulkan/buffer.h"
+#include "planish/vulkan/fenced_commands.h"
 
 namespace planish::vulkan {
 
@@ -36,9 +37,7 @@ class Submitter {
  private:
   Context& context_;
   VkQueue queue_;
-  VkCommandPool pool_ = VK_NULL_HANDLE;
-  VkCommandBuffer commands_ = VK_NULL_HANDLE;
-  VkFence fence_ = VK_NULL_HANDLE;
+  FencedCommands commands_;
   Buffer upload_, download_;
 };
 
