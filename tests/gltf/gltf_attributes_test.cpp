@@ -1,12 +1,12 @@
 // Texture coordinates, colours and groups in the files that the writer makes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tiny_gltf.h>
 
 #include <array>
 #include <cstring>
 #include <map>
 
+#include "gltf/parsed_gltf.h"
 #include "gltf/surfaces.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
@@ -20,14 +20,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 tinygltf::Model parsed(const SurfaceMesh& surface, const GltfOptions& options = {}) {
-  const std::vector<std::byte> glb = encode_glb(surface, options);
-  tinygltf::Model model;
-  std::string error, warning;
-  EXPECT_TRUE(tinygltf::TinyGLTF().LoadBinaryFromMemory(
-      &model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()),
-      static_cast<unsigned>(glb.size())));
-  EXPECT_EQ(error + warning, "");
-  return model;
+  return test::parsed(encode_glb(surface, options));
 }
 
 template <class Value>
