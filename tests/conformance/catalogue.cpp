@@ -100,4 +100,11 @@ std::vector<NamedMesh> sharp_meshes() {
   return meshes;
 }
 
+std::vector<NamedMesh> all_meshes() {
+  std::vector<NamedMesh> meshes = closed_meshes();
+  for (NamedMesh& mesh : open_meshes()) meshes.push_back(std::move(mesh));
+  for (NamedMesh& mesh : sharp_meshes()) meshes.push_back(std::move(mesh));
+  return meshes;
+}
+
 }  // namespace planish::test

@@ -18,4 +18,7 @@ inline constexpr Weights kBothWeights[] = {Weights::DooSabin, Weights::Averaged}
 /// Meshes with creases, corners and darts, open and closed.
 [[nodiscard]] std::vector<NamedMesh> sharp_meshes();
 
+/// All three.
+[[nodiscard]] std::vector<NamedMesh> all_meshes();
+
 }  // namespace planish::test

@@ -23,13 +23,6 @@ using std::int32_t;
 
 constexpr double kRounding = 1e-12;
 
-std::vector<NamedMesh> all_meshes() {
-  std::vector<NamedMesh> meshes = closed_meshes();
-  for (NamedMesh& mesh : open_meshes()) meshes.push_back(std::move(mesh));
-  for (NamedMesh& mesh : sharp_meshes()) meshes.push_back(std::move(mesh));
-  return meshes;
-}
-
 void expect_sums(const StencilView<double>& view, std::span<const double> weights, double sum) {
   double worst = 0;
   for (int32_t row = 0; row < view.row_count(); ++row) {

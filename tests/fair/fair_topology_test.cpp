@@ -15,13 +15,6 @@ namespace {
 using glm::dvec3;
 using std::int32_t;
 
-std::vector<NamedMesh> all_meshes() {
-  std::vector<NamedMesh> meshes = closed_meshes();
-  for (NamedMesh& mesh : open_meshes()) meshes.push_back(std::move(mesh));
-  for (NamedMesh& mesh : sharp_meshes()) meshes.push_back(std::move(mesh));
-  return meshes;
-}
-
 TEST(FairTopology, RingsAreThoseOfTheSubdivision) {
   for (const auto& [name, mesh] : all_meshes()) {
     SCOPED_TRACE(name);

@@ -15,10 +15,12 @@
 
 #include <array>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "planish/core/error.h"
+#include "support/environment_variable.h"
 #include "support/meshes.h"
 #include "viewer/fixture.h"
 #include "viewer/swapchain.h"
@@ -72,7 +74,7 @@ class WindowTest : public ViewerTest {
     if (IsSkipped() || HasFatalFailure()) return;
     const char* required = std::getenv("PLANISH_REQUIRE_VULKAN");
     if (xvfb_.runs()) {
-      ::setenv("DISPLAY", xvfb_.name().c_str(), 1);
+      display_.emplace("DISPLAY", xvfb_.name());
     } else if (required && std::string(required) == "1") {
       FAIL() << "no Xvfb; install the package xvfb";
     } else {
@@ -94,6 +96,7 @@ class WindowTest : public ViewerTest {
   }
 
   Xvfb xvfb_;
+  std::optional<test::EnvironmentVariable> display_;
 };
 
 TEST_F(WindowTest, ShowsASecondOfFrames) {
@@ -128,7 +131,7 @@ TEST_F(WindowTest, FollowsItsSize) {
 }
 
 TEST_F(WindowTest, WithoutADisplaySaysWhatToDo) {
-  ::setenv("DISPLAY", ":63999", 1);
+  const test::EnvironmentVariable nowhere("DISPLAY", ":63999");
   const PolygonMesh mesh = test::torus(12, 7, 2, 0.7);
   try {
     run_window(scene_of(mesh), window_options(mesh));

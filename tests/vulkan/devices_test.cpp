@@ -6,6 +6,7 @@
 #include "planish/vulkan/commands.h"
 #include "planish/vulkan/own_device.h"
 #include "planish/vulkan/submitter.h"
+#include "support/environment_variable.h"
 #include "vulkan/fixture.h"
 
 namespace planish::testing {
@@ -55,10 +56,9 @@ TEST_F(VulkanDevices, UnknownOnesAreRefusedWithAList) {
   }
 }
 
-// Runs in a process of its own, as every test does: the driver files are looked up once.
 TEST(VulkanDevicesMissing, GiveAnEmptyListWithAReason) {
-  setenv("VK_DRIVER_FILES", "/nonexistent.json", 1);
-  setenv("VK_ICD_FILENAMES", "/nonexistent.json", 1);
+  const test::EnvironmentVariable files("VK_DRIVER_FILES", "/nonexistent.json");
+  const test::EnvironmentVariable older_name("VK_ICD_FILENAMES", "/nonexistent.json");
   const VulkanDeviceList list = list_vulkan_devices();
   EXPECT_TRUE(list.devices.empty());
   EXPECT_EQ(list.best, -1);

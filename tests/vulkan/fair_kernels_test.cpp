@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 
 #include "planish/fair/bending_rows.h"
@@ -50,11 +51,24 @@ class FairKernels : public FairMachine,
     });
   }
   void build(DeviceNet& net) {
-    run([&](VkCommandBuffer commands) {
-      net.fair.record_clear(commands);
-      net.fair.record_prepare(commands);
-      net.fair.record_build(commands);
-    });
+    prepare(net);
+    run([&](VkCommandBuffer commands) { net.fair.record_build(commands); });
+  }
+  // Every mesh's net in the making, with the steps that it will be polished with.
+  void for_each_net(std::uint32_t polish_steps, const std::function<void(DeviceNet&)>& body) {
+    for (const test::NamedMesh& mesh : fair_meshes()) {
+      SCOPED_TRACE(mesh.name);
+      const test::FairCase c(mesh.mesh);
+      DeviceNet net(*machine_, c, polish_steps);
+      body(net);
+    }
+  }
+  std::vector<dvec3> face_normals(const DeviceNet& net) {
+    return download_points(net.fair.buffers().face_normals,
+                           static_cast<std::size_t>(net.topology.face_count));
+  }
+  std::vector<dvec3> normals(const DeviceNet& net) {
+    return download_points(net.fair.buffers().normals, net.given.size());
   }
   std::vector<double> shares(const DeviceNet& net) {
     const auto floats = download<float>(net.fair.buffers().shares, net.given.size());
@@ -92,17 +106,13 @@ double agreement(const DeviceNet& net, std::int32_t v) {
 }
 
 TEST_P(FairKernels, NormalsAndOffsetsEqualTheirTwins) {
-  for (const test::NamedMesh& mesh : fair_meshes()) {
-    SCOPED_TRACE(mesh.name);
-    const test::FairCase c(mesh.mesh);
-    DeviceNet net(*machine_, c, 0);
+  for_each_net(0, [&](DeviceNet& net) {
     prepare(net);
     const FairTopology& topology = net.topology;
     const auto& buffers = net.fair.buffers();
-    const auto face_normals =
-        download_points(buffers.face_normals, static_cast<std::size_t>(topology.face_count));
+    const std::vector<dvec3> face_normals = this->face_normals(net);
     EXPECT_LT(worst(face_normals, unit_face_normals(topology, net.given)), kDirection);
-    const auto normals = download_points(buffers.normals, net.given.size());
+    const std::vector<dvec3> normals = this->normals(net);
     for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
       const dvec3 normal = angle_weighted_normal(topology, net.given, face_normals, v,
                                                  topology.ring_offsets[v], topology.valence(v));
@@ -111,31 +121,28 @@ TEST_P(FairKernels, NormalsAndOffsetsEqualTheirTwins) {
     std::vector<dvec3> offsets(static_cast<std::size_t>(topology.corner_count));
     corner_offsets(topology, net.given, net.given, offsets);
     EXPECT_LT(worst(download_points(buffers.given_offsets, offsets.size()), offsets), kRounding);
-  }
+  });
 }
 
 TEST_P(FairKernels, SharesAndMaskedIterationEqualTheirTwins) {
-  for (const test::NamedMesh& mesh : fair_meshes()) {
-    SCOPED_TRACE(mesh.name);
-    const test::FairCase c(mesh.mesh);
-    DeviceNet net(*machine_, c, 0);
+  for_each_net(0, [&](DeviceNet& net) {
     prepare(net);
     const FairTopology& topology = net.topology;
     const auto& buffers = net.fair.buffers();
     const auto corners = static_cast<std::size_t>(topology.corner_count);
     const std::vector<double> shares = this->shares(net);
-    const auto normals = download_points(buffers.normals, net.given.size());
+    const std::vector<dvec3> normals = this->normals(net);
     auto offsets = download_points(buffers.given_offsets, corners);
     PlanarRing ring;
     for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
       const double share = tensor_share(topology, net.given, offsets, normals[v], v, ring);
       EXPECT_NEAR(shares[v], share, 1e-3) << v;
     }
-    if (!net.tables.has_regular_vertices) continue;
+    if (!net.tables.has_regular_vertices) return;
     const auto points = masked_iteration(topology, net.given, shares, offsets);
     EXPECT_LT(worst(download_points(buffers.points, points.size()), points), kRounding);
     EXPECT_LT(worst(download_points(buffers.offsets, corners), offsets), kRounding);
-  }
+  });
 }
 
 // What the kernels that build polygons were given.
@@ -198,27 +205,23 @@ void expect_curve_points(const DeviceNet& net, const Prepared& from, std::span<c
 
 TEST_P(FairKernels, PolygonsAndCreasesEqualTheirTwins) {
   std::size_t compared = 0, different = 0;
-  for (const test::NamedMesh& mesh : fair_meshes()) {
-    SCOPED_TRACE(mesh.name);
-    const test::FairCase c(mesh.mesh);
-    DeviceNet net(*machine_, c, 0);
+  for_each_net(0, [&](DeviceNet& net) {
     build(net);
     const FairTopology& topology = net.topology;
     const auto& buffers = net.fair.buffers();
     const auto corners = static_cast<std::size_t>(topology.corner_count);
-    const Prepared from{
-        download_points(buffers.normals, net.given.size()),
-        download_points(buffers.face_normals, static_cast<std::size_t>(topology.face_count)),
-        net.tables.has_regular_vertices ? download_points(buffers.points, net.given.size())
-                                        : net.given,
-        download_points(net.fair.offsets(), corners), shares(net)};
+    const Prepared from{normals(net), face_normals(net),
+                        net.tables.has_regular_vertices
+                            ? download_points(buffers.points, net.given.size())
+                            : net.given,
+                        download_points(net.fair.offsets(), corners), shares(net)};
     const std::vector<dvec3> made = result(net), expected = built(net, from);
     for (std::size_t i = 0; i < corners; ++i) {
       ++compared;
       if (!(glm::distance(made[i], expected[i]) <= 1e-5)) ++different;
     }
     expect_curve_points(net, from, made, expected);
-  }
+  });
   // Where a test decides by less than single precision knows, it may decide otherwise.
   EXPECT_GT(compared, 10000u);
   EXPECT_LT(double(different), 1e-3 * double(compared)) << different << " of " << compared;
@@ -226,14 +229,10 @@ TEST_P(FairKernels, PolygonsAndCreasesEqualTheirTwins) {
 
 TEST_P(FairKernels, RepairEqualsItsTwin) {
   std::int64_t halved = 0;
-  for (const test::NamedMesh& mesh : fair_meshes()) {
-    SCOPED_TRACE(mesh.name);
-    const test::FairCase c(mesh.mesh);
-    DeviceNet net(*machine_, c, 0);
+  for_each_net(0, [&](DeviceNet& net) {
     build(net);
     std::vector<dvec3> expected = result(net);
-    const auto face_normals = download_points(net.fair.buffers().face_normals,
-                                              static_cast<std::size_t>(net.topology.face_count));
+    const std::vector<dvec3> face_normals = this->face_normals(net);
     run([&](VkCommandBuffer commands) { net.fair.record_repair(commands, 0); });
     std::vector<std::uint8_t> halvings(net.given.size(), 0);
     const FoldCount left = repair_folds(net.topology, net.given, face_normals, expected, halvings);
@@ -245,7 +244,7 @@ TEST_P(FairKernels, RepairEqualsItsTwin) {
     const auto words = download<std::uint32_t>(net.fair.buffers().decisions, halvings.size());
     EXPECT_EQ(vulkan::unpack_decisions(words).halvings, halvings);
     for (const std::uint8_t count : halvings) halved += count;
-  }
+  });
   EXPECT_GT(halved, 10);
 }
 
@@ -277,14 +276,11 @@ void expect_near(std::span<const float> a, std::span<const float> expected, doub
 }
 
 TEST_P(FairKernels, RowsAndHeightsEqualTheirTwins) {
-  for (const test::NamedMesh& mesh : fair_meshes()) {
-    SCOPED_TRACE(mesh.name);
-    const test::FairCase c(mesh.mesh);
-    // Few steps: conjugate gradients double what rounding does with every one.
-    DeviceNet net(*machine_, c, 2);
+  // Few steps: conjugate gradients double what rounding does with every one.
+  for_each_net(2, [&](DeviceNet& net) {
     build(net);
     std::vector<dvec3> moved = result(net);
-    const auto normals = download_points(net.fair.buffers().normals, net.given.size());
+    const std::vector<dvec3> normals = this->normals(net);
     run([&](VkCommandBuffer commands) { net.fair.record_polish(commands); });
     const auto directions = polish_directions(net.topology, normals, shares(net));
     EXPECT_LT(worst(download_points(net.fair.buffers().directions, directions.size()), directions),
@@ -310,7 +306,7 @@ TEST_P(FairKernels, RowsAndHeightsEqualTheirTwins) {
     expect_near(heights, twin, 1e-3, kRounding);
     apply_heights(net.topology, directions, heights, moved);
     EXPECT_LT(worst(result(net), moved), kRounding);
-  }
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Reads, FairKernels,

@@ -19,9 +19,7 @@ namespace planish::testing {
 /// Meshes of every kind, and those whose vertices, corners, edges or faces fill work groups nearly,
 /// just, and just not.
 [[nodiscard]] inline std::vector<test::NamedMesh> fair_meshes() {
-  std::vector<test::NamedMesh> meshes = test::closed_meshes();
-  for (test::NamedMesh& mesh : test::open_meshes()) meshes.push_back(std::move(mesh));
-  for (test::NamedMesh& mesh : test::sharp_meshes()) meshes.push_back(std::move(mesh));
+  std::vector<test::NamedMesh> meshes = test::all_meshes();
   meshes.push_back({"random sphere 600", test::delaunay_sphere(600, 1)});
   meshes.push_back({"narrow quads", test::torus(12, 48, 1, 0.4)});
   for (const int n : {63, 64, 65}) {

@@ -10,6 +10,7 @@
 
 #include "planish/core/error.h"
 #include "planish/vulkan/vulkan_backend.h"
+#include "support/environment_variable.h"
 
 namespace planish::testing {
 
@@ -18,11 +19,6 @@ namespace planish::testing {
 class VulkanTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    // Hazards between submissions are looked for only when the environment says so.
-    setenv("VK_LAYER_ENABLES",
-           "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:"
-           "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT",
-           1);
     const VulkanDeviceList list = list_vulkan_devices();
     if (list.best >= 0) return;
     const char* required = std::getenv("PLANISH_REQUIRE_VULKAN");
@@ -43,6 +39,11 @@ class VulkanTest : public ::testing::Test {
     return make_vulkan_backend(options);
   }
 
+  // Hazards between submissions are looked for only when the environment says so.
+  test::EnvironmentVariable layer_enables_{
+      "VK_LAYER_ENABLES",
+      "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:"
+      "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT"};
   std::mutex mutex_;
   std::vector<std::string> messages_;
 };
