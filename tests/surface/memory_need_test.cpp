@@ -2,7 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <string>
+
+#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/surface/evaluate.h"
+#include "planish/surface/subdivided_mesh.h"
 #include "support/meshes.h"
 
 namespace planish {
@@ -21,18 +27,73 @@ TEST(MemoryNeed, GrowsFourfoldWithEachLevel) {
 
 TEST(MemoryNeed, IsComparedWithTheLimit) {
   const QuadSplit split(test::torus(100, 100, 1.0, 0.4));
-  EXPECT_NO_THROW(require_memory(split.counts_to(2), LastLevel::FacesOnly, 1ull << 30));
-  EXPECT_THROW(require_memory(split.counts_to(5), LastLevel::FacesOnly, 1ull << 30), Error);
+  EXPECT_NO_THROW(require_memory(split.counts_to(2), LastLevel::FacesOnly, {}, 1ull << 30));
+  EXPECT_THROW(require_memory(split.counts_to(5), LastLevel::FacesOnly, {}, 1ull << 30), Error);
 }
 
 TEST(MemoryNeed, IndicesStayWithin32Bits) {
   const QuadSplit split(test::torus(1000, 1000, 1.0, 0.4));
   try {
-    require_memory(split.counts_to(6), LastLevel::FacesOnly, ~0ull);
+    require_memory(split.counts_to(6), LastLevel::FacesOnly, {}, ~0ull);
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("32-bit"), std::string::npos) << error.what();
   }
+}
+
+// The largest resident size since the last call, in bytes.
+std::uint64_t peak_since_last_call() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  std::uint64_t kibibytes = 0;
+  while (status >> word && word != "VmHWM:") {
+  }
+  status >> kibibytes;
+  std::ofstream("/proc/self/clear_refs") << "5";
+  return 1024 * kibibytes;
+}
+
+std::uint64_t peak_of_tessellating(const PolygonMesh& mesh) {
+  const auto backend = make_cpu_backend();
+  (void)peak_since_last_call();
+  (void)evaluate(mesh, *backend, {.level = 4});
+  return peak_since_last_call();
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(MemoryNeed, OfAttributesIsWhatTheyTake) {
+  PolygonMesh mesh = test::torus(60, 60, 1.0, 0.4);
+  const std::vector<LevelCounts> counts = QuadSplit(mesh).counts_to(4);
+  const auto estimate = [&] {
+    return tessellation_bytes(counts, LastLevel::FacesOnly, RefinedAttributes::of(mesh));
+  };
+  const std::uint64_t plain_peak = peak_of_tessellating(mesh), plain_estimate = estimate();
+  const auto expect_estimated = [&](const char* what) {
+    const auto taken = static_cast<double>(peak_of_tessellating(mesh) - plain_peak);
+    const auto estimated = static_cast<double>(estimate() - plain_estimate);
+    EXPECT_LT(taken, 1.05 * estimated) << what;
+    EXPECT_GT(taken, 0.4 * estimated) << what;
+  };
+  for (const glm::dvec3& p : mesh.positions) mesh.uvs.emplace_back(p.x, p.y);
+  mesh.face_uvs = mesh.face_vertices;
+  expect_estimated("uvs");
+  mesh.colors.resize(mesh.positions.size(), glm::vec4(1.0f));
+  mesh.groups = {{"a", "b"}};
+  mesh.face_groups.resize(static_cast<std::size_t>(mesh.face_count()), 0);
+  expect_estimated("uvs, colours, groups");
+  mesh.hole_faces = {0};
+  expect_estimated("uvs, colours, groups, holes");
+}
+#endif
+
+TEST(MemoryNeed, AttributesCountAgainstTheLimit) {
+  PolygonMesh mesh = test::torus(100, 100, 1.0, 0.4);
+  const QuadSplit split(mesh);
+  const std::uint64_t limit = tessellation_bytes(split.counts_to(4), LastLevel::FacesOnly);
+  EXPECT_NO_THROW(SubdividedMesh(mesh, {.level = 4, .memory_limit_bytes = limit}));
+  for (const glm::dvec3& p : mesh.positions) mesh.uvs.emplace_back(p.x, p.y);
+  mesh.face_uvs = mesh.face_vertices;
+  EXPECT_THROW(SubdividedMesh(mesh, {.level = 4, .memory_limit_bytes = limit}), Error);
 }
 
 TEST(MemoryNeed, TheMachineHasSome) { EXPECT_GT(available_memory_bytes(), 1ull << 20); }

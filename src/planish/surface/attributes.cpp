@@ -32,6 +32,7 @@ void carry_uvs(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
     refiner.InterpolateFaceVarying(l, values, finer);
     values = std::move(finer);
   }
+  surface.uvs.reserve(values.size());
   for (const auto& primvar : values) surface.uvs.push_back(primvar.value);
 
   const auto& level = topology.GetLevel(surface.level);

@@ -20,6 +20,15 @@ constexpr std::uint64_t kStateBytes = 24;
 // Position in double, normal in float, four indices.
 constexpr std::uint64_t kSurfaceVertexBytes = 36;
 constexpr std::uint64_t kSurfaceFaceBytes = 16;
+// A texture coordinate: those of the last level and of the one before as they are refined, and
+// those of the surface. As many as vertices; seams add few.
+constexpr std::uint64_t kUvBytes = 16 + 4 + 16;
+// Their indices at a surface's face, and OpenSubdiv's tables of them for a face of any level.
+constexpr std::uint64_t kUvFaceBytes = 16;
+constexpr std::uint64_t kUvTopologyBytes = 64;
+// A colour, likewise: in double as it is refined, in float on the surface.
+constexpr std::uint64_t kColorBytes = 32 + 8 + 16;
+constexpr std::uint64_t kGroupFaceBytes = 4;
 // Stencil slices on their way.
 constexpr std::uint64_t kFixedBytes = 256u << 20;
 
@@ -37,7 +46,15 @@ std::uint64_t read_number(const char* path) {
 
 }  // namespace
 
-std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last) {
+RefinedAttributes RefinedAttributes::of(const PolygonMesh& mesh) {
+  return {.uvs = !mesh.face_uvs.empty(),
+          .colors = !mesh.colors.empty(),
+          .groups = !mesh.face_groups.empty(),
+          .holes = !mesh.hole_faces.empty()};
+}
+
+std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last,
+                                 const RefinedAttributes& attributes) {
   std::uint64_t bytes = kFixedBytes;
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
     bytes += kFullTopologyBytes * static_cast<std::uint64_t>(levels[l].faces);
@@ -45,9 +62,17 @@ std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel 
   const auto faces = static_cast<std::uint64_t>(levels.back().faces);
   bytes += (last == LastLevel::Full ? kFullTopologyBytes : kLastTopologyBytes) * faces;
   bytes += kStateBytes * (faces + faces / 4);
-  bytes += kSurfaceVertexBytes * static_cast<std::uint64_t>(levels.back().vertices);
-  bytes += kSurfaceFaceBytes * faces;
-  return bytes;
+  const auto vertices = static_cast<std::uint64_t>(levels.back().vertices);
+  std::uint64_t surface = kSurfaceVertexBytes * vertices + kSurfaceFaceBytes * faces;
+  if (attributes.uvs) {
+    surface += kUvBytes * vertices + kUvFaceBytes * faces;
+    for (const LevelCounts& level : levels) {
+      bytes += kUvTopologyBytes * static_cast<std::uint64_t>(level.faces);
+    }
+  }
+  if (attributes.colors) surface += kColorBytes * vertices;
+  if (attributes.groups) surface += kGroupFaceBytes * faces;
+  return bytes + (attributes.holes ? 2 : 1) * surface;
 }
 
 std::uint64_t available_memory_bytes() {
@@ -68,7 +93,7 @@ std::uint64_t available_memory_bytes() {
 }
 
 void require_memory(std::span<const LevelCounts> levels, LastLevel last,
-                    std::uint64_t limit_bytes) {
+                    const RefinedAttributes& attributes, std::uint64_t limit_bytes) {
   const LevelCounts& counts = levels.back();
   const std::string what = "level " + std::to_string(levels.size() - 1) + " has " +
                            std::to_string(counts.vertices) + " vertices and " +
@@ -78,7 +103,7 @@ void require_memory(std::span<const LevelCounts> levels, LastLevel last,
     throw Error(ErrorCode::OutOfMemory,
                 what + ", more than 32-bit indices reach; take fewer levels");
   }
-  const std::uint64_t need = tessellation_bytes(levels, last);
+  const std::uint64_t need = tessellation_bytes(levels, last, attributes);
   const std::uint64_t limit = limit_bytes > 0 ? limit_bytes : available_memory_bytes();
   if (need > limit) {
     throw Error(ErrorCode::OutOfMemory, what + " and needs " + gibibytes(need) +

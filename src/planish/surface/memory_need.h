@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "planish/mesh/polygon_mesh.h"
 #include "planish/stencil/quad_split.h"
 
 namespace planish {
@@ -10,9 +11,18 @@ namespace planish {
 /// How much of the last level's topology a scheme keeps.
 enum class LastLevel { FacesOnly, Full };
 
+/// What of a mesh is refined with it, besides points and normals.
+struct RefinedAttributes {
+  bool uvs = false, colors = false, groups = false;
+  bool holes = false;  ///< the surface without them is a copy
+
+  static RefinedAttributes of(const PolygonMesh& mesh);
+};
+
 /// Peak of host memory that tessellating takes, in bytes: an upper estimate. `levels` holds the
 /// element counts of level 0 to the one whose points give the limit.
-[[nodiscard]] std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last);
+[[nodiscard]] std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last,
+                                               const RefinedAttributes& attributes = {});
 
 /// Memory that the machine can still give, in bytes: the least of what the kernel calls available
 /// and what control groups leave; the largest value where neither can be read.
@@ -20,6 +30,7 @@ enum class LastLevel { FacesOnly, Full };
 
 /// Throws Error{OutOfMemory} naming counts, need and limit when tessellating exceeds `limit_bytes`
 /// (0: what is available) or 32-bit indices.
-void require_memory(std::span<const LevelCounts> levels, LastLevel last, std::uint64_t limit_bytes);
+void require_memory(std::span<const LevelCounts> levels, LastLevel last,
+                    const RefinedAttributes& attributes, std::uint64_t limit_bytes);
 
 }  // namespace planish

@@ -13,7 +13,7 @@ namespace {
 // Splits down to the level asked for and finds what is sharp.
 SharpFeatures refine_split(const UsedMesh& used, QuadSplit& split, const EvaluateOptions& options) {
   require_memory(split.counts_to(std::max(options.level, 1)), LastLevel::FacesOnly,
-                 options.memory_limit_bytes);
+                 RefinedAttributes::of(used.mesh), options.memory_limit_bytes);
   split.refine(options.level);
   std::vector<glm::dvec3> rest = used.mesh.positions;
   if (!options.rest_positions.empty()) {

@@ -52,7 +52,8 @@ class PrimalTables final : public SurfaceTables {
   PrimalTables(const PolygonMesh& mesh, PrimalScheme scheme, const EvaluateOptions& options)
       : level_(options.level), split_(mesh, {scheme, options.sharp}) {
     const std::vector<LevelCounts> counts = split_.counts_to(state_level());
-    require_memory(counts, LastLevel::Full, options.memory_limit_bytes);
+    require_memory(counts, LastLevel::Full, RefinedAttributes::of(mesh),
+                   options.memory_limit_bytes);
     split_.refine(state_level());
     rows_ = primal_sector_rows(split_, state_level(), counts[level_].vertices);
   }
