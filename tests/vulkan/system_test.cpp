@@ -3,11 +3,14 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
+#include <tuple>
 
 #include "planish/backend/chebyshev.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/backend/initial_residual.h"
 #include "planish/core/error.h"
+#include "planish/surface/evaluate.h"
 #include "planish/vulkan/embed.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding.h"
@@ -41,6 +44,38 @@ TEST(System, CountsTheStepsOfItsRestPose) {
     ASSERT_GT(count, 0u);
     EXPECT_LE(errors[count], system.tolerance() * (1 + 1e-9)) << seed;
     EXPECT_GT(errors[count - 1], system.tolerance()) << seed;
+  }
+}
+
+TEST(System, TellsWhatItsCopiesStandFor) {
+  for (const int level : {0, 1, 2}) {
+    PolygonMesh mesh = test::with_random_creases(test::random_closed_mesh(3), 0.2, 3);
+    mesh.positions.insert(mesh.positions.begin(), glm::dvec3(9, 9, 9));  // unused
+    for (auto& v : mesh.face_vertices) ++v;
+    for (CreaseEdge& crease : mesh.creases) ++crease.v0, ++crease.v1;
+    SystemOptions options;
+    options.level = level;
+    const System system(mesh, options);
+    const auto copied = system.copied_vertices();
+    ASSERT_EQ(copied.size(), static_cast<std::size_t>(system.vertex_count()));
+    const SurfaceMesh surface = evaluate(mesh, *make_cpu_backend(), {.level = level});
+    ASSERT_EQ(copied.size(), surface.positions.size());
+    // Only copies lie where another vertex does.
+    const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
+      return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    };
+    std::map<glm::dvec3, std::int32_t, decltype(less)> first(less);
+    std::size_t copies = 0, of_given = 0;
+    for (std::size_t i = 0; i < copied.size(); ++i) {
+      const auto [place, is_new] =
+          first.try_emplace(surface.positions[i], static_cast<std::int32_t>(i));
+      EXPECT_EQ(copied[i], place->second) << i;
+      if (is_new) continue;
+      ++copies;
+      of_given += static_cast<std::size_t>(copied[i]) < system.used_vertices().size();
+    }
+    EXPECT_GT(of_given, 0u);
+    if (level > 0) EXPECT_GT(copies, of_given);
   }
 }
 

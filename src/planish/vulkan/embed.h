@@ -103,6 +103,10 @@ class System {
   /// points of those vertices, in their order; vertices on creases have one copy more at the end
   /// for each further normal.
   [[nodiscard]] std::int32_t vertex_count() const;
+  /// Entry i is the vertex that vertex i stands for: itself, or for a copy the one that it copies,
+  /// with the same position. Entries below used_vertices().size() are given vertices, that one's
+  /// index in the mesh being used_vertices()[entry]; the others lie between given vertices.
+  [[nodiscard]] std::span<const std::int32_t> copied_vertices() const;
   /// Three indices a triangle, counter-clockwise seen from outside; holes are left out.
   [[nodiscard]] std::span<const std::uint32_t> triangles() const;
   /// Four indices a quad; empty at level 0, whose faces are the mesh's polygons.

@@ -102,7 +102,7 @@ struct System::Parts {
 
   int level;
   std::int32_t given_count;
-  std::vector<std::int32_t> used_vertices;
+  std::vector<std::int32_t> used_vertices, copied_vertices;
   std::vector<std::uint32_t> triangles, quads;
   std::optional<StencilTable<double>> masks;
   std::vector<StencilTable<double>> refinement;
@@ -148,6 +148,9 @@ void System::Parts::build_tables(const PolygonMesh& mesh, const SystemOptions& o
   const LimitRows rows(subdivision, state_level, split.counts(level).vertices);
   options.callbacks.check_cancelled();
   limit.emplace(limit_table(subdivision, state_level, rows, {0, rows.count()}));
+  for (std::int64_t row = 0; row < rows.count(); ++row) {
+    copied_vertices.push_back(rows.place(row).vertex);
+  }
   build_faces(mesh, split, rows);
 }
 
@@ -202,6 +205,7 @@ int System::level() const { return parts_->level; }
 std::int32_t System::given_count() const { return parts_->given_count; }
 std::span<const std::int32_t> System::used_vertices() const { return parts_->used_vertices; }
 std::int32_t System::vertex_count() const { return parts_->limit->view().row_count(); }
+std::span<const std::int32_t> System::copied_vertices() const { return parts_->copied_vertices; }
 std::span<const std::uint32_t> System::triangles() const { return parts_->triangles; }
 std::span<const std::uint32_t> System::quads() const { return parts_->quads; }
 StencilView<double> System::limit_masks() const { return parts_->masks->view(); }
