@@ -16,6 +16,7 @@
 #include "render/rasterise.h"
 #include "support/meshes.h"
 #include "viewer/fixture.h"
+#include "viewer/legend.h"
 
 namespace planish::testing {
 namespace {
@@ -189,6 +190,12 @@ TEST_F(PictureTest, ErrorColoursHaveALegendWithNumbers) {
     // Some 70 letters and digits of a dozen pixels each.
     EXPECT_EQ(count_of(picture, ink) > 700, heat);
   }
+}
+
+TEST(Legend, CountsIterations) {
+  EXPECT_EQ(iterations_text(0), "0 iterations");
+  EXPECT_EQ(iterations_text(1), "1 iteration");
+  EXPECT_EQ(iterations_text(2), "2 iterations");
 }
 
 TEST_F(PictureTest, TogglesShowCageAndPoints) {

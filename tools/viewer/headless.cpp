@@ -38,7 +38,7 @@ void Headless::draw(VkCommandBuffer commands) {
   if (options_.settings.heat && renderer_.status())
     draw_legend("largest " +
                 error_text(renderer_.status()->residual / renderer_.system().diagonal()) +
-                " after " + std::to_string(renderer_.status()->iterations) + " iterations");
+                " after " + iterations_text(renderer_.status()->iterations));
   targets_.begin(commands, 0);
   renderer_.draw(commands, options_.camera, options_.extent, options_.settings);
   overlay_.record(commands);

@@ -25,6 +25,10 @@ std::string error_text(double relative_error) {
   return text;
 }
 
+std::string iterations_text(std::uint32_t count) {
+  return std::to_string(count) + (count == 1 ? " iteration" : " iterations");
+}
+
 void draw_legend(const std::string& line) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float em = ImGui::GetFontSize(), pad = 0.8f * em, bar_height = 1.1f * em;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace planish::viewer {
@@ -10,5 +11,8 @@ void draw_legend(const std::string& line);
 
 /// "1.2e-05", the text of an error relative to the diagonal.
 [[nodiscard]] std::string error_text(double relative_error);
+
+/// "1 iteration", "2 iterations".
+[[nodiscard]] std::string iterations_text(std::uint32_t count);
 
 }  // namespace planish::viewer

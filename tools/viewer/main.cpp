@@ -57,10 +57,10 @@ void run_headless(const Arguments& arguments, Scene scene,
   headless.run(frames);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   const double error = headless.status().residual / headless.system().diagonal();
-  std::printf(
-      "%s at level %d on %s: %d frames of %d iterations in %.2f s, error %s of the diagonal\n",
-      name.c_str(), headless.system().level(), device.name().c_str(), frames,
-      arguments.settings.iterations, took.count(), error_text(error).c_str());
+  std::printf("%s at level %d on %s: %d frames of %s in %.2f s, error %s of the diagonal\n",
+              name.c_str(), headless.system().level(), device.name().c_str(), frames,
+              iterations_text(static_cast<std::uint32_t>(arguments.settings.iterations)).c_str(),
+              took.count(), error_text(error).c_str());
   if (!arguments.png.empty()) render::write_png(arguments.png, arguments.width, headless.picture());
 }
 
