@@ -80,7 +80,7 @@ PolygonMesh random_polygons_on_sphere() {
   return mesh;
 }
 
-PolygonMesh polygons_of(const SurfaceMesh& surface) {
+PolygonMesh as_mesh(const SurfaceMesh& surface) {
   PolygonMesh fine;
   fine.positions = surface.positions;
   for (std::int64_t f = 0; f < surface.face_count(); ++f) fine.add_face(surface.face(f));
@@ -90,13 +90,13 @@ PolygonMesh polygons_of(const SurfaceMesh& surface) {
 // Loop's surface of a triangle mesh: smooth, and none of the methods'.
 PolygonMesh loop_surface(const PolygonMesh& mesh) {
   const auto backend = make_cpu_backend({Precision::Double});
-  return polygons_of(evaluate(mesh, *backend, {.level = 2, .scheme = Scheme::Loop}));
+  return as_mesh(evaluate(mesh, *backend, {.level = 2, .scheme = Scheme::Loop}));
 }
 
 // A shape's own smooth surface in fine quads, to be sampled and to compare with.
 PolygonMesh fine_polygons(const PolygonMesh& mesh) {
   const auto backend = make_cpu_backend({Precision::Double});
-  return polygons_of(evaluate(mesh, fit(mesh, *backend), *backend, EvaluateOptions{.level = 2}));
+  return as_mesh(evaluate(mesh, fit(mesh, *backend), *backend, EvaluateOptions{.level = 2}));
 }
 
 Case scanned_arm(const Mesher& mesher, const std::string& name,
