@@ -54,8 +54,8 @@ PolygonMesh cube_sphere(std::int32_t cells) {
   return mesh;
 }
 
-PolygonMesh random_sphere(bool paired) {
-  const std::vector<glm::dvec3> points = random_sphere_points(600, 1);
+PolygonMesh random_sphere(std::int32_t count, std::uint32_t seed, bool paired) {
+  const std::vector<glm::dvec3> points = random_sphere_points(count, seed);
   const std::vector<Triangle> triangles = delaunay_on_sphere(points);
   if (paired) return pair_triangles(points, triangles);
   PolygonMesh mesh = polygons_of(triangles);
@@ -65,17 +65,19 @@ PolygonMesh random_sphere(bool paired) {
 
 constexpr double kFlattened = 0.3;
 
-// As uneven as a random sphere, and its triangles are squeezed as well.
-PolygonMesh flat_ellipsoid() {
-  const std::vector<glm::dvec3> points = random_sphere_points(800, 3);
-  PolygonMesh mesh = polygons_of(delaunay_on_sphere(points));
-  mesh.positions = points;
+// As uneven as a random sphere, and its faces are squeezed as well.
+PolygonMesh flattened(PolygonMesh mesh) {
   for (glm::dvec3& p : mesh.positions) p.z *= kFlattened;
   return mesh;
 }
 
-PolygonMesh random_polygons_on_sphere() {
-  PolygonMesh mesh = shapes::random_polygon_mesh({.seed = 7});
+Truth true_flat_ellipsoid() {
+  return true_zero_set(
+      [](const glm::dvec3& p) { return glm::length(glm::dvec3(p.x, p.y, p.z / kFlattened)) - 1; });
+}
+
+PolygonMesh random_polygons_on_sphere(const shapes::RandomMeshOptions& options) {
+  PolygonMesh mesh = shapes::random_polygon_mesh(options);
   for (glm::dvec3& p : mesh.positions) p = glm::normalize(p);
   return mesh;
 }
@@ -180,15 +182,14 @@ std::vector<NamedCase> analytic_cases() {
   });
   add("cube sphere 8", sphere, false, [] { return cube_sphere(8); });
   add("pole sphere, 64-gons", sphere, true, [] { return shapes::pole_sphere(64, 30); });
-  add("Delaunay sphere 600", sphere, false, [] { return random_sphere(false); });
-  add("Delaunay sphere 600, paired", sphere, false, [] { return random_sphere(true); });
-  add("flat ellipsoid, Delaunay", true_zero_set([](const glm::dvec3& p) {
-        return glm::length(glm::dvec3(p.x, p.y, p.z / kFlattened)) - 1;
-      }),
-      true, flat_ellipsoid);
+  add("Delaunay sphere 600", sphere, false, [] { return random_sphere(600, 1, false); });
+  add("Delaunay sphere 600, paired", sphere, false, [] { return random_sphere(600, 1, true); });
+  add("flat ellipsoid, Delaunay", true_flat_ellipsoid(), true,
+      [] { return flattened(random_sphere(800, 3, false)); });
   add("mixed polygons", {}, true, [] { return shapes::mixed_polygons(); });
   add("random polygons", {}, false, [] { return shapes::random_polygon_mesh(); });
-  add("random polygons, spherical", sphere, false, random_polygons_on_sphere);
+  add("random polygons, spherical", sphere, false,
+      [] { return random_polygons_on_sphere({.seed = 7}); });
   add("L-bracket", {}, false,
       [] { return read_obj_mesh(std::filesystem::path(PLANISH_SCENES) / "l_bracket.obj"); });
   add("wavy patch, open", wave, true, [] { return shapes::wavy_patch(24, 24); });
@@ -199,6 +200,32 @@ std::vector<NamedCase> analytic_cases() {
        {std::pair("bearing block, simplified", true), {"bearing block, untagged", false}}) {
     cases.push_back({name, [=] { return simplified_part(name, creases); }});
   }
+  return cases;
+}
+
+std::vector<NamedCase> second_held_out_cases() {
+  const Truth sphere = true_sphere(1.0);
+  std::vector<NamedCase> cases;
+  const auto add = [&](const std::string& name, const Truth& truth,
+                       const std::function<PolygonMesh()>& make) {
+    cases.push_back({name, [=] { return of(name, make(), truth, true); }});
+  };
+  add("torus 70 x 7, quads", true_torus(1.0, 0.4),
+      [] { return shapes::torus({.ring_count = 70, .tube_count = 7}); });
+  add("torus 16 x 90, narrow quads", true_torus(1.0, 0.7), [] {
+    return shapes::torus({.ring_count = 16, .tube_count = 90, .radius = 1.0, .tube_radius = 0.7});
+  });
+  add("random polygons 32, spherical", sphere, [] {
+    return random_polygons_on_sphere({.seed = 32, .merged_share = 0.5, .largest_face = 10});
+  });
+  add("random polygons 33, spherical", sphere, [] {
+    return random_polygons_on_sphere(
+        {.seed = 33, .level = 4, .merged_share = 0.7, .largest_face = 14, .jitter = 0.2});
+  });
+  add("mixed polygons 9", {}, [] { return shapes::mixed_polygons(9); });
+  add("Delaunay sphere 700", sphere, [] { return random_sphere(700, 11, false); });
+  add("flat ellipsoid, paired", true_flat_ellipsoid(),
+      [] { return flattened(random_sphere(700, 12, true)); });
   return cases;
 }
 

@@ -18,6 +18,9 @@ struct NamedCase {
 /// Small shapes of known form.
 [[nodiscard]] std::vector<NamedCase> analytic_cases();
 
+/// Further such shapes, of which none was looked at before the method was finished.
+[[nodiscard]] std::vector<NamedCase> second_held_out_cases();
+
 /// The scenes' rocker arm and others, sampled and meshed by `mesher`, and creased parts.
 [[nodiscard]] std::vector<NamedCase> scanned_cases(const Mesher& mesher);
 

@@ -52,6 +52,7 @@ std::vector<std::string> run_case(const NamedCase& named) {
 
 std::vector<NamedCase> all_cases(const Arguments& arguments) {
   std::vector<NamedCase> cases = analytic_cases();
+  for (NamedCase& held_out : second_held_out_cases()) cases.push_back(std::move(held_out));
   if (arguments.smoke) return cases;
   if (const auto program = find_mesher_program()) {
     for (NamedCase& scanned : scanned_cases(mesher_process(*program))) {
