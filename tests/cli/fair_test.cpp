@@ -144,6 +144,39 @@ TEST_F(Fair, IsASettingOfScenesAndOverridesThePreset) {
   EXPECT_EQ(report["surface"]["reference"], sphere_);
 }
 
+TEST_F(Fair, RunsOnVulkanAsOnTheCpu) {
+  const std::string creased =
+      write("creased.obj", torus_obj(8) + "t crease 2/1/0 0 1 10\nt crease 2/1/0 1 2 10\n");
+  if (run_planish({"fit", plate_, "-o", path("t.glb"), "--device", "vulkan"}).exit_code == 6) {
+    GTEST_SKIP() << "no Vulkan device";
+  }
+  for (const std::string& input : {sphere_, plate_, creased}) {
+    SCOPED_TRACE(input);
+    const std::vector<std::string> flags = {"-o",     path("f.glb"), "--interpolation", "fair",
+                                            "--cage", path("c.obj"), "--device"};
+    const auto on = [&](const char* device) {
+      std::vector<std::string> all = flags;
+      all.push_back(device);
+      return fit(input, all);
+    };
+    const nlohmann::json expected = on("cpu"), report = on("vulkan");
+    EXPECT_NE(report["device"]["kind"], "cpu");
+    EXPECT_EQ(report["solve"]["method"], "fair");
+    EXPECT_TRUE(report["solve"]["converged"]);
+    EXPECT_LT(report["solve"]["error"]["max"], 9e-8);  // all in single precision
+    EXPECT_GT(report["solve"]["error"]["max"], 0);
+    EXPECT_LT(report["outputs"][0]["as_written_error"], 1e-6);
+    EXPECT_EQ(report["surface"]["folded_area"], 0.0);
+    EXPECT_EQ(report["solve"]["fair"]["flagged_edges"], expected["solve"]["fair"]["flagged_edges"]);
+    EXPECT_NEAR(report["surface"]["rms_normal_deviation"],
+                expected["surface"]["rms_normal_deviation"], 0.01);
+    // The cage in the folder is that of the device.
+    const ProcessResult verified = run_planish({"verify", path("c.obj"), input, "--json"});
+    EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+    EXPECT_EQ(nlohmann::json::parse(verified.out)["interpolation"], "fair");
+  }
+}
+
 TEST_F(Fair, CagesOfEveryFormatAreConfirmed) {
   const std::string creased =
       write("creased.obj", torus_obj(8) + "t crease 2/1/0 0 1 10\nt crease 2/1/0 1 2 10\n");

@@ -8,6 +8,8 @@
 #include "bench/prepared_mesh.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/fair/fair_builder.h"
+#include "planish/fair/polish.h"
+#include "planish/fair/vertex_frame.h"
 #ifdef PLANISH_HAS_VULKAN
 #include "planish/vulkan/vulkan_backend.h"
 #endif
@@ -43,6 +45,34 @@ Peer plain_peer(const std::string& name, Backend& backend, const PreparedMesh& p
           }};
 }
 
+// A net before its polish, and what the polish takes.
+struct Unpolished {
+  Unpolished(const PreparedMesh& prepared, const Subdivision& subdivision)
+      : topology(make_fair_topology(prepared.mesh, subdivision)),
+        given(prepared.given),
+        offsets(fair_net(prepared.mesh, subdivision, given, {.polish_steps = 0}).state) {
+    for (std::size_t c = 0; c < offsets.size(); ++c)
+      offsets[c] -= given[topology.corner_vertices[c]];  // no curve points: the torus is closed
+    const auto face_normals = unit_face_normals(topology, given);
+    std::vector<glm::dvec3> normals(given.size());
+    for (std::int32_t v = 0; v < topology.vertex_count; ++v)
+      normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring_offsets[v],
+                                         topology.valence(v));
+    directions = polish_directions(topology, normals, std::vector<double>(given.size(), 0.0));
+  }
+  [[nodiscard]] BendingRows rows() const {
+    return make_bending_rows(topology, given, directions, offsets);
+  }
+  void polish(std::int32_t steps) {
+    std::vector<glm::dvec3> moved = offsets;
+    apply_heights(topology, directions, polish_heights(topology, rows(), steps), moved);
+  }
+
+  FairTopology topology;
+  std::span<const glm::dvec3> given;
+  std::vector<glm::dvec3> offsets, directions;
+};
+
 }  // namespace
 
 std::vector<Row> bench_fair(const Options& options) {
@@ -54,9 +84,17 @@ std::vector<Row> bench_fair(const Options& options) {
   group.name = "fair";
   group.size = std::to_string(prepared.mesh.vertex_count()) + " vertices, triangles";
   group.baseline = "planish-cpu-plain-step";
-  group.peers = {plain_peer("planish-cpu-plain-step", *cpu, prepared),
-                 {"planish-cpu-fair",
-                  [&] { (void)fair_net(prepared.mesh, subdivision, prepared.given, fair); }}};
+  const FairOptions unpolished{0, {}};
+  Unpolished net(prepared, subdivision);
+  group.peers = {
+      plain_peer("planish-cpu-plain-step", *cpu, prepared),
+      {"planish-cpu-fair",
+       [&] { (void)fair_net(prepared.mesh, subdivision, prepared.given, fair); }},
+      {"planish-cpu-fair-without-polish",
+       [&] { (void)fair_net(prepared.mesh, subdivision, prepared.given, unpolished); }},
+      {"planish-cpu-topology", [&] { (void)make_fair_topology(prepared.mesh, subdivision); }},
+      {"planish-cpu-polish", [&] { net.polish(kPolishSteps); }},
+      {"planish-cpu-polish-rows", [&] { (void)net.rows(); }}};
 #ifdef PLANISH_HAS_VULKAN
   std::unique_ptr<Backend> vulkan;
   if (list_vulkan_devices().best >= 0) vulkan = make_vulkan_backend();
@@ -71,6 +109,9 @@ std::vector<Row> bench_fair(const Options& options) {
     group.peers.push_back(plain_peer("planish-vulkan-plain-step", *vulkan, prepared));
     group.peers.push_back({"planish-vulkan-fair",
                            [&] { (void)builder->build_fair_net(topology, prepared.given, fair); }});
+    group.peers.push_back({"planish-vulkan-fair-without-polish", [&] {
+                             (void)builder->build_fair_net(topology, prepared.given, unpolished);
+                           }});
   }
 #endif
   return run_group(group, std::min(options.repetitions, 3));

@@ -32,6 +32,7 @@ struct Polisher {
   void turn(std::int32_t vertex, float step, float momentum);
   double descend_all(double step);
   void turn_all(double step, double momentum);
+  void climb_all(double step);
   double multiply_all();
   void run(std::int32_t steps);
 
@@ -113,6 +114,16 @@ void Polisher::turn(std::int32_t vertex, float step, float momentum) {
   }
 }
 
+// The last step's part of turn().
+void Polisher::climb_all(double step) {
+  const auto length = static_cast<float>(step);
+  parallel_for(heights.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      heights[i] += length * direction[topology.ring_corners[i]];
+    }
+  });
+}
+
 double Polisher::multiply_all() {
   return piecewise_sum(topology.face_count, [&] {
     return [&, scratch = std::vector<BendingLines>{}](std::int32_t face) mutable {
@@ -145,6 +156,7 @@ void Polisher::run(std::int32_t steps) {
     const double curvature = multiply_all();
     if (!(curvature > 0)) return;
     const double length = square / curvature;
+    if (step + 1 == steps) return climb_all(length);
     const double next_square = descend_all(length);
     turn_all(length, next_square / square);
     square = next_square;
