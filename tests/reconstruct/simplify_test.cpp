@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <random>
 
 #include "mesh/expect_error.h"
 #include "planish/mesh/check.h"
@@ -52,6 +54,55 @@ TEST(Simplify, KeepsEveryPointWithinTheTolerance) {
                 default_least_angle(spacing) - 1e-9);
     }
   }
+}
+
+// Rough, uneven and open, so that every pass has to give way somewhere.
+TEST(Simplify, KeepsEveryPointOfARoughMesh) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    std::mt19937 random(seed);
+    const auto unit = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    test::TriangleMesh grid = test::grid_mesh(36, [&](int i, int j) {
+      return 1.5 * std::sin(0.4 * i) * std::sin(0.3 * j) + 0.1 * unit();
+    });
+    for (glm::dvec3& p : grid.positions) p += glm::dvec3(0.6 * unit(), 0.6 * unit(), 0);
+    grid.triangles.erase(grid.triangles.begin() + 900, grid.triangles.begin() + 904);
+    const MeshStatistics before = checked_statistics(grid.positions, grid.triangles);
+    for (const Spacing spacing : {Spacing::Adaptive, Spacing::Even}) {
+      const SimplifiedMesh result =
+          simplify(grid.positions, grid.triangles, {.tolerance = 0.12, .spacing = spacing});
+      EXPECT_GT(result.collapse_count, 100);
+      EXPECT_GT(result.flip_count, 20);
+      EXPECT_GT(result.move_count, 5);
+      EXPECT_LE(test::greatest_distance(grid.positions, result.triangles), 0.12 * (1 + 1e-12));
+      const MeshStatistics facts = checked_statistics(grid.positions, result.triangles);
+      EXPECT_EQ(facts.genus, before.genus);
+      EXPECT_EQ(facts.component_count, before.component_count);
+      EXPECT_EQ(facts.boundary_loop_count, before.boundary_loop_count);
+    }
+  }
+}
+
+TEST(Simplify, GivesTheSameMeshForPointsInAnotherOrder) {
+  const test::TriangleMesh torus = test::torus_mesh(40, 20);
+  const auto count = static_cast<std::int32_t>(torus.positions.size());
+  test::TriangleMesh turned = torus;
+  std::ranges::reverse(turned.positions);
+  std::ranges::reverse(turned.triangles);
+  for (Triangle& t : turned.triangles)
+    for (std::int32_t& corner : t) corner = count - 1 - corner;
+  const auto places = [](const test::TriangleMesh& mesh) {
+    std::vector<std::array<double, 9>> result;
+    for (const Triangle& t :
+         simplify(mesh.positions, mesh.triangles, {.tolerance = 0.02}).triangles) {
+      std::array<double, 9> corners{};
+      for (std::size_t i = 0; i < 9; ++i)
+        corners[i] = mesh.positions[t[i / 3]][static_cast<int>(i % 3)];
+      result.push_back(corners);
+    }
+    std::ranges::sort(result);
+    return result;
+  };
+  EXPECT_EQ(places(torus), places(turned));
 }
 
 TEST(Simplify, LeavesLittleOfAPlane) {

@@ -49,6 +49,7 @@ bool CarriedPoints::can_move(const TriangleChange& change) {
     points_.push_back(vertex);
   }
   for (const std::int32_t slot : change.old_slots) carrier_.list(slot, points_);
+  if (change.added_vertex >= 0) std::erase(points_, change.added_vertex);
   const std::int64_t failed =
       find_nearest_shapes(positions_, points_, shapes_, squared_tolerance_, nearest_);
   if (failed >= 0 && vertex >= 0) failures_[vertex] = points_[failed];

@@ -22,8 +22,13 @@ class CarriedPoints {
   [[nodiscard]] std::int64_t adopt(std::span<const std::int32_t> points,
                                    std::span<const Triangle> triangles);
 
+  /// Adds the points that a triangle carries to `points`.
+  void list(std::int32_t triangle, std::vector<std::int32_t>& points) const {
+    carrier_.list(triangle, points);
+  }
+
   /// Whether all points of the old triangles, and the removed vertex, stay within the tolerance of
-  /// the new ones.
+  /// the new ones. The added vertex, one of those points, is carried no more.
   [[nodiscard]] bool can_move(const TriangleChange& change);
   /// Moves them, for the change that can_move() has just allowed.
   void move(const TriangleChange& change);

@@ -3,6 +3,7 @@
 #include "planish/reconstruct/collapse_mesh.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace planish {
 
@@ -117,6 +118,13 @@ void CollapseMesh::collapse(std::int32_t vertex, const Fan& fan, std::size_t tar
   valences_[other] += valences_[vertex] - 2 - static_cast<std::int32_t>(dropped.size());
   outgoing_[vertex] = -1;
   valences_[vertex] = 0;
+}
+
+void CollapseMesh::replace(std::int32_t vertex, std::int32_t unused, const Fan& fan) {
+  for (const std::int32_t spoke : fan.spokes) corners_[spoke] = unused;
+  // An open fan's last edge runs towards the vertex and has no half-edge out of it: nothing to do.
+  outgoing_[unused] = std::exchange(outgoing_[vertex], -1);
+  valences_[unused] = std::exchange(valences_[vertex], 0);
 }
 
 bool CollapseMesh::can_flip(std::int32_t half_edge) {

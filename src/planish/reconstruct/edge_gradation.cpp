@@ -54,4 +54,14 @@ bool EdgeGradation::keeps_all(std::int32_t vertex, const Fan& fan, std::size_t t
          std::max(largest_squared_ratio_, squared_ratio(other, {})) * range.shortest;
 }
 
+bool EdgeGradation::keeps_replaced(std::int32_t vertex, std::int32_t sample, const Fan& fan) const {
+  EdgeRange range;
+  for (const std::int32_t rim : fan.ring) {
+    if (!keeps(rim, {.without = vertex, .with = sample})) return false;
+    range.add(positions_[sample] - positions_[rim]);
+  }
+  return range.longest <=
+         std::max(largest_squared_ratio_, squared_ratio(vertex, {})) * range.shortest;
+}
+
 }  // namespace planish

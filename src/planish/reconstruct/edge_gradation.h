@@ -26,6 +26,10 @@ class EdgeGradation {
   /// Whether collapsing the vertex of `fan` into its ring's entry `target` keeps all of the ring.
   [[nodiscard]] bool keeps_all(std::int32_t vertex, const Fan& fan, std::size_t target) const;
 
+  /// Whether putting a sample in the place of the vertex of `fan` keeps both it and all of the
+  /// ring.
+  [[nodiscard]] bool keeps_replaced(std::int32_t vertex, std::int32_t sample, const Fan& fan) const;
+
  private:
   [[nodiscard]] double squared_ratio(std::int32_t vertex, const EdgeChange& change) const;
 

@@ -18,9 +18,11 @@ namespace planish {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
-// Most pairs that are exchanged to pair two triangles more. One takes a mesh from 74 to 81 %
-// paired, two to 82 %; a third adds half a percent, and every pair by exchange is a worse quad.
+// Most pairs that are exchanged to pair two triangles more, and the largest deviation from a right
+// angle of what comes in: pairs by exchange are worse quads, and where their corners are wider than
+// 130 degrees the progressive surface folds on a third more of its area.
 constexpr int kMostExchanges = 2;
+constexpr double kWorstExchanged = 40 * kRadians;
 constexpr double kNoPair = -1;
 
 // a, d, b, c for the edge a b with the opposite corners c and d.
@@ -99,7 +101,8 @@ class Pairing {
   void search(std::int32_t triangle, int exchanges, double cost) {
     passed_.push_back(triangle);
     for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
-      if (badness_[h] == kNoPair || h == chosen_[triangle]) continue;
+      if (badness_[h] == kNoPair || badness_[h] > kWorstExchanged || h == chosen_[triangle])
+        continue;
       const std::int32_t next = twins_[h] / 3;
       if (std::ranges::find(passed_, next) != passed_.end()) continue;
       path_.push_back(h);

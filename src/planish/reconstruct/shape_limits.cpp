@@ -56,4 +56,10 @@ TriangleQuality ShapeJudge::quality(std::int32_t a, std::int32_t b, std::int32_t
   return quality;
 }
 
+double ShapeJudge::deviation(std::int32_t a, std::int32_t b, std::int32_t c) const {
+  const glm::dvec3 cross = glm::cross(positions_[b] - positions_[a], positions_[c] - positions_[a]);
+  const glm::vec3 sum = normals_[a] + normals_[b] + normals_[c];
+  return glm::length(cross) - glm::dot(cross, glm::dvec3(sum)) / 3;
+}
+
 }  // namespace planish

@@ -25,6 +25,13 @@ class ShapeJudge {
   ShapeJudge(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
 
   [[nodiscard]] TriangleQuality quality(std::int32_t a, std::int32_t b, std::int32_t c) const;
+  /// Twice the area of a triangle times the mean over its corners of 1 - cosine of the angle
+  /// between its normal and the corner's.
+  [[nodiscard]] double deviation(std::int32_t a, std::int32_t b, std::int32_t c) const;
+  /// Unit, or zero where the vertex has none.
+  [[nodiscard]] glm::dvec3 normal(std::int32_t vertex) const {
+    return glm::dvec3(normals_[vertex]);
+  }
 
  private:
   std::span<const glm::dvec3> positions_;

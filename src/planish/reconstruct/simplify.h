@@ -31,7 +31,7 @@ struct SimplifyOptions {
 struct SimplifiedMesh {
   std::vector<Triangle> triangles;  ///< corners are indices of the given positions
   std::int64_t vertex_count = 0;
-  std::int64_t collapse_count = 0, flip_count = 0;
+  std::int64_t collapse_count = 0, flip_count = 0, move_count = 0;
   std::int64_t strayed_count = 0;  ///< points that were beyond the tolerance to begin with
 };
 

@@ -12,8 +12,10 @@
 #include "bench/points/loop_mesh.h"
 #include "bench/points/simplify_peer.h"
 #include "bench/report.h"
+#include "make_scenes/obj_text.h"
 #include "make_scenes/sample_points.h"
 #include "make_scenes/scene_list.h"
+#include "planish/core/output_file.h"
 #include "planish/mesh/mesh_file.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "planish/reconstruct/point_cloud.h"
@@ -33,20 +35,31 @@ struct PointOptions {
   double tolerance = 1e-4;  // of the diagonal
   int repetitions = 5;
   bool uniform = false, smoke = false;
-  std::filesystem::path json;
+  std::filesystem::path json, save;
 };
 
-std::vector<glm::dvec3> cloud_of(const PointOptions& options) {
-  PolygonMesh mesh;
-  if (options.mesh.empty()) {
-    mesh = shapes::scene_mesh(shapes::scenes().at(2));
-  } else {
-    const auto format = format_of(options.mesh).value_or(MeshFormat::Obj);
-    mesh = loop_subdivided(read_mesh(read_file(options.mesh), options.mesh, format).mesh,
-                           options.loop_rounds);
-  }
+PolygonMesh sampled_mesh(const PointOptions& options) {
+  if (options.mesh.empty()) return shapes::scene_mesh(shapes::scenes().at(2));
+  const auto format = format_of(options.mesh).value_or(MeshFormat::Obj);
+  return loop_subdivided(read_mesh(read_file(options.mesh), options.mesh, format).mesh,
+                         options.loop_rounds);
+}
+
+std::vector<glm::dvec3> cloud_of(const PolygonMesh& mesh, const PointOptions& options) {
   return options.uniform ? shapes::sample_uniform(mesh, options.points, 1)
                          : shapes::sample_poisson_disk(mesh, options.points, 1);
+}
+
+void save(const std::filesystem::path& folder, const PolygonMesh& mesh,
+          std::span<const glm::dvec3> points) {
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const char* name, const std::string& bytes) {
+    OutputFile file(folder / name);
+    file.write(bytes);
+    file.commit();
+  };
+  write("source.obj", shapes::obj_text(mesh, "sampled by planish-point-bench"));
+  write("cloud.ply", shapes::ply_text(points));
 }
 
 std::vector<Triangle> mesh_step(std::span<const glm::dvec3> points, const Mesher& mesher) {
@@ -110,11 +123,16 @@ std::vector<Row> bench_simplify(std::span<const glm::dvec3> points, const PointO
 }
 
 void run(const PointOptions& options) {
+  const PolygonMesh mesh = sampled_mesh(options);
+  const std::vector<glm::dvec3> points = cloud_of(mesh, options);
+  if (!options.save.empty()) {
+    save(options.save, mesh, points);
+    return;
+  }
   const auto program = find_mesher_program();
   if (!program) throw std::runtime_error("planish-reconstruct is not beside this program");
   const Mesher mesher = mesher_process(*program);
   const Machine machine = this_machine();
-  const std::vector<glm::dvec3> points = cloud_of(options);
   std::vector<Row> rows = bench_mesh_step(points, options, mesher);
   const std::vector<Row> simplified = bench_simplify(points, options, mesher);
   rows.insert(rows.end(), simplified.begin(), simplified.end());
@@ -142,6 +160,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--json", options.json, "write the figures to this file");
+  app.add_option("--save", options.save,
+                 "write source.obj and cloud.ply to this folder, and time nothing");
   app.add_flag("--uniform", options.uniform, "independent points; Poisson-disk by default");
   app.add_flag("--smoke", options.smoke, "2,000 points, one run: checks that everything runs");
   CLI11_PARSE(app, argc, argv);

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/reconstruct/carried_points.h"
+#include "planish/reconstruct/collapse_mesh.h"
+#include "planish/reconstruct/edge_gradation.h"
+#include "planish/reconstruct/quadric.h"
+#include "planish/reconstruct/shape_limits.h"
+#include "planish/reconstruct/simplify.h"
+
+namespace planish {
+
+/// The passes that a vertex waits for since its triangles changed; bits.
+enum class Pass : std::uint8_t { Collapse = 1, Flip = 2, Move = 4 };
+
+/// A mesh on the way through the passes of simplify().
+class SimplifyState {
+ public:
+  /// Keeps the span of positions and the options.
+  SimplifyState(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                const SimplifyOptions& options);
+
+  /// Notes that the triangles of a vertex have changed.
+  void touch(std::int32_t vertex) {
+    due[vertex] = 7;
+    carried.forget_failure(vertex);
+  }
+  [[nodiscard]] bool waits(std::int32_t vertex, Pass pass) const {
+    return (due[vertex] & static_cast<std::uint8_t>(pass)) != 0;
+  }
+  /// Whether a vertex of the mesh waits for a pass, which it then does no more.
+  [[nodiscard]] bool take(std::int32_t vertex, Pass pass);
+
+  /// Worst of the triangles around a vertex.
+  [[nodiscard]] TriangleQuality worst_of(const Fan& fan) const;
+  /// Whether triangles are within the limits, or at least no worse than those they replace.
+  template <class Before>
+  [[nodiscard]] bool allows(const TriangleQuality& after, const Before& before) const {
+    if (after.largest_cosine <= largest_cosine && after.facing >= kLeastFacing) return true;
+    const TriangleQuality was = before();
+    return after.largest_cosine <= std::max(largest_cosine, was.largest_cosine) &&
+           after.facing >= std::min(kLeastFacing, was.facing);
+  }
+
+  /// To be called for each small piece of work: reports progress. Throws Error{Cancelled}.
+  void count_step();
+  [[nodiscard]] bool is_done() const {
+    return options.target_vertices > 0 && result.vertex_count <= options.target_vertices;
+  }
+
+  std::span<const glm::dvec3> positions;
+  const SimplifyOptions& options;
+  CollapseMesh mesh;
+  ShapeJudge judge;
+  EdgeGradation gradation;
+  CarriedPoints carried;
+  std::vector<Quadric> quadrics;  // by vertex
+  std::vector<std::uint8_t> due;  // by vertex, bits of Pass
+  double largest_cosine = 1;
+  std::int32_t max_valence = 0;
+  SimplifiedMesh result;
+
+  /// Inside, a vertex keeps so many edges.
+  static constexpr std::int32_t kLeastInnerValence = 4;
+
+ private:
+  // A new triangle may lean this far from the samples' normals: 60 degrees. Two that share a corner
+  // then never face each other.
+  static constexpr double kLeastFacing = 0.5;
+
+  void add_plane(const Triangle& triangle);
+
+  std::int64_t initial_count_ = 0, steps_ = 0;
+};
+
+}  // namespace planish
