@@ -28,45 +28,96 @@ constexpr float kLargestCoefficient = 1e15f;
 // Of the largest mean diagonal of the Hessian: polygons with next to no rows hardly move.
 constexpr float kLeastDiagonal = 1e-14f;
 
-// An edge of the net with its length.
-struct NetEdge {
-  vec3 vector;
-  float length;
+// Faces of one size are done four at a time, one in each lane, so that roots and products are those
+// of vectors.
+constexpr int kLanes = 4;
+
+struct Lanes {
+  float lane[kLanes];
 };
 
-NetEdge net_edge(const dvec3& vector) {
-  const vec3 rounded(vector);
-  return {rounded, glm::length(rounded)};
+template <class Operation>
+Lanes each(const Operation& operation) {
+  Lanes result;
+  for (int l = 0; l < kLanes; ++l) result.lane[l] = operation(l);
+  return result;
+}
+Lanes operator+(const Lanes& a, const Lanes& b) {
+  return each([&](int l) { return a.lane[l] + b.lane[l]; });
+}
+Lanes operator-(const Lanes& a, const Lanes& b) {
+  return each([&](int l) { return a.lane[l] - b.lane[l]; });
+}
+Lanes operator*(const Lanes& a, const Lanes& b) {
+  return each([&](int l) { return a.lane[l] * b.lane[l]; });
+}
+
+struct LaneVector {
+  Lanes x, y, z;
+
+  void set(int l, const vec3& vector) {
+    x.lane[l] = vector.x;
+    y.lane[l] = vector.y;
+    z.lane[l] = vector.z;
+  }
+};
+LaneVector operator-(const LaneVector& a, const LaneVector& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+LaneVector negated(const LaneVector& a) { return LaneVector{} - a; }
+Lanes dot(const LaneVector& a, const LaneVector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+LaneVector cross(const LaneVector& a, const LaneVector& b) {
+  return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
+}
+Lanes length(const LaneVector& a) {
+  const Lanes square = dot(a, a);
+  return each([&](int l) { return std::sqrt(square.lane[l]); });
 }
 
 // One line: the coefficients of its ends and its value.
 struct Line {
-  float far = 0, near = 0, value = 0;
+  Lanes far, near, value;
 };
 
 // `turn`: along the normal, `scale` times it the normal times the square root of the area. The
-// scale comes late out of two roots: whatever can do without it runs beside them.
-Line make_line(const NetEdge& far_edge, float far_sign, const NetEdge& near_edge, const vec3& turn,
-               float scale) {
-  const float whole = far_edge.length + near_edge.length;
-  const float shorter = std::min(far_edge.length, near_edge.length);
-  if (!(shorter > kShortestPart * whole)) return {};
+// scale comes late out of two roots: whatever can do without it runs beside them. `to_far` and
+// `to_near` are the lengths of the turn along the two parts, `size` is its own length.
+struct LineParts {
+  const Lanes &far_length, &near_length, &to_far, &to_near;
+};
+Line make_line(const LineParts& parts, const Lanes& scale, const Lanes& size) {
+  const Lanes &far_length = parts.far_length, &near_length = parts.near_length;
+  const Lanes whole = far_length + near_length;
+  const Lanes shorter = each([&](int l) {
+    return far_length.lane[l] < near_length.lane[l] ? far_length.lane[l] : near_length.lane[l];
+  });
   // A ramp to full weight, so that no line appears at once in a deforming mesh.
-  const float weight = std::min(shorter / (kShortestPart * whole) - 1, 1.0f);
-  const float unit = 2 * weight / (whole * far_edge.length * near_edge.length);
-  const float far = unit * near_edge.length, near = unit * far_edge.length;
-  const float value =
-      far_sign * far * glm::dot(turn, far_edge.vector) + near * glm::dot(turn, near_edge.vector);
-  return {scale * far, scale * near, scale * value};
+  const Lanes ramp =
+      each([&](int l) { return shorter.lane[l] / (kShortestPart * whole.lane[l]) - 1; });
+  const Lanes weight = each(
+      [&](int l) { return ramp.lane[l] > 0 ? (ramp.lane[l] < 1 ? ramp.lane[l] : 1.0f) : 0.0f; });
+  const Lanes product = whole * far_length * near_length;
+  const Lanes unit = each([&](int l) { return 2 * weight.lane[l] / product.lane[l]; }) * scale;
+  const Lanes far = unit * near_length, near = unit * far_length;
+  const Lanes value = far * parts.to_far + near * parts.to_near;
+  const Lanes larger = each([&](int l) {
+    return (far.lane[l] > near.lane[l] ? far.lane[l] : near.lane[l]) * size.lane[l];
+  });
+  // Lines that are none may have numbers that are none.
+  const auto counted = [&](const Lanes& x) {
+    return each([&](int l) { return larger.lane[l] < kLargestCoefficient ? x.lane[l] : 0.0f; });
+  };
+  return {counted(far), counted(near), counted(value)};
 }
 
-// A corner of the face whose rows are being made.
+// A corner of the faces whose rows are being made.
 struct FaceCorner {
-  dvec3 position;
-  vec3 direction;         // in which a height moves the control point; 0 where it must stay
-  NetEdge edge;           // to the next corner
-  NetEdge after, before;  // around the vertex
-  BendingLines lines;
+  dvec3 position[kLanes];
+  LaneVector direction;            // in which a height moves it; 0 where it must stay
+  LaneVector edge, after, before;  // to the next corner, and around the vertex
+  Lanes edge_length;
+  Lanes next, own1, after1, previous, own2, before2;  // its row
+  Lanes line1, line2;                                 // its lines' values
 };
 
 struct RowBuilder {
@@ -76,72 +127,122 @@ struct RowBuilder {
   std::span<float> diagonals;  // per corner, of the Hessian
   std::vector<FaceCorner> corners{};
 
-  // `m`: the face's size, a constant of the type for the sizes that matter.
+  // The faces [begin, end); returns the square of their values.
+  double build(std::int32_t begin, std::int32_t end);
+  // `m`: the faces' size, a constant of the type for the sizes that matter.
   template <class Size>
-  double build_face(std::int32_t first, Size m);
-  void build_row(std::int32_t corner, const FaceCorner& previous, FaceCorner& own,
-                 const FaceCorner& next);
+  double build_faces(std::span<const std::int32_t> firsts, Size m);
+  template <class Size>
+  void gather(int lane, std::int32_t first, Size m);
+  void build_row(const FaceCorner& previous, FaceCorner& own, const FaceCorner& next);
+  Lanes write_products(std::span<const std::int32_t> firsts, std::int32_t place,
+                       const FaceCorner& previous, const FaceCorner& own, const FaceCorner& next);
 };
 
+double RowBuilder::build(std::int32_t begin, std::int32_t end) {
+  double square = 0;
+  for (std::int32_t face = begin; face < end;) {
+    const std::int32_t m = topology.face_size(face);
+    std::int32_t firsts[kLanes];
+    std::size_t count = 0;
+    for (; count < kLanes && face < end && topology.face_size(face) == m; ++face) {
+      firsts[count++] = topology.face_offsets[face];
+    }
+    const auto faces = std::span(firsts).first(count);
+    if (m == 3) {
+      square += build_faces(faces, std::integral_constant<std::int32_t, 3>{});
+    } else if (m == 4) {
+      square += build_faces(faces, std::integral_constant<std::int32_t, 4>{});
+    } else {
+      square += build_faces(faces, m);
+    }
+  }
+  return square;
+}
+
 template <class Size>
-double RowBuilder::build_face(std::int32_t first, Size m) {
+double RowBuilder::build_faces(std::span<const std::int32_t> firsts, Size m) {
   if (corners.size() < static_cast<std::size_t>(m)) corners.resize(static_cast<std::size_t>(m));
+  FaceCorner* const c = corners.data();
+  const int count = static_cast<int>(firsts.size());
+  // Lanes without a face repeat the last one.
+  for (int l = 0; l < kLanes; ++l) gather(l, firsts[std::min(l, count - 1)], m);
+  for (std::int32_t i = 0; i < m; ++i) c[i].edge_length = length(c[i].edge);
+  for (std::int32_t i = 0; i < m; ++i) {
+    build_row(c[i == 0 ? m - 1 : i - 1], c[i], c[i + 1 == m ? 0 : i + 1]);
+  }
+  Lanes squares{};
+  for (std::int32_t i = 0; i < m; ++i) {
+    squares = squares +
+              write_products(firsts, i, c[i == 0 ? m - 1 : i - 1], c[i], c[i + 1 == m ? 0 : i + 1]);
+  }
+  double sum = 0;
+  for (int l = 0; l < count; ++l) sum += squares.lane[l];
+  return sum;
+}
+
+template <class Size>
+void RowBuilder::gather(int lane, std::int32_t first, Size m) {
   FaceCorner* const c = corners.data();
   for (std::int32_t i = 0; i < m; ++i) {
     const std::int32_t vertex = topology.corner_vertices[first + i];
-    c[i].position = given[vertex] + offsets[first + i];
-    c[i].direction = vec3(directions[vertex]);
+    c[i].position[lane] = given[vertex] + offsets[first + i];
+    c[i].direction.set(lane, vec3(directions[vertex]));
   }
   for (std::int32_t i = 0; i < m; ++i) {
-    c[i].edge = net_edge(c[i + 1 == m ? 0 : i + 1].position - c[i].position);
+    c[i].edge.set(lane, vec3(c[i + 1 == m ? 0 : i + 1].position[lane] - c[i].position[lane]));
     // Control points around the same vertex differ by their offsets alone.
     const dvec3& own = offsets[first + i];
-    c[i].after = net_edge(offsets[topology.corner_ccw[first + i]] - own);
-    c[i].before = net_edge(offsets[topology.corner_cw[first + i]] - own);
+    c[i].after.set(lane, vec3(offsets[topology.corner_ccw[first + i]] - own));
+    c[i].before.set(lane, vec3(offsets[topology.corner_cw[first + i]] - own));
   }
-  for (std::int32_t i = 0; i < m; ++i) {
-    build_row(first + i, c[i == 0 ? m - 1 : i - 1], c[i], c[i + 1 == m ? 0 : i + 1]);
-  }
-  const auto square = [](float x) { return x * x; };
-  double value_square = 0;
-  for (std::int32_t i = 0; i < m; ++i) {
-    const std::int32_t previous = i == 0 ? m - 1 : i - 1, next = i + 1 == m ? 0 : i + 1;
-    const BendingRows::Row& own = bending.rows[first + i];
-    const BendingRows::Row& row_before = bending.rows[first + previous];
-    const BendingRows::Row& row_after = bending.rows[first + next];
-    bending.products[first + i] = transposed_product(own, c[i].lines, row_before, c[previous].lines,
-                                                     row_after, c[next].lines);
-    // The rows beside it around the vertex are counted where they stand: over the polygon it comes
-    // to the same mean.
-    diagonals[first + i] = square(own.own1) + square(own.own2) + square(own.after) +
-                           square(own.before) + square(row_before.next) +
-                           square(row_after.previous);
-    value_square += square(c[i].lines.line1) + square(c[i].lines.line2);
-  }
-  return value_square;
 }
 
-void RowBuilder::build_row(std::int32_t corner, const FaceCorner& previous, FaceCorner& own,
-                           const FaceCorner& next) {
+void RowBuilder::build_row(const FaceCorner& previous, FaceCorner& own, const FaceCorner& next) {
   // Along the normal of the quad of the four neighbours, twice its area long.
-  const vec3 turn =
-      glm::cross(own.edge.vector - own.after.vector, -previous.edge.vector - own.before.vector);
-  const float length = glm::length(turn);
+  const LaneVector turn = cross(own.edge - own.after, negated(previous.edge) - own.before);
+  const Lanes size = length(turn);
   // The square root of half the quad's area by the length; coincident points have no normal.
-  const float scale = length > 0 ? 0.5f / std::sqrt(length) : 0.0f;
-  Line line1 = make_line(own.edge, 1.0f, own.after, turn, scale);
-  Line line2 = make_line(previous.edge, -1.0f, own.before, turn, scale);
-  for (Line* line : {&line1, &line2}) {
-    if (!(std::max(line->far, line->near) * length < kLargestCoefficient)) *line = {};
+  const Lanes scale =
+      each([&](int l) { return size.lane[l] > 0 ? 0.5f / std::sqrt(size.lane[l]) : 0.0f; });
+  const Lanes to_previous =
+      each([&, along = dot(turn, previous.edge)](int l) { return -along.lane[l]; });
+  const Line line1 = make_line(
+      {own.edge_length, length(own.after), dot(turn, own.edge), dot(turn, own.after)}, scale, size);
+  const Line line2 = make_line(
+      {previous.edge_length, length(own.before), to_previous, dot(turn, own.before)}, scale, size);
+  const Lanes move = dot(turn, own.direction);
+  const Lanes none{};
+  own.next = line1.far * dot(turn, next.direction);
+  own.own1 = none - (line1.far + line1.near) * move;
+  own.after1 = line1.near * move;
+  own.previous = line2.far * dot(turn, previous.direction);
+  own.own2 = none - (line2.far + line2.near) * move;
+  own.before2 = line2.near * move;
+  own.line1 = line1.value;
+  own.line2 = line2.value;
+}
+
+// Writes what corner `place` of the faces has; returns the squares of its values.
+Lanes RowBuilder::write_products(std::span<const std::int32_t> firsts, std::int32_t place,
+                                 const FaceCorner& previous, const FaceCorner& own,
+                                 const FaceCorner& next) {
+  const Lanes face = own.own1 * own.line1 + own.own2 * own.line2 + previous.next * previous.line1 +
+                     next.previous * next.line2;
+  const Lanes after = own.after1 * own.line1, before = own.before2 * own.line2;
+  // The rows beside it around the vertex are counted where they stand: over the polygon it comes to
+  // the same mean.
+  const Lanes diagonal = own.own1 * own.own1 + own.own2 * own.own2 + own.after1 * own.after1 +
+                         own.before2 * own.before2 + previous.next * previous.next +
+                         next.previous * next.previous;
+  for (std::size_t l = 0; l < firsts.size(); ++l) {
+    const std::int32_t corner = firsts[l] + place;
+    bending.rows[corner] = {own.next.lane[l],     own.own1.lane[l], own.after1.lane[l],
+                            own.previous.lane[l], own.own2.lane[l], own.before2.lane[l]};
+    bending.products[corner] = {face.lane[l], after.lane[l], before.lane[l]};
+    diagonals[corner] = diagonal.lane[l];
   }
-  const float move = glm::dot(turn, own.direction);
-  bending.rows[corner] = {line1.far * glm::dot(turn, next.direction),
-                          -(line1.far + line1.near) * move,
-                          line1.near * move,
-                          line2.far * glm::dot(turn, previous.direction),
-                          -(line2.far + line2.near) * move,
-                          line2.near * move};
-  own.lines = {line1.value, line2.value};
+  return own.line1 * own.line1 + own.line2 * own.line2;
 }
 
 RawVector<float> make_preconditioner(const FairTopology& topology,
@@ -172,12 +273,9 @@ BendingRows make_bending_rows(const FairTopology& topology, std::span<const dvec
   bending.rows.resize(topology.ring_corners.size());
   bending.products.resize(bending.rows.size());
   RawVector<float> diagonals(bending.rows.size());
-  bending.value_square = piecewise_sum(topology.face_count, [&] {
-    return [&, builder = RowBuilder{topology, given, directions, offsets, bending, diagonals}](
-               std::int32_t face) mutable {
-      return for_face_size(
-          topology, face, [&](std::int32_t first, auto m) { return builder.build_face(first, m); });
-    };
+  bending.value_square = piecewise_sum_of_ranges(topology.face_count, [&] {
+    return [builder = RowBuilder{topology, given, directions, offsets, bending, diagonals}](
+               std::int32_t begin, std::int32_t end) mutable { return builder.build(begin, end); };
   });
   bending.preconditioner = make_preconditioner(topology, diagonals);
   return bending;

@@ -12,24 +12,33 @@
 
 namespace planish {
 
-/// Calls body(i) for i in [0, count) on all threads and sums what it returns; `make_body` makes one
-/// for each run of elements. Sums are over pieces of fixed size: the same bits for every thread
-/// count.
+/// Calls body(begin, end) for pieces of [0, count) on all threads and sums what it returns;
+/// `make_body` makes one for each run of pieces. Pieces are of fixed size: the same bits for every
+/// thread count.
 template <class MakeBody>
-double piecewise_sum(std::int32_t count, const MakeBody& make_body) {
+double piecewise_sum_of_ranges(std::int32_t count, const MakeBody& make_body) {
   constexpr std::int32_t kPiece = 4096;
   std::vector<double> pieces((static_cast<std::size_t>(count) + kPiece - 1) / kPiece);
   parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
     auto body = make_body();
     for (std::size_t piece = begin; piece < end; ++piece) {
       const auto first = static_cast<std::int32_t>(piece) * kPiece;
-      const std::int32_t last = std::min(first + kPiece, count);
-      double sum = 0;
-      for (std::int32_t i = first; i < last; ++i) sum += body(i);
-      pieces[piece] = sum;
+      pieces[piece] = body(first, std::min(first + kPiece, count));
     }
   });
   return std::accumulate(pieces.begin(), pieces.end(), 0.0);
+}
+
+/// The same of body(i) for i in [0, count).
+template <class MakeBody>
+double piecewise_sum(std::int32_t count, const MakeBody& make_body) {
+  return piecewise_sum_of_ranges(count, [&] {
+    return [body = make_body()](std::int32_t begin, std::int32_t end) mutable {
+      double sum = 0;
+      for (std::int32_t i = begin; i < end; ++i) sum += body(i);
+      return sum;
+    };
+  });
 }
 
 /// body(first corner, size of the face), the size as a constant of its type for triangles and quads
