@@ -1,6 +1,7 @@
 #include "bench/group.h"
 
 #include <benchmark/benchmark.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <map>
@@ -17,9 +18,19 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
 }
 
-struct Samples {
-  std::vector<double> wall_ms, cpu_ms;
-};
+using Samples = std::vector<double>;  // wall clock, milliseconds
+
+// CPU time of all threads of this process and of the children that it has waited for.
+double cpu_ms() {
+  double sum = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    for (const timeval& time : {usage.ru_utime, usage.ru_stime})
+      sum += 1e3 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_usec);
+  }
+  return sum;
+}
 
 // Prints Google Benchmark's aggregates as usual and keeps the single runs.
 class CollectingReporter : public benchmark::ConsoleReporter {
@@ -42,9 +53,7 @@ class CollectingReporter : public benchmark::ConsoleReporter {
         aggregates.push_back(run);
         continue;
       }
-      Samples& samples = samples_[run.run_name.function_name];
-      samples.wall_ms.push_back(run.GetAdjustedRealTime());
-      samples.cpu_ms.push_back(run.GetAdjustedCPUTime());
+      samples_[run.run_name.function_name].push_back(run.GetAdjustedRealTime());
     }
     ConsoleReporter::ReportRuns(aggregates);
   }
@@ -59,12 +68,15 @@ class CollectingReporter : public benchmark::ConsoleReporter {
 
 std::vector<Row> run_group(const Group& group, int repetitions) {
   benchmark::ClearRegisteredBenchmarks();
+  std::map<std::string, std::vector<double>> cpu_times;
   for (const Peer& peer : group.peers) {
     peer.run();
     const std::string name = group.name + "/" + peer.name;
     benchmark::RegisterBenchmark(name.c_str(),
-                                 [&peer](benchmark::State& state) {
+                                 [&peer, &times = cpu_times[name]](benchmark::State& state) {
+                                   const double before = cpu_ms();
                                    for ([[maybe_unused]] const auto& iteration : state) peer.run();
+                                   times.push_back(cpu_ms() - before);
                                  })
         ->Iterations(1)
         ->Repetitions(repetitions)
@@ -79,13 +91,14 @@ std::vector<Row> run_group(const Group& group, int repetitions) {
   std::vector<Row> rows;
   double baseline_ms = 0;
   for (const Peer& peer : group.peers) {
-    const auto found = reporter.samples().find(group.name + "/" + peer.name);
+    const std::string name = group.name + "/" + peer.name;
+    const auto found = reporter.samples().find(name);
     if (found == reporter.samples().end()) continue;  // left out by --benchmark_filter
     const Samples& samples = found->second;
-    Row row{group.name, group.size, peer.name, static_cast<int>(samples.wall_ms.size())};
-    row.median_ms = median(samples.wall_ms);
-    row.least_ms = *std::min_element(samples.wall_ms.begin(), samples.wall_ms.end());
-    row.cpu_ms = median(samples.cpu_ms);
+    Row row{group.name, group.size, peer.name, static_cast<int>(samples.size())};
+    row.median_ms = median(samples);
+    row.least_ms = *std::min_element(samples.begin(), samples.end());
+    row.cpu_ms = median(cpu_times[name]);
     if (peer.name == group.baseline) baseline_ms = row.median_ms;
     rows.push_back(row);
   }

@@ -24,7 +24,7 @@ struct Row {
   std::string group, size, peer;
   int repetitions = 0;
   double median_ms = 0, least_ms = 0;  ///< wall clock
-  double cpu_ms = 0;                   ///< median of the whole process's CPU time
+  double cpu_ms = 0;                   ///< median CPU time of the process and of those it started
   double ratio = 0;                    ///< median relative to the baseline's
 };
 
