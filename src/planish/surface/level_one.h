@@ -13,7 +13,7 @@ namespace planish {
 
 /// The control points of a surface on level 1, for one that is no Doo-Sabin step of a cage on the
 /// mesh itself. They have their own mesh, level_one_mesh(), which is a Doo-Sabin cage by itself
-/// where the given mesh is closed and smooth.
+/// where the given mesh is closed, smooth and without holes.
 struct LevelOne {
   /// The state of level 1, see Subdivision, in coordinates of `placement`. It is that of the mesh
   /// without its unused vertices.
