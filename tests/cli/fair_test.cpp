@@ -79,11 +79,15 @@ TEST_F(Fair, UnfoldsWhatTheProgressiveMethodFolds) {
   EXPECT_LT(fair["outputs"][0]["as_written_error"], 1e-7);
 }
 
+// Against the surface that was scanned: facets differ from every smooth surface.
 TEST_F(Fair, UnfoldsASimplifiedScan) {
   const std::string scan = std::string(PLANISH_SCENES) + "/rocker_arm_scan.obj";
-  const nlohmann::json progressive = fit(scan, {"-o", path("p.glb")});
-  const nlohmann::json fair = fit(scan, {"-o", path("f.glb"), "--interpolation", "fair"});
-  EXPECT_GT(progressive["surface"]["folded_area"], 1e-3);
+  fit(std::string(PLANISH_SCENES) + "/rocker_arm.obj", {"-o", path("arm.obj")});
+  std::vector<std::string> flags{"-o", path("s.glb"), "--source", path("arm.obj")};
+  const nlohmann::json progressive = fit(scan, flags);
+  flags.insert(flags.end(), {"--interpolation", "fair"});
+  const nlohmann::json fair = fit(scan, flags);
+  EXPECT_GT(progressive["surface"]["folded_area"], 5e-4);
   EXPECT_EQ(fair["surface"]["folded_area"], 0.0);
   EXPECT_EQ(fair["solve"]["fair"]["flagged_edges"], 0);
   EXPECT_EQ(fair["solve"]["fair"]["flagged_faces"], 0);

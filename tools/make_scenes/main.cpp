@@ -6,10 +6,13 @@
 #include <string>
 #include <string_view>
 
+#include "make_scenes/obj_text.h"
 #include "make_scenes/sample_points.h"
+#include "make_scenes/scan.h"
 #include "make_scenes/scene_list.h"
 #include "planish/core/output_file.h"
 #include "planish/mesh/mesh_file.h"
+#include "planish/reconstruct/mesher_process.h"
 
 namespace {
 
@@ -23,11 +26,24 @@ void write(const std::filesystem::path& path, const std::string& bytes) {
   file.commit();
 }
 
+void write_scan(const std::filesystem::path& folder) {
+  const auto mesher = planish::find_mesher_program();
+  if (!mesher) {
+    std::fprintf(stderr, "planish-make-scenes: without planish-reconstruct %s is not made\n",
+                 planish::shapes::kScanFile);
+    return;
+  }
+  const auto mesh = planish::shapes::scanned_rocker_arm(planish::mesher_process(*mesher));
+  write(folder / planish::shapes::kScanFile,
+        planish::shapes::obj_text(mesh, "Rocker arm of an engine, scanned and simplified"));
+}
+
 void write_scenes(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder / "bad");
   for (const auto& scene : planish::shapes::scenes())
     write(folder / scene.file, planish::shapes::scene_text(scene));
   for (const auto& bad : planish::shapes::bad_files()) write(folder / "bad" / bad.file, bad.bytes);
+  write_scan(folder);
 }
 
 void write_cloud(const std::string& mesh_path, std::string_view count_text,
@@ -48,7 +64,8 @@ void write_cloud(const std::string& mesh_path, std::string_view count_text,
 
 int main(int argument_count, char** arguments) {
   const bool wants_cloud = argument_count == 5 && std::string_view(arguments[1]) == "--cloud";
-  if (argument_count != 2 && !wants_cloud) {
+  const bool wants_scenes = argument_count == 2 && arguments[1][0] != '-';
+  if (!wants_scenes && !wants_cloud) {
     std::fputs(kUsage, stderr);
     return 2;
   }
