@@ -32,9 +32,10 @@ struct BendingRows {
   double value_square = 0;  ///< sum of the squares of the values: the bending at heights 0
 };
 
-/// `offsets`: the state of level 1 relative to the given points; `directions`: those in which heights
-/// move the control points, per vertex. In single precision, which coordinates near unit diagonal suit.
-/// A line one of whose two parts is too short to measure bending on counts for nothing.
+/// `offsets`: the state of level 1 relative to the given points; `directions`: those in which
+/// heights move the control points, per vertex. In single precision, which coordinates near unit
+/// diagonal suit. A line one of whose two parts is too short to measure bending on counts for
+/// nothing.
 [[nodiscard]] BendingRows make_bending_rows(const FairTopology& topology,
                                             std::span<const glm::dvec3> given,
                                             std::span<const glm::dvec3> directions,

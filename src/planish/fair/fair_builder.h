@@ -13,8 +13,8 @@ class FairBuilder {
  public:
   virtual ~FairBuilder() = default;
 
-  /// As fair_net(), in the device's precision. Also throws Error{OutOfMemory}, naming the limit, and
-  /// Error{DeviceLost}.
+  /// As fair_net(), in the device's precision. Also throws Error{OutOfMemory}, naming the limit,
+  /// and Error{DeviceLost}.
   [[nodiscard]] virtual FairNet build_fair_net(const FairTopology& topology,
                                                std::span<const glm::dvec3> given,
                                                const FairOptions& options) = 0;
