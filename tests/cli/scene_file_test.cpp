@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -283,9 +284,9 @@ TEST(SceneSchema, WhatItForbidsIsRefused) {
       std::vector<json> values{true, json()};
       if (description.contains("enum")) values.emplace_back("nonsense");
       if (description.contains("maximum"))
-        values.emplace_back(description["maximum"].get<int>() + 1);
+        values.emplace_back(description["maximum"].get<std::int64_t>() + 1);
       if (description.contains("minimum"))
-        values.emplace_back(description["minimum"].get<int>() - 1);
+        values.emplace_back(description["minimum"].get<std::int64_t>() - 1);
       if (description.contains("exclusiveMinimum"))
         values.emplace_back(description["exclusiveMinimum"]);
       if (description.contains("minLength")) values.emplace_back("");
