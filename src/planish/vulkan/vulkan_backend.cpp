@@ -170,8 +170,7 @@ VulkanDeviceList list_vulkan_devices() {
       to.max_storage_buffers = from.max_storage_buffers;
       to.portability_subset = from.portability_subset;
       for (const vulkan::OptionalFeature& feature : from.optional_features)
-        if (!feature.available)
-          to.missing.push_back(feature.name + ", with which " + feature.use);
+        if (!feature.available) to.missing.push_back(feature.name + ", with which " + feature.use);
     }
     if (std::any_of(list.devices.begin(), list.devices.end(),
                     [](const VulkanDeviceInfo& device) { return device.usable; }))
