@@ -3,29 +3,11 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/vulkan/instance.h"
 #include "planish/vulkan/result.h"
 
 namespace planish::viewer {
 namespace {
-
-VKAPI_ATTR VkBool32 VKAPI_CALL forward_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                               VkDebugUtilsMessageTypeFlagsEXT,
-                                               const VkDebugUtilsMessengerCallbackDataEXT* data,
-                                               void* user) {
-  const auto& message = *static_cast<const std::function<void(std::string_view)>*>(user);
-  if (message && data->pMessage) message(data->pMessage);
-  return VK_FALSE;
-}
-
-VkDebugUtilsMessengerCreateInfoEXT messenger_info(std::function<void(std::string_view)>& message) {
-  VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
-  info.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
-                         VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-  info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
-  info.pfnUserCallback = forward_message;
-  info.pUserData = &message;
-  return info;
-}
 
 std::string remedy_of(VkResult result) {
   if (result == VK_ERROR_LAYER_NOT_PRESENT) return "; install the package vulkan-validationlayers";
@@ -41,7 +23,8 @@ Instance::Instance(const InstanceOptions& options) : message_(options.message) {
   application.pApplicationName = "planish-viewer";
   application.apiVersion = VK_API_VERSION_1_1;
 
-  const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(message_);
+  VkDebugUtilsMessengerCreateInfoEXT messenger = vulkan::messenger_info(message_);
+  messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
   const VkValidationFeatureEnableEXT enabled =
       VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
   VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};

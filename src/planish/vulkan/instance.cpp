@@ -37,6 +37,8 @@ bool has_layer(PFN_vkGetInstanceProcAddr get, const char* name) {
   return false;
 }
 
+}  // namespace
+
 VkDebugUtilsMessengerCreateInfoEXT messenger_info(
     const std::function<void(std::string_view)>& message) {
   VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
@@ -48,8 +50,6 @@ VkDebugUtilsMessengerCreateInfoEXT messenger_info(
   info.pUserData = const_cast<std::function<void(std::string_view)>*>(&message);
   return info;
 }
-
-}  // namespace
 
 Instance::Instance(const InstanceOptions& options)
     : library_(nullptr, ::dlclose), get_proc_(options.get_proc), message_(options.message) {

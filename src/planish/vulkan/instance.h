@@ -17,6 +17,11 @@ struct InstanceOptions {
   PFN_vkGetInstanceProcAddr get_proc = nullptr;
 };
 
+/// What makes a debug messenger hand the layer's warnings and errors of validation and performance
+/// to `message`, which must outlive it.
+[[nodiscard]] VkDebugUtilsMessengerCreateInfoEXT messenger_info(
+    const std::function<void(std::string_view)>& message);
+
 /// The command's own way to Vulkan: libvulkan.so.1, and an instance of it.
 class Instance {
  public:
