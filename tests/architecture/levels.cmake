@@ -12,13 +12,13 @@ set(level_interpolate 3)
 set(level_fair 3)
 set(level_vulkan 3)
 set(level_surface 4)
-set(level_gltf 4)
+set(level_files 4)
 set(level_pipeline 5)
 set(level_osd 5)
 set(level_reconstruct 5)
 # Neighbours on one level that may be used: tables and splits are made of meshes, files of surfaces,
 # kernels repeat the fair construction.
-set(allowed stencil>mesh gltf>surface vulkan>fair)
+set(allowed stencil>mesh files>surface vulkan>fair)
 
 set(wrong "")
 file(GLOB_RECURSE files RELATIVE ${SOURCE}/src/planish ${SOURCE}/src/planish/*.h

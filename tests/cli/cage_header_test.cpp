@@ -1,4 +1,4 @@
-#include "cage_header.h"
+#include "output/cage_header.h"
 
 #include <gmock/gmock.h>
 

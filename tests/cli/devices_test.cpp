@@ -4,8 +4,8 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "devices_text.h"
 #include "planish/core/error.h"
+#include "terminal/devices_text.h"
 
 namespace planish::command {
 namespace {

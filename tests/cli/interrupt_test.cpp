@@ -3,8 +3,8 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "exit_codes.h"
 #include "planish/core/error.h"
+#include "terminal/exit_codes.h"
 
 namespace planish::test {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
-#include "digest.h"
+#include "output/digest.h"
 
 namespace planish::test {
 namespace {

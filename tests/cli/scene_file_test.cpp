@@ -1,4 +1,4 @@
-#include "scene_file.h"
+#include "options/scene_file.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "settings.h"
+#include "options/settings.h"
 
 #include <gmock/gmock.h>
 

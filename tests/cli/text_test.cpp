@@ -1,11 +1,11 @@
-#include "text.h"
+#include "terminal/text.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "nearest.h"
-#include "table.h"
+#include "options/nearest.h"
+#include "terminal/table.h"
 
 namespace planish::command {
 namespace {

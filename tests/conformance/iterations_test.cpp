@@ -9,7 +9,7 @@
 
 #include "conformance/catalogue.h"
 #include "planish/backend/cpu_backend.h"
-#include "planish/mesh/mesh_file.h"
+#include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
 

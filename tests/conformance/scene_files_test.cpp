@@ -10,7 +10,7 @@
 #include "conformance/catalogue.h"
 #include "conformance/level_match.h"
 #include "planish/backend/cpu_backend.h"
-#include "planish/mesh/mesh_file.h"
+#include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
 

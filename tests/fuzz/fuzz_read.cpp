@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "planish/core/error.h"
-#include "planish/gltf/read_gltf.h"
+#include "planish/files/gltf/read_gltf.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <span>
 
-#include "planish/mesh/mesh_file.h"
-#include "planish/reconstruct/point_cloud.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/point_cloud.h"
 
 namespace planish::test {
 

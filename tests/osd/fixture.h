@@ -4,7 +4,7 @@
 
 #include "planish/osd/vk_device_context.h"
 #include "planish/osd/vk_vertex_buffer.h"
-#include "planish/vulkan/own_device.h"
+#include "planish/vulkan/device/own_device.h"
 #include "vulkan/fixture.h"
 
 namespace planish::testing {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "planish/vulkan/commands.h"
-#include "planish/vulkan/context.h"
-#include "planish/vulkan/result.h"
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/device/context.h"
+#include "planish/vulkan/device/result.h"
 
 namespace planish::testing {
 

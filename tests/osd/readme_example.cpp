@@ -6,7 +6,7 @@
 
 #include "planish/osd/vk_compute_evaluator.h"
 #include "planish/osd/vk_vertex_buffer.h"
-#include "planish/vulkan/own_device.h"
+#include "planish/vulkan/device/own_device.h"
 
 using namespace OpenSubdiv;
 using namespace planish;

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "mesh/expect_error.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "reconstruct/test_clouds.h"
+#include "support/expect_error.h"
 
 namespace planish {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "mesh/expect_error.h"
 #include "reconstruct/test_clouds.h"
+#include "support/expect_error.h"
 
 namespace planish {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 
-#include "mesh/expect_error.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
 #include "planish/reconstruct/triangle_edges.h"
 #include "reconstruct/test_clouds.h"
+#include "support/expect_error.h"
 
 namespace planish {
 namespace {

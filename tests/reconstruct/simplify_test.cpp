@@ -7,11 +7,11 @@
 #include <array>
 #include <random>
 
-#include "mesh/expect_error.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
 #include "planish/reconstruct/triangle_edges.h"
 #include "reconstruct/test_clouds.h"
+#include "support/expect_error.h"
 
 namespace planish {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "make_scenes/scene_list.h"
 #include "planish/core/error.h"
-#include "planish/gltf/read_gltf.h"
+#include "planish/files/gltf/read_gltf.h"
+#include "planish/files/mesh_file.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/mesh_file.h"
 
 namespace planish::shapes {
 namespace {

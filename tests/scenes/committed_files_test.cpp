@@ -11,8 +11,8 @@
 #include "make_scenes/rocker_arm.h"
 #include "make_scenes/scan.h"
 #include "make_scenes/scene_list.h"
+#include "planish/files/mesh_file.h"
 #include "planish/mesh/check.h"
-#include "planish/mesh/mesh_file.h"
 #include "planish/mesh/statistics.h"
 
 namespace planish::shapes {

@@ -10,13 +10,13 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "mesh/temporary_folder.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/files/mesh_file.h"
 #include "planish/mesh/area_vector.h"
-#include "planish/mesh/mesh_file.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one_mesh.h"
+#include "support/temporary_folder.h"
 
 namespace planish {
 namespace {

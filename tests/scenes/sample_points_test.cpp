@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "planish/mesh/mesh_file.h"
+#include "planish/files/mesh_file.h"
 #include "planish/reconstruct/point_tree.h"
 
 namespace planish::shapes {

@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "planish/vulkan/buffer.h"
-#include "planish/vulkan/commands.h"
-#include "planish/vulkan/own_device.h"
-#include "planish/vulkan/submitter.h"
+#include "planish/vulkan/device/buffer.h"
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/device/own_device.h"
+#include "planish/vulkan/device/submitter.h"
 #include "support/environment_variable.h"
 #include "vulkan/fixture.h"
 

@@ -6,9 +6,9 @@
 #include <functional>
 #include <iostream>
 
-#include "planish/vulkan/result.h"
-#include "planish/vulkan/vulkan_machine.h"
-#include "planish/vulkan/vulkan_solve.h"
+#include "planish/vulkan/backend/vulkan_machine.h"
+#include "planish/vulkan/backend/vulkan_solve.h"
+#include "planish/vulkan/device/result.h"
 #include "support/meshes.h"
 #include "vulkan/embedding_fixture.h"
 #include "vulkan/tables.h"

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/vulkan/buffer.h"
+#include "planish/vulkan/device/buffer.h"
+#include "planish/vulkan/device/submitter.h"
 #include "planish/vulkan/embed.h"
-#include "planish/vulkan/submitter.h"
 
 namespace planish::testing {
 

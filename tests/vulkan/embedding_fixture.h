@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "planish/vulkan/own_device.h"
+#include "planish/vulkan/device/own_device.h"
 #include "vulkan/embedding.h"
 #include "vulkan/fixture.h"
 #include "vulkan/pretended_driver.h"

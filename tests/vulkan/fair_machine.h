@@ -8,8 +8,8 @@
 
 #include "conformance/catalogue.h"
 #include "fair/fair_case.h"
-#include "planish/vulkan/gpu_fair.h"
-#include "planish/vulkan/vulkan_machine.h"
+#include "planish/vulkan/backend/vulkan_machine.h"
+#include "planish/vulkan/fair/gpu_fair.h"
 #include "support/delaunay_sphere.h"
 #include "support/random_meshes.h"
 #include "vulkan/fixture.h"

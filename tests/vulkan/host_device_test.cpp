@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "planish/vulkan/gpu_solve.h"
-#include "planish/vulkan/own_device.h"
-#include "planish/vulkan/result.h"
-#include "planish/vulkan/submitter.h"
+#include "planish/vulkan/device/own_device.h"
+#include "planish/vulkan/device/result.h"
+#include "planish/vulkan/device/submitter.h"
+#include "planish/vulkan/solve/gpu_solve.h"
 #include "vulkan/fixture.h"
 #include "vulkan/pretended_driver.h"
 #include "vulkan/tables.h"

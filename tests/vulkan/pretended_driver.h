@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "planish/vulkan/functions.h"
+#include "planish/vulkan/device/functions.h"
 
 namespace planish::testing {
 

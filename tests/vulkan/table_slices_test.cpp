@@ -1,4 +1,4 @@
-#include "planish/vulkan/table_slices.h"
+#include "planish/vulkan/tables/table_slices.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,8 +8,8 @@
 #include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
 #include "planish/backend/cpu_backend.h"
-#include "planish/gltf/write_gltf.h"
-#include "planish/mesh/read_obj.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/files/obj/read_obj.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
 

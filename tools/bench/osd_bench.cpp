@@ -13,7 +13,7 @@
 #ifdef PLANISH_HAS_VULKAN
 #include "planish/osd/vk_compute_evaluator.h"
 #include "planish/osd/vk_vertex_buffer.h"
-#include "planish/vulkan/own_device.h"
+#include "planish/vulkan/device/own_device.h"
 #include "planish/vulkan/vulkan_backend.h"
 #endif
 

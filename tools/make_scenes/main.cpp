@@ -11,7 +11,7 @@
 #include "make_scenes/scan.h"
 #include "make_scenes/scene_list.h"
 #include "planish/core/output_file.h"
-#include "planish/mesh/mesh_file.h"
+#include "planish/files/mesh_file.h"
 #include "planish/reconstruct/mesher_process.h"
 
 namespace {

@@ -6,7 +6,7 @@
 
 #include "make_scenes/mesh_builder.h"
 #include "make_scenes/shapes.h"
-#include "planish/mesh/srgb.h"
+#include "planish/files/shared/srgb.h"
 
 namespace planish::shapes {
 

@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "make_scenes/mesh_builder.h"
-#include "planish/mesh/srgb.h"
+#include "planish/files/shared/srgb.h"
 
 namespace planish::shapes {
 

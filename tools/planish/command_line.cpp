@@ -3,10 +3,10 @@
 #include <new>
 
 #include "commands.h"
-#include "nearest.h"
+#include "options/nearest.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
-#include "text.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "console.h"
-#include "exit_codes.h"
-#include "progress.h"
+#include "terminal/console.h"
+#include "terminal/exit_codes.h"
+#include "terminal/progress.h"
 
 namespace planish::command {
 

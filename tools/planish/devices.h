@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "options/settings.h"
 #include "planish/backend/backend.h"
-#include "settings.h"
 
 namespace planish::command {
 

@@ -1,9 +1,9 @@
 #include <memory>
 
 #include "commands.h"
-#include "console.h"
 #include "devices.h"
-#include "devices_text.h"
+#include "terminal/console.h"
+#include "terminal/devices_text.h"
 
 namespace planish::command {
 

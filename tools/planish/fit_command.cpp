@@ -5,12 +5,12 @@
 
 #include "commands.h"
 #include "devices.h"
-#include "input.h"
-#include "job.h"
+#include "job/input.h"
+#include "job/job.h"
+#include "job/point_input.h"
+#include "options/point_settings.h"
 #include "planish/core/error.h"
-#include "point_input.h"
-#include "point_settings.h"
-#include "text.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {

@@ -4,12 +4,12 @@
 #include <optional>
 
 #include "commands.h"
-#include "input.h"
+#include "job/input.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/statistics.h"
-#include "report.h"
-#include "text.h"
+#include "report/report.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {

@@ -1,5 +1,5 @@
 #include "commands.h"
-#include "interrupt.h"
+#include "terminal/interrupt.h"
 
 int main(int argc, char** argv) {
   planish::command::install_signal_handlers();

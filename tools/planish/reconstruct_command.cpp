@@ -4,16 +4,16 @@
 
 #include "build_info.h"
 #include "commands.h"
-#include "interrupt.h"
-#include "output_plan.h"
+#include "job/point_input.h"
+#include "options/point_settings.h"
+#include "output/output_plan.h"
+#include "output/staged_files.h"
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
 #include "planish/core/version.h"
-#include "point_input.h"
-#include "point_settings.h"
-#include "report.h"
-#include "staged_files.h"
-#include "text.h"
+#include "report/report.h"
+#include "terminal/interrupt.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {

@@ -5,12 +5,12 @@
 
 #include "commands.h"
 #include "devices.h"
-#include "interrupt.h"
-#include "job.h"
+#include "job/job.h"
+#include "options/scene_file.h"
 #include "planish/core/error.h"
-#include "scene_file.h"
-#include "table.h"
-#include "text.h"
+#include "terminal/interrupt.h"
+#include "terminal/table.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -120,14 +120,8 @@ std::vector<std::string> row_of(const JobReport& report) {
 }
 
 std::vector<std::string> failed_row(const Job& job) {
-  return {job.name,
-          "-",
-          "-",
-          std::string(name_of(job.settings.solver)),
-          weights_text(job.settings),
-          "failed",
-          "-",
-          "-"};
+  return {job.name, "-", "-", std::string(name_of(job.settings.solver)), weights_text(job.settings),
+          "failed", "-", "-"};
 }
 
 // The report, or nothing for a job that failed; the message has been given then.

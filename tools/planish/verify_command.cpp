@@ -1,11 +1,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cage_header.h"
 #include "commands.h"
-#include "report.h"
-#include "text.h"
-#include "verify.h"
+#include "job/verify.h"
+#include "output/cage_header.h"
+#include "report/report.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {

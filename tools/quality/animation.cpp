@@ -9,8 +9,8 @@
 
 #include "make_scenes/rocker_arm.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/files/mesh_file.h"
 #include "planish/mesh/area_vector.h"
-#include "planish/mesh/mesh_file.h"
 #include "quality/figures.h"
 
 namespace planish::quality {

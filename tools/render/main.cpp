@@ -8,7 +8,7 @@
 
 #include "picture.h"
 #include "planish/core/error.h"
-#include "planish/mesh/mesh_file.h"
+#include "planish/files/mesh_file.h"
 #include "write_png.h"
 
 namespace planish::render {

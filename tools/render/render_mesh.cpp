@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "planish/core/error.h"
-#include "planish/mesh/mesh_file.h"
+#include "planish/files/mesh_file.h"
 
 namespace planish::render {
 namespace {

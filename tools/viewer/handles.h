@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "planish/vulkan/result.h"
+#include "planish/vulkan/device/result.h"
 
 namespace planish::viewer {
 

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "planish/core/error.h"
-#include "planish/vulkan/instance.h"
-#include "planish/vulkan/result.h"
+#include "planish/vulkan/device/instance.h"
+#include "planish/vulkan/device/result.h"
 
 namespace planish::viewer {
 namespace {

@@ -8,10 +8,10 @@
 #include <new>
 
 #include "arguments.h"
-#include "exit_codes.h"
 #include "headless.h"
 #include "legend.h"
 #include "planish/core/error.h"
+#include "terminal/exit_codes.h"
 #include "window.h"
 #include "write_png.h"
 

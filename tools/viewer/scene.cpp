@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <utility>
 
-#include "input.h"
+#include "job/input.h"
+#include "job/prepare.h"
+#include "options/scene_file.h"
 #include "planish/core/error.h"
 #include "planish/mesh/check.h"
-#include "prepare.h"
-#include "scene_file.h"
 
 namespace planish::viewer {
 namespace {

@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "planish/core/error.h"
+#include "planish/core/number_text.h"
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/edge_groups.h"
-#include "planish/mesh/number_text.h"
 
 namespace planish {
 namespace {

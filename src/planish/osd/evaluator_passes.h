@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "planish/osd/vk_device_context.h"
-#include "planish/vulkan/commands.h"
-#include "planish/vulkan/stencil_pass.h"
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/tables/stencil_pass.h"
 
 namespace planish::osd {
 

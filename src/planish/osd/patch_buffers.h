@@ -6,7 +6,7 @@
 #include <span>
 
 #include "planish/osd/vk_device_context.h"
-#include "planish/vulkan/buffer.h"
+#include "planish/vulkan/device/buffer.h"
 
 namespace planish::osd {
 

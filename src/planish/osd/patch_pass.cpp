@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "planish/vulkan/commands.h"
+#include "planish/vulkan/device/commands.h"
 
 namespace planish::osd {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "planish/osd/patch_buffers.h"
-#include "planish/vulkan/stencil_pass.h"
+#include "planish/vulkan/tables/stencil_pass.h"
 
 namespace planish::osd {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "planish/vulkan/result.h"
+#include "planish/vulkan/device/result.h"
 
 namespace planish::osd {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "planish/vulkan/fenced_commands.h"
+#include "planish/vulkan/device/fenced_commands.h"
 
 namespace planish::osd {
 

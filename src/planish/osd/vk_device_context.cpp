@@ -8,8 +8,8 @@
 
 #include "planish/core/error.h"
 #include "planish/osd/submission.h"
-#include "planish/vulkan/buffer.h"
-#include "planish/vulkan/commands.h"
+#include "planish/vulkan/device/buffer.h"
+#include "planish/vulkan/device/commands.h"
 
 namespace planish::osd {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "planish/vulkan/context.h"
+#include "planish/vulkan/device/context.h"
 
 namespace planish::vulkan {
 class Buffer;

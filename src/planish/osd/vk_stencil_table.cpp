@@ -6,7 +6,7 @@
 
 #include "planish/core/error.h"
 #include "planish/stencil/stencil_table.h"
-#include "planish/vulkan/device_table.h"
+#include "planish/vulkan/tables/device_table.h"
 
 namespace planish::osd {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "planish/core/error.h"
-#include "planish/vulkan/buffer.h"
+#include "planish/vulkan/device/buffer.h"
 
 namespace planish::osd {
 

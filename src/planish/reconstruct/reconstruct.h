@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/files/point_cloud.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/statistics.h"
 #include "planish/reconstruct/clean.h"
-#include "planish/reconstruct/point_cloud.h"
 #include "planish/reconstruct/repair.h"
 #include "planish/reconstruct/simplify.h"
 #include "planish/reconstruct/triangle_tree.h"

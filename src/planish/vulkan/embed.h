@@ -56,10 +56,10 @@
 #include "planish/fair/interpolation_method.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/stencil/stencil_table.h"
-#include "planish/vulkan/context.h"
-#include "planish/vulkan/own_device.h"
-#include "planish/vulkan/result.h"
-#include "planish/vulkan/scope.h"
+#include "planish/vulkan/device/context.h"
+#include "planish/vulkan/device/own_device.h"
+#include "planish/vulkan/device/result.h"
+#include "planish/vulkan/device/scope.h"
 
 namespace planish {
 struct FairDecisions;

@@ -1,0 +1,117 @@
+// Based on: Khronos Group, "glTF 2.0 Specification", section 3.6.2 (accessors).
+#include "planish/files/gltf/gltf_accessor.h"
+
+#include <algorithm>
+
+#include "planish/core/number_text.h"
+#include "planish/files/shared/bytes.h"
+
+namespace planish {
+
+namespace {
+
+struct Wanted {
+  std::string_view type, name;
+};
+
+Wanted wanted_of(GltfAccessor::Use use, std::string_view type) {
+  switch (use) {
+    case GltfAccessor::Use::Positions:
+      return {"VEC3", "positions"};
+    case GltfAccessor::Use::Indices:
+      return {"SCALAR", "indices"};
+    case GltfAccessor::Use::TextureCoordinates:
+      return {"VEC2", "texture coordinates"};
+    case GltfAccessor::Use::Colors:
+      break;
+  }
+  return {type == "VEC3" ? "VEC3" : "VEC4", "colours"};
+}
+
+}  // namespace
+
+GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source) {
+  const JsonPlace place = root["accessors"][index];
+  if (place.find("sparse")) place.fail("sparse accessors cannot be read; save the file without");
+  const Wanted wanted = wanted_of(use, place["type"].text());
+  if (place["type"].text() != wanted.type)
+    place["type"].fail(quote(place["type"].text()) + " stands in the place of " +
+                       quote(wanted.type));
+  number_count_ = wanted.type == "SCALAR" ? 1 : wanted.type.back() - '0';
+
+  const std::int64_t component = place["componentType"].integer();
+  const bool is_signed = component == Byte || component == Short || component == Float;
+  const bool is_known = is_signed || component == UByte || component == UShort || component == UInt;
+  if (!is_known || (use == Use::Indices ? is_signed : component == UInt))
+    place["componentType"].fail(std::to_string(component) + " cannot be used for " +
+                                std::string(wanted.name));
+  component_ = static_cast<Component>(component);
+  component_bytes_ = component <= UByte ? 1 : component <= UShort ? 2 : 4;
+  if (const auto normalized = place.find("normalized")) normalized_ = normalized->boolean();
+
+  count_ = place["count"].integer(1);
+  const std::int64_t element_bytes = component_bytes_ * number_count_;
+  const std::int64_t view_index = place["bufferView"].integer();
+  bytes_ = source.view(view_index);
+  const JsonPlace view = root["bufferViews"][view_index];
+  constexpr std::int64_t kMaxStride = 252;
+  stride_ = view.integer_or("byteStride", element_bytes);
+  if (stride_ < element_bytes || stride_ > kMaxStride)
+    view["byteStride"].fail(std::to_string(stride_) + " is not between " +
+                            std::to_string(element_bytes) + " and " + std::to_string(kMaxStride));
+  const std::int64_t offset = place.integer_or("byteOffset", 0);
+  // Offset and count are at most 2^53 and the stride 252, so that nothing can overflow.
+  const std::int64_t end = offset + stride_ * (count_ - 1) + element_bytes;
+  if (end > static_cast<std::int64_t>(bytes_.size()))
+    place.fail(std::to_string(count_) + " elements reach to byte " + std::to_string(end) + " of " +
+               view.path() + ", which has " + std::to_string(bytes_.size()));
+  bytes_ = bytes_.subspan(static_cast<std::size_t>(offset));
+}
+
+double GltfAccessor::component(std::span<const std::byte> bytes) const {
+  const auto scaled = [&](double value, double largest) {
+    return normalized_ ? std::max(value / largest, -1.0) : value;
+  };
+  switch (component_) {
+    case Byte:
+      return scaled(load<std::int8_t>(bytes), 127);
+    case UByte:
+      return scaled(load<std::uint8_t>(bytes), 255);
+    case Short:
+      return scaled(load<std::int16_t>(bytes), 32767);
+    case UShort:
+      return scaled(load<std::uint16_t>(bytes), 65535);
+    case UInt:
+      return load<std::uint32_t>(bytes);
+    case Float:
+      return load<float>(bytes);
+  }
+  return 0;
+}
+
+double GltfAccessor::number(std::int64_t index, std::int64_t k) const {
+  return component(
+      bytes_.subspan(static_cast<std::size_t>(index * stride_ + k * component_bytes_)));
+}
+
+glm::dvec3 GltfAccessor::position(std::int64_t index) const {
+  return {number(index, 0), number(index, 1), number(index, 2)};
+}
+
+glm::dvec2 GltfAccessor::texture_coordinate(std::int64_t index) const {
+  return {number(index, 0), number(index, 1)};
+}
+
+glm::vec4 GltfAccessor::color(std::int64_t index) const {
+  return glm::vec4(number(index, 0), number(index, 1), number(index, 2),
+                   number_count_ == 4 ? number(index, 3) : 1.0);
+}
+
+std::uint32_t GltfAccessor::index(std::int64_t index) const {
+  const auto bytes = bytes_.subspan(static_cast<std::size_t>(index * stride_));
+  if (component_ == UByte) return load<std::uint8_t>(bytes);
+  if (component_ == UShort) return load<std::uint16_t>(bytes);
+  return load<std::uint32_t>(bytes);
+}
+
+}  // namespace planish

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+
+#include "planish/files/gltf/gltf_source.h"
+
+namespace planish {
+
+/// A typed array whose every element lies within its buffer view.
+class GltfAccessor {
+ public:
+  enum class Use { Positions, Indices, TextureCoordinates, Colors };
+
+  /// Checks everything before any element can be asked for: component and element type for the
+  /// use, count, offset, stride. Sparse accessors are refused. Throws Error{UnreadableInput}.
+  GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source);
+
+  [[nodiscard]] std::int64_t count() const { return count_; }
+  /// Of Use::Positions; normalised integers are scaled. May not be finite.
+  [[nodiscard]] glm::dvec3 position(std::int64_t index) const;
+  /// Of Use::TextureCoordinates. May not be finite.
+  [[nodiscard]] glm::dvec2 texture_coordinate(std::int64_t index) const;
+  /// Of Use::Colors, opaque where there is no alpha. May not be finite.
+  [[nodiscard]] glm::vec4 color(std::int64_t index) const;
+  /// Of Use::Indices.
+  [[nodiscard]] std::uint32_t index(std::int64_t index) const;
+
+ private:
+  enum Component {
+    Byte = 5120,
+    UByte = 5121,
+    Short = 5122,
+    UShort = 5123,
+    UInt = 5125,
+    Float = 5126
+  };
+
+  [[nodiscard]] double component(std::span<const std::byte> bytes) const;
+  // The k-th number of an element.
+  [[nodiscard]] double number(std::int64_t index, std::int64_t k) const;
+
+  std::span<const std::byte> bytes_;
+  std::int64_t count_ = 0, stride_ = 0, component_bytes_ = 0, number_count_ = 0;
+  Component component_ = Float;
+  bool normalized_ = false;
+};
+
+}  // namespace planish

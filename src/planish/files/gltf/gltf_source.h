@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "planish/files/gltf/json_place.h"
+
+namespace planish {
+
+/// Binary data of a glTF document, fetched when first asked for: a GLB's chunk, data URIs, and
+/// files beside the document where `folder` is given.
+class GltfSource {
+ public:
+  GltfSource(JsonPlace root, std::span<const std::byte> glb_chunk,
+             std::optional<std::filesystem::path> folder)
+      : root_(std::move(root)), glb_chunk_(glb_chunk), folder_(std::move(folder)) {}
+
+  /// The bytes of buffer `index`: exactly its byteLength. Throws Error{UnreadableInput}.
+  [[nodiscard]] std::span<const std::byte> buffer(std::int64_t index);
+  /// The bytes of a buffer view, which lie within its buffer.
+  [[nodiscard]] std::span<const std::byte> view(std::int64_t index);
+
+ private:
+  [[nodiscard]] std::span<const std::byte> fetch(const JsonPlace& uri);
+
+  JsonPlace root_;
+  std::span<const std::byte> glb_chunk_;
+  std::optional<std::filesystem::path> folder_;
+  std::map<std::string, std::vector<std::byte>> fetched_;  // by URI, so that none is read twice
+};
+
+/// Decodes base64 (RFC 4648) with or without its padding; empty if `text` is none.
+[[nodiscard]] std::optional<std::vector<std::byte>> decode_base64(std::string_view text);
+
+/// The file name that a relative URI stands for; empty where it is absolute, has a scheme, leads
+/// to a parent folder or is badly encoded.
+[[nodiscard]] std::optional<std::string> decode_relative_uri(std::string_view uri);
+
+}  // namespace planish

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "planish/files/mesh_file.h"
+
+namespace planish {
+
+/// Wavefront OBJ: v, vt, f (n-gons, negative indices), g, o, usemtl and the tags `t crease`,
+/// `t corner` and `t hole` of OpenSubdiv's shapes. Three numbers behind a position are its colour
+/// in sRGB, as other programs read and write it, a fourth is its alpha. A face's group takes its
+/// name from g, or from o where g names none. Lines, points and free-form elements are counted as
+/// dropped, normals are passed over. Conditions and exceptions as read_mesh().
+[[nodiscard]] MeshFile read_obj(std::span<const std::byte> bytes, std::string_view name);
+
+}  // namespace planish

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "planish/files/mesh_file.h"
+
+namespace planish {
+
+/// Geomview OFF as text, with the prefixes ST, C and N; what stands after the position of a vertex
+/// or the indices of a face is passed over. Conditions and exceptions as read_mesh().
+[[nodiscard]] MeshFile read_off(std::span<const std::byte> bytes, std::string_view name);
+
+}  // namespace planish

@@ -1,0 +1,304 @@
+// Based on: "The PCD (Point Cloud Data) file format", documentation of the Point Cloud Library.
+#include "planish/files/pcd/read_pcd.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "planish/core/error.h"
+#include "planish/files/pcd/lzf.h"
+#include "planish/files/shared/bytes.h"
+#include "planish/files/shared/text_lines.h"
+#include "planish/mesh/check.h"
+
+namespace planish {
+namespace {
+
+constexpr std::int64_t kMaxPoints = std::numeric_limits<std::int32_t>::max();
+// PCL's own limit on a field's count is smaller; this keeps sums of sizes within 64 bits.
+constexpr std::int64_t kMaxFieldCount = 1 << 20;
+// Times kMaxPoints it stays within 64 bits.
+constexpr std::int64_t kMaxRecordBytes = 1 << 30;
+
+struct Field {
+  std::string name;
+  std::int64_t size = 4, count = 1;
+  char type = 'F';
+};
+
+enum class Data { Text, Binary, Compressed };
+
+struct Header {
+  std::vector<Field> fields;
+  std::int64_t width = -1, height = 1, points = -1;
+  Data data = Data::Text;
+  std::array<std::size_t, 3> axes{};  // index of the fields x, y and z
+
+  [[nodiscard]] std::int64_t record_bytes() const {
+    std::int64_t bytes = 0;
+    for (const Field& field : fields) bytes += field.size * field.count;
+    return bytes;
+  }
+  // Bytes of a record that stand before the field.
+  [[nodiscard]] std::int64_t offset_of(std::size_t index) const {
+    std::int64_t bytes = 0;
+    for (std::size_t i = 0; i < index; ++i) bytes += fields[i].size * fields[i].count;
+    return bytes;
+  }
+};
+
+double load_value(std::span<const std::byte> bytes, const Field& field) {
+  if (field.type == 'F') return field.size == 8 ? load<double>(bytes) : load<float>(bytes);
+  const bool is_signed = field.type == 'I';
+  switch (field.size) {
+    case 1:
+      return is_signed ? load<std::int8_t>(bytes) : load<std::uint8_t>(bytes);
+    case 2:
+      return is_signed ? load<std::int16_t>(bytes) : load<std::uint16_t>(bytes);
+    case 4:
+      return is_signed ? load<std::int32_t>(bytes) : load<std::uint32_t>(bytes);
+    default:
+      return is_signed ? static_cast<double>(load<std::int64_t>(bytes))
+                       : static_cast<double>(load<std::uint64_t>(bytes));
+  }
+}
+
+class PcdReader {
+ public:
+  PcdReader(std::span<const std::byte> bytes, std::string_view name)
+      : bytes_(bytes), name_(name), lines_(bytes, name) {}
+
+  PointCloud read() {
+    read_header();
+    switch (header_.data) {
+      case Data::Text:
+        read_text();
+        break;
+      case Data::Binary:
+        read_binary();
+        break;
+      case Data::Compressed:
+        read_compressed();
+        break;
+    }
+    return std::move(cloud_);
+  }
+
+ private:
+  void read_header();
+  void read_header_line(std::string_view keyword, Words words);
+  template <class Set>
+  void for_each_field(Words words, std::string_view keyword, const Set& set);
+  std::int64_t read_count(std::string_view keyword, std::string_view word, std::int64_t most);
+  void check_header();
+  void read_text();
+  void read_binary();
+  void read_compressed();
+  void add(const glm::dvec3& point, std::int64_t index);
+  [[noreturn]] void fail(const std::string& what, std::int64_t element = -1) const {
+    throw Error(ErrorCode::UnreadableInput, name_ + ": " + what, element);
+  }
+
+  std::span<const std::byte> bytes_;
+  std::string name_;
+  TextLines lines_;
+  Header header_;
+  PointCloud cloud_;
+};
+
+std::int64_t PcdReader::read_count(std::string_view keyword, std::string_view word,
+                                   std::int64_t most) {
+  std::int64_t value = 0;
+  if (!parse_integer(word, value) || value < 0 || value > most)
+    lines_.fail(std::string(keyword) + " " + quote(word) + " is no integer from 0 to " +
+                std::to_string(most));
+  return value;
+}
+
+template <class Set>
+void PcdReader::for_each_field(Words words, std::string_view keyword, const Set& set) {
+  for (Field& field : header_.fields) {
+    const std::string_view word = words.next();
+    if (word.empty()) lines_.fail(std::string(keyword) + " names fewer values than FIELDS");
+    set(field, word);
+  }
+  if (!words.next().empty()) lines_.fail(std::string(keyword) + " names more values than FIELDS");
+}
+
+void PcdReader::read_header_line(std::string_view keyword, Words words) {
+  if (keyword == "FIELDS" || keyword == "COLUMNS") {
+    for (std::string_view word = words.next(); !word.empty(); word = words.next())
+      header_.fields.push_back({.name = std::string(word)});
+  } else if (keyword == "SIZE") {
+    for_each_field(words, keyword, [&](Field& field, std::string_view word) {
+      field.size = read_count(keyword, word, 8);
+      if (!std::has_single_bit(static_cast<std::uint64_t>(field.size)))
+        lines_.fail("SIZE " + quote(word) + " is not 1, 2, 4 or 8");
+    });
+  } else if (keyword == "TYPE") {
+    for_each_field(words, keyword, [&](Field& field, std::string_view word) {
+      if (word != "F" && word != "I" && word != "U")
+        lines_.fail("TYPE " + quote(word) + " is not F, I or U");
+      field.type = word.front();
+    });
+  } else if (keyword == "COUNT") {
+    for_each_field(words, keyword, [&](Field& field, std::string_view word) {
+      field.count = read_count(keyword, word, kMaxFieldCount);
+    });
+  } else if (keyword == "WIDTH") {
+    header_.width = read_count(keyword, words.next(), kMaxPoints);
+  } else if (keyword == "HEIGHT") {
+    header_.height = read_count(keyword, words.next(), kMaxPoints);
+  } else if (keyword == "POINTS") {
+    header_.points = read_count(keyword, words.next(), kMaxPoints);
+  } else if (keyword != "VERSION" && keyword != "VIEWPOINT") {
+    lines_.fail("unknown keyword " + quote(keyword) + "; is this a PCD file?");
+  }
+}
+
+void PcdReader::read_header() {
+  while (lines_.next_with_words()) {
+    Words words(lines_.line());
+    const std::string_view keyword = words.next();
+    if (keyword != "DATA") {
+      read_header_line(keyword, words);
+      continue;
+    }
+    const std::string_view kind = words.next();
+    if (kind == "ascii") {
+      header_.data = Data::Text;
+    } else if (kind == "binary") {
+      header_.data = Data::Binary;
+    } else if (kind == "binary_compressed") {
+      header_.data = Data::Compressed;
+    } else {
+      lines_.fail("DATA " + quote(kind) + " is not ascii, binary or binary_compressed");
+    }
+    check_header();
+    return;
+  }
+  fail("the file ends before the line DATA");
+}
+
+void PcdReader::check_header() {
+  constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto found = std::ranges::find(header_.fields, kAxes[axis], &Field::name);
+    if (found == header_.fields.end())
+      lines_.fail("FIELDS has no " + quote(kAxes[axis]) + "; x, y and z are needed");
+    if (found->count != 1) lines_.fail("COUNT of " + quote(kAxes[axis]) + " is not 1");
+    if (found->type == 'F' && found->size < 4)
+      lines_.fail("SIZE of " + quote(kAxes[axis]) + " is no 4 or 8, as type F needs");
+    header_.axes[axis] = static_cast<std::size_t>(found - header_.fields.begin());
+  }
+  if (header_.record_bytes() > kMaxRecordBytes) lines_.fail("a point has more than 2^30 bytes");
+  if (header_.width < 0 && header_.points < 0) lines_.fail("neither WIDTH nor POINTS is given");
+  // Both factors are below 2^31.
+  const std::int64_t product = header_.width < 0 ? header_.points : header_.width * header_.height;
+  if (header_.points < 0) header_.points = product;
+  if (header_.points != product || product > kMaxPoints)
+    lines_.fail("POINTS " + std::to_string(header_.points) + " is not WIDTH times HEIGHT, " +
+                std::to_string(product));
+}
+
+void PcdReader::add(const glm::dvec3& point, std::int64_t index) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::isnan(point[axis])) {
+      ++cloud_.missing_count;
+      return;
+    }
+    if (std::abs(point[axis]) > kMaxCoordinate)
+      fail("point " + std::to_string(index) + " of " + std::to_string(header_.points) +
+               " has a coordinate beyond 1e150",
+           index);
+  }
+  cloud_.points.push_back(point);
+}
+
+void PcdReader::read_text() {
+  if (static_cast<std::uint64_t>(header_.points) > (lines_.bytes_left() + 1) / 6)
+    lines_.fail("POINTS promises " + std::to_string(header_.points) + ", but only " +
+                std::to_string(lines_.bytes_left()) + " bytes follow");
+  cloud_.points.reserve(header_.points);
+  for (std::int64_t index = 0; index < header_.points; ++index) {
+    if (!lines_.next_with_words())
+      lines_.fail("the file ends at point " + std::to_string(index) + " of " +
+                      std::to_string(header_.points),
+                  index);
+    Words words(lines_.line());
+    glm::dvec3 point(0.0);
+    for (std::size_t f = 0; f < header_.fields.size(); ++f) {
+      std::string_view word;
+      for (std::int64_t i = 0; i < header_.fields[f].count; ++i) {
+        word = words.next();
+        if (word.empty()) lines_.fail("point " + std::to_string(index) + " has too few values");
+      }
+      const auto axis = std::ranges::find(header_.axes, f) - header_.axes.begin();
+      if (axis == 3) continue;
+      if (word == "nan" || word == "-nan") {
+        point[axis] = std::numeric_limits<double>::quiet_NaN();
+      } else if (!parse_number(word, point[axis])) {
+        lines_.fail("coordinate " + quote(word) + " is no finite number", index);
+      }
+    }
+    add(point, index);
+  }
+}
+
+void PcdReader::read_binary() {
+  const std::span<const std::byte> body = bytes_.last(lines_.bytes_left());
+  const std::int64_t stride = header_.record_bytes();
+  if (static_cast<std::uint64_t>(header_.points) > body.size() / static_cast<std::size_t>(stride))
+    fail("POINTS promises " + std::to_string(header_.points) + " points of " +
+         std::to_string(stride) + " bytes, but only " + std::to_string(body.size()) +
+         " bytes follow");
+  cloud_.points.reserve(header_.points);
+  for (std::int64_t index = 0; index < header_.points; ++index) {
+    const auto record = body.subspan(index * stride, stride);
+    glm::dvec3 point;
+    for (int axis = 0; axis < 3; ++axis)
+      point[axis] = load_value(record.subspan(header_.offset_of(header_.axes[axis])),
+                               header_.fields[header_.axes[axis]]);
+    add(point, index);
+  }
+}
+
+void PcdReader::read_compressed() {
+  constexpr std::size_t kSizes = 8;
+  const std::span<const std::byte> body = bytes_.last(lines_.bytes_left());
+  if (body.size() < kSizes) fail("the file ends inside the sizes of its compressed data");
+  const std::size_t packed = load<std::uint32_t>(body);
+  const std::size_t expanded = load<std::uint32_t>(body.subspan(4));
+  if (packed > body.size() - kSizes)
+    fail("compressed data of " + std::to_string(packed) + " bytes is promised, but only " +
+         std::to_string(body.size() - kSizes) + " bytes follow");
+  const auto count = static_cast<std::size_t>(header_.points);
+  if (count * static_cast<std::size_t>(header_.record_bytes()) != expanded)
+    fail("compressed data expands to " + std::to_string(expanded) + " bytes, but " +
+         std::to_string(count) + " points of " + std::to_string(header_.record_bytes()) +
+         " bytes are promised");
+  const std::vector<std::byte> data = expand_lzf(body.subspan(kSizes, packed), expanded);
+  if (data.size() != expanded) fail("the compressed data is damaged");
+  // Unlike the other kinds, all values of a field stand together.
+  cloud_.points.reserve(count);
+  for (std::size_t index = 0; index < count; ++index) {
+    glm::dvec3 point;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Field& field = header_.fields[header_.axes[axis]];
+      const std::size_t begin = header_.offset_of(header_.axes[axis]) * count;
+      point[axis] = load_value(std::span(data).subspan(begin + index * field.size), field);
+    }
+    add(point, static_cast<std::int64_t>(index));
+  }
+}
+
+}  // namespace
+
+PointCloud read_pcd(std::span<const std::byte> bytes, std::string_view name) {
+  return PcdReader(bytes, name).read();
+}
+
+}  // namespace planish

@@ -1,0 +1,81 @@
+#include "planish/files/shared/text_lines.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "planish/core/error.h"
+
+namespace planish {
+namespace {
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f';
+}
+
+}  // namespace
+
+std::string_view Words::next() {
+  const auto blank = [&](const char* at) {
+    return is_blank(*at) || (*at == '\\' && at + 1 < end_ && (at[1] == '\n' || at[1] == '\r'));
+  };
+  while (at_ < end_ && blank(at_)) ++at_;
+  if (at_ < end_ && *at_ == '#') at_ = end_;
+  const char* begin = at_;
+  while (at_ < end_ && !blank(at_)) ++at_;
+  return {begin, static_cast<std::size_t>(at_ - begin)};
+}
+
+TextLines::TextLines(std::span<const std::byte> bytes, std::string_view name,
+                     Continuation continuation)
+    : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
+      name_(name),
+      continuation_(continuation),
+      terminator_(text_.find('\n') == std::string_view::npos ? '\r' : '\n') {}
+
+std::size_t TextLines::end_of_line(std::size_t from) const {
+  if (from >= text_.size()) return text_.size();
+  const void* found = std::memchr(text_.data() + from, terminator_, text_.size() - from);
+  return found ? static_cast<std::size_t>(static_cast<const char*>(found) - text_.data())
+               : text_.size();
+}
+
+bool TextLines::next() {
+  if (position_ >= text_.size()) return false;
+  number_ = next_number_;
+  const std::size_t begin = position_;
+  std::size_t end = end_of_line(begin);
+  const auto ends_with_backslash = [&] {
+    std::size_t last = end;
+    if (last > begin && text_[last - 1] == '\r') --last;
+    return last > begin && text_[last - 1] == '\\';
+  };
+  ++next_number_;
+  // A path at the end of a comment may end with a backslash too.
+  if (continuation_ == Continuation::Backslash && text_[begin] != '#') {
+    while (end < text_.size() && ends_with_backslash()) {
+      end = end_of_line(end + 1);
+      ++next_number_;
+    }
+  }
+  position_ = end + (end < text_.size());
+  if (end > begin && text_[end - 1] == '\r') --end;
+  line_ = text_.substr(begin, end - begin);
+  return true;
+}
+
+bool TextLines::next_with_words() {
+  while (next())
+    if (!Words(line_).next().empty()) return true;
+  return false;
+}
+
+void TextLines::fail(const std::string& what, std::int64_t element) const {
+  fail_at(std::max<std::int64_t>(number_, 1), what, element);
+}
+
+void TextLines::fail_at(std::int64_t line, const std::string& what, std::int64_t element) const {
+  throw Error(ErrorCode::UnreadableInput, name_ + ":" + std::to_string(line) + ": " + what,
+              element);
+}
+
+}  // namespace planish

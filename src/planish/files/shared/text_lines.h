@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "planish/core/number_text.h"
+
+namespace planish {
+
+/// Words of a line, separated by blanks; a word that begins with `#` ends the line. A backslash
+/// before a line break counts as a blank.
+class Words {
+ public:
+  explicit Words(std::string_view line) : at_(line.data()), end_(at_ + line.size()) {}
+
+  /// The next word; empty at the end.
+  [[nodiscard]] std::string_view next();
+  /// Everything that was not taken yet.
+  [[nodiscard]] std::string_view rest() const {
+    return {at_, static_cast<std::size_t>(end_ - at_)};
+  }
+
+ private:
+  const char* at_;
+  const char* end_;
+};
+
+/// Walks through the lines of a text file; LF, CRLF and CR line ends.
+class TextLines {
+ public:
+  enum class Continuation { None, Backslash };
+
+  TextLines(std::span<const std::byte> bytes, std::string_view name,
+            Continuation continuation = Continuation::None);
+
+  /// Moves to the next line; false at the end of the file.
+  [[nodiscard]] bool next();
+  /// Moves to the next line that is neither blank nor a comment.
+  [[nodiscard]] bool next_with_words();
+  /// The current line without its end; continued lines are one.
+  [[nodiscard]] std::string_view line() const { return line_; }
+  /// 1-based number of the (first) current line.
+  [[nodiscard]] std::int64_t number() const { return number_; }
+  /// Bytes after the current line.
+  [[nodiscard]] std::size_t bytes_left() const { return text_.size() - position_; }
+
+  /// Throws Error{UnreadableInput} `name:line: what`, at the current line or at `line`.
+  [[noreturn]] void fail(const std::string& what, std::int64_t element = -1) const;
+  [[noreturn]] void fail_at(std::int64_t line, const std::string& what,
+                            std::int64_t element = -1) const;
+
+ private:
+  [[nodiscard]] std::size_t end_of_line(std::size_t from) const;
+
+  std::string_view text_;
+  std::string name_;
+  Continuation continuation_;
+  char terminator_;
+  std::string_view line_;
+  std::size_t position_ = 0;
+  std::int64_t number_ = 0;
+  std::int64_t next_number_ = 1;
+};
+
+}  // namespace planish

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <utility>
+#include <vector>
+
+#include "planish/files/mesh_file.h"
+
+namespace planish {
+
+/// Gives equal positions one index, in the order in which they first come; -0.0 equals 0.0.
+class Welder {
+ public:
+  Welder();
+
+  /// The index of `position`, which must be finite. Throws Error{UnreadableInput} past 2^31 - 1.
+  std::int32_t insert(const glm::dvec3& position);
+  [[nodiscard]] std::vector<glm::dvec3> take_positions() { return std::move(positions_); }
+  /// How many inserted positions were there already.
+  [[nodiscard]] std::int64_t merged_count() const { return merged_count_; }
+
+ private:
+  void grow();
+
+  std::vector<glm::dvec3> positions_;
+  std::vector<std::int32_t> slots_;  // open addressing; -1 is free
+  std::int64_t merged_count_ = 0;
+};
+
+/// Collects triangles by welded vertices for the formats that know nothing else. Triangles that
+/// name a vertex twice have no area and are left out.
+class TriangleCollector {
+ public:
+  /// False for a triangle that was left out.
+  bool add(std::int32_t v0, std::int32_t v1, std::int32_t v2);
+  [[nodiscard]] std::size_t corner_count() const { return mesh_.face_vertices.size(); }
+  /// Hands over the mesh with its counts, and a warning if triangles were left out.
+  void finish(Welder& welder, MeshFile& file);
+
+ private:
+  PolygonMesh mesh_;
+  std::int64_t degenerate_count_ = 0;
+};
+
+}  // namespace planish

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+
+#include "planish/files/mesh_file.h"
+
+namespace planish {
+
+/// What the writers see of a polygon mesh or a tessellated surface.
+struct PolygonView {
+  std::span<const glm::dvec3> positions;
+  std::span<const glm::vec3> normals;          ///< empty, or one per position
+  std::span<const std::int32_t> face_offsets;  ///< empty: every face has four corners
+  std::span<const std::int32_t> face_vertices;
+  std::span<const CreaseEdge> creases;
+  std::span<const CornerVertex> corners;
+  std::span<const glm::dvec2> uvs;
+  std::span<const std::int32_t> face_uvs;  ///< empty, or one per corner; -1: none there
+  std::span<const glm::vec4> colors;       ///< empty, or one per position; linear RGBA
+  std::span<const FaceGroup> groups;
+  std::span<const std::int32_t> face_groups;  ///< empty, or one per face
+  std::span<const std::int32_t> hole_faces;
+  std::span<const std::string> header;  ///< comment lines, without the comment sign
+
+  [[nodiscard]] std::size_t face_count() const {
+    return face_offsets.empty() ? face_vertices.size() / 4 : face_offsets.size() - 1;
+  }
+  [[nodiscard]] std::span<const std::int32_t> face(std::size_t index) const {
+    if (face_offsets.empty()) return face_vertices.subspan(4 * index, 4);
+    return face_vertices.subspan(face_offsets[index],
+                                 face_offsets[index + 1] - face_offsets[index]);
+  }
+};
+
+/// Writes OBJ (`vn` for normals, `vt`, `g`, `usemtl`, colours in sRGB behind the positions, `t`
+/// tags for creases, corners and holes), PLY (binary little endian, double positions, float
+/// `nx ny nz` for normals, sRGB colours of 8 bits) or OFF (positions and faces) through OutputFile.
+/// Names lose what OBJ cannot hold: control characters, `#` before a word, `\` at the end.
+/// Throws Error{UnwritableOutput}; Error{InvalidArgument} for other formats, for numbers that are
+/// not finite and for header lines that hold a line break.
+void write_polygons(const std::filesystem::path& path, MeshFormat format, const PolygonView& view);
+
+}  // namespace planish

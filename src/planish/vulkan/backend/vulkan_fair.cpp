@@ -1,0 +1,65 @@
+#include "planish/vulkan/backend/vulkan_fair.h"
+
+#include <cstring>
+
+#include "planish/core/assert.h"
+#include "planish/core/error.h"
+#include "planish/vulkan/fair/gpu_fair.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+std::vector<std::uint32_t> download_words(Submitter& submitter, const Buffer& source,
+                                          std::size_t count) {
+  std::vector<std::uint32_t> words(count);
+  submitter.download({source.handle(), 0, count * sizeof words[0]},
+                     [&](std::uint64_t offset, std::span<const std::byte> piece) {
+                       std::memcpy(&words[offset / sizeof words[0]], piece.data(), piece.size());
+                     });
+  return words;
+}
+
+}  // namespace
+
+FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
+                       std::span<const glm::dvec3> given, const FairOptions& options) {
+  require_valid(options);
+  PLANISH_ASSERT(std::ssize(given) == topology.vertex_count);
+  Context& context = machine.context;
+  const FairRecords records = fair_records(topology, options.decisions);
+  const FairTables tables(context, records);
+  tables.for_each(records, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
+    machine.submitter.upload({buffer.handle(), 0, bytes.size()}, bytes);
+  });
+  const Buffer points(context, given.size() * shared::kPointFloats * sizeof(float),
+                      MemoryUse::Device, "planish given points");
+  machine.upload_points(points, given);
+  options.callbacks.check_cancelled();
+
+  GpuFairOptions on_device;
+  on_device.polish_steps = static_cast<std::uint32_t>(options.polish_steps);
+  const GpuFair fair(context, tables, points, on_device);
+  machine.submitter.run([&](VkCommandBuffer commands) { fair.record(commands); });
+
+  // What the given points lose to single precision is nothing that the net must lose.
+  FairNet net;
+  net.state = machine.download_points(fair.buffers().result, records.owners.size());
+  for (std::size_t i = 0; i < net.state.size(); ++i) net.state[i] += given[records.owners[i]];
+  const std::vector<std::uint32_t> counts =
+      download_words(machine.submitter, fair.buffers().counts, shared::kFairCounts);
+  const std::uint32_t last =
+      (options.polish_steps > 0 ? shared::kRepairCounts : 0) + 2 * shared::kRepairRounds;
+  net.flagged_edges = counts[last];
+  net.flagged_faces = counts[last + 1];
+  const std::vector<std::uint32_t> decisions =
+      download_words(machine.submitter, fair.buffers().decisions, given.size());
+  for (const std::uint32_t word : decisions) {
+    net.reversed_vertices += (word & shared::kReversed) != 0;
+    net.shrunk_vertices += (word & (shared::kReversed - 1)) != 0;
+  }
+  net.decisions = unpack_decisions(decisions);
+  return net;
+}
+
+}  // namespace planish::vulkan

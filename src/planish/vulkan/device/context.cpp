@@ -1,0 +1,89 @@
+#include "planish/vulkan/device/context.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "planish/core/error.h"
+#include "planish/vulkan/device/own_device.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+// Devices with less than this would cut usual tables into many slices.
+constexpr std::uint64_t kEnoughTexelElements = std::uint64_t(1) << 26;
+
+PipelineVariant suitable_variant(const Capabilities& device) {
+  const bool software =
+      device.kind == "software" && device.max_texel_elements >= kEnoughTexelElements;
+  return software ? kSoftwareVariant : kHardwareVariant;
+}
+
+Capabilities usable_capabilities(const HostDevice& host) {
+  if (!host.get_instance_proc || !host.instance || !host.physical_device || !host.device)
+    throw Error(ErrorCode::InvalidArgument,
+                "a HostDevice needs get_instance_proc, instance, physical_device and device");
+  if (host.api_version < VK_API_VERSION_1_1)
+    throw Error(ErrorCode::NoDevice,
+                "the host's instance or device is of Vulkan 1.0; planish needs 1.1");
+  Capabilities capabilities =
+      query_capabilities(host.get_instance_proc, host.instance, host.physical_device);
+  if (!capabilities.usable)
+    throw Error(ErrorCode::NoDevice, capabilities.name + " " + capabilities.reason);
+  return capabilities;
+}
+
+template <class Number>
+Number lowered(Number limit, Number option) {
+  return option ? std::min(limit, option) : limit;
+}
+
+DeviceFunctions load_functions(const HostDevice& host) {
+  const InstanceFunctions functions =
+      InstanceFunctions::load(host.get_instance_proc, host.instance);
+  return DeviceFunctions::load(functions.vkGetDeviceProcAddr, host.device);
+}
+
+}  // namespace
+
+Context::Context(const HostDevice& host, const ContextOptions& options)
+    : device_(host.device),
+      callbacks_(host.allocation_callbacks),
+      capabilities_(usable_capabilities(host)),
+      max_storage_range_(
+          lowered(std::min(capabilities_.max_storage_range, capabilities_.max_allocation),
+                  options.max_storage_range)),
+      max_group_count_(lowered(capabilities_.max_group_count, options.max_group_count)),
+      variant_(options.variant.value_or(suitable_variant(capabilities_))),
+      log_(host.log),
+      functions_(load_functions(host)),
+      labels_(host.features.debug_utils
+                  ? DebugLabels(host.get_instance_proc, host.instance, host.device)
+                  : DebugLabels()),
+      memory_(functions_, device_, capabilities_, callbacks_, host.memory),
+      pipelines_(functions_, device_, host.pipeline_cache, callbacks_, variant_) {
+  // Texels may be as small as a float.
+  if (variant_.read_path == ReadPath::Texel)
+    max_storage_range_ =
+        std::min(max_storage_range_, capabilities_.max_texel_elements * sizeof(float));
+  for (std::size_t i = 0; i < kKernelCount; ++i) {
+    const auto kernel = static_cast<Kernel>(i);
+    if (!pipelines_[kernel].pipeline) continue;  // compiled on demand
+    labels_.name(VK_OBJECT_TYPE_PIPELINE, handle_number(pipelines_[kernel].pipeline),
+                 name_of(kernel));
+  }
+  log("planish: " + capabilities_.name + ", " +
+      (variant_.read_path == ReadPath::Texel ? "texel" : "storage") + " buffers, " +
+      std::to_string(max_storage_range_) + " bytes a binding");
+}
+
+Context::Context(const OwnDevice& own, const ContextOptions& options)
+    : Context(own.host_device(), options) {}
+
+std::uint64_t Context::max_texel_elements() const {
+  return variant_.read_path == ReadPath::Texel ? capabilities_.max_texel_elements
+                                               : std::numeric_limits<std::uint64_t>::max();
+}
+
+}  // namespace planish::vulkan

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "planish/vulkan/device/capabilities.h"
+#include "planish/vulkan/device/debug_labels.h"
+#include "planish/vulkan/device/functions.h"
+#include "planish/vulkan/device/memory.h"
+#include "planish/vulkan/device/pipelines.h"
+
+namespace planish::vulkan {
+
+class OwnDevice;
+
+/// What the host enabled on its instance and device: that cannot be asked of a VkDevice. planish
+/// needs none of it.
+struct EnabledFeatures {
+  bool debug_utils = false;  ///< VK_EXT_debug_utils: objects get names, recorded work gets labels
+};
+
+/// What a host gives. Nothing is owned; everything must outlive the Context.
+struct HostDevice {
+  PFN_vkGetInstanceProcAddr get_instance_proc = nullptr;
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_device = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  /// The lower of VkApplicationInfo::apiVersion and the device's; 1.1 at least.
+  std::uint32_t api_version = VK_API_VERSION_1_1;
+  EnabledFeatures features;
+  VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
+  const VkAllocationCallbacks* allocation_callbacks = nullptr;
+  MemoryHooks memory;
+  /// Gets what a developer may want to know, one line a call: what was chosen, and how large tables
+  /// are. Called where objects are made, on the thread that makes them.
+  std::function<void(std::string_view)> log;
+};
+
+/// Where a CPU plays the device, storage buffers are read lane by lane but texel buffers by
+/// gathers, barriers suspend every subgroup, and a work group's fixed costs weigh more.
+inline constexpr PipelineVariant kSoftwareVariant{ReadPath::Texel, 16, true};
+inline constexpr PipelineVariant kHardwareVariant{ReadPath::Storage, 1, false};
+
+struct ContextOptions {
+  /// Bytes that one binding may span at most, below the device's limit; 0: the device's limit.
+  std::uint64_t max_storage_range = 0;
+  /// Work groups of one dispatch at most, below the device's limit; 0: the device's limit.
+  std::uint32_t max_group_count = 0;
+  /// How kernels read and sum; unset: what suits the device.
+  std::optional<PipelineVariant> variant;
+};
+
+/// Device functions, limits, memory and pipelines: what all objects on a device share. Never
+/// submits, never waits. Thread-safe; outlives every object made with it.
+class Context {
+ public:
+  /// Throws Error{NoDevice} where the device is not usable, saying why.
+  explicit Context(const HostDevice& host, const ContextOptions& options = {});
+  /// On the command's own device, which outlives the Context.
+  explicit Context(const OwnDevice& own, const ContextOptions& options = {});
+
+  [[nodiscard]] const DeviceFunctions& vk() const { return functions_; }
+  [[nodiscard]] VkDevice device() const { return device_; }
+  [[nodiscard]] const VkAllocationCallbacks* callbacks() const { return callbacks_; }
+  [[nodiscard]] const Capabilities& capabilities() const { return capabilities_; }
+  [[nodiscard]] MemoryAllocator& memory() { return memory_; }
+  [[nodiscard]] const Pipelines& pipelines() const { return pipelines_; }
+
+  [[nodiscard]] std::uint64_t max_storage_range() const { return max_storage_range_; }
+  [[nodiscard]] std::uint32_t max_group_count() const { return max_group_count_; }
+  /// Elements that a texel buffer may have; no limit where kernels read storage buffers.
+  [[nodiscard]] std::uint64_t max_texel_elements() const;
+  [[nodiscard]] const PipelineVariant& variant() const { return variant_; }
+
+  [[nodiscard]] const DebugLabels& labels() const { return labels_; }
+  void log(std::string_view line) const {
+    if (log_) log_(line);
+  }
+
+ private:
+  VkDevice device_;
+  const VkAllocationCallbacks* callbacks_;
+  Capabilities capabilities_;
+  std::uint64_t max_storage_range_;
+  std::uint32_t max_group_count_;
+  PipelineVariant variant_;
+  std::function<void(std::string_view)> log_;
+  DeviceFunctions functions_;
+  DebugLabels labels_;
+  MemoryAllocator memory_;
+  Pipelines pipelines_;
+};
+
+}  // namespace planish::vulkan

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+
+#include "planish/vulkan/device/capabilities.h"
+#include "planish/vulkan/device/functions.h"
+
+namespace planish::vulkan {
+
+/// What a buffer's memory is for.
+enum class MemoryUse {
+  Device,    ///< read and written by kernels only
+  Upload,    ///< written by the host, mapped
+  Download,  ///< read by the host, mapped, cached where possible
+};
+
+struct MemoryRequest {
+  VkMemoryRequirements requirements;
+  MemoryUse use;
+};
+
+/// A piece of device memory. `mapped` is null for MemoryUse::Device.
+struct MemoryBlock {
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
+  void* mapped = nullptr;
+  bool coherent = true;   ///< false: planish flushes and invalidates [offset, offset + size)
+  void* owner = nullptr;  ///< the host allocator's own handle
+};
+
+/// How a host's allocator serves every allocation. Both or neither are set. `allocate` may throw
+/// planish::Error. With non-coherent memory, blocks start and end at multiples of
+/// nonCoherentAtomSize.
+struct MemoryHooks {
+  std::function<MemoryBlock(const MemoryRequest&)> allocate;
+  std::function<void(const MemoryBlock&)> free;
+};
+
+/// Gives memory to buffers, by the hooks or by vkAllocateMemory, and counts it. Thread-safe.
+class MemoryAllocator {
+ public:
+  MemoryAllocator(const DeviceFunctions& functions, VkDevice device,
+                  const Capabilities& capabilities, const VkAllocationCallbacks* callbacks,
+                  MemoryHooks hooks);
+
+  /// Throws Error{OutOfMemory} before taking memory that a heap or limit does not allow, naming
+  /// it.
+  [[nodiscard]] MemoryBlock allocate(const MemoryRequest& request);
+  void free(const MemoryBlock& block, VkDeviceSize size) noexcept;
+
+  [[nodiscard]] std::uint64_t peak_bytes() const;
+
+ private:
+  [[nodiscard]] std::uint32_t pick_type(const MemoryRequest& request) const;
+  void check_room(std::uint32_t type, std::uint64_t size) const;
+  [[nodiscard]] MemoryBlock allocate_own(const MemoryRequest& request);
+
+  const DeviceFunctions& vk_;
+  VkDevice device_;
+  const Capabilities& capabilities_;
+  const VkAllocationCallbacks* callbacks_;
+  MemoryHooks hooks_;
+  mutable std::mutex mutex_;
+  std::uint64_t used_ = 0;
+  std::uint64_t peak_ = 0;
+};
+
+}  // namespace planish::vulkan

@@ -1,0 +1,73 @@
+#include "planish/vulkan/evaluate/gpu_evaluation.h"
+
+#include <algorithm>
+
+#include "planish/vulkan/device/commands.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr std::uint32_t kVectorFloats = 3;
+
+// The host's vertices as far as they are written.
+FloatElements elements_of(const VertexLayout& layout) {
+  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
+  return {layout.buffer, layout.offset / sizeof(float),
+          static_cast<std::uint32_t>(last / sizeof(float)) + kVectorFloats,
+          static_cast<std::uint32_t>(layout.stride / sizeof(float))};
+}
+
+}  // namespace
+
+GpuEvaluation::GpuEvaluation(Context& context, std::span<const DeviceTable> refinement,
+                             const DeviceTable& limit, const Buffer& control_points,
+                             const VertexLayout& layout)
+    : context_(context), limit_(limit), layout_(layout) {
+  constexpr std::uint32_t kFloats = shared::kPointFloats;
+  const Buffer* source = &control_points;
+  states_.reserve(refinement.size());
+  for (const DeviceTable& table : refinement) {
+    const Buffer& target =
+        states_.emplace_back(context, std::uint64_t(table.row_count()) * kFloats * sizeof(float),
+                             MemoryUse::Device, "planish refined points");
+    refinement_.push_back({context,
+                           table,
+                           {source->handle(), 0, 3, kFloats},
+                           {target.handle(), 0, 3, kFloats},
+                           {0, table.row_count()}});
+    source = &target;
+  }
+  std::vector<BoundKernel> bound;
+  for (const DeviceTable::Slice& slice : limit.slices()) {
+    const ElementWindow window =
+        element_window(elements_of(layout), slice.rows.first_row, slice.rows.row_count);
+    first_targets_.push_back(window.shift +
+                             static_cast<std::uint32_t>(layout.position_offset / sizeof(float)));
+    bound.push_back({Kernel::ApplyLimit,
+                     {whole(slice.entries), whole(slice.chunks),
+                      point_range(*source, slice.rows.first_source, slice.rows.source_count),
+                      window.range, whole(slice.derivatives)}});
+  }
+  sets_ = DescriptorSets(context, bound);
+}
+
+void GpuEvaluation::record(VkCommandBuffer commands) const noexcept {
+  for (const StencilPass& pass : refinement_) {
+    pass.record(commands);
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+  for (std::size_t i = 0; i < limit_.slices().size(); ++i) {
+    shared::TableParameters parameters = limit_.parameters(i);
+    parameters.first_target = first_targets_[i];
+    parameters.target_stride = layout_.stride / sizeof(float);
+    // May be negative: the kernel's sum wraps around.
+    parameters.normal_offset =
+        layout_.normal_offset / sizeof(float) - layout_.position_offset / sizeof(float);
+    limit_.record_dispatch(commands, Kernel::ApplyLimit, sets_[i], i, parameters);
+    // Windows of neighbouring slices share their edge.
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+}
+
+}  // namespace planish::vulkan

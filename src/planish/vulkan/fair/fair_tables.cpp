@@ -1,0 +1,189 @@
+#include "planish/vulkan/fair/fair_tables.h"
+
+#include <string>
+
+#include "planish/core/error.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+static_assert(shared::kSmooth == static_cast<std::uint32_t>(VertexKind::Smooth) &&
+              shared::kDart == static_cast<std::uint32_t>(VertexKind::Dart) &&
+              shared::kCrease == static_cast<std::uint32_t>(VertexKind::Crease) &&
+              shared::kCorner == static_cast<std::uint32_t>(VertexKind::Corner));
+
+std::uint32_t word(std::int32_t index) { return static_cast<std::uint32_t>(index); }
+
+void add_vertices(const FairTopology& topology, FairRecords& records) {
+  records.vertices.resize(static_cast<std::size_t>(topology.vertex_count));
+  for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
+    shared::FairVertex& vertex = records.vertices[v];
+    vertex = {word(topology.ring_offsets[v]),
+              word(topology.valence(v)),
+              topology.kinds[v],
+              topology.is_regular[v],
+              0,
+              0,
+              0,
+              0,
+              word(topology.unit_circle.offsets[topology.valence(v)]),
+              topology.is_near_curve[v],
+              0,
+              0};
+    const VertexKind kind = topology.kind(v);
+    if (topology.is_regular[v] && kind != VertexKind::Corner) records.has_regular_vertices = true;
+    if (kind != VertexKind::Crease) continue;
+    const auto [before, after] = topology.crease_neighbours(v);
+    const FairTopology::Sector& sector =
+        topology.sectors[topology.sector_offsets[topology.crease_of_vertex[v]]];
+    vertex.before = word(before);
+    vertex.after = word(after);
+    vertex.curve0 = word(sector.curve0);
+    vertex.curve1 = word(sector.curve1);
+  }
+}
+
+void add_corners(const FairTopology& topology, FairRecords& records) {
+  const auto count = static_cast<std::size_t>(topology.corner_count);
+  records.places.resize(count);
+  records.links.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t corner = topology.ring_corners[i];
+    records.places[i] = {word(corner), word(topology.ring_next[i]), word(topology.ring_previous[i]),
+                         word(topology.corner_faces[corner])};
+  }
+  records.faces.resize(static_cast<std::size_t>(topology.face_count));
+  for (std::int32_t f = 0; f < topology.face_count; ++f) {
+    const std::int32_t first = topology.face_offsets[f], m = topology.face_size(f);
+    records.faces[f] = {word(first), word(m), word(topology.unit_circle.offsets[m]), 0};
+    for (std::int32_t c = first; c < first + m; ++c) {
+      records.links[c] = {word(c + 1 == first + m ? first : c + 1),
+                          word(c == first ? first + m - 1 : c - 1), word(topology.corner_ccw[c]),
+                          word(topology.corner_cw[c])};
+    }
+  }
+}
+
+void add_edges(const FairTopology& topology, FairRecords& records) {
+  records.edges.reserve(topology.edges.size());
+  for (const FairTopology::Edge& edge : topology.edges) {
+    records.edges.push_back({word(edge.corners[0]), word(edge.corners[1]), word(edge.corners[2]),
+                             word(edge.corners[3]), word(edge.faces[0]), word(edge.faces[1]), 0,
+                             0});
+  }
+}
+
+// Sectors at corner vertices are left out: their control points are those of one step.
+void add_creases(const FairTopology& topology, FairRecords& records) {
+  for (const std::int32_t v : topology.crease_vertices) {
+    if (topology.kind(v) != VertexKind::Crease) continue;
+    const shared::FairVertex& vertex = records.vertices[v];
+    const std::int32_t crease = topology.crease_of_vertex[v];
+    for (std::int32_t s = topology.sector_offsets[crease]; s < topology.sector_offsets[crease + 1];
+         ++s) {
+      const FairTopology::Sector& sector = topology.sectors[s];
+      records.sectors.push_back({word(v), word(sector.first), word(sector.count),
+                                 static_cast<std::uint32_t>(records.creases.size()),
+                                 vertex.curve0});
+    }
+    records.creases.push_back({word(v), vertex.before, vertex.after, vertex.curve0, vertex.curve1});
+  }
+  for (const FairTopology::CurvePoint& point : topology.curve_points) {
+    records.curve_points.push_back({word(point.vertex), word(point.other),
+                                    topology.kinds[point.vertex], word(point.corner_after),
+                                    word(point.corner_before)});
+  }
+}
+
+void add_owners(const FairTopology& topology, FairRecords& records) {
+  records.owners.reserve(static_cast<std::size_t>(topology.state_size));
+  for (const std::int32_t vertex : topology.corner_vertices) records.owners.push_back(word(vertex));
+  for (const FairTopology::CurvePoint& point : topology.curve_points)
+    records.owners.push_back(word(point.vertex));
+  for (const std::int32_t vertex : topology.corner_points) records.owners.push_back(word(vertex));
+}
+
+template <class Items>
+Buffer make_table(Context& context, const Items& items, const char* name) {
+  return make_bindable(context, std::as_bytes(std::span(items)).size(), name);
+}
+
+template <class Items>
+std::uint32_t count_of(const Items& items) {
+  return static_cast<std::uint32_t>(items.size());
+}
+
+}  // namespace
+
+FairRecords fair_records(const FairTopology& topology, const FairDecisions* decisions) {
+  FairRecords records;
+  if (decisions) records.decisions = pack_decisions(*decisions);
+  add_vertices(topology, records);
+  add_corners(topology, records);
+  add_edges(topology, records);
+  add_creases(topology, records);
+  add_owners(topology, records);
+  for (const glm::dvec2& point : topology.unit_circle.points) {
+    records.circle.push_back(static_cast<float>(point.x));
+    records.circle.push_back(static_cast<float>(point.y));
+  }
+  return records;
+}
+
+std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions) {
+  std::vector<std::uint32_t> words(decisions.reversed.size());
+  for (std::size_t v = 0; v < words.size(); ++v) {
+    words[v] = decisions.halvings[v] |
+               std::uint32_t{decisions.late_halvings[v]} << shared::kLateShift |
+               (decisions.reversed[v] ? shared::kReversed : 0);
+  }
+  return words;
+}
+
+FairDecisions unpack_decisions(std::span<const std::uint32_t> words) {
+  FairDecisions decisions;
+  for (const std::uint32_t word : words) {
+    decisions.reversed.push_back(word & shared::kReversed ? 1 : 0);
+    decisions.halvings.push_back(static_cast<std::uint8_t>(word & shared::kHalvingsMask));
+    decisions.late_halvings.push_back(
+        static_cast<std::uint8_t>(word >> shared::kLateShift & shared::kHalvingsMask));
+  }
+  return decisions;
+}
+
+Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name) {
+  if (bytes > context.max_storage_range())
+    throw Error(ErrorCode::OutOfMemory,
+                context.capabilities().name + ": the fair method needs " + std::to_string(bytes) +
+                    " bytes in one binding (" + name + "), but maxStorageBufferRange is " +
+                    std::to_string(context.max_storage_range()) +
+                    "; use --device cpu, the progressive method or a smaller mesh");
+  return Buffer(context, bytes, MemoryUse::Device, name);
+}
+
+FairTables::FairTables(Context& context, const FairRecords& records)
+    : vertex_count(count_of(records.vertices)),
+      corner_count(count_of(records.links)),
+      face_count(count_of(records.faces)),
+      edge_count(count_of(records.edges)),
+      crease_count(count_of(records.creases)),
+      sector_count(count_of(records.sectors)),
+      curve_point_count(count_of(records.curve_points)),
+      state_size(count_of(records.owners)),
+      has_regular_vertices(records.has_regular_vertices),
+      is_decided(!records.decisions.empty()),
+      placement(records.placement),
+      vertices(make_table(context, records.vertices, "planish fair vertices")),
+      places(make_table(context, records.places, "planish fair rings")),
+      links(make_table(context, records.links, "planish fair corners")),
+      faces(make_table(context, records.faces, "planish fair faces")),
+      edges(make_table(context, records.edges, "planish fair edges")),
+      creases(make_table(context, records.creases, "planish fair creases")),
+      sectors(make_table(context, records.sectors, "planish fair sectors")),
+      curve_points(make_table(context, records.curve_points, "planish fair curve points")),
+      circle(make_table(context, records.circle, "planish fair circle")),
+      owners(make_table(context, records.owners, "planish fair owners")),
+      decisions(make_table(context, records.decisions, "planish fair decisions")) {}
+
+}  // namespace planish::vulkan

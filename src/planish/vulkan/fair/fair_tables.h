@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/fair/fair_net.h"
+#include "planish/fair/fair_topology.h"
+#include "planish/mesh/placement.h"
+#include "planish/vulkan/device/buffer.h"
+#include "shaders/shared.h"
+
+namespace planish::vulkan {
+
+/// A FairTopology in the records that the kernels read.
+struct FairRecords {
+  std::vector<shared::FairVertex> vertices;
+  std::vector<shared::FairPlace> places;
+  std::vector<shared::FairLinks> links;
+  std::vector<shared::FairFace> faces;
+  std::vector<shared::FairEdge> edges;
+  std::vector<shared::FairCrease> creases;
+  std::vector<shared::FairSector> sectors;
+  std::vector<shared::FairCurvePoint> curve_points;
+  std::vector<float> circle;             ///< x and y of the points of regular polygons
+  std::vector<std::uint32_t> owners;     ///< the vertex of each point of the state
+  Placement placement;                   ///< of the unit coordinates
+  std::vector<std::uint32_t> decisions;  ///< packed, per vertex; empty: every frame makes its own
+  bool has_regular_vertices = false;     ///< some vertex may have a share of the tensor product
+};
+[[nodiscard]] FairRecords fair_records(const FairTopology& topology,
+                                       const FairDecisions* decisions = nullptr);
+
+/// FairDecisions as kernels keep them, a word per vertex.
+[[nodiscard]] std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions);
+[[nodiscard]] FairDecisions unpack_decisions(std::span<const std::uint32_t> words);
+
+/// FairRecords on a device. Read-only after its upload ran.
+struct FairTables {
+  /// Throws Error{OutOfMemory} naming the limit that a table exceeds.
+  FairTables(Context& context, const FairRecords& records);
+
+  std::uint32_t vertex_count, corner_count, face_count, edge_count, crease_count, sector_count,
+      curve_point_count, state_size;
+  bool has_regular_vertices, is_decided;
+  Placement placement;
+  Buffer vertices, places, links, faces, edges, creases, sectors, curve_points, circle, owners,
+      decisions;
+
+  /// Calls take(buffer, bytes) for all of them, in one order.
+  template <class Take>
+  void for_each(const FairRecords& records, const Take& take) const {
+    const auto bytes = [](const auto& items) { return std::as_bytes(std::span(items)); };
+    take(vertices, bytes(records.vertices));
+    take(places, bytes(records.places));
+    take(links, bytes(records.links));
+    take(faces, bytes(records.faces));
+    take(edges, bytes(records.edges));
+    take(creases, bytes(records.creases));
+    take(sectors, bytes(records.sectors));
+    take(curve_points, bytes(records.curve_points));
+    take(circle, bytes(records.circle));
+    take(owners, bytes(records.owners));
+    take(decisions, bytes(records.decisions));
+  }
+};
+
+/// A buffer that one binding spans. Throws Error{OutOfMemory} naming the limit that it exceeds.
+[[nodiscard]] Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name);
+
+}  // namespace planish::vulkan

@@ -1,0 +1,326 @@
+// An own method, step by step that of fair/fair_net.cpp, whose functions are the kernels' twins.
+#include "planish/vulkan/fair/gpu_fair.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <glm/vec3.hpp>
+
+#include "planish/vulkan/device/commands.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr std::uint32_t kLanes = 64;
+constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
+constexpr int kMaskSteps = 3;
+
+}  // namespace
+
+/// Collects passes with the buffers that their kernels bind.
+struct GpuFair::Binder {
+  const Context& context;
+  shared::FairParameters common;
+  std::vector<BoundKernel> bound{};
+
+  Pass& add(Passes& passes, Kernel kernel, std::uint32_t count,
+            std::initializer_list<const Buffer*> buffers) {
+    BoundKernel& kernel_buffers = bound.emplace_back(BoundKernel{kernel, {}});
+    for (const Buffer* buffer : buffers) kernel_buffers.buffers.push_back(whole(*buffer));
+    const std::uint32_t wanted = count / kLanes + (count % kLanes ? 1 : 0);
+    Pass pass{context.pipelines().specialised(kernel, {}), bound.size() - 1, common,
+              std::min(wanted, context.max_group_count())};
+    pass.parameters.count = count;
+    return passes.emplace_back(pass);
+  }
+
+  // A kernel that writes a partial sum for each of its work groups, of which there is at least one.
+  Pass& add_sum(Passes& passes, Kernel kernel, std::uint32_t count,
+                std::initializer_list<const Buffer*> buffers) {
+    Pass& pass = add(passes, kernel, count, buffers);
+    pass.groups = std::clamp(pass.groups, 1u, shared::kMostSumGroups);
+    return pass;
+  }
+
+  // The kernel of one work group that adds up what the last pass wrote.
+  void add_total(Passes& passes, Kernel kernel, std::initializer_list<const Buffer*> buffers) {
+    const std::uint32_t partial_count = passes.back().groups;
+    add(passes, kernel, 1, buffers).parameters.partial_count = partial_count;
+  }
+};
+
+GpuFair::GpuFair(Context& context, const FairTables& tables, const Buffer& model_points,
+                 const GpuFairOptions& options)
+    : context_(context), tables_(tables), options_(options) {
+  make_buffers();
+  Binder binder{context, {}};
+  const glm::vec3 origin(tables.placement.centre);
+  binder.common.x = origin.x;
+  binder.common.y = origin.y;
+  binder.common.z = origin.z;
+  binder.common.scale = static_cast<float>(tables.placement.diagonal);
+  binder.common.decided = tables.is_decided ? 1 : 0;
+  plan_prepare(binder, model_points);
+  plan_build(binder);
+  plan_repair(binder);
+  plan_polish(binder);
+  plan_finish(binder, model_points);
+  sets_ = DescriptorSets(context, binder.bound);
+}
+
+void GpuFair::make_buffers() {
+  const auto make = [&](Buffer& buffer, std::uint64_t bytes) {
+    buffer = make_bindable(context_, bytes, "planish fair work");
+  };
+  const std::uint64_t vertices = tables_.vertex_count, corners = tables_.corner_count;
+  Buffers& b = buffers_;
+  for (Buffer* buffer : {&b.given, &b.normals}) make(*buffer, vertices * kPointBytes);
+  make(b.face_normals, tables_.face_count * kPointBytes);
+  make(b.given_offsets, corners * kPointBytes);
+  if (tables_.has_regular_vertices) {
+    for (Buffer* buffer : {&b.points, &b.next_points}) make(*buffer, vertices * kPointBytes);
+    make(b.offsets, corners * kPointBytes);
+  }
+  make(b.sector_normals, tables_.sector_count * kPointBytes);
+  make(b.shifts, tables_.crease_count * kPointBytes);
+  for (Buffer* buffer : {&b.result, &b.state}) make(*buffer, tables_.state_size * kPointBytes);
+  for (Buffer* buffer : {&b.shares, &b.flags, &b.decisions, &b.precondition})
+    make(*buffer, vertices * sizeof(float));
+  make(b.counts, shared::kFairCounts * sizeof(std::uint32_t));
+  make(b.arguments, shared::kRoundDispatches * shared::kArgumentWords * sizeof(std::uint32_t));
+  make(b.status, sizeof(shared::SolveStatus));
+  if (options_.polish_steps == 0) return;
+  make(b.directions, vertices * kPointBytes);
+  for (Buffer* buffer : {&b.rows1, &b.rows2}) make(*buffer, corners * 4 * sizeof(float));
+  make(b.lines, corners * 2 * sizeof(float));
+  for (Buffer& buffer : b.motions) make(buffer, tables_.state_size * 4 * sizeof(float));
+  make(b.gradient, corners * sizeof(float));
+  make(b.partials, shared::kMostSumGroups * sizeof(float));
+  make(b.scalars, sizeof(shared::FairScalars));
+}
+
+void GpuFair::plan_prepare(Binder& binder, const Buffer& model_points) {
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  const auto add = [&](Kernel kernel, std::uint32_t count,
+                       std::initializer_list<const Buffer*> buffers) {
+    binder.add(prepare_, kernel, count, buffers);
+  };
+  add(Kernel::FairPlace, t.vertex_count, {&model_points, &b.given});
+  add(Kernel::FairFaceNormals, t.face_count, {&t.faces, &t.owners, &b.given, &b.face_normals});
+  add(Kernel::FairVertexNormals, t.vertex_count,
+      {&t.vertices, &t.places, &b.given, &b.face_normals, &b.normals});
+  const auto add_offsets = [&](const Buffer& points, const Buffer& offsets) {
+    add(Kernel::FairOffsets, t.face_count,
+        {&t.faces, &t.owners, &b.given, &points, &t.circle, &offsets});
+  };
+  add_offsets(b.given, b.given_offsets);
+  if (!t.has_regular_vertices) return;  // all shares stay 0
+  add(Kernel::FairShares, t.vertex_count,
+      {&t.vertices, &t.places, &b.given, &b.given_offsets, &b.normals, &b.shares});
+  const Buffer* points = &b.given;
+  const Buffer* offsets = &b.given_offsets;
+  for (int step = 0; step < kMaskSteps; ++step) {
+    const Buffer* next = step % 2 == 0 ? &b.points : &b.next_points;
+    add(Kernel::FairMaskStep, t.vertex_count,
+        {&t.vertices, &t.places, &b.given, &b.shares, offsets, points, next});
+    points = next;
+    offsets = &b.offsets;
+    add_offsets(*points, *offsets);
+  }
+  static_assert(kMaskSteps % 2 == 1, "the last points are in buffers_.points");
+}
+
+void GpuFair::plan_build(Binder& binder) {
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  const Buffer& points = t.has_regular_vertices ? b.points : b.given;
+  binder.add(build_, Kernel::FairPolygons, t.vertex_count,
+             {&t.vertices, &t.places, &b.given, &b.normals, &b.shares, &offsets(), &b.result});
+  binder.add(
+      build_, Kernel::FairReversed, t.vertex_count,
+      {&t.vertices, &t.places, &b.normals, &b.given_offsets, &t.circle, &b.result, &b.decisions});
+  binder.add(build_, Kernel::FairSectorNormals, t.sector_count,
+             {&t.sectors, &t.places, &b.given, &b.face_normals, &b.sector_normals});
+  binder.add(build_, Kernel::FairHandles, t.crease_count,
+             {&t.creases, &b.given, &b.shares, &points, &b.shifts, &b.result});
+  binder.add(build_, Kernel::FairSectors, t.sector_count,
+             {&t.sectors, &t.places, &b.given, &b.sector_normals, &b.given_offsets, &offsets(),
+              &b.shifts, &b.result});
+  binder
+      .add(curve_points_, Kernel::FairCurvePoints, t.curve_point_count,
+           {&t.curve_points, &b.given, &points, &b.result})
+      .parameters.place = t.corner_count;
+}
+
+void GpuFair::plan_repair(Binder& binder) {
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  binder
+      .add(find_folds_, Kernel::FairEdgeFolds, t.edge_count,
+           {&t.edges, &t.owners, &b.given, &b.face_normals, &b.result, &b.flags, &b.counts})
+      .arguments = shared::kRoundEdges;
+  binder
+      .add(find_folds_, Kernel::FairFaceFolds, t.face_count,
+           {&t.faces, &t.owners, &b.given, &b.face_normals, &b.result, &t.circle, &b.flags,
+            &b.counts})
+      .arguments = shared::kRoundFaces;
+  for (const std::uint32_t which : {0u, 1u}) {
+    Pass& pass = binder.add(shrink_[which], Kernel::FairShrink, t.vertex_count,
+                            {&t.vertices, &t.places, &b.flags, &b.decisions, &b.result});
+    pass.arguments = shared::kRoundVertices;
+    pass.parameters.shift = which * shared::kLateShift;
+  }
+  shared::FairParameters& round =
+      binder.add(next_round_, Kernel::FairRound, 1, {&b.counts, &b.arguments}).parameters;
+  round.edge_groups = find_folds_[0].groups;
+  round.face_groups = find_folds_[1].groups;
+  round.vertex_groups = shrink_[0][0].groups;
+}
+
+void GpuFair::plan_polish(Binder& binder) {
+  if (options_.polish_steps == 0) return;
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  binder.add(start_polish_, Kernel::FairDirections, t.vertex_count,
+             {&t.vertices, &b.normals, &b.shares, &b.directions});
+  binder.add(start_polish_, Kernel::FairRows, t.corner_count,
+             {&t.links, &t.owners, &b.given, &b.directions, &b.result, &b.rows1, &b.rows2});
+  binder.add(start_polish_, Kernel::FairDiagonals, t.vertex_count,
+             {&t.vertices, &t.places, &t.links, &b.rows1, &b.rows2, &b.precondition, &b.scalars});
+  binder.add(start_polish_, Kernel::FairPrecondition, t.vertex_count,
+             {&b.precondition, &b.scalars});
+  binder.common.start = 1;
+  plan_polish_step(binder, start_polish_, b.motions[1], b.motions[0]);
+  binder.common.start = 0;
+  plan_polish_step(binder, step_polish_[0], b.motions[0], b.motions[1]);
+  plan_polish_step(binder, step_polish_[1], b.motions[1], b.motions[0]);
+  binder.add(end_polish_, Kernel::FairApplyHeights, t.vertex_count,
+             {&t.vertices, &t.places, &b.directions, &motions(), &b.result});
+}
+
+void GpuFair::plan_polish_step(Binder& binder, Passes& passes, const Buffer& from,
+                               const Buffer& to) {
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  binder.add_sum(passes, Kernel::FairLines, t.corner_count,
+                 {&t.links, &b.rows1, &b.rows2, &from, &b.scalars, &b.lines, &b.partials});
+  binder.add_total(passes, Kernel::FairStepLength, {&b.partials, &b.scalars});
+  binder.add(passes, Kernel::FairGradient, t.corner_count,
+             {&t.links, &b.rows1, &b.rows2, &b.lines, &b.gradient});
+  binder.add_sum(
+      passes, Kernel::FairDescend, t.vertex_count,
+      {&t.vertices, &t.places, &b.gradient, &b.precondition, &from, &b.scalars, &to, &b.partials});
+  binder.add_total(passes, Kernel::FairMomentum, {&b.partials, &b.scalars});
+}
+
+void GpuFair::plan_finish(Binder& binder, const Buffer& model_points) {
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  binder.add(finish_, Kernel::FairMeasure, t.vertex_count,
+             {&t.vertices, &t.places, &b.given, &b.result, &b.status});
+  binder.add(finish_, Kernel::FairState, t.state_size,
+             {&t.owners, &model_points, &b.result, &b.state});
+}
+
+void GpuFair::record_passes(VkCommandBuffer commands, const Passes& passes,
+                            std::uint32_t place) const noexcept {
+  for (const Pass& pass : passes) {
+    if (pass.groups == 0) continue;
+    shared::FairParameters parameters = pass.parameters;
+    parameters.place += place;
+    record_dispatch(context_, commands, pass.pipeline, sets_[pass.set], &parameters, pass.groups);
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+}
+
+// As often as the device finds something to do.
+void GpuFair::record_repeated(VkCommandBuffer commands, const Passes& passes,
+                              std::uint32_t place) const noexcept {
+  for (const Pass& pass : passes) {
+    if (pass.groups == 0) continue;
+    shared::FairParameters parameters = pass.parameters;
+    parameters.place += place;
+    const VkDeviceSize offset =
+        VkDeviceSize{pass.arguments} * shared::kArgumentWords * sizeof(std::uint32_t);
+    record_dispatch_indirect(context_, commands, pass.pipeline, sets_[pass.set], &parameters,
+                             {buffers_.arguments.handle(), offset});
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+}
+
+void GpuFair::record_clear(VkCommandBuffer commands) const noexcept {
+  const Buffers& b = buffers_;
+  for (const Buffer* buffer : {&b.result, &b.shares, &b.flags, &b.counts, &b.status, &b.motions[0],
+                               &b.motions[1], &b.scalars})
+    if (buffer->handle())
+      context_.vk().vkCmdFillBuffer(commands, buffer->handle(), 0, VK_WHOLE_SIZE, 0);
+  if (tables_.is_decided) {
+    const VkBufferCopy copy{0, 0, b.decisions.size()};
+    context_.vk().vkCmdCopyBuffer(commands, tables_.decisions.handle(), b.decisions.handle(), 1,
+                                  &copy);
+  } else {
+    context_.vk().vkCmdFillBuffer(commands, b.decisions.handle(), 0, VK_WHOLE_SIZE, 0);
+  }
+  record_barrier(context_, commands, kCopyScope, kEntryScope);
+}
+
+void GpuFair::record_prepare(VkCommandBuffer commands) const noexcept {
+  record_passes(commands, prepare_, 0);
+}
+
+void GpuFair::record_build(VkCommandBuffer commands) const noexcept {
+  record_passes(commands, build_, 0);
+  record_passes(commands, curve_points_, 0);
+}
+
+void GpuFair::record_repair(VkCommandBuffer commands, std::uint32_t which) const noexcept {
+  const std::uint32_t first = which * shared::kRepairCounts;
+  const std::uint32_t last = first + 2 * shared::kRepairRounds;
+  if (tables_.is_decided) {
+    record_passes(commands, shrink_[which], 0);
+    record_passes(commands, find_folds_, last);
+  } else {
+    record_passes(commands, find_folds_, first);
+    for (std::uint32_t place = first; place < last; place += 2) {
+      record_passes(commands, next_round_, place);
+      record_barrier(context_, commands, kKernelScope, kIndirectScope);
+      record_repeated(commands, shrink_[which], 0);
+      record_repeated(commands, find_folds_, place + 2);
+      // The next round's arguments are written after these have been read.
+      record_barrier(context_, commands, kIndirectScope, kKernelScope);
+    }
+  }
+  // The last look leaves flags standing, which the next repair must not meet.
+  record_barrier(context_, commands, kKernelScope, kEntryScope);
+  context_.vk().vkCmdFillBuffer(commands, buffers_.flags.handle(), 0, VK_WHOLE_SIZE, 0);
+  record_barrier(context_, commands, kCopyScope, kEntryScope);
+}
+
+void GpuFair::record_polish(VkCommandBuffer commands) const noexcept {
+  record_passes(commands, curve_points_, 0);
+  record_passes(commands, start_polish_, 0);
+  for (std::uint32_t step = 0; step < options_.polish_steps; ++step)
+    record_passes(commands, step_polish_[step % 2], 0);
+  record_passes(commands, end_polish_, 0);
+}
+
+void GpuFair::record_finish(VkCommandBuffer commands) const noexcept {
+  record_passes(commands, curve_points_, 0);
+  record_passes(commands, finish_, 0);
+  record_barrier(context_, commands, kKernelScope, kEntryScope);
+}
+
+void GpuFair::record(VkCommandBuffer commands) const noexcept {
+  record_clear(commands);
+  record_prepare(commands);
+  record_build(commands);
+  record_repair(commands, 0);
+  if (options_.polish_steps > 0) {
+    record_polish(commands);
+    record_repair(commands, 1);
+  }
+  record_finish(commands);
+}
+
+}  // namespace planish::vulkan

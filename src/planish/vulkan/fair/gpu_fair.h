@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <vector>
+
+#include "planish/vulkan/fair/fair_tables.h"
+
+namespace planish::vulkan {
+
+struct GpuFairOptions {
+  std::uint32_t polish_steps = 8;
+};
+
+/// Work buffers, pipelines and written descriptor sets of one fair construction on the device: all
+/// of it in one command buffer, each step a sequence of kernels; the scalars of the polish stay in
+/// a buffer, and rounds of repair with nothing to do are empty. Where the tables hold decisions
+/// these are taken instead of made. Externally synchronised; tables and points outlive it.
+/// Recording only records.
+class GpuFair {
+ public:
+  /// `model_points`: the points to pass through, shared::kPointFloats floats per vertex.
+  /// Throws Error{OutOfMemory} naming the limit.
+  GpuFair(Context& context, const FairTables& tables, const Buffer& model_points,
+          const GpuFairOptions& options);
+
+  /// All of it; begins and ends within kEntryScope and kExitScope.
+  void record(VkCommandBuffer commands) const noexcept;
+
+  // Its parts, in their order; each ends within kEntryScope.
+  void record_clear(VkCommandBuffer commands) const noexcept;
+  void record_prepare(VkCommandBuffer commands) const noexcept;
+  void record_build(VkCommandBuffer commands) const noexcept;
+  /// `which`: 0 before the polish, 1 after it.
+  void record_repair(VkCommandBuffer commands, std::uint32_t which) const noexcept;
+  void record_polish(VkCommandBuffer commands) const noexcept;
+  void record_finish(VkCommandBuffer commands) const noexcept;
+
+  // What they leave; points are of shared::kPointFloats floats, all but state() in unit
+  // coordinates.
+  struct Buffers {
+    Buffer given;                     // per vertex
+    Buffer face_normals, normals;     // per face, vertex
+    Buffer shares;                    // float per vertex
+    Buffer given_offsets, offsets;    // per corner: of one step of given points and of P
+    Buffer points, next_points;       // P per vertex
+    Buffer sector_normals, shifts;    // per sector, crease
+    Buffer result;                    // per point of the state: relative to its given point
+    Buffer flags, decisions, counts;  // words: per vertex, per vertex, shared::kFairCounts
+    Buffer arguments;                 // of the dispatches of a round of repair
+    Buffer directions;                // per vertex, of the polish
+    Buffer rows1, rows2;              // per corner: four floats
+    Buffer lines;                     // per corner: two floats
+    Buffer motions[2];                // of the polish, per point of the state; in turn
+    Buffer gradient;                  // float per corner
+    Buffer precondition;              // float per vertex
+    Buffer partials, scalars;         // floats; shared::FairScalars
+    Buffer state;                     // per point of the state, model coordinates
+    Buffer status;                    // shared::SolveStatus
+  };
+  [[nodiscard]] const Buffers& buffers() const { return buffers_; }
+  /// Those that the polish ends with.
+  [[nodiscard]] const Buffer& motions() const {
+    return buffers_.motions[options_.polish_steps % 2];
+  }
+  /// Where the masked iteration is left out, the given points' stand for P's.
+  [[nodiscard]] const Buffer& offsets() const {
+    return tables_.has_regular_vertices ? buffers_.offsets : buffers_.given_offsets;
+  }
+
+ private:
+  /// One kernel over all its elements.
+  struct Pass {
+    Pipeline pipeline;
+    std::size_t set;
+    shared::FairParameters parameters;
+    std::uint32_t groups;
+    std::uint32_t arguments = 0;  // of repair: which of the device's own
+  };
+  using Passes = std::vector<Pass>;
+  struct Binder;
+
+  void make_buffers();
+  void plan_prepare(Binder& binder, const Buffer& model_points);
+  void plan_build(Binder& binder);
+  void plan_repair(Binder& binder);
+  void plan_polish(Binder& binder);
+  void plan_polish_step(Binder& binder, Passes& passes, const Buffer& from, const Buffer& to);
+  void plan_finish(Binder& binder, const Buffer& model_points);
+  void record_passes(VkCommandBuffer commands, const Passes& passes,
+                     std::uint32_t place) const noexcept;
+  void record_repeated(VkCommandBuffer commands, const Passes& passes,
+                       std::uint32_t place) const noexcept;
+
+  Context& context_;
+  const FairTables& tables_;
+  GpuFairOptions options_;
+  Buffers buffers_;
+  Passes prepare_, build_, curve_points_, find_folds_, next_round_, shrink_[2], start_polish_,
+      step_polish_[2], end_polish_, finish_;
+  DescriptorSets sets_;
+};
+
+}  // namespace planish::vulkan

@@ -1,0 +1,222 @@
+// Based on: the paper, section 3.2, with Golub & Varga's semi-iteration for its steps: everything
+// between a host's points and the vertices that it draws, in the host's command buffer.
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "planish/backend/chebyshev.h"
+#include "planish/core/error.h"
+#include "planish/fair/fair_net.h"
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/evaluate/gpu_evaluation.h"
+#include "planish/vulkan/fair/gpu_fair.h"
+#include "planish/vulkan/host/device_system.h"
+#include "planish/vulkan/solve/gpu_given.h"
+#include "planish/vulkan/solve/gpu_solve.h"
+#include "planish/vulkan/solve/stop_square.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr std::uint32_t kVectorBytes = 3 * sizeof(float);
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw Error(ErrorCode::InvalidArgument, message);
+}
+
+void check_layout(const VertexLayout& layout, std::uint32_t max_stride) {
+  const auto word = [](VkDeviceSize value) { return value % sizeof(float) == 0; };
+  require(word(layout.offset) && word(layout.stride) && word(layout.position_offset) &&
+              word(layout.normal_offset),
+          "offsets and the stride of a vertex layout are multiples of 4 bytes");
+  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
+  require(last <= layout.stride && layout.stride - last >= kVectorBytes,
+          "a vertex of stride " + std::to_string(layout.stride) +
+              " does not hold 12 bytes from offset " + std::to_string(last) + " on");
+  require(layout.stride <= max_stride,
+          "the stride " + std::to_string(layout.stride) + " of a vertex layout is above " +
+              std::to_string(max_stride) + ", the DeviceSystem's max_vertex_stride");
+}
+
+void check_given(const GivenPoints& given) {
+  require(given.offset % sizeof(float) == 0 && given.stride % sizeof(float) == 0 &&
+              given.stride >= kVectorBytes,
+          "given points lie at multiples of 4 bytes, 12 or more apart");
+}
+
+GpuSolveOptions solve_options(const Context& context, const SolveOptions& options) {
+  const std::uint64_t most = context.max_storage_range() / sizeof(shared::StepRecord) - 1;
+  require(options.max_iterations >= 1 && options.max_iterations <= most,
+          "max_iterations " + std::to_string(options.max_iterations) + " is outside 1 to " +
+              std::to_string(most));
+  GpuSolveOptions result;
+  result.max_steps = options.max_iterations + 1;  // one more only measures
+  result.sums_squares = false;
+  return result;
+}
+
+GpuFairOptions fair_options(const SolveOptions& options) {
+  require(options.polish_steps <= kMostPolishSteps,
+          "polish_steps " + std::to_string(options.polish_steps) + " are outside 0 to " +
+              std::to_string(kMostPolishSteps));
+  return {options.polish_steps};
+}
+
+/// Writes the two timestamps around what is recorded while it lives.
+class TimedScope {
+ public:
+  TimedScope(const Context& context, VkCommandBuffer commands,
+             const Timestamps& timestamps) noexcept
+      : context_(context), commands_(commands), timestamps_(timestamps) {
+    write(VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, timestamps_.first);
+  }
+  ~TimedScope() { write(VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps_.first + 1); }
+  TimedScope(const TimedScope&) = delete;
+  TimedScope& operator=(const TimedScope&) = delete;
+
+ private:
+  void write(VkPipelineStageFlagBits stage, std::uint32_t query) const noexcept {
+    if (timestamps_.pool)
+      context_.vk().vkCmdWriteTimestamp(commands_, stage, timestamps_.pool, query);
+  }
+  const Context& context_;
+  VkCommandBuffer commands_;
+  Timestamps timestamps_;
+};
+
+}  // namespace
+
+struct Solve::Parts {
+  /// The iteration of the paper.
+  struct Progressive {
+    Progressive(Context& context, const DeviceSystem::Parts& system, const SolveOptions& options,
+                const GivenPoints& points);
+    GpuSolve solve;
+    GpuGiven given;
+  };
+  /// Or the fair construction.
+  struct Fair {
+    Fair(Context& context, const DeviceSystem::Parts& system, const GpuFairOptions& options,
+         const GivenPoints& points)
+        : gather(context, system.vertices, system.used_vertices, points),
+          fair(context, *system.fair, gather.points(), options) {}
+    GpuGather gather;
+    GpuFair fair;
+  };
+
+  Parts(Context& on, const DeviceSystem::Parts& system, const SolveOptions& options);
+
+  [[nodiscard]] const Buffer& control_points() const {
+    return fair ? fair->fair.buffers().state : progressive->given.control_points();
+  }
+  [[nodiscard]] const Buffer& status() const {
+    return fair ? fair->fair.buffers().status : progressive->solve.status();
+  }
+
+  Context& context;
+  std::uint32_t max_iterations;
+  std::uint64_t given_bytes;
+  std::optional<Buffer> own_given;         // where the host gives no buffer
+  std::optional<Progressive> progressive;  // one of these two
+  std::optional<Fair> fair;
+  std::optional<GpuEvaluation> evaluation;
+
+ private:
+  static std::optional<Buffer> make_given(Context& context, std::uint64_t bytes,
+                                          const GivenPoints& given);
+};
+
+Solve::Parts::Progressive::Progressive(Context& context, const DeviceSystem::Parts& system,
+                                       const SolveOptions& options, const GivenPoints& points)
+    : solve(context, system.masks, solve_options(context, options)),
+      given(context, system.masks, solve, system.vertices, system.used_vertices, points) {
+  const std::vector<StepCoefficients> steps =
+      chebyshev_steps(system.spectral_bound, static_cast<std::int32_t>(options.max_iterations));
+  for (std::size_t i = 0; i < steps.size(); ++i)
+    solve.plan()[i] = {static_cast<float>(steps[i].momentum), static_cast<float>(steps[i].gain), 0,
+                       0};
+  solve.flush_plan();
+}
+
+std::optional<Buffer> Solve::Parts::make_given(Context& context, std::uint64_t bytes,
+                                               const GivenPoints& given) {
+  check_given(given);
+  if (given.buffer) return {};
+  return Buffer(context, bytes, MemoryUse::Device, "planish host points");
+}
+
+Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const SolveOptions& options)
+    : context(on),
+      max_iterations(options.max_iterations),
+      given_bytes(std::uint64_t(system.given_count) * kVectorBytes),
+      own_given(make_given(on, given_bytes, options.given)) {
+  const GivenPoints points =
+      own_given ? GivenPoints{own_given->handle(), 0, kVectorBytes} : options.given;
+  if (system.fair)
+    fair.emplace(on, system, fair_options(options), points);
+  else
+    progressive.emplace(on, system, options, points);
+  if (!options.vertices.buffer) return;
+  check_layout(options.vertices, system.max_vertex_stride);
+  evaluation.emplace(on, system.refinement, system.limit, control_points(), options.vertices);
+}
+
+Solve::Solve(Context& context, const DeviceSystem& system, const SolveOptions& options)
+    : parts_(std::make_unique<Parts>(context, *system.parts_, options)) {}
+Solve::~Solve() = default;
+Solve::Solve(Solve&&) noexcept = default;
+Solve& Solve::operator=(Solve&&) noexcept = default;
+
+VkBuffer Solve::control_points() const { return parts_->control_points().handle(); }
+
+void Solve::record_reset(VkCommandBuffer commands) const noexcept {
+  record_barrier(parts_->context, commands, kExitScope, kEntryScope);
+  if (parts_->progressive) parts_->progressive->solve.record_clear(commands);
+}
+
+void Solve::record_given(VkCommandBuffer commands, VkBuffer source,
+                         VkDeviceSize offset) const noexcept {
+  if (!parts_->own_given || parts_->given_bytes == 0) return;
+  record_barrier(parts_->context, commands, kExitScope, kEntryScope);
+  const VkBufferCopy copy{offset, 0, parts_->given_bytes};
+  parts_->context.vk().vkCmdCopyBuffer(commands, source, parts_->own_given->handle(), 1, &copy);
+}
+
+void Solve::record_solve(VkCommandBuffer commands,
+                         const SolveParameters& parameters) const noexcept {
+  const Context& context = parts_->context;
+  const LabelScope label(context, commands, "planish solve");
+  record_barrier(context, commands, kExitScope, kEntryScope);
+  const TimedScope timed(context, commands, parameters.timestamps);
+  if (parts_->fair) {
+    parts_->fair->gather.record(commands);
+    record_barrier(context, commands, kKernelScope, kKernelScope);
+    parts_->fair->fair.record(commands);
+    return;
+  }
+  parts_->progressive->given.record_begin(commands, parameters.warm_start);
+  StepRun run;
+  run.count = std::min(parameters.iterations, parts_->max_iterations);
+  run.stop_square = stop_square_of(parameters.stop_error);
+  run.measures_last = parameters.measures_last || run.count == 0;
+  parts_->progressive->solve.record_steps(commands, run);
+}
+
+void Solve::record_evaluate(VkCommandBuffer commands, const Timestamps& timestamps) const noexcept {
+  const Context& context = parts_->context;
+  const LabelScope label(context, commands, "planish evaluate");
+  record_barrier(context, commands, kExitScope, kEntryScope);
+  const TimedScope timed(context, commands, timestamps);
+  if (parts_->progressive) parts_->progressive->given.record_control_points(commands);
+  if (parts_->evaluation) parts_->evaluation->record(commands);
+}
+
+void Solve::record_status(VkCommandBuffer commands, VkBuffer target,
+                          VkDeviceSize offset) const noexcept {
+  record_barrier(parts_->context, commands, kExitScope, kEntryScope);
+  const VkBufferCopy copy{0, offset, sizeof(GpuStatus)};
+  parts_->context.vk().vkCmdCopyBuffer(commands, parts_->status().handle(), target, 1, &copy);
+}
+
+}  // namespace planish::vulkan

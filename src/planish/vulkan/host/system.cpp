@@ -1,0 +1,233 @@
+// Based on: the paper, section 3.2, for the system B P = V0; the chain of tables is that of
+// surface/evaluate.cpp, kept whole since it serves every frame.
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <optional>
+#include <string>
+
+#include "planish/backend/chebyshev.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/backend/initial_residual.h"
+#include "planish/core/error.h"
+#include "planish/doosabin/face_rows.h"
+#include "planish/doosabin/limit_masks.h"
+#include "planish/doosabin/surface_stencils.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/placement.h"
+#include "planish/mesh/used_vertices.h"
+#include "planish/stencil/quad_split.h"
+#include "planish/vulkan/embed.h"
+#include "planish/vulkan/fair/fair_tables.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr int kMostLevels = 6;
+
+// Steps of one batch while the rest pose's are counted, and where counting ends: a spectrum that
+// slow is none of ours.
+constexpr std::int32_t kCountedSteps = 64;
+constexpr std::uint32_t kMostCountedSteps = 4096;
+
+void check_options(const SystemOptions& options) {
+  if (options.level < 0 || options.level > kMostLevels)
+    throw Error(ErrorCode::InvalidArgument, "level " + std::to_string(options.level) +
+                                                " is outside 0 to " + std::to_string(kMostLevels));
+  if (!(options.tolerance > 0))
+    throw Error(ErrorCode::InvalidArgument,
+                "tolerance " + std::to_string(options.tolerance) + " is not above 0");
+}
+
+void check_decisions(const FairDecisions* decisions, std::size_t count) {
+  if (!decisions) return;
+  for (const auto* words : {&decisions->reversed, &decisions->halvings, &decisions->late_halvings})
+    if (words->size() != count)
+      throw Error(ErrorCode::InvalidArgument,
+                  "fair_decisions are of " + std::to_string(words->size()) +
+                      " vertices, but faces name " + std::to_string(count) +
+                      "; take those of a fair net of the same mesh");
+}
+
+/// Faces of Q_level that descend from a face with `size` corners.
+std::int64_t descendants(std::int32_t size, int level) {
+  return level == 0 ? 1 : std::int64_t(size) << 2 * (level - 1);
+}
+
+/// What is left of `faces` (corners at level 0, else quads) without those of hole faces; calls
+/// take(corners of a face).
+template <class Take>
+void for_kept_faces(const PolygonMesh& mesh, int level, std::span<const std::int32_t> faces,
+                    const Take& take) {
+  std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
+  for (const std::int32_t f : mesh.hole_faces) is_hole[f] = true;
+  std::size_t place = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::size_t size = level == 0 ? mesh.face_size(f) : 4;
+    for (std::int64_t k = descendants(mesh.face_size(f), level); k > 0; --k, place += size)
+      if (!is_hole[f]) take(faces.subspan(place, size));
+  }
+}
+
+std::uint32_t count_iterations(const StencilView<double>& masks,
+                               std::span<const glm::dvec3> initial, double bound,
+                               double tolerance) {
+  const auto backend = make_cpu_backend();
+  const auto solve = backend->make_solve(masks);
+  solve->begin(initial);
+  ChebyshevSequence sequence(bound);
+  std::vector<StepCoefficients> steps(kCountedSteps);
+  std::uint32_t count = 0;
+  while (count < kMostCountedSteps) {
+    for (StepCoefficients& step : steps) step = sequence.next();
+    const StepLog log = solve->run(steps, tolerance);
+    count += static_cast<std::uint32_t>(log.steps_taken);
+    if (log.steps_taken < kCountedSteps) break;
+  }
+  return count;
+}
+
+}  // namespace
+
+struct System::Parts {
+  Parts(const PolygonMesh& rest, const SystemOptions& options);
+
+  void build_tables(const PolygonMesh& mesh, const SystemOptions& options);
+  void build_faces(const PolygonMesh& mesh, const QuadSplit& split, const LimitRows& rows);
+  void build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
+                    const SystemOptions& options);
+  void measure_rest(const PolygonMesh& mesh, const Placement& placement, double relative_tolerance);
+
+  int level;
+  std::int32_t given_count;
+  std::vector<std::int32_t> used_vertices, copied_vertices;
+  std::vector<std::uint32_t> triangles, quads;
+  std::optional<StencilTable<double>> masks;
+  std::vector<StencilTable<double>> refinement;
+  std::optional<LimitStencilTable<double>> limit;
+  std::optional<FairRecords> fair;
+  double diagonal = 1, tolerance = 0, spectral_bound = 0, rest_error = 0;
+  double valence_spread = 1;  // of all valences, their sum over the smallest
+  std::uint32_t rest_iterations = 0;
+};
+
+System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
+    : level(options.level), given_count(rest.vertex_count()) {
+  check_options(options);
+  require_usable(rest, "mesh");
+  UsedMesh used = without_unused_vertices(rest);
+  used_vertices = std::move(used.vertices);
+  build_tables(used.mesh, options);
+  const Placement placement = placement_of(used.mesh);
+  diagonal = placement.diagonal;
+  tolerance = options.tolerance * diagonal;
+  if (fair)
+    fair->placement = placement;
+  else
+    measure_rest(used.mesh, placement, options.tolerance);
+}
+
+void System::Parts::build_tables(const PolygonMesh& mesh, const SystemOptions& options) {
+  // The vertices of level 0 have their limit points on every level: it reads them off level 1.
+  const int state_level = std::max(level, 1);
+  QuadSplit split(mesh);
+  split.refine(level);
+  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, options.sharp);
+  const Subdivision subdivision(split, features, options.weights);
+  options.callbacks.check_cancelled();
+  build_method(mesh, subdivision, options);
+  for (int l = fair ? 2 : 1; l <= state_level; ++l) {
+    options.callbacks.check_cancelled();
+    options.callbacks.report("tables", 0.5 * l / state_level);
+    const RowRange rows{0, subdivision.state_layout(l).size};
+    refinement.push_back(l == 1 ? first_step_table(mesh, subdivision, rows)
+                                : refinement_table(subdivision, l - 1, rows));
+  }
+  const LimitRows rows(subdivision, state_level, split.counts(level).vertices);
+  options.callbacks.check_cancelled();
+  limit.emplace(limit_table(subdivision, state_level, rows, {0, rows.count()}));
+  for (std::int64_t row = 0; row < rows.count(); ++row) {
+    copied_vertices.push_back(rows.place(row).vertex);
+  }
+  build_faces(mesh, split, rows);
+}
+
+// What the solve goes by.
+void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
+                                 const SystemOptions& options) {
+  if (options.method == InterpolationMethod::Fair) {
+    masks.emplace(0, StencilRows<double>{});
+    check_decisions(options.fair_decisions, mesh.positions.size());
+    fair.emplace(planish::vulkan::fair_records(make_fair_topology(mesh, subdivision),
+                                               options.fair_decisions));
+    return;
+  }
+  masks.emplace(planish::limit_masks(mesh, subdivision));
+  spectral_bound = planish::spectral_bound(mesh, options.weights);
+  const std::vector<double> valence = valences(subdivision.split());
+  if (!valence.empty())
+    valence_spread = std::accumulate(valence.begin(), valence.end(), 0.0) /
+                     *std::min_element(valence.begin(), valence.end());
+}
+
+void System::Parts::build_faces(const PolygonMesh& mesh, const QuadSplit& split,
+                                const LimitRows& rows) {
+  const std::vector<std::int32_t> faces = face_rows(mesh, split, level, rows);
+  for_kept_faces(mesh, level, faces, [&](std::span<const std::int32_t> corners) {
+    if (level > 0) quads.insert(quads.end(), corners.begin(), corners.end());
+    for (std::size_t k = 2; k < corners.size(); ++k)
+      for (const std::int32_t vertex : {corners[0], corners[k - 1], corners[k]})
+        triangles.push_back(static_cast<std::uint32_t>(vertex));
+  });
+}
+
+void System::Parts::measure_rest(const PolygonMesh& mesh, const Placement& placement,
+                                 double relative_tolerance) {
+  std::vector<glm::dvec3> unit(mesh.positions.size());
+  std::transform(mesh.positions.begin(), mesh.positions.end(), unit.begin(),
+                 [&](const glm::dvec3& p) { return placement.to_unit(p); });
+  const std::vector<glm::dvec3> initial = initial_residual(masks->view(), unit);
+  double largest = 0;
+  for (const glm::dvec3& residual : initial) largest = std::max(largest, glm::length(residual));
+  rest_error = largest * diagonal;
+  rest_iterations = count_iterations(masks->view(), initial, spectral_bound, relative_tolerance);
+}
+
+System::System(const PolygonMesh& rest, const SystemOptions& options)
+    : parts_(std::make_unique<const Parts>(rest, options)) {}
+System::~System() = default;
+System::System(System&&) noexcept = default;
+System& System::operator=(System&&) noexcept = default;
+
+int System::level() const { return parts_->level; }
+std::int32_t System::given_count() const { return parts_->given_count; }
+std::span<const std::int32_t> System::used_vertices() const { return parts_->used_vertices; }
+std::int32_t System::vertex_count() const { return parts_->limit->view().row_count(); }
+std::span<const std::int32_t> System::copied_vertices() const { return parts_->copied_vertices; }
+std::span<const std::uint32_t> System::triangles() const { return parts_->triangles; }
+std::span<const std::uint32_t> System::quads() const { return parts_->quads; }
+StencilView<double> System::limit_masks() const { return parts_->masks->view(); }
+std::size_t System::refinement_count() const { return parts_->refinement.size(); }
+StencilView<double> System::refinement(std::size_t step) const {
+  return parts_->refinement[step].view();
+}
+LimitStencilView<double> System::limit_stencils() const { return parts_->limit->view(); }
+const FairRecords* System::fair_records() const { return parts_->fair ? &*parts_->fair : nullptr; }
+double System::diagonal() const { return parts_->diagonal; }
+double System::tolerance() const { return parts_->tolerance; }
+double System::spectral_bound() const { return parts_->spectral_bound; }
+double System::rest_error() const { return parts_->rest_error; }
+std::uint32_t System::rest_iterations() const { return parts_->rest_iterations; }
+
+std::uint32_t System::sufficient_iterations(double initial_error) const {
+  if (parts_->fair || !(initial_error > parts_->tolerance)) return 0;
+  // With M the valences: max |r_k| sqrt(min M) <= |r_k|_M <= 2 sigma^k |r_0|_M and
+  // |r_0|_M <= sqrt(sum M) max |r_0|.
+  const double factor = parts_->tolerance / initial_error / std::sqrt(parts_->valence_spread);
+  return static_cast<std::uint32_t>(
+      std::min(chebyshev_step_count(parts_->spectral_bound, factor), double(kMostCountedSteps)));
+}
+
+}  // namespace planish::vulkan

@@ -1,0 +1,87 @@
+#include "planish/vulkan/solve/gpu_gather.h"
+
+#include <algorithm>
+#include <string>
+
+#include "planish/core/error.h"
+#include "planish/vulkan/device/commands.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr std::int32_t kLanes = 64;
+constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
+
+}  // namespace
+
+GpuGather::GpuGather(Context& context, const Buffer& vertices,
+                     std::span<const std::int32_t> row_vertices, const GivenPoints& given)
+    : context_(context),
+      source_stride_(given.stride / sizeof(float)),
+      points_(context, row_vertices.size() * kPointBytes, MemoryUse::Device,
+              "planish given points") {
+  cut_gathers(row_vertices, given);
+  bind(vertices);
+}
+
+void GpuGather::cut_gathers(std::span<const std::int32_t> row_vertices, const GivenPoints& given) {
+  const std::uint64_t range = context_.max_storage_range();
+  const std::uint64_t most_rows =
+      std::min(range / kPointBytes / kLanes, std::uint64_t(context_.max_group_count())) * kLanes;
+  const auto window = [&](std::size_t first, std::size_t end) {
+    const VkDeviceSize start = given.offset + VkDeviceSize(row_vertices[first]) * given.stride;
+    const VkDeviceSize aligned = start - start % kBindingAlignment;
+    const VkDeviceSize bytes =
+        start - aligned + 3 * sizeof(float) +
+        VkDeviceSize(row_vertices[end - 1] - row_vertices[first]) * given.stride;
+    return BufferRange{given.buffer, aligned, bytes};
+  };
+  for (std::size_t first = 0; first < row_vertices.size();) {
+    // Whole groups of rows, as far as one binding spans their points.
+    std::size_t end = first;
+    while (end < row_vertices.size() && end - first < std::max<std::uint64_t>(most_rows, kLanes)) {
+      const std::size_t next = std::min(end + kLanes, row_vertices.size());
+      if (end > first && window(first, next).size > range) break;
+      end = next;
+    }
+    const BufferRange source = window(first, end);
+    if (source.size > range)
+      throw Error(ErrorCode::OutOfMemory,
+                  "given points from " + std::to_string(row_vertices[first]) + " on span " +
+                      std::to_string(source.size) + " bytes, but maxStorageBufferRange is " +
+                      std::to_string(range) + "; use a smaller stride",
+                  row_vertices[first]);
+    const VkDeviceSize start = given.offset + VkDeviceSize(row_vertices[first]) * given.stride;
+    gathers_.push_back({static_cast<std::int32_t>(first), static_cast<std::int32_t>(end - first),
+                        source, static_cast<std::uint32_t>(row_vertices[first]),
+                        static_cast<std::uint32_t>((start - source.offset) / sizeof(float))});
+    first = end;
+  }
+}
+
+void GpuGather::bind(const Buffer& vertices) {
+  std::vector<BoundKernel> bound;
+  for (const Gather& gather : gathers_)
+    bound.push_back({Kernel::GatherPoints,
+                     {{vertices.handle(), std::uint64_t(gather.first_row) * sizeof(std::uint32_t),
+                       std::uint64_t(gather.row_count) * sizeof(std::uint32_t)},
+                      gather.source,
+                      point_range(points_, gather.first_row, gather.row_count)}});
+  sets_ = DescriptorSets(context_, bound);
+}
+
+void GpuGather::record(VkCommandBuffer commands) const noexcept {
+  for (std::size_t i = 0; i < gathers_.size(); ++i) {
+    const Gather& gather = gathers_[i];
+    shared::VectorParameters parameters{};
+    parameters.count = static_cast<std::uint32_t>(gather.row_count);
+    parameters.first_vertex = gather.first_vertex;
+    parameters.source_shift = gather.shift;
+    parameters.source_stride = source_stride_;
+    record_dispatch(context_, commands, Kernel::GatherPoints, sets_[i], &parameters,
+                    static_cast<std::uint32_t>((gather.row_count + kLanes - 1) / kLanes));
+  }
+}
+
+}  // namespace planish::vulkan

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/vulkan/embed.h"
+#include "planish/vulkan/tables/device_table.h"
+
+namespace planish::vulkan {
+
+/// The way from a host's points, whatever their layout, to one point for each used vertex.
+class GpuGather {
+ public:
+  /// `vertices` holds the index of each row's point, which `row_vertices` has on the host.
+  GpuGather(Context& context, const Buffer& vertices, std::span<const std::int32_t> row_vertices,
+            const GivenPoints& given);
+
+  /// Within kEntryScope; a barrier from kKernelScope comes before the points are read.
+  void record(VkCommandBuffer commands) const noexcept;
+
+  /// shared::kPointFloats floats per row.
+  [[nodiscard]] const Buffer& points() const { return points_; }
+
+ private:
+  /// Rows whose points one binding spans.
+  struct Gather {
+    std::int32_t first_row, row_count;
+    BufferRange source;
+    std::uint32_t first_vertex, shift;
+  };
+  void cut_gathers(std::span<const std::int32_t> row_vertices, const GivenPoints& given);
+  void bind(const Buffer& vertices);
+
+  Context& context_;
+  std::uint32_t source_stride_;  // floats
+  std::vector<Gather> gathers_;
+  Buffer points_;
+  DescriptorSets sets_;
+};
+
+}  // namespace planish::vulkan

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/vulkan/solve/gpu_gather.h"
+#include "planish/vulkan/solve/gpu_solve.h"
+#include "planish/vulkan/tables/device_table.h"
+#include "planish/vulkan/tables/vector_pieces.h"
+
+namespace planish::vulkan {
+
+/// The way from a host's points to a solve's right-hand side and start, and from its displacement
+/// to control points. Externally synchronised; solve and tables outlive it.
+class GpuGiven {
+ public:
+  /// `vertices` holds the index of each row's point, which `row_vertices` has on the host.
+  GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& solve,
+           const Buffer& vertices, std::span<const std::int32_t> row_vertices,
+           const GivenPoints& given);
+
+  /// Right-hand side from the points, displacement from the last one or zero.
+  void record_begin(VkCommandBuffer commands, bool warm_start) const noexcept;
+  /// control_points() = given points + displacement.
+  void record_control_points(VkCommandBuffer commands) const noexcept;
+
+  /// shared::kPointFloats floats per row.
+  [[nodiscard]] const Buffer& control_points() const { return control_; }
+
+ private:
+  void bind(const GpuSolve& solve);
+  void record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_t first_set,
+                     bool warm_start) const noexcept;
+
+  Context& context_;
+  const DeviceTable& masks_;
+  std::vector<VectorPiece> pieces_;
+  GpuGather gather_;
+  Buffer control_;
+  DescriptorSets sets_;  // take up per piece, control points per piece, slices of masks
+};
+
+}  // namespace planish::vulkan

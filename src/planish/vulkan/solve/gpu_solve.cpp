@@ -1,0 +1,166 @@
+// Based on: the paper, section 3.2, as one fused kernel a step; shaders/interpolation_step.comp.
+#include "planish/vulkan/solve/gpu_solve.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "planish/vulkan/device/commands.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+// Bounds command buffers, and the memory of partial sums.
+constexpr std::uint64_t kMostSteps = 64;
+constexpr std::uint64_t kPartialsBudget = 16u << 20;
+
+// Steps return at once when an earlier one met the wanted error; every so many of them a test makes
+// sure that they are not even dispatched.
+constexpr std::uint32_t kStepsPerStopTest = 4;
+
+std::uint32_t steps_that_fit(const Context& context, std::uint32_t partials_total) {
+  const std::uint64_t budget = std::min(kPartialsBudget, context.max_storage_range());
+  const std::uint64_t bytes_per_step = std::max<std::uint64_t>(partials_total, 1) * sizeof(float);
+  return static_cast<std::uint32_t>(
+      std::clamp<std::uint64_t>(budget / bytes_per_step, 1, kMostSteps));
+}
+
+}  // namespace
+
+GpuSolve::GpuSolve(Context& context, const DeviceTable& masks, const GpuSolveOptions& options)
+    : context_(context),
+      masks_(masks),
+      sums_squares_(options.sums_squares),
+      max_steps_(options.max_steps ? options.max_steps
+                                   : steps_that_fit(context, masks.partials_total())) {
+  const std::uint64_t point_bytes =
+      std::uint64_t(masks.row_count()) * shared::kPointFloats * sizeof(float);
+  for (Buffer& side : sides_)
+    side = Buffer(context, point_bytes, MemoryUse::Device, "planish displacement");
+  initial_ = Buffer(context, point_bytes, MemoryUse::Device, "planish first residual");
+  const std::uint64_t step_bytes = max_steps_ * sizeof(shared::StepRecord);
+  plan_ = Buffer(context, step_bytes, MemoryUse::Upload, "planish plan");
+  steps_ = Buffer(context, step_bytes, MemoryUse::Device, "planish steps");
+  status_ = Buffer(context, sizeof(shared::SolveStatus), MemoryUse::Device, "planish status");
+  const std::uint64_t summed_steps = sums_squares_ ? max_steps_ : 1;
+  partials_ = Buffer(context, summed_steps * masks.partials_total() * sizeof(float),
+                     MemoryUse::Device, "planish partial sums");
+  const std::uint64_t argument_bytes = masks.slices().size() * sizeof(VkDispatchIndirectCommand);
+  full_arguments_ = Buffer(context, argument_bytes, MemoryUse::Upload, "planish work groups");
+  arguments_ = Buffer(context, argument_bytes, MemoryUse::Device, "planish work groups left");
+  write_full_arguments();
+  bind(context);
+}
+
+void GpuSolve::write_full_arguments() {
+  std::byte* place = full_arguments_.mapped().data();
+  for (const DeviceTable::Slice& slice : masks_.slices()) {
+    const VkDispatchIndirectCommand command{slice.group_count, 1, 1};
+    std::memcpy(place, &command, sizeof command);
+    place += sizeof command;
+  }
+  full_arguments_.flush();
+}
+
+void GpuSolve::bind(Context& context) {
+  std::vector<BoundKernel> bound;
+  for (const DeviceTable::Slice& slice : masks_.slices())
+    for (std::uint32_t side = 0; side < 3; ++side) {
+      const TableSlice& rows = slice.rows;
+      const auto own = [&](const Buffer& points) {
+        return point_range(points, rows.first_row, rows.row_count);
+      };
+      bound.push_back(
+          {Kernel::InterpolationStep,
+           {whole(slice.entries), whole(slice.chunks), own(sides_[(side + 2) % 3]),
+            point_range(sides_[side], rows.first_source, rows.source_count), own(initial_),
+            own(sides_[(side + 1) % 3]), whole(steps_), whole(partials_)}});
+    }
+  step_sets_ = DescriptorSets(context, bound);
+  const BoundKernel finish[] = {{Kernel::ReduceRms, {whole(partials_), whole(steps_)}},
+                                {Kernel::FinishSolve, {whole(steps_), whole(status_)}},
+                                {Kernel::StopTest, {whole(steps_), whole(arguments_)}}};
+  finish_sets_ = DescriptorSets(context, finish);
+}
+
+std::span<shared::StepRecord> GpuSolve::plan() {
+  return {reinterpret_cast<shared::StepRecord*>(plan_.mapped().data()), max_steps_};
+}
+
+void GpuSolve::record_clear(VkCommandBuffer commands) const noexcept {
+  for (const Buffer& side : sides_)
+    context_.vk().vkCmdFillBuffer(commands, side.handle(), 0, VK_WHOLE_SIZE, 0);
+  context_.vk().vkCmdFillBuffer(commands, status_.handle(), 0, VK_WHOLE_SIZE, 0);
+  record_barrier(context_, commands, kCopyScope, kEntryScope);
+}
+
+void GpuSolve::record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept {
+  const DeviceFunctions& vk = context_.vk();
+  const std::uint64_t bytes = run.count * sizeof(shared::StepRecord);
+  const VkBufferCopy plan{0, 0, bytes};
+  if (bytes) vk.vkCmdCopyBuffer(commands, plan_.handle(), steps_.handle(), 1, &plan);
+  // A step that goes nowhere still measures.
+  if (run.measures_last)
+    vk.vkCmdFillBuffer(commands, steps_.handle(), bytes, sizeof(shared::StepRecord), 0);
+  const VkBufferCopy arguments{0, 0, arguments_.size()};
+  vk.vkCmdCopyBuffer(commands, full_arguments_.handle(), arguments_.handle(), 1, &arguments);
+  record_barrier(context_, commands, kEntryScope, kEntryScope);
+}
+
+void GpuSolve::record_stop_test(VkCommandBuffer commands, std::uint32_t step,
+                                float stop_square) const noexcept {
+  shared::VectorParameters parameters{};
+  parameters.step_count = step;
+  parameters.count = static_cast<std::uint32_t>(masks_.slices().size());
+  parameters.stop_square = stop_square;
+  record_dispatch(context_, commands, Kernel::StopTest, finish_sets_[2], &parameters, 1);
+  record_barrier(context_, commands, kKernelScope, kIndirectScope);
+}
+
+void GpuSolve::record_step(VkCommandBuffer commands, std::uint32_t step,
+                           const StepRun& run) const noexcept {
+  const std::uint32_t side = (run.first_side + step) % 3;
+  for (std::size_t i = 0; i < masks_.slices().size(); ++i) {
+    shared::TableParameters parameters = masks_.parameters(i);
+    parameters.step = step;
+    parameters.stop_square = run.stop_square;
+    if (!sums_squares_) parameters.partials_total = 0;  // all steps write the same place
+    const VkDescriptorSet set = step_sets_[3 * i + side];
+    if (run.stop_square >= 0)
+      record_dispatch_indirect(context_, commands, Kernel::InterpolationStep, set, &parameters,
+                               {arguments_.handle(), i * sizeof(VkDispatchIndirectCommand)});
+    else
+      masks_.record_dispatch(commands, Kernel::InterpolationStep, set, i, parameters);
+    // Also between slices: all of them raise the same maximum.
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+}
+
+void GpuSolve::record_end(VkCommandBuffer commands, const StepRun& run) const noexcept {
+  shared::VectorParameters parameters{};
+  parameters.stop_square = run.stop_square;
+  const std::uint32_t measured = run.count + (run.measures_last ? 1 : 0);
+  if (sums_squares_) {
+    parameters.count = masks_.partials_total();
+    record_dispatch(context_, commands, Kernel::ReduceRms, finish_sets_[0], &parameters, measured);
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+  parameters.count = measured;
+  parameters.step_count = run.count;
+  parameters.first_side = run.first_side;
+  record_dispatch(context_, commands, Kernel::FinishSolve, finish_sets_[1], &parameters, 1);
+  record_barrier(context_, commands, kKernelScope, kEntryScope);
+}
+
+void GpuSolve::record_steps(VkCommandBuffer commands, const StepRun& run) const noexcept {
+  record_begin(commands, run);
+  const std::uint32_t measured = run.count + (run.measures_last ? 1 : 0);
+  for (std::uint32_t step = 0; step < measured; ++step) {
+    if (run.stop_square >= 0 && step > 0 && step % kStepsPerStopTest == 0)
+      record_stop_test(commands, step, run.stop_square);
+    record_step(commands, step, run);
+  }
+  record_end(commands, run);
+}
+
+}  // namespace planish::vulkan

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "planish/vulkan/tables/device_table.h"
+
+namespace planish::vulkan {
+
+struct GpuSolveOptions {
+  /// Steps that one record_steps can hold, measuring included; 0: as many as suit batches.
+  std::uint32_t max_steps = 0;
+  bool sums_squares = true;  ///< false: StepRecord::square_sum stays 0, which saves memory
+};
+
+/// What record_steps records.
+struct StepRun {
+  std::uint32_t first_side = 0;
+  std::uint32_t count = 0;
+  float stop_square = -1;      ///< no step once |error|^2 is at most this; negative: never stop
+  bool measures_last = false;  ///< measures what the last step left, as one more step
+};
+
+/// Work buffers and written descriptor sets of one interpolation on the device. The displacement
+/// goes round in three buffers, its sides: a step reads two and writes the third, so that a stop
+/// leaves both what the result needs and what going on needs. Externally synchronised; the table
+/// outlives it. Recording cannot fail, and only records.
+class GpuSolve {
+ public:
+  /// `masks` was made with includes_own_rows. Throws Error{OutOfMemory} naming the limit.
+  GpuSolve(Context& context, const DeviceTable& masks, const GpuSolveOptions& options = {});
+
+  /// Steps that one record_steps can hold.
+  [[nodiscard]] std::uint32_t max_steps() const { return max_steps_; }
+
+  /// Momentum and gain of the steps to come; max_steps() of them, the rest of a record zero. Read
+  /// by the device whenever recorded steps run; flush_plan() after writing.
+  [[nodiscard]] std::span<shared::StepRecord> plan();
+  void flush_plan() { plan_.flush(); }
+
+  /// Displacement and step = 0, and a status of zeros.
+  void record_clear(VkCommandBuffer commands) const noexcept;
+
+  /// Steps 0..count-1 of the plan, and status() at their end; count + measures_last is 1 to
+  /// max_steps(). Fills steps() and status(). Begins and ends within kEntryScope and kExitScope.
+  void record_steps(VkCommandBuffer commands, const StepRun& run) const noexcept;
+
+  /// shared::kPointFloats floats per row.
+  [[nodiscard]] const Buffer& side(std::uint32_t i) const { return sides_[i]; }
+  [[nodiscard]] const Buffer& initial() const { return initial_; }
+  /// shared::StepRecord per step, and shared::SolveStatus.
+  [[nodiscard]] const Buffer& steps() const { return steps_; }
+  [[nodiscard]] const Buffer& status() const { return status_; }
+
+ private:
+  void bind(Context& context);
+  void write_full_arguments();
+  void record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept;
+  void record_step(VkCommandBuffer commands, std::uint32_t step, const StepRun& run) const noexcept;
+  void record_stop_test(VkCommandBuffer commands, std::uint32_t step,
+                        float stop_square) const noexcept;
+  void record_end(VkCommandBuffer commands, const StepRun& run) const noexcept;
+
+  Context& context_;
+  const DeviceTable& masks_;
+  bool sums_squares_ = true;
+  std::uint32_t max_steps_ = 0;
+  std::array<Buffer, 3> sides_;
+  Buffer initial_, plan_, steps_, status_, partials_;
+  DescriptorSets step_sets_;    // slice * 3 + side
+  Buffer full_arguments_;       // of the indirect dispatches, one per slice
+  Buffer arguments_;            // the same, until an error is low enough
+  DescriptorSets finish_sets_;  // reduce_rms, finish_solve, stop_test
+};
+
+}  // namespace planish::vulkan

@@ -1,0 +1,87 @@
+#include "planish/vulkan/tables/device_table.h"
+
+#include <algorithm>
+
+#include "planish/vulkan/device/commands.h"
+
+namespace planish::vulkan {
+
+template <class Real>
+DeviceTable::DeviceTable(Context& context, const StencilView<Real>& table,
+                         const std::type_identity_t<LimitStencilView<Real>>* derivatives,
+                         const DeviceTableOptions& options)
+    : context_(context), row_count_(table.row_count()), source_count_(table.source_count) {
+  SliceLimits limits;
+  limits.max_range = context.max_storage_range();
+  limits.max_chunks = std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
+  limits.max_elements = context.max_texel_elements();
+  limits.source_stride = options.source_stride;
+  limits.target_stride = options.target_stride;
+  limits.includes_own_rows = options.includes_own_rows;
+  plan_ = plan_table(table, limits);
+  slices_.reserve(plan_.slices.size());
+  for (const TableSlice& rows : plan_.slices) {
+    Slice& slice = slices_.emplace_back();
+    slice.rows = rows;
+    slice.first_group = group_total_;
+    slice.group_count =
+        static_cast<std::uint32_t>((rows.chunk_count + context.variant().chunks_per_group - 1) /
+                                   context.variant().chunks_per_group);
+    group_total_ += slice.group_count;
+    slice.entries = Buffer(context, rows.entry_count * sizeof(PackedEntry), MemoryUse::Device,
+                           "planish entries");
+    slice.chunks = Buffer(context, rows.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
+                          MemoryUse::Device, "planish chunks");
+    if (derivatives)
+      slice.derivatives = Buffer(context, rows.entry_count * sizeof(PackedDerivative),
+                                 MemoryUse::Device, "planish derivatives");
+  }
+}
+
+template <class Real>
+PackedSlice DeviceTable::pack(
+    std::size_t i, const StencilView<Real>& table,
+    const std::type_identity_t<LimitStencilView<Real>>* derivatives) const {
+  return pack_slice(table, derivatives, plan_, slices_[i].rows);
+}
+
+std::uint32_t DeviceTable::partials_total() const {
+  return group_total_ * (context_.variant().lane_sums ? shared::kChunkRows : 1);
+}
+
+shared::TableParameters DeviceTable::parameters(std::size_t i) const noexcept {
+  const Slice& slice = slices_[i];
+  shared::TableParameters parameters{};
+  parameters.chunk_count = static_cast<std::uint32_t>(slice.rows.chunk_count);
+  parameters.first_row = static_cast<std::uint32_t>(slice.rows.first_row);
+  parameters.first_source = static_cast<std::uint32_t>(slice.rows.first_source);
+  parameters.first_group = slice.first_group;
+  parameters.partials_total = partials_total();
+  parameters.target_stride = shared::kPointFloats;
+  return parameters;
+}
+
+void DeviceTable::record_dispatch(VkCommandBuffer commands, Kernel kernel, VkDescriptorSet set,
+                                  std::size_t i,
+                                  const shared::TableParameters& parameters) const noexcept {
+  planish::vulkan::record_dispatch(context_, commands, kernel, set, &parameters,
+                                   slices_[i].group_count);
+}
+
+template DeviceTable::DeviceTable(Context&, const StencilView<float>&,
+                                  const LimitStencilView<float>*, const DeviceTableOptions&);
+template DeviceTable::DeviceTable(Context&, const StencilView<double>&,
+                                  const LimitStencilView<double>*, const DeviceTableOptions&);
+template PackedSlice DeviceTable::pack(std::size_t, const StencilView<float>&,
+                                       const LimitStencilView<float>*) const;
+template PackedSlice DeviceTable::pack(std::size_t, const StencilView<double>&,
+                                       const LimitStencilView<double>*) const;
+
+BufferRange point_range(const Buffer& points, std::int32_t first, std::int32_t count) {
+  constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
+  // At least one point, for tables without sources: a binding may not be empty.
+  return {points.handle(), std::uint64_t(first) * kPointBytes,
+          std::uint64_t(std::max(count, 1)) * kPointBytes};
+}
+
+}  // namespace planish::vulkan

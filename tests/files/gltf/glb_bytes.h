@@ -1,0 +1,50 @@
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "support/byte_strings.h"
+
+namespace planish::test {
+
+inline std::string glb_of(std::string json, std::string chunk) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  chunk.resize((chunk.size() + 3) / 4 * 4, '\0');
+  std::string bytes = "glTF";
+  append<std::uint32_t>(bytes, 2);
+  append<std::uint32_t>(bytes, static_cast<std::uint32_t>(28 + json.size() + chunk.size()));
+  append<std::uint32_t>(bytes, static_cast<std::uint32_t>(json.size()));
+  bytes += "JSON" + json;
+  append<std::uint32_t>(bytes, static_cast<std::uint32_t>(chunk.size()));
+  return bytes + std::string("BIN\0", 4) + chunk;
+}
+
+template <class Value>
+std::string values(std::initializer_list<double> list) {
+  std::string bytes;
+  for (const double value : list) append<Value>(bytes, static_cast<Value>(value));
+  return bytes;
+}
+
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+/// Four corners of a unit square: 48 bytes of positions, then the indices 0 1 2 0 2 3 as u16.
+inline std::string square_chunk() {
+  return values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) +
+         values<std::uint16_t>({0, 1, 2, 0, 2, 3});
+}
+
+inline std::string square_json() {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+         R"("nodes":[{"mesh":0}],)"
+         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
+         R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":48},)"
+         R"({"buffer":0,"byteOffset":48,"byteLength":12}],"buffers":[{"byteLength":60}]})";
+}
+
+}  // namespace planish::test

@@ -1,0 +1,185 @@
+// What the glTF reader refuses, and that nothing brings it down.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "files/gltf/read_square.h"
+#include "planish/mesh/check.h"
+
+namespace planish {
+namespace {
+
+using test::glb_error;
+using test::glb_of;
+using test::read_glb;
+using test::read_square;
+using test::replaced;
+using test::square_chunk;
+using test::square_error;
+using test::square_json;
+using test::values;
+
+TEST(ReadGltfErrors, RefusesWrongContainers) {
+  const std::string glb = glb_of(square_json(), square_chunk());
+  EXPECT_EQ(glb_error("glTF"), "a.glb: a GLB begins with 20 bytes, but the file has 4");
+  EXPECT_EQ(glb_error(replaced(glb, std::string("\2\0\0\0", 4), std::string("\1\0\0\0", 4))),
+            "a.glb: GLB version 1 is not 2");
+  EXPECT_EQ(glb_error(glb.substr(0, glb.size() - 1)),
+            "a.glb: header promises " + std::to_string(glb.size()) + " bytes, but the file has " +
+                std::to_string(glb.size() - 1));
+  EXPECT_EQ(glb_error(replaced(glb, "JSON", "JSOM")), "a.glb: the first chunk is not JSON");
+  std::string long_chunk = glb;
+  long_chunk[15] = 1;
+  EXPECT_THAT(glb_error(long_chunk),
+              testing::MatchesRegex("a.glb: chunk 0 promises 1677.* bytes, but only .* follow"));
+}
+
+TEST(ReadGltfErrors, RefusesWrongJson) {
+  EXPECT_EQ(glb_error("{\"a\":"),
+            "a.glb: parse error at line 1, column 6: syntax error while parsing value - unexpected "
+            "end of input; expected '[', '{', or a literal");
+  EXPECT_EQ(glb_error("[]"), "a.glb: an array is no object");
+  EXPECT_EQ(glb_error("{}"), "a.glb: has no `asset`");
+  EXPECT_EQ(glb_error(std::string(100000, '[')), "a.glb: JSON is nested deeper than 64 levels");
+  EXPECT_EQ(square_error("2.0", "1.0"), "a.glb: asset.version: `1.0` is not 2.x");
+  EXPECT_EQ(square_error("\"scene\":0", "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]"),
+            "a.glb: extensionsRequired[0]: `KHR_draco_mesh_compression` cannot be read; save the "
+            "file without it");
+}
+
+TEST(ReadGltfErrors, RefusesWrongNodes) {
+  EXPECT_EQ(square_error("\"scene\":0", "\"scene\":1"),
+            "a.glb: scenes: entry 1 is asked for, but there are only 1");
+  EXPECT_EQ(square_error("\"nodes\":[0]", "\"nodes\":[4]"),
+            "a.glb: nodes: entry 4 is asked for, but there are only 1");
+  EXPECT_EQ(square_error("\"nodes\":[0]", "\"nodes\":[-1]"),
+            "a.glb: scenes[0].nodes[0]: -1 is no integer from 0");
+  EXPECT_EQ(square_error("{\"mesh\":0}", "{\"children\":[0]}"),
+            "a.glb: nodes[0]: is reached twice, but nodes must form trees");
+  EXPECT_EQ(square_error("{\"mesh\":0}", "{\"mesh\":1}"),
+            "a.glb: meshes: entry 1 is asked for, but there are only 1");
+  EXPECT_EQ(square_error("{\"mesh\":0}", "{\"mesh\":0,\"scale\":[1,2]}"),
+            "a.glb: nodes[0].scale: has 2 numbers, 3 are needed");
+  EXPECT_EQ(square_error("{\"mesh\":0}", "{\"mesh\":0,\"rotation\":[0,0,0,0]}"),
+            "a.glb: nodes[0].rotation: is no rotation");
+  EXPECT_EQ(
+      square_error("{\"mesh\":0}", "{\"mesh\":0,\"matrix\":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]}"),
+      "a.glb: nodes[0].matrix: is no affine transformation: its last row is not 0 0 0 1");
+}
+
+TEST(ReadGltfErrors, RefusesWrongPrimitives) {
+  EXPECT_EQ(square_error("\"indices\":1", "\"indices\":1,\"mode\":7"),
+            "a.glb: meshes[0].primitives[0].mode: 7 is no mode of primitives");
+  EXPECT_EQ(square_error("\"count\":6", "\"count\":5"),
+            "a.glb: meshes[0].primitives[0]: 5 corners make no whole triangles");
+  const std::string positions = square_chunk().substr(0, 48);
+  EXPECT_EQ(glb_error(glb_of(square_json(), positions + values<std::uint16_t>({0, 1, 2, 0, 2, 4}))),
+            "a.glb: meshes[0].primitives[0].indices: entry 5 names vertex 4 of 4");
+  EXPECT_EQ(
+      glb_error(glb_of(square_json(),
+                       values<float>({0, 0, 0, 1, std::numeric_limits<float>::infinity(), 0}) +
+                           square_chunk().substr(24))),
+      "a.glb: meshes[0].primitives[0].attributes.POSITION: vertex 1 is at (1, inf, 0)");
+  EXPECT_EQ(square_error("{\"mesh\":0}",
+                         "{\"mesh\":0,\"translation\":[1e308,0,0],"
+                         "\"scale\":[1e308,1,1]}")
+                .substr(0, 70),
+            "a.glb: meshes[0].primitives[0].attributes.POSITION: vertex 1 is at (in");
+}
+
+TEST(ReadGltfErrors, RefusesWrongAccessors) {
+  EXPECT_EQ(square_error("\"POSITION\":0", "\"POSITION\":2"),
+            "a.glb: accessors: entry 2 is asked for, but there are only 2");
+  EXPECT_EQ(square_error("\"POSITION\":0", "\"POSITION\":1"),
+            "a.glb: accessors[1].type: `SCALAR` stands in the place of `VEC3`");
+  EXPECT_EQ(square_error("\"count\":4", "\"count\":1000000000"),
+            "a.glb: accessors[0]: 1000000000 elements reach to byte 12000000000 of "
+            "bufferViews[0], which has 48");
+  EXPECT_EQ(square_error("\"count\":4", "\"count\":0"),
+            "a.glb: accessors[0].count: 0 is no integer from 1");
+  EXPECT_EQ(square_error("\"count\":4", "\"count\":1e300"),
+            "a.glb: accessors[0].count: 1e+300 is no integer from 1");
+  EXPECT_EQ(square_error("\"count\":4", "\"count\":\"4\""),
+            "a.glb: accessors[0].count: \"4\" is no integer from 1");
+  EXPECT_EQ(square_error("\"count\":4", "\"byteOffset\":1,\"count\":4"),
+            "a.glb: accessors[0]: 4 elements reach to byte 49 of bufferViews[0], which has 48");
+  EXPECT_EQ(square_error("5126", "5125"),
+            "a.glb: accessors[0].componentType: 5125 cannot be used for positions");
+  EXPECT_EQ(square_error("5123", "5122"),
+            "a.glb: accessors[1].componentType: 5122 cannot be used for indices");
+  EXPECT_EQ(square_error("5126", "5124"),
+            "a.glb: accessors[0].componentType: 5124 cannot be used for positions");
+  EXPECT_EQ(square_error("\"count\":4", "\"count\":4,\"sparse\":{}"),
+            "a.glb: accessors[0]: sparse accessors cannot be read; save the file without");
+  EXPECT_EQ(square_error("\"count\":4", "\"count\":4,\"normalized\":1"),
+            "a.glb: accessors[0].normalized: 1 is neither true nor false");
+  EXPECT_EQ(square_error("{\"bufferView\":0,", "{"), "a.glb: accessors[0]: has no `bufferView`");
+}
+
+TEST(ReadGltfErrors, RefusesWrongBuffers) {
+  EXPECT_EQ(square_error("\"byteLength\":48", "\"byteLength\":61"),
+            "a.glb: bufferViews[0]: bytes 0 to 61 are asked of a buffer of 60");
+  EXPECT_EQ(square_error("\"byteLength\":48", "\"byteLength\":48,\"byteOffset\":9007199254740992"),
+            "a.glb: bufferViews[0]: bytes 9007199254740992 to 9007199254741040 are asked of a "
+            "buffer of 60");
+  EXPECT_EQ(square_error("\"byteLength\":48", "\"byteLength\":48,\"byteStride\":8"),
+            "a.glb: bufferViews[0].byteStride: 8 is not between 12 and 252");
+  EXPECT_EQ(square_error("\"byteLength\":60", "\"byteLength\":1000"),
+            "a.glb: buffers[0].byteLength: promises 1000 bytes, but there are only 60");
+  EXPECT_EQ(glb_error(square_json()),
+            "a.glb: buffers[0]: has no `uri`, and there is no binary chunk for it");
+}
+
+// True when a mesh came out.
+bool read_safely(const std::string& bytes) {
+  try {
+    const PolygonMesh mesh = read_glb(bytes).mesh;
+    for (const MeshProblem& problem : check(mesh))
+      EXPECT_NE(problem.kind, MeshProblemKind::IndexOutOfRange) << problem.message;
+    return true;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::UnreadableInput);
+    EXPECT_TRUE(std::string_view(error.what()).starts_with("a.glb: ")) << error.what();
+    return false;
+  }
+}
+
+TEST(ReadGltfErrors, CutOffAtEveryByteIsRefused) {
+  const std::string glb = glb_of(square_json(), square_chunk());
+  for (std::size_t size = 0; size < glb.size(); ++size)
+    EXPECT_FALSE(read_safely(glb.substr(0, size))) << size;
+}
+
+TEST(ReadGltfErrors, RandomBytesChanged) {
+  std::mt19937 random(5);
+  const std::string glb = glb_of(square_json(), square_chunk());
+  for (int round = 0; round < 20000; ++round) {
+    std::string bytes = glb;
+    for (unsigned i = 1 + random() % 4; i > 0; --i) {
+      char& byte = bytes[random() % bytes.size()];
+      byte = random() % 2 ? static_cast<char>(random()) : "0123456789-.e,[]{}\":"[random() % 20];
+    }
+    (void)read_safely(bytes);
+  }
+}
+
+TEST(ReadGltfErrors, ChecksTextureCoordinatesAndColours) {
+  const std::string position = "\"POSITION\":0";
+  EXPECT_THAT(square_error(position, position + ",\"TEXCOORD_0\":0"),
+              testing::HasSubstr("`VEC3` stands in the place of `VEC2`"));
+  EXPECT_THAT(square_error(position, position + ",\"TEXCOORD_0\":7"),
+              testing::HasSubstr("accessors"));
+  EXPECT_THAT(square_error(position, position + ",\"COLOR_0\":1"),
+              testing::HasSubstr("`SCALAR` stands in the place of `VEC4`"));
+  EXPECT_THAT(square_error("\"indices\":1", "\"indices\":1,\"material\":3"),
+              testing::HasSubstr("materials"));
+  // Positions of 0 and 1 are colours, too.
+  const MeshFile colored = read_square(position, position + ",\"COLOR_0\":0");
+  ASSERT_EQ(colored.mesh.colors.size(), 4u);
+  EXPECT_EQ(colored.mesh.colors[2], glm::vec4(1, 1, 0, 1));
+}
+
+}  // namespace
+}  // namespace planish

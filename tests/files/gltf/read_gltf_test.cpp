@@ -1,0 +1,227 @@
+#include "planish/files/gltf/read_gltf.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "files/gltf/read_square.h"
+#include "files/gltf/surfaces.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/mesh/check.h"
+#include "support/temporary_folder.h"
+
+namespace planish {
+namespace {
+
+using test::glb_error;
+using test::glb_of;
+using test::read_glb;
+using test::read_square;
+using test::replaced;
+using test::square_chunk;
+using test::square_json;
+using test::values;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(ReadGltf, ReadsIndexedTriangles) {
+  const MeshFile file = read_glb(glb_of(square_json(), square_chunk()));
+  EXPECT_THAT(file.mesh.positions, ElementsAre(glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0),
+                                               glm::dvec3(1, 1, 0), glm::dvec3(0, 1, 0)));
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
+  EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 3, 6));
+  EXPECT_EQ(file.format, MeshFormat::Glb);
+  EXPECT_EQ(file.welded_vertex_count, 0);
+  EXPECT_THAT(file.warnings, IsEmpty());
+}
+
+TEST(ReadGltf, ReadsStripsAndFansWithTheirWinding) {
+  const std::string chunk = square_chunk();
+  const auto mode = [&](const char* text, std::initializer_list<double> indices) {
+    const std::string json = replaced(
+        replaced(square_json(), "\"indices\":1", std::string("\"indices\":1,\"mode\":") + text),
+        "\"count\":6", "\"count\":" + std::to_string(indices.size()));
+    return read_glb(glb_of(json, chunk.substr(0, 48) + values<std::uint16_t>(indices) +
+                                     std::string(12, '\0')))
+        .mesh.face_vertices;
+  };
+  EXPECT_THAT(mode("5", {0, 1, 3, 2}), ElementsAre(0, 1, 2, 1, 3, 2));
+  EXPECT_THAT(mode("6", {0, 1, 2, 3}), ElementsAre(1, 2, 0, 2, 3, 0));
+  EXPECT_THAT(mode("5", {0, 1}), IsEmpty());
+}
+
+TEST(ReadGltf, ReadsWithoutIndicesAndWelds) {
+  std::string json = replaced(square_json(), ",\"indices\":1", "");
+  json = replaced(json, "\"count\":4", "\"count\":6");
+  json = replaced(json, "\"byteLength\":48", "\"byteLength\":72");
+  json = replaced(json, "\"buffers\":[{\"byteLength\":60}", "\"buffers\":[{\"byteLength\":72}");
+  const MeshFile file = read_glb(
+      glb_of(json, values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, -0.0, 0, 0, 1, 1, 0, 0, 1, 0})));
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
+  EXPECT_EQ(file.welded_vertex_count, 2);
+}
+
+TEST(ReadGltf, WeldsAcrossPrimitivesAndNodes) {
+  std::string json = replaced(square_json(), "\"nodes\":[0]", "\"nodes\":[0,1]");
+  json = replaced(json, "[{\"mesh\":0}]", "[{\"mesh\":0},{\"mesh\":0,\"translation\":[1,0,0]}]");
+  const MeshFile file = read_glb(glb_of(json, square_chunk()));
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2));
+  EXPECT_EQ(file.mesh.positions[5], glm::dvec3(2, 1, 0));
+  EXPECT_EQ(file.welded_vertex_count, 2);
+}
+
+TEST(ReadGltf, AppliesTransformsDownTheTree) {
+  // Parent: a quarter turn about z, then (10, 0, 0); child: twice as long in x, then (0, 0, 5).
+  const double half = std::sqrt(0.5);
+  const std::string nodes = "[{\"children\":[1],\"translation\":[10,0,0],\"rotation\":[0,0," +
+                            std::to_string(half) + "," + std::to_string(half) +
+                            "]},{\"mesh\":0,\"scale\":[2,1,1],\"translation\":[0,0,5]}]";
+  const MeshFile file = read_square("[{\"mesh\":0}]", nodes);
+  const glm::dvec3 expected[] = {{10, 0, 5}, {10, 2, 5}, {9, 2, 5}, {9, 0, 5}};
+  for (int i = 0; i < 4; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(file.mesh.positions[i][axis], expected[i][axis], 1e-14);
+}
+
+TEST(ReadGltf, ReadsColumnMajorMatrices) {
+  const MeshFile file =
+      read_square("[{\"mesh\":0}]", "[{\"mesh\":0,\"matrix\":[0,1,0,0,-1,0,0,0,0,0,1,0,7,8,9,1]}]");
+  EXPECT_THAT(file.mesh.positions, ElementsAre(glm::dvec3(7, 8, 9), glm::dvec3(7, 9, 9),
+                                               glm::dvec3(6, 9, 9), glm::dvec3(6, 8, 9)));
+}
+
+TEST(ReadGltf, MirrorsFlipTheWinding) {
+  const MeshFile file = read_square("[{\"mesh\":0}]", "[{\"mesh\":0,\"scale\":[-1,1,1]}]");
+  EXPECT_EQ(file.mesh.positions[2], glm::dvec3(-1, 1, 0));
+  // The square faces +z as before: counter-clockwise seen from there.
+  for (std::int32_t face = 0; face < 2; ++face) {
+    const auto corners = file.mesh.face(face);
+    const glm::dvec3 a = file.mesh.positions[corners[1]] - file.mesh.positions[corners[0]];
+    const glm::dvec3 b = file.mesh.positions[corners[2]] - file.mesh.positions[corners[0]];
+    EXPECT_GT(a.x * b.y - a.y * b.x, 0);
+  }
+}
+
+TEST(ReadGltf, TakesTheDefaultScene) {
+  const std::string two = "\"scenes\":[{\"nodes\":[0]},{}],";
+  EXPECT_EQ(read_square("\"scene\":0,\"scenes\":[{\"nodes\":[0]}],", "\"scene\":1," + two)
+                .mesh.face_count(),
+            0);
+  EXPECT_EQ(read_square("\"scene\":0,\"scenes\":[{\"nodes\":[0]}],", two).mesh.face_count(), 2);
+  EXPECT_EQ(read_square("\"scene\":0,\"scenes\":[{\"nodes\":[0]}],", "").mesh.face_count(), 2);
+}
+
+TEST(ReadGltf, ReadsQuantisedPositionsWithAStride) {
+  std::string json =
+      replaced(square_json(), "5126,\"count\":4", "5120,\"normalized\":true,\"count\":4");
+  json = replaced(json, "\"byteLength\":48", "\"byteLength\":16,\"byteStride\":4");
+  json = replaced(json, "\"byteOffset\":48", "\"byteOffset\":16");
+  const MeshFile file = read_glb(glb_of(
+      json, values<std::int8_t>({0, 0, 0, 99, 127, 0, 0, 99, 127, -127, 0, 99, -128, 127, 0, 99}) +
+                values<std::uint16_t>({0, 1, 2, 0, 2, 3}) + std::string(32, '\0')));
+  EXPECT_THAT(file.mesh.positions, ElementsAre(glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0),
+                                               glm::dvec3(1, -1, 0), glm::dvec3(-1, 1, 0)));
+}
+
+TEST(ReadGltf, CountsWhatCarriesNoSurface) {
+  const MeshFile file = read_square("\"primitives\":[",
+                                    "\"primitives\":[{\"attributes\":{\"POSITION\":0},\"mode\":0},"
+                                    "{\"attributes\":{\"POSITION\":0},\"mode\":1},"
+                                    "{\"attributes\":{}},");
+  EXPECT_EQ(file.dropped_element_count, 3);
+  EXPECT_EQ(file.mesh.face_count(), 2);
+}
+
+TEST(ReadGltf, WarnsOfSkinsAndMorphTargets) {
+  const MeshFile file =
+      read_glb(glb_of(replaced(replaced(square_json(), "{\"mesh\":0}", "{\"mesh\":0,\"skin\":0}"),
+                               "\"indices\":1", "\"indices\":1,\"targets\":[{}]"),
+                      square_chunk()));
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].code, "ignored-deformation");
+  EXPECT_EQ(file.warnings[0].count, 2);
+}
+
+TEST(ReadGltf, LeavesOutTrianglesWithoutArea) {
+  const MeshFile file = read_glb(glb_of(
+      square_json(), square_chunk().substr(0, 48) + values<std::uint16_t>({0, 1, 2, 0, 2, 2})));
+  EXPECT_EQ(file.mesh.face_count(), 1);
+  EXPECT_EQ(file.dropped_element_count, 1);
+  EXPECT_EQ(file.warnings.at(0).code, "degenerate-triangles");
+}
+
+TEST(ReadGltf, ReadsDataUris) {
+  // The 60 bytes of the square in base64, with the padding left out in the second document.
+  const std::string base64 =
+      "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAAABAAIAAAACAAMA";
+  const std::string json = replaced(
+      square_json(), "{\"byteLength\":60}",
+      "{\"byteLength\":60,\"uri\":\"data:application/octet-stream;base64," + base64 + "\"}");
+  const MeshFile file = read_glb(json);
+  EXPECT_EQ(file.format, MeshFormat::Gltf);
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
+  EXPECT_EQ(file.mesh.positions[2], glm::dvec3(1, 1, 0));
+  EXPECT_EQ(glb_error(replaced(json, base64, "AA*A")),
+            "a.glb: buffers[0].uri: `data:application/octet-stream;base64,AA*...` is no base64 "
+            "data URI");
+  EXPECT_EQ(glb_error(replaced(json, base64, "AAAA")),
+            "a.glb: buffers[0].byteLength: promises 60 bytes, but there are only 3");
+}
+
+TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
+  const test::TemporaryFolder folder;
+  const auto write = [&](const std::filesystem::path& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+  };
+  const std::filesystem::path inside = folder.path() / "inside";
+  std::filesystem::create_directory(inside);
+  write(inside / "a b.bin", square_chunk());
+  write(folder.path() / "outside.bin", square_chunk());
+  const auto read_with = [&](const std::string& uri) {
+    write(inside / "a.gltf", replaced(square_json(), "{\"byteLength\":60}",
+                                      "{\"byteLength\":60,\"uri\":\"" + uri + "\"}"));
+    return read_gltf(inside / "a.gltf");
+  };
+  EXPECT_EQ(read_with("a%20b.bin").mesh.face_count(), 2);
+  const std::string name = (inside / "a.gltf").string();
+  for (const std::string& uri :
+       {std::string("../outside.bin"), std::string("x/../../outside.bin"),
+        std::string("%2e%2e/outside.bin"), (folder.path() / "outside.bin").string(),
+        "file://" + (folder.path() / "outside.bin").string(), std::string("%00"),
+        std::string("..\\\\outside.bin"), std::string("%2")}) {
+    const std::string message =
+        test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with(uri); });
+    EXPECT_TRUE(message.starts_with(name + ": buffers[0].uri: `") &&
+                message.ends_with("leads away from the folder of the file"))
+        << message;
+  }
+  EXPECT_EQ(test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with("no.bin"); }),
+            (inside / "no.bin").string() + ": cannot read: No such file or directory");
+  EXPECT_EQ(glb_error(replaced(square_json(), "{\"byteLength\":60}",
+                               "{\"byteLength\":60,\"uri\":\"a.bin\"}")),
+            "a.glb: buffers[0].uri: `a.bin` is another file, but only embedded data can be read");
+}
+
+// What the project itself writes is read back to the last bit of float32.
+TEST(ReadGltf, ReadsWhatIsWritten) {
+  const SurfaceMesh surface = test::wavy_grid(9, 7);
+  const std::vector<std::byte> bytes = encode_glb(surface, {});
+  const MeshFile file = read_gltf(bytes, "own.glb");
+  EXPECT_EQ(file.mesh.face_count(), 2 * 8 * 6);
+  ASSERT_EQ(file.mesh.vertex_count(), 63);
+  EXPECT_THAT(check(file.mesh), IsEmpty());
+  std::vector<glm::dvec3> expected;
+  for (const glm::dvec3& position : surface.positions) expected.emplace_back(glm::vec3(position));
+  const auto less = [](const glm::dvec3& a, const glm::dvec3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+  };
+  std::vector<glm::dvec3> found = file.mesh.positions;
+  std::ranges::sort(expected, less);
+  std::ranges::sort(found, less);
+  EXPECT_EQ(found, expected);
+}
+
+}  // namespace
+}  // namespace planish

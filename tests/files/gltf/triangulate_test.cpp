@@ -1,0 +1,169 @@
+#include "planish/files/gltf/triangulate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <numeric>
+#include <random>
+#include <vector>
+
+namespace planish {
+namespace {
+
+using ::testing::ElementsAre;
+
+// Twice the signed area seen from +z.
+double doubled_area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+std::vector<std::uint32_t> triangles_of(const std::vector<glm::dvec3>& polygon) {
+  std::vector<std::int32_t> corners(polygon.size());
+  std::iota(corners.begin(), corners.end(), 0);
+  std::vector<std::uint32_t> triangles(3 * (polygon.size() - 2));
+  triangulate(corners, polygon, triangles);
+  return triangles;
+}
+
+// A triangulation covers a counter-clockwise polygon without overlap exactly when all triangles
+// turn left and their areas sum to the polygon's.
+void expect_cover(const std::vector<glm::dvec3>& polygon) {
+  double area = 0, covered = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    area += doubled_area(glm::dvec3(0), polygon[i], polygon[(i + 1) % polygon.size()]);
+  }
+  const auto triangles = triangles_of(polygon);
+  for (std::size_t t = 0; t < triangles.size(); t += 3) {
+    const double part =
+        doubled_area(polygon[triangles[t]], polygon[triangles[t + 1]], polygon[triangles[t + 2]]);
+    EXPECT_GE(part, 0.0) << "triangle " << t / 3 << " is turned over";
+    covered += part;
+  }
+  EXPECT_GT(area, 0.0);
+  EXPECT_NEAR(covered, area, 1e-12 * area);
+}
+
+TEST(SplitQuad, TakesTheShorterDiagonal) {
+  const glm::dvec3 a(0, 0, 0), b(2, 0.5, 0), c(2, 1, 0), d(0, 1, 0);
+  ASSERT_LT(glm::distance(b, d), glm::distance(a, c));
+  EXPECT_THAT(split_quad(a, b, c, d), ElementsAre(0, 1, 3, 1, 2, 3));
+  EXPECT_THAT(split_quad(b, c, d, a), ElementsAre(0, 1, 2, 0, 2, 3));
+}
+
+TEST(SplitQuad, EqualDiagonalsGoFromTheFirstCorner) {
+  const glm::dvec3 a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0);
+  EXPECT_THAT(split_quad(a, b, c, d), ElementsAre(0, 1, 2, 0, 2, 3));
+  EXPECT_THAT(split_quad(b, c, d, a), ElementsAre(0, 1, 2, 0, 2, 3));
+  // Rounding must not decide.
+  EXPECT_THAT(split_quad(a, b, c + glm::dvec3(1e-9, 0, 0), d), ElementsAre(0, 1, 2, 0, 2, 3));
+}
+
+TEST(SplitQuad, ConcaveQuadIsSplitAtItsReflexCorner) {
+  // Corner 2 is the reflex one; the diagonal 1-3 is shorter but lies outside.
+  const std::vector<glm::dvec3> dart{{0, 0, 0}, {1, 4, 0}, {0, 3, 0}, {-1, 4, 0}};
+  ASSERT_LT(glm::distance(dart[1], dart[3]), glm::distance(dart[0], dart[2]));
+  EXPECT_THAT(split_quad(dart[0], dart[1], dart[2], dart[3]), ElementsAre(0, 1, 2, 0, 2, 3));
+  EXPECT_THAT(split_quad(dart[3], dart[0], dart[1], dart[2]), ElementsAre(0, 1, 3, 1, 2, 3));
+  expect_cover(dart);
+}
+
+TEST(Triangulate, TriangleIsKept) {
+  EXPECT_THAT(triangles_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), ElementsAre(0, 1, 2));
+}
+
+TEST(Triangulate, ConvexPolygonsOfEverySizeAreCovered) {
+  for (int n = 3; n <= 70; ++n) {
+    std::vector<glm::dvec3> polygon;
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n;
+      polygon.emplace_back(3 + std::cos(angle), 2 + std::sin(angle), 0);
+    }
+    expect_cover(polygon);
+  }
+}
+
+TEST(Triangulate, ConcavePolygonsAreCovered) {
+  expect_cover({{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {1, 1, 0}, {1, 4, 0}, {0, 4, 0}});  // L
+  expect_cover({{0, 0, 0},
+                {5, 0, 0},
+                {5, 4, 0},
+                {4, 4, 0},
+                {4, 1, 0},
+                {3, 1, 0},
+                {3, 4, 0},
+                {2, 4, 0},
+                {2, 1, 0},
+                {1, 1, 0},
+                {1, 4, 0},
+                {0, 4, 0}});  // comb
+}
+
+TEST(Triangulate, RandomStarsAreCovered) {
+  std::mt19937 random(20);
+  for (int round = 0; round < 200; ++round) {
+    const int n = 5 + static_cast<int>(random() % 40);
+    std::vector<glm::dvec3> star;
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n;
+      const double radius = 0.05 + static_cast<double>(random()) / 4294967296.0;
+      star.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+    }
+    expect_cover(star);
+  }
+}
+
+TEST(Triangulate, SpiralIsCovered) {
+  std::vector<glm::dvec3> spiral;
+  for (int i = 0; i <= 60; ++i) {
+    const double angle = i * 0.2, radius = 1 + angle;
+    spiral.emplace_back((radius + 0.5) * std::cos(angle), (radius + 0.5) * std::sin(angle), 0);
+  }
+  for (int i = 60; i >= 0; --i) {
+    const double angle = i * 0.2, radius = 1 + angle;
+    spiral.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  }
+  expect_cover(spiral);
+}
+
+TEST(Triangulate, CornersOnAnEdgeAreCovered) {
+  expect_cover({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {3, 3, 0}, {1.5, 3, 0}, {0, 3, 0}});
+}
+
+TEST(Triangulate, TiltedPolygonFarAwayIsSplitAsTheFlatOne) {
+  const std::vector<glm::dvec3> flat{{0, 0, 0}, {4, 0, 0}, {4, 1, 0},
+                                     {1, 1, 0}, {1, 4, 0}, {0, 4, 0}};
+  // An exact rotation (3-4-5 about x) and a shift.
+  std::vector<glm::dvec3> tilted;
+  for (const auto& p : flat) {
+    tilted.push_back(glm::dvec3(p.x, 0.6 * p.y - 0.8 * p.z, 0.8 * p.y + 0.6 * p.z) +
+                     glm::dvec3(1e6, -2e6, 3e6));
+  }
+  EXPECT_EQ(triangles_of(tilted), triangles_of(flat));
+}
+
+TEST(Triangulate, PolygonsWithoutPlaneGetTheirTriangles) {
+  // Crossing itself, folded to a line, all at one place: n - 2 triangles of its own corners.
+  for (const std::vector<glm::dvec3>& polygon : std::vector<std::vector<glm::dvec3>>{
+           {{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 2, 0}, {-1, 1, 0}},
+           {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}},
+           std::vector<glm::dvec3>(6, glm::dvec3(1, 2, 3))}) {
+    const auto triangles = triangles_of(polygon);
+    std::vector<int> uses(polygon.size());
+    for (const std::uint32_t corner : triangles) {
+      ASSERT_LT(corner, polygon.size());
+      ++uses[corner];
+    }
+    for (const int count : uses) EXPECT_GE(count, 1);
+    for (std::size_t t = 0; t < triangles.size(); t += 3) {
+      EXPECT_NE(triangles[t], triangles[t + 1]);
+      EXPECT_NE(triangles[t + 1], triangles[t + 2]);
+      EXPECT_NE(triangles[t + 2], triangles[t]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,54 @@
+// write_samples FOLDER: one file of every kind that the writer makes, for the Khronos validator.
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+
+#include "files/gltf/surfaces.h"
+#include "planish/files/gltf/write_gltf.h"
+
+namespace planish {
+namespace {
+
+void write_samples(const std::filesystem::path& folder) {
+  GltfOptions plain;
+  write_gltf(folder / "a_quads.glb", test::wavy_grid(30, 20), plain);
+  write_gltf(folder / "long_indices.glb", test::wavy_grid(300, 300), plain);
+  write_gltf(folder / "short_indices_limit.glb", test::wavy_grid(2, 32767), plain);
+  write_gltf(folder / "two words.gltf", test::wavy_grid(30, 20), plain);
+  write_gltf(folder / "polygons.glb",
+             test::flat_polygons({{{0, 0}, {1, 0}, {0, 1}},
+                                  {{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 4}, {0, 4}},
+                                  {{0, 0}, {1, 0}, {1, 1}, {0, 1}}}),
+             plain);
+  SurfaceMesh charts = test::two_charts();
+  charts.colors.assign(charts.positions.size(), glm::vec4(0.2f, 0.4f, 1.0f, 1.0f));
+  write_gltf(folder / "charts.glb", charts, plain);
+  charts.face_groups = {0, 1, 1, 1, 1, 1, 1, 1};
+  write_gltf(folder / "groups of uneven size.gltf", charts, plain);
+  GltfOptions everything;
+  everything.name = "\xC3\xA4 \"quoted\"";
+  everything.double_sided = true;
+  everything.z_up = true;
+  everything.origin = {5e6, -3e6, 0.1};
+  everything.extras = {
+      {"converged", true}, {"error", 1e-7}, {"iterations", std::int64_t{7}}, {"solver", "plain"}};
+  write_gltf(folder / "everything.glb", test::wavy_grid(30, 20, everything.origin), everything);
+  write_gltf(folder / "everything.gltf", test::wavy_grid(30, 20, everything.origin), everything);
+}
+
+}  // namespace
+}  // namespace planish
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
+    return 2;
+  }
+  try {
+    planish::write_samples(argv[1]);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

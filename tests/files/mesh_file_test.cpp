@@ -1,0 +1,239 @@
+#include "planish/files/mesh_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <random>
+
+#include "mesh/test_meshes.h"
+#include "planish/mesh/check.h"
+#include "support/expect_error.h"
+#include "support/temporary_folder.h"
+
+namespace planish {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr MeshFormat kWritable[] = {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off};
+
+TEST(MeshFormat, IsToldByTheExtension) {
+  EXPECT_EQ(format_of("a/b.OBJ"), MeshFormat::Obj);
+  EXPECT_EQ(format_of("b.c.gltf"), MeshFormat::Gltf);
+  EXPECT_EQ(format_of("b.GlB"), MeshFormat::Glb);
+  EXPECT_EQ(format_of("obj"), std::nullopt);
+  EXPECT_EQ(format_of("b.blend"), std::nullopt);
+  for (const MeshFormat format : {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off,
+                                  MeshFormat::Stl, MeshFormat::Gltf, MeshFormat::Glb})
+    EXPECT_EQ(format_of("x." + std::string(name_of(format))), format);
+}
+
+// Positions of every magnitude, faces of 3 to 300 corners.
+PolygonMesh random_mesh() {
+  std::mt19937_64 random(11);
+  PolygonMesh mesh;
+  for (int i = 0; i < 400; ++i) {
+    glm::dvec3 position;
+    for (int axis = 0; axis < 3; ++axis) {
+      double value = std::numeric_limits<double>::infinity();
+      while (!std::isfinite(value)) value = std::bit_cast<double>(random());
+      position[axis] = value;
+    }
+    mesh.positions.push_back(position);
+  }
+  mesh.positions[0] = {-0.0, 0.1, std::numeric_limits<double>::denorm_min()};
+  for (const int size : {3, 4, 7, 300}) {
+    std::vector<std::int32_t> face;
+    for (int i = 0; i < size; ++i) face.push_back(static_cast<std::int32_t>(random() % 400));
+    mesh.add_face(face);
+  }
+  return mesh;
+}
+
+bool same_bits(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& b) {
+  // memcmp takes no null pointer, even for no bytes.
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
+}
+
+MeshFile round_trip(const PolygonMesh& mesh, MeshFormat format,
+                    const MeshWriteOptions& options = {}) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / ("mesh." + std::string(name_of(format)));
+  write_mesh(path, format, mesh, options);
+  return read_mesh(read_file(path), path.string(), format);
+}
+
+TEST(WriteMesh, IsReadBackBitByBit) {
+  const PolygonMesh large = random_mesh();
+  for (const MeshFormat format : kWritable) {
+    for (const PolygonMesh& mesh : {large, test::cube(), PolygonMesh{}}) {
+      const PolygonMesh again = round_trip(mesh, format).mesh;
+      EXPECT_TRUE(same_bits(mesh.positions, again.positions)) << name_of(format);
+      EXPECT_EQ(mesh.face_offsets, again.face_offsets) << name_of(format);
+      EXPECT_EQ(mesh.face_vertices, again.face_vertices) << name_of(format);
+    }
+  }
+}
+
+TEST(WriteMesh, KeepsTagsInObj) {
+  PolygonMesh mesh = test::cube();
+  mesh.creases = {{0, 1, 2.5f}, {1, 3, 0.1f}, {3, 2}};
+  mesh.corners = {{7}, {5, 1e-3f}};
+  const PolygonMesh again = round_trip(mesh, MeshFormat::Obj).mesh;
+  ASSERT_EQ(again.creases.size(), 3u);
+  ASSERT_EQ(again.corners.size(), 2u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(again.creases[i].v0, mesh.creases[i].v0);
+    EXPECT_EQ(again.creases[i].v1, mesh.creases[i].v1);
+    EXPECT_EQ(again.creases[i].sharpness, mesh.creases[i].sharpness);
+  }
+  EXPECT_EQ(again.corners[1].vertex, 5);
+  EXPECT_EQ(again.corners[1].sharpness, 1e-3f);
+}
+
+// A cube with everything that a mesh can have.
+PolygonMesh full_mesh() {
+  PolygonMesh mesh = test::cube();
+  for (int i = 0; i < 9; ++i) mesh.uvs.emplace_back(0.1 * i, 1e-3 / (i + 1));
+  for (std::size_t c = 0; c < mesh.face_vertices.size(); ++c)
+    mesh.face_uvs.push_back(c % 5 == 0 ? -1 : static_cast<std::int32_t>(c % 9));
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    mesh.colors.emplace_back(v / 7.0f, 0.001f * v, 1.0f, v % 2 ? 1.0f : 0.3f);
+  mesh.groups = {{"", ""}, {"left side", "red"}, {"left side", ""}, {"", "blue"}};
+  mesh.face_groups = {0, 1, 2, 3, 0, 1};
+  mesh.creases = {{mesh.face_vertices[0], mesh.face_vertices[1], 2.5f}};
+  mesh.corners = {{3}};
+  mesh.hole_faces = {4, 2};
+  return mesh;
+}
+
+TEST(WriteMesh, KeepsEveryAttributeInObj) {
+  const PolygonMesh mesh = full_mesh();
+  const MeshFile file = round_trip(mesh, MeshFormat::Obj);
+  const PolygonMesh& again = file.mesh;
+  EXPECT_EQ(file.warnings.size(), 0u);
+  EXPECT_EQ(again.uvs, mesh.uvs);
+  EXPECT_EQ(again.face_uvs, mesh.face_uvs);
+  EXPECT_EQ(again.colors, mesh.colors);
+  EXPECT_EQ(again.face_groups, mesh.face_groups);
+  EXPECT_EQ(again.hole_faces, mesh.hole_faces);
+  ASSERT_EQ(again.groups.size(), mesh.groups.size());
+  for (std::size_t i = 0; i < mesh.groups.size(); ++i) {
+    EXPECT_EQ(again.groups[i].name, mesh.groups[i].name);
+    EXPECT_EQ(again.groups[i].material, mesh.groups[i].material);
+  }
+}
+
+TEST(WriteMesh, KeepsNamesWithinTheirLine) {
+  PolygonMesh mesh = test::mesh_of(3, {{0, 1, 2}});
+  mesh.groups = {{"a\nf 1 2 3", "#b #c\\"}};
+  mesh.face_groups = {0};
+  const PolygonMesh again = round_trip(mesh, MeshFormat::Obj).mesh;
+  EXPECT_EQ(again.face_count(), 1);
+  ASSERT_EQ(again.groups.size(), 1u);
+  EXPECT_EQ(again.groups[0].name, "a_f 1 2 3");
+  EXPECT_EQ(again.groups[0].material, "_b _c_");
+}
+
+TEST(WriteMesh, KeepsTheHeader) {
+  const MeshWriteOptions options{.header = {"planish weights=averaged", "planish tolerance=1e-06"}};
+  for (const MeshFormat format : kWritable)
+    EXPECT_THAT(round_trip(test::cube(), format, options).header,
+                ElementsAre("planish weights=averaged", "planish tolerance=1e-06"));
+}
+
+TEST(WriteMesh, WritesTheTextExpected) {
+  const test::TemporaryFolder folder;
+  PolygonMesh mesh = test::mesh_of(3, {{0, 1, 2}});
+  mesh.positions[2] = {0.1, -1e30, 3};
+  mesh.creases = {{0, 1}};
+  const auto text_of = [&](MeshFormat format) {
+    write_mesh(folder.path() / "mesh", format, mesh, {.header = {"hello"}});
+    const auto bytes = read_file(folder.path() / "mesh");
+    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  EXPECT_EQ(text_of(MeshFormat::Obj),
+            "# hello\nv 0 0 0\nv 1 1 1\nv 0.1 -1e+30 3\nf 1 2 3\nt crease 2/1/0 0 1 10\n");
+  mesh.colors = {{1, 0, 0, 1}, {0, 0, 0, 0.5f}, {1, 1, 1, 1}};
+  mesh.uvs = {{0.5, 1}};
+  mesh.face_uvs = {0, -1, 0};
+  mesh.groups = {{"a", "b"}};
+  mesh.face_groups = {0};
+  mesh.hole_faces = {0};
+  EXPECT_EQ(text_of(MeshFormat::Obj),
+            "# hello\nv 0 0 0 1 0 0\nv 1 1 1 0 0 0 0.5\nv 0.1 -1e+30 3 1 1 1\nvt 0.5 1\ng a\n"
+            "usemtl b\nf 1/1 2 3/1\nt crease 2/1/0 0 1 10\nt hole 1/0/0 0\n");
+  EXPECT_EQ(text_of(MeshFormat::Off), "OFF\n# hello\n3 1 0\n0 0 0\n1 1 1\n0.1 -1e+30 3\n3 0 1 2\n");
+}
+
+TEST(WriteMesh, RefusesWhatCouldNotBeReadBack) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "a.obj";
+  const auto error_of = [&](MeshFormat format, const PolygonMesh& mesh,
+                            const MeshWriteOptions& options) {
+    return test::message_of(ErrorCode::InvalidArgument,
+                            [&] { write_mesh(path, format, mesh, options); });
+  };
+  PolygonMesh mesh = test::cube();
+  EXPECT_EQ(error_of(MeshFormat::Stl, mesh, {}),
+            path.string() + ": polygons are written as .obj, .ply or .off, not as .stl");
+  EXPECT_EQ(error_of(MeshFormat::Obj, mesh, {.header = {"a\nv 1 2 3"}}),
+            path.string() + ": a header line holds a line break");
+  mesh.uvs = {{0, std::numeric_limits<double>::infinity()}};
+  EXPECT_EQ(error_of(MeshFormat::Obj, mesh, {}),
+            path.string() + ": texture coordinate 0 is not finite");
+  mesh.uvs.clear();
+  mesh.positions[4].y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(error_of(MeshFormat::Obj, mesh, {}), path.string() + ": vertex 4 is not finite");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(WriteMesh, NamesAFolderThatIsMissing) {
+  EXPECT_THAT(test::message_of(ErrorCode::UnwritableOutput,
+                               [] { write_mesh("/no/such/a.obj", MeshFormat::Obj, test::cube()); }),
+              HasSubstr("/no/such/a.obj: cannot create: No such file or directory"));
+}
+
+TEST(ReadFile, NamesTheReason) {
+  EXPECT_EQ(test::message_of(ErrorCode::UnreadableInput, [] { (void)read_file("/no/such"); }),
+            "/no/such: cannot read: No such file or directory");
+  EXPECT_EQ(test::message_of(ErrorCode::UnreadableInput, [] { (void)read_file("/tmp"); }),
+            "/tmp: cannot read: Is a directory");
+}
+
+TEST(ReadFile, ReadsFilesOfUnknownSize) {
+  EXPECT_GT(read_file("/proc/self/maps").size(), 100u);
+  EXPECT_EQ(read_file("/dev/null").size(), 0u);
+}
+
+TEST(ReadMesh, LeavesGltfToItsOwnReader) {
+  EXPECT_EQ(test::message_of(ErrorCode::InvalidArgument,
+                             [] { (void)read_mesh({}, "a.glb", MeshFormat::Glb); }),
+            "a.glb: glTF is read by read_gltf(), not by read_mesh()");
+}
+
+// Real files, where a folder with them is named.
+TEST(ReadMesh, ReadsRealFiles) {
+  const char* folder = std::getenv("PLANISH_TEST_DATA");
+  if (!folder) GTEST_SKIP() << "PLANISH_TEST_DATA names no folder";
+  const std::filesystem::path base(folder);
+  const std::tuple<const char*, int, int> files[] = {{"rocker-arm.obj", 10044, 20088},
+                                                     {"spot.obj", 2930, 5856},
+                                                     {"suzanne.obj", 507, 500},
+                                                     {"stanford-bunny.obj", 35947, 69451},
+                                                     {"rocker-arm_uniform_81920.ply", 81920, 0}};
+  for (const auto& [name, vertices, faces] : files) {
+    const MeshFile file = read_mesh(read_file(base / name), name, *format_of(name));
+    EXPECT_EQ(file.mesh.vertex_count(), vertices) << name;
+    EXPECT_EQ(file.mesh.face_count(), faces) << name;
+    EXPECT_EQ(check(file.mesh).empty(), faces > 0) << name;
+  }
+}
+
+}  // namespace
+}  // namespace planish

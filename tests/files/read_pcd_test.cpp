@@ -1,0 +1,115 @@
+#include "planish/files/pcd/read_pcd.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstring>
+#include <random>
+
+#include "mesh/test_meshes.h"
+#include "support/expect_error.h"
+
+namespace planish {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+PointCloud read(const std::string& text) { return read_pcd(test::bytes_of(text), "a.pcd"); }
+std::string error_of(const std::string& text) {
+  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text); });
+}
+
+template <class Value>
+void append(std::string& text, Value value) {
+  const auto raw = std::bit_cast<std::array<char, sizeof(Value)>>(value);
+  text.append(raw.data(), raw.size());
+}
+
+std::string header(const std::string& fields, int points, const std::string& data) {
+  return "# .PCD v0.7\nVERSION 0.7\n" + fields + "WIDTH " + std::to_string(points) +
+         "\nHEIGHT 1\nVIEWPOINT 5 5 5 1 0 0 0\nPOINTS " + std::to_string(points) + "\nDATA " +
+         data + "\n";
+}
+const std::string kXyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
+const std::string kMixed = "FIELDS rgb z _ x y\nSIZE 4 8 1 4 2\nTYPE U F U F I\nCOUNT 1 1 3 1 1\n";
+
+TEST(ReadPcd, ReadsText) {
+  const PointCloud cloud = read(header(kXyz, 3, "ascii") + "1 2 3\nnan nan nan\n0.1 -5 6e1\n");
+  EXPECT_THAT(cloud.points, ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(0.1, -5, 60)));
+  EXPECT_EQ(cloud.missing_count, 1);
+}
+
+TEST(ReadPcd, FindsAxesAmongOtherFields) {
+  EXPECT_THAT(read(header(kMixed, 1, "ascii") + "77 3 9 9 9 1 2\n").points,
+              ElementsAre(glm::dvec3(1, 2, 3)));
+  std::string text = header(kMixed, 2, "binary");
+  for (int i = 0; i < 2; ++i) {
+    append(text, std::uint32_t{77});
+    append(text, 0.1 + i);
+    text.append("___");
+    append(text, 1.5f);
+    append(text, std::int16_t{-2});
+  }
+  EXPECT_THAT(read(text).points, ElementsAre(glm::dvec3(1.5, -2, 0.1), glm::dvec3(1.5, -2, 1.1)));
+}
+
+// The same two points by literals of LZF: fields one after another.
+std::string compressed_file() {
+  std::string data;
+  for (const float value : {1.0f, 4.0f, 2.0f, 5.0f, 3.0f, 6.0f}) append(data, value);
+  std::string text = header(kXyz, 2, "binary_compressed");
+  append(text, static_cast<std::uint32_t>(data.size() + 1));
+  append(text, static_cast<std::uint32_t>(data.size()));
+  return text + static_cast<char>(data.size() - 1) + data;
+}
+
+TEST(ReadPcd, ReadsCompressedFieldsOneAfterAnother) {
+  EXPECT_THAT(read(compressed_file()).points,
+              ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(4, 5, 6)));
+}
+
+TEST(ReadPcd, NamesWhatIsWrong) {
+  EXPECT_THAT(error_of("VERSION 0.7\n"), HasSubstr("before the line DATA"));
+  EXPECT_THAT(error_of("solid cube\n"), HasSubstr("a.pcd:1: unknown keyword `solid`"));
+  EXPECT_THAT(error_of("FIELDS x y\nSIZE 4 4\nTYPE F F\nWIDTH 1\nDATA ascii\n"),
+              HasSubstr("no `z`"));
+  EXPECT_THAT(error_of("FIELDS x y z\nSIZE 4 3 4\n"), HasSubstr("a.pcd:2: SIZE `3`"));
+  EXPECT_THAT(error_of("FIELDS x y z\nSIZE 4 4\n"), HasSubstr("fewer values"));
+  EXPECT_THAT(error_of(header(kXyz, 2, "ascii") + "1 2 3\n"), HasSubstr("promises 2"));
+  EXPECT_THAT(error_of(header(kXyz, 2, "ascii") + "1 2 3\n# long enough\n"),
+              HasSubstr("ends at point 1 of 2"));
+  EXPECT_THAT(error_of(header(kXyz, 1, "ascii") + "1 2 x5\n"), HasSubstr("`x5`"));
+  EXPECT_THAT(error_of(header(kXyz, 2, "binary") + "12 bytes ..."), HasSubstr("2 points of 12"));
+  EXPECT_THAT(error_of(header(kXyz, 2, "zip")), HasSubstr("`zip`"));
+  EXPECT_THAT(error_of(header(kXyz, 2, "binary_compressed") + "abc"), HasSubstr("ends inside"));
+  std::string damaged = compressed_file();
+  damaged[damaged.size() - 25] = '\x7f';
+  EXPECT_THAT(error_of(damaged), HasSubstr("damaged"));
+  EXPECT_THAT(error_of(kXyz + "WIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n"),
+              HasSubstr("WIDTH times HEIGHT, 6"));
+}
+
+// Whatever the bytes, it is points or an error, never a crash or a wild allocation.
+TEST(ReadPcd, SurvivesMutations) {
+  std::string binary = header(kMixed, 2, "binary");
+  binary.append(2 * 21, '\x3f');
+  const std::array<std::string, 3> seeds = {header(kXyz, 1, "ascii") + "1 2 3\n", binary,
+                                            compressed_file()};
+  std::mt19937 random(7);
+  for (int round = 0; round < 30000; ++round) {
+    std::string text = seeds[round % 3];
+    for (unsigned i = 0; i <= random() % 4; ++i)
+      text[random() % text.size()] = static_cast<char>(random() % 256);
+    if (random() % 4 == 0) text.resize(random() % text.size());
+    try {
+      (void)read(text);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::UnreadableInput);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,117 @@
+#include "planish/files/stl/read_stl.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "mesh/test_meshes.h"
+#include "support/byte_strings.h"
+#include "support/expect_error.h"
+
+namespace planish {
+namespace {
+
+using test::append;
+using testing::ElementsAre;
+
+MeshFile read(std::string_view text) { return read_stl(test::bytes_of(text), "a.stl"); }
+
+std::string error_of(std::string_view text) {
+  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text); });
+}
+
+std::string binary(const std::vector<std::array<glm::vec3, 3>>& triangles) {
+  std::string bytes(80, 's');
+  bytes.replace(0, 6, "solid ");  // many writers of binary files do this
+  append<std::uint32_t>(bytes, static_cast<std::uint32_t>(triangles.size()));
+  for (const auto& triangle : triangles) {
+    bytes.append(12, '\0');
+    for (const glm::vec3& corner : triangle)
+      for (int axis = 0; axis < 3; ++axis) append<float>(bytes, corner[axis]);
+    append<std::uint16_t>(bytes, 0);
+  }
+  return bytes;
+}
+
+std::string facet(std::string_view vertices) {
+  return "facet normal 0 0 1\n outer loop\n" + std::string(vertices) + " endloop\nendfacet\n";
+}
+
+TEST(ReadStl, WeldsABinaryFileByExactPosition) {
+  const MeshFile file = read(binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
+                                     {{{-0.0f, 0, -0.0f}, {1, 1, 0}, {0, 1, 0}}},
+                                     {{{0, 0, 1e-30f}, {1, 1, 1}, {0, 1, 1}}}}));
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3, 4, 5, 6));
+  EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 3, 6, 9));
+  EXPECT_EQ(file.mesh.positions[3], glm::dvec3(0, 1, 0));
+  EXPECT_EQ(file.welded_vertex_count, 2);
+  EXPECT_EQ(file.format, MeshFormat::Stl);
+}
+
+TEST(ReadStl, ReadsText) {
+  const MeshFile file = read(
+      "Solid a b\n" + facet("vertex 0 0 0\nvertex 1 0 0\nVERTEX 0.1 1e0 0\n") +
+      facet("vertex 0 0 0\nvertex .1 1 0\nvertex 0 0 1\n") + "endsolid\nsolid b\nendsolid b\n");
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
+  EXPECT_EQ(file.mesh.positions[2], glm::dvec3(0.1, 1, 0));
+  EXPECT_EQ(file.welded_vertex_count, 2);
+}
+
+TEST(ReadStl, LeavesOutTrianglesWithoutArea) {
+  const MeshFile file =
+      read(binary({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}}}, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}));
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2));
+  EXPECT_EQ(file.dropped_element_count, 1);
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].code, "degenerate-triangles");
+  EXPECT_EQ(file.warnings[0].message, "1 triangles without area were left out");
+}
+
+TEST(ReadStl, WeldsManyPositionsInTheOrderOfTheFile) {
+  std::vector<std::array<glm::vec3, 3>> triangles;
+  for (int i = 0; i < 5000; ++i) {
+    const auto x = static_cast<float>(i);
+    triangles.push_back({{{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}});
+  }
+  const MeshFile file = read(binary(triangles));
+  ASSERT_EQ(file.mesh.vertex_count(), 10001);
+  EXPECT_EQ(file.welded_vertex_count, 4999);
+  for (int i = 0; i < 5000; ++i)
+    for (int corner = 0; corner < 3; ++corner)
+      EXPECT_EQ(file.mesh.positions[file.mesh.face(i)[corner]], glm::dvec3(triangles[i][corner]));
+}
+
+TEST(ReadStl, RefusesWrongSizes) {
+  std::string bytes = binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
+  bytes[0] = 'x';
+  bytes.pop_back();
+  EXPECT_EQ(error_of(bytes),
+            "a.stl: header promises 1 triangles in 134 bytes, but the file has 133");
+  EXPECT_EQ(error_of("facet"),
+            "a.stl: neither begins with `solid` nor has a binary header of 84 bytes");
+}
+
+TEST(ReadStl, RefusesNonFiniteNumbers) {
+  EXPECT_EQ(error_of(binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
+                             {{{0, 0, 0}, {std::numeric_limits<float>::quiet_NaN(), 0, 0}, {}}}})),
+            "a.stl: triangle 1 has the coordinate nan");
+  EXPECT_EQ(error_of("solid\n" + facet("vertex 0 inf 0\n")),
+            "a.stl:4: vertex coordinate `inf` is no finite number");
+}
+
+TEST(ReadStl, RefusesWrongText) {
+  EXPECT_EQ(error_of("solid\n" + facet("vertex 0 0\n")),
+            "a.stl:4: vertex coordinate `` is no finite number");
+  EXPECT_EQ(error_of("solid\n" + facet("vertex 0 0 0 0\n")),
+            "a.stl:4: vertex has a fourth value `0`");
+  EXPECT_EQ(error_of("solid\n" + facet("vertex 0 0 0\n")),
+            "a.stl:5: facet has 1 vertices, 3 are needed");
+  EXPECT_EQ(error_of("solid\nvertex 0 0 0\n"), "a.stl:2: `vertex` is out of place");
+  EXPECT_EQ(error_of("solid\nvertx 0 0 0\n"), "a.stl:2: `vertx` is no word of STL");
+  EXPECT_EQ(error_of("solid\nfacet normal 0 0 1\nouter loop\n"),
+            "a.stl:3: the file ends inside a facet");
+}
+
+}  // namespace
+}  // namespace planish

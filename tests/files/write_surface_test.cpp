@@ -1,0 +1,93 @@
+#include "planish/files/write_surface.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "support/temporary_folder.h"
+
+namespace planish {
+namespace {
+
+using testing::ElementsAre;
+
+SurfaceMesh two_quads() {
+  SurfaceMesh surface;
+  surface.level = 1;
+  surface.positions = {{0, 0, 0}, {1, 0, 0.1}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+  surface.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0.6f, 0, 0.8f}, {0, 1, 0}};
+  surface.face_vertices = {0, 1, 2, 3, 1, 4, 5, 2};
+  return surface;
+}
+
+std::string written(MeshFormat format, const SurfaceMesh& surface) {
+  const test::TemporaryFolder folder;
+  write_surface(folder.path() / "surface", format, surface, {"planish level=1"});
+  const auto bytes = read_file(folder.path() / "surface");
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+TEST(WriteSurface, ObjCarriesNormals) {
+  EXPECT_EQ(written(MeshFormat::Obj, two_quads()),
+            "# planish level=1\nv 0 0 0\nv 1 0 0.1\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
+            "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0.6 0 0.8\nvn 0 1 0\n"
+            "f 1//1 2//2 3//3 4//4\nf 2//2 5//5 6//6 3//3\n");
+}
+
+TEST(WriteSurface, ObjCarriesAttributes) {
+  SurfaceMesh surface = two_quads();
+  surface.uvs = {{0, 0}, {0.5, 0}, {0.5, 1}, {0, 1}, {2, 3}};
+  surface.face_uvs = {0, 1, 2, 3, 4, 4, 4, 4};
+  surface.colors.assign(6, glm::vec4(0, 1, 0, 1));
+  surface.groups = {{"a", "x"}, {"a", "y"}};
+  surface.face_groups = {0, 1};
+  EXPECT_EQ(written(MeshFormat::Obj, surface),
+            "# planish level=1\nv 0 0 0 0 1 0\nv 1 0 0.1 0 1 0\nv 1 1 0 0 1 0\nv 0 1 0 0 1 0\n"
+            "v 2 0 0 0 1 0\nv 2 1 0 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 2 3\n"
+            "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0.6 0 0.8\nvn 0 1 0\n"
+            "g a\nusemtl x\nf 1/1/1 2/2/2 3/3/3 4/4/4\nusemtl y\nf 2/5/2 5/5/5 6/5/6 3/5/3\n");
+}
+
+TEST(WriteSurface, OffCarriesPositions) {
+  EXPECT_EQ(written(MeshFormat::Off, two_quads()),
+            "OFF\n# planish level=1\n6 2 0\n0 0 0\n1 0 0.1\n1 1 0\n0 1 0\n2 0 0\n2 1 0\n"
+            "4 0 1 2 3\n4 1 4 5 2\n");
+}
+
+TEST(WriteSurface, PlyCarriesNormals) {
+  const std::string text = written(MeshFormat::Ply, two_quads());
+  const std::string header =
+      "ply\nformat binary_little_endian 1.0\ncomment planish level=1\nelement vertex 6\n"
+      "property double x\nproperty double y\nproperty double z\nproperty float nx\n"
+      "property float ny\nproperty float nz\nelement face 2\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  ASSERT_TRUE(text.starts_with(header)) << text;
+  EXPECT_EQ(text.size(), header.size() + 6 * (3 * 8 + 3 * 4) + 2 * (1 + 4 * 4));
+  float normal_x = 0;
+  std::memcpy(&normal_x, text.data() + header.size() + 4 * 36 + 24, sizeof(normal_x));
+  EXPECT_EQ(normal_x, 0.6f);
+}
+
+TEST(WriteSurface, EveryFormatIsReadBack) {
+  const SurfaceMesh surface = two_quads();
+  for (const MeshFormat format : {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off}) {
+    const std::string text = written(format, surface);
+    const PolygonMesh mesh =
+        read_mesh(std::as_bytes(std::span(text.data(), text.size())), "surface", format).mesh;
+    EXPECT_EQ(mesh.positions, surface.positions);
+    EXPECT_EQ(mesh.face_vertices, surface.face_vertices);
+    EXPECT_THAT(mesh.face_offsets, ElementsAre(0, 4, 8));
+  }
+}
+
+TEST(WriteSurface, LevelZeroKeepsPolygons) {
+  SurfaceMesh surface = two_quads();
+  surface.level = 0;
+  surface.face_offsets = {0, 3, 8};
+  const std::string text = written(MeshFormat::Off, surface);
+  EXPECT_TRUE(text.ends_with("3 0 1 2\n5 3 1 4 5 2\n")) << text;
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "job/sampling.h"
+#include "options/settings.h"
+#include "output/output_plan.h"
+#include "planish/backend/backend.h"
+#include "planish/files/mesh_file.h"
+#include "report/report.h"
+#include "terminal/progress.h"
+
+namespace planish::command {
+
+/// One piece of work: a mesh in, its surface and reports out. `fit` makes one of its arguments,
+/// `run` makes them of a scene file.
+struct Job {
+  std::string name;                        ///< in messages and tables
+  std::string input;                       ///< path, or "-" for stdin
+  std::optional<MeshFormat> input_format;  ///< empty: by extension
+  std::optional<Sampling> sampling;        ///< then the input is only what points are sampled from
+  Settings settings;
+  std::vector<OutputRequest> outputs;
+  std::string source;  ///< mesh that the surface is compared with; empty: the input
+  std::string report;  ///< path, "-" for stdout, empty for none
+};
+
+/// What a job's steps share with the process around them.
+struct JobContext {
+  Console& console;
+  Progress& progress;
+  std::vector<std::string> arguments;  ///< argv, for the report
+};
+
+/// Reads, checks, fits, evaluates the levels, writes, reports. Files appear all together at the
+/// end or, after an error, not at all. Not converging is a result with its own exit code.
+/// Throws planish::Error.
+JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Backend& backend,
+                  const JobContext& context);
+
+/// Reads and checks the input as run_job() does and says on stdout what it would do.
+void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
+                  const DeviceDescription& device);
+
+}  // namespace planish::command

@@ -1,0 +1,109 @@
+#include "job/job_fit.h"
+
+#include <algorithm>
+
+#include "job/timed.h"
+#include "planish/mesh/check.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+Fit run_fit(const Input& input, Backend& backend, const JobReport& report,
+            const Callbacks& callbacks) {
+  const Settings& settings = report.settings;
+  FitOptions options;
+  options.method = report.method;
+  options.polish_steps = settings.polish_steps;
+  options.scheme = settings.scheme;
+  options.weights = settings.weights;
+  options.solver = settings.solver;
+  options.tolerance = settings.tolerance;
+  options.max_iterations = settings.max_iterations;
+  options.sharp = settings.sharp();
+  options.callbacks = callbacks;
+  try {
+    return fit(input.file.mesh, backend, options);
+  } catch (const Error& error) {
+    // fit() knows no file name: say it again with the name.
+    if (error.code() != ErrorCode::UnusableMesh) throw;
+    require_usable(input.file.mesh, input.name);
+    throw Error(error.code(), input.name + ": " + error.what(), error.element());
+  }
+}
+
+void note_fit(JobReport& report, Fit& result) {
+  report.input.sharp_edges = result.sharp_edge_count;
+  report.input.corners = result.corner_count;
+  report.spectral_bound = result.spectral_bound;
+  report.timing.check += result.timing.check;
+  report.timing.topology += result.timing.topology;
+  report.timing.stencils += result.timing.stencils;
+  report.timing.upload += result.timing.upload;
+  report.timing.solve += result.timing.solve;
+  if (result.fair) {
+    report.fair = FairFigures{result.fair->shrunk_vertices, result.fair->reversed_vertices,
+                              result.fair->flagged_edges, result.fair->flagged_faces};
+  }
+  report.interpolation = std::move(result.interpolation);
+  report.interpolation.displacement.clear();
+}
+
+std::string remedy(const JobReport& report) {
+  if (report.method == InterpolationMethod::Fair) return "raise --tolerance";
+  switch (report.interpolation.stop_reason) {
+    case StopReason::Singular:
+      return "this scheme has no surface through these vertices, as can be where three faces meet "
+             "at every vertex; take --scheme doo-sabin, which always has one";
+    case StopReason::Diverged:
+      return "the iteration drives the error up on this mesh; take --scheme doo-sabin, whose error "
+             "always falls";
+    default:
+      return "raise --max-iterations or --tolerance";
+  }
+}
+
+void warn_of_the_solve(JobReport& report, Console& console) {
+  const Interpolation& result = report.interpolation;
+  if (result.converged) return;
+  report.exit_code = ExitCode::NotConverged;
+  const bool iterates = report.method == InterpolationMethod::Progressive;
+  add_warning(report, console,
+              {"not-converged",
+               report.input.path + ": not converged (" + planish::name_of(result.stop_reason) +
+                   "): the error is " + short_number(result.error.max) +
+                   (iterates ? " after " + counted(result.iterations, "iteration") : "") +
+                   ", the tolerance " + short_number(report.settings.tolerance) +
+                   "; what is written says so; " + remedy(report),
+               1, result.worst_vertex});
+}
+
+void warn_of_unused(JobReport& report, const PolygonMesh& mesh, Console& console) {
+  const std::int64_t count = report.input.statistics.unused_vertex_count;
+  if (count == 0) return;
+  std::vector<bool> used(mesh.positions.size());
+  for (const std::int32_t vertex : mesh.face_vertices) used[vertex] = true;
+  const auto first = std::ranges::find(used, false) - used.begin();
+  add_warning(
+      report, console,
+      {"unused-vertices",
+       report.input.path + ": " + with_separators(count) + " of " +
+           with_separators(mesh.vertex_count()) + " vertices belong to no face (the first is " +
+           std::to_string(first) + "); they stay where they are in the cage",
+       count, first});
+}
+
+}  // namespace
+
+Fit fit_input(const JobInput& made, Backend& backend, JobReport& report,
+              const JobContext& context) {
+  const PolygonMesh& mesh = made.input.file.mesh;
+  Fit result = run_fit(made.input, backend, report, callbacks_for(report, context));
+  report.input.statistics = timed(report.timing.check, [&] { return statistics(mesh); });
+  note_fit(report, result);
+  warn_of_unused(report, mesh, context.console);
+  warn_of_the_solve(report, context.console);
+  return result;
+}
+
+}  // namespace planish::command

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <optional>
+#include <vector>
+
+#include "job/input.h"
+#include "job/job.h"
+#include "planish/core/callbacks.h"
+
+namespace planish::command {
+
+/// Says a warning once and keeps it for the report.
+void add_warning(JobReport& report, Console& console, const Warning& warning);
+
+/// The library's way to talk to a job's progress, report and interrupts. Both must outlive it.
+[[nodiscard]] Callbacks callbacks_for(JobReport& report, const JobContext& context);
+
+/// A mesh, or points with the mesh that was made of them.
+struct JobInput {
+  Input input;
+  std::vector<glm::dvec3> points;  ///< that were used, where the file has them
+  std::optional<Input> source;     ///< where the job names one
+};
+
+/// Reads a job's input, meshing points, and its source, and notes in the report what the file is.
+/// Throws planish::Error.
+[[nodiscard]] JobInput read_job_input(const Job& job, JobReport& report, const JobContext& context);
+
+/// Settles the report's method, then repairs the mesh and tags its creases as the job's settings
+/// say; repairs are told as warnings, since the file is not what its author believes. Throws
+/// Error{UnusableMesh} naming the file.
+void prepare_input(JobInput& made, JobReport& report, Console& console);
+
+}  // namespace planish::command

@@ -1,0 +1,122 @@
+#include "job/point_input.h"
+
+#include <nlohmann/json.hpp>
+
+#include "output/digest.h"
+#include "planish/core/error.h"
+#include "planish/reconstruct/mesher_process.h"
+#include "report/report.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+
+bool is_point_path(const std::string& path, std::optional<MeshFormat> format) {
+  const auto found = point_format_of(path);
+  return !format && found && *found != PointFormat::Ply;
+}
+
+void require_readable(const std::string& path, std::optional<MeshFormat> format) {
+  if (is_point_path(path, format)) {
+    (void)require_mesher();
+  } else {
+    (void)input_format_of(path, format);
+  }
+}
+
+PointInput read_point_input(const std::string& path) {
+  const auto format = point_format_of(path);
+  if (!format)
+    throw Error(ErrorCode::InvalidArgument,
+                path + ": the extension names no format of points (ply, xyz, pts, pcd)");
+  const std::vector<std::byte> bytes = read_file(path);
+  return {.name = path,
+          .cloud = read_points(bytes, path, *format),
+          .sha256 = sha256(bytes),
+          .format = *format};
+}
+
+std::optional<PointInput> points_of(const Input& input) {
+  const PolygonMesh& mesh = input.file.mesh;
+  if (input.file.format != MeshFormat::Ply || mesh.face_count() > 0 || mesh.positions.empty())
+    return std::nullopt;
+  return PointInput{
+      .name = input.name, .cloud = cloud_of(mesh.positions, input.name), .sha256 = input.sha256};
+}
+
+Mesher require_mesher() {
+  auto program = find_mesher_program();
+  if (!program)
+    throw Error(ErrorCode::InvalidArgument,
+                "points need the program planish-reconstruct, which is not installed (a build "
+                "with CGAL makes it; it is found beside planish, on PATH or by "
+                "PLANISH_RECONSTRUCT); a polygon mesh needs none");
+  return mesher_process(std::move(*program));
+}
+
+Reconstruction reconstruct_input(const PointInput& input, const ReconstructOptions& options) {
+  const Mesher mesher = require_mesher();
+  for (const Warning& warning : input.cloud.warnings) options.callbacks.warn(warning);
+  if (input.cloud.missing_count > 0)
+    options.callbacks.warn({.code = "missing-points",
+                            .message = input.name + ": " +
+                                       with_separators(input.cloud.missing_count) +
+                                       " points are not numbers and left out",
+                            .count = input.cloud.missing_count});
+  try {
+    return reconstruct(input.cloud, mesher, options);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnusableMesh) throw;
+    throw Error(error.code(), input.name + ": " + error.what(), error.element());
+  }
+}
+
+nlohmann::ordered_json reconstruction_json(const PointInput& input, const Reconstruction& result) {
+  const MeshStatistics& facts = result.statistics;
+  const auto faces_of = [&](std::size_t corners) {
+    return facts.face_size_counts.size() > corners ? facts.face_size_counts[corners] : 0;
+  };
+  nlohmann::ordered_json json;
+  json["points"] = input.cloud.points.size();
+  json["missing"] = input.cloud.missing_count;
+  json["duplicates"] = result.duplicate_count;
+  json["outliers"] = result.outlier_count;
+  json["used"] = result.used_points.size();
+  json["origin"] = {input.cloud.origin.x, input.cloud.origin.y, input.cloud.origin.z};
+  json["diagonal"] = result.diagonal;
+  json["spacing"] = result.spacing;
+  json["noise"] =
+      result.noise < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(result.noise);
+  json["vertices"] = facts.vertex_count;
+  json["faces"] = facts.face_count;
+  json["quads"] = faces_of(4);
+  json["triangles"] = faces_of(3);
+  json["components"] = facts.component_count;
+  json["components_dropped"] = result.dropped_component_count;
+  json["genus"] = facts.genus;
+  json["boundary_loops"] = facts.boundary_loop_count;
+  json["loops_filled"] = result.filled_loop_count;
+  json["points_left_out"] = result.strayed_count;
+  json["max_point_distance"] = result.distances.max / result.diagonal;
+  json["rms_point_distance"] = result.distances.rms / result.diagonal;
+  json["valence_histogram"] = histogram_json(facts.valence_counts);
+  const ReconstructTiming& timing = result.timing;
+  json["timing_ms"] = {{"clean", timing.clean},       {"smooth", timing.smooth},
+                       {"mesh", timing.mesh},         {"repair", timing.repair},
+                       {"simplify", timing.simplify}, {"measure", timing.measure}};
+  return json;
+}
+
+std::string reconstruction_summary(const PointInput& input, const Reconstruction& result) {
+  const MeshStatistics& facts = result.statistics;
+  const auto used = static_cast<std::int64_t>(result.used_points.size());
+  return "  points      " + with_separators(static_cast<std::int64_t>(input.cloud.points.size())) +
+         ", " + with_separators(used) + " used, spacing " +
+         short_number(result.spacing / result.diagonal) + " of the diagonal\n" + "  mesh        " +
+         with_separators(facts.vertex_count) + " vertices, " + with_separators(facts.face_count) +
+         " faces, genus " + std::to_string(facts.genus) + ", " +
+         counted(facts.boundary_loop_count, "boundary loop") + "; farthest point " +
+         short_number(result.distances.max / result.diagonal) + ", rms " +
+         short_number(result.distances.rms / result.diagonal) + " of the diagonal\n";
+}
+
+}  // namespace planish::command

@@ -1,0 +1,79 @@
+#include "job/prepare.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "planish/core/error.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/convex_faces.h"
+#include "planish/mesh/detect_creases.h"
+
+namespace planish::command {
+
+namespace {
+
+void cut_concave_faces(RepairedMesh& prepared) {
+  ConvexMesh convex = with_convex_faces(prepared.mesh);
+  if (convex.cut_faces.empty()) return;
+  std::vector<std::int32_t>& sources = prepared.source_faces;
+  const auto source_of = [&](std::int32_t face) { return sources[face]; };
+  const auto count = static_cast<std::int64_t>(convex.cut_faces.size());
+  std::ranges::transform(convex.cut_faces, convex.cut_faces.begin(), source_of);
+  prepared.changes.push_back(
+      {"concave-faces",
+       "faces with corners that turn inward, cut in parts for the fair surface: " +
+           std::to_string(count),
+       count, convex.cut_faces.front()});
+  std::vector<std::int32_t>& changed = prepared.changed_faces;
+  changed.insert(changed.end(), convex.cut_faces.begin(), convex.cut_faces.end());
+  std::ranges::sort(changed);
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  std::ranges::transform(convex.source_faces, convex.source_faces.begin(), source_of);
+  sources = std::move(convex.source_faces);
+  prepared.mesh = std::move(convex.mesh);
+}
+
+}  // namespace
+
+RepairedMesh prepare(const PolygonMesh& mesh, RepairChoice choice, const CreaseChoice& creases,
+                     InterpolationMethod method) {
+  RepairedMesh prepared;
+  if (choice == RepairChoice::Safe) {
+    prepared = repair(mesh);
+    if (method == InterpolationMethod::Fair) cut_concave_faces(prepared);
+  } else {
+    prepared.mesh = mesh;
+  }
+  if (creases.dihedral_degrees && (choice == RepairChoice::Safe || check(mesh).empty())) {
+    prepared.mesh =
+        with_detected_creases(prepared.mesh, {.dihedral_degrees = *creases.dihedral_degrees});
+  }
+  return prepared;
+}
+
+RepairedMesh prepare(const PolygonMesh& mesh, const Settings& settings,
+                     InterpolationMethod method) {
+  if (settings.crease_edges.empty() && settings.corner_vertices.empty()) {
+    return prepare(mesh, settings.repair, settings.creases, method);
+  }
+  const auto require_vertex = [&](std::int32_t vertex, const char* key) {
+    if (vertex < mesh.vertex_count()) return;
+    throw Error(ErrorCode::UnusableMesh, std::string(key) + " of the scene names vertex " +
+                                             std::to_string(vertex) + " of " +
+                                             std::to_string(mesh.vertex_count()));
+  };
+  PolygonMesh tagged = mesh;
+  for (const CreaseEdge& crease : settings.crease_edges) {
+    require_vertex(std::max(crease.v0, crease.v1), "crease_edges");
+    tagged.creases.push_back(crease);
+  }
+  for (const CornerVertex& corner : settings.corner_vertices) {
+    require_vertex(corner.vertex, "corner_vertices");
+    tagged.corners.push_back(corner);
+  }
+  return prepare(tagged, settings.repair, settings.creases, method);
+}
+
+}  // namespace planish::command

@@ -1,0 +1,59 @@
+#include "job/sampling.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "make_scenes/sample_points.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
+
+namespace planish::command {
+namespace {
+
+constexpr int kSampledLevel = 2;
+
+PolygonMesh surface_of(const PolygonMesh& mesh, const Callbacks& callbacks) {
+  const auto backend = make_cpu_backend({Precision::Double, 0});
+  const Fit fitted = fit(mesh, *backend, {.callbacks = callbacks});
+  EvaluateOptions options;
+  options.level = kSampledLevel;
+  options.rest_positions = mesh.positions;
+  options.callbacks = callbacks;
+  const SurfaceMesh surface = evaluate(fitted.cage, *backend, options);
+  PolygonMesh result;
+  result.positions = surface.positions;
+  for (std::int64_t f = 0; f < surface.face_count(); ++f) result.add_face(surface.face(f));
+  return result;
+}
+
+}  // namespace
+
+PointCloud sample_surface(const Input& input, const Sampling& sampling,
+                          const Callbacks& callbacks) {
+  const PolygonMesh surface = surface_of(input.file.mesh, callbacks);
+  callbacks.report("sample", 0.0);
+  const auto count = static_cast<std::int32_t>(sampling.points);
+  std::vector<glm::dvec3> points = sampling.poisson_disk
+                                       ? shapes::sample_poisson_disk(surface, count, sampling.seed)
+                                       : shapes::sample_uniform(surface, count, sampling.seed);
+  // Each a seed of its own, so that noise and outliers have nothing to do with the places.
+  if (sampling.noise > 0)
+    shapes::add_noise(points, sampling.noise * diagonal_of(points), sampling.seed + 1);
+  const auto outliers = static_cast<std::int32_t>(std::lround(sampling.outliers * count));
+  shapes::add_outliers(points, outliers, sampling.seed + 2);
+  callbacks.check_cancelled();
+  callbacks.report("sample", 1.0);
+  return cloud_of(std::move(points), input.name);
+}
+
+nlohmann::ordered_json sampling_json(const Sampling& sampling) {
+  return {{"points", sampling.points},
+          {"pattern", sampling.poisson_disk ? "poisson-disk" : "uniform"},
+          {"seed", sampling.seed},
+          {"noise", sampling.noise},
+          {"outliers", sampling.outliers}};
+}
+
+}  // namespace planish::command

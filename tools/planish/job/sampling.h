@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "job/input.h"
+#include "planish/core/callbacks.h"
+#include "planish/files/point_cloud.h"
+
+namespace planish::command {
+
+/// Points that stand in for a mesh: drawn from the interpolating surface through its vertices.
+struct Sampling {
+  std::int64_t points = 0;
+  bool poisson_disk = true;  ///< no two near each other; else independent
+  std::uint32_t seed = 1;
+  double noise = 0;     ///< standard deviation along each axis, of the diagonal
+  double outliers = 0;  ///< further points, even in the bounding box, as a part of `points`
+};
+
+/// The same points for the same mesh and sampling. Throws what fit() and evaluate() throw.
+[[nodiscard]] PointCloud sample_surface(const Input& input, const Sampling& sampling,
+                                        const Callbacks& callbacks);
+
+/// "sampled" in a report.
+[[nodiscard]] nlohmann::ordered_json sampling_json(const Sampling& sampling);
+
+}  // namespace planish::command

@@ -1,0 +1,355 @@
+#include "options/scene_file.h"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "job/input.h"
+#include "job/point_input.h"
+#include "options/nearest.h"
+#include "options/point_settings.h"
+#include "options/scene_values.h"
+#include "planish/core/error.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+void check_keys(const Json& json, SceneObject kind, const std::string& where) {
+  require_object(json, where);
+  const std::vector<std::string_view> known = scene_keys(kind);
+  for (const auto& [key, value] : json.items()) {
+    if (std::ranges::find(known, key) == known.end()) {
+      refuse(key_path(where, key), "this key is not known" + did_you_mean(key, known));
+    }
+  }
+}
+
+std::vector<int> levels_of(const Json& json, const std::string& where) {
+  if (!json.is_array()) {
+    refuse(where, std::string("a list of levels such as [2] is wanted, not ") + json.type_name());
+  }
+  std::vector<std::int64_t> values;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    values.push_back(integer_of(json[i], entry_path(where, i)));
+  }
+  return checked_levels(values, where);
+}
+
+template <class Visit>
+void for_entries(const Json& json, const std::string& where, const Visit& visit) {
+  if (!json.is_array()) refuse(where, std::string("a list is wanted, not ") + json.type_name());
+  for (std::size_t i = 0; i < json.size(); ++i) visit(json[i], entry_path(where, i));
+}
+
+std::int32_t vertex_of(const Json& json, const std::string& where) {
+  const std::int64_t vertex = integer_of(json, where);
+  if (vertex < 0) refuse(where, "a vertex counted from 0 is wanted, not " + std::to_string(vertex));
+  return static_cast<std::int32_t>(vertex);
+}
+
+// Settings of one object. A key may stand in the object or in its "solve", not in both.
+void apply_settings(Settings& settings, const Json& json, const std::string& where) {
+  const bool has_solve = json.contains("solve");
+  const Json solve = has_solve ? json["solve"] : Json::object();
+  const std::string solve_path = key_path(where, "solve");
+  if (has_solve) check_keys(solve, SceneObject::Solve, solve_path);
+
+  const auto visit = [&](std::string_view key, const auto& set) {
+    const bool here = json.contains(key);
+    const bool in_solve = solve.contains(key);
+    if (here && in_solve) {
+      refuse(key_path(solve_path, key), "stands in " + where + " as well; once is enough");
+    }
+    if (here) set(json[std::string(key)], key_path(where, key));
+    if (in_solve) set(solve[std::string(key)], key_path(solve_path, key));
+  };
+  for (const WordSetting& setting : word_settings()) {
+    visit(setting.name, [&](const Json& value, const std::string& path) {
+      setting.set(settings, text_of(value, path), path);
+    });
+  }
+  for (const PointSetting& setting : point_settings()) {
+    visit(setting.name, [&](const Json& value, const std::string& path) {
+      const bool as_number = setting.is_number && value.is_number();
+      setting.set(settings.points, as_number ? value.dump() : text_of(value, path), path);
+    });
+  }
+  visit("tolerance", [&](const Json& value, const std::string& path) {
+    if (!value.is_number())
+      refuse(path, std::string("a number is wanted, not ") + value.type_name());
+    set_tolerance(settings, value.get<double>(), path);
+  });
+  visit("max_iterations", [&](const Json& value, const std::string& path) {
+    set_max_iterations(settings, integer_of(value, path), path);
+  });
+  visit("polish", [&](const Json& value, const std::string& path) {
+    set_polish_steps(settings, integer_of(value, path), path);
+  });
+  visit("crease_edges", [&](const Json& value, const std::string& path) {
+    settings.crease_edges.clear();
+    for_entries(value, path, [&](const Json& edge, const std::string& entry) {
+      if (!edge.is_array() || edge.size() != 2) {
+        refuse(entry, "two vertices such as [0, 1] are wanted");
+      }
+      settings.crease_edges.push_back(
+          {vertex_of(edge[0], entry_path(entry, 0)), vertex_of(edge[1], entry_path(entry, 1))});
+    });
+  });
+  visit("corner_vertices", [&](const Json& value, const std::string& path) {
+    settings.corner_vertices.clear();
+    for_entries(value, path, [&](const Json& vertex, const std::string& entry) {
+      settings.corner_vertices.push_back({vertex_of(vertex, entry)});
+    });
+  });
+  visit("levels", [&](const Json& value, const std::string& path) {
+    settings.levels = levels_of(value, path);
+  });
+}
+
+Sampling sampling_of(const Json& json, const std::string& where) {
+  constexpr std::int64_t kMostPoints = 10'000'000;
+  constexpr std::array<std::string_view, 2> kPatterns{"poisson-disk", "uniform"};
+  check_keys(json, SceneObject::Sample, where);
+  Sampling sampling;
+  if (!json.contains("points")) refuse(where, "has no \"points\"");
+  const auto path = [&](std::string_view key) { return key_path(where, key); };
+  sampling.points = count_of(json["points"], path("points"), 4, kMostPoints);
+  if (json.contains("pattern")) {
+    const std::string& pattern = text_of(json["pattern"], path("pattern"));
+    sampling.poisson_disk = pattern == kPatterns[0];
+    if (std::ranges::find(kPatterns, pattern) == kPatterns.end())
+      refuse(path("pattern"), "\"" + plain_utf8(pattern) +
+                                  "\" is not one of poisson-disk, uniform" +
+                                  did_you_mean(pattern, kPatterns));
+  }
+  if (json.contains("seed"))
+    sampling.seed = static_cast<std::uint32_t>(count_of(json["seed"], path("seed"), 0, INT32_MAX));
+  if (json.contains("noise")) sampling.noise = fraction_of(json["noise"], path("noise"));
+  if (json.contains("outliers"))
+    sampling.outliers = fraction_of(json["outliers"], path("outliers"));
+  return sampling;
+}
+
+class JobParser {
+ public:
+  JobParser(const Settings& defaults, std::filesystem::path folder)
+      : defaults_(defaults), folder_(std::move(folder)) {}
+
+  Job parse(const Json& json, const std::string& where) const {
+    check_keys(json, SceneObject::Job, where);
+    Job job;
+    job.settings = defaults_;
+    apply_settings(job.settings, json, where);
+    check_consistent_at(job.settings, where);
+    if (!json.contains("input")) refuse(where, "has no \"input\"");
+    job.input = path_of(json["input"], key_path(where, "input"));
+    job.name = std::filesystem::path(job.input).stem().string();
+    if (json.contains("name")) job.name = text_of(json["name"], key_path(where, "name"));
+    if (job.name.empty()) refuse(key_path(where, "name"), "is empty");
+    if (json.contains("input_format")) {
+      const std::string path = key_path(where, "input_format");
+      job.input_format = parse_mesh_format(text_of(json["input_format"], path), path);
+    }
+    require_readable(job.input, job.input_format);
+    if (json.contains("source")) job.source = path_of(json["source"], key_path(where, "source"));
+    if (json.contains("sample")) {
+      const std::string path = key_path(where, "sample");
+      if (is_point_path(job.input, job.input_format))
+        refuse(path, "the input holds points already");
+      job.sampling = sampling_of(json["sample"], path);
+    }
+    if (json.contains("outputs")) parse_outputs(job, json["outputs"], key_path(where, "outputs"));
+    if (json.contains("report")) job.report = path_of(json["report"], key_path(where, "report"));
+    return job;
+  }
+
+ private:
+  static void check_consistent_at(const Settings& settings, const std::string& where) {
+    try {
+      check_consistent(settings);
+    } catch (const Error& error) {
+      refuse(where, error.what());
+    }
+  }
+
+  std::string path_of(const Json& json, const std::string& where) const {
+    const std::string& text = text_of(json, where);
+    if (text.empty()) refuse(where, "is empty");
+    if (text == "-") refuse(where, "a file is wanted; a scene does not use stdin or stdout");
+    // Tables and messages show the path as it was written where the folder is the current one.
+    return folder_.empty() ? text : (folder_ / text).lexically_normal().string();
+  }
+
+  void parse_outputs(Job& job, const Json& json, const std::string& where) const {
+    if (!json.is_array()) refuse(where, std::string("a list is wanted, not ") + json.type_name());
+    for (std::size_t i = 0; i < json.size(); ++i) {
+      job.outputs.push_back(parse_output(json[i], entry_path(where, i), job.settings.levels));
+    }
+  }
+
+  OutputRequest parse_output(const Json& json, const std::string& where,
+                             const std::vector<int>& levels) const {
+    check_keys(json, SceneObject::Output, where);
+    OutputRequest request;
+    request.where = where;
+    if (!json.contains("path")) refuse(where, "has no \"path\"");
+    request.path = path_of(json["path"], key_path(where, "path"));
+    if (json.contains("what")) {
+      const std::string path = key_path(where, "what");
+      const std::string& what = text_of(json["what"], path);
+      constexpr std::array<std::string_view, 2> kKinds{"surface", "cage"};
+      if (what == kKinds[1]) request.kind = OutputKind::Cage;
+      if (std::ranges::find(kKinds, what) == kKinds.end()) {
+        refuse(path, "\"" + plain_utf8(what) + "\" is not one of surface, cage" +
+                         did_you_mean(what, kKinds));
+      }
+    }
+    const bool cage = request.kind == OutputKind::Cage;
+    if (cage && json.contains("levels")) {
+      refuse(key_path(where, "levels"), "a cage has no levels");
+    }
+    if (!cage) request.levels = levels;
+    if (json.contains("levels")) {
+      request.levels = levels_of(json["levels"], key_path(where, "levels"));
+    }
+    return request;
+  }
+
+  Settings defaults_;
+  std::filesystem::path folder_;
+};
+
+// Refuses what the parser itself lets pass: deep nesting, which is copied and taken down
+// recursively later, and keys that stand twice, of which the first would be ignored.
+class StrictParse {
+ public:
+  explicit StrictParse(std::string name) : name_(std::move(name)) {}
+
+  bool operator()(int depth, Json::parse_event_t event, const Json& parsed) {
+    constexpr int kDeepest = 16;  // a scene needs 5
+    if (depth > kDeepest) refuse(name_, "is nested too deeply to be a scene");
+    if (event == Json::parse_event_t::object_start) keys_.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys_.pop_back();
+    if (event == Json::parse_event_t::key) {
+      const std::string& key = parsed.get_ref<const std::string&>();
+      if (!keys_.back().insert(key).second) {
+        refuse(name_, "the key \"" + plain_utf8(key) + "\" stands twice in an object");
+      }
+    }
+    return true;
+  }
+
+ private:
+  std::string name_;
+  std::vector<std::set<std::string>> keys_;  // of the objects that are open
+};
+
+Json parse_json(std::string_view text, const std::string& name) {
+  StrictParse strict(name);
+  const auto check = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    return strict(depth, event, parsed);
+  };
+  try {
+    return Json::parse(text, check);
+  } catch (const Json::parse_error& error) {
+    const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
+    const auto line = std::ranges::count(before, '\n') + 1;
+    refuse(name + ":" + std::to_string(line), "no valid JSON here");
+  } catch (const Json::exception& error) {
+    refuse(name, std::string("no valid JSON: ") + error.what());
+  }
+}
+
+}  // namespace
+
+std::vector<std::string_view> scene_keys(SceneObject object) {
+  std::vector<std::string_view> solve{"tolerance", "max_iterations", "polish", "crease_edges",
+                                      "corner_vertices"};
+  std::vector<std::string_view> all = solve;
+  all.insert(all.end(), {"levels", "solve"});
+  for (const WordSetting& setting : word_settings()) {
+    all.push_back(setting.name);
+    if (setting.belongs_to_solve) solve.push_back(setting.name);
+  }
+  for (const PointSetting& setting : point_settings()) all.push_back(setting.name);
+  switch (object) {
+    case SceneObject::Scene:
+      return {"$schema", "version", "defaults", "jobs"};
+    case SceneObject::Defaults:
+      return all;
+    case SceneObject::Job:
+      all.insert(all.end(),
+                 {"name", "input", "input_format", "sample", "outputs", "source", "report"});
+      return all;
+    case SceneObject::Solve:
+      return solve;
+    case SceneObject::Output:
+      return {"path", "what", "levels"};
+    case SceneObject::Sample:
+      return {"points", "pattern", "seed", "noise", "outliers"};
+  }
+  return {};
+}
+
+std::vector<Job> parse_scene(std::string_view text, const std::string& name,
+                             const std::filesystem::path& folder) {
+  const Json scene = parse_json(text, name);
+  check_keys(scene, SceneObject::Scene, name);
+  if (!scene.contains("version")) refuse(name, "has no \"version\"; this planish reads version 1");
+  if (scene["version"] != Json(1)) {
+    refuse(key_path(name, "version"),
+           scene["version"].dump().substr(0, 40) + " is not known; this planish reads version 1");
+  }
+  if (!scene.contains("jobs")) refuse(name, "has no \"jobs\"");
+  Settings defaults;
+  if (scene.contains("defaults")) {
+    const std::string where = key_path(name, "defaults");
+    check_keys(scene["defaults"], SceneObject::Defaults, where);
+    apply_settings(defaults, scene["defaults"], where);
+  }
+  const Json& list = scene["jobs"];
+  const std::string where = key_path(name, "jobs");
+  if (!list.is_array()) refuse(where, std::string("a list is wanted, not ") + list.type_name());
+  if (list.empty()) refuse(where, "is empty");
+  const JobParser parser(defaults, folder);
+  std::vector<Job> jobs;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    jobs.push_back(parser.parse(list[i], entry_path(where, i)));
+    if (!names.insert(jobs.back().name).second) {
+      refuse(key_path(entry_path(where, i), "name"),
+             "\"" + plain_utf8(jobs.back().name) + "\" is the name of an earlier job");
+    }
+  }
+  return jobs;
+}
+
+std::vector<Job> read_scene_file(const std::filesystem::path& path) {
+  std::vector<std::byte> bytes;
+  try {
+    bytes = read_file(path);
+  } catch (const Error& error) {
+    throw Error(ErrorCode::InvalidArgument, error.what());
+  }
+  return parse_scene({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path.string(),
+                     path.parent_path());
+}
+
+std::vector<Job> select_jobs(std::vector<Job> jobs, const std::vector<std::string>& names) {
+  if (names.empty()) return jobs;
+  std::vector<std::string_view> known;
+  for (const Job& job : jobs) known.push_back(job.name);
+  for (const std::string& name : names) {
+    if (std::ranges::find(known, name) == known.end()) {
+      refuse("the scene has no job \"" + plain_utf8(name) + "\"",
+             "it has " + std::to_string(jobs.size()) + " jobs" + did_you_mean(name, known));
+    }
+  }
+  std::erase_if(jobs,
+                [&](const Job& job) { return std::ranges::find(names, job.name) == names.end(); });
+  return jobs;
+}
+
+}  // namespace planish::command

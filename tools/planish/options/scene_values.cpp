@@ -1,0 +1,58 @@
+#include "options/scene_values.h"
+
+#include <cstdint>
+
+#include "planish/core/error.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+
+void refuse(const std::string& where, const std::string& what) {
+  throw Error(ErrorCode::InvalidArgument, where + ": " + what);
+}
+
+void require_object(const Json& json, const std::string& where) {
+  if (!json.is_object()) refuse(where, std::string("an object is wanted, not ") + json.type_name());
+}
+
+const std::string& text_of(const Json& json, const std::string& where) {
+  if (!json.is_string()) refuse(where, std::string("a text is wanted, not ") + json.type_name());
+  return json.get_ref<const std::string&>();
+}
+
+std::int64_t integer_of(const Json& json, const std::string& where) {
+  const bool too_large = json.is_number_unsigned() && json.get<std::uint64_t>() > INT32_MAX;
+  if (!json.is_number_integer() || too_large) {
+    refuse(where, "a whole number is wanted, not " + json.dump().substr(0, 40));
+  }
+  return json.get<std::int64_t>();
+}
+
+std::string key_path(const std::string& where, std::string_view key) {
+  // "scene.json" is followed by ": ", everything deeper by '.'.
+  const bool top = where.find(": ") == std::string::npos;
+  return where + (top ? ": " : ".") + plain_utf8(key);
+}
+
+std::string entry_path(const std::string& where, std::size_t index) {
+  return where + "[" + std::to_string(index) + "]";
+}
+
+double fraction_of(const Json& json, const std::string& where) {
+  if (!json.is_number()) refuse(where, std::string("a number is wanted, not ") + json.type_name());
+  const auto number = json.get<double>();
+  if (!(number >= 0 && number <= 1))
+    refuse(where, json.dump().substr(0, 40) + " is no fraction from 0 to 1");
+  return number;
+}
+
+std::int64_t count_of(const Json& json, const std::string& where, std::int64_t least,
+                      std::int64_t most) {
+  const std::int64_t number = integer_of(json, where);
+  if (number < least || number > most)
+    refuse(where, std::to_string(number) + " is not from " + std::to_string(least) + " to " +
+                      std::to_string(most));
+  return number;
+}
+
+}  // namespace planish::command

@@ -1,0 +1,272 @@
+#include "options/settings.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "options/nearest.h"
+#include "planish/core/error.h"
+#include "planish/mesh/detect_creases.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+template <class Value>
+struct Word {
+  std::string_view text;
+  Value value;
+};
+
+constexpr std::array kWeights{Word<Weights>{"doo-sabin", Weights::DooSabin},
+                              Word<Weights>{"averaged", Weights::Averaged}};
+constexpr std::array kSolvers{Word<Solver>{"chebyshev", Solver::Chebyshev},
+                              Word<Solver>{"plain", Solver::Plain},
+                              Word<Solver>{"cg", Solver::ConjugateGradients}};
+constexpr std::array kBoundaries{
+    Word<BoundaryRule>{"edge", BoundaryRule::Edge},
+    Word<BoundaryRule>{"edge-and-corner", BoundaryRule::EdgeAndCorner}};
+constexpr std::array kPrecisions{Word<PrecisionChoice>{"auto", PrecisionChoice::Auto},
+                                 Word<PrecisionChoice>{"float", PrecisionChoice::Float},
+                                 Word<PrecisionChoice>{"double", PrecisionChoice::Double}};
+constexpr std::array kUpAxes{Word<UpAxis>{"y", UpAxis::Y}, Word<UpAxis>{"z", UpAxis::Z}};
+constexpr std::array kRepairs{Word<RepairChoice>{"safe", RepairChoice::Safe},
+                              Word<RepairChoice>{"none", RepairChoice::None}};
+constexpr std::array kCreases{Word<bool>{"use", true}, Word<bool>{"ignore", false}};
+constexpr std::array kInterpolations{
+    Word<InterpolationChoice>{"auto", InterpolationChoice::Auto},
+    Word<InterpolationChoice>{"progressive", InterpolationChoice::Progressive},
+    Word<InterpolationChoice>{"fair", InterpolationChoice::Fair}};
+constexpr std::array kMethods{
+    Word<InterpolationMethod>{"progressive", InterpolationMethod::Progressive},
+    Word<InterpolationMethod>{"fair", InterpolationMethod::Fair}};
+constexpr std::array kSchemes{Word<Scheme>{"doo-sabin", Scheme::DooSabin},
+                              Word<Scheme>{"catmull-clark", Scheme::CatmullClark},
+                              Word<Scheme>{"loop", Scheme::Loop}};
+constexpr std::array kPresets{Word<bool>{"paper", true}};
+
+[[noreturn]] void refuse(std::string_view where, const std::string& what) {
+  throw Error(ErrorCode::InvalidArgument, std::string(where) + ": " + what);
+}
+
+template <class Words>
+auto parse(const Words& words, std::string_view value, std::string_view where) {
+  std::vector<std::string_view> texts;
+  std::string allowed;
+  for (const auto& word : words) {
+    if (word.text == value) return word.value;
+    texts.push_back(word.text);
+    allowed += (allowed.empty() ? "" : ", ") + std::string(word.text);
+  }
+  refuse(where,
+         "\"" + plain_utf8(value) + "\" is not one of " + allowed + did_you_mean(value, texts));
+}
+
+template <class Words, class Value>
+std::string_view text_of(const Words& words, Value value) {
+  const auto found = std::ranges::find(words, value, &Words::value_type::value);
+  return found->text;
+}
+
+void set_preset(Settings& settings, std::string_view value, std::string_view where) {
+  parse(kPresets, value, where);
+  settings.interpolation = InterpolationChoice::Progressive;
+  settings.weights = Weights::Averaged;
+  settings.solver = Solver::Plain;
+}
+
+constexpr std::array kWordSettings{
+    WordSetting{"preset", "paper", "", "averaged weights and the plain iteration, as published",
+                true, set_preset},
+    WordSetting{"weights", "doo-sabin|averaged", "doo-sabin",
+                "subdivision weights: Doo & Sabin 1978, or the paper's averages", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.weights = parse_weights(value, where);
+                }},
+    WordSetting{
+        "interpolation", "auto|progressive|fair", "auto",
+        "progressive: as in the paper; fair: without folds on uneven meshes; auto: fair for "
+        "points, progressive for meshes",
+        true,
+        [](Settings& s, std::string_view value, std::string_view where) {
+          s.interpolation = parse(kInterpolations, value, where);
+        }},
+    WordSetting{"solver", "chebyshev|plain|cg", "chebyshev",
+                "chebyshev; plain as in the paper; cg for closed smooth meshes", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.solver = parse(kSolvers, value, where);
+                }},
+    WordSetting{"precision", "auto|float|double", "auto",
+                "of the solve on the CPU; auto takes double for tolerances below 1e-8", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.precision = parse(kPrecisions, value, where);
+                }},
+    WordSetting{"boundary", "edge|edge-and-corner", "edge",
+                "open boundaries are smooth curves, or have corners where one face meets them",
+                true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.boundary = parse_boundary(value, where);
+                }},
+    WordSetting{"creases", "use|ignore|auto[:DEGREES]", "use",
+                "sharp edges: those the file tags, none, or also those that turn by more (30)",
+                true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.creases = parse_creases(value, where);
+                }},
+    WordSetting{"repair", "safe|none", "safe",
+                "safe mends winding, non-manifold and degenerate parts, and cuts concave faces for "
+                "fair surfaces; none leaves them and refuses what cannot be used",
+                true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.repair = parse_repair(value, where);
+                }},
+    WordSetting{"scheme", "doo-sabin|catmull-clark|loop", "doo-sabin",
+                "subdivision scheme; catmull-clark and loop as OpenSubdiv has them", true,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.scheme = parse_scheme(value, where);
+                }},
+    WordSetting{"up", "y|z", "y", "z turns a Z-up input upright for glTF", false,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  s.up = parse(kUpAxes, value, where);
+                }},
+    WordSetting{"device", "auto|cpu|vulkan|INDEX|NAME|UUID", "auto",
+                "auto: a hardware Vulkan device, else the CPU; see planish devices", false,
+                [](Settings& s, std::string_view value, std::string_view where) {
+                  if (value.empty()) refuse(where, "is empty; planish devices lists what there is");
+                  s.device = value;
+                }},
+};
+
+}  // namespace
+
+std::span<const WordSetting> word_settings() { return kWordSettings; }
+
+Scheme parse_scheme(std::string_view value, std::string_view where) {
+  return parse(kSchemes, value, where);
+}
+
+Weights parse_weights(std::string_view value, std::string_view where) {
+  return parse(kWeights, value, where);
+}
+
+InterpolationMethod parse_method(std::string_view value, std::string_view where) {
+  return parse(kMethods, value, where);
+}
+
+BoundaryRule parse_boundary(std::string_view value, std::string_view where) {
+  return parse(kBoundaries, value, where);
+}
+
+CreaseChoice parse_creases(std::string_view value, std::string_view where) {
+  if (value == "auto") return {true, CreaseDetectionOptions{}.dihedral_degrees};
+  if (!value.starts_with("auto:")) return {parse(kCreases, value, where), std::nullopt};
+  const std::string_view digits = value.substr(5);
+  double degrees = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), degrees);
+  const bool whole = error == std::errc() && end == digits.data() + digits.size();
+  if (!whole || !(degrees >= 0 && degrees <= 180)) {
+    refuse(where, "\"" + plain_utf8(digits) + "\" is no angle of 0 to 180 degrees");
+  }
+  return {true, degrees};
+}
+
+RepairChoice parse_repair(std::string_view value, std::string_view where) {
+  return parse(kRepairs, value, where);
+}
+
+void set_tolerance(Settings& settings, double value, std::string_view where) {
+  if (!(value > 0 && value <= 1)) {
+    refuse(where, short_number(value) +
+                      " is out of range; a fraction of the bounding-box diagonal above 0 and up to "
+                      "1 is wanted, such as 1e-6");
+  }
+  settings.tolerance = value;
+}
+
+void set_max_iterations(Settings& settings, std::int64_t value, std::string_view where) {
+  constexpr std::int64_t kMost = 1'000'000;  // no solve that converges at all needs as many
+  if (value < 0 || value > kMost) {
+    refuse(where, std::to_string(value) + " is out of range; 0 to 1000000 is wanted");
+  }
+  settings.max_iterations = static_cast<std::int32_t>(value);
+}
+
+void set_polish_steps(Settings& settings, std::int64_t value, std::string_view where) {
+  constexpr std::int64_t kMost = 1'000;  // quality is settled by ten
+  if (value < 0 || value > kMost) {
+    refuse(where, std::to_string(value) + " is out of range; 0 to 1000 is wanted");
+  }
+  settings.polish_steps = static_cast<std::int32_t>(value);
+}
+
+std::vector<int> checked_levels(std::span<const std::int64_t> values, std::string_view where) {
+  std::vector<int> levels;
+  for (const std::int64_t value : values) {
+    if (value < 0 || value > kMaxLevel) {
+      refuse(where, std::to_string(value) + " is out of range; levels are 0 to " +
+                        std::to_string(kMaxLevel));
+    }
+    if (std::ranges::find(levels, value) != levels.end()) {
+      refuse(where, "level " + std::to_string(value) + " is named twice");
+    }
+    levels.push_back(static_cast<int>(value));
+  }
+  if (levels.empty()) refuse(where, "no level is named; 2 is a good one");
+  return levels;
+}
+
+void check_consistent(const Settings& settings) {
+  if (settings.device == "vulkan" && settings.precision != PrecisionChoice::Auto) {
+    refuse("--precision", std::string(text_of(kPrecisions, settings.precision)) +
+                              " is for the CPU backend; leave it out with --device vulkan, or take "
+                              "--device cpu");
+  }
+  if (settings.scheme == Scheme::DooSabin) return;
+  const std::string scheme(name_of(settings.scheme));
+  if (settings.weights != Weights::DooSabin) {
+    refuse("--weights", std::string(name_of(settings.weights)) +
+                            " belongs to --scheme doo-sabin; leave it and --preset paper out with "
+                            "--scheme " +
+                            scheme);
+  }
+  if (settings.interpolation == InterpolationChoice::Fair) {
+    refuse("--interpolation", "fair builds control points of Doo-Sabin's level 1, which " + scheme +
+                                  " does not have; take progressive, or --scheme doo-sabin");
+  }
+}
+
+std::string subdivision_text(Scheme scheme, Weights weights) {
+  return scheme == Scheme::DooSabin ? std::string(name_of(weights)) + " weights"
+                                    : std::string(name_of(scheme));
+}
+
+Precision solve_precision(const Settings& settings) {
+  // Float reaches 1e-9 of the diagonal at best; one digit is kept in hand.
+  constexpr double kFloatTolerance = 1e-8;
+  switch (settings.precision) {
+    case PrecisionChoice::Float:
+      return Precision::Float;
+    case PrecisionChoice::Double:
+      return Precision::Double;
+    case PrecisionChoice::Auto:
+      break;
+  }
+  return settings.tolerance < kFloatTolerance ? Precision::Double : Precision::Float;
+}
+
+std::string_view name_of(Scheme scheme) { return text_of(kSchemes, scheme); }
+std::string_view name_of(Weights weights) { return text_of(kWeights, weights); }
+std::string_view name_of(InterpolationMethod method) { return text_of(kMethods, method); }
+std::string_view name_of(Solver solver) { return text_of(kSolvers, solver); }
+std::string_view name_of(BoundaryRule boundary) { return text_of(kBoundaries, boundary); }
+std::string_view name_of(RepairChoice repair) { return text_of(kRepairs, repair); }
+
+std::string name_of(const CreaseChoice& creases) {
+  if (!creases.dihedral_degrees) return std::string(text_of(kCreases, creases.use_tags));
+  std::array<char, 32> digits{};
+  const auto end =
+      std::to_chars(digits.data(), digits.data() + digits.size(), *creases.dihedral_degrees);
+  return "auto:" + std::string(digits.data(), end.ptr);
+}
+
+}  // namespace planish::command

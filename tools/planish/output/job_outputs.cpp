@@ -1,0 +1,141 @@
+#include "output/job_outputs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "job/measure_surface.h"
+#include "job/timed.h"
+#include "output/surface_output.h"
+#include "planish/core/version.h"
+#include "planish/surface/evaluate.h"
+#include "terminal/interrupt.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+/// Models farther from the origin than this many diagonals lose digits as float32, so they are
+/// stored about their centre.
+constexpr double kFarFromOrigin = 10.0;
+
+// The fair method has no iterations.
+std::string solver_name(const JobReport& report) {
+  return report.method == InterpolationMethod::Fair ? "none"
+                                                    : std::string(name_of(report.settings.solver));
+}
+
+SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
+                                     const Placement& placement, const PolygonMesh& input,
+                                     const Callbacks& callbacks) {
+  SurfaceOutputOptions options;
+  options.given = input.positions;
+  options.gltf.callbacks = callbacks;
+  options.diagonal = placement.diagonal;
+  const std::string stem =
+      job.input == "-" ? job.name : std::filesystem::path(job.input).stem().string();
+  options.gltf.name = plain_utf8(stem);
+  options.gltf.double_sided = report.input.statistics.boundary_loop_count > 0;
+  options.gltf.z_up = job.settings.up == UpAxis::Z;
+  const glm::dvec3 centre = placement.centre;
+  if (std::hypot(centre.x, centre.y, centre.z) > kFarFromOrigin * placement.diagonal) {
+    options.gltf.origin = centre;
+  }
+  const Settings& settings = report.settings;
+  options.gltf.extras = {{"planish", std::string(PLANISH_VERSION)},
+                         {"scheme", std::string(name_of(settings.scheme))},
+                         {"method", std::string(name_of(report.method))},
+                         {"solver", solver_name(report)},
+                         {"boundary", std::string(name_of(settings.boundary))},
+                         {"creases", name_of(settings.creases)},
+                         {"tolerance", settings.tolerance},
+                         {"converged", report.interpolation.converged},
+                         {"iterations", std::int64_t{report.interpolation.iterations}},
+                         {"max_error", report.interpolation.error.max}};
+  if (settings.scheme == Scheme::DooSabin) {
+    options.gltf.extras.emplace_back("weights", std::string(name_of(settings.weights)));
+  }
+  return options;
+}
+
+// A tolerance finer than float32 holds in the solve but not in a glTF file.
+void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& output) {
+  const double tolerance = report.settings.tolerance;
+  if (!report.interpolation.converged || output.as_written_error <= tolerance) return;
+  add_warning(report, console,
+              {"rounded-output",
+               output.path + ": rounding for the file leaves an error of " +
+                   short_number(output.as_written_error) + ", above the tolerance " +
+                   short_number(tolerance) + "; --cage and .ply keep every digit",
+               1, -1});
+}
+
+SurfaceMesh evaluate_level(const FittedJob& work, int level) {
+  EvaluateOptions options;
+  options.level = level;
+  options.scheme = work.job.settings.scheme;
+  options.weights = work.job.settings.weights;
+  options.sharp = work.job.settings.sharp();
+  options.callbacks = callbacks_for(work.report, work.context);
+  return timed(work.report.timing.evaluate, [&] {
+    SurfaceMesh surface = evaluate(work.made.input.file.mesh, work.fitted, work.backend, options);
+    measure_surface(work.made, work.fitted, surface, work.report, work.context.console);
+    return surface;
+  });
+}
+
+void write_one(const FittedJob& work, const PlannedOutput& planned, const SurfaceMesh* surface,
+               const SurfaceOutputOptions& options, WrittenOutput& written,
+               std::vector<std::byte>& stdout_bytes) {
+  check_interrupt();
+  timed(work.report.timing.write, [&] {
+    std::filesystem::path target;
+    if (!planned.to_stdout) target = work.staged.stage(planned.path);
+    if (planned.format == OutputFormat::Gltf) {
+      (void)work.staged.stage(gltf_companion(planned.path));
+    }
+    written = surface != nullptr
+                  ? write_surface_output(planned, target, *surface, options, stdout_bytes)
+                  : write_cage_output(planned, target, work.fitted, work.made.input.file.mesh,
+                                      work.report);
+  });
+  warn_of_rounding(work.report, work.context.console, written);
+}
+
+}  // namespace
+
+std::vector<std::byte> write_outputs(const FittedJob& work) {
+  std::vector<std::byte> stdout_bytes;
+  const SurfaceOutputOptions common =
+      surface_options(work.job, work.report, work.fitted.placement, work.made.input.file.mesh,
+                      callbacks_for(work.report, work.context));
+  std::vector<WrittenOutput>& written = work.report.outputs;
+  written.resize(work.outputs.size());
+  std::vector<int> levels;
+  for (std::size_t i = 0; i < work.outputs.size(); ++i) {
+    const PlannedOutput& planned = work.outputs[i];
+    if (planned.kind == OutputKind::Cage) {
+      write_one(work, planned, nullptr, common, written[i], stdout_bytes);
+    } else if (std::ranges::find(levels, planned.level) == levels.end()) {
+      levels.push_back(planned.level);
+    }
+  }
+  for (const int level : levels) {
+    const SurfaceMesh surface = evaluate_level(work, level);
+    SurfaceOutputOptions options = common;
+    options.gltf.extras.emplace_back("level", std::int64_t{level});
+    for (std::size_t i = 0; i < work.outputs.size(); ++i) {
+      const PlannedOutput& planned = work.outputs[i];
+      if (planned.kind == OutputKind::Surface && planned.level == level) {
+        write_one(work, planned, &surface, options, written[i], stdout_bytes);
+      }
+    }
+  }
+  // What cannot be seen on the cage or at level 0.
+  const bool asks_for_result = !work.outputs.empty() || !work.job.report.empty();
+  const bool lacks_distances = !work.made.points.empty() && !work.report.point_distances;
+  if (asks_for_result && lacks_distances) (void)evaluate_level(work, kPointDistanceLevel);
+  if (asks_for_result && !work.report.surface) (void)evaluate_level(work, 1);
+  return stdout_bytes;
+}
+
+}  // namespace planish::command

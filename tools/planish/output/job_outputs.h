@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "job/job.h"
+#include "job/job_input.h"
+#include "output/staged_files.h"
+#include "planish/pipeline/fit.h"
+
+namespace planish::command {
+
+/// A fitted job on its way to its files.
+struct FittedJob {
+  const Job& job;
+  const std::vector<PlannedOutput>& outputs;
+  Backend& backend;
+  const JobContext& context;
+  const JobInput& made;
+  const Fit& fitted;
+  JobReport& report;
+  StagedFiles& staged;
+};
+
+/// Writes cages, evaluates every level once, whatever the number of files that show it, and
+/// measures the surface; all noted in the report. Returns what is meant for stdout.
+[[nodiscard]] std::vector<std::byte> write_outputs(const FittedJob& work);
+
+}  // namespace planish::command

@@ -1,0 +1,118 @@
+#include "output/surface_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "output/cage_header.h"
+#include "output/digest.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/write_surface.h"
+
+namespace planish::command {
+namespace {
+
+MeshFormat mesh_format_of(OutputFormat format) {
+  return format == OutputFormat::Obj   ? MeshFormat::Obj
+         : format == OutputFormat::Ply ? MeshFormat::Ply
+                                       : MeshFormat::Off;
+}
+
+void note_bytes(WrittenOutput& written, std::span<const std::byte> bytes) {
+  written.bytes = bytes.size();
+  written.sha256 = sha256(bytes);
+}
+
+void note_file(WrittenOutput& written, const std::filesystem::path& file) {
+  const FileDigest digest = digest_of(file);
+  written.bytes = digest.bytes;
+  written.sha256 = digest.sha256;
+}
+
+// What the first positions of the surface should be.
+std::vector<glm::dvec3> given_points(const SurfaceMesh& surface,
+                                     std::span<const glm::dvec3> positions) {
+  std::vector<glm::dvec3> points;
+  points.reserve(surface.base_vertices.size());
+  for (const std::int32_t vertex : surface.base_vertices) points.push_back(positions[vertex]);
+  return points;
+}
+
+// The control points of a fair cage as they are written.
+LevelOne state_of(const PolygonMesh& cage, const FairFit& fair) {
+  LevelOne written{cage.positions, {}};
+  written.state.resize(fair.level_one.state.size());
+  return written;
+}
+
+}  // namespace
+
+double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const glm::dvec3 d = a[i] - b[i];
+    const double distance = std::hypot(d.x, d.y, d.z);
+    if (!std::isfinite(distance)) return std::numeric_limits<double>::infinity();
+    largest = std::max(largest, distance);
+  }
+  return largest;
+}
+
+WrittenOutput write_surface_output(const PlannedOutput& planned,
+                                   const std::filesystem::path& target, const SurfaceMesh& surface,
+                                   const SurfaceOutputOptions& options,
+                                   std::vector<std::byte>& stdout_bytes) {
+  WrittenOutput written;
+  written.path = planned.path.string();
+  written.kind = planned.kind;
+  written.level = surface.level;
+  written.vertices = static_cast<std::int64_t>(surface.positions.size());
+  written.quads = surface.face_offsets.empty() ? surface.face_count() : 0;
+  const auto corners = static_cast<std::int64_t>(surface.face_vertices.size());
+  written.triangles = corners - 2 * surface.face_count();
+  const bool is_gltf = planned.format == OutputFormat::Glb || planned.format == OutputFormat::Gltf;
+  const std::vector<glm::dvec3> given = given_points(surface, options.given);
+  if (planned.to_stdout) {
+    stdout_bytes = encode_glb(surface, options.gltf);
+    note_bytes(written, stdout_bytes);
+  } else if (is_gltf) {
+    const GltfFile file = write_gltf(target, surface, options.gltf);
+    note_file(written, target);
+    written.bytes = file.byte_count;
+  } else {
+    write_surface(target, mesh_format_of(planned.format), surface);
+    note_file(written, target);
+  }
+  // Text and PLY carry doubles that read back as the same bits.
+  const double distance =
+      is_gltf ? largest_distance(written_positions(surface, options.gltf, given.size()), given)
+              : largest_distance(surface.positions, given);
+  written.as_written_error = distance / options.diagonal;
+  return written;
+}
+
+WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesystem::path& target,
+                                const Fit& fitted, const PolygonMesh& input,
+                                const JobReport& report) {
+  const Settings& settings = report.settings;
+  const PolygonMesh cage = control_cage(input, fitted, settings.sharp());
+  write_mesh(target, mesh_format_of(planned.format), cage,
+             {.header = cage_header_lines(settings, report.method, report.input.path)});
+  WrittenOutput written;
+  written.path = planned.path.string();
+  written.kind = planned.kind;
+  written.vertices = cage.vertex_count();
+  for (std::int32_t face = 0; face < cage.face_count(); ++face) {
+    const std::int32_t size = cage.face_size(face);
+    if (size == 4) ++written.quads;
+    if (size == 3) ++written.triangles;
+  }
+  note_file(written, target);
+  const std::vector<glm::dvec3> limit =
+      fitted.fair ? limit_positions(input, state_of(cage, *fitted.fair), settings.sharp())
+                  : limit_positions(cage, {settings.scheme, settings.weights, settings.sharp()});
+  written.as_written_error = largest_distance(limit, input.positions) / fitted.placement.diagonal;
+  return written;
+}
+
+}  // namespace planish::command

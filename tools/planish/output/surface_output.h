@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/surface/surface_mesh.h"
+#include "report/report.h"
+
+namespace planish::command {
+
+/// What every surface output of a job has in common.
+struct SurfaceOutputOptions {
+  GltfOptions gltf;
+  std::span<const glm::dvec3> given;  ///< the input's vertices
+  double diagonal = 1.0;              ///< that errors are relative to
+};
+
+/// Writes `surface` to `target` in the format of `planned` and measures what was written; a
+/// planned stdout goes to `stdout_bytes` instead. Throws Error{UnwritableOutput}.
+[[nodiscard]] WrittenOutput write_surface_output(const PlannedOutput& planned,
+                                                 const std::filesystem::path& target,
+                                                 const SurfaceMesh& surface,
+                                                 const SurfaceOutputOptions& options,
+                                                 std::vector<std::byte>& stdout_bytes);
+
+/// Writes the cage of a fitted mesh and measures how far its limit surface, recomputed in double,
+/// is from the vertices of `input`.
+[[nodiscard]] WrittenOutput write_cage_output(const PlannedOutput& planned,
+                                              const std::filesystem::path& target,
+                                              const Fit& fitted, const PolygonMesh& input,
+                                              const JobReport& report);
+
+/// max |a_i - b_i| over the shorter of both; infinite where one is not a number.
+[[nodiscard]] double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b);
+
+}  // namespace planish::command

@@ -1,0 +1,174 @@
+#include "report/report.h"
+
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+
+#include "build_info.h"
+#include "planish/core/version.h"
+
+namespace planish::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Infinite and NaN errors have no JSON number; they become null.
+Json norms_json(const ErrorNorms& norms) { return {{"max", norms.max}, {"rms", norms.rms}}; }
+
+Json input_json(const InputFacts& input) {
+  Json json;
+  json["path"] = input.path;
+  json["sha256"] = input.sha256;
+  json["format"] = input.format;
+  json["vertices"] = input.statistics.vertex_count;
+  json["faces"] = input.statistics.face_count;
+  json["face_sizes"] = histogram_json(input.statistics.face_size_counts);
+  json["boundary_loops"] = input.statistics.boundary_loop_count;
+  json["components"] = input.statistics.component_count;
+  json["genus"] = input.statistics.genus;
+  json["sharp_edges"] = input.sharp_edges;
+  json["corners"] = input.corners;
+  json["welded"] = input.welded;
+  json["dropped"] = input.dropped;
+  json["changed_faces"] = input.changed_faces;
+  return json;
+}
+
+Json solve_json(const JobReport& report) {
+  const Interpolation& result = report.interpolation;
+  const bool iterates = report.method == InterpolationMethod::Progressive;
+  Json json;
+  json["method"] = name_of(report.method);
+  json["scheme"] = name_of(report.settings.scheme);
+  const bool has_weights = report.settings.scheme == Scheme::DooSabin;
+  json["weights"] = has_weights ? Json(name_of(report.settings.weights)) : Json();
+  json["solver"] = iterates ? Json(name_of(report.settings.solver)) : Json();
+  json["boundary"] = name_of(report.settings.boundary);
+  json["creases"] = name_of(report.settings.creases);
+  json["repair"] = name_of(report.settings.repair);
+  json["tolerance"] = report.settings.tolerance;
+  json["converged"] = result.converged;
+  json["stop_reason"] = planish::name_of(result.stop_reason);
+  json["iterations"] = result.iterations;
+  json["spectral_bound"] = iterates ? Json(report.spectral_bound) : Json();
+  json["error"] = norms_json(result.error);
+  json["error"]["worst_vertex"] = result.worst_vertex;
+  json["history"] = Json::array();
+  for (std::size_t i = 0; i < result.history.size(); ++i) {
+    Json entry{{"iteration", i}};
+    entry.update(norms_json(result.history[i]));
+    json["history"].push_back(entry);
+  }
+  json["fair"] = nullptr;
+  if (report.fair) {
+    json["fair"] = {{"polish", report.settings.polish_steps},
+                    {"shrunk_vertices", report.fair->shrunk_vertices},
+                    {"reversed_vertices", report.fair->reversed_vertices},
+                    {"flagged_edges", report.fair->flagged_edges},
+                    {"flagged_faces", report.fair->flagged_faces}};
+  }
+  return json;
+}
+
+Json surface_json(const JobReport& report) {
+  if (!report.surface) return nullptr;
+  const MeasuredSurface& surface = *report.surface;
+  Json json;
+  json["level"] = surface.level;
+  json["reference"] = surface.reference.empty() ? "input" : surface.reference;
+  json["folded_area"] = surface.quality.folded_area;
+  json["rms_normal_deviation"] = surface.quality.rms_normal_deviation;
+  json["max_normal_deviation"] = surface.quality.max_normal_deviation;
+  json["bending"] = surface.quality.bending;
+  if (surface.source_distances) {
+    json["max_source_distance"] = surface.source_distances->max;
+    json["rms_source_distance"] = surface.source_distances->rms;
+  }
+  if (report.point_distances) {
+    json["max_point_distance"] = report.point_distances->max;
+    json["rms_point_distance"] = report.point_distances->rms;
+  }
+  return json;
+}
+
+Json outputs_json(const std::vector<WrittenOutput>& outputs) {
+  Json json = Json::array();
+  for (const WrittenOutput& output : outputs) {
+    Json entry;
+    entry["path"] = output.path;
+    entry["what"] = output.kind == OutputKind::Cage ? "cage" : "surface";
+    entry["bytes"] = output.bytes;
+    entry["sha256"] = output.sha256;
+    entry["level"] = output.kind == OutputKind::Cage ? Json() : Json(output.level);
+    entry["vertices"] = output.vertices;
+    entry["quads"] = output.quads;
+    entry["triangles"] = output.triangles;
+    entry["as_written_error"] = output.as_written_error;
+    json.push_back(entry);
+  }
+  return json;
+}
+
+Json timing_json(const JobTiming& timing) {
+  return {{"read", timing.read},         {"check", timing.check},   {"topology", timing.topology},
+          {"stencils", timing.stencils}, {"upload", timing.upload}, {"solve", timing.solve},
+          {"evaluate", timing.evaluate}, {"write", timing.write},   {"total", timing.total}};
+}
+
+Json warnings_json(const std::vector<Warning>& warnings) {
+  Json json = Json::array();
+  for (const Warning& warning : warnings) {
+    json.push_back({{"code", warning.code},
+                    {"message", warning.message},
+                    {"count", warning.count},
+                    {"first", warning.first}});
+  }
+  return json;
+}
+
+}  // namespace
+
+Json histogram_json(const std::vector<std::int64_t>& counts) {
+  Json json = Json::object();
+  for (std::size_t n = 0; n < counts.size(); ++n) {
+    if (counts[n] != 0) json[std::to_string(n)] = counts[n];
+  }
+  return json;
+}
+
+std::string json_text(const Json& value) {
+  return value.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json to_json(const JobReport& report) {
+  const DeviceDescription& device = report.device;
+  Json json;
+  json["schema"] = "planish.report/1";
+  json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}};
+  json["argv"] = report.arguments;
+  json["job"] = report.job;
+  json["exit_code"] = static_cast<int>(report.exit_code);
+  json["input"] = input_json(report.input);
+  if (!report.reconstruction.is_null()) json["reconstruction"] = report.reconstruction;
+  json["device"] = {{"kind", device.kind},
+                    {"name", device.name},
+                    {"uuid", device.uuid},
+                    {"driver", device.driver},
+                    {"api", device.api}};
+  json["solve"] = solve_json(report);
+  json["surface"] = surface_json(report);
+  json["outputs"] = outputs_json(report.outputs);
+  json["timing_ms"] = timing_json(report.timing);
+  json["memory"] = {{"host_peak_bytes", report.host_peak_bytes},
+                    {"device_bytes", report.device_bytes}};
+  json["warnings"] = warnings_json(report.warnings);
+  return json;
+}
+
+std::uint64_t peak_host_bytes() {
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+}  // namespace planish::command

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "options/settings.h"
+#include "output/output_plan.h"
+#include "planish/backend/backend.h"
+#include "planish/mesh/statistics.h"
+#include "planish/pipeline/fit.h"
+#include "planish/reconstruct/reconstruct.h"
+#include "planish/surface/surface_quality.h"
+#include "terminal/exit_codes.h"
+
+namespace planish::command {
+
+/// A file as written.
+struct WrittenOutput {
+  std::string path;  ///< "-" for stdout
+  OutputKind kind = OutputKind::Surface;
+  int level = 0;            ///< of a surface
+  std::uint64_t bytes = 0;  ///< a .gltf counts its .bin
+  std::string sha256;       ///< of the file named by path
+  std::int64_t vertices = 0, quads = 0, triangles = 0;
+  /// Largest distance of a given vertex from its place on the surface that the file describes,
+  /// recomputed in double from the numbers in the file; a fraction of the diagonal.
+  double as_written_error = 0;
+};
+
+struct InputFacts {
+  std::string path, sha256, format;
+  MeshStatistics statistics{};
+  std::int32_t sharp_edges = 0, corners = 0;
+  std::vector<std::int32_t> changed_faces;  ///< by repair; the file's indices
+  std::int64_t welded = 0, dropped = 0;
+};
+
+/// The fair method's own figures, see FairNet.
+struct FairFigures {
+  std::int64_t shrunk_vertices = 0, reversed_vertices = 0, flagged_edges = 0, flagged_faces = 0;
+};
+
+/// How good the surface is, measured on one of its levels.
+struct MeasuredSurface {
+  int level = 0;
+  SurfaceQuality quality;
+  std::string reference;  ///< file of the source; empty: the input mesh
+  /// Of the surface to the source, as fractions of the diagonal.
+  std::optional<PointDistances> source_distances;
+};
+
+/// Wall-clock milliseconds; topology is OpenSubdiv's refiner.
+struct JobTiming {
+  double read = 0, check = 0, topology = 0, stencils = 0, upload = 0, solve = 0, evaluate = 0,
+         write = 0;
+  double total = 0;
+};
+
+/// What a job did; the source of its JSON report, its summary and its table row.
+struct JobReport {
+  std::string job;
+  std::vector<std::string> arguments;
+  ExitCode exit_code = ExitCode::Done;
+  InputFacts input;
+  DeviceDescription device;
+  Settings settings;
+  InterpolationMethod method = InterpolationMethod::Progressive;
+  std::optional<FairFigures> fair;
+  Interpolation interpolation;  ///< displacement left empty
+  double spectral_bound = 0;
+  std::optional<MeasuredSurface> surface;  ///< empty where none was evaluated
+  nlohmann::ordered_json reconstruction;   ///< of a point cloud, see reconstruction_json()
+  std::string reconstruction_summary;      ///< for people; empty for a mesh
+  /// Distances of all used points to the surface, as fractions of the diagonal; of a cloud.
+  std::optional<PointDistances> point_distances;
+  std::vector<WrittenOutput> outputs;
+  JobTiming timing;
+  std::uint64_t host_peak_bytes = 0, device_bytes = 0;
+  std::vector<Warning> warnings;
+};
+
+/// The stable JSON form; keys keep their order. Text that is no UTF-8 is made so.
+[[nodiscard]] nlohmann::ordered_json to_json(const JobReport& report);
+
+/// Indented text of any JSON value, with a line end.
+[[nodiscard]] std::string json_text(const nlohmann::ordered_json& value);
+
+/// {"3": 20, "4": 1}: the non-zero entries of a histogram.
+[[nodiscard]] nlohmann::ordered_json histogram_json(const std::vector<std::int64_t>& counts);
+
+/// A few aligned lines for people.
+[[nodiscard]] std::string summary(const JobReport& report);
+
+/// Highest memory that this process has held.
+[[nodiscard]] std::uint64_t peak_host_bytes();
+
+}  // namespace planish::command

@@ -1,0 +1,103 @@
+#include <algorithm>
+
+#include "report/report.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+std::string shape_of(const MeshStatistics& statistics) {
+  std::string shape = statistics.boundary_loop_count == 0
+                          ? "closed"
+                          : "open, " + counted(statistics.boundary_loop_count, "boundary loop");
+  if (statistics.component_count != 1) {
+    shape += ", " + counted(statistics.component_count, "component");
+  }
+  return shape + ", genus " + std::to_string(statistics.genus);
+}
+
+std::string timing_line(const JobTiming& timing) {
+  std::string line = duration(timing.total) + " (";
+  const std::pair<const char*, double> parts[] = {
+      {"read", timing.read},         {"check", timing.check},   {"topology", timing.topology},
+      {"stencils", timing.stencils}, {"upload", timing.upload}, {"solve", timing.solve},
+      {"evaluate", timing.evaluate}, {"write", timing.write}};
+  const char* separator = "";
+  for (const auto& [name, milliseconds] : parts) {
+    if (milliseconds < 0.05) continue;
+    line += separator + std::string(name) + " " + duration(milliseconds);
+    separator = ", ";
+  }
+  return line + ")";
+}
+
+std::string output_line(const WrittenOutput& output, std::size_t path_width) {
+  std::string line = output.path == "-" ? "stdout" : output.path;
+  line.resize(std::max(line.size(), path_width), ' ');
+  line += "  " + byte_size(output.bytes) + ", ";
+  if (output.kind == OutputKind::Cage) return line + "control cage";
+  line += "level " + std::to_string(output.level) + ", " + counted(output.vertices, "vertice");
+  // The only plural that is not the singular and an s.
+  if (output.vertices == 1) line.replace(line.rfind("vertice"), 7, "vertex");
+  if (output.level == 0) return line;
+  return line + ", " +
+         (output.quads > 0 ? counted(output.quads, "quad") : counted(output.triangles, "triangle"));
+}
+
+std::string method_line(const JobReport& report) {
+  const Interpolation& result = report.interpolation;
+  const std::string weights =
+      subdivision_text(report.settings.scheme, report.settings.weights) + ")";
+  std::string line;
+  if (report.fair) {
+    line = "  method      fair (" + counted(report.settings.polish_steps, "polish step") + ", " +
+           weights + ", " + with_separators(report.fair->shrunk_vertices) + " vertices drawn in";
+  } else {
+    line = "  iterations  " + std::to_string(result.iterations) + " (" +
+           std::string(name_of(report.settings.solver)) + ", " + weights;
+  }
+  if (!result.converged) {
+    line += ", not converged: " + std::string(planish::name_of(result.stop_reason));
+  }
+  return line;
+}
+
+std::string quality_line(const MeasuredSurface& surface) {
+  const SurfaceQuality& quality = surface.quality;
+  return "  surface     " + short_number(quality.folded_area * 100) + " % folded, normals off by " +
+         short_number(quality.rms_normal_deviation) + " degrees rms from " +
+         (surface.reference.empty() ? "the input's faces" : surface.reference);
+}
+
+}  // namespace
+
+std::string summary(const JobReport& report) {
+  const Interpolation& result = report.interpolation;
+  const MeshStatistics& statistics = report.input.statistics;
+  std::string text = report.input.path + ": " + with_separators(statistics.vertex_count) +
+                     " vertices, " + with_separators(statistics.face_count) + " faces (" +
+                     shape_of(statistics) + ")\n";
+  text += report.reconstruction_summary;
+  if (report.point_distances)
+    text += "  points      farthest " + short_number(report.point_distances->max) + ", rms " +
+            short_number(report.point_distances->rms) + " of the diagonal from the surface\n";
+  text += "  device      " + report.device.kind + ", " + report.device.name + "\n";
+  text += method_line(report) + "\n";
+  text += "  max error   " + short_number(result.error.max) + " of the diagonal (tolerance " +
+          short_number(report.settings.tolerance) + ")\n";
+  if (report.surface) text += quality_line(*report.surface) + "\n";
+  text += "  time        " + timing_line(report.timing) + "\n";
+  std::size_t path_width = 0;
+  for (const WrittenOutput& output : report.outputs) {
+    path_width = std::max(path_width, output.path.size());
+  }
+  const char* label = "  wrote       ";
+  for (const WrittenOutput& output : report.outputs) {
+    text += label + output_line(output, path_width) + "\n";
+    label = "              ";
+  }
+  text.pop_back();
+  return text;
+}
+
+}  // namespace planish::command

@@ -1,0 +1,62 @@
+#include "terminal/devices_text.h"
+
+#include <nlohmann/json.hpp>
+
+#include "report/report.h"
+#include "terminal/table.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+
+std::string devices_json(const DeviceList& list, std::size_t automatic) {
+  nlohmann::ordered_json json;
+  json["schema"] = "planish.devices/1";
+  json["auto"] = list.devices[automatic].selector;
+  json["no_vulkan_because"] = list.no_vulkan_because;
+  json["devices"] = nlohmann::ordered_json::array();
+  for (const ListedDevice& device : list.devices) {
+    nlohmann::ordered_json entry;
+    entry["selector"] = device.selector;
+    entry["kind"] = device.description.kind;
+    entry["name"] = device.description.name;
+    entry["uuid"] = device.description.uuid;
+    entry["driver"] = device.description.driver;
+    entry["api"] = device.description.api;
+    entry["usable"] = device.unusable_because.empty();
+    entry["unusable_because"] = device.unusable_because;
+    entry["portability_subset"] = device.portability_subset;
+    entry["missing"] = device.missing;
+    entry["limits"] = nlohmann::ordered_json::object();
+    for (const auto& [name, value] : device.limits) entry["limits"][name] = value;
+    json["devices"].push_back(entry);
+  }
+  return json_text(json);
+}
+
+std::string devices_table(const DeviceList& list, std::size_t automatic) {
+  const std::vector<ListedDevice>& devices = list.devices;
+  Table table({{"--device"}, {"kind"}, {"name"}, {"driver"}, {"api"}, {"uuid"}, {""}});
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const ListedDevice& device = devices[i];
+    const DeviceDescription& description = device.description;
+    std::string remark = i == automatic ? "taken by auto" : "";
+    if (!device.unusable_because.empty()) remark = "unusable: " + device.unusable_because;
+    table.add_row({device.selector, description.kind, description.name, description.driver,
+                   description.api, description.uuid, remark});
+  }
+  std::string text = table.text();
+  for (const ListedDevice& device : devices) {
+    for (const auto& [name, value] : device.limits) {
+      text += device.selector + ": " + name + " " +
+              with_separators(static_cast<std::int64_t>(value)) + "\n";
+    }
+    if (device.portability_subset)
+      text += device.selector + ": a layer over another API (VK_KHR_portability_subset)\n";
+    for (const std::string& feature : device.missing)
+      text += device.selector + ": lacks " + feature + "\n";
+  }
+  const std::string& reason = list.no_vulkan_because;
+  return reason.empty() ? text : text + "no usable Vulkan device: " + reason + "\n";
+}
+
+}  // namespace planish::command
