@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "planish/core/error.h"
+#include "planish/files/formats.h"
 
 namespace planish::command {
 namespace {
@@ -196,6 +197,20 @@ TEST(SceneFile, ReadsASampling) {
 json schema() {
   std::ifstream file(PLANISH_SCENE_SCHEMA);
   return json::parse(file);
+}
+
+TEST(SceneSchema, NamesTheFormatsOfTheTable) {
+  const json schema = scene_schema();
+  const json& job = schema["$defs"]["job"]["properties"];
+  std::string formats;
+  for (const auto& name : job["input_format"]["enum"])
+    formats += (formats.empty() ? "" : ", ") + name.get<std::string>();
+  EXPECT_EQ(formats, names_of(FormatUse::ReadMesh));
+  const json& output = schema["$defs"]["output"]["properties"];
+  EXPECT_THAT(output["path"]["description"].get<std::string>(),
+              HasSubstr(extensions_of(FormatUse::WriteSurface)));
+  EXPECT_THAT(output["what"]["description"].get<std::string>(),
+              HasSubstr(extensions_of(FormatUse::WriteCage)));
 }
 
 // A property's own description where it is a reference.

@@ -75,7 +75,7 @@ class MeasuredMesh : public testing::Test {
   }
   static PolygonMesh read(const std::string& name) {
     const std::string path = std::string(std::getenv("PLANISH_TEST_DATA")) + "/" + name;
-    return read_mesh(read_file(path), path, MeshFormat::Obj).mesh;
+    return read_mesh(path).mesh;
   }
 };
 

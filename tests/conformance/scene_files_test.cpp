@@ -24,7 +24,7 @@ std::vector<NamedMesh> scene_files() {
   for (const auto& entry : std::filesystem::directory_iterator(PLANISH_SCENES)) {
     if (entry.path().extension() != ".obj") continue;
     const std::string name = entry.path().filename().string();
-    meshes.push_back({name, read_mesh(read_file(entry.path()), name, MeshFormat::Obj).mesh});
+    meshes.push_back({name, read_mesh(entry.path()).mesh});
     // Faces that are left out change nothing about the others, and the oracle knows none.
     meshes.back().mesh.hole_faces.clear();
   }

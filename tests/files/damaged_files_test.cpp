@@ -8,6 +8,7 @@
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/read_file.h"
 #include "planish/mesh/check.h"
 #include "support/byte_strings.h"
 #include "support/temporary_folder.h"
@@ -17,10 +18,10 @@ namespace {
 
 struct Sample {
   std::string bytes;
-  MeshFormat format;
+  FileFormat format;
 };
 
-std::string written(MeshFormat format) {
+std::string written(FileFormat format) {
   PolygonMesh mesh = test::cube();
   mesh.creases = {{0, 1, 2.5f}};
   mesh.corners = {{7}};
@@ -55,29 +56,29 @@ std::vector<Sample> samples() {
   }
   big += std::string("\0\0\0\1\0\3\0\1\2", 9);
   return {
-      {written(MeshFormat::Obj), MeshFormat::Obj},
+      {written(FileFormat::Obj), FileFormat::Obj},
       {"v 0 0 0\r\nv 1 0 0 1\r\nv 0 1 \\\r\n 0\r\nvt 0\r\nvt 1 1 0\r\nf -1/2/3 -2//1 \\\r\n-3\r\nt "
        "corner 2/2/0 0 1 1 "
        "2\r\nl 1 2\r\n",
-       MeshFormat::Obj},
-      {written(MeshFormat::Ply), MeshFormat::Ply},
-      {big, MeshFormat::Ply},
+       FileFormat::Obj},
+      {written(FileFormat::Ply), FileFormat::Ply},
+      {big, FileFormat::Ply},
       {"ply\nformat ascii 1.0\ncomment planish a=b\nelement vertex 3\nproperty float x\n"
        "property float y\nproperty float z\nproperty list uchar int n\nelement face 1\n"
        "property list uchar int vertex_indices\nend_header\n0 0 0 0\n1 0 0 1 5\n0 1 0 2 3 4\n3 0 "
        "1 2\n",
-       MeshFormat::Ply},
-      {written(MeshFormat::Off), MeshFormat::Off},
-      {"COFF 3 1 0\n0 0 0 1 1 1 1\n# c\n1 0 0\n0 1 0\n3 0 1 2 0.5\n", MeshFormat::Off},
-      {stl, MeshFormat::Stl},
+       FileFormat::Ply},
+      {written(FileFormat::Off), FileFormat::Off},
+      {"COFF 3 1 0\n0 0 0 1 1 1 1\n# c\n1 0 0\n0 1 0\n3 0 1 2 0.5\n", FileFormat::Off},
+      {stl, FileFormat::Stl},
       {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
        "endloop\nendfacet\nendsolid a\n",
-       MeshFormat::Stl},
+       FileFormat::Stl},
   };
 }
 
 // True when a mesh came out.
-bool read_safely(const std::string& bytes, MeshFormat format) {
+bool read_safely(const std::string& bytes, FileFormat format) {
   try {
     const PolygonMesh mesh = read_mesh(test::bytes_of(bytes), "sample", format).mesh;
     for (const MeshProblem& problem : check(mesh)) {

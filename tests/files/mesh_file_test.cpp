@@ -1,4 +1,6 @@
 #include "planish/files/mesh_file.h"
+#include <set>
+#include "planish/files/read_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,16 +21,16 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr MeshFormat kWritable[] = {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off};
+constexpr FileFormat kWritable[] = {FileFormat::Obj, FileFormat::Ply, FileFormat::Off};
 
-TEST(MeshFormat, IsToldByTheExtension) {
-  EXPECT_EQ(format_of("a/b.OBJ"), MeshFormat::Obj);
-  EXPECT_EQ(format_of("b.c.gltf"), MeshFormat::Gltf);
-  EXPECT_EQ(format_of("b.GlB"), MeshFormat::Glb);
+TEST(FileFormat, IsToldByTheExtension) {
+  EXPECT_EQ(format_of("a/b.OBJ"), FileFormat::Obj);
+  EXPECT_EQ(format_of("b.c.gltf"), FileFormat::Gltf);
+  EXPECT_EQ(format_of("b.GlB"), FileFormat::Glb);
   EXPECT_EQ(format_of("obj"), std::nullopt);
   EXPECT_EQ(format_of("b.blend"), std::nullopt);
-  for (const MeshFormat format : {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off,
-                                  MeshFormat::Stl, MeshFormat::Gltf, MeshFormat::Glb})
+  for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Off,
+                                  FileFormat::Stl, FileFormat::Gltf, FileFormat::Glb})
     EXPECT_EQ(format_of("x." + std::string(name_of(format))), format);
 }
 
@@ -60,7 +62,7 @@ bool same_bits(const std::vector<glm::dvec3>& a, const std::vector<glm::dvec3>& 
          (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
 }
 
-MeshFile round_trip(const PolygonMesh& mesh, MeshFormat format,
+MeshFile round_trip(const PolygonMesh& mesh, FileFormat format,
                     const MeshWriteOptions& options = {}) {
   const test::TemporaryFolder folder;
   const auto path = folder.path() / ("mesh." + std::string(name_of(format)));
@@ -70,7 +72,7 @@ MeshFile round_trip(const PolygonMesh& mesh, MeshFormat format,
 
 TEST(WriteMesh, IsReadBackBitByBit) {
   const PolygonMesh large = random_mesh();
-  for (const MeshFormat format : kWritable) {
+  for (const FileFormat format : kWritable) {
     for (const PolygonMesh& mesh : {large, test::cube(), PolygonMesh{}}) {
       const PolygonMesh again = round_trip(mesh, format).mesh;
       EXPECT_TRUE(same_bits(mesh.positions, again.positions)) << name_of(format);
@@ -84,7 +86,7 @@ TEST(WriteMesh, KeepsTagsInObj) {
   PolygonMesh mesh = test::cube();
   mesh.creases = {{0, 1, 2.5f}, {1, 3, 0.1f}, {3, 2}};
   mesh.corners = {{7}, {5, 1e-3f}};
-  const PolygonMesh again = round_trip(mesh, MeshFormat::Obj).mesh;
+  const PolygonMesh again = round_trip(mesh, FileFormat::Obj).mesh;
   ASSERT_EQ(again.creases.size(), 3u);
   ASSERT_EQ(again.corners.size(), 2u);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -114,7 +116,7 @@ PolygonMesh full_mesh() {
 
 TEST(WriteMesh, KeepsEveryAttributeInObj) {
   const PolygonMesh mesh = full_mesh();
-  const MeshFile file = round_trip(mesh, MeshFormat::Obj);
+  const MeshFile file = round_trip(mesh, FileFormat::Obj);
   const PolygonMesh& again = file.mesh;
   EXPECT_EQ(file.warnings.size(), 0u);
   EXPECT_EQ(again.uvs, mesh.uvs);
@@ -133,7 +135,7 @@ TEST(WriteMesh, KeepsNamesWithinTheirLine) {
   PolygonMesh mesh = test::mesh_of(3, {{0, 1, 2}});
   mesh.groups = {{"a\nf 1 2 3", "#b #c\\"}};
   mesh.face_groups = {0};
-  const PolygonMesh again = round_trip(mesh, MeshFormat::Obj).mesh;
+  const PolygonMesh again = round_trip(mesh, FileFormat::Obj).mesh;
   EXPECT_EQ(again.face_count(), 1);
   ASSERT_EQ(again.groups.size(), 1u);
   EXPECT_EQ(again.groups[0].name, "a_f 1 2 3");
@@ -142,7 +144,7 @@ TEST(WriteMesh, KeepsNamesWithinTheirLine) {
 
 TEST(WriteMesh, KeepsTheHeader) {
   const MeshWriteOptions options{.header = {"planish weights=averaged", "planish tolerance=1e-06"}};
-  for (const MeshFormat format : kWritable)
+  for (const FileFormat format : kWritable)
     EXPECT_THAT(round_trip(test::cube(), format, options).header,
                 ElementsAre("planish weights=averaged", "planish tolerance=1e-06"));
 }
@@ -152,12 +154,12 @@ TEST(WriteMesh, WritesTheTextExpected) {
   PolygonMesh mesh = test::mesh_of(3, {{0, 1, 2}});
   mesh.positions[2] = {0.1, -1e30, 3};
   mesh.creases = {{0, 1}};
-  const auto text_of = [&](MeshFormat format) {
+  const auto text_of = [&](FileFormat format) {
     write_mesh(folder.path() / "mesh", format, mesh, {.header = {"hello"}});
     const auto bytes = read_file(folder.path() / "mesh");
     return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   };
-  EXPECT_EQ(text_of(MeshFormat::Obj),
+  EXPECT_EQ(text_of(FileFormat::Obj),
             "# hello\nv 0 0 0\nv 1 1 1\nv 0.1 -1e+30 3\nf 1 2 3\nt crease 2/1/0 0 1 10\n");
   mesh.colors = {{1, 0, 0, 1}, {0, 0, 0, 0.5f}, {1, 1, 1, 1}};
   mesh.uvs = {{0.5, 1}};
@@ -165,37 +167,37 @@ TEST(WriteMesh, WritesTheTextExpected) {
   mesh.groups = {{"a", "b"}};
   mesh.face_groups = {0};
   mesh.hole_faces = {0};
-  EXPECT_EQ(text_of(MeshFormat::Obj),
+  EXPECT_EQ(text_of(FileFormat::Obj),
             "# hello\nv 0 0 0 1 0 0\nv 1 1 1 0 0 0 0.5\nv 0.1 -1e+30 3 1 1 1\nvt 0.5 1\ng a\n"
             "usemtl b\nf 1/1 2 3/1\nt crease 2/1/0 0 1 10\nt hole 1/0/0 0\n");
-  EXPECT_EQ(text_of(MeshFormat::Off), "OFF\n# hello\n3 1 0\n0 0 0\n1 1 1\n0.1 -1e+30 3\n3 0 1 2\n");
+  EXPECT_EQ(text_of(FileFormat::Off), "OFF\n# hello\n3 1 0\n0 0 0\n1 1 1\n0.1 -1e+30 3\n3 0 1 2\n");
 }
 
 TEST(WriteMesh, RefusesWhatCouldNotBeReadBack) {
   const test::TemporaryFolder folder;
   const auto path = folder.path() / "a.obj";
-  const auto error_of = [&](MeshFormat format, const PolygonMesh& mesh,
+  const auto error_of = [&](FileFormat format, const PolygonMesh& mesh,
                             const MeshWriteOptions& options) {
     return test::message_of(ErrorCode::InvalidArgument,
                             [&] { write_mesh(path, format, mesh, options); });
   };
   PolygonMesh mesh = test::cube();
-  EXPECT_EQ(error_of(MeshFormat::Stl, mesh, {}),
+  EXPECT_EQ(error_of(FileFormat::Stl, mesh, {}),
             path.string() + ": polygons are written as .obj, .ply or .off, not as .stl");
-  EXPECT_EQ(error_of(MeshFormat::Obj, mesh, {.header = {"a\nv 1 2 3"}}),
+  EXPECT_EQ(error_of(FileFormat::Obj, mesh, {.header = {"a\nv 1 2 3"}}),
             path.string() + ": a header line holds a line break");
   mesh.uvs = {{0, std::numeric_limits<double>::infinity()}};
-  EXPECT_EQ(error_of(MeshFormat::Obj, mesh, {}),
+  EXPECT_EQ(error_of(FileFormat::Obj, mesh, {}),
             path.string() + ": texture coordinate 0 is not finite");
   mesh.uvs.clear();
   mesh.positions[4].y = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(error_of(MeshFormat::Obj, mesh, {}), path.string() + ": vertex 4 is not finite");
+  EXPECT_EQ(error_of(FileFormat::Obj, mesh, {}), path.string() + ": vertex 4 is not finite");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 TEST(WriteMesh, NamesAFolderThatIsMissing) {
   EXPECT_THAT(test::message_of(ErrorCode::UnwritableOutput,
-                               [] { write_mesh("/no/such/a.obj", MeshFormat::Obj, test::cube()); }),
+                               [] { write_mesh("/no/such/a.obj", FileFormat::Obj, test::cube()); }),
               HasSubstr("/no/such/a.obj: cannot create: No such file or directory"));
 }
 
@@ -211,10 +213,41 @@ TEST(ReadFile, ReadsFilesOfUnknownSize) {
   EXPECT_EQ(read_file("/dev/null").size(), 0u);
 }
 
-TEST(ReadMesh, LeavesGltfToItsOwnReader) {
+TEST(ReadMesh, RefusesFormatsOfPointsAndUnknownExtensions) {
   EXPECT_EQ(test::message_of(ErrorCode::InvalidArgument,
-                             [] { (void)read_mesh({}, "a.glb", MeshFormat::Glb); }),
-            "a.glb: glTF is read by read_gltf(), not by read_mesh()");
+                             [] { (void)read_mesh({}, "a.xyz", FileFormat::Xyz); }),
+            "a.xyz: .xyz holds points, and a polygon mesh is wanted");
+  EXPECT_EQ(test::message_of(ErrorCode::InvalidArgument, [] { (void)read_mesh("a.blend"); }),
+            "a.blend: the extension \".blend\" names no format of meshes that is read "
+            "(glb, gltf, obj, ply, off, stl)");
+}
+
+TEST(ReadMesh, ReadsAPathByItsExtension) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "cube.off";
+  write_mesh(path, FileFormat::Off, test::cube());
+  const MeshFile file = read_mesh(path);
+  EXPECT_EQ(file.format, FileFormat::Off);
+  EXPECT_EQ(file.mesh.face_vertices, test::cube().face_vertices);
+}
+
+TEST(Formats, StandAtTheirPlaceWithNamesOfTheirOwn) {
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < formats().size(); ++i) {
+    EXPECT_EQ(static_cast<std::size_t>(formats()[i].format), i);
+    EXPECT_TRUE(names.insert(formats()[i].name).second) << formats()[i].name;
+    EXPECT_EQ(format_of("x." + std::string(formats()[i].name)), formats()[i].format);
+    EXPECT_FALSE(formats()[i].title.empty());
+  }
+}
+
+TEST(Formats, AreListedByUse) {
+  EXPECT_EQ(names_of(FormatUse::ReadMesh), "glb, gltf, obj, ply, off, stl");
+  EXPECT_EQ(names_of(FormatUse::ReadPoints), "ply, xyz, pts, pcd");
+  EXPECT_EQ(extensions_of(FormatUse::WriteSurface), ".glb .gltf .obj .ply .off");
+  EXPECT_EQ(extensions_in_words(FormatUse::WriteCage), ".obj, .ply or .off");
+  EXPECT_TRUE(holds_points_only(FileFormat::Pcd));
+  EXPECT_FALSE(holds_points_only(FileFormat::Ply));
 }
 
 // Real files, where a folder with them is named.

@@ -1,4 +1,5 @@
-#include "planish/files/point_cloud.h"
+#include "planish/mesh/point_cloud.h"
+#include "planish/files/read_points.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,17 +16,17 @@ namespace {
 using testing::ElementsAre;
 
 TEST(PointCloud, KnowsFormatsByExtension) {
-  EXPECT_EQ(point_format_of("a/b.PCD"), PointFormat::Pcd);
-  EXPECT_EQ(point_format_of("b.pts"), PointFormat::Pts);
-  EXPECT_EQ(point_format_of("b.obj"), std::nullopt);
-  EXPECT_EQ(name_of(PointFormat::Xyz), "xyz");
+  EXPECT_EQ(format_of("a/b.PCD"), FileFormat::Pcd);
+  EXPECT_EQ(format_of("b.pts"), FileFormat::Pts);
+  EXPECT_EQ(format_of("b.obj"), std::nullopt);
+  EXPECT_EQ(name_of(FileFormat::Xyz), "xyz");
 }
 
 TEST(PointCloud, ReadsPlyWithoutFaces) {
   const std::string text =
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
       "property double z\nproperty float nx\nend_header\n0.1 2 3 0\n4 5 6 1\n";
-  EXPECT_THAT(read_points(test::bytes_of(text), "a.ply", PointFormat::Ply).points,
+  EXPECT_THAT(read_points(test::bytes_of(text), "a.ply", FileFormat::Ply).points,
               ElementsAre(glm::dvec3(0.1, 2, 3), glm::dvec3(4, 5, 6)));
 }
 
@@ -35,7 +36,7 @@ TEST(PointCloud, RefusesCoordinatesThatOverflowWhenSquared) {
       "property double z\nend_header\n0 0 0\n0 1e160 0\n";
   EXPECT_THAT(
       test::message_of(ErrorCode::UnreadableInput,
-                       [&] { (void)read_points(test::bytes_of(text), "a.ply", PointFormat::Ply); }),
+                       [&] { (void)read_points(test::bytes_of(text), "a.ply", FileFormat::Ply); }),
       testing::HasSubstr("a.ply: point 1 of 2: a coordinate is beyond 1e150"));
 }
 

@@ -30,7 +30,7 @@ TEST(ReadObj, KeepsPolygonsOfAnySize) {
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 4, 7, 12, 14, 14));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 3, 0, 1, 4, 0, 1, 2, 3, 4, 0, 1));
   EXPECT_EQ(file.mesh.positions[2], glm::dvec3(1, 1, 0));
-  EXPECT_EQ(file.format, MeshFormat::Obj);
+  EXPECT_EQ(file.format, FileFormat::Obj);
   EXPECT_THAT(file.warnings, IsEmpty());
 }
 

@@ -25,7 +25,7 @@ TEST(ReadOff, KeepsPolygonsOfAnySize) {
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 3, 2, 1, 0));
   EXPECT_EQ(file.mesh.positions[2], glm::dvec3(1, 1, 0.1));
   EXPECT_THAT(file.header, ElementsAre("planish weights=averaged"));
-  EXPECT_EQ(file.format, MeshFormat::Off);
+  EXPECT_EQ(file.format, FileFormat::Off);
 }
 
 TEST(ReadOff, PassesOverColoursNormalsAndTextureCoordinates) {

@@ -42,7 +42,7 @@ TEST(ReadPly, ReadsTextWithPolygons) {
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 4, 7, 12));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 3, 0, 1, 4, 0, 1, 2, 3, 4));
   EXPECT_EQ(file.mesh.positions[3], glm::dvec3(0, 1, 0.1));
-  EXPECT_EQ(file.format, MeshFormat::Ply);
+  EXPECT_EQ(file.format, FileFormat::Ply);
 }
 
 TEST(ReadPly, PassesOverOtherPropertiesAndElements) {

@@ -46,7 +46,7 @@ TEST(ReadStl, WeldsABinaryFileByExactPosition) {
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 3, 6, 9));
   EXPECT_EQ(file.mesh.positions[3], glm::dvec3(0, 1, 0));
   EXPECT_EQ(file.welded_vertex_count, 2);
-  EXPECT_EQ(file.format, MeshFormat::Stl);
+  EXPECT_EQ(file.format, FileFormat::Stl);
 }
 
 TEST(ReadStl, ReadsText) {

@@ -12,10 +12,11 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-PointCloud read(std::string_view text, TextPoints kind = TextPoints::Xyz) {
-  return read_xyz(test::bytes_of(text), "a.xyz", kind);
+PointCloud read(std::string_view text, FileFormat format = FileFormat::Xyz) {
+  return format == FileFormat::Pts ? read_pts(test::bytes_of(text), "a.xyz")
+                                   : read_xyz(test::bytes_of(text), "a.xyz");
 }
-std::string error_of(std::string_view text, TextPoints kind = TextPoints::Xyz) {
+std::string error_of(std::string_view text, FileFormat format = FileFormat::Xyz) {
   return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text, kind); });
 }
 
@@ -47,12 +48,12 @@ TEST(ReadXyz, NamesLineAndValueOfErrors) {
 }
 
 TEST(ReadPts, HoldsCountsAgainstPoints) {
-  EXPECT_EQ(read("2\n1 2 3 0.5\n4 5 6 0.5\n1\n7 8 9\n", TextPoints::Pts).points.size(), 3u);
-  EXPECT_EQ(read("1 2 3\n", TextPoints::Pts).points.size(), 1u);
-  EXPECT_THAT(error_of("3\n1 2 3\n", TextPoints::Pts), HasSubstr("after 1 of 3 points"));
-  EXPECT_THAT(error_of("3\n1 2 3\n1\n4 5 6\n", TextPoints::Pts),
+  EXPECT_EQ(read("2\n1 2 3 0.5\n4 5 6 0.5\n1\n7 8 9\n", FileFormat::Pts).points.size(), 3u);
+  EXPECT_EQ(read("1 2 3\n", FileFormat::Pts).points.size(), 1u);
+  EXPECT_THAT(error_of("3\n1 2 3\n", FileFormat::Pts), HasSubstr("after 1 of 3 points"));
+  EXPECT_THAT(error_of("3\n1 2 3\n1\n4 5 6\n", FileFormat::Pts),
               HasSubstr("a.xyz:3: a point count"));
-  EXPECT_THAT(error_of("-3\n", TextPoints::Pts), HasSubstr("`-3`"));
+  EXPECT_THAT(error_of("-3\n", FileFormat::Pts), HasSubstr("`-3`"));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "planish/files/write_surface.h"
+#include "planish/files/read_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ SurfaceMesh two_quads() {
   return surface;
 }
 
-std::string written(MeshFormat format, const SurfaceMesh& surface) {
+std::string written(FileFormat format, const SurfaceMesh& surface) {
   const test::TemporaryFolder folder;
   write_surface(folder.path() / "surface", format, surface, {"planish level=1"});
   const auto bytes = read_file(folder.path() / "surface");
@@ -29,7 +30,7 @@ std::string written(MeshFormat format, const SurfaceMesh& surface) {
 }
 
 TEST(WriteSurface, ObjCarriesNormals) {
-  EXPECT_EQ(written(MeshFormat::Obj, two_quads()),
+  EXPECT_EQ(written(FileFormat::Obj, two_quads()),
             "# planish level=1\nv 0 0 0\nv 1 0 0.1\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
             "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0.6 0 0.8\nvn 0 1 0\n"
             "f 1//1 2//2 3//3 4//4\nf 2//2 5//5 6//6 3//3\n");
@@ -42,7 +43,7 @@ TEST(WriteSurface, ObjCarriesAttributes) {
   surface.colors.assign(6, glm::vec4(0, 1, 0, 1));
   surface.groups = {{"a", "x"}, {"a", "y"}};
   surface.face_groups = {0, 1};
-  EXPECT_EQ(written(MeshFormat::Obj, surface),
+  EXPECT_EQ(written(FileFormat::Obj, surface),
             "# planish level=1\nv 0 0 0 0 1 0\nv 1 0 0.1 0 1 0\nv 1 1 0 0 1 0\nv 0 1 0 0 1 0\n"
             "v 2 0 0 0 1 0\nv 2 1 0 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 2 3\n"
             "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0.6 0 0.8\nvn 0 1 0\n"
@@ -50,13 +51,13 @@ TEST(WriteSurface, ObjCarriesAttributes) {
 }
 
 TEST(WriteSurface, OffCarriesPositions) {
-  EXPECT_EQ(written(MeshFormat::Off, two_quads()),
+  EXPECT_EQ(written(FileFormat::Off, two_quads()),
             "OFF\n# planish level=1\n6 2 0\n0 0 0\n1 0 0.1\n1 1 0\n0 1 0\n2 0 0\n2 1 0\n"
             "4 0 1 2 3\n4 1 4 5 2\n");
 }
 
 TEST(WriteSurface, PlyCarriesNormals) {
-  const std::string text = written(MeshFormat::Ply, two_quads());
+  const std::string text = written(FileFormat::Ply, two_quads());
   const std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment planish level=1\nelement vertex 6\n"
       "property double x\nproperty double y\nproperty double z\nproperty float nx\n"
@@ -71,7 +72,7 @@ TEST(WriteSurface, PlyCarriesNormals) {
 
 TEST(WriteSurface, EveryFormatIsReadBack) {
   const SurfaceMesh surface = two_quads();
-  for (const MeshFormat format : {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off}) {
+  for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Off}) {
     const std::string text = written(format, surface);
     const PolygonMesh mesh =
         read_mesh(std::as_bytes(std::span(text.data(), text.size())), "surface", format).mesh;
@@ -85,7 +86,7 @@ TEST(WriteSurface, LevelZeroKeepsPolygons) {
   SurfaceMesh surface = two_quads();
   surface.level = 0;
   surface.face_offsets = {0, 3, 8};
-  const std::string text = written(MeshFormat::Off, surface);
+  const std::string text = written(FileFormat::Off, surface);
   EXPECT_TRUE(text.ends_with("3 0 1 2\n5 3 1 4 5 2\n")) << text;
 }
 

@@ -4,7 +4,8 @@
 #include <cstdlib>
 
 #include "planish/core/error.h"
-#include "planish/files/gltf/read_gltf.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/read_points.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
 
@@ -18,11 +19,10 @@ bool is_finite(const glm::dvec3& p) {
 
 }  // namespace
 
-void fuzz_read(std::span<const std::byte> bytes, MeshFormat format) {
+void fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) {
   PolygonMesh mesh;
   try {
-    const bool is_gltf = format == MeshFormat::Gltf || format == MeshFormat::Glb;
-    mesh = is_gltf ? read_gltf(bytes, "fuzz").mesh : read_mesh(bytes, "fuzz", format).mesh;
+    mesh = read_mesh(bytes, "fuzz", format).mesh;
   } catch (const Error& error) {
     if (error.code() != ErrorCode::UnreadableInput) std::abort();
     return;
@@ -35,7 +35,7 @@ void fuzz_read(std::span<const std::byte> bytes, MeshFormat format) {
   if (problems.empty() && statistics(mesh).genus < 0) std::abort();
 }
 
-void fuzz_read(std::span<const std::byte> bytes, PointFormat format) {
+void fuzz_read_points(std::span<const std::byte> bytes, FileFormat format) {
   PointCloud cloud;
   try {
     cloud = read_points(bytes, "fuzz", format);

@@ -3,16 +3,15 @@
 #include <cstddef>
 #include <span>
 
-#include "planish/files/mesh_file.h"
-#include "planish/files/point_cloud.h"
+#include "planish/files/formats.h"
 
 namespace planish::test {
 
 /// Reads, checks and counts; aborts when the reader breaks its promises: an Error of another kind,
 /// an index out of range, a position that is not finite, any other exception.
-void fuzz_read(std::span<const std::byte> bytes, MeshFormat format);
+void fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format);
 
 /// The same for points.
-void fuzz_read(std::span<const std::byte> bytes, PointFormat format);
+void fuzz_read_points(std::span<const std::byte> bytes, FileFormat format);
 
 }  // namespace planish::test

@@ -4,32 +4,32 @@
 #include <filesystem>
 
 #include "fuzz/fuzz_read.h"
+#include "planish/files/read_file.h"
 
 namespace planish {
 namespace {
 
-template <class Format>
-void replay(const std::string& folder_name, Format format) {
+void replay(const std::string& folder_name, FileFormat format,
+            void (*read)(std::span<const std::byte>, FileFormat)) {
   const std::filesystem::path folder = std::filesystem::path(PLANISH_FUZZ_CORPUS) / folder_name;
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     SCOPED_TRACE(entry.path());
-    test::fuzz_read(read_file(entry.path()), format);
+    read(read_file(entry.path()), format);
     ++count;
   }
   EXPECT_GT(count, 0) << folder;
 }
 
 TEST(FuzzCorpus, EveryMeshIsReadOrRefused) {
-  for (const MeshFormat format : {MeshFormat::Obj, MeshFormat::Ply, MeshFormat::Off,
-                                  MeshFormat::Stl, MeshFormat::Gltf, MeshFormat::Glb})
-    replay(std::string(name_of(format)), format);
+  for (const FormatInfo& info : formats())
+    if (info.read_mesh) replay(std::string(info.name), info.format, test::fuzz_read_mesh);
 }
 
 TEST(FuzzCorpus, EveryCloudIsReadOrRefused) {
-  for (const PointFormat format :
-       {PointFormat::Ply, PointFormat::Xyz, PointFormat::Pts, PointFormat::Pcd})
-    replay("points_" + std::string(name_of(format)), format);
+  for (const FormatInfo& info : formats())
+    if (info.read_points)
+      replay("points_" + std::string(info.name), info.format, test::fuzz_read_points);
 }
 
 }  // namespace

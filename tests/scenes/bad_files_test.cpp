@@ -14,10 +14,9 @@ namespace planish::shapes {
 namespace {
 
 MeshFile read(const BadFile& bad) {
-  const MeshFormat format = *format_of(bad.file);
+  const FileFormat format = *format_of(bad.file);
   const auto bytes = std::as_bytes(std::span(bad.bytes));
-  return format == MeshFormat::Glb ? read_gltf(bytes, bad.file)
-                                   : read_mesh(bytes, bad.file, format);
+  return read_mesh(bytes, bad.file, format);
 }
 
 TEST(BadFiles, MalformedOnesAreRefusedByTheReaderNamingTheFile) {

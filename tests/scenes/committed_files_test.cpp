@@ -62,7 +62,7 @@ TEST(CommittedFiles, AreAllOnTheList) {
 TEST(CommittedFiles, TheScanIsAClosedMeshOfUnevenTrianglesOnTheRockerArm) {
   const std::string bytes = bytes_of(kFolder / kScanFile);
   const PolygonMesh mesh =
-      read_mesh(std::as_bytes(std::span(bytes)), kScanFile, MeshFormat::Obj).mesh;
+      read_mesh(std::as_bytes(std::span(bytes)), kScanFile, FileFormat::Obj).mesh;
   EXPECT_TRUE(check(mesh).empty());
   const MeshStatistics facts = statistics(mesh);
   EXPECT_EQ(facts.boundary_loop_count, 0);

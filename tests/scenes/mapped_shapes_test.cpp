@@ -22,8 +22,7 @@ namespace planish {
 namespace {
 
 PolygonMesh scene(const std::string& file) {
-  return read_mesh(read_file(std::filesystem::path(PLANISH_SCENES) / file), file, MeshFormat::Obj)
-      .mesh;
+  return read_mesh(std::filesystem::path(PLANISH_SCENES) / file).mesh;
 }
 
 // The cell of the 3 x 2 charts that a texture coordinate lies in, -1 where it lies in none.
@@ -65,8 +64,8 @@ void expect_same_after_round_trip(const std::string& file) {
   const PolygonMesh cage = fit(mesh, *backend).cage;
   const test::TemporaryFolder folder;
   const auto path = folder.path() / "cage.obj";
-  write_mesh(path, MeshFormat::Obj, cage);
-  const PolygonMesh again = read_mesh(read_file(path), "cage.obj", MeshFormat::Obj).mesh;
+  write_mesh(path, FileFormat::Obj, cage);
+  const PolygonMesh again = read_mesh(path).mesh;
   EXPECT_EQ(again.hole_faces, cage.hole_faces);
   const EvaluateOptions options{.level = 2, .rest_positions = mesh.positions};
   const SurfaceMesh first = evaluate(cage, *backend, options);
@@ -92,8 +91,8 @@ TEST(MappedShapes, TheCagesFileGivesTheSameSurface) {
 PolygonMesh written_and_read(const PolygonMesh& cage) {
   const test::TemporaryFolder folder;
   const auto path = folder.path() / "cage.obj";
-  write_mesh(path, MeshFormat::Obj, cage);
-  return read_mesh(read_file(path), "cage.obj", MeshFormat::Obj).mesh;
+  write_mesh(path, FileFormat::Obj, cage);
+  return read_mesh(path).mesh;
 }
 
 double area_of(const SurfaceMesh& surface) {

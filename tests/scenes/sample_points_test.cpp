@@ -68,7 +68,7 @@ TEST(SamplePoints, WritesPly) {
   const std::vector<glm::dvec3> points = {{0.5, -2, 3}, {4, 5, 6}};
   const std::string text = ply_text(points);
   const MeshFile file =
-      read_mesh(std::as_bytes(std::span(text.data(), text.size())), "a.ply", MeshFormat::Ply);
+      read_mesh(std::as_bytes(std::span(text.data(), text.size())), "a.ply", FileFormat::Ply);
   EXPECT_EQ(file.mesh.positions, points);
 }
 

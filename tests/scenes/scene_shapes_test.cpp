@@ -25,7 +25,7 @@ const std::map<std::string, PolygonMesh>& meshes() {
     // The committed files, which another test holds to the generator: reading them is quick.
     for (const Scene& scene : scenes()) {
       const std::filesystem::path path = std::filesystem::path(PLANISH_SCENES) / scene.file;
-      made[scene.file] = read_mesh(read_file(path), scene.file, MeshFormat::Obj).mesh;
+      made[scene.file] = read_mesh(path).mesh;
     }
     return made;
   }();

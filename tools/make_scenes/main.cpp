@@ -53,10 +53,7 @@ void write_cloud(const std::string& mesh_path, std::string_view count_text,
       std::from_chars(count_text.data(), count_text.data() + count_text.size(), count);
   if (error != std::errc() || end != count_text.data() + count_text.size() || count < 1)
     throw std::invalid_argument("COUNT: a whole number from 1 is wanted");
-  const auto format = planish::format_of(mesh_path);
-  if (!format) throw std::invalid_argument(mesh_path + ": unknown mesh format");
-  const planish::PolygonMesh mesh =
-      planish::read_mesh(planish::read_file(mesh_path), mesh_path, *format).mesh;
+  const planish::PolygonMesh mesh = planish::read_mesh(mesh_path).mesh;
   write(path, planish::shapes::ply_text(planish::shapes::sample_poisson_disk(mesh, count, 1)));
 }
 

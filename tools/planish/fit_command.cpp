@@ -156,17 +156,19 @@ void add_setting_flags(CLI::App& command, FitFlags& flags) {
 
 void add_file_flags(CLI::App& command, FitFlags& flags) {
   command
-      .add_option(
-          "INPUT", flags.input,
-          "mesh: .obj .ply .off .stl .gltf .glb, - for stdin; or points: .ply .xyz .pts .pcd")
+      .add_option("INPUT", flags.input,
+                  "mesh: " + extensions_of(FormatUse::ReadMesh) +
+                      ", - for stdin; or points: " + extensions_of(FormatUse::ReadPoints))
       ->type_name("")
       ->required();
   command
       .add_option("-o,--output", flags.outputs,
-                  "surface: .glb .gltf .obj .ply .off; - for a GLB on stdout; repeatable")
+                  "surface: " + extensions_of(FormatUse::WriteSurface) +
+                      "; - for a GLB on stdout; repeatable")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  command.add_option("--cage", flags.cage, "control cage: .obj .ply .off")->type_name("FILE");
+  command.add_option("--cage", flags.cage, "control cage: " + extensions_of(FormatUse::WriteCage))
+      ->type_name("FILE");
   command
       .add_option("--source", flags.source,
                   "mesh that the surface stands for: the report compares with it, not the input")
@@ -177,7 +179,7 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
                   "quad splits, 0 to 6 [2]; several write NAME_LOD0.glb, NAME_LOD1.glb, ...")
       ->type_name("L[,L2,...]");
   command.add_option("--input-format", flags.input_format, "of stdin, or against the extension")
-      ->type_name("obj|ply|off|stl|gltf|glb");
+      ->type_name(names_of(FormatUse::ReadMesh, "|"));
   command.add_flag("-f,--force", flags.force, "overwrite existing files");
   command.add_flag("--dry-run", flags.dry_run, "check everything and say what would be done");
 }

@@ -26,7 +26,7 @@ struct Findings {
 };
 
 Findings inspect(const InspectFlags& flags) {
-  std::optional<MeshFormat> format;
+  std::optional<FileFormat> format;
   if (!flags.input_format.empty()) {
     format = parse_mesh_format(flags.input_format, "--input-format");
   }
@@ -132,7 +132,7 @@ void add_inspect_command(CLI::App& app, Invocation& invocation) {
   auto flags = std::make_shared<InspectFlags>();
   command->add_option("FILE", flags->file, "mesh; - for stdin")->type_name("")->required();
   command->add_option("--input-format", flags->input_format, "of stdin, or against the extension")
-      ->type_name("obj|ply|off|stl|gltf|glb");
+      ->type_name(names_of(FormatUse::ReadMesh, "|"));
   command->add_flag("--json", flags->json, "as JSON");
   command->footer(
       "Examples:\n  planish inspect bunny.obj\n  planish inspect bunny.obj --json\n"

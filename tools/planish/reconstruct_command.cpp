@@ -34,12 +34,12 @@ constexpr const char* kExamples =
     "Exit codes: 0 done, 2 usage or no planish-reconstruct, 3 input unreadable, 4 no surface in\n"
     "  the points, 6 no memory, 7 output not writable, 130 and 143 interrupted.\n";
 
-MeshFormat output_format(const std::string& path) {
+FileFormat output_format(const std::string& path) {
   const auto format = format_of(path);
-  if (format == MeshFormat::Obj || format == MeshFormat::Ply || format == MeshFormat::Off)
-    return *format;
+  if (format && serves(*format, FormatUse::WriteCage)) return *format;
   throw Error(ErrorCode::InvalidArgument,
-              "-o: " + path + ": the extension is none of a mesh that is written (obj, ply, off)");
+              "-o: " + path + ": the extension is none of a mesh that is written (" +
+                  names_of(FormatUse::WriteCage) + ")");
 }
 
 void write_report(const ReconstructFlags& flags, const std::vector<std::string>& arguments,
@@ -122,7 +122,9 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
   command->add_option("POINTS", flags->input, "points: .ply .xyz .pts .pcd")
       ->type_name("")
       ->required();
-  command->add_option("-o,--output", flags->outputs, "mesh: .obj .ply .off; repeatable")
+  command
+      ->add_option("-o,--output", flags->outputs,
+                   "mesh: " + extensions_of(FormatUse::WriteCage) + "; repeatable")
       ->type_name("FILE")
       ->allow_extra_args(false);
   command->add_option("--report", flags->report, "JSON report; - for stdout")->type_name("FILE");

@@ -35,7 +35,7 @@ glm::dvec3 moved(const glm::dvec3& p, double time) {
 
 PolygonMesh scan_of_the_scenes() {
   const std::string path = std::string(PLANISH_SCENES) + "/rocker_arm_scan.obj";
-  return read_mesh(read_file(path), path, MeshFormat::Obj).mesh;
+  return read_mesh(path).mesh;
 }
 
 // Sum of the area vectors of the faces around each vertex.

@@ -138,7 +138,7 @@ Case of(const std::string& name, PolygonMesh mesh, Truth truth, bool is_held_out
 }
 
 PolygonMesh read_obj_mesh(const std::filesystem::path& path) {
-  return repair(read_mesh(read_file(path), path.string(), MeshFormat::Obj).mesh).mesh;
+  return repair(read_mesh(path).mesh).mesh;
 }
 
 // Nobody knows what shape its vertices were taken from: that of triangles is taken to be Loop's

@@ -67,12 +67,7 @@ ViewOptions view_of(const Arguments& arguments, std::size_t input) {
 
 void run(Arguments& arguments) {
   parse_texts(arguments);
-  if (!arguments.overlay.empty()) {
-    const auto format = format_of(arguments.overlay);
-    if (!format) refuse(arguments.overlay + ": unknown mesh format");
-    arguments.picture.overlay =
-        read_mesh(read_file(arguments.overlay), arguments.overlay, *format).mesh;
-  }
+  if (!arguments.overlay.empty()) arguments.picture.overlay = read_mesh(arguments.overlay).mesh;
   const std::size_t row = std::size_t{3} * arguments.picture.width;
   const std::size_t whole_row = row * arguments.inputs.size();
   std::vector<std::uint8_t> pixels(whole_row * arguments.picture.height);

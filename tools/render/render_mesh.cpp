@@ -9,6 +9,7 @@
 
 #include "planish/core/error.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/read_file.h"
 
 namespace planish::render {
 namespace {

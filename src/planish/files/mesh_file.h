@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -9,37 +10,36 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/files/formats.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 
-enum class MeshFormat { Obj, Ply, Off, Stl, Gltf, Glb };
-
-/// Lower-case extension without the dot: "obj".
-[[nodiscard]] std::string_view name_of(MeshFormat format);
-
-/// By extension, any case; empty for an unknown one.
-[[nodiscard]] std::optional<MeshFormat> format_of(const std::filesystem::path& path);
-
 /// A mesh as read, with what the reader had to do.
 struct MeshFile {
   PolygonMesh mesh;
-  MeshFormat format = MeshFormat::Obj;
+  FileFormat format = FileFormat::Obj;     ///< of glTF: by content
   std::int64_t welded_vertex_count = 0;    ///< vertices merged with one at the same position
   std::int64_t dropped_element_count = 0;  ///< lines, points and the like that carry no surface
   std::vector<Warning> warnings;
   std::vector<std::string> header;  ///< `# planish key=value` comment lines of a cage
 };
 
-/// Reads OBJ, PLY, OFF or STL from memory. `name` stands in messages. n-gons are kept; STL is
-/// welded by exact position. Indices are in range and positions finite in what is returned; the
-/// other conditions of check() are not tested here.
-/// Throws Error{UnreadableInput}: `name:line: what, value`.
+/// Reads a mesh from memory; `name` stands in messages, and files that a glTF names are refused.
+/// n-gons are kept; STL and glTF are welded by exact position. Indices
+/// are in range and positions finite in what is returned; the other conditions of check() are not
+/// tested here. Throws Error{UnreadableInput}: `name:line: what, value`; Error{InvalidArgument} for
+/// a format of points.
 [[nodiscard]] MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name,
-                                 MeshFormat format);
+                                 FileFormat format);
 
-/// The whole file as bytes. Throws Error{UnreadableInput} with the system's reason.
-[[nodiscard]] std::vector<std::byte> read_file(const std::filesystem::path& path);
+/// The same, with what a glTF names beside it where `file` has a path.
+[[nodiscard]] MeshFile read_mesh(const FileBytes& file, FileFormat format);
+
+/// Reads a file, and what a glTF names beside it, by its extension or by `format` where given.
+/// Throws as above, and Error{InvalidArgument} for an extension that is not read.
+[[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path,
+                                 std::optional<FileFormat> format = std::nullopt);
 
 struct MeshWriteOptions {
   std::vector<std::string> header;  ///< comment lines, without the comment sign
@@ -49,7 +49,7 @@ struct MeshWriteOptions {
 /// holds all that a mesh has, so that reading it gives the same mesh; PLY holds its colours too
 /// (8 bits), OFF positions and faces only. Text numbers are shortest round-trip doubles.
 /// Throws Error{UnwritableOutput}, Error{InvalidArgument} for other formats.
-void write_mesh(const std::filesystem::path& path, MeshFormat format, const PolygonMesh& mesh,
+void write_mesh(const std::filesystem::path& path, FileFormat format, const PolygonMesh& mesh,
                 const MeshWriteOptions& options = {});
 
 }  // namespace planish

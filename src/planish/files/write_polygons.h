@@ -3,11 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 #include <string>
 
-#include "planish/files/mesh_file.h"
+#include "planish/files/formats.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 
@@ -37,12 +40,10 @@ struct PolygonView {
   }
 };
 
-/// Writes OBJ (`vn` for normals, `vt`, `g`, `usemtl`, colours in sRGB behind the positions, `t`
-/// tags for creases, corners and holes), PLY (binary little endian, double positions, float
-/// `nx ny nz` for normals, sRGB colours of 8 bits) or OFF (positions and faces) through OutputFile.
-/// Names lose what OBJ cannot hold: control characters, `#` before a word, `\` at the end.
-/// Throws Error{UnwritableOutput}; Error{InvalidArgument} for other formats, for numbers that are
-/// not finite and for header lines that hold a line break.
-void write_polygons(const std::filesystem::path& path, MeshFormat format, const PolygonView& view);
+/// Writes the polygons through OutputFile as the format's own writer does (obj/write_obj.h,
+/// ply/write_ply.h, off/write_off.h).
+/// Throws Error{UnwritableOutput}; Error{InvalidArgument} for formats that are not written, for
+/// numbers that are not finite and for header lines that hold a line break.
+void write_polygons(const std::filesystem::path& path, FileFormat format, const PolygonView& view);
 
 }  // namespace planish

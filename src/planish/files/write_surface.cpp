@@ -4,7 +4,7 @@
 
 namespace planish {
 
-void write_surface(const std::filesystem::path& path, MeshFormat format, const SurfaceMesh& surface,
+void write_surface(const std::filesystem::path& path, FileFormat format, const SurfaceMesh& surface,
                    const std::vector<std::string>& header) {
   PolygonView view;
   view.positions = surface.positions;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
-#include "planish/files/point_cloud.h"
+#include "planish/mesh/point_cloud.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/statistics.h"
 #include "planish/reconstruct/clean.h"

@@ -172,7 +172,7 @@ TEST(GltfAttributes, AreReadBackAsWritten) {
   for (std::size_t v = 0; v < surface.positions.size(); ++v) {
     surface.colors.emplace_back(0.03125f * static_cast<float>(v), 0.5f, 0.25f, 1.0f);
   }
-  const PolygonMesh mesh = read_gltf(encode_glb(surface, {}), "a.glb").mesh;
+  const PolygonMesh mesh = read_mesh(encode_glb(surface, {}), "a.glb", FileFormat::Glb).mesh;
 
   // By place: what each corner of the surface should have.
   const auto key = [](const glm::dvec3& p) { return std::array{p.x, p.y, p.z}; };

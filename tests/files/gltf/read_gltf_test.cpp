@@ -32,7 +32,7 @@ TEST(ReadGltf, ReadsIndexedTriangles) {
                                                glm::dvec3(1, 1, 0), glm::dvec3(0, 1, 0)));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 3, 6));
-  EXPECT_EQ(file.format, MeshFormat::Glb);
+  EXPECT_EQ(file.format, FileFormat::Glb);
   EXPECT_EQ(file.welded_vertex_count, 0);
   EXPECT_THAT(file.warnings, IsEmpty());
 }
@@ -160,7 +160,7 @@ TEST(ReadGltf, ReadsDataUris) {
       square_json(), "{\"byteLength\":60}",
       "{\"byteLength\":60,\"uri\":\"data:application/octet-stream;base64," + base64 + "\"}");
   const MeshFile file = read_glb(json);
-  EXPECT_EQ(file.format, MeshFormat::Gltf);
+  EXPECT_EQ(file.format, FileFormat::Gltf);
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
   EXPECT_EQ(file.mesh.positions[2], glm::dvec3(1, 1, 0));
   EXPECT_EQ(glb_error(replaced(json, base64, "AA*A")),
@@ -182,7 +182,7 @@ TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
   const auto read_with = [&](const std::string& uri) {
     write(inside / "a.gltf", replaced(square_json(), "{\"byteLength\":60}",
                                       "{\"byteLength\":60,\"uri\":\"" + uri + "\"}"));
-    return read_gltf(inside / "a.gltf");
+    return read_mesh(inside / "a.gltf");
   };
   EXPECT_EQ(read_with("a%20b.bin").mesh.face_count(), 2);
   const std::string name = (inside / "a.gltf").string();
@@ -208,7 +208,7 @@ TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
 TEST(ReadGltf, ReadsWhatIsWritten) {
   const SurfaceMesh surface = test::wavy_grid(9, 7);
   const std::vector<std::byte> bytes = encode_glb(surface, {});
-  const MeshFile file = read_gltf(bytes, "own.glb");
+  const MeshFile file = read_mesh(bytes, "own.glb", FileFormat::Glb);
   EXPECT_EQ(file.mesh.face_count(), 2 * 8 * 6);
   ASSERT_EQ(file.mesh.vertex_count(), 63);
   EXPECT_THAT(check(file.mesh), IsEmpty());

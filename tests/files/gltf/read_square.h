@@ -9,7 +9,9 @@
 
 namespace planish::test {
 
-inline MeshFile read_glb(const std::string& bytes) { return read_gltf(bytes_of(bytes), "a.glb"); }
+inline MeshFile read_glb(const std::string& bytes) {
+  return read_mesh(bytes_of(bytes), "a.glb", FileFormat::Glb);
+}
 
 /// The message that these bytes are refused with.
 inline std::string glb_error(const std::string& bytes) {

@@ -17,7 +17,7 @@
 #include "make_scenes/scene_list.h"
 #include "planish/core/output_file.h"
 #include "planish/files/mesh_file.h"
-#include "planish/files/point_cloud.h"
+#include "planish/mesh/point_cloud.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "planish/reconstruct/repair.h"
 #include "planish/reconstruct/simplify.h"
@@ -40,9 +40,7 @@ struct PointOptions {
 
 PolygonMesh sampled_mesh(const PointOptions& options) {
   if (options.mesh.empty()) return shapes::scene_mesh(shapes::scenes().at(2));
-  const auto format = format_of(options.mesh).value_or(MeshFormat::Obj);
-  return loop_subdivided(read_mesh(read_file(options.mesh), options.mesh, format).mesh,
-                         options.loop_rounds);
+  return loop_subdivided(read_mesh(options.mesh).mesh, options.loop_rounds);
 }
 
 std::vector<glm::dvec3> cloud_of(const PolygonMesh& mesh, const PointOptions& options) {

@@ -17,12 +17,12 @@ struct Input {
 
 /// Reads a mesh by its extension, or by `format` where given; "-" reads stdin, which needs a
 /// format. Throws Error{UnreadableInput}; Error{InvalidArgument} for an extension that is not read.
-[[nodiscard]] Input read_input(const std::string& path, std::optional<MeshFormat> format);
+[[nodiscard]] Input read_input(const std::string& path, std::optional<FileFormat> format);
 
 /// The format that read_input() would take, with its errors; reads nothing.
-[[nodiscard]] MeshFormat input_format_of(const std::string& path, std::optional<MeshFormat> format);
+[[nodiscard]] FileFormat input_format_of(const std::string& path, std::optional<FileFormat> format);
 
 /// "obj", "ply", "off", "stl", "gltf" or "glb". Throws Error{InvalidArgument} naming `where`.
-[[nodiscard]] MeshFormat parse_mesh_format(std::string_view value, std::string_view where);
+[[nodiscard]] FileFormat parse_mesh_format(std::string_view value, std::string_view where);
 
 }  // namespace planish::command

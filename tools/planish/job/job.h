@@ -19,7 +19,7 @@ namespace planish::command {
 struct Job {
   std::string name;                        ///< in messages and tables
   std::string input;                       ///< path, or "-" for stdin
-  std::optional<MeshFormat> input_format;  ///< empty: by extension
+  std::optional<FileFormat> input_format;  ///< empty: by extension
   std::optional<Sampling> sampling;        ///< then the input is only what points are sampled from
   Settings settings;
   std::vector<OutputRequest> outputs;

@@ -4,18 +4,20 @@
 
 #include "output/digest.h"
 #include "planish/core/error.h"
+#include "planish/files/read_file.h"
+#include "planish/files/read_points.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "report/report.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 
-bool is_point_path(const std::string& path, std::optional<MeshFormat> format) {
-  const auto found = point_format_of(path);
-  return !format && found && *found != PointFormat::Ply;
+bool is_point_path(const std::string& path, std::optional<FileFormat> format) {
+  const auto found = format_of(path);
+  return !format && found && holds_points_only(*found);
 }
 
-void require_readable(const std::string& path, std::optional<MeshFormat> format) {
+void require_readable(const std::string& path, std::optional<FileFormat> format) {
   if (is_point_path(path, format)) {
     (void)require_mesher();
   } else {
@@ -24,10 +26,10 @@ void require_readable(const std::string& path, std::optional<MeshFormat> format)
 }
 
 PointInput read_point_input(const std::string& path) {
-  const auto format = point_format_of(path);
-  if (!format)
-    throw Error(ErrorCode::InvalidArgument,
-                path + ": the extension names no format of points (ply, xyz, pts, pcd)");
+  const auto format = format_of(path);
+  if (!format || !serves(*format, FormatUse::ReadPoints))
+    throw Error(ErrorCode::InvalidArgument, path + ": the extension names no format of points (" +
+                                                names_of(FormatUse::ReadPoints) + ")");
   const std::vector<std::byte> bytes = read_file(path);
   return {.name = path,
           .cloud = read_points(bytes, path, *format),
@@ -37,7 +39,7 @@ PointInput read_point_input(const std::string& path) {
 
 std::optional<PointInput> points_of(const Input& input) {
   const PolygonMesh& mesh = input.file.mesh;
-  if (input.file.format != MeshFormat::Ply || mesh.face_count() > 0 || mesh.positions.empty())
+  if (input.file.format != FileFormat::Ply || mesh.face_count() > 0 || mesh.positions.empty())
     return std::nullopt;
   return PointInput{
       .name = input.name, .cloud = cloud_of(mesh.positions, input.name), .sha256 = input.sha256};

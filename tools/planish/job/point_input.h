@@ -14,15 +14,15 @@ struct PointInput {
   std::string name;
   PointCloud cloud;
   std::string sha256;
-  PointFormat format = PointFormat::Ply;
+  FileFormat format = FileFormat::Ply;
 };
 
 /// Whether the extension is one that only points have: .xyz, .pts, .pcd.
-[[nodiscard]] bool is_point_path(const std::string& path, std::optional<MeshFormat> format);
+[[nodiscard]] bool is_point_path(const std::string& path, std::optional<FileFormat> format);
 
 /// Throws what reading the path will throw for its extension and for a missing mesher; reads
 /// nothing.
-void require_readable(const std::string& path, std::optional<MeshFormat> format);
+void require_readable(const std::string& path, std::optional<FileFormat> format);
 
 /// Reads points by their extension. Throws Error{UnreadableInput}; Error{InvalidArgument} for an
 /// extension that is not read.

@@ -6,7 +6,7 @@
 
 #include "job/input.h"
 #include "planish/core/callbacks.h"
-#include "planish/files/point_cloud.h"
+#include "planish/mesh/point_cloud.h"
 
 namespace planish::command {
 

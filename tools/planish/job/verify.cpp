@@ -39,7 +39,7 @@ std::vector<glm::dvec3> progressive_limits(const Input& cage, const PolygonMesh&
                                            const std::string& name, const VerifyOptions& options) {
   require_same_faces(cage, given, name);
   PolygonMesh control = cage.file.mesh;
-  if (cage.file.format != MeshFormat::Obj) {
+  if (!info_of(cage.file.format).keeps_sharp_edges) {
     control.creases = given.creases;
     control.corners = given.corners;
   }

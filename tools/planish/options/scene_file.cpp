@@ -11,6 +11,7 @@
 #include "options/point_settings.h"
 #include "options/scene_values.h"
 #include "planish/core/error.h"
+#include "planish/files/read_file.h"
 #include "terminal/text.h"
 
 namespace planish::command {

@@ -90,7 +90,7 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, const Surfac
   timed(work.report.timing.write, [&] {
     std::filesystem::path target;
     if (!planned.to_stdout) target = work.staged.stage(planned.path);
-    if (planned.format == OutputFormat::Gltf) {
+    if (planned.format == FileFormat::Gltf) {
       (void)work.staged.stage(gltf_companion(planned.path));
     }
     written = surface != nullptr

@@ -2,11 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <cctype>
-#include <optional>
-
 #include "planish/core/error.h"
 
 namespace planish::command {
@@ -14,31 +9,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Extension {
-  std::string_view text;
-  OutputFormat format;
-  bool carries_cage;  ///< keeps polygons of any size
-};
-constexpr std::array kExtensions{
-    Extension{".glb", OutputFormat::Glb, false}, Extension{".gltf", OutputFormat::Gltf, false},
-    Extension{".obj", OutputFormat::Obj, true}, Extension{".ply", OutputFormat::Ply, true},
-    Extension{".off", OutputFormat::Off, true}};
-
 [[noreturn]] void refuse(std::string_view where, const std::string& what) {
   throw Error(ErrorCode::InvalidArgument, std::string(where) + ": " + what);
 }
 
-OutputFormat format_for(const OutputRequest& request) {
-  std::string extension = fs::path(request.path).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto found = std::ranges::find(kExtensions, extension, &Extension::text);
+FileFormat format_for(const OutputRequest& request) {
+  const auto format = format_of(request.path);
   const bool cage = request.kind == OutputKind::Cage;
-  if (found == kExtensions.end() || (cage && !found->carries_cage)) {
+  const FormatUse use = cage ? FormatUse::WriteCage : FormatUse::WriteSurface;
+  if (!format || !serves(*format, use)) {
     refuse(request.where, request.path + ": a " + (cage ? "cage" : "surface") + " is written as " +
-                              (cage ? "" : ".glb, .gltf, ") + ".obj, .ply or .off");
+                              extensions_in_words(use));
   }
-  return found->format;
+  return *format;
 }
 
 // Where the path leads, symbolic links resolved, so that two spellings of a file meet.
@@ -104,10 +87,10 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
     if (request.kind == OutputKind::Cage) refuse(request.where, "a cage needs a file");
     if (several) refuse(request.where, "stdout takes one level only");
     claims.add_output("-", request.where);
-    return {{"-", OutputKind::Surface, OutputFormat::Glb, request.levels.at(0), true}};
+    return {{"-", OutputKind::Surface, FileFormat::Glb, request.levels.at(0), true}};
   }
   if (request.path.empty()) refuse(request.where, "the path is empty");
-  const OutputFormat format = format_for(request);
+  const FileFormat format = format_for(request);
   std::vector<PlannedOutput> planned;
   if (request.kind == OutputKind::Cage) {
     planned.push_back({request.path, request.kind, format});
@@ -123,7 +106,7 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
   }
   for (const PlannedOutput& output : planned) {
     claims.add_output(output.path, request.where);
-    if (format == OutputFormat::Gltf) {
+    if (format == FileFormat::Gltf) {
       claims.add_output(gltf_companion(output.path), request.where);
     }
   }

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "planish/files/formats.h"
+
 namespace planish::command {
 
-enum class OutputFormat { Glb, Gltf, Obj, Ply, Off };
 enum class OutputKind { Surface, Cage };
 
 /// One output as asked for. A surface of several levels becomes several files.
@@ -22,7 +23,7 @@ struct OutputRequest {
 struct PlannedOutput {
   std::filesystem::path path;
   OutputKind kind = OutputKind::Surface;
-  OutputFormat format = OutputFormat::Glb;
+  FileFormat format = FileFormat::Glb;
   int level = 0;  ///< of a surface
   bool to_stdout = false;
 };

@@ -12,12 +12,6 @@
 namespace planish::command {
 namespace {
 
-MeshFormat mesh_format_of(OutputFormat format) {
-  return format == OutputFormat::Obj   ? MeshFormat::Obj
-         : format == OutputFormat::Ply ? MeshFormat::Ply
-                                       : MeshFormat::Off;
-}
-
 void note_bytes(WrittenOutput& written, std::span<const std::byte> bytes) {
   written.bytes = bytes.size();
   written.sha256 = sha256(bytes);
@@ -70,7 +64,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   written.quads = surface.face_offsets.empty() ? surface.face_count() : 0;
   const auto corners = static_cast<std::int64_t>(surface.face_vertices.size());
   written.triangles = corners - 2 * surface.face_count();
-  const bool is_gltf = planned.format == OutputFormat::Glb || planned.format == OutputFormat::Gltf;
+  const bool is_gltf = info_of(planned.format).is_gltf;
   const std::vector<glm::dvec3> given = given_points(surface, options.given);
   if (planned.to_stdout) {
     stdout_bytes = encode_glb(surface, options.gltf);
@@ -80,7 +74,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
     note_file(written, target);
     written.bytes = file.byte_count;
   } else {
-    write_surface(target, mesh_format_of(planned.format), surface);
+    write_surface(target, planned.format, surface);
     note_file(written, target);
   }
   // Text and PLY carry doubles that read back as the same bits.
@@ -96,7 +90,7 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
                                 const JobReport& report) {
   const Settings& settings = report.settings;
   const PolygonMesh cage = control_cage(input, fitted, settings.sharp());
-  write_mesh(target, mesh_format_of(planned.format), cage,
+  write_mesh(target, planned.format, cage,
              {.header = cage_header_lines(settings, report.method, report.input.path)});
   WrittenOutput written;
   written.path = planned.path.string();

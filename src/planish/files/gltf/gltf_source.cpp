@@ -1,5 +1,6 @@
 // Based on: Khronos Group, "glTF 2.0 Specification", sections 2.8 (URIs) and 3.6.1 (buffers).
 #include "planish/files/gltf/gltf_source.h"
+#include "planish/files/read_file.h"
 
 #include <algorithm>
 #include <charconv>

@@ -33,7 +33,7 @@ constexpr std::array<std::string_view, 5> kHarmlessExtensions = {
 struct GltfFileParts {
   std::string_view json;
   std::span<const std::byte> chunk;
-  MeshFormat format = MeshFormat::Gltf;
+  FileFormat format = FileFormat::Gltf;
 };
 
 bool is_finite(const glm::dvec3& position) {
@@ -59,7 +59,7 @@ GltfFileParts split_glb(std::span<const std::byte> bytes, std::string_view name)
   if (length > bytes.size() || length < kHeader)
     fail("header promises " + std::to_string(length) + " bytes, but the file has " +
          std::to_string(bytes.size()));
-  GltfFileParts parts{.json = {}, .chunk = {}, .format = MeshFormat::Glb};
+  GltfFileParts parts{.json = {}, .chunk = {}, .format = FileFormat::Glb};
   std::span<const std::byte> left = bytes.subspan(kHeader, length - kHeader);
   for (int index = 0; left.size() >= kChunkHeader; ++index) {
     const auto size = load<std::uint32_t>(left);
@@ -79,7 +79,7 @@ class SceneReader {
  public:
   SceneReader(JsonPlace root, GltfSource& source) : root_(std::move(root)), source_(source) {}
 
-  MeshFile read(MeshFormat format) {
+  MeshFile read(FileFormat format) {
     require_version();
     for (const GltfInstance& instance : gltf_instances(root_)) read_instance(instance);
     file_.format = format;
@@ -286,23 +286,16 @@ void SceneReader::add_triangles(const JsonPlace& primitive, std::int64_t mode,
   }
 }
 
-MeshFile read(std::span<const std::byte> bytes, std::string_view name,
-              std::optional<std::filesystem::path> folder) {
-  const GltfFileParts parts = split_glb(bytes, name);
-  const nlohmann::json document = parse_json(parts.json, name);
-  const JsonPlace root(document, name, "");
-  GltfSource source(root, parts.chunk, std::move(folder));
-  return SceneReader(root, source).read(parts.format);
-}
-
 }  // namespace
 
-MeshFile read_gltf(const std::filesystem::path& path) {
-  return read(read_file(path), path.string(), path.parent_path());
-}
-
-MeshFile read_gltf(std::span<const std::byte> bytes, std::string_view name) {
-  return read(bytes, name, std::nullopt);
+MeshFile read_gltf(const FileBytes& file) {
+  const GltfFileParts parts = split_glb(file.bytes, file.name);
+  const nlohmann::json document = parse_json(parts.json, file.name);
+  const JsonPlace root(document, file.name, "");
+  std::optional<std::filesystem::path> folder;
+  if (!file.path.empty()) folder = file.path.parent_path();
+  GltfSource source(root, parts.chunk, std::move(folder));
+  return SceneReader(root, source).read(parts.format);
 }
 
 }  // namespace planish

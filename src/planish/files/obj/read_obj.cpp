@@ -35,7 +35,7 @@ class ObjReader {
       : lines_(bytes, name, TextLines::Continuation::Backslash), tags_(lines_, file_.mesh) {}
 
   MeshFile read() {
-    file_.format = MeshFormat::Obj;
+    file_.format = FileFormat::Obj;
     while (lines_.next()) read_line();
     warn_of(unknown_keyword_, "keyword");
     warn_of(tags_.unknown(), "tag");

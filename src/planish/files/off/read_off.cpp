@@ -18,7 +18,7 @@ class OffReader {
   OffReader(std::span<const std::byte> bytes, std::string_view name) : lines_(bytes, name) {}
 
   MeshFile read() {
-    file_.format = MeshFormat::Off;
+    file_.format = FileFormat::Off;
     const auto [vertex_count, face_count] = read_counts();
     file_.mesh.positions.reserve(vertex_count);
     for (std::int64_t i = 0; i < vertex_count; ++i) read_vertex(i, vertex_count);

@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "planish/files/point_cloud.h"
+#include "planish/mesh/point_cloud.h"
 
 namespace planish {
 

@@ -172,7 +172,7 @@ class PlyReader {
   }
 
   MeshFile read() {
-    file_.format = MeshFormat::Ply;
+    file_.format = FileFormat::Ply;
     for (const std::string& comment : header_.comments)
       if (comment.starts_with("planish ")) file_.header.push_back(comment);
     vertex_count_ = require_single("vertex");
@@ -358,6 +358,13 @@ MeshFile read_ply(std::span<const std::byte> bytes, std::string_view name) {
   const PlyHeader header = read_ply_header(bytes, name);
   if (header.format == PlyFormat::Text) return PlyReader<TextBody>(bytes, name, header).read();
   return PlyReader<BinaryBody>(bytes, name, header).read();
+}
+
+PointCloud read_ply_points(std::span<const std::byte> bytes, std::string_view name) {
+  MeshFile file = read_ply(bytes, name);
+  PointCloud cloud = cloud_of(std::move(file.mesh.positions), name);
+  cloud.warnings = std::move(file.warnings);
+  return cloud;
 }
 
 }  // namespace planish

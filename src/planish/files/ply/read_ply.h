@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "planish/files/mesh_file.h"
+#include "planish/mesh/point_cloud.h"
 
 namespace planish {
 
@@ -15,5 +16,8 @@ namespace planish {
 /// passed over. Without an element `face` the mesh has no faces. Conditions and exceptions as
 /// read_mesh().
 [[nodiscard]] MeshFile read_ply(std::span<const std::byte> bytes, std::string_view name);
+
+/// The vertices alone. Exceptions as read_points().
+[[nodiscard]] PointCloud read_ply_points(std::span<const std::byte> bytes, std::string_view name);
 
 }  // namespace planish

@@ -53,7 +53,7 @@ MeshFile read_binary(std::span<const std::byte> bytes, std::string_view name) {
     }
     triangles.add(corners[0], corners[1], corners[2]);
   }
-  MeshFile file{.format = MeshFormat::Stl};
+  MeshFile file{.format = FileFormat::Stl};
   triangles.finish(welder, file);
   return file;
 }
@@ -66,7 +66,7 @@ class TextStl {
     while (lines_.next_with_words()) read_line();
     if (inside_ != Inside::Nothing && inside_ != Inside::Solid)
       lines_.fail("the file ends inside a facet");
-    MeshFile file{.format = MeshFormat::Stl};
+    MeshFile file{.format = FileFormat::Stl};
     triangles_.finish(welder_, file);
     return file;
   }

@@ -10,6 +10,8 @@
 namespace planish {
 namespace {
 
+enum class TextPoints { Xyz, Pts };
+
 bool is_separator(char c) { return c == ' ' || c == '\t' || c == ',' || c == ';'; }
 
 // The next column; empty at the end of the line.
@@ -109,8 +111,12 @@ class TextPointReader {
 
 }  // namespace
 
-PointCloud read_xyz(std::span<const std::byte> bytes, std::string_view name, TextPoints kind) {
-  return TextPointReader(bytes, name, kind).read();
+PointCloud read_xyz(std::span<const std::byte> bytes, std::string_view name) {
+  return TextPointReader(bytes, name, TextPoints::Xyz).read();
+}
+
+PointCloud read_pts(std::span<const std::byte> bytes, std::string_view name) {
+  return TextPointReader(bytes, name, TextPoints::Pts).read();
 }
 
 }  // namespace planish

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <glm/vec3.hpp>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -12,14 +9,6 @@
 #include "planish/core/callbacks.h"
 
 namespace planish {
-
-enum class PointFormat { Ply, Xyz, Pts, Pcd };
-
-/// Lower-case extension without the dot: "pcd".
-[[nodiscard]] std::string_view name_of(PointFormat format);
-
-/// By extension, any case; empty for an unknown one. A .ply may hold a mesh as well.
-[[nodiscard]] std::optional<PointFormat> point_format_of(const std::filesystem::path& path);
 
 /// Unorganised points. Point i lies at origin + points[i]; both the subtraction that made
 /// points[i] and this sum are exact, so that the file's doubles come back bit by bit.
@@ -45,11 +34,5 @@ void recentre(PointCloud& cloud);
 
 /// Length of the bounding box's diagonal; 0 for no points.
 [[nodiscard]] double diagonal_of(std::span<const glm::dvec3> points);
-
-/// Reads points from memory; `name` stands in messages. Positions are finite and at most
-/// kMaxCoordinate in what is returned; colours, normals and whatever else stands there are passed
-/// over. Throws Error{UnreadableInput}: `name:line: what, value` or `name: point 12 of 345: ...`.
-[[nodiscard]] PointCloud read_points(std::span<const std::byte> bytes, std::string_view name,
-                                     PointFormat format);
 
 }  // namespace planish

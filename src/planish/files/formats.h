@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace planish {
+
+class FileBuffer;
+struct MeshFile;
+struct PointCloud;
+struct PolygonView;
+
+/// A format's place in formats().
+enum class FileFormat : std::uint8_t { Glb, Gltf, Obj, Ply, Off, Stl, Xyz, Pts, Pcd };
+
+/// A file in memory.
+struct FileBytes {
+  std::span<const std::byte> bytes;
+  std::string_view name;       ///< what messages call it
+  std::filesystem::path path;  ///< where it lies, for files that it names; empty: they are not read
+};
+
+/// One format of the table. A reader or writer that is missing is null; the readers and the writer
+/// throw as read_mesh(), read_points() and write_polygons().
+struct FormatInfo {
+  FileFormat format;
+  std::string_view name;   ///< its extension without the dot, in lower case: "obj"
+  std::string_view title;  ///< "Wavefront OBJ"
+  MeshFile (*read_mesh)(const FileBytes&) = nullptr;
+  PointCloud (*read_points)(const FileBytes&) = nullptr;
+  /// Polygons of any size, for cages and surfaces. glTF is written by write_gltf().
+  void (*write_polygons)(FileBuffer&, const PolygonView&) = nullptr;
+  bool is_gltf = false;
+  bool keeps_doubles = false;      ///< positions come back to the last bit
+  bool keeps_sharp_edges = false;  ///< and corners and holes
+};
+
+/// All formats, each at the place of its FileFormat. Dispatch, help texts and messages are made
+/// from this table.
+[[nodiscard]] std::span<const FormatInfo> formats();
+
+[[nodiscard]] const FormatInfo& info_of(FileFormat format);
+[[nodiscard]] inline std::string_view name_of(FileFormat format) { return info_of(format).name; }
+
+/// By extension, any case; empty for an unknown one.
+[[nodiscard]] std::optional<FileFormat> format_of(const std::filesystem::path& path);
+
+/// What a format may be wanted for.
+enum class FormatUse : std::uint8_t { ReadMesh, ReadPoints, WriteSurface, WriteCage };
+[[nodiscard]] bool serves(FileFormat format, FormatUse use);
+/// Points only: what a mesh is not read from.
+[[nodiscard]] bool holds_points_only(FileFormat format);
+
+/// The formats of that use: "obj, ply, off".
+[[nodiscard]] std::string names_of(FormatUse use, std::string_view separator = ", ");
+/// As extensions in a list, for help texts: ".obj .ply .off".
+[[nodiscard]] std::string extensions_of(FormatUse use);
+/// As extensions in a sentence: ".obj, .ply or .off".
+[[nodiscard]] std::string extensions_in_words(FormatUse use);
+
+}  // namespace planish

@@ -1,0 +1,20 @@
+#include "planish/files/off/write_off.h"
+
+#include "planish/files/shared/write_numbers.h"
+
+namespace planish {
+
+void write_off(FileBuffer& out, const PolygonView& view) {
+  out.text("OFF\n");
+  for (const std::string& line : view.header) out.text("# ").text(line).text("\n");
+  out.number(view.positions.size()).text(" ").number(view.face_count()).text(" 0\n");
+  for (const glm::dvec3& position : view.positions) write_position(out, position);
+  for (std::size_t face = 0; face < view.face_count(); ++face) {
+    const auto corners = view.face(face);
+    out.number(corners.size());
+    for (const std::int32_t vertex : corners) out.text(" ").number(vertex);
+    out.text("\n");
+  }
+}
+
+}  // namespace planish

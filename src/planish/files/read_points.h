@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "planish/files/formats.h"
+#include "planish/mesh/point_cloud.h"
+
+namespace planish {
+
+/// Reads points from memory; `name` stands in messages. Positions are finite and at most
+/// kMaxCoordinate in what is returned; colours, normals and whatever else stands there are passed
+/// over. A .ply may hold a mesh as well. Throws Error{UnreadableInput}: `name:line: what, value` or
+/// `name: point 12 of 345: ...`; Error{InvalidArgument} for a format without points.
+[[nodiscard]] PointCloud read_points(std::span<const std::byte> bytes, std::string_view name,
+                                     FileFormat format);
+
+/// Reads a file by its extension. Throws as above.
+[[nodiscard]] PointCloud read_points(const std::filesystem::path& path);
+
+}  // namespace planish
