@@ -200,13 +200,13 @@ json schema() {
 }
 
 TEST(SceneSchema, NamesTheFormatsOfTheTable) {
-  const json schema = scene_schema();
-  const json& job = schema["$defs"]["job"]["properties"];
+  const json document = schema();
+  const json& job = document["$defs"]["job"]["properties"];
   std::string formats;
   for (const auto& name : job["input_format"]["enum"])
     formats += (formats.empty() ? "" : ", ") + name.get<std::string>();
   EXPECT_EQ(formats, names_of(FormatUse::ReadMesh));
-  const json& output = schema["$defs"]["output"]["properties"];
+  const json& output = document["$defs"]["output"]["properties"];
   EXPECT_THAT(output["path"]["description"].get<std::string>(),
               HasSubstr(extensions_of(FormatUse::WriteSurface)));
   EXPECT_THAT(output["what"]["description"].get<std::string>(),
