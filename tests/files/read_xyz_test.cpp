@@ -1,4 +1,5 @@
 #include "planish/files/xyz/read_xyz.h"
+#include "planish/files/formats.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ PointCloud read(std::string_view text, FileFormat format = FileFormat::Xyz) {
                                    : read_xyz(test::bytes_of(text), "a.xyz");
 }
 std::string error_of(std::string_view text, FileFormat format = FileFormat::Xyz) {
-  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text, kind); });
+  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text, format); });
 }
 
 TEST(ReadXyz, ReadsColumnsHoweverTheyAreSeparated) {
