@@ -18,7 +18,7 @@ using testing::ElementsAre;
 TEST(PointCloud, KnowsFormatsByExtension) {
   EXPECT_EQ(format_of("a/b.PCD"), FileFormat::Pcd);
   EXPECT_EQ(format_of("b.pts"), FileFormat::Pts);
-  EXPECT_EQ(format_of("b.obj"), std::nullopt);
+  EXPECT_FALSE(serves(format_of("b.obj").value(), FormatUse::ReadPoints));
   EXPECT_EQ(name_of(FileFormat::Xyz), "xyz");
 }
 
