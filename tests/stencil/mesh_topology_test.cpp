@@ -13,7 +13,7 @@
 
 #include "planish/core/error.h"
 #include "planish/mesh/mesh_file.h"
-#include "planish/stencil/refiner.h"
+#include "support/descriptor_refiner.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -56,7 +56,7 @@ TEST(MeshTopology, EqualsOpenSubdivsLevelZero) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
     const MeshTopology topology(mesh);
-    const auto refiner = make_refiner(mesh, {});
+    const auto refiner = test::descriptor_refiner(mesh, {});
     const auto& level = refiner->GetLevel(0);
     ASSERT_EQ(topology.vertex_count(), level.GetNumVertices());
     ASSERT_EQ(topology.edge_count(), level.GetNumEdges());

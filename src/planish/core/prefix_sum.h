@@ -45,4 +45,43 @@ inline std::int32_t exclusive_sum(std::span<std::int32_t> values) {
   return total;
 }
 
+/// Where each block of elements begins to number those selected of it.
+struct SelectedBlocks {
+  std::vector<std::int32_t> starts;
+  std::int32_t total = 0;
+};
+
+/// How many of `count` elements select(i) is true for, on all threads; the blocks are for
+/// for_selected().
+template <class Select>
+SelectedBlocks count_selected(std::size_t count, const Select& select) {
+  constexpr std::size_t kBlock = 1 << 16;
+  SelectedBlocks blocks;
+  blocks.starts.resize((count + kBlock - 1) / kBlock);
+  parallel_for(blocks.starts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      std::int32_t sum = 0;
+      for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
+        sum += select(i) ? 1 : 0;
+      blocks.starts[b] = sum;
+    }
+  });
+  blocks.total = exclusive_sum(blocks.starts);
+  return blocks;
+}
+
+/// Calls visit(i, number) for each selected element, numbered in their order, on all threads.
+template <class Select, class Visit>
+void for_selected(std::size_t count, const SelectedBlocks& blocks, const Select& select,
+                  const Visit& visit) {
+  constexpr std::size_t kBlock = 1 << 16;
+  parallel_for(blocks.starts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      std::int32_t number = blocks.starts[b];
+      for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
+        if (select(i)) visit(i, number++);
+    }
+  });
+}
+
 }  // namespace planish

@@ -3,77 +3,223 @@
 #include "planish/doosabin/limit_masks.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "planish/core/assert.h"
-#include "planish/stencil/stencil_builder.h"
+#include "planish/core/error.h"
+#include "planish/core/parallel.h"
+#include "planish/core/prefix_sum.h"
 
 namespace planish {
 
 namespace {
 
-using OpenSubdiv::Far::TopologyLevel;
+constexpr std::size_t kGrain = 1024;
+
+// One row of the table on its way, in place.
+struct Row {
+  std::int32_t* indices;
+  double* weights;
+  std::int32_t size = 0;
+
+  void add(std::int32_t index, double weight) {
+    indices[size] = index;
+    weights[size++] = weight;
+  }
+};
 
 struct MaskEmitter {
-  const PolygonMesh& mesh;
+  const MeshTopology& topology;
   const Subdivision& subdivision;
-  std::vector<double> scratch{};
+  std::vector<double> scratch{}, beside{};
+  std::vector<std::pair<std::int32_t, double>> sorted{};
 
-  void smooth(std::int32_t vertex, StencilRow& row) {
-    const TopologyLevel& base = subdivision.split().level(0);
-    const auto faces = base.GetVertexFaces(vertex);
-    const auto corners = base.GetVertexFaceLocalIndices(vertex);
-    const double share = 1.0 / faces.size();
-    for (int k = 0; k < faces.size(); ++k) {
-      const auto vertices = mesh.face(faces[k]);
-      const auto m = static_cast<std::int32_t>(vertices.size());
-      const auto c = subdivision.face_weights(m, scratch);
-      for (std::int32_t j = 0; j < m; ++j) {
-        row.add(vertices[(corners[k] + j) % m], share * c[j]);
+  // Entries of a row, but for vertices that several faces have besides the edges they share.
+  [[nodiscard]] std::int32_t size_of(std::int32_t vertex) const {
+    switch (subdivision.features().vertex_kinds[vertex]) {
+      case VertexKind::Crease:
+        return 3;
+      case VertexKind::Corner:
+        return 1;
+      case VertexKind::Smooth:
+      case VertexKind::Dart:
+        break;
+    }
+    std::int32_t size = 1;
+    for (const std::int32_t corner : topology.corners_at(vertex))
+      size += topology.face_size(topology.face_of(corner)) - 2;
+    return size;
+  }
+
+  void smooth(std::int32_t vertex, Row& row) {
+    const auto corners = topology.corners_at(vertex);
+    const std::size_t n = corners.size();
+    const double share = 1.0 / static_cast<double>(n);
+    double own = 0;
+    beside.assign(n, 0.0);  // of the vertex after each corner, which the face before has as well
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::int32_t face = topology.face_of(corners[k]);
+      const auto vertices = topology.face(face);
+      const std::size_t m = vertices.size();
+      const auto c = subdivision.face_weights(static_cast<std::int32_t>(m), scratch);
+      own += share * c[0];
+      beside[k] += share * c[1];
+      beside[k + 1 == n ? 0 : k + 1] += share * c[m - 1];
+      auto place = static_cast<std::size_t>(corners[k] - topology.first_corner(face)) + 2;
+      for (std::size_t j = 2; j + 1 < m; ++j, ++place)
+        row.add(vertices[place < m ? place : place - m], share * c[j]);
+    }
+    for (std::size_t k = 0; k < n; ++k)
+      row.add(topology.vertex_of(topology.next(corners[k])), beside[k]);
+    row.add(vertex, own);
+  }
+
+  void crease(std::int32_t vertex, Row& row) const {
+    row.add(vertex, 6.0 / 8.0);
+    const auto add_along = [&](std::int32_t edge) {
+      if (subdivision.sharp_of_edge(0, edge) < 0) return;
+      PLANISH_ASSERT(row.size < 3);
+      const auto [v0, v1] = topology.edge_vertices(edge);
+      row.add(v0 == vertex ? v1 : v0, 1.0 / 8.0);
+    };
+    const auto corners = topology.corners_at(vertex);
+    for (const std::int32_t corner : corners) add_along(topology.edge_of(corner));
+    if (topology.is_boundary_vertex(vertex))
+      add_along(topology.edge_of(topology.prev(corners.back())));
+    PLANISH_ASSERT(row.size == 3);
+  }
+
+  // Sorts by index and merges what is there twice.
+  void finish(Row& row) {
+    constexpr std::int32_t kShortRow = 32;
+    if (row.size <= kShortRow) {
+      for (std::int32_t i = 1; i < row.size; ++i) {
+        const std::int32_t index = row.indices[i];
+        const double weight = row.weights[i];
+        std::int32_t j = i;
+        for (; j > 0 && index < row.indices[j - 1]; --j) {
+          row.indices[j] = row.indices[j - 1];
+          row.weights[j] = row.weights[j - 1];
+        }
+        row.indices[j] = index;
+        row.weights[j] = weight;
+      }
+    } else {
+      sorted.clear();
+      for (std::int32_t i = 0; i < row.size; ++i)
+        sorted.emplace_back(row.indices[i], row.weights[i]);
+      std::ranges::stable_sort(sorted, {}, &std::pair<std::int32_t, double>::first);
+      for (std::int32_t i = 0; i < row.size; ++i)
+        std::tie(row.indices[i], row.weights[i]) = sorted[i];
+    }
+    std::int32_t last = 0;
+    for (std::int32_t i = 1; i < row.size; ++i) {
+      if (row.indices[i] == row.indices[last]) {
+        row.weights[last] += row.weights[i];
+      } else {
+        row.indices[++last] = row.indices[i];
+        row.weights[last] = row.weights[i];
       }
     }
+    row.size = last + 1;
   }
 
-  void crease(std::int32_t vertex, StencilRow& row) const {
-    const TopologyLevel& base = subdivision.split().level(0);
-    row.add(vertex, 6.0 / 8.0);
-    const auto edges = base.GetVertexEdges(vertex);
-    int count = 0;
-    for (int i = 0; i < edges.size(); ++i) {
-      const int edge = edges[i];
-      if (subdivision.sharp_of_edge(0, edge) < 0) continue;
-      const auto ends = base.GetEdgeVertices(edge);
-      row.add(ends[0] == vertex ? ends[1] : ends[0], 1.0 / 8.0);
-      ++count;
-    }
-    PLANISH_ASSERT(count == 2);
-  }
-
-  void operator()(std::int32_t vertex, StencilRow& row) {
+  void emit(std::int32_t vertex, Row& row) {
     switch (subdivision.features().vertex_kinds[vertex]) {
       case VertexKind::Smooth:
       case VertexKind::Dart:
-        return smooth(vertex, row);
+        smooth(vertex, row);
+        return finish(row);
       case VertexKind::Crease:
-        return crease(vertex, row);
+        crease(vertex, row);
+        return finish(row);
       case VertexKind::Corner:
         return row.add(vertex, 1.0);
     }
   }
 };
 
+// check() has seen that it does, for those who ask it.
+void require_entries_fit(const MeshTopology& topology) {
+  std::int64_t count = topology.vertex_count();
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    const std::int64_t size = topology.face_size(f);
+    count += size * (size - 2);
+  }
+  if (count <= std::numeric_limits<std::int32_t>::max()) return;
+  throw Error(ErrorCode::OutOfMemory,
+              "a stencil table of up to " + std::to_string(count) +
+                  " entries exceeds 2^31 - 1; split faces or vertices with thousands of edges");
+}
+
+// Closes the gaps behind rows that came out shorter than their place.
+void close_gaps(StencilArrays& masks) {
+  std::int32_t end = 0;
+  for (std::size_t v = 0; v < masks.sizes.size(); ++v) {
+    std::copy_n(masks.indices.begin() + masks.offsets[v], masks.sizes[v],
+                masks.indices.begin() + end);
+    std::copy_n(masks.weights.begin() + masks.offsets[v], masks.sizes[v],
+                masks.weights.begin() + end);
+    masks.offsets[v] = end;
+    end += masks.sizes[v];
+  }
+  masks.indices.resize(end);
+  masks.weights.resize(end);
+}
+
 }  // namespace
 
+StencilArrays limit_mask_arrays(const Subdivision& subdivision) {
+  const MeshTopology& topology = subdivision.split().topology();
+  const auto count = static_cast<std::size_t>(topology.vertex_count());
+  require_entries_fit(topology);
+  StencilArrays masks;
+  masks.source_count = topology.vertex_count();
+  masks.sizes.resize(count);
+  masks.offsets.resize(count);
+  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    const MaskEmitter emitter{topology, subdivision};
+    for (std::size_t v = begin; v < end; ++v)
+      masks.offsets[v] = emitter.size_of(static_cast<std::int32_t>(v));
+  });
+  const std::int32_t entry_count = exclusive_sum(masks.offsets);
+  masks.indices.resize(entry_count);
+  masks.weights.resize(entry_count);
+  std::atomic<bool> has_gaps{false};
+  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    MaskEmitter emitter{topology, subdivision};
+    for (std::size_t v = begin; v < end; ++v) {
+      const std::int32_t first = masks.offsets[v];
+      Row row{masks.indices.data() + first, masks.weights.data() + first};
+      emitter.emit(static_cast<std::int32_t>(v), row);
+      masks.sizes[v] = row.size;
+      const std::int32_t next = v + 1 < count ? masks.offsets[v + 1] : entry_count;
+      if (first + row.size != next) has_gaps.store(true, std::memory_order_relaxed);
+    }
+  });
+  if (has_gaps.load()) close_gaps(masks);
+  return masks;
+}
+
 StencilTable<double> limit_masks(const PolygonMesh& mesh, const Subdivision& subdivision) {
-  return StencilTable<double>(mesh.vertex_count(),
-                              build_rows(0, mesh.vertex_count(), Derivatives::No, [&] {
-                                return MaskEmitter{mesh, subdivision};
-                              }));
+  PLANISH_ASSERT(mesh.vertex_count() == subdivision.split().topology().vertex_count());
+  return table_of(limit_mask_arrays(subdivision));
 }
 
 double spectral_bound(const PolygonMesh& mesh, Weights weights) {
   double bound = 1.0;
+  std::int32_t last = 0;  // most faces are of the size of the one before
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    bound = std::min(bound, smallest_face_eigenvalue(weights, mesh.face_size(f)));
+    const std::int32_t size = mesh.face_size(f);
+    if (size == last) continue;
+    last = size;
+    bound = std::min(bound, smallest_face_eigenvalue(weights, size));
   }
   return bound;
 }
@@ -83,9 +229,10 @@ bool is_self_adjoint(const SharpFeatures& features) {
 }
 
 std::vector<double> valences(const QuadSplit& split) {
-  const TopologyLevel& base = split.level(0);
-  std::vector<double> result(static_cast<std::size_t>(base.GetNumVertices()));
-  for (int v = 0; v < base.GetNumVertices(); ++v) result[v] = base.GetVertexFaces(v).size();
+  const MeshTopology& topology = split.topology();
+  std::vector<double> result(static_cast<std::size_t>(topology.vertex_count()));
+  for (std::int32_t v = 0; v < topology.vertex_count(); ++v)
+    result[v] = static_cast<double>(topology.corners_at(v).size());
   return result;
 }
 

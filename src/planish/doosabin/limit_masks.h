@@ -5,6 +5,7 @@
 
 #include "planish/doosabin/subdivision.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/stencil/stencil_arrays.h"
 #include "planish/stencil/stencil_table.h"
 
 namespace planish {
@@ -15,6 +16,9 @@ namespace planish {
 /// themselves. Rows sum to 1. Throws Error{OutOfMemory} past 2^31 - 1 entries.
 [[nodiscard]] StencilTable<double> limit_masks(const PolygonMesh& mesh,
                                                const Subdivision& subdivision);
+
+/// The same rows in plain arrays.
+[[nodiscard]] StencilArrays limit_mask_arrays(const Subdivision& subdivision);
 
 /// Lower bound of B's spectrum, from the face sizes alone.
 [[nodiscard]] double spectral_bound(const PolygonMesh& mesh, Weights weights);

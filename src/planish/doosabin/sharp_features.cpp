@@ -9,15 +9,13 @@
 #include <numbers>
 
 #include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+#include "planish/core/prefix_sum.h"
 #include "planish/mesh/area_vector.h"
 
 namespace planish {
 
 namespace {
-
-using OpenSubdiv::Far::ConstIndexArray;
-using OpenSubdiv::Far::ConstLocalIndexArray;
-using OpenSubdiv::Far::TopologyLevel;
 
 // A T-junction or a tagged vertex on a straight boundary is rarely straight to the last bit; up
 // to 30 degrees off, the half-plane rule still gives the better-shaped sector.
@@ -42,36 +40,61 @@ CornerSector classify_angle(double angle) {
   return angle > std::numbers::pi ? CornerSector::Reflex : CornerSector::Convex;
 }
 
-void number_sharp_edges(const TopologyLevel& base, bool use_tags, SharpFeatures& features) {
-  features.sharp_of_edge.assign(static_cast<std::size_t>(base.GetNumEdges()), -1);
-  for (int e = 0; e < base.GetNumEdges(); ++e) {
-    const bool boundary = base.IsEdgeBoundary(e);
-    const bool tagged = use_tags && base.GetEdgeSharpness(e) >= kInfiniteSharpness;
-    if (!boundary && !tagged) continue;
-    features.sharp_of_edge[e] = features.sharp_edge_count++;
-    if (!boundary) ++features.interior_sharp_edge_count;
+// Where an edge is tagged twice, the later tag holds, as in OpenSubdiv.
+std::vector<std::uint8_t> tagged_edges(const PolygonMesh& mesh, const MeshTopology& topology) {
+  if (mesh.creases.empty()) return {};
+  std::vector<std::uint8_t> tagged(static_cast<std::size_t>(topology.edge_count()), 0);
+  for (const CreaseEdge& crease : mesh.creases) {
+    const std::int32_t edge = topology.find_edge(crease.v0, crease.v1);
+    if (edge >= 0) tagged[edge] = crease.sharpness >= kInfiniteSharpness ? 1 : 0;
   }
-  if (features.sharp_edge_count == 0) features.sharp_of_edge = {};
+  return tagged;
 }
 
-void classify_vertices(const PolygonMesh& mesh, const TopologyLevel& base,
+void number_sharp_edges(const PolygonMesh& mesh, const MeshTopology& topology, bool use_tags,
+                        SharpFeatures& features) {
+  const std::vector<std::uint8_t> tagged =
+      use_tags ? tagged_edges(mesh, topology) : std::vector<std::uint8_t>();
+  const auto count = static_cast<std::size_t>(topology.edge_count());
+  const auto is_boundary = [&](std::size_t e) {
+    return topology.is_boundary_edge(static_cast<std::int32_t>(e));
+  };
+  const auto is_sharp = [&](std::size_t e) {
+    return (!tagged.empty() && tagged[e] != 0) || is_boundary(e);
+  };
+  const SelectedBlocks blocks = count_selected(count, is_sharp);
+  features.sharp_edge_count = blocks.total;
+  if (blocks.total == 0) return;
+  features.interior_sharp_edge_count = blocks.total - count_selected(count, is_boundary).total;
+  features.sharp_of_edge.assign(count, -1);
+  for_selected(count, blocks, is_sharp,
+               [&](std::size_t e, std::int32_t number) { features.sharp_of_edge[e] = number; });
+}
+
+VertexKind kind_by_edges(const MeshTopology& topology, const SharpFeatures& features,
+                         std::int32_t vertex) {
+  int sharp = 0;
+  const auto corners = topology.corners_at(vertex);
+  for (const std::int32_t corner : corners)
+    sharp += features.sharp_of_edge[topology.edge_of(corner)] >= 0 ? 1 : 0;
+  if (topology.is_boundary_vertex(vertex)) ++sharp;  // the last corner's trailing edge
+  return static_cast<VertexKind>(std::min(sharp, 3));
+}
+
+void classify_vertices(const PolygonMesh& mesh, const MeshTopology& topology,
                        const SharpFeatureOptions& options, SharpFeatures& features) {
-  std::vector<std::uint8_t> sharp_edges(static_cast<std::size_t>(mesh.vertex_count()), 0);
-  for (std::size_t e = 0; e < features.sharp_of_edge.size(); ++e) {
-    if (features.sharp_of_edge[e] < 0) continue;
-    for (const int v : {base.GetEdgeVertices(static_cast<int>(e))[0],
-                        base.GetEdgeVertices(static_cast<int>(e))[1]}) {
-      sharp_edges[v] = static_cast<std::uint8_t>(std::min(sharp_edges[v] + 1, 3));
-    }
-  }
-  features.vertex_kinds.resize(sharp_edges.size());
-  for (std::size_t v = 0; v < sharp_edges.size(); ++v) {
-    features.vertex_kinds[v] = static_cast<VertexKind>(sharp_edges[v]);
-    const int vertex = static_cast<int>(v);
-    if (options.boundary == BoundaryRule::EdgeAndCorner && base.IsVertexBoundary(vertex) &&
-        base.GetVertexFaces(vertex).size() == 1) {
-      features.vertex_kinds[v] = VertexKind::Corner;
-    }
+  features.vertex_kinds.assign(static_cast<std::size_t>(mesh.vertex_count()), VertexKind::Smooth);
+  if (features.sharp_edge_count > 0) {
+    parallel_for(features.vertex_kinds.size(), 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) {
+        const auto vertex = static_cast<std::int32_t>(v);
+        features.vertex_kinds[v] = kind_by_edges(topology, features, vertex);
+        if (options.boundary == BoundaryRule::EdgeAndCorner &&
+            topology.is_boundary_vertex(vertex) && topology.corners_at(vertex).size() == 1) {
+          features.vertex_kinds[v] = VertexKind::Corner;
+        }
+      }
+    });
   }
   if (options.use_tags) {
     for (const CornerVertex& corner : mesh.corners) {
@@ -83,15 +106,14 @@ void classify_vertices(const PolygonMesh& mesh, const TopologyLevel& base,
 }
 
 // Walks the faces around a corner and sums the angles from one sharp edge to the next.
-void classify_sectors(const PolygonMesh& mesh, const TopologyLevel& base, std::int32_t vertex,
+void classify_sectors(const PolygonMesh& mesh, const MeshTopology& topology, std::int32_t vertex,
                       std::span<const glm::dvec3> rest_positions, SharpFeatures& features) {
-  const ConstIndexArray faces = base.GetVertexFaces(vertex);
-  const ConstLocalIndexArray corners = base.GetVertexFaceLocalIndices(vertex);
-  const int n = faces.size();
-  const auto leading_sharp_edge = [&](int i) {
-    return features.sharp_of_edge[base.GetFaceEdges(faces[i])[corners[i]]];
+  const auto corners = topology.corners_at(vertex);
+  const std::size_t n = corners.size();
+  const auto leading_sharp_edge = [&](std::size_t i) {
+    return features.sharp_of_edge[topology.edge_of(corners[i])];
   };
-  int first = 0;
+  std::size_t first = 0;
   while (first < n && leading_sharp_edge(first) < 0) ++first;
   if (first == n) return;  // a tagged vertex without sharp edges has no sectors
   std::int32_t sector = -1;
@@ -101,14 +123,15 @@ void classify_sectors(const PolygonMesh& mesh, const TopologyLevel& base, std::i
       features.corner_sectors[SharpFeatures::sector_key(vertex, sector)] = classify_angle(angle);
     }
   };
-  for (int k = 0; k < n; ++k) {
-    const int i = (first + k) % n;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = (first + k) % n;
     if (leading_sharp_edge(i) >= 0) {
       close_sector();
       sector = leading_sharp_edge(i);
       angle = 0;
     }
-    angle += interior_angle(mesh, faces[i], corners[i], rest_positions);
+    angle += interior_angle(mesh, topology.face_of(corners[i]), topology.place_of(corners[i]),
+                            rest_positions);
   }
   close_sector();
 }
@@ -119,10 +142,10 @@ SharpFeatures find_sharp_features(const PolygonMesh& mesh, const QuadSplit& spli
                                   std::span<const glm::dvec3> rest_positions,
                                   const SharpFeatureOptions& options) {
   PLANISH_ASSERT(rest_positions.size() == mesh.positions.size());
-  const TopologyLevel& base = split.level(0);
+  const MeshTopology& topology = split.topology();
   SharpFeatures features;
-  number_sharp_edges(base, options.use_tags, features);
-  classify_vertices(mesh, base, options, features);
+  number_sharp_edges(mesh, topology, options.use_tags, features);
+  classify_vertices(mesh, topology, options, features);
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (features.vertex_kinds[v] != VertexKind::Corner) continue;
     if (features.corner_of_vertex.empty()) {
@@ -130,7 +153,8 @@ SharpFeatures find_sharp_features(const PolygonMesh& mesh, const QuadSplit& spli
     }
     features.corner_of_vertex[v] = features.corner_count++;
     features.corner_vertices.push_back(v);
-    if (features.sharp_edge_count > 0) classify_sectors(mesh, base, v, rest_positions, features);
+    if (features.sharp_edge_count > 0)
+      classify_sectors(mesh, topology, v, rest_positions, features);
   }
   return features;
 }

@@ -30,18 +30,19 @@ struct FirstStepEmitter {
   }
 
   void curve_point(std::int32_t sharp_child, StencilRow& row) {
-    const TopologyLevel& base = subdivision.split().level(0);
-    const int edge = subdivision.edge_of_sharp(0, sharp_child / 2);
-    const auto ends = base.GetEdgeVertices(edge);
-    const int own = ends[sharp_child % 2];
-    const int other = ends[1 - sharp_child % 2];
+    const MeshTopology& topology = subdivision.split().topology();
+    const std::int32_t edge = subdivision.edge_of_sharp(0, sharp_child / 2);
+    const auto [v0, v1] = topology.edge_vertices(edge);
+    const std::int32_t own = sharp_child % 2 == 0 ? v0 : v1;
+    const std::int32_t other = sharp_child % 2 == 0 ? v1 : v0;
     if (subdivision.features().vertex_kinds[own] != VertexKind::Dart) {
       row.add(own, 0.75);
       row.add(other, 0.25);
       return;
     }
-    const auto faces = base.GetEdgeFaces(edge);
-    for (const int face : {faces[0], faces[1]}) {
+    const std::int32_t corner = topology.corner_of(edge);
+    for (const std::int32_t face :
+         {topology.face_of(corner), topology.face_of(topology.twin(corner))}) {
       const auto vertices = mesh.face(face);
       const auto place = std::find(vertices.begin(), vertices.end(), own) - vertices.begin();
       corner_point(face, static_cast<std::int32_t>(place), 0.5, row);
@@ -55,10 +56,8 @@ struct FirstStepEmitter {
     } else if (index >= layout.first_sharp) {
       curve_point(static_cast<std::int32_t>(index - layout.first_sharp), row);
     } else {
-      const auto& offsets = mesh.face_offsets;
-      const auto face =
-          std::upper_bound(offsets.begin(), offsets.end(), index) - offsets.begin() - 1;
-      corner_point(static_cast<std::int32_t>(face), index - offsets[face], 1.0, row);
+      const MeshTopology& topology = subdivision.split().topology();
+      corner_point(topology.face_of(index), topology.place_of(index), 1.0, row);
     }
   }
 };

@@ -24,7 +24,7 @@ struct VertexRing {
 };
 
 /// Gathers the ring of a vertex of Q_level, level >= 1. Reuse `ring` to avoid allocation.
-/// Needs full topology of level - 1 only.
+/// Needs full topology of level - 1 only: OpenSubdiv's from level 2 on.
 void gather_ring(const Subdivision& subdivision, int level, std::int32_t vertex, VertexRing& ring);
 
 }  // namespace planish

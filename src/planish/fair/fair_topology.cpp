@@ -5,13 +5,12 @@
 #include <numbers>
 
 #include "planish/core/parallel.h"
+#include "planish/core/prefix_sum.h"
 #include "planish/doosabin/vertex_ring.h"
 
 namespace planish {
 
 namespace {
-
-using OpenSubdiv::Far::TopologyLevel;
 
 constexpr std::size_t kGrain = 4096;
 
@@ -55,13 +54,14 @@ void write_ring(const VertexRing& ring, std::int32_t vertex, FairTopology& topol
 }
 
 void gather_rings(const Subdivision& subdivision, FairTopology& topology) {
-  const TopologyLevel& base = subdivision.split().level(0);
+  const MeshTopology& base = subdivision.split().topology();
   const auto vertex_count = static_cast<std::size_t>(topology.vertex_count);
   const auto corner_count = static_cast<std::size_t>(topology.corner_count);
   topology.ring_offsets.resize(vertex_count + 1);
   for (std::size_t v = 0; v < vertex_count; ++v) {
     topology.ring_offsets[v + 1] =
-        topology.ring_offsets[v] + base.GetVertexFaces(static_cast<int>(v)).size();
+        topology.ring_offsets[v] +
+        static_cast<std::int32_t>(base.corners_at(static_cast<std::int32_t>(v)).size());
   }
   for (auto* array : {&topology.ring_corners, &topology.ring_next, &topology.ring_previous,
                       &topology.corner_ccw, &topology.corner_cw}) {
@@ -86,14 +86,13 @@ void gather_sharp_places(const Subdivision& subdivision, FairTopology& topology)
   topology.sector_offsets.push_back(0);
   if (!subdivision.has_sharp_edges()) return;
 
-  const TopologyLevel& base = subdivision.split().level(0);
+  const MeshTopology& base = subdivision.split().topology();
   topology.curve_points.resize(2 *
                                static_cast<std::size_t>(subdivision.features().sharp_edge_count));
   for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
-    const auto ends =
-        base.GetEdgeVertices(subdivision.edge_of_sharp(0, static_cast<std::int32_t>(s / 2)));
-    topology.curve_points[s] = {ends[static_cast<int>(s % 2)], ends[static_cast<int>(1 - s % 2)],
-                                -1, -1};
+    const auto [v0, v1] =
+        base.edge_vertices(subdivision.edge_of_sharp(0, static_cast<std::int32_t>(s / 2)));
+    topology.curve_points[s] = {s % 2 == 0 ? v0 : v1, s % 2 == 0 ? v1 : v0, -1, -1};
   }
 
   VertexRing ring;
@@ -102,11 +101,11 @@ void gather_sharp_places(const Subdivision& subdivision, FairTopology& topology)
     if (kind != VertexKind::Crease && kind != VertexKind::Dart) continue;
     gather_ring(subdivision, 1, v, ring);
     if (kind == VertexKind::Dart) {
-      const auto edges = base.GetVertexEdges(v);
-      for (int i = 0; i < edges.size(); ++i) {
-        const std::int32_t sharp = subdivision.sharp_of_edge(0, edges[i]);
+      for (const std::int32_t corner : base.corners_at(v)) {
+        const std::int32_t edge = base.edge_of(corner);
+        const std::int32_t sharp = subdivision.sharp_of_edge(0, edge);
         if (sharp < 0) continue;
-        const int end = base.GetEdgeVertices(edges[i])[0] == v ? 0 : 1;
+        const int end = base.edge_vertices(edge).first == v ? 0 : 1;
         topology.curve_points[2 * sharp + end].corner_after = ring.faces[ring.dart_face];
         topology.curve_points[2 * sharp + end].corner_before =
             topology.corner_cw[ring.faces[ring.dart_face]];
@@ -143,26 +142,18 @@ void mark_near_curves(FairTopology& topology) {
 }
 
 void gather_edges(const Subdivision& subdivision, FairTopology& topology) {
-  const TopologyLevel& base = subdivision.split().level(0);
-  std::vector<int> smooth;
-  smooth.reserve(static_cast<std::size_t>(base.GetNumEdges()));
-  for (int e = 0; e < base.GetNumEdges(); ++e) {
-    if (subdivision.sharp_of_edge(0, e) < 0) smooth.push_back(e);
-  }
-  topology.edges = std::vector<FairTopology::Edge>(smooth.size());
-  parallel_for(smooth.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) {
-      const auto faces = base.GetEdgeFaces(smooth[e]);
-      const auto places = base.GetEdgeFaceLocalIndices(smooth[e]);
-      FairTopology::Edge& edge = topology.edges[e];
-      for (int k = 0; k < 2; ++k) {
-        const std::int32_t first = topology.face_offsets[faces[k]];
-        const std::int32_t m = topology.face_size(faces[k]);
-        edge.faces[k] = faces[k];
-        edge.corners[2 * k] = first + (places[k] + 1) % m;
-        edge.corners[2 * k + 1] = first + places[k];
-      }
-    }
+  const MeshTopology& base = subdivision.split().topology();
+  const auto count = static_cast<std::size_t>(base.edge_count());
+  const auto is_smooth = [&](std::size_t e) {
+    return subdivision.sharp_of_edge(0, static_cast<std::int32_t>(e)) < 0;
+  };
+  const SelectedBlocks blocks = count_selected(count, is_smooth);
+  topology.edges = std::vector<FairTopology::Edge>(static_cast<std::size_t>(blocks.total));
+  for_selected(count, blocks, is_smooth, [&](std::size_t e, std::int32_t number) {
+    const std::int32_t own = base.corner_of(static_cast<std::int32_t>(e));
+    const std::int32_t twin = base.twin(own);
+    topology.edges[number] = {{base.next(own), own, base.next(twin), twin},
+                              {base.face_of(own), base.face_of(twin)}};
   });
 }
 

@@ -8,6 +8,7 @@
 #include "planish/core/number_text.h"
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/edge_groups.h"
+#include "planish/mesh/sound_topology.h"
 
 namespace planish {
 namespace {
@@ -26,7 +27,8 @@ std::string text_of(const glm::dvec3& position) {
 std::string vertex_name(std::int32_t vertex) { return "vertex " + text_of(vertex); }
 std::string face_name(std::int32_t face) { return "face " + text_of(face); }
 
-// The checks in turn, each trusting what the ones before it have found sound.
+// For meshes with a problem: the checks in turn, each trusting what the ones before it have found
+// sound.
 class Inspection {
  public:
   explicit Inspection(const PolygonMesh& mesh) : mesh_(mesh) {}
@@ -325,7 +327,12 @@ std::string_view name_of(MeshProblemKind kind) {
   return "unknown";
 }
 
-std::vector<MeshProblem> check(const PolygonMesh& mesh) { return Inspection(mesh).run(); }
+std::vector<MeshProblem> check(const PolygonMesh& mesh) {
+  if (sound_topology(mesh)) return {};
+  return list_problems(mesh);
+}
+
+std::vector<MeshProblem> list_problems(const PolygonMesh& mesh) { return Inspection(mesh).run(); }
 
 void require_usable(const PolygonMesh& mesh, std::string_view name) {
   constexpr std::size_t kNamed = 10;

@@ -189,32 +189,17 @@ bool MeshTopology::join_corners() {
 }
 
 void MeshTopology::number_edges() {
-  constexpr std::size_t kBlock = 1 << 16;
   const std::size_t count = twin_.size();
   const auto leads = [&](std::size_t c) {
     return twin_[c] < 0 || static_cast<std::int32_t>(c) < twin_[c];
   };
-  std::vector<std::int32_t> starts((count + kBlock - 1) / kBlock);
-  parallel_for(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      std::int32_t sum = 0;
-      for (std::size_t c = b * kBlock; c < std::min(count, (b + 1) * kBlock); ++c) sum += leads(c);
-      starts[b] = sum;
-    }
-  });
-  edge_corner_.resize(exclusive_sum(starts));
+  const SelectedBlocks blocks = count_selected(count, leads);
+  edge_corner_.resize(blocks.total);
   corner_edge_.resize(count);
-  parallel_for(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      std::int32_t edge = starts[b];
-      for (std::size_t c = b * kBlock; c < std::min(count, (b + 1) * kBlock); ++c) {
-        if (!leads(c)) continue;
-        edge_corner_[edge] = static_cast<std::int32_t>(c);
-        corner_edge_[c] = edge;
-        if (twin_[c] >= 0) corner_edge_[twin_[c]] = edge;
-        ++edge;
-      }
-    }
+  for_selected(count, blocks, leads, [&](std::size_t c, std::int32_t edge) {
+    edge_corner_[edge] = static_cast<std::int32_t>(c);
+    corner_edge_[c] = edge;
+    if (twin_[c] >= 0) corner_edge_[twin_[c]] = edge;
   });
 }
 

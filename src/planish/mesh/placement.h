@@ -26,4 +26,7 @@ struct Placement {
 /// vertices coincide gets diagonal 1.
 [[nodiscard]] Placement placement_of(const PolygonMesh& mesh);
 
+/// The placement of all these positions.
+[[nodiscard]] Placement placement_of(std::span<const glm::dvec3> positions);
+
 }  // namespace planish

@@ -15,16 +15,20 @@ UsedMesh without_unused_vertices(const PolygonMesh& mesh) {
     used.mesh = mesh;
     return used;
   }
-  used.mesh = mesh;
-  used.mesh.positions.clear();
-  used.mesh.colors.clear();
-  used.mesh.creases.clear();
-  used.mesh.corners.clear();
+  used.mesh.face_offsets = mesh.face_offsets;
+  used.mesh.uvs = mesh.uvs;
+  used.mesh.face_uvs = mesh.face_uvs;
+  used.mesh.groups = mesh.groups;
+  used.mesh.face_groups = mesh.face_groups;
+  used.mesh.hole_faces = mesh.hole_faces;
+  used.mesh.positions.reserve(used.vertices.size());
+  used.mesh.colors.reserve(mesh.colors.empty() ? 0 : used.vertices.size());
   for (const std::int32_t v : used.vertices) {
     used.mesh.positions.push_back(mesh.positions[v]);
     if (!mesh.colors.empty()) used.mesh.colors.push_back(mesh.colors[v]);
   }
-  for (std::int32_t& v : used.mesh.face_vertices) v = new_index[v];
+  used.mesh.face_vertices.reserve(mesh.face_vertices.size());
+  for (const std::int32_t v : mesh.face_vertices) used.mesh.face_vertices.push_back(new_index[v]);
   for (const CreaseEdge& crease : mesh.creases) {
     used.mesh.creases.push_back({new_index[crease.v0], new_index[crease.v1], crease.sharpness});
   }

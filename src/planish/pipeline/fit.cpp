@@ -6,8 +6,8 @@
 #include <chrono>
 #include <string>
 
-#include "planish/mesh/check.h"
-#include "planish/mesh/used_vertices.h"
+#include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
 #include "planish/pipeline/limit_system.h"
 #include "planish/pipeline/solve_fair.h"
 #include "planish/stencil/quad_split.h"
@@ -16,6 +16,8 @@
 namespace planish {
 
 namespace {
+
+constexpr std::size_t kGrain = 4096;
 
 class Stopwatch {
  public:
@@ -72,11 +74,11 @@ void explain_stagnation(const LimitSystem& system, Interpolation& interpolation)
 }
 
 // The iteration of the paper, or one of its accelerations, in coordinates of unit diagonal.
-void solve_progressive(Fit& result, const UsedMesh& used, const LimitSystem& system,
+void solve_progressive(Fit& result, const UsedPart& used, const LimitSystem& system,
                        std::span<const glm::dvec3> given, Backend& backend,
                        const FitOptions& options, Stopwatch& watch) {
   result.spectral_bound = system.spectral_bound;
-  result.stencil_entries = static_cast<std::int64_t>(system.masks.GetWeights().size());
+  result.stencil_entries = static_cast<std::int64_t>(system.masks.weights.size());
   result.timing.stencils = watch.lap();
 
   InterpolationOptions interpolation;
@@ -91,18 +93,20 @@ void solve_progressive(Fit& result, const UsedMesh& used, const LimitSystem& sys
   result.timing.upload = result.interpolation.upload_milliseconds;
   result.timing.solve = watch.lap() - result.timing.upload;
 
-  for (std::size_t v = 0; v < given.size(); ++v) {
-    result.cage.positions[used.vertices[v]] +=
-        result.placement.diagonal * result.interpolation.displacement[v];
-  }
+  parallel_for(given.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      result.cage.positions[used.vertices[v]] +=
+          result.placement.diagonal * result.interpolation.displacement[v];
+    }
+  });
 }
 
-void fit_doo_sabin(Fit& result, const UsedMesh& used, std::span<const glm::dvec3> given,
+void fit_doo_sabin(Fit& result, const UsedPart& used, std::span<const glm::dvec3> given,
                    Backend& backend, const FitOptions& options, Stopwatch& watch) {
-  const QuadSplit split(used.mesh);
-  result.timing.topology = watch.lap();
+  const QuadSplit split(used.mesh, used.prepared->topology);
   const SharpFeatures features =
       find_sharp_features(used.mesh, split, used.mesh.positions, options.sharp);
+  result.timing.topology = watch.lap();
   result.sharp_edge_count = features.sharp_edge_count;
   result.boundary_edge_count = features.sharp_edge_count - features.interior_sharp_edge_count;
   result.corner_count = features.corner_count;
@@ -118,10 +122,10 @@ void fit_doo_sabin(Fit& result, const UsedMesh& used, std::span<const glm::dvec3
   }
 }
 
-void fit_primal(Fit& result, const UsedMesh& used, PrimalScheme scheme,
+void fit_primal(Fit& result, const UsedPart& used, PrimalScheme scheme,
                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options,
                 Stopwatch& watch) {
-  PrimalSplit split(used.mesh, {scheme, options.sharp});
+  PrimalSplit split(used.mesh, {scheme, options.sharp, used.prepared->topology.get()});
   split.refine(1);
   result.timing.topology = watch.lap();
   result.sharp_edge_count = split.sharp_edge_count();
@@ -136,13 +140,15 @@ Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
   Stopwatch watch;
   Fit result;
   require_method_fits(options);
-  require_usable(mesh, "mesh");
-  const UsedMesh used = without_unused_vertices(mesh);
+  result.prepared = options.prepared ? options.prepared : prepare_mesh(mesh, "mesh");
+  const UsedPart used = used_part(mesh, result.prepared);
   warn_of_semi_sharp(mesh, options);
-  result.placement = placement_of(used.mesh);
-  std::vector<glm::dvec3> given(used.mesh.positions.size());
-  std::transform(used.mesh.positions.begin(), used.mesh.positions.end(), given.begin(),
-                 [&](const glm::dvec3& p) { return result.placement.to_unit(p); });
+  result.placement = placement_of(used.mesh.positions);
+  RawVector<glm::dvec3> given(used.mesh.positions.size());
+  parallel_for(given.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      given[v] = result.placement.to_unit(used.mesh.positions[v]);
+  });
   result.timing.check = watch.lap();
 
   options.callbacks.report("stencils", 0);
@@ -162,6 +168,7 @@ SurfaceMesh evaluate(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
                      const EvaluateOptions& options) {
   EvaluateOptions posed = options;
   if (posed.rest_positions.empty()) posed.rest_positions = mesh.positions;
+  if (!posed.prepared) posed.prepared = fit.prepared;
   return fit.fair ? evaluate(mesh, fit.fair->level_one, backend, posed)
                   : evaluate(fit.cage, backend, posed);
 }

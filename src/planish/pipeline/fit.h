@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "planish/backend/backend.h"
@@ -12,6 +13,7 @@
 #include "planish/interpolate/progressive.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/prepared_mesh.h"
 #include "planish/primal/scheme.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one.h"
@@ -31,11 +33,14 @@ struct FitOptions {
   /// nothing pops.
   const FairDecisions* fair_decisions = nullptr;
   SharpFeatureOptions sharp;
+  /// Where given, what prepare_mesh() made of the mesh: it is not tested and searched again.
+  std::shared_ptr<const PreparedMesh> prepared;
   Callbacks callbacks;
 };
 
-/// Wall-clock milliseconds of the parts of fit(): tests of the mesh, the topology refiner, limit
-/// stencils, their way to the device, and the solve.
+/// Wall-clock milliseconds of the parts of fit(): tests of the mesh with its connectivity, sharp
+/// features (and OpenSubdiv's refiner for the schemes that take it), limit stencils, their way to
+/// the device, and the solve.
 struct FitTiming {
   double check = 0, topology = 0, stencils = 0, upload = 0, solve = 0;
 };
@@ -55,7 +60,8 @@ struct Fit {
   PolygonMesh cage;
   std::optional<FairFit> fair;  ///< with that method
   Interpolation interpolation;
-  Placement placement;  ///< of the input
+  Placement placement;                           ///< of the input
+  std::shared_ptr<const PreparedMesh> prepared;  ///< of the input
   /// Lower bound of B's spectrum that the iteration took. For Catmull-Clark and Loop it may be an
   /// estimate, raised to a small positive number where that lies at or below 0.
   double spectral_bound = 0;

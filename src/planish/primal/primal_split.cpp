@@ -28,7 +28,9 @@ void require_triangles(const PolygonMesh& mesh) {
 PrimalSplit::PrimalSplit(const PolygonMesh& mesh, const PrimalSplitOptions& options)
     : scheme_(options.scheme) {
   if (scheme_ == PrimalScheme::Loop) require_triangles(mesh);
-  refiner_ = make_refiner(mesh, {sdc_scheme(scheme_), options.sharp});
+  const RefinerOptions refined{sdc_scheme(scheme_), options.sharp};
+  refiner_ = options.topology != nullptr ? make_refiner(mesh, refined, *options.topology)
+                                         : make_refiner(mesh, refined, MeshTopology(mesh));
 }
 
 PrimalSplit::~PrimalSplit() = default;

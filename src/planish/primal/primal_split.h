@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/sharpness.h"
 #include "planish/primal/scheme.h"
@@ -17,6 +18,7 @@ namespace planish {
 struct PrimalSplitOptions {
   PrimalScheme scheme = PrimalScheme::CatmullClark;
   SharpFeatureOptions sharp;
+  const MeshTopology* topology = nullptr;  ///< the mesh's, where it is at hand
 };
 
 /// The uniformly refined meshes M_0 (the mesh), M_1, M_2, ... of Catmull-Clark (quad split) or Loop

@@ -1,5 +1,7 @@
 #include "planish/stencil/quad_split.h"
 
+#include <utility>
+
 #include "planish/core/assert.h"
 #include "planish/stencil/refiner.h"
 
@@ -8,18 +10,25 @@ namespace planish {
 namespace Far = OpenSubdiv::Far;
 
 QuadSplit::QuadSplit(const PolygonMesh& mesh)
-    : face_offsets_(mesh.face_offsets), refiner_(make_refiner(mesh, {})) {}
+    : QuadSplit(mesh, std::make_shared<const MeshTopology>(mesh)) {}
+
+QuadSplit::QuadSplit(const PolygonMesh& mesh, std::shared_ptr<const MeshTopology> topology)
+    : mesh_(&mesh), topology_(std::move(topology)), lazy_(std::make_unique<Lazy>()) {
+  PLANISH_ASSERT(mesh.face_count() == topology_->face_count());
+  PLANISH_ASSERT(mesh.vertex_count() == topology_->vertex_count());
+}
 
 QuadSplit::QuadSplit(QuadSplit&&) noexcept = default;
 QuadSplit::~QuadSplit() = default;
 
 void QuadSplit::refine(int levels) {
-  refiner_->Unrefine();
+  if (level_count_ > 0) made_refiner().Unrefine();
+  level_count_ = levels;
   if (levels == 0) return;
-  refiner_->RefineUniform(Far::TopologyRefiner::UniformOptions(levels));
+  made_refiner().RefineUniform(Far::TopologyRefiner::UniformOptions(levels));
 
   for (int l = 0; l < levels; ++l) {
-    const Far::TopologyLevel& parent = refiner_->GetLevel(l);
+    const Far::TopologyLevel& parent = level(l);
     const int last_vertex = parent.GetNumVertices() - 1;
     const int last_face = parent.GetNumFaces() - 1;
     const int last_edge = parent.GetNumEdges() - 1;
@@ -33,14 +42,19 @@ void QuadSplit::refine(int levels) {
   }
 }
 
-int QuadSplit::level_count() const { return refiner_->GetMaxLevel(); }
+Far::TopologyRefiner& QuadSplit::made_refiner() const {
+  std::call_once(lazy_->once, [&] { lazy_->refiner = make_refiner(*mesh_, {}, *topology_); });
+  return *lazy_->refiner;
+}
 
-const Far::TopologyLevel& QuadSplit::level(int index) const { return refiner_->GetLevel(index); }
+const Far::TopologyRefiner& QuadSplit::refiner() const { return made_refiner(); }
+
+const Far::TopologyLevel& QuadSplit::level(int index) const { return refiner().GetLevel(index); }
 
 std::vector<LevelCounts> QuadSplit::counts_to(int last) const {
-  const Far::TopologyLevel& base = refiner_->GetLevel(0);
-  std::vector<LevelCounts> counts{{base.GetNumVertices(), base.GetNumEdges(), base.GetNumFaces()}};
-  std::int64_t corner_count = base.GetNumFaceVertices();
+  std::vector<LevelCounts> counts{
+      {topology_->vertex_count(), topology_->edge_count(), topology_->face_count()}};
+  std::int64_t corner_count = topology_->corner_count();
   for (int l = 0; l < last; ++l) {
     const LevelCounts& c = counts.back();
     counts.push_back({c.vertices + c.edges + c.faces, 2 * c.edges + corner_count, corner_count});

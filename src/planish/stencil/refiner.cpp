@@ -1,78 +1,152 @@
 #include "planish/stencil/refiner.h"
 
-#include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/parallel.h"
+
+namespace planish {
+namespace {
+
+// What the factory below takes for a mesh.
+struct RefinerSource {
+  const PolygonMesh& mesh;
+  const MeshTopology& topology;
+  const RefinerOptions& options;
+};
+
+constexpr std::size_t kGrain = 4096;
+
+}  // namespace
+}  // namespace planish
+
+// OpenSubdiv asks to be given complete topology by specialising these members.
+namespace OpenSubdiv::OPENSUBDIV_VERSION::Far {
+
+using planish::kGrain;
+using planish::MeshTopology;
+using planish::RefinerSource;
+using SourceFactory = TopologyRefinerFactory<RefinerSource>;
+
+template <>
+bool SourceFactory::resizeComponentTopology(TopologyRefiner& refiner, const RefinerSource& source) {
+  const MeshTopology& topology = source.topology;
+  setNumBaseVertices(refiner, topology.vertex_count());
+  setNumBaseFaces(refiner, topology.face_count());
+  setNumBaseEdges(refiner, topology.edge_count());
+  for (int f = 0; f < topology.face_count(); ++f)
+    setNumBaseFaceVertices(refiner, f, topology.face_size(f));
+  for (int e = 0; e < topology.edge_count(); ++e)
+    setNumBaseEdgeFaces(refiner, e, topology.is_boundary_edge(e) ? 1 : 2);
+  for (int v = 0; v < topology.vertex_count(); ++v) {
+    setNumBaseVertexFaces(refiner, v, static_cast<int>(topology.corners_at(v).size()));
+    setNumBaseVertexEdges(refiner, v, topology.valence(v));
+  }
+  return true;
+}
+
+template <>
+bool SourceFactory::assignComponentTopology(TopologyRefiner& refiner, const RefinerSource& source) {
+  const MeshTopology& topology = source.topology;
+  planish::parallel_for(topology.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto f = static_cast<int>(i);
+      IndexArray vertices = getBaseFaceVertices(refiner, f), edges = getBaseFaceEdges(refiner, f);
+      std::copy_n(topology.face(f).begin(), vertices.size(), vertices.begin());
+      std::copy_n(topology.face_edges(f).begin(), edges.size(), edges.begin());
+    }
+  });
+  planish::parallel_for(topology.edge_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto e = static_cast<int>(i);
+      const int corners[] = {topology.corner_of(e), topology.twin(topology.corner_of(e))};
+      const auto ends = topology.edge_vertices(e);
+      getBaseEdgeVertices(refiner, e)[0] = ends.first;
+      getBaseEdgeVertices(refiner, e)[1] = ends.second;
+      IndexArray faces = getBaseEdgeFaces(refiner, e);
+      LocalIndexArray places = getBaseEdgeFaceLocalIndices(refiner, e);
+      for (int k = 0; k < faces.size(); ++k) {
+        faces[k] = topology.face_of(corners[k]);
+        places[k] = static_cast<LocalIndex>(topology.place_of(corners[k]));
+      }
+    }
+  });
+  planish::parallel_for(topology.vertex_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto v = static_cast<int>(i);
+      const auto corners = topology.corners_at(v);
+      IndexArray faces = getBaseVertexFaces(refiner, v), edges = getBaseVertexEdges(refiner, v);
+      LocalIndexArray places = getBaseVertexFaceLocalIndices(refiner, v);
+      LocalIndexArray ends = getBaseVertexEdgeLocalIndices(refiner, v);
+      for (int k = 0; k < faces.size(); ++k) {
+        faces[k] = topology.face_of(corners[k]);
+        places[k] = static_cast<LocalIndex>(topology.place_of(corners[k]));
+      }
+      for (int k = 0; k < edges.size(); ++k) {
+        edges[k] = k < faces.size() ? topology.edge_of(corners[k])
+                                    : topology.edge_of(topology.prev(corners.back()));
+        ends[k] = topology.edge_vertices(edges[k]).first == v ? 0 : 1;
+      }
+    }
+  });
+  return true;
+}
+
+template <>
+bool SourceFactory::assignComponentTags(TopologyRefiner& refiner, const RefinerSource& source) {
+  if (!source.options.sharp.use_tags) return true;
+  for (const planish::CreaseEdge& crease : source.mesh.creases) {
+    const int edge = source.topology.find_edge(crease.v0, crease.v1);
+    if (edge >= 0) setBaseEdgeSharpness(refiner, edge, crease.sharpness);
+  }
+  for (const planish::CornerVertex& corner : source.mesh.corners)
+    setBaseVertexSharpness(refiner, corner.vertex, corner.sharpness);
+  return true;
+}
+
+template <>
+bool SourceFactory::assignFaceVaryingTopology(TopologyRefiner& refiner,
+                                              const RefinerSource& source) {
+  const planish::PolygonMesh& mesh = source.mesh;
+  if (mesh.face_uvs.empty()) return true;
+  const auto uv_count = static_cast<int>(mesh.uvs.size());
+  const int channel = createBaseFVarChannel(refiner, uv_count + 1);
+  planish::parallel_for(mesh.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto f = static_cast<int>(i);
+      IndexArray values = getBaseFaceFVarValues(refiner, f, channel);
+      for (int k = 0; k < values.size(); ++k) {
+        const std::int32_t uv = mesh.face_uvs[mesh.face_offsets[i] + k];
+        values[k] = uv < 0 ? uv_count : uv;
+      }
+    }
+  });
+  return true;
+}
+
+}  // namespace OpenSubdiv::OPENSUBDIV_VERSION::Far
 
 namespace planish {
 
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-namespace {
-
-// The tags in the arrays that a descriptor points to.
-struct Tags {
-  std::vector<int> edges, vertices;
-  std::vector<float> edge_sharpness, vertex_sharpness;
-
-  explicit Tags(const PolygonMesh& mesh) {
-    for (const CreaseEdge& crease : mesh.creases) {
-      edges.insert(edges.end(), {crease.v0, crease.v1});
-      edge_sharpness.push_back(crease.sharpness);
-    }
-    for (const CornerVertex& corner : mesh.corners) {
-      vertices.push_back(corner.vertex);
-      vertex_sharpness.push_back(corner.sharpness);
-    }
-  }
-  void describe(Far::TopologyDescriptor& descriptor) const {
-    descriptor.numCreases = static_cast<int>(edge_sharpness.size());
-    descriptor.creaseVertexIndexPairs = edges.data();
-    descriptor.creaseWeights = edge_sharpness.data();
-    descriptor.numCorners = static_cast<int>(vertex_sharpness.size());
-    descriptor.cornerVertexIndices = vertices.data();
-    descriptor.cornerWeights = vertex_sharpness.data();
-  }
-};
-
-}  // namespace
-
 std::unique_ptr<Far::TopologyRefiner> make_refiner(const PolygonMesh& mesh,
-                                                   const RefinerOptions& options) {
-  std::vector<int> face_sizes(static_cast<std::size_t>(mesh.face_count()));
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) face_sizes[f] = mesh.face_size(f);
-
-  Far::TopologyDescriptor descriptor;
-  descriptor.numVertices = mesh.vertex_count();
-  descriptor.numFaces = mesh.face_count();
-  descriptor.numVertsPerFace = face_sizes.data();
-  descriptor.vertIndicesPerFace = mesh.face_vertices.data();
-  const Tags tags(mesh);
-  if (options.sharp.use_tags) tags.describe(descriptor);
-
-  std::vector<int> uv_indices = mesh.face_uvs;
-  const int uv_count = static_cast<int>(mesh.uvs.size());
-  for (int& uv : uv_indices) uv = uv < 0 ? uv_count : uv;
-  Far::TopologyDescriptor::FVarChannel uv_channel;
-  uv_channel.numValues = uv_count + 1;
-  uv_channel.valueIndices = uv_indices.data();
-  descriptor.numFVarChannels = uv_indices.empty() ? 0 : 1;
-  descriptor.fvarChannels = &uv_channel;
-
+                                                   const RefinerOptions& options,
+                                                   const MeshTopology& topology) {
   // OpenSubdiv's default boundary option tags every boundary face a hole.
   Sdc::Options rules;
   rules.SetVtxBoundaryInterpolation(options.sharp.boundary == BoundaryRule::EdgeAndCorner
                                         ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
                                         : Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
   rules.SetFVarLinearInterpolation(Sdc::Options::FVAR_LINEAR_ALL);
-  using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
+  using Factory = Far::TopologyRefinerFactory<RefinerSource>;
   std::unique_ptr<Far::TopologyRefiner> refiner(
-      Factory::Create(descriptor, Factory::Options(options.scheme, rules)));
+      Factory::Create({mesh, topology, options}, Factory::Options(options.scheme, rules)));
   if (!refiner) {
     throw Error(ErrorCode::UnusableMesh,
                 "OpenSubdiv refuses the mesh's topology; `planish inspect` lists its problems");

@@ -112,13 +112,13 @@ void require_level(const EvaluateOptions& options) {
                                               " is outside 0 to " + std::to_string(kMaxLevel));
 }
 
-SurfaceMesh surface_from(Source source, const Placement& placement, const UsedMesh& used,
+SurfaceMesh surface_from(Source source, const Placement& placement, const UsedPart& used,
                          const SurfaceTables& tables, Backend& backend,
                          const EvaluateOptions& options) {
   const auto state = refine_points(std::move(source), tables, backend, options.callbacks);
   SurfaceMesh surface;
   surface.level = options.level;
-  surface.base_vertices = used.vertices;
+  surface.base_vertices.assign(used.vertices.begin(), used.vertices.end());
   const SectorRows& rows = tables.rows();
   surface.positions.resize(static_cast<std::size_t>(rows.count()));
   surface.normals.resize(surface.positions.size());
@@ -148,22 +148,23 @@ Source cage_points(const PolygonMesh& cage, const Placement& placement, Backend&
 
 SurfaceMesh primal_surface(const PolygonMesh& cage, PrimalScheme scheme, Backend& backend,
                            const EvaluateOptions& options) {
-  const UsedMesh used = usable_part(cage);
-  const auto tables = primal_tables(used.mesh, scheme, options);
+  const UsedPart used = usable_part(cage, options.prepared);
+  const auto tables = primal_tables(used, scheme, options);
   const Placement placement = placement_of(used.mesh);
   return surface_from(cage_points(used.mesh, placement, backend), placement, used, *tables, backend,
                       options);
 }
 
-StencilTable<double> primal_masks(const PolygonMesh& mesh, PrimalScheme scheme,
+StencilTable<double> primal_masks(const UsedPart& used, PrimalScheme scheme,
                                   const LimitOptions& options) {
-  PrimalSplit split(mesh, {scheme, options.sharp});
+  PrimalSplit split(used.mesh, {scheme, options.sharp, used.prepared->topology.get()});
   split.refine(1);
   return primal_limit_masks(split);
 }
 
-StencilTable<double> doo_sabin_masks(const PolygonMesh& mesh, const LimitOptions& options) {
-  const QuadSplit split(mesh);
+StencilTable<double> doo_sabin_masks(const UsedPart& used, const LimitOptions& options) {
+  const PolygonMesh& mesh = used.mesh;
+  const QuadSplit split(mesh, used.prepared->topology);
   const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, options.sharp);
   return limit_masks(mesh, Subdivision(split, features, options.weights));
 }
@@ -197,10 +198,10 @@ SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one, Backend
 }
 
 std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, const LimitOptions& options) {
-  const UsedMesh used = usable_part(cage);
+  const UsedPart used = usable_part(cage);
   const auto scheme = primal_scheme(options.scheme);
   const StencilTable<double> masks =
-      scheme ? primal_masks(used.mesh, *scheme, options) : doo_sabin_masks(used.mesh, options);
+      scheme ? primal_masks(used, *scheme, options) : doo_sabin_masks(used, options);
   const StencilView<double> view = masks.view();
   std::vector<glm::dvec3> limits = cage.positions;
   for (std::int32_t i = 0; i < view.row_count(); ++i) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "planish/doosabin/face_rule.h"
 #include "planish/doosabin/sharp_features.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/prepared_mesh.h"
 #include "planish/primal/scheme.h"
 #include "planish/surface/level_one.h"
 #include "planish/surface/surface_mesh.h"
@@ -27,6 +29,9 @@ struct EvaluateOptions {
   /// Where given, one per vertex of the cage: sector angles at corners are measured on these
   /// positions (the rest pose: the input's vertices), not on the cage's.
   std::span<const glm::dvec3> rest_positions;
+  /// Where given, what prepare_mesh() made of this cage, or of another with the same faces and
+  /// tags: they are not tested and searched again.
+  std::shared_ptr<const PreparedMesh> prepared;
   std::uint64_t memory_limit_bytes = 0;  ///< 0: what the machine has free
   Callbacks callbacks;
 };

@@ -199,12 +199,12 @@ class MeshBuilder {
 
   // The curve point at a vertex of the mesh where one sharp edge ends.
   [[nodiscard]] std::int32_t curve_point_at(std::int32_t vertex) const {
-    const auto& topology = base_.split.level(0);
-    const auto edges = topology.GetVertexEdges(vertex);
-    for (int i = 0; i < edges.size(); ++i) {
-      const std::int32_t sharp = base_.subdivision.sharp_of_edge(0, edges[i]);
+    const MeshTopology& topology = base_.split.topology();
+    for (const std::int32_t corner : topology.corners_at(vertex)) {
+      const std::int32_t edge = topology.edge_of(corner);
+      const std::int32_t sharp = base_.subdivision.sharp_of_edge(0, edge);
       if (sharp < 0) continue;
-      const int end = topology.GetEdgeVertices(edges[i])[0] == vertex ? 0 : 1;
+      const int end = topology.edge_vertices(edge).first == vertex ? 0 : 1;
       return static_cast<std::int32_t>(base_.subdivision.state_layout(1).first_sharp) + 2 * sharp +
              end;
     }
@@ -214,8 +214,8 @@ class MeshBuilder {
 
   [[nodiscard]] bool is_interior(std::int32_t curve_point) const {
     const auto first = static_cast<std::int32_t>(base_.subdivision.state_layout(1).first_sharp);
-    const int edge = base_.subdivision.edge_of_sharp(0, (curve_point - first) / 2);
-    return base_.split.level(0).GetEdgeFaces(edge).size() == 2;
+    const std::int32_t edge = base_.subdivision.edge_of_sharp(0, (curve_point - first) / 2);
+    return !base_.split.topology().is_boundary_edge(edge);
   }
 
   void tag_crease(std::int32_t a, std::int32_t b) {
@@ -252,8 +252,8 @@ void carry_colors(const SubdividedMesh& base, PolygonMesh& result) {
     }
   }
   for (std::int32_t s = 0; s < base.features.sharp_edge_count; ++s) {
-    const auto ends = base.split.level(0).GetEdgeVertices(base.subdivision.edge_of_sharp(0, s));
-    const glm::vec4 a = mesh.colors[ends[0]], b = mesh.colors[ends[1]];
+    const auto [v0, v1] = base.split.topology().edge_vertices(base.subdivision.edge_of_sharp(0, s));
+    const glm::vec4 a = mesh.colors[v0], b = mesh.colors[v1];
     result.colors.push_back(0.75f * a + 0.25f * b);
     result.colors.push_back(0.75f * b + 0.25f * a);
   }

@@ -49,10 +49,11 @@ class DooSabinTables final : public SurfaceTables {
 
 class PrimalTables final : public SurfaceTables {
  public:
-  PrimalTables(const PolygonMesh& mesh, PrimalScheme scheme, const EvaluateOptions& options)
-      : level_(options.level), split_(mesh, {scheme, options.sharp}) {
+  PrimalTables(const UsedPart& used, PrimalScheme scheme, const EvaluateOptions& options)
+      : level_(options.level),
+        split_(used.mesh, {scheme, options.sharp, used.prepared->topology.get()}) {
     const std::vector<LevelCounts> counts = split_.counts_to(state_level());
-    require_memory(counts, LastLevel::Full, RefinedAttributes::of(mesh),
+    require_memory(counts, LastLevel::Full, RefinedAttributes::of(used.mesh),
                    options.memory_limit_bytes);
     split_.refine(state_level());
     rows_ = primal_sector_rows(split_, state_level(), counts[level_].vertices);
@@ -119,9 +120,9 @@ std::unique_ptr<SurfaceTables> doo_sabin_tables(const SubdividedMesh& cage, int 
   return std::make_unique<DooSabinTables>(cage, level);
 }
 
-std::unique_ptr<SurfaceTables> primal_tables(const PolygonMesh& mesh, PrimalScheme scheme,
+std::unique_ptr<SurfaceTables> primal_tables(const UsedPart& used, PrimalScheme scheme,
                                              const EvaluateOptions& options) {
-  return std::make_unique<PrimalTables>(mesh, scheme, options);
+  return std::make_unique<PrimalTables>(used, scheme, options);
 }
 
 }  // namespace planish

@@ -44,9 +44,9 @@ class SurfaceTables {
 [[nodiscard]] std::unique_ptr<SurfaceTables> doo_sabin_tables(const SubdividedMesh& cage,
                                                               int level);
 
-/// `mesh` passes check() and has no unused vertices. Throws Error{UnusableMesh} for Loop on other
+/// Throws Error{UnusableMesh} for Loop on other
 /// faces than triangles and Error{OutOfMemory} before memory is taken.
-[[nodiscard]] std::unique_ptr<SurfaceTables> primal_tables(const PolygonMesh& mesh,
+[[nodiscard]] std::unique_ptr<SurfaceTables> primal_tables(const UsedPart& used,
                                                            PrimalScheme scheme,
                                                            const EvaluateOptions& options);
 
