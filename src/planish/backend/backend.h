@@ -96,7 +96,8 @@ class Backend {
 
   [[nodiscard]] virtual DeviceDescription description() const = 0;
 
-  /// `limit_masks` is B, square; it is copied to the device.
+  /// `limit_masks` is B, square; it is copied to the device, or must outlive the solve where the
+  /// device is the CPU.
   [[nodiscard]] virtual std::unique_ptr<Solve> make_solve(
       const StencilView<double>& limit_masks) = 0;
 

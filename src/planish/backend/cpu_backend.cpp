@@ -7,9 +7,11 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <thread>
+#include <type_traits>
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
 
 namespace planish {
 
@@ -91,22 +93,26 @@ template <class Real>
 class CpuSolve final : public Solve {
  public:
   CpuSolve(const StencilView<double>& masks, oneapi::tbb::task_arena& arena)
-      : arena_(arena),
-        sizes_(masks.sizes.begin(), masks.sizes.end()),
-        offsets_(masks.offsets.begin(), masks.offsets.end()),
-        indices_(masks.indices.begin(), masks.indices.end()),
-        weights_(masks.weights.begin(), masks.weights.end()) {
+      : arena_(arena), sizes_(masks.sizes), offsets_(masks.offsets), indices_(masks.indices) {
     PLANISH_ASSERT(masks.source_count == masks.row_count());
+    if constexpr (std::is_same_v<Real, double>) {
+      weights_ = masks.weights;
+    } else {
+      rounded_weights_.resize(masks.weights.size());
+      for_pieces(rounded_weights_.size(),
+                 [&](std::size_t k) { rounded_weights_[k] = static_cast<Real>(masks.weights[k]); });
+      weights_ = rounded_weights_;
+    }
   }
 
   void begin(std::span<const glm::dvec3> initial_residual) override {
     PLANISH_ASSERT(initial_residual.size() == sizes_.size());
-    initial_residual_.resize(sizes_.size());
-    for (std::size_t i = 0; i < sizes_.size(); ++i) {
+    for (Points* points : {&initial_residual_, &displacement_, &next_displacement_, &step_})
+      points->resize(sizes_.size());
+    for_pieces(sizes_.size(), [&](std::size_t i) {
       initial_residual_[i] = Lanes<Real>::of(initial_residual[i]);
-    }
-    displacement_.assign(sizes_.size(), Lanes<Real>{});
-    next_displacement_ = step_ = displacement_;
+      displacement_[i] = step_[i] = Lanes<Real>{};
+    });
   }
 
   StepLog run(std::span<const StepCoefficients> steps, double stop_error) override {
@@ -139,7 +145,7 @@ class CpuSolve final : public Solve {
 
   [[nodiscard]] std::vector<glm::dvec3> displacement() const override {
     std::vector<glm::dvec3> result(displacement_.size());
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = displacement_[i].point();
+    for_pieces(result.size(), [&](std::size_t i) { result[i] = displacement_[i].point(); });
     return result;
   }
 
@@ -188,7 +194,16 @@ class CpuSolve final : public Solve {
   }
 
  private:
-  using Points = std::vector<Lanes<Real>>;
+  using Points = RawVector<Lanes<Real>>;
+
+  template <class Body>
+  void for_pieces(std::size_t count, const Body& body) const {
+    arena_.execute([&] {
+      parallel_for(count, kPieceRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) body(i);
+      });
+    });
+  }
 
   // Sums in index order.
   [[nodiscard]] Lanes<Real> row(std::size_t i, const Points& source) const {
@@ -240,8 +255,9 @@ class CpuSolve final : public Solve {
   }
 
   oneapi::tbb::task_arena& arena_;
-  std::vector<std::int32_t> sizes_, offsets_, indices_;
-  std::vector<Real> weights_;
+  std::span<const std::int32_t> sizes_, offsets_, indices_;  // of the caller's table
+  std::span<const Real> weights_;
+  RawVector<Real> rounded_weights_;
   Points initial_residual_, displacement_, next_displacement_, step_;
   Points residual_, image_;
   std::vector<double> row_weights_;

@@ -4,9 +4,9 @@
 
 namespace planish {
 
-std::vector<glm::dvec3> initial_residual(const StencilView<double>& masks,
-                                         std::span<const glm::dvec3> given) {
-  std::vector<glm::dvec3> residual(given.size());
+RawVector<glm::dvec3> initial_residual(const StencilView<double>& masks,
+                                       std::span<const glm::dvec3> given) {
+  RawVector<glm::dvec3> residual(given.size());
   parallel_for(given.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       glm::dvec3 sum(0.0);

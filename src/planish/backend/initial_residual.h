@@ -2,15 +2,15 @@
 
 #include <glm/vec3.hpp>
 #include <span>
-#include <vector>
 
+#include "planish/core/raw_vector.h"
 #include "planish/stencil/stencil_table.h"
 
 namespace planish {
 
 /// given - B given, one per row: sum_j b_ij (given_i - given_j), so that rounding is relative to
 /// the differences and rows need not sum to 1 to the last bit.
-[[nodiscard]] std::vector<glm::dvec3> initial_residual(const StencilView<double>& limit_masks,
-                                                       std::span<const glm::dvec3> given);
+[[nodiscard]] RawVector<glm::dvec3> initial_residual(const StencilView<double>& limit_masks,
+                                                     std::span<const glm::dvec3> given);
 
 }  // namespace planish

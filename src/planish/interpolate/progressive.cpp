@@ -15,6 +15,7 @@
 #include "planish/backend/initial_residual.h"
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
 
 namespace planish {
 
@@ -34,30 +35,55 @@ constexpr double kStagnationFactor = 0.9;
 // The spectrum lies in (0, 1], where no step can enlarge the error much; beyond this it diverges.
 constexpr double kDivergenceFactor = 1e3;
 
+// Rows that a thread takes at least.
+constexpr std::size_t kPieceRows = 4096;
+
 // The true residual in double, whatever the device computed in.
-std::vector<glm::dvec3> residual_of(const StencilView<double>& masks,
-                                    std::span<const glm::dvec3> initial,
-                                    std::span<const glm::dvec3> displacement) {
-  std::vector<glm::dvec3> result(initial.begin(), initial.end());
-  parallel_for(initial.size(), 4096, [&](std::size_t begin, std::size_t end) {
+RawVector<glm::dvec3> residual_of(const StencilView<double>& masks,
+                                  std::span<const glm::dvec3> initial,
+                                  std::span<const glm::dvec3> displacement) {
+  RawVector<glm::dvec3> result(initial.size());
+  parallel_for(initial.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      glm::dvec3 residual = initial[i];
       for (std::int32_t k = masks.offsets[i]; k < masks.offsets[i] + masks.sizes[i]; ++k) {
-        result[i] -= masks.weights[k] * displacement[masks.indices[k]];
+        residual -= masks.weights[k] * displacement[masks.indices[k]];
       }
+      result[i] = residual;
     }
   });
   return result;
 }
 
 void note_error(std::span<const glm::dvec3> residual, Interpolation& result) {
+  struct Piece {
+    double sum = 0, largest = -1;
+    std::size_t worst = 0;
+  };
+  // Summed by pieces of fixed size, then in their order.
+  std::vector<Piece> pieces((residual.size() + kPieceRows - 1) / kPieceRows);
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      Piece piece;
+      for (std::size_t i = p * kPieceRows; i < std::min(residual.size(), (p + 1) * kPieceRows);
+           ++i) {
+        double square = glm::dot(residual[i], residual[i]);
+        if (!std::isfinite(square)) square = std::numeric_limits<double>::infinity();
+        piece.sum += square;
+        if (square > piece.largest) {
+          piece.largest = square;
+          piece.worst = i;
+        }
+      }
+      pieces[p] = piece;
+    }
+  });
   double sum = 0, largest = -1;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    double square = glm::dot(residual[i], residual[i]);
-    if (!std::isfinite(square)) square = std::numeric_limits<double>::infinity();
-    sum += square;
-    if (square > largest) {
-      largest = square;
-      result.worst_vertex = static_cast<std::int64_t>(i);
+  for (const Piece& piece : pieces) {
+    sum += piece.sum;
+    if (piece.largest > largest) {
+      largest = piece.largest;
+      result.worst_vertex = static_cast<std::int64_t>(piece.worst);
     }
   }
   result.error = {std::sqrt(std::max(largest, 0.0)),
@@ -204,11 +230,11 @@ const char* name_of(StopReason reason) {
 Interpolation interpolate(Backend& backend, const StencilView<double>& limit_masks,
                           std::span<const glm::dvec3> given, const InterpolationOptions& options) {
   check_options(limit_masks, given, options);
-  const std::vector<glm::dvec3> initial = initial_residual(limit_masks, given);
+  const RawVector<glm::dvec3> initial = initial_residual(limit_masks, given);
   Interpolation result;
-  result.displacement.assign(given.size(), glm::dvec3(0.0));
   note_error(initial, result);
   if (result.error.max <= options.tolerance) {
+    result.displacement.assign(given.size(), glm::dvec3(0.0));
     result.converged = true;
     result.history = {result.error};
     return result;

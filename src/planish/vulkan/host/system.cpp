@@ -188,7 +188,7 @@ void System::Parts::measure_rest(const PolygonMesh& mesh, const Placement& place
   std::vector<glm::dvec3> unit(mesh.positions.size());
   std::transform(mesh.positions.begin(), mesh.positions.end(), unit.begin(),
                  [&](const glm::dvec3& p) { return placement.to_unit(p); });
-  const std::vector<glm::dvec3> initial = initial_residual(masks->view(), unit);
+  const RawVector<glm::dvec3> initial = initial_residual(masks->view(), unit);
   double largest = 0;
   for (const glm::dvec3& residual : initial) largest = std::max(largest, glm::length(residual));
   rest_error = largest * diagonal;
