@@ -1,5 +1,6 @@
 #pragma once
 
+#include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
@@ -17,5 +18,9 @@ struct CreaseDetectionOptions {
 /// The mesh must pass check(). Throws Error{InvalidArgument} for angles outside 0 to 180.
 [[nodiscard]] PolygonMesh with_detected_creases(const PolygonMesh& mesh,
                                                 const CreaseDetectionOptions& options = {});
+
+/// The same in place, for a mesh whose connectivity is at hand.
+void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
+                    const CreaseDetectionOptions& options = {});
 
 }  // namespace planish

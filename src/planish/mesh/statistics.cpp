@@ -1,61 +1,105 @@
 #include "planish/mesh/statistics.h"
 
-#include "planish/mesh/disjoint_sets.h"
-#include "planish/mesh/edge_groups.h"
+#include <algorithm>
+#include <atomic>
+
+#include "planish/core/concurrent_sets.h"
+#include "planish/core/parallel.h"
 
 namespace planish {
 namespace {
 
-void count_one(std::vector<std::int64_t>& counts, std::int32_t entry) {
-  if (counts.size() <= static_cast<std::size_t>(entry)) counts.resize(entry + 1, 0);
-  ++counts[entry];
+constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kPiece = 1 << 16;  // elements that are counted together
+
+// How often each value of value_of(0 .. count - 1) arises, pieces on all threads.
+template <class ValueOf>
+std::vector<std::int64_t> histogram(std::size_t count, const ValueOf& value_of) {
+  std::vector<std::vector<std::int64_t>> pieces((count + kPiece - 1) / kPiece);
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      std::vector<std::int64_t>& counts = pieces[p];
+      for (std::size_t i = p * kPiece; i < std::min(count, (p + 1) * kPiece); ++i) {
+        const auto value = static_cast<std::size_t>(value_of(static_cast<std::int32_t>(i)));
+        if (counts.size() <= value) counts.resize(value + 1, 0);
+        ++counts[value];
+      }
+    }
+  });
+  std::vector<std::int64_t> total;
+  for (const std::vector<std::int64_t>& counts : pieces) {
+    if (total.size() < counts.size()) total.resize(counts.size(), 0);
+    for (std::size_t i = 0; i < counts.size(); ++i) total[i] += counts[i];
+  }
+  return total;
 }
 
-}  // namespace
-
-MeshStatistics statistics(const PolygonMesh& mesh) {
-  MeshStatistics result;
-  result.vertex_count = mesh.vertex_count();
-  result.face_count = mesh.face_count();
-  for (std::int32_t face = 0; face < mesh.face_count(); ++face)
-    count_one(result.face_size_counts, mesh.face_size(face));
-
-  const std::vector<std::uint8_t> all_faces(mesh.face_count(), 1);
-  std::vector<std::int32_t> valences(mesh.vertex_count(), 0);
-  std::vector<std::uint8_t> on_boundary(mesh.vertex_count(), 0);
-  DisjointSets components(mesh.vertex_count());
-  DisjointSets loops(mesh.vertex_count());
-  std::int64_t component_joins = 0, loop_joins = 0;
-  group_edges(mesh, all_faces).for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
-    const std::int32_t higher = sides.front().higher;
-    ++result.edge_count;
-    ++valences[lower];
-    ++valences[higher];
-    component_joins += components.unite(lower, higher);
-    if (sides.size() > 1) return;
-    on_boundary[lower] = on_boundary[higher] = 1;
-    loop_joins += loops.unite(lower, higher);
-  });
-
-  std::int64_t boundary_vertices = 0;
-  for (std::int32_t vertex = 0; vertex < mesh.vertex_count(); ++vertex) {
-    boundary_vertices += on_boundary[vertex];
-    if (valences[vertex] == 0) {
-      ++result.unused_vertex_count;
-    } else {
-      count_one(result.valence_counts, valences[vertex]);
+// How many sets fewer the vertices are in once the ends of edges with use_edge are united.
+template <class UseEdge>
+std::int64_t joins(const MeshTopology& topology, const UseEdge& use_edge) {
+  ConcurrentSets sets(static_cast<std::size_t>(topology.vertex_count()));
+  std::atomic<std::int64_t> total{0};
+  parallel_for(topology.edge_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    std::int64_t joined = 0;
+    for (std::size_t e = begin; e < end; ++e) {
+      const auto edge = static_cast<std::int32_t>(e);
+      if (!use_edge(edge)) continue;
+      const auto [v0, v1] = topology.edge_vertices(edge);
+      joined += sets.unite(v0, v1) ? 1 : 0;
     }
+    total.fetch_add(joined, std::memory_order_relaxed);
+  });
+  return total.load();
+}
+
+// Each boundary vertex of a checked mesh has two boundary edges, so that loops and connected sets
+// of boundary vertices are the same.
+std::int64_t count_boundary_loops(const MeshTopology& topology) {
+  std::atomic<std::int64_t> vertices{0};
+  parallel_for(topology.vertex_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    std::int64_t count = 0;
+    for (std::size_t v = begin; v < end; ++v)
+      count += topology.is_boundary_vertex(static_cast<std::int32_t>(v)) ? 1 : 0;
+    vertices.fetch_add(count, std::memory_order_relaxed);
+  });
+  if (vertices.load() == 0) return 0;
+  return vertices.load() -
+         joins(topology, [&](std::int32_t e) { return topology.is_boundary_edge(e); });
+}
+
+MeshStatistics statistics_of(const MeshTopology& topology, std::int64_t vertex_count) {
+  MeshStatistics result;
+  result.vertex_count = vertex_count;
+  result.face_count = topology.face_count();
+  result.edge_count = topology.edge_count();
+  result.face_size_counts =
+      histogram(topology.face_count(), [&](std::int32_t f) { return topology.face_size(f); });
+  result.valence_counts =
+      histogram(topology.vertex_count(), [&](std::int32_t v) { return topology.valence(v); });
+  std::int64_t used = topology.vertex_count();
+  if (!result.valence_counts.empty()) {
+    used -= result.valence_counts.front();
+    result.valence_counts.front() = 0;
+    if (used == 0) result.valence_counts.clear();
   }
-  // Each boundary vertex of a checked mesh has two boundary edges, so that loops and connected
-  // sets of boundary vertices are the same.
-  result.boundary_loop_count = boundary_vertices - loop_joins;
-  const std::int64_t used = result.vertex_count - result.unused_vertex_count;
-  result.component_count = used - component_joins;
+  result.unused_vertex_count = vertex_count - used;
+  result.boundary_loop_count = count_boundary_loops(topology);
+  result.component_count = used - joins(topology, [](std::int32_t) { return true; });
   // Euler-Poincare: V - E + F + loops = sum over components of 2 - 2 genus.
   const std::int64_t euler =
       used - result.edge_count + result.face_count + result.boundary_loop_count;
   result.genus = result.component_count - euler / 2;
   return result;
+}
+
+}  // namespace
+
+MeshStatistics statistics(const PolygonMesh& mesh) {
+  return statistics_of(MeshTopology(mesh), mesh.vertex_count());
+}
+
+MeshStatistics statistics(const PreparedMesh& prepared) {
+  return statistics_of(*prepared.topology, prepared.given_vertex_count);
 }
 
 }  // namespace planish

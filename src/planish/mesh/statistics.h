@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/prepared_mesh.h"
 
 namespace planish {
 
@@ -18,5 +19,8 @@ struct MeshStatistics {
 
 /// The mesh must pass check().
 [[nodiscard]] MeshStatistics statistics(const PolygonMesh& mesh);
+
+/// The same of a mesh that is prepared.
+[[nodiscard]] MeshStatistics statistics(const PreparedMesh& prepared);
 
 }  // namespace planish
