@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
-#include "planish/mesh/mesh_file.h"
+#include "planish/files/mesh_file.h"
 #include "support/descriptor_refiner.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -47,7 +47,7 @@ std::vector<NamedMesh> meshes() {
   for (const auto& entry : std::filesystem::directory_iterator(PLANISH_SCENES)) {
     if (entry.path().extension() != ".obj") continue;
     const std::string name = entry.path().filename().string();
-    all.push_back({name, read_mesh(read_file(entry.path()), name, MeshFormat::Obj).mesh});
+    all.push_back({name, read_mesh(entry.path()).mesh});
   }
   return all;
 }

@@ -1,5 +1,6 @@
 #include "planish/mesh/prepared_mesh.h"
 
+#include <optional>
 #include <utility>
 
 #include "planish/core/assert.h"
@@ -10,12 +11,10 @@
 
 namespace planish {
 
-std::shared_ptr<const PreparedMesh> prepare_mesh(const PolygonMesh& mesh, std::string_view name) {
-  std::optional<MeshTopology> topology = sound_topology(mesh);
-  if (!topology) {
-    require_usable(mesh, name);
-    topology.emplace(mesh);
-  }
+namespace {
+
+std::shared_ptr<const PreparedMesh> prepared_of(const PolygonMesh& mesh,
+                                                std::optional<MeshTopology> topology) {
   auto prepared = std::make_shared<PreparedMesh>();
   prepared->given_vertex_count = mesh.vertex_count();
   const auto is_used = [&](std::size_t v) {
@@ -30,6 +29,26 @@ std::shared_ptr<const PreparedMesh> prepare_mesh(const PolygonMesh& mesh, std::s
   if (!prepared->uses_all()) topology.emplace(without_unused_vertices(mesh).mesh);
   prepared->topology = std::make_shared<const MeshTopology>(std::move(*topology));
   return prepared;
+}
+
+}  // namespace
+
+std::shared_ptr<const PreparedMesh> prepare_if_sound(const PolygonMesh& mesh) {
+  std::optional<MeshTopology> topology = sound_topology(mesh);
+  if (!topology) {
+    if (!check(mesh).empty()) return nullptr;
+    topology.emplace(mesh);
+  }
+  return prepared_of(mesh, std::move(topology));
+}
+
+std::shared_ptr<const PreparedMesh> prepare_mesh(const PolygonMesh& mesh, std::string_view name) {
+  std::optional<MeshTopology> topology = sound_topology(mesh);
+  if (!topology) {
+    require_usable(mesh, name);
+    topology.emplace(mesh);
+  }
+  return prepared_of(mesh, std::move(topology));
 }
 
 UsedPart used_part(const PolygonMesh& mesh, std::shared_ptr<const PreparedMesh> prepared) {

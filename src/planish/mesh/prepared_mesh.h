@@ -24,6 +24,9 @@ struct PreparedMesh {
   }
 };
 
+/// Null where the mesh has a problem that check() reports.
+[[nodiscard]] std::shared_ptr<const PreparedMesh> prepare_if_sound(const PolygonMesh& mesh);
+
 /// Throws as require_usable().
 [[nodiscard]] std::shared_ptr<const PreparedMesh> prepare_mesh(const PolygonMesh& mesh,
                                                                std::string_view name);

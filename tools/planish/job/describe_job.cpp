@@ -39,11 +39,11 @@ void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
     describe_point_job(job, outputs, device);
     return;
   }
-  const Input input = read_input(job.input, job.input_format);
+  Input input = read_input(job.input, job.input_format);
   const auto method = job.settings.interpolation == InterpolationChoice::Fair
                           ? InterpolationMethod::Fair
                           : InterpolationMethod::Progressive;
-  const PolygonMesh mesh = prepare(input.file.mesh, job.settings, method).mesh;
+  const PolygonMesh mesh = prepare(std::move(input.file.mesh), job.settings, method).mesh;
   require_usable(mesh, input.name);
   std::string text = "would fit " + input.name + ": " + with_separators(mesh.vertex_count()) +
                      " vertices" + ", " + counted(mesh.face_count(), "face") + "\n";

@@ -9,10 +9,12 @@
 namespace planish::command {
 namespace {
 
-Fit run_fit(const Input& input, Backend& backend, const JobReport& report,
+Fit run_fit(const JobInput& made, Backend& backend, const JobReport& report,
             const Callbacks& callbacks) {
+  const Input& input = made.input;
   const Settings& settings = report.settings;
   FitOptions options;
+  options.prepared = made.prepared;
   options.method = report.method;
   options.polish_steps = settings.polish_steps;
   options.scheme = settings.scheme;
@@ -78,17 +80,16 @@ void warn_of_the_solve(JobReport& report, Console& console) {
                1, result.worst_vertex});
 }
 
-void warn_of_unused(JobReport& report, const PolygonMesh& mesh, Console& console) {
+void warn_of_unused(JobReport& report, const PreparedMesh& mesh, Console& console) {
   const std::int64_t count = report.input.statistics.unused_vertex_count;
   if (count == 0) return;
-  std::vector<bool> used(mesh.positions.size());
-  for (const std::int32_t vertex : mesh.face_vertices) used[vertex] = true;
-  const auto first = std::ranges::find(used, false) - used.begin();
+  std::int64_t first = 0;
+  while (first < std::ssize(mesh.vertices) && mesh.vertices[first] == first) ++first;
   add_warning(
       report, console,
       {"unused-vertices",
        report.input.path + ": " + with_separators(count) + " of " +
-           with_separators(mesh.vertex_count()) + " vertices belong to no face (the first is " +
+           with_separators(mesh.given_vertex_count) + " vertices belong to no face (the first is " +
            std::to_string(first) + "); they stay where they are in the cage",
        count, first});
 }
@@ -97,11 +98,11 @@ void warn_of_unused(JobReport& report, const PolygonMesh& mesh, Console& console
 
 Fit fit_input(const JobInput& made, Backend& backend, JobReport& report,
               const JobContext& context) {
-  const PolygonMesh& mesh = made.input.file.mesh;
-  Fit result = run_fit(made.input, backend, report, callbacks_for(report, context));
-  report.input.statistics = timed(report.timing.check, [&] { return statistics(mesh); });
+  Fit result = run_fit(made, backend, report, callbacks_for(report, context));
+  report.input.statistics =
+      timed(report.timing.check, [&] { return statistics(*result.prepared); });
   note_fit(report, result);
-  warn_of_unused(report, mesh, context.console);
+  warn_of_unused(report, *result.prepared, context.console);
   warn_of_the_solve(report, context.console);
   return result;
 }

@@ -115,13 +115,14 @@ void prepare_input(JobInput& made, JobReport& report, Console& console) {
   Input& input = made.input;
   report.method = method_for(report.settings, made);
   try {
-    RepairedMesh prepared = prepare(input.file.mesh, report.settings, report.method);
+    ReadyMesh prepared = prepare(std::move(input.file.mesh), report.settings, report.method);
     for (Warning change : prepared.changes) {
       change.message = input.name + ": " + change.message;
       add_warning(report, console, change);
     }
     report.input.changed_faces = std::move(prepared.changed_faces);
     input.file.mesh = std::move(prepared.mesh);
+    made.prepared = std::move(prepared.prepared);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::UnusableMesh) require_usable(input.file.mesh, input.name);
     throw;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "job/input.h"
 #include "job/job.h"
 #include "planish/core/callbacks.h"
+#include "planish/mesh/prepared_mesh.h"
 
 namespace planish::command {
 
@@ -19,8 +21,9 @@ void add_warning(JobReport& report, Console& console, const Warning& warning);
 /// A mesh, or points with the mesh that was made of them.
 struct JobInput {
   Input input;
-  std::vector<glm::dvec3> points;  ///< that were used, where the file has them
-  std::optional<Input> source;     ///< where the job names one
+  std::vector<glm::dvec3> points;                ///< that were used, where the file has them
+  std::optional<Input> source;                   ///< where the job names one
+  std::shared_ptr<const PreparedMesh> prepared;  ///< of the mesh; null where it cannot be used
 };
 
 /// Reads a job's input, meshing points, and its source, and notes in the report what the file is.

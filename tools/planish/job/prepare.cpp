@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "planish/core/error.h"
-#include "planish/mesh/check.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/detect_creases.h"
 
@@ -14,11 +13,11 @@ namespace planish::command {
 
 namespace {
 
-void cut_concave_faces(RepairedMesh& prepared) {
+void cut_concave_faces(ReadyMesh& prepared) {
   ConvexMesh convex = with_convex_faces(prepared.mesh);
   if (convex.cut_faces.empty()) return;
   std::vector<std::int32_t>& sources = prepared.source_faces;
-  const auto source_of = [&](std::int32_t face) { return sources[face]; };
+  const auto source_of = [&](std::int32_t face) { return sources.empty() ? face : sources[face]; };
   const auto count = static_cast<std::int64_t>(convex.cut_faces.size());
   std::ranges::transform(convex.cut_faces, convex.cut_faces.begin(), source_of);
   prepared.changes.push_back(
@@ -33,31 +32,36 @@ void cut_concave_faces(RepairedMesh& prepared) {
   std::ranges::transform(convex.source_faces, convex.source_faces.begin(), source_of);
   sources = std::move(convex.source_faces);
   prepared.mesh = std::move(convex.mesh);
+  prepared.prepared = prepare_if_sound(prepared.mesh);
 }
 
 }  // namespace
 
-RepairedMesh prepare(const PolygonMesh& mesh, RepairChoice choice, const CreaseChoice& creases,
-                     InterpolationMethod method) {
-  RepairedMesh prepared;
-  if (choice == RepairChoice::Safe) {
-    prepared = repair(mesh);
-    if (method == InterpolationMethod::Fair) cut_concave_faces(prepared);
+ReadyMesh prepare(PolygonMesh&& mesh, const Preparation& choice) {
+  ReadyMesh ready;
+  ready.prepared = prepare_if_sound(mesh);
+  if (ready.prepared || choice.repair == RepairChoice::None) {
+    ready.mesh = std::move(mesh);
   } else {
-    prepared.mesh = mesh;
+    static_cast<RepairedMesh&>(ready) = repair(mesh);
+    ready.prepared = prepare_if_sound(ready.mesh);
   }
-  if (creases.dihedral_degrees && (choice == RepairChoice::Safe || check(mesh).empty())) {
-    prepared.mesh =
-        with_detected_creases(prepared.mesh, {.dihedral_degrees = *creases.dihedral_degrees});
+  if (choice.repair == RepairChoice::Safe && choice.method == InterpolationMethod::Fair)
+    cut_concave_faces(ready);
+  if (!choice.creases.dihedral_degrees || !ready.prepared) return ready;
+  const CreaseDetectionOptions options{.dihedral_degrees = *choice.creases.dihedral_degrees};
+  if (ready.prepared->uses_all()) {
+    detect_creases(ready.mesh, *ready.prepared->topology, options);
+  } else {
+    ready.mesh = with_detected_creases(ready.mesh, options);
   }
-  return prepared;
+  return ready;
 }
 
-RepairedMesh prepare(const PolygonMesh& mesh, const Settings& settings,
-                     InterpolationMethod method) {
-  if (settings.crease_edges.empty() && settings.corner_vertices.empty()) {
-    return prepare(mesh, settings.repair, settings.creases, method);
-  }
+ReadyMesh prepare(PolygonMesh&& mesh, const Settings& settings, InterpolationMethod method) {
+  const Preparation choice{settings.repair, settings.creases, method};
+  if (settings.crease_edges.empty() && settings.corner_vertices.empty())
+    return prepare(std::move(mesh), choice);
   const auto require_vertex = [&](std::int32_t vertex, const char* key) {
     if (vertex < mesh.vertex_count()) return;
     throw Error(ErrorCode::UnusableMesh, std::string(key) + " of the scene names vertex " +
@@ -73,7 +77,7 @@ RepairedMesh prepare(const PolygonMesh& mesh, const Settings& settings,
     require_vertex(corner.vertex, "corner_vertices");
     tagged.corners.push_back(corner);
   }
-  return prepare(tagged, settings.repair, settings.creases, method);
+  return prepare(std::move(tagged), choice);
 }
 
 }  // namespace planish::command

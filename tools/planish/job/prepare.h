@@ -1,21 +1,36 @@
 #pragma once
 
+#include <memory>
+
 #include "options/settings.h"
 #include "planish/fair/interpolation_method.h"
+#include "planish/mesh/prepared_mesh.h"
 #include "planish/mesh/repair.h"
 
 namespace planish::command {
 
+/// What changes a mesh on its way to the fit.
+struct Preparation {
+  RepairChoice repair = RepairChoice::Safe;
+  CreaseChoice creases;
+  InterpolationMethod method = InterpolationMethod::Progressive;
+};
+
+/// A mesh to be fitted, with what was found of it. The lists of source vertices and faces are empty
+/// where nothing was repaired or cut.
+struct ReadyMesh : RepairedMesh {
+  std::shared_ptr<const PreparedMesh> prepared;  ///< null where it cannot be used
+};
+
 /// The mesh that is fitted: repaired unless the choice is none, with creases detected where the
 /// choice names an angle, and for fair surfaces, which fold beside corners that turn inward, with
 /// concave faces cut where repair may. A mesh that remains unusable comes back as it is, for
-/// require_usable() to refuse. Throws what repair() throws.
-[[nodiscard]] RepairedMesh prepare(const PolygonMesh& mesh, RepairChoice repair,
-                                   const CreaseChoice& creases, InterpolationMethod method);
+/// require_usable() to refuse. Throws what repair() throws, and then leaves `mesh` as it is.
+[[nodiscard]] ReadyMesh prepare(PolygonMesh&& mesh, const Preparation& choice);
 
 /// The same for a job, whose scene file may tag further edges and vertices of the input. Throws
 /// Error{UnusableMesh} for a tag that names no vertex.
-[[nodiscard]] RepairedMesh prepare(const PolygonMesh& mesh, const Settings& settings,
-                                   InterpolationMethod method);
+[[nodiscard]] ReadyMesh prepare(PolygonMesh&& mesh, const Settings& settings,
+                                InterpolationMethod method);
 
 }  // namespace planish::command

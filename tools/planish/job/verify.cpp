@@ -63,8 +63,9 @@ std::vector<glm::dvec3> fair_limits(const Input& cage, const PolygonMesh& given,
 }  // namespace
 
 Verification verify(const Input& cage, const Input& given, const VerifyOptions& options) {
-  const PolygonMesh prepared =
-      prepare(given.file.mesh, options.repair, options.creases, options.interpolation).mesh;
+  const PolygonMesh prepared = prepare(PolygonMesh(given.file.mesh),
+                                       {options.repair, options.creases, options.interpolation})
+                                   .mesh;
   require_usable(prepared, given.name);
   const std::vector<glm::dvec3> limit =
       options.interpolation == InterpolationMethod::Fair
