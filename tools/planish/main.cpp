@@ -1,7 +1,27 @@
+#include <cstdlib>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "commands.h"
 #include "terminal/interrupt.h"
 
+namespace {
+
+// Every step of a job takes and frees arrays of megabytes. glibc gives those back to the system at
+// once, which then zeroes fresh pages for the next step: a third of a fit's time.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);
+  mallopt(M_TOP_PAD, 64 << 20);
+#endif
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  keep_freed_memory();
   planish::command::install_signal_handlers();
   return static_cast<int>(planish::command::run_command_line({argv, argv + argc}));
 }
