@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 
 namespace planish {
 namespace {
@@ -23,8 +24,51 @@ std::string quote(std::string_view text) {
   return result + (text.size() > kLongest ? "...`" : "`");
 }
 
+namespace {
+
+// Powers of ten that doubles hold exactly.
+constexpr std::array<double, 23> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                                 1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                                 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+// Digits with at most one point and a minus before them, where number and power of ten are exact
+// doubles: their quotient is then rounded once, as it has to be. Based on: Clinger, "How to read
+// floating point numbers accurately", 1990.
+bool parse_plain(std::string_view token, double& value) {
+  constexpr std::size_t kMostDigits = 18;  // that 64 bits hold for sure
+  constexpr std::uint64_t kLargestExact = std::uint64_t{1} << 53;
+  const char* at = token.data();
+  const char* const end = at + token.size();
+  const bool negative = at < end && *at == '-';
+  at += negative ? 1 : 0;
+  if (static_cast<std::size_t>(end - at) > kMostDigits + 1) return false;
+  std::uint64_t digits = 0;
+  const char* point = nullptr;
+  std::ptrdiff_t count = 0;
+  for (; at < end; ++at) {
+    const auto digit = static_cast<unsigned char>(*at - '0');
+    if (digit <= 9) {
+      digits = 10 * digits + digit;
+      ++count;
+    } else if (*at == '.' && point == nullptr) {
+      point = at;
+    } else {
+      return false;
+    }
+  }
+  if (count == 0 || count > static_cast<std::ptrdiff_t>(kMostDigits) || digits > kLargestExact)
+    return false;
+  const std::ptrdiff_t decimals = point == nullptr ? 0 : end - point - 1;
+  const double magnitude = static_cast<double>(digits) / kPowersOfTen[decimals];
+  value = negative ? -magnitude : magnitude;
+  return true;
+}
+
+}  // namespace
+
 bool parse_number(std::string_view token, double& value) {
   token = without_plus(token);
+  if (parse_plain(token, value)) return true;
   double parsed = 0;
   const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), parsed);
   if (error != std::errc() || end != token.data() + token.size() || !std::isfinite(parsed))

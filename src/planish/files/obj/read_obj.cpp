@@ -1,247 +1,317 @@
-// Based on: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manual, appendix B1.
-// Numbers are parsed with std::from_chars, because a cage must be read back bit by bit.
+// Parts of the file are read on all threads, then joined. Where anything is wrong the file is read
+// again as one part, which knows the lines and faces that messages name.
 #include "planish/files/obj/read_obj.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <functional>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "planish/files/obj/obj_tags.h"
+#include "planish/core/error.h"
+#include "planish/core/parallel.h"
+#include "planish/files/obj/obj_part.h"
 #include "planish/files/shared/attribute_collector.h"
-#include "planish/files/shared/srgb.h"
 #include "planish/files/shared/text_lines.h"
 
 namespace planish {
 namespace {
 
-constexpr std::array<std::string_view, 5> kDroppedKeywords = {"curv", "curv2", "l", "p", "surf"};
-constexpr std::array<std::string_view, 33> kPassedOverKeywords = {
-    "bevel", "bmat",       "bsp",   "bzp", "c_interp", "call",     "cdc",  "cdp",  "con",
-    "csh",   "cstype",     "ctech", "deg", "d_interp", "end",      "hole", "lod",  "maplib",
-    "mg",    "mtllib",     "parm",  "res", "s",        "scrv",     "sp",   "step", "trim",
-    "vn",    "shadow_obj", "stech", "vp",  "usemap",   "trace_obj"};
+using Readers = std::vector<std::unique_ptr<ObjPartReader>>;
 
-// All words of a line, with one blank between them.
-std::string joined(Words words) {
-  std::string text(words.next());
-  for (std::string_view word = words.next(); !word.empty(); word = words.next())
-    text.append(" ").append(word);
-  return text;
-}
-
-class ObjReader {
+// The file made of its parts.
+class ObjJoiner {
  public:
-  ObjReader(std::span<const std::byte> bytes, std::string_view name)
-      : lines_(bytes, name, TextLines::Continuation::Backslash), tags_(lines_, file_.mesh) {}
+  explicit ObjJoiner(const Readers& readers) : readers_(readers) {}
 
-  MeshFile read() {
+  // Nothing where the file has to be read as one part, for the words of what is wrong.
+  std::optional<MeshFile> join() {
+    if (!number_parts() || !settle_indices()) return std::nullopt;
     file_.format = FileFormat::Obj;
-    while (lines_.next()) read_line();
-    warn_of(unknown_keyword_, "keyword");
-    warn_of(tags_.unknown(), "tag");
+    warn_of("keyword",
+            [](ObjPartReader& r) -> const UnknownWord& { return r.part().unknown_keyword; });
+    warn_of("tag", [](ObjPartReader& r) -> const UnknownWord& { return r.tags().unknown(); });
     warn_of_clamped_colors();
-    const auto vertex_count = static_cast<std::int64_t>(file_.mesh.positions.size());
-    // Faces count from 1, tags from 0.
-    require(largest_vertex_, 1, "face names vertex ", vertex_count);
-    require(largest_uv_, 1, "face names texture coordinate ",
-            static_cast<std::int64_t>(uvs_.size()));
-    require(tags_.largest_vertex(), 0, "tag names vertex ", vertex_count);
-    require(tags_.largest_face(), 0, "tag names face ", file_.mesh.face_count());
-    attributes_.finish(std::move(uvs_), file_.mesh);
+    require_indices();
+    name_faces();
+    gather();
     return std::move(file_);
   }
 
  private:
-  void read_line();
-  void read_comment();
-  void read_vertex(Words words);
-  void read_uv(Words words);
-  void read_face(Words words);
-  void read_corner(std::string_view word);
-  std::int32_t zero_based(std::int64_t index, const std::string& what, std::size_t count,
-                          LargestIndex& largest);
-  void use_group();
-  void read_other(std::string_view keyword);
-  void warn_of(const UnknownWord& unknown, const std::string& kind);
+  struct Base {
+    std::int64_t vertex = 0, uv = 0, face = 0, corner = 0, line = 0;
+  };
+
+  [[nodiscard]] ObjPart& part(std::size_t p) const { return readers_[p]->part(); }
+  [[nodiscard]] bool is_whole() const { return readers_.size() == 1; }
+  bool number_parts();
+  bool settle_indices();
+  template <class WordOf>
+  void warn_of(const std::string& kind, const WordOf& word_of);
   void warn_of_clamped_colors();
+  void require_indices() const;
   void require(const LargestIndex& largest, int base, const std::string& what,
                std::int64_t count) const;
+  void name_faces();
+  void gather();
 
-  TextLines lines_;
+  const Readers& readers_;
+  std::vector<Base> bases_;  // one more than parts
   MeshFile file_;
-  ObjTags tags_;
-  AttributeCollector attributes_;
-  std::vector<glm::dvec2> uvs_;
-  std::string object_, group_, material_;
-  LargestIndex largest_vertex_, largest_uv_;
-  UnknownWord unknown_keyword_;
-  std::int64_t clamped_colors_ = 0;
 };
 
-void ObjReader::read_line() {
-  Words words(lines_.line());
-  const std::string_view keyword = words.next();
-  if (keyword == "v") {
-    read_vertex(words);
-  } else if (keyword == "f" || keyword == "fo") {
-    read_face(words);
-  } else if (keyword == "vt") {
-    read_uv(words);
-  } else if (keyword == "t") {
-    tags_.read(words);
-  } else if (keyword == "usemtl") {
-    material_ = joined(words);
-    use_group();
-  } else if (keyword == "g") {
-    group_ = joined(words);
-    use_group();
-  } else if (keyword == "o") {
-    object_ = joined(words);
-    group_.clear();
-    use_group();
-  } else if (keyword.empty()) {
-    read_comment();
-  } else {
-    read_other(keyword);
+bool ObjJoiner::number_parts() {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  bases_.resize(readers_.size() + 1);
+  for (std::size_t p = 0; p < readers_.size(); ++p) {
+    const ObjPart& from = part(p);
+    const Base& base = bases_[p];
+    bases_[p + 1] = {base.vertex + from.mesh.vertex_count(),
+                     base.uv + static_cast<std::int64_t>(from.uvs.size()),
+                     base.face + from.mesh.face_count(),
+                     base.corner + static_cast<std::int64_t>(from.mesh.face_vertices.size()),
+                     base.line + from.line_count};
   }
+  const Base& all = bases_.back();
+  return is_whole() || std::max({all.vertex, all.uv, all.face, all.corner}) < kMost;
 }
 
-void ObjReader::read_comment() {
-  constexpr std::string_view kHeader = "# planish ";
-  if (lines_.line().starts_with(kHeader)) file_.header.emplace_back(lines_.line().substr(2));
-}
-
-void ObjReader::use_group() {
-  attributes_.use_group({.name = group_.empty() ? object_ : group_, .material = material_});
-}
-
-// `x y z`, `x y z w`, `x y z r g b` or `x y z r g b a`; w is for curves only.
-void ObjReader::read_vertex(Words words) {
-  const auto vertex = static_cast<std::int64_t>(file_.mesh.positions.size());
-  if (vertex == std::numeric_limits<std::int32_t>::max())
-    lines_.fail("more than " + std::to_string(vertex) + " vertices");
-  glm::dvec3 position(0.0);
-  glm::dvec4 color(1.0);
-  int count = 0;
-  for (std::string_view word = words.next(); !word.empty(); word = words.next(), ++count) {
-    double value = 0;
-    if (!parse_number(word, value))
-      lines_.fail("vertex coordinate " + quote(word) + " is no finite number", vertex);
-    if (count < 3) {
-      position[count] = value;
-    } else if (count < 7) {
-      color[count - 3] = value;
+// Indices counted backwards, and where each part's faces begin.
+bool ObjJoiner::settle_indices() {
+  std::atomic<bool> sound{true};
+  parallel_for(readers_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      PolygonMesh& mesh = part(p).mesh;
+      const auto settle = [&](std::vector<std::int32_t>& indices,
+                              std::span<const std::size_t> places, std::int64_t base) {
+        for (const std::size_t place : places) {
+          const std::int64_t index = indices[place] + base;
+          if (index < 0) sound.store(false, std::memory_order_relaxed);
+          indices[place] = static_cast<std::int32_t>(index);
+        }
+      };
+      settle(mesh.face_vertices, part(p).backward_vertices, bases_[p].vertex);
+      settle(mesh.face_uvs, part(p).backward_uvs, bases_[p].uv);
+      for (std::int32_t& offset : mesh.face_offsets)
+        offset = static_cast<std::int32_t>(offset + bases_[p].corner);
     }
+  });
+  const auto fits = [&](const auto& largest_of, std::int64_t count) {
+    return std::ranges::all_of(readers_, [&](const std::unique_ptr<ObjPartReader>& reader) {
+      return largest_of(*reader).index < count;
+    });
+  };
+  const Base& all = bases_.back();
+  return is_whole() ||
+         (sound.load() &&
+          fits([](ObjPartReader& r) { return r.part().largest_vertex; }, all.vertex) &&
+          fits([](ObjPartReader& r) { return r.part().largest_uv; }, all.uv) &&
+          fits([](ObjPartReader& r) { return r.tags().largest_vertex(); }, all.vertex) &&
+          fits([](ObjPartReader& r) { return r.tags().largest_face(); }, all.face));
+}
+
+template <class WordOf>
+void ObjJoiner::warn_of(const std::string& kind, const WordOf& word_of) {
+  std::int64_t count = 0, line = 0;
+  std::string name;
+  for (std::size_t p = 0; p < readers_.size(); ++p) {
+    const UnknownWord& unknown = word_of(*readers_[p]);
+    if (count == 0 && unknown.count > 0) {
+      line = bases_[p].line + unknown.line;
+      name = unknown.name;
+    }
+    count += unknown.count;
   }
-  if (count < 3)
-    lines_.fail("vertex has " + std::to_string(count) + " coordinates, 3 are needed", vertex);
-  file_.mesh.positions.push_back(position);
-  if (count < 6) return;
-  const auto is_outside = [&](int i) { return color[i] < 0 || color[i] > 1; };
-  if (is_outside(0) || is_outside(1) || is_outside(2) || is_outside(3)) ++clamped_colors_;
-  attributes_.color_vertex(static_cast<std::int32_t>(vertex), linear_of_srgb(color));
-}
-
-// `u`, `u v` or `u v w`; w is for textures in space.
-void ObjReader::read_uv(Words words) {
-  const auto index = static_cast<std::int64_t>(uvs_.size());
-  if (index == std::numeric_limits<std::int32_t>::max())
-    lines_.fail("more than " + std::to_string(index) + " texture coordinates");
-  glm::dvec2 uv(0.0);
-  int count = 0;
-  for (std::string_view word = words.next(); !word.empty(); word = words.next(), ++count) {
-    double value = 0;
-    if (!parse_number(word, value))
-      lines_.fail("texture coordinate " + quote(word) + " is no finite number", index);
-    if (count < 2) uv[count] = value;
-  }
-  if (count == 0) lines_.fail("texture coordinate without a number", index);
-  uvs_.push_back(uv);
-}
-
-// From what a face says: counted from 1, or backwards from the last that stands before it.
-std::int32_t ObjReader::zero_based(std::int64_t index, const std::string& what, std::size_t count,
-                                   LargestIndex& largest) {
-  const std::int64_t face = file_.mesh.face_count();
-  const auto before = static_cast<std::int64_t>(count);
-  if (index == 0) lines_.fail("face names " + what + " 0, but OBJ counts from 1", face);
-  if (index < -before)
-    lines_.fail("face names " + what + " " + std::to_string(index) + ", but only " +
-                    std::to_string(before) + " stand before it",
-                face);
-  return largest.note(index > 0 ? index - 1 : before + index, lines_.number(), face);
-}
-
-// `v`, `v/vt`, `v//vn` or `v/vt/vn`; vn is not used.
-void ObjReader::read_corner(std::string_view word) {
-  std::array<std::int64_t, 3> parts{};
-  std::array<bool, 3> given{};
-  std::size_t begin = 0;
-  bool readable = true;
-  for (std::size_t part = 0; readable && begin <= word.size(); ++part) {
-    const std::size_t end = std::min(word.find('/', begin), word.size());
-    const std::string_view text = word.substr(begin, end - begin);
-    readable = part < 3 && (text.empty() || parse_integer(text, parts[part]));
-    if (readable) given[part] = !text.empty();
-    begin = end + 1;
-  }
-  if (!readable || !given[0])
-    lines_.fail("face corner " + quote(word) + " is no v/vt/vn", file_.mesh.face_count());
-  file_.mesh.face_vertices.push_back(
-      zero_based(parts[0], "vertex", file_.mesh.positions.size(), largest_vertex_));
-  attributes_.add_corner(
-      given[1] ? zero_based(parts[1], "texture coordinate", uvs_.size(), largest_uv_) : -1);
-}
-
-void ObjReader::read_face(Words words) {
-  auto& corners = file_.mesh.face_vertices;
-  for (std::string_view word = words.next(); !word.empty(); word = words.next()) read_corner(word);
-  if (corners.size() > std::numeric_limits<std::int32_t>::max())
-    lines_.fail("more face corners than 32 bits can count", file_.mesh.face_count());
-  file_.mesh.face_offsets.push_back(static_cast<std::int32_t>(corners.size()));
-  attributes_.add_face();
-}
-
-void ObjReader::read_other(std::string_view keyword) {
-  if (std::ranges::find(kPassedOverKeywords, keyword) != kPassedOverKeywords.end()) return;
-  if (std::ranges::find(kDroppedKeywords, keyword) != kDroppedKeywords.end()) {
-    ++file_.dropped_element_count;
-    return;
-  }
-  unknown_keyword_.add(keyword, lines_.number());
-}
-
-void ObjReader::warn_of(const UnknownWord& unknown, const std::string& kind) {
-  if (unknown.count == 0) return;
-  const std::string what = "unknown " + kind + " " + unknown.name;
-  if (file_.mesh.positions.empty())
-    lines_.fail_at(unknown.line, what + " in a file without vertices: this is no OBJ file");
+  if (count == 0) return;
+  const std::string what = "unknown " + kind + " " + name;
+  if (bases_.back().vertex == 0)
+    readers_.front()->lines().fail_at(line,
+                                      what + " in a file without vertices: this is no OBJ file");
   file_.warnings.push_back(
       {.code = "unknown-" + kind,
-       .message = "line " + std::to_string(unknown.line) + ": " + what + "; such lines are ignored",
-       .count = unknown.count});
+       .message = "line " + std::to_string(line) + ": " + what + "; such lines are ignored",
+       .count = count});
 }
 
-void ObjReader::warn_of_clamped_colors() {
-  if (clamped_colors_ == 0) return;
-  file_.warnings.push_back({.code = "clamped-colors",
-                            .message = std::to_string(clamped_colors_) +
-                                       " vertex colours lie outside 0 to 1 and are clamped",
-                            .count = clamped_colors_});
+void ObjJoiner::warn_of_clamped_colors() {
+  std::int64_t count = 0;
+  for (std::size_t p = 0; p < readers_.size(); ++p) count += part(p).clamped_colors;
+  if (count == 0) return;
+  file_.warnings.push_back(
+      {.code = "clamped-colors",
+       .message = std::to_string(count) + " vertex colours lie outside 0 to 1 and are clamped",
+       .count = count});
 }
 
-void ObjReader::require(const LargestIndex& largest, int base, const std::string& what,
+void ObjJoiner::require(const LargestIndex& largest, int base, const std::string& what,
                         std::int64_t count) const {
   if (largest.index < count) return;
-  lines_.fail_at(largest.line,
-                 what + std::to_string(largest.index + base) + " of " + std::to_string(count),
-                 largest.element);
+  readers_.front()->lines().fail_at(
+      largest.line, what + std::to_string(largest.index + base) + " of " + std::to_string(count),
+      largest.element);
+}
+
+// Of a file in one part; of others settle_indices() has seen it. Faces count from 1, tags from 0.
+void ObjJoiner::require_indices() const {
+  if (!is_whole()) return;
+  const Base& all = bases_.back();
+  require(part(0).largest_vertex, 1, "face names vertex ", all.vertex);
+  require(part(0).largest_uv, 1, "face names texture coordinate ", all.uv);
+  require(readers_.front()->tags().largest_vertex(), 0, "tag names vertex ", all.vertex);
+  require(readers_.front()->tags().largest_face(), 0, "tag names face ", all.face);
+}
+
+// Groups hold until the next, across parts.
+void ObjJoiner::name_faces() {
+  AttributeCollector attributes;
+  std::string object, group, material;
+  std::int64_t named = 0;
+  const auto add_faces_to = [&](std::int64_t face) {
+    attributes.add_faces(static_cast<std::size_t>(face - named));
+    named = face;
+  };
+  for (std::size_t p = 0; p < readers_.size(); ++p) {
+    for (ObjPart::Naming& naming : part(p).namings) {
+      add_faces_to(bases_[p].face + naming.faces_before);
+      switch (naming.what) {
+        case ObjPart::Naming::What::Object:
+          object = std::move(naming.name);
+          group.clear();
+          break;
+        case ObjPart::Naming::What::Group:
+          group = std::move(naming.name);
+          break;
+        case ObjPart::Naming::What::Material:
+          material = std::move(naming.name);
+          break;
+      }
+      attributes.use_group({.name = group.empty() ? object : group, .material = material});
+    }
+  }
+  add_faces_to(bases_.back().face);
+  attributes.finish({}, file_.mesh);
+}
+
+void ObjJoiner::gather() {
+  PolygonMesh& mesh = file_.mesh;
+  for (std::size_t p = 0; p < readers_.size(); ++p) {
+    ObjPart& from = part(p);
+    const auto append = [](auto& to, const auto& values) {
+      to.insert(to.end(), values.begin(), values.end());
+    };
+    append(file_.header, from.header);
+    append(mesh.creases, from.mesh.creases);
+    append(mesh.corners, from.mesh.corners);
+    append(mesh.hole_faces, from.mesh.hole_faces);
+    file_.dropped_element_count += from.dropped_element_count;
+  }
+  const Base& all = bases_.back();
+  // What a part has fewer of than its vertices or corners is filled up.
+  const auto join_filled = [&](auto& to, auto member, const auto& filler,
+                               std::int64_t Base::*base) {
+    const bool any = std::ranges::any_of(
+        readers_, [&](const auto& reader) { return !(reader->part().mesh.*member).empty(); });
+    if (!any) return;
+    to.reserve(static_cast<std::size_t>(all.*base));
+    for (std::size_t p = 0; p < readers_.size(); ++p) {
+      auto& values = part(p).mesh.*member;
+      to.insert(to.end(), values.begin(), values.end());
+      to.resize(static_cast<std::size_t>(bases_[p + 1].*base), filler);
+    }
+  };
+  const auto join_all = [&](auto& to, auto member, std::ptrdiff_t skipped, std::int64_t count) {
+    to.reserve(static_cast<std::size_t>(count));
+    for (std::size_t p = 0; p < readers_.size(); ++p) {
+      auto& values = part(p).mesh.*member;
+      to.insert(to.end(), values.begin() + skipped, values.end());
+      values = {};
+    }
+  };
+  const std::array<std::function<void()>, 6> tasks = {
+      [&] { join_all(mesh.positions, &PolygonMesh::positions, 0, all.vertex); },
+      [&] { join_all(mesh.face_vertices, &PolygonMesh::face_vertices, 0, all.corner); },
+      [&] { join_all(mesh.face_offsets, &PolygonMesh::face_offsets, 1, all.face + 1); },
+      [&] { join_filled(mesh.face_uvs, &PolygonMesh::face_uvs, -1, &Base::corner); },
+      [&] {
+        join_filled(mesh.colors, &PolygonMesh::colors, kNoObjColor, &Base::vertex);
+        std::ranges::replace(mesh.colors, kNoObjColor, glm::vec4(1.0f));
+      },
+      [&] {
+        mesh.uvs.reserve(static_cast<std::size_t>(all.uv));
+        for (std::size_t p = 0; p < readers_.size(); ++p)
+          mesh.uvs.insert(mesh.uvs.end(), part(p).uvs.begin(), part(p).uvs.end());
+      }};
+  if (is_whole()) {
+    ObjPart& whole = part(0);
+    mesh.positions = std::move(whole.mesh.positions);
+    mesh.face_vertices = std::move(whole.mesh.face_vertices);
+    mesh.face_offsets = std::move(whole.mesh.face_offsets);
+    for (std::size_t i = 3; i < tasks.size(); ++i) tasks[i]();
+  } else {
+    parallel_for(tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) tasks[i]();
+    });
+  }
+  // Coordinates that no corner names are dropped.
+  if (mesh.face_uvs.empty()) mesh.uvs = {};
+}
+
+// Parts of about that many bytes, each beginning at the beginning of a line.
+std::vector<TextLines> cut(const TextLines& whole, std::size_t part_bytes) {
+  std::vector<TextLines> parts;
+  std::size_t begin = 0;
+  while (begin < whole.text().size()) {
+    const std::size_t end = whole.start_of_line(begin + part_bytes);
+    parts.push_back(whole.part(begin, end));
+    begin = end;
+  }
+  if (parts.empty()) parts.push_back(whole);
+  return parts;
+}
+
+std::optional<MeshFile> read_parts(const std::vector<TextLines>& parts) {
+  Readers readers(parts.size());
+  if (parts.size() == 1) {
+    readers.front() = std::make_unique<ObjPartReader>(parts.front(), /*is_first=*/true);
+    readers.front()->read();
+    return ObjJoiner(readers).join();
+  }
+  std::atomic<bool> readable{true};
+  parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end && readable.load(std::memory_order_relaxed); ++p) {
+      readers[p] = std::make_unique<ObjPartReader>(parts[p], p == 0);
+      try {
+        readers[p]->read();
+      } catch (const Error&) {
+        readable.store(false, std::memory_order_relaxed);
+      }
+    }
+  });
+  return readable.load() ? ObjJoiner(readers).join() : std::nullopt;
 }
 
 }  // namespace
 
 MeshFile read_obj(std::span<const std::byte> bytes, std::string_view name) {
-  return ObjReader(bytes, name).read();
+  constexpr std::size_t kPartBytes = std::size_t{1} << 20;
+  return read_obj_in_parts(bytes, name, kPartBytes);
+}
+
+MeshFile read_obj_in_parts(std::span<const std::byte> bytes, std::string_view name,
+                           std::size_t part_bytes) {
+  const TextLines whole(bytes, name, TextLines::Continuation::Backslash);
+  const std::vector<TextLines> parts = cut(whole, part_bytes);
+  if (parts.size() > 1) {
+    if (std::optional<MeshFile> file = read_parts(parts)) return *std::move(file);
+  }
+  // Numbers of lines and of faces, as messages say them, are known from the beginning only.
+  return *read_parts({whole});
 }
 
 }  // namespace planish

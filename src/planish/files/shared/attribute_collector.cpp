@@ -35,15 +35,16 @@ void AttributeCollector::add_corner(std::int32_t uv) {
   ++corner_count_;
 }
 
-void AttributeCollector::add_face() {
+void AttributeCollector::add_faces(std::size_t count) {
+  if (count == 0) return;
   const bool is_named = !group_.name.empty() || !group_.material.empty();
   if (is_named && face_groups_.empty() && face_count_ > 0) {
     const FaceGroup named = std::exchange(group_, {});
     face_groups_.assign(face_count_, group_index());
     use_group(named);
   }
-  if (is_named || !face_groups_.empty()) face_groups_.push_back(group_index());
-  ++face_count_;
+  if (is_named || !face_groups_.empty()) face_groups_.resize(face_count_ + count, group_index());
+  face_count_ += count;
 }
 
 void AttributeCollector::color_vertex(std::int32_t vertex, const glm::vec4& color) {

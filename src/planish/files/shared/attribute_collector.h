@@ -19,8 +19,9 @@ class AttributeCollector {
   void use_group(FaceGroup group);
   /// For every corner: its index into the texture coordinates, -1 for none.
   void add_corner(std::int32_t uv);
-  /// For every face.
-  void add_face();
+  /// For every face, or for several.
+  void add_face() { add_faces(1); }
+  void add_faces(std::size_t count);
   /// For vertices that have a colour (linear RGBA), in any order. The first stays.
   void color_vertex(std::int32_t vertex, const glm::vec4& color);
 

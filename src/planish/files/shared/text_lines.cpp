@@ -1,6 +1,7 @@
 #include "planish/files/shared/text_lines.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "planish/core/error.h"
@@ -8,9 +9,15 @@
 namespace planish {
 namespace {
 
-bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f';
-}
+// By byte.
+constexpr std::array<bool, 256> kIsBlank = [] {
+  std::array<bool, 256> blank{};
+  for (const char c : {' ', '\t', '\r', '\n', '\v', '\f'})
+    blank[static_cast<unsigned char>(c)] = true;
+  return blank;
+}();
+
+bool is_blank(char c) { return kIsBlank[static_cast<unsigned char>(c)]; }
 
 }  // namespace
 
@@ -37,6 +44,27 @@ std::size_t TextLines::end_of_line(std::size_t from) const {
   const void* found = std::memchr(text_.data() + from, terminator_, text_.size() - from);
   return found ? static_cast<std::size_t>(static_cast<const char*>(found) - text_.data())
                : text_.size();
+}
+
+TextLines TextLines::part(std::size_t begin, std::size_t end) const {
+  TextLines lines = *this;
+  lines.text_ = text_.substr(begin, end - begin);
+  lines.line_ = {};
+  lines.position_ = 0;
+  lines.number_ = 0;
+  lines.next_number_ = 1;
+  return lines;
+}
+
+std::size_t TextLines::start_of_line(std::size_t from) const {
+  if (from == 0) return 0;
+  for (std::size_t end = end_of_line(from - 1); end < text_.size(); end = end_of_line(end + 1)) {
+    const std::size_t last = end > 0 && text_[end - 1] == '\r' ? end - 1 : end;
+    const bool goes_on =
+        continuation_ == Continuation::Backslash && last > 0 && text_[last - 1] == '\\';
+    if (!goes_on) return end + 1;
+  }
+  return text_.size();
 }
 
 bool TextLines::next() {

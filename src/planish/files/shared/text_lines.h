@@ -36,6 +36,12 @@ class TextLines {
   TextLines(std::span<const std::byte> bytes, std::string_view name,
             Continuation continuation = Continuation::None);
 
+  /// The lines from `begin` to `end`, both places of start_of_line(), counted from 1 again.
+  [[nodiscard]] TextLines part(std::size_t begin, std::size_t end) const;
+  /// The first place at or behind `from` where a line begins, or the end; continued lines are one.
+  [[nodiscard]] std::size_t start_of_line(std::size_t from) const;
+  [[nodiscard]] std::string_view text() const { return text_; }
+
   /// Moves to the next line; false at the end of the file.
   [[nodiscard]] bool next();
   /// Moves to the next line that is neither blank nor a comment.
@@ -44,6 +50,8 @@ class TextLines {
   [[nodiscard]] std::string_view line() const { return line_; }
   /// 1-based number of the (first) current line.
   [[nodiscard]] std::int64_t number() const { return number_; }
+  /// How many lines of the file have been met, with the current one; continued ones count singly.
+  [[nodiscard]] std::int64_t lines_passed() const { return next_number_ - 1; }
   /// Bytes after the current line.
   [[nodiscard]] std::size_t bytes_left() const { return text_.size() - position_; }
 

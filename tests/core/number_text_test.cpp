@@ -1,0 +1,50 @@
+#include "planish/core/number_text.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+#include <random>
+#include <string>
+
+namespace planish {
+namespace {
+
+TEST(ParseNumber, RoundsAsStrtodDoes) {
+  std::mt19937_64 random(3);
+  for (int i = 0; i < 200000; ++i) {
+    std::string text = random() % 3 == 0 ? "-" : "";
+    const std::size_t digits = 1 + random() % 20, point = random() % 22;
+    for (std::size_t d = 0; d < digits; ++d) {
+      if (d == point) text += '.';
+      text += static_cast<char>('0' + random() % 10);
+    }
+    if (random() % 8 == 0) text += "e" + std::to_string(static_cast<int>(random() % 40) - 20);
+    double value = 0;
+    ASSERT_TRUE(parse_number(text, value)) << text;
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(value),
+              std::bit_cast<std::uint64_t>(std::strtod(text.c_str(), nullptr)))
+        << text;
+  }
+}
+
+TEST(ParseNumber, TakesTheFormsOfStrtodAndNoOthers) {
+  double value = 0;
+  for (const char* text : {"5", "5.", ".5", "-0", "+2", "+.25", "9007199254740993", "1e3",
+                           "00000000000000000000001", "0.00000000000000000000000001"}) {
+    ASSERT_TRUE(parse_number(text, value)) << text;
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(value),
+              std::bit_cast<std::uint64_t>(std::strtod(text, nullptr)))
+        << text;
+  }
+  value = 7;
+  for (const char* text : {"", ".", "-", "+", "+-1", "--1", "1.2.3", "1-2", "0x10", "1e", "inf",
+                           "nan", "1 ", "1e999"}) {
+    EXPECT_FALSE(parse_number(text, value)) << text;
+    EXPECT_EQ(value, 7) << text;
+  }
+}
+
+}  // namespace
+}  // namespace planish
