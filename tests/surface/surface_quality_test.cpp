@@ -54,6 +54,30 @@ TEST(SurfaceQuality, AFacesAreaIsSharedAmongItsCorners) {
   EXPECT_NEAR(quality.rms_normal_deviation, 180.0 * std::sqrt(0.75 / 4.0), 1e-10);
 }
 
+// A strip of four unit squares whose last one is turned back under the third by 150 degrees.
+PolygonMesh strip_with_a_fold() {
+  PolygonMesh mesh;
+  const double back = 3 + std::cos(150 * kPi / 180), down = -std::sin(150 * kPi / 180);
+  for (const double y : {0.0, 1.0}) {
+    for (int x = 0; x < 4; ++x) mesh.positions.emplace_back(x, y, 0);
+    mesh.positions.emplace_back(back, y, down);
+  }
+  for (int x = 0; x < 4; ++x) mesh.add_face(std::array{x, x + 1, x + 6, x + 5});
+  return mesh;
+}
+
+TEST(SurfaceQuality, TellsFoldsOfTheInputFromOthers) {
+  const PolygonMesh mesh = strip_with_a_fold();
+  // Turned over: one corner of the first square, one of the third, beside the folded edge.
+  std::vector<glm::vec3> normals(10, glm::vec3(0, 0, 1));
+  normals[0] = normals[8] = normals[9] = normals[4] = glm::vec3(0, 0, -1);
+  const SurfaceQuality quality = surface_quality(surface_of(mesh, normals), mesh);
+  EXPECT_DOUBLE_EQ(quality.folded_area_elsewhere, 0.25 / 4);
+  EXPECT_GT(quality.folded_area, 0.25 / 4 + 0.2 / 4);
+  const std::vector<std::uint8_t> expected = {0, 0, 1, 1};
+  EXPECT_EQ(beside_folds(surface_of(mesh, normals), mesh), expected);
+}
+
 TEST(SurfaceQuality, AnglesAreInDegreesAgainstTheGivenNormals) {
   const PolygonMesh mesh = two_squares();
   const SurfaceMesh surface = surface_of(mesh, {6, glm::vec3(0, 0, 1)});

@@ -12,6 +12,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/mesh/area_vector.h"
+#include "planish/mesh/folded_edges.h"
 #include "planish/surface/attributes.h"
 
 namespace planish {
@@ -76,7 +77,8 @@ std::vector<std::int32_t> ancestors(const SurfaceMesh& surface, const PolygonMes
 
 }  // namespace
 
-SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal& reference) {
+SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal& reference,
+                               std::span<const std::uint8_t> is_beside_folds) {
   SurfaceQuality quality;
   double whole = 0, sum_of_squares = 0;
   for (std::int64_t f = 0; f < surface.face_count(); ++f) {
@@ -91,7 +93,12 @@ SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal
           std::atan2(glm::length(glm::cross(normal, wanted)), glm::dot(normal, wanted)) * 180 /
           std::numbers::pi;
       whole += share;
-      if (glm::dot(normal, wanted) < 0) quality.folded_area += share;
+      if (glm::dot(normal, wanted) < 0) {
+        quality.folded_area += share;
+        if (is_beside_folds.empty() || is_beside_folds[f] == 0) {
+          quality.folded_area_elsewhere += share;
+        }
+      }
       sum_of_squares += share * angle * angle;
       quality.max_normal_deviation = std::max(quality.max_normal_deviation, angle);
     }
@@ -99,18 +106,31 @@ SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal
   }
   if (whole > 0) {
     quality.folded_area /= whole;
+    quality.folded_area_elsewhere /= whole;
     quality.rms_normal_deviation = std::sqrt(sum_of_squares / whole);
   }
   return quality;
 }
 
+std::vector<std::uint8_t> beside_folds(const SurfaceMesh& surface, const PolygonMesh& input) {
+  const FoldedEdges folds = folded_edges(input);
+  const std::vector<std::int32_t> ancestor = ancestors(surface, input);
+  std::vector<std::uint8_t> result(ancestor.size());
+  std::transform(ancestor.begin(), ancestor.end(), result.begin(),
+                 [&](std::int32_t face) { return folds.is_beside[face]; });
+  return result;
+}
+
 SurfaceQuality surface_quality(const SurfaceMesh& surface, const PolygonMesh& input) {
   const std::vector<std::int32_t> ancestor = ancestors(surface, input);
   glm::dvec3 normal(0.0);
-  return surface_quality(surface, [&](std::int64_t face, std::int32_t corner) {
-    if (corner == 0) normal = area_vector(input.positions, input.face(ancestor[face]));
-    return normal;
-  });
+  return surface_quality(
+      surface,
+      [&](std::int64_t face, std::int32_t corner) {
+        if (corner == 0) normal = area_vector(input.positions, input.face(ancestor[face]));
+        return normal;
+      },
+      beside_folds(surface, input));
 }
 
 }  // namespace planish

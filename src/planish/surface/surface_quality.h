@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <span>
+#include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/surface_mesh.h"
@@ -13,6 +15,9 @@ namespace planish {
 /// face's area shared among its corners.
 struct SurfaceQuality {
   double folded_area = 0;  ///< share of the area turned by more than 90 degrees from the reference
+  /// The part of it that the input is not to blame for: without what descends from faces at folded
+  /// edges (see mesh/folded_edges.h). Also a share of the whole area.
+  double folded_area_elsewhere = 0;
   double rms_normal_deviation = 0;
   double max_normal_deviation = 0;
   /// The integral of |dn|^2, the sum of both squared principal curvatures, whatever the size: 8 pi
@@ -24,9 +29,16 @@ struct SurfaceQuality {
 /// there is none.
 using ReferenceNormal = std::function<glm::dvec3(std::int64_t face, std::int32_t corner)>;
 
-/// Called from one thread, face by face in order.
+/// Called from one thread, face by face in order. `is_beside_folds`: one per face of the surface,
+/// not 0 where it does not count in folded_area_elsewhere; empty: all count.
 [[nodiscard]] SurfaceQuality surface_quality(const SurfaceMesh& surface,
-                                             const ReferenceNormal& reference);
+                                             const ReferenceNormal& reference,
+                                             std::span<const std::uint8_t> is_beside_folds = {});
+
+/// One per face of the surface: 1 where the face of the fitted mesh that it descends from has an
+/// edge that is folded.
+[[nodiscard]] std::vector<std::uint8_t> beside_folds(const SurfaceMesh& surface,
+                                                     const PolygonMesh& input);
 
 /// Against the faces of the mesh that was fitted, each for its own descendants; any level.
 [[nodiscard]] SurfaceQuality surface_quality(const SurfaceMesh& surface, const PolygonMesh& input);
