@@ -1,0 +1,15 @@
+#pragma once
+
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish {
+
+/// Where a boundary turns by more than this it has a tip or the end of a slit: no smooth curve goes
+/// round it with all faces on one side.
+inline constexpr double kCuspDegrees = 120;
+
+/// Tags the boundary vertices where the boundary turns by more than kCuspDegrees as corners; fair
+/// surfaces fold there else. The mesh must pass check().
+[[nodiscard]] PolygonMesh with_cusp_corners(const PolygonMesh& mesh);
+
+}  // namespace planish
