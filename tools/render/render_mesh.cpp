@@ -51,7 +51,7 @@ RenderMesh mesh_of(const tinygltf::Model& model) {
 }  // namespace
 
 RenderMesh read_glb(const std::filesystem::path& path) {
-  const std::vector<std::byte> bytes = read_file(path);
+  const RawVector<std::byte> bytes = read_file(path);
   tinygltf::Model model;
   std::string error, warning;
   const bool read = tinygltf::TinyGLTF().LoadBinaryFromMemory(

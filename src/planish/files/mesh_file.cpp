@@ -28,7 +28,7 @@ MeshFile read_mesh(const std::filesystem::path& path, std::optional<FileFormat> 
                                                 "\" names no format of meshes that is read (" +
                                                 names_of(FormatUse::ReadMesh) + ")");
   }
-  const std::vector<std::byte> bytes = read_file(path);
+  const RawVector<std::byte> bytes = read_file(path);
   return read_mesh(FileBytes{.bytes = bytes, .name = path.native(), .path = path}, *format);
 }
 

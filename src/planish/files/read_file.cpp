@@ -4,10 +4,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <span>
+#include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/parallel.h"
 
 namespace planish {
 namespace {
@@ -23,22 +27,55 @@ struct Descriptor {
   }
 };
 
+// Pipes have no places.
+ssize_t read_at(int file, std::span<std::byte> bytes, std::size_t place, bool has_places) {
+  ssize_t got = 0;
+  do {
+    got = has_places ? ::pread(file, bytes.data(), bytes.size(), static_cast<off_t>(place))
+                     : ::read(file, bytes.data(), bytes.size());
+  } while (got < 0 && errno == EINTR);
+  return got;
+}
+
+// Fills as much as can be read from the beginning without a gap, on all threads; returns how much.
+std::size_t read_pieces(int file, std::span<std::byte> bytes) {
+  constexpr std::size_t kPiece = std::size_t{4} << 20;
+  std::vector<std::size_t> filled((bytes.size() + kPiece - 1) / kPiece, 0);
+  parallel_for(filled.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const auto piece = bytes.subspan(p * kPiece, std::min(kPiece, bytes.size() - p * kPiece));
+      while (filled[p] < piece.size()) {
+        const ssize_t got =
+            read_at(file, piece.subspan(filled[p]), p * kPiece + filled[p], /*has_places=*/true);
+        if (got <= 0) break;
+        filled[p] += static_cast<std::size_t>(got);
+      }
+    }
+  });
+  std::size_t used = 0;
+  for (const std::size_t count : filled) {
+    used += count;
+    if (count < kPiece) break;
+  }
+  return used;
+}
+
 }  // namespace
 
-std::vector<std::byte> read_file(const std::filesystem::path& path) {
+RawVector<std::byte> read_file(const std::filesystem::path& path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.number < 0) fail_to_read(path, errno);
   struct stat status {};
   if (::fstat(file.number, &status) != 0) fail_to_read(path, errno);
   if (S_ISDIR(status.st_mode)) fail_to_read(path, EISDIR);
-  // Pipes and /proc say 0 bytes, so that the size is only a first guess.
+  // Pipes and /proc say 0 bytes, and files may grow: the size is only a first guess.
   constexpr std::size_t kPiece = std::size_t{1} << 16;
-  std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size) + kPiece);
-  std::size_t used = 0;
+  const auto size = static_cast<std::size_t>(status.st_size);
+  RawVector<std::byte> bytes(size + kPiece);
+  std::size_t used = read_pieces(file.number, std::span(bytes).first(size));
   for (;;) {
     if (used == bytes.size()) bytes.resize(2 * bytes.size());
-    const ssize_t got = ::read(file.number, bytes.data() + used, bytes.size() - used);
-    if (got < 0 && errno == EINTR) continue;
+    const ssize_t got = read_at(file.number, std::span(bytes).subspan(used), used, size > 0);
     if (got < 0) fail_to_read(path, errno);
     if (got == 0) break;
     used += static_cast<std::size_t>(got);

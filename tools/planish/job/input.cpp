@@ -4,6 +4,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <future>
+#include <string>
 
 #include "options/nearest.h"
 #include "output/digest.h"
@@ -77,10 +79,12 @@ Input read_input(const std::string& path, std::optional<FileFormat> requested) {
     input.file = read_mesh(bytes, input.name, format);
     return input;
   }
-  const std::vector<std::byte> bytes = read_file(path);
+  const RawVector<std::byte> bytes = read_file(path);
   input.name = path;
-  input.sha256 = sha256(bytes);
+  // The digest takes as long as a reader: beside it.
+  std::future<std::string> digest = std::async(std::launch::async, [&] { return sha256(bytes); });
   input.file = read_mesh(FileBytes{.bytes = bytes, .name = path, .path = path}, format);
+  input.sha256 = digest.get();
   return input;
 }
 

@@ -30,7 +30,7 @@ PointInput read_point_input(const std::string& path) {
   if (!format || !serves(*format, FormatUse::ReadPoints))
     throw Error(ErrorCode::InvalidArgument, path + ": the extension names no format of points (" +
                                                 names_of(FormatUse::ReadPoints) + ")");
-  const std::vector<std::byte> bytes = read_file(path);
+  const RawVector<std::byte> bytes = read_file(path);
   return {.name = path,
           .cloud = read_points(bytes, path, *format),
           .sha256 = sha256(bytes),

@@ -328,7 +328,7 @@ std::vector<Job> parse_scene(std::string_view text, const std::string& name,
 }
 
 std::vector<Job> read_scene_file(const std::filesystem::path& path) {
-  std::vector<std::byte> bytes;
+  RawVector<std::byte> bytes;
   try {
     bytes = read_file(path);
   } catch (const Error& error) {

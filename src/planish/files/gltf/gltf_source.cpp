@@ -67,7 +67,7 @@ std::optional<std::string> decode_relative_uri(std::string_view uri) {
 std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri) {
   const std::string& text = uri.text();
   if (const auto found = fetched_.find(text); found != fetched_.end()) return found->second;
-  std::vector<std::byte> bytes;
+  RawVector<std::byte> bytes;
   if (text.starts_with("data:")) {
     constexpr std::string_view kMark = ";base64,";
     const std::size_t mark = text.find(kMark);
@@ -75,7 +75,7 @@ std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri) {
                        ? std::nullopt
                        : decode_base64(std::string_view(text).substr(mark + kMark.size()));
     if (!decoded) uri.fail(quote(text) + " is no base64 data URI");
-    bytes = *std::move(decoded);
+    bytes.assign(decoded->begin(), decoded->end());
   } else {
     const std::optional<std::string> file = decode_relative_uri(text);
     if (!file) uri.fail(quote(text) + " leads away from the folder of the file");

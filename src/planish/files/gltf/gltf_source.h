@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "planish/core/raw_vector.h"
 #include "planish/files/gltf/json_place.h"
 
 namespace planish {
@@ -32,7 +33,7 @@ class GltfSource {
   JsonPlace root_;
   std::span<const std::byte> glb_chunk_;
   std::optional<std::filesystem::path> folder_;
-  std::map<std::string, std::vector<std::byte>> fetched_;  // by URI, so that none is read twice
+  std::map<std::string, RawVector<std::byte>> fetched_;  // by URI, so that none is read twice
 };
 
 /// Decodes base64 (RFC 4648) with or without its padding; empty if `text` is none.
