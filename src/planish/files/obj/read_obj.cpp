@@ -262,19 +262,6 @@ void ObjJoiner::gather() {
   if (mesh.face_uvs.empty()) mesh.uvs = {};
 }
 
-// Parts of about that many bytes, each beginning at the beginning of a line.
-std::vector<TextLines> cut(const TextLines& whole, std::size_t part_bytes) {
-  std::vector<TextLines> parts;
-  std::size_t begin = 0;
-  while (begin < whole.text().size()) {
-    const std::size_t end = whole.start_of_line(begin + part_bytes);
-    parts.push_back(whole.part(begin, end));
-    begin = end;
-  }
-  if (parts.empty()) parts.push_back(whole);
-  return parts;
-}
-
 std::optional<MeshFile> read_parts(const std::vector<TextLines>& parts) {
   Readers readers(parts.size());
   if (parts.size() == 1) {
@@ -306,7 +293,7 @@ MeshFile read_obj(std::span<const std::byte> bytes, std::string_view name) {
 MeshFile read_obj_in_parts(std::span<const std::byte> bytes, std::string_view name,
                            std::size_t part_bytes) {
   const TextLines whole(bytes, name, TextLines::Continuation::Backslash);
-  const std::vector<TextLines> parts = cut(whole, part_bytes);
+  const std::vector<TextLines> parts = whole.cut(part_bytes);
   if (parts.size() > 1) {
     if (std::optional<MeshFile> file = read_parts(parts)) return *std::move(file);
   }

@@ -3,7 +3,9 @@
 
 #include <array>
 #include <limits>
+#include <vector>
 
+#include "planish/files/shared/line_records.h"
 #include "planish/files/shared/text_lines.h"
 
 namespace planish {
@@ -15,11 +17,14 @@ constexpr std::size_t kLeastFaceBytes = 2;
 
 class OffReader {
  public:
-  OffReader(std::span<const std::byte> bytes, std::string_view name) : lines_(bytes, name) {}
+  OffReader(std::span<const std::byte> bytes, std::string_view name, std::size_t part_bytes)
+      : lines_(bytes, name), part_bytes_(part_bytes) {}
 
   MeshFile read() {
     file_.format = FileFormat::Off;
     const auto [vertex_count, face_count] = read_counts();
+    if (read_parts(vertex_count, face_count)) return std::move(file_);
+    file_.mesh = {};
     file_.mesh.positions.reserve(vertex_count);
     for (std::int64_t i = 0; i < vertex_count; ++i) read_vertex(i, vertex_count);
     file_.mesh.face_offsets.reserve(face_count + 1);
@@ -32,10 +37,12 @@ class OffReader {
   bool next_line();
   std::string_view read_keyword();
   std::array<std::int64_t, 2> read_counts();
+  bool read_parts(std::int64_t vertex_count, std::int64_t face_count);
   void read_vertex(std::int64_t vertex, std::int64_t count);
   void read_face(std::int64_t face, std::int64_t count);
 
   TextLines lines_;
+  std::size_t part_bytes_;
   MeshFile file_;
 };
 
@@ -96,43 +103,79 @@ std::array<std::int64_t, 2> OffReader::read_counts() {
   return counts;
 }
 
+// What the words of a vertex and of a face say; a failure names what is wrong.
+glm::dvec3 vertex_of(const TextLines& lines, std::int64_t vertex) {
+  Words words(lines.line());
+  glm::dvec3 position;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string_view word = words.next();
+    if (!parse_number(word, position[axis]))
+      lines.fail("vertex coordinate " + quote(word) + " is no finite number", vertex);
+  }
+  return position;
+}
+
+std::int64_t append_face_of(const TextLines& lines, std::int64_t face, std::int64_t vertex_count,
+                            std::vector<std::int32_t>& vertices) {
+  Words words(lines.line());
+  std::string_view word = words.next();
+  std::int64_t size = 0;
+  if (!parse_integer(word, size) || size < 0)
+    lines.fail("face size " + quote(word) + " is no integer from 0", face);
+  for (std::int64_t i = 0; i < size; ++i) {
+    word = words.next();
+    if (word.empty())
+      lines.fail("face has " + std::to_string(i) + " corners of " + std::to_string(size), face);
+    std::int64_t vertex = 0;
+    if (!parse_integer(word, vertex))
+      lines.fail("face corner " + quote(word) + " is no integer", face);
+    if (vertex < 0 || vertex >= vertex_count)
+      lines.fail(
+          "face names vertex " + std::to_string(vertex) + " of " + std::to_string(vertex_count),
+          face);
+    vertices.push_back(static_cast<std::int32_t>(vertex));
+  }
+  return size;
+}
+
+// On all threads. False where something is wrong: reading one line after another finds the first.
+bool OffReader::read_parts(std::int64_t vertex_count, std::int64_t face_count) {
+  const LineRecords records(lines_, part_bytes_);
+  if (records.part_count() == 1 || records.count() != vertex_count + face_count) return false;
+  std::vector<glm::dvec3>& positions = file_.mesh.positions;
+  positions.resize(static_cast<std::size_t>(vertex_count));
+  FaceParts faces;
+  faces.parts.resize(records.part_count());
+  const auto read_vertices = [&](std::size_t, TextLines& lines, std::int64_t begin,
+                                 std::int64_t end) {
+    for (std::int64_t v = begin; v < end && lines.next_with_words(); ++v)
+      positions[v] = vertex_of(lines, v);
+  };
+  const auto read_faces = [&](std::size_t part, TextLines& lines, std::int64_t begin,
+                              std::int64_t end) {
+    FaceParts::Part& of = faces.parts[part];
+    for (std::int64_t f = begin; f < end && lines.next_with_words(); ++f)
+      of.sizes.push_back(static_cast<std::int32_t>(
+          append_face_of(lines, f - vertex_count, vertex_count, of.vertices)));
+  };
+  return records.for_parts(0, vertex_count, read_vertices) &&
+         records.for_parts(vertex_count, vertex_count + face_count, read_faces) &&
+         faces.append_to(file_.mesh);
+}
+
 void OffReader::read_vertex(std::int64_t vertex, std::int64_t count) {
   if (!lines_.next_with_words())
     lines_.fail(
         "the file ends at vertex " + std::to_string(vertex) + " of " + std::to_string(count),
         vertex);
-  Words words(lines_.line());
-  glm::dvec3 position;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::string_view word = words.next();
-    if (!parse_number(word, position[axis]))
-      lines_.fail("vertex coordinate " + quote(word) + " is no finite number", vertex);
-  }
-  file_.mesh.positions.push_back(position);
+  file_.mesh.positions.push_back(vertex_of(lines_, vertex));
 }
 
 void OffReader::read_face(std::int64_t face, std::int64_t count) {
   if (!lines_.next_with_words())
     lines_.fail("the file ends at face " + std::to_string(face) + " of " + std::to_string(count),
                 face);
-  Words words(lines_.line());
-  std::string_view word = words.next();
-  std::int64_t size = 0;
-  if (!parse_integer(word, size) || size < 0)
-    lines_.fail("face size " + quote(word) + " is no integer from 0", face);
-  for (std::int64_t i = 0; i < size; ++i) {
-    word = words.next();
-    if (word.empty())
-      lines_.fail("face has " + std::to_string(i) + " corners of " + std::to_string(size), face);
-    std::int64_t vertex = 0;
-    if (!parse_integer(word, vertex))
-      lines_.fail("face corner " + quote(word) + " is no integer", face);
-    if (vertex < 0 || vertex >= file_.mesh.vertex_count())
-      lines_.fail("face names vertex " + std::to_string(vertex) + " of " +
-                      std::to_string(file_.mesh.vertex_count()),
-                  face);
-    file_.mesh.face_vertices.push_back(static_cast<std::int32_t>(vertex));
-  }
+  (void)append_face_of(lines_, face, file_.mesh.vertex_count(), file_.mesh.face_vertices);
   if (file_.mesh.face_vertices.size() > std::numeric_limits<std::int32_t>::max())
     lines_.fail("more face corners than 32 bits can count", face);
   file_.mesh.face_offsets.push_back(static_cast<std::int32_t>(file_.mesh.face_vertices.size()));
@@ -141,7 +184,13 @@ void OffReader::read_face(std::int64_t face, std::int64_t count) {
 }  // namespace
 
 MeshFile read_off(std::span<const std::byte> bytes, std::string_view name) {
-  return OffReader(bytes, name).read();
+  constexpr std::size_t kPartBytes = std::size_t{1} << 20;
+  return read_off_in_parts(bytes, name, kPartBytes);
+}
+
+MeshFile read_off_in_parts(std::span<const std::byte> bytes, std::string_view name,
+                           std::size_t part_bytes) {
+  return OffReader(bytes, name, part_bytes).read();
 }
 
 }  // namespace planish

@@ -3,171 +3,29 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
-#include "planish/core/error.h"
-#include "planish/files/ply/ply_header.h"
-#include "planish/files/shared/bytes.h"
-#include "planish/files/shared/srgb.h"
-#include "planish/files/shared/text_lines.h"
+#include "planish/core/parallel.h"
+#include "planish/files/ply/ply_body.h"
+#include "planish/files/ply/ply_vertex_layout.h"
+#include "planish/files/shared/line_records.h"
 
 namespace planish {
 namespace {
 
 constexpr std::int64_t kMaxCount = std::numeric_limits<std::int32_t>::max() - 1;
 
-// Where in the file an error is: "vertex 12 of 345".
-std::string place_of(const PlyElement& element, std::int64_t index) {
-  return element.name + " " + std::to_string(index) + " of " + std::to_string(element.count);
-}
-
-class TextBody {
- public:
-  TextBody(std::span<const std::byte> bytes, std::string_view name)
-      : lines_(bytes, name), words_("") {}
-
-  void skip_header(const PlyHeader& header) {
-    while (lines_.number() < header.line_count) (void)lines_.next();
-  }
-  [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
-    lines_.fail(what, index);
-  }
-  // An entry has at least one digit and one blank or line end for each of its values.
-  void require_room(const PlyElement& element) const {
-    const std::size_t least = 2 * std::max<std::size_t>(element.properties.size(), 1);
-    if (static_cast<std::uint64_t>(element.count) > (lines_.bytes_left() + 1) / least)
-      lines_.fail("header promises " + std::to_string(element.count) + " of element " +
-                  quote(element.name) + ", but only " + std::to_string(lines_.bytes_left()) +
-                  " bytes follow");
-  }
-  void begin(const PlyElement& element, std::int64_t index) {
-    if (!lines_.next_with_words())
-      lines_.fail("the file ends at " + place_of(element, index), index);
-    words_ = Words(lines_.line());
-  }
-  void end(const PlyElement& element, std::int64_t index) {
-    if (const std::string_view word = words_.next(); !word.empty())
-      lines_.fail(place_of(element, index) + " has a value too many: " + quote(word), index);
-  }
-  void skip(PlyType, const PlyElement& element, std::int64_t index) { (void)word(element, index); }
-  double number(PlyType, const PlyElement& element, std::int64_t index) {
-    const std::string_view text = word(element, index);
-    double value = 0;
-    if (!parse_number(text, value))
-      lines_.fail(place_of(element, index) + ": " + quote(text) + " is no finite number", index);
-    return value;
-  }
-  [[nodiscard]] std::size_t values_left(PlyType) const { return words_.rest().size(); }
-
- private:
-  std::string_view word(const PlyElement& element, std::int64_t index) {
-    const std::string_view text = words_.next();
-    if (text.empty()) lines_.fail(place_of(element, index) + " has too few values", index);
-    return text;
-  }
-
-  TextLines lines_;
-  Words words_;
-};
-
-class BinaryBody {
- public:
-  BinaryBody(std::span<const std::byte> bytes, std::string_view name) : left_(bytes), name_(name) {}
-
-  void skip_header(const PlyHeader& header) {
-    left_ = left_.subspan(header.byte_count);
-    order_ = header.format == PlyFormat::BigEndian ? std::endian::big : std::endian::little;
-  }
-  [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
-    throw Error(ErrorCode::UnreadableInput, name_ + ": " + what, index);
-  }
-  void require_room(const PlyElement& element) const {
-    const std::size_t least = std::max<std::size_t>(element.least_bytes(), 1);
-    if (static_cast<std::uint64_t>(element.count) > left_.size() / least)
-      fail("header promises " + std::to_string(element.count) + " of element " +
-               quote(element.name) + " of at least " + std::to_string(least) + " bytes, but only " +
-               std::to_string(left_.size()) + " bytes follow",
-           -1);
-  }
-  void begin(const PlyElement&, std::int64_t) {}
-  void end(const PlyElement&, std::int64_t) {}
-  void skip(PlyType type, const PlyElement& element, std::int64_t index) {
-    (void)take(byte_count_of(type), element, index);
-  }
-  double number(PlyType type, const PlyElement& element, std::int64_t index) {
-    const auto bytes = take(byte_count_of(type), element, index);
-    switch (type) {
-      case PlyType::Int8:
-        return load<std::int8_t>(bytes, order_);
-      case PlyType::UInt8:
-        return load<std::uint8_t>(bytes, order_);
-      case PlyType::Int16:
-        return load<std::int16_t>(bytes, order_);
-      case PlyType::UInt16:
-        return load<std::uint16_t>(bytes, order_);
-      case PlyType::Int32:
-        return load<std::int32_t>(bytes, order_);
-      case PlyType::UInt32:
-        return load<std::uint32_t>(bytes, order_);
-      case PlyType::Float32:
-        return load<float>(bytes, order_);
-      case PlyType::Float64:
-        return load<double>(bytes, order_);
-    }
-    return 0;
-  }
-  [[nodiscard]] std::size_t values_left(PlyType type) const {
-    return left_.size() / byte_count_of(type);
-  }
-
- private:
-  std::span<const std::byte> take(std::size_t count, const PlyElement& element,
-                                  std::int64_t index) {
-    if (count > left_.size()) fail("the file ends at " + place_of(element, index), index);
-    const auto bytes = left_.first(count);
-    left_ = left_.subspan(count);
-    return bytes;
-  }
-
-  std::span<const std::byte> left_;
-  std::string name_;
-  std::endian order_ = std::endian::little;
-};
-
-struct Slot {
-  std::string_view name;
-  int index;
-};
-constexpr std::array<Slot, 13> kSlots = {{{"x", 0},
-                                          {"y", 1},
-                                          {"z", 2},
-                                          {"s", 3},
-                                          {"t", 4},
-                                          {"u", 3},
-                                          {"v", 4},
-                                          {"texture_u", 3},
-                                          {"texture_v", 4},
-                                          {"red", 5},
-                                          {"green", 6},
-                                          {"blue", 7},
-                                          {"alpha", 8}}};
-
-// Linear, 0 to 1. Integers are sRGB by convention, floating-point numbers are linear.
-double color_of(double value, PlyType type, bool is_alpha) {
-  if (type == PlyType::Float32 || type == PlyType::Float64) return std::clamp(value, 0.0, 1.0);
-  const auto bits = 8 * byte_count_of(type);
-  const bool is_signed = type == PlyType::Int8 || type == PlyType::Int16 || type == PlyType::Int32;
-  const double share =
-      std::clamp(value / (std::ldexp(1, bits - (is_signed ? 1 : 0)) - 1), 0.0, 1.0);
-  return is_alpha ? share : linear_of_srgb(share);
-}
-
 template <class Body>
 class PlyReader {
  public:
-  PlyReader(std::span<const std::byte> bytes, std::string_view name, const PlyHeader& header)
-      : body_(bytes, name), header_(header) {
+  PlyReader(std::span<const std::byte> bytes, std::string_view name, const PlyHeader& header,
+            std::size_t part_bytes)
+      : body_(bytes, name), header_(header), part_bytes_(part_bytes) {
     body_.skip_header(header);
   }
 
@@ -178,7 +36,10 @@ class PlyReader {
     vertex_count_ = require_single("vertex");
     if (vertex_count_ < 0) body_.fail("the header has no element `vertex`", -1);
     (void)require_single("face");
-    for (const PlyElement& element : header_.elements) read_element(element);
+    if (!read_text_parts()) {
+      file_.mesh = {};
+      for (const PlyElement& element : header_.elements) read_element(element);
+    }
     if (!file_.mesh.uvs.empty()) file_.mesh.face_uvs = file_.mesh.face_vertices;
     return std::move(file_);
   }
@@ -186,16 +47,31 @@ class PlyReader {
  private:
   std::int64_t require_single(std::string_view name);
   void read_element(const PlyElement& element);
-  std::vector<int> vertex_slots(const PlyElement& element) const;
+  PlyVertexLayout layout_of(const PlyElement& element) const;
+  void make_room(const PlyVertexLayout& layout, std::int64_t count);
+  bool read_text_parts();
   void read_vertices(const PlyElement& element);
+  void read_vertex(Body& body, const PlyElement& element, const PlyVertexLayout& layout,
+                   std::int64_t vertex);
   void read_faces(const PlyElement& element);
+  std::int32_t read_face(Body& body, const PlyElement& element, const PlyProperty& indices,
+                         std::int64_t face, std::vector<std::int32_t>& corners) const;
+  bool read_face_records(const PlyElement& element, const PlyProperty& indices);
+  std::int32_t read_index(Body& body, const PlyProperty& property, const PlyElement& element,
+                          std::int64_t face) const;
+  template <class PlaceOf, class Read>
+  bool read_records(std::int64_t count, const PlaceOf& place_of_record, const Read& read) const;
+  static std::optional<std::size_t> fixed_bytes(const PlyElement& element,
+                                                const PlyProperty* besides);
   void skip_all(const PlyElement& element);
-  void skip(const PlyProperty& property, const PlyElement& element, std::int64_t index);
-  std::int64_t read_count(const PlyProperty& property, const PlyElement& element,
-                          std::int64_t index);
+  static void skip(Body& body, const PlyProperty& property, const PlyElement& element,
+                   std::int64_t index);
+  static std::int64_t read_count(Body& body, const PlyProperty& property, const PlyElement& element,
+                                 std::int64_t index);
 
   Body body_;
   const PlyHeader& header_;
+  std::size_t part_bytes_;
   MeshFile file_;
   std::int64_t vertex_count_ = -1;
 };
@@ -227,137 +103,291 @@ void PlyReader<Body>::read_element(const PlyElement& element) {
   skip_all(element);
 }
 
-// Where each property of a vertex goes: the coordinates, texture coordinates, colours; -1 for what
-// is passed over.
 template <class Body>
-std::vector<int> PlyReader<Body>::vertex_slots(const PlyElement& element) const {
-  std::vector<int> slots;
-  std::array<bool, kSlots.size()> found{};
-  for (const PlyProperty& property : element.properties) {
-    const auto slot = std::ranges::find(kSlots, property.name, &Slot::name);
-    const bool is_known = slot != kSlots.end() && !property.count_type;
-    slots.push_back(is_known ? slot->index : -1);
-    if (is_known) found[slot->index] = true;
+PlyVertexLayout PlyReader<Body>::layout_of(const PlyElement& element) const {
+  PlyVertexLayout layout = ply_vertex_layout(element);
+  if (layout.missing_axis != 0)
+    body_.fail("element `vertex` has no property " + quote({&layout.missing_axis, 1}), -1);
+  return layout;
+}
+
+template <class Body>
+void PlyReader<Body>::make_room(const PlyVertexLayout& layout, std::int64_t count) {
+  const auto vertices = static_cast<std::size_t>(count);
+  file_.mesh.positions.resize(vertices);
+  file_.mesh.uvs.resize(layout.has_uvs ? vertices : 0);
+  file_.mesh.colors.resize(layout.has_colors ? vertices : 0);
+}
+
+// Text of vertices and faces and nothing else, on all threads. False for other files, and where
+// something is wrong: reading one line after another finds the first.
+template <class Body>
+bool PlyReader<Body>::read_text_parts() {
+  if constexpr (std::is_same_v<Body, PlyTextBody>) {
+    const std::vector<PlyElement>& elements = header_.elements;
+    if (elements.size() != 2 || elements[0].name != "vertex" || elements[1].name != "face")
+      return false;
+    const PlyElement &vertices = elements[0], &faces = elements[1];
+    const LineRecords records(body_.lines(), part_bytes_);
+    const PlyProperty* indices = ply_vertex_list(faces);
+    if (records.part_count() == 1 || indices == nullptr || vertices.count > records.count() ||
+        faces.count > records.count() - vertices.count)
+      return false;
+    try {
+      const PlyVertexLayout layout = layout_of(vertices);
+      make_room(layout, vertices.count);
+      FaceParts parts;
+      parts.parts.resize(records.part_count());
+      const auto read_vertex_lines = [&](std::size_t, const TextLines& lines, std::int64_t begin,
+                                         std::int64_t end) {
+        PlyTextBody body(lines);
+        for (std::int64_t v = begin; v < end; ++v) read_vertex(body, vertices, layout, v);
+      };
+      const auto read_face_lines = [&](std::size_t part, const TextLines& lines, std::int64_t begin,
+                                       std::int64_t end) {
+        PlyTextBody body(lines);
+        FaceParts::Part& of = parts.parts[part];
+        for (std::int64_t f = begin; f < end; ++f)
+          of.sizes.push_back(read_face(body, faces, *indices, f - vertices.count, of.vertices));
+      };
+      return records.for_parts(0, vertices.count, read_vertex_lines) &&
+             records.for_parts(vertices.count, vertices.count + faces.count, read_face_lines) &&
+             parts.append_to(file_.mesh);
+    } catch (const Error&) {
+      return false;
+    }
   }
-  for (const std::size_t axis : {0, 1, 2}) {
-    if (!found[axis])
-      body_.fail("element `vertex` has no property " + quote(kSlots[axis].name), -1);
-  }
-  // Half of a texture coordinate or of a colour is none.
-  for (int& slot : slots) {
-    const bool is_uv = slot == 3 || slot == 4;
-    const bool is_half = is_uv ? !found[3] || !found[4] : !found[5] || !found[6] || !found[7];
-    if (slot > 2 && is_half) slot = -1;
-  }
-  return slots;
+  return false;
 }
 
 template <class Body>
 void PlyReader<Body>::read_vertices(const PlyElement& element) {
-  const std::vector<int> slots = vertex_slots(element);
-  const bool has_uvs = std::ranges::find(slots, 3) != slots.end();
-  const bool has_colors = std::ranges::find(slots, 5) != slots.end();
+  const PlyVertexLayout layout = layout_of(element);
   if (element.count > kMaxCount)
     body_.fail("more vertices than 32 bits can count: " + std::to_string(element.count), -1);
-  PolygonMesh& mesh = file_.mesh;
-  mesh.positions.reserve(element.count);
-  for (std::int64_t vertex = 0; vertex < element.count; ++vertex) {
-    body_.begin(element, vertex);
-    std::array<double, 9> values{};
-    values[8] = 1;  // opaque
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      const PlyProperty& property = element.properties[i];
-      if (slots[i] < 0) {
-        skip(property, element, vertex);
-        continue;
-      }
-      const double value = body_.number(property.type, element, vertex);
-      if (!std::isfinite(value))
-        body_.fail(place_of(element, vertex) + ": " + property.name + " is " + shortest(value),
-                   vertex);
-      values[slots[i]] = slots[i] < 5 ? value : color_of(value, property.type, slots[i] == 8);
+  const auto count = static_cast<std::size_t>(element.count);
+  make_room(layout, element.count);
+  if constexpr (std::is_same_v<Body, PlyBinaryBody>) {
+    const std::optional<std::size_t> bytes = fixed_bytes(element, nullptr);
+    const auto read = [&](Body& body, std::int64_t vertex) {
+      read_vertex(body, element, layout, vertex);
+    };
+    if (bytes && read_records(
+                     element.count, [&](std::int64_t v) { return v * *bytes; }, read)) {
+      body_ = body_.behind(count * *bytes);
+      return;
     }
-    body_.end(element, vertex);
-    mesh.positions.emplace_back(values[0], values[1], values[2]);
-    if (has_uvs) mesh.uvs.emplace_back(values[3], values[4]);
-    if (has_colors) mesh.colors.emplace_back(values[5], values[6], values[7], values[8]);
   }
+  for (std::int64_t vertex = 0; vertex < element.count; ++vertex)
+    read_vertex(body_, element, layout, vertex);
+}
+
+template <class Body>
+void PlyReader<Body>::read_vertex(Body& body, const PlyElement& element,
+                                  const PlyVertexLayout& layout, std::int64_t vertex) {
+  body.begin(element, vertex);
+  std::array<double, 9> values{};
+  values[8] = 1;  // opaque
+  for (std::size_t i = 0; i < layout.slots.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    const int slot = layout.slots[i];
+    if (slot < 0) {
+      skip(body, property, element, vertex);
+      continue;
+    }
+    const double value = body.number(property.type, element, vertex);
+    if (!std::isfinite(value))
+      body.fail(place_of(element, vertex) + ": " + property.name + " is " + shortest(value),
+                vertex);
+    values[slot] = slot < 5 ? value : ply_color(value, property.type, slot == 8);
+  }
+  body.end(element, vertex);
+  PolygonMesh& mesh = file_.mesh;
+  mesh.positions[vertex] = {values[0], values[1], values[2]};
+  if (layout.has_uvs) mesh.uvs[vertex] = {values[3], values[4]};
+  if (layout.has_colors) mesh.colors[vertex] = {values[5], values[6], values[7], values[8]};
+}
+
+// Calls read(body, record) with a body at each record's place, on all threads. False where one was
+// wrong: reading one after another finds the first.
+template <class Body>
+template <class PlaceOf, class Read>
+bool PlyReader<Body>::read_records(std::int64_t count, const PlaceOf& place_of_record,
+                                   const Read& read) const {
+  constexpr std::size_t kGrain = 4096;
+  std::atomic<bool> sound{true};
+  parallel_for(static_cast<std::size_t>(count), kGrain, [&](std::size_t begin, std::size_t end) {
+    if (!sound.load(std::memory_order_relaxed)) return;
+    const std::size_t place = place_of_record(static_cast<std::int64_t>(begin));
+    if (place > body_.bytes_left()) return sound.store(false, std::memory_order_relaxed);
+    Body body = body_.behind(place);
+    try {
+      for (std::size_t i = begin; i < end; ++i) read(body, static_cast<std::int64_t>(i));
+    } catch (const Error&) {
+      sound.store(false, std::memory_order_relaxed);
+    }
+  });
+  return sound.load();
+}
+
+// Bytes of a record without the one list `besides`; nothing where it has another list.
+template <class Body>
+std::optional<std::size_t> PlyReader<Body>::fixed_bytes(const PlyElement& element,
+                                                        const PlyProperty* besides) {
+  std::size_t bytes = 0;
+  for (const PlyProperty& property : element.properties) {
+    if (&property == besides) continue;
+    if (property.count_type) return std::nullopt;
+    bytes += byte_count_of(property.type);
+  }
+  return bytes;
 }
 
 template <class Body>
 void PlyReader<Body>::read_faces(const PlyElement& element) {
-  const auto is_indices = [](const PlyProperty& property) {
-    return property.count_type &&
-           (property.name == "vertex_indices" || property.name == "vertex_index");
-  };
-  const auto indices = std::ranges::find_if(element.properties, is_indices);
-  if (element.count > 0 && indices == element.properties.end())
+  const PlyProperty* indices = ply_vertex_list(element);
+  if (element.count > 0 && indices == nullptr)
     body_.fail("element `face` has no list `vertex_indices`", -1);
   if (element.count > kMaxCount)
     body_.fail("more faces than 32 bits can count: " + std::to_string(element.count), -1);
+  if (indices == nullptr) return;
+  if constexpr (std::is_same_v<Body, PlyBinaryBody>) {
+    if (read_face_records(element, *indices)) return;
+    file_.mesh.face_offsets = {0};
+  }
   auto& corners = file_.mesh.face_vertices;
+  corners.clear();
   file_.mesh.face_offsets.reserve(element.count + 1);
   for (std::int64_t face = 0; face < element.count; ++face) {
-    body_.begin(element, face);
-    for (const PlyProperty& property : element.properties) {
-      if (&property != &*indices) {
-        skip(property, element, face);
-        continue;
-      }
-      const std::int64_t size = read_count(property, element, face);
-      for (std::int64_t i = 0; i < size; ++i) {
-        const double vertex = body_.number(property.type, element, face);
-        // The negated comparison catches NaN.
-        if (!(vertex >= 0 && vertex < static_cast<double>(vertex_count_)) ||
-            vertex != std::floor(vertex))
-          body_.fail(place_of(element, face) + " names vertex " + shortest(vertex) + " of " +
-                         std::to_string(vertex_count_),
-                     face);
-        corners.push_back(static_cast<std::int32_t>(vertex));
-      }
-    }
-    body_.end(element, face);
+    (void)read_face(body_, element, *indices, face, corners);
     if (corners.size() > static_cast<std::size_t>(kMaxCount))
       body_.fail("more face corners than 32 bits can count", face);
     file_.mesh.face_offsets.push_back(static_cast<std::int32_t>(corners.size()));
   }
 }
 
+// Appends a face's corners and returns how many they are.
+template <class Body>
+std::int32_t PlyReader<Body>::read_face(Body& body, const PlyElement& element,
+                                        const PlyProperty& indices, std::int64_t face,
+                                        std::vector<std::int32_t>& corners) const {
+  std::int64_t size = 0;
+  body.begin(element, face);
+  for (const PlyProperty& property : element.properties) {
+    if (&property != &indices) {
+      skip(body, property, element, face);
+      continue;
+    }
+    size = read_count(body, property, element, face);
+    for (std::int64_t i = 0; i < size; ++i)
+      corners.push_back(read_index(body, property, element, face));
+  }
+  body.end(element, face);
+  return static_cast<std::int32_t>(size);
+}
+
+// First the sizes, whose sums tell where each record lies, then the corners on all threads. False
+// where something is wrong, or where records hold further lists.
+template <class Body>
+bool PlyReader<Body>::read_face_records(const PlyElement& element, const PlyProperty& indices) {
+  const std::optional<std::size_t> others = fixed_bytes(element, &indices);
+  if (!others) return false;
+  std::size_t before = 0;  // bytes of a record in front of the list
+  for (const PlyProperty* property = element.properties.data(); property != &indices; ++property)
+    before += byte_count_of(property->type);
+  const std::size_t index_bytes = byte_count_of(indices.type);
+  const std::size_t fixed = *others + byte_count_of(*indices.count_type);
+  const auto place_of_record = [&](std::int64_t face) {
+    return static_cast<std::size_t>(face) * fixed +
+           static_cast<std::size_t>(file_.mesh.face_offsets[face]) * index_bytes;
+  };
+
+  std::vector<std::int32_t>& offsets = file_.mesh.face_offsets;
+  offsets.resize(element.count + 1);
+  std::int64_t corner_count = 0;
+  for (std::int64_t face = 0; face < element.count; ++face) {
+    const std::size_t place = place_of_record(face);
+    if (place + fixed > body_.bytes_left()) return false;
+    const double size = body_.behind_number(place + before, *indices.count_type);
+    if (!(size >= 0) || size != std::floor(size) || size > static_cast<double>(kMaxCount))
+      return false;
+    corner_count += static_cast<std::int64_t>(size);
+    if (corner_count > kMaxCount) return false;
+    offsets[face + 1] = static_cast<std::int32_t>(corner_count);
+  }
+  const std::size_t end = place_of_record(element.count);
+  if (end > body_.bytes_left()) return false;
+  file_.mesh.face_vertices.resize(corner_count);
+  const auto read = [&](Body& body, std::int64_t face) {
+    for (const PlyProperty& property : element.properties) {
+      if (&property != &indices) {
+        skip(body, property, element, face);
+        continue;
+      }
+      (void)read_count(body, property, element, face);
+      for (std::int32_t c = offsets[face]; c < offsets[face + 1]; ++c)
+        file_.mesh.face_vertices[c] = read_index(body, property, element, face);
+    }
+  };
+  if (!read_records(element.count, place_of_record, read)) return false;
+  body_ = body_.behind(end);
+  return true;
+}
+
+template <class Body>
+std::int32_t PlyReader<Body>::read_index(Body& body, const PlyProperty& property,
+                                         const PlyElement& element, std::int64_t face) const {
+  const double vertex = body.number(property.type, element, face);
+  // The negated comparison catches NaN.
+  if (!(vertex >= 0 && vertex < static_cast<double>(vertex_count_)) || vertex != std::floor(vertex))
+    body.fail(place_of(element, face) + " names vertex " + shortest(vertex) + " of " +
+                  std::to_string(vertex_count_),
+              face);
+  return static_cast<std::int32_t>(vertex);
+}
+
 template <class Body>
 void PlyReader<Body>::skip_all(const PlyElement& element) {
   for (std::int64_t index = 0; index < element.count; ++index) {
     body_.begin(element, index);
-    for (const PlyProperty& property : element.properties) skip(property, element, index);
+    for (const PlyProperty& property : element.properties) skip(body_, property, element, index);
     body_.end(element, index);
   }
 }
 
 template <class Body>
-void PlyReader<Body>::skip(const PlyProperty& property, const PlyElement& element,
+void PlyReader<Body>::skip(Body& body, const PlyProperty& property, const PlyElement& element,
                            std::int64_t index) {
-  const std::int64_t count = property.count_type ? read_count(property, element, index) : 1;
-  for (std::int64_t i = 0; i < count; ++i) body_.skip(property.type, element, index);
+  const std::int64_t count = property.count_type ? read_count(body, property, element, index) : 1;
+  for (std::int64_t i = 0; i < count; ++i) body.skip(property.type, element, index);
 }
 
 template <class Body>
-std::int64_t PlyReader<Body>::read_count(const PlyProperty& property, const PlyElement& element,
-                                         std::int64_t index) {
-  const double count = body_.number(*property.count_type, element, index);
+std::int64_t PlyReader<Body>::read_count(Body& body, const PlyProperty& property,
+                                         const PlyElement& element, std::int64_t index) {
+  const double count = body.number(*property.count_type, element, index);
   if (count < 0 || count != std::floor(count) ||
-      count > static_cast<double>(body_.values_left(property.type)))
-    body_.fail(place_of(element, index) + ": list " + quote(property.name) + " promises " +
-                   shortest(count) + " values, but no more than " +
-                   std::to_string(body_.values_left(property.type)) + " can follow",
-               index);
+      count > static_cast<double>(body.values_left(property.type)))
+    body.fail(place_of(element, index) + ": list " + quote(property.name) + " promises " +
+                  shortest(count) + " values, but no more than " +
+                  std::to_string(body.values_left(property.type)) + " can follow",
+              index);
   return static_cast<std::int64_t>(count);
 }
 
 }  // namespace
 
 MeshFile read_ply(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t kPartBytes = std::size_t{1} << 20;
+  return read_ply_in_parts(bytes, name, kPartBytes);
+}
+
+MeshFile read_ply_in_parts(std::span<const std::byte> bytes, std::string_view name,
+                           std::size_t part_bytes) {
   const PlyHeader header = read_ply_header(bytes, name);
-  if (header.format == PlyFormat::Text) return PlyReader<TextBody>(bytes, name, header).read();
-  return PlyReader<BinaryBody>(bytes, name, header).read();
+  if (header.format == PlyFormat::Text)
+    return PlyReader<PlyTextBody>(bytes, name, header, part_bytes).read();
+  return PlyReader<PlyBinaryBody>(bytes, name, header, part_bytes).read();
 }
 
 PointCloud read_ply_points(std::span<const std::byte> bytes, std::string_view name) {

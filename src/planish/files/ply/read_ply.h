@@ -17,6 +17,11 @@ namespace planish {
 /// read_mesh().
 [[nodiscard]] MeshFile read_ply(std::span<const std::byte> bytes, std::string_view name);
 
+/// The same, text in parts of about `part_bytes`, on which the result does not depend; threads take
+/// one part at a time.
+[[nodiscard]] MeshFile read_ply_in_parts(std::span<const std::byte> bytes, std::string_view name,
+                                         std::size_t part_bytes);
+
 /// The vertices alone. Exceptions as read_points().
 [[nodiscard]] PointCloud read_ply_points(std::span<const std::byte> bytes, std::string_view name);
 

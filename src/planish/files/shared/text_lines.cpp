@@ -56,6 +56,17 @@ TextLines TextLines::part(std::size_t begin, std::size_t end) const {
   return lines;
 }
 
+std::vector<TextLines> TextLines::cut(std::size_t part_bytes) const {
+  std::vector<TextLines> parts;
+  for (std::size_t begin = 0; begin < text_.size();) {
+    const std::size_t end = start_of_line(begin + std::min(part_bytes, text_.size()));
+    parts.push_back(part(begin, end));
+    begin = end;
+  }
+  if (parts.empty()) parts.push_back(part(0, 0));
+  return parts;
+}
+
 std::size_t TextLines::start_of_line(std::size_t from) const {
   if (from == 0) return 0;
   for (std::size_t end = end_of_line(from - 1); end < text_.size(); end = end_of_line(end + 1)) {

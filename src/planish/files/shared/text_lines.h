@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "planish/core/number_text.h"
 
@@ -38,9 +39,12 @@ class TextLines {
 
   /// The lines from `begin` to `end`, both places of start_of_line(), counted from 1 again.
   [[nodiscard]] TextLines part(std::size_t begin, std::size_t end) const;
+  /// The lines behind the current one, counted from 1 again.
+  [[nodiscard]] TextLines rest() const { return part(position_, text_.size()); }
+  /// Parts of about `part_bytes`, at least one, none of which cuts a line.
+  [[nodiscard]] std::vector<TextLines> cut(std::size_t part_bytes) const;
   /// The first place at or behind `from` where a line begins, or the end; continued lines are one.
   [[nodiscard]] std::size_t start_of_line(std::size_t from) const;
-  [[nodiscard]] std::string_view text() const { return text_; }
 
   /// Moves to the next line; false at the end of the file.
   [[nodiscard]] bool next();

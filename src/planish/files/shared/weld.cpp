@@ -1,11 +1,15 @@
 #include "planish/files/shared/weld.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <limits>
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/parallel.h"
+#include "planish/core/prefix_sum.h"
 
 namespace planish {
 namespace {
@@ -55,6 +59,83 @@ void Welder::grow() {
   }
 }
 
+namespace {
+
+// Equal positions have equal hashes and come into one group, where a thread finds them.
+constexpr std::size_t kGroups = 256;
+constexpr std::size_t kBlock = 1 << 15;  // positions whose groups are counted together
+
+std::size_t group_of(const glm::dvec3& position) { return hash_of(position) >> 56; }
+
+// The positions' numbers, one group after another, in their order within each.
+struct Groups {
+  RawVector<std::int32_t> members;
+  std::vector<std::int32_t> starts;  // one more than groups
+};
+
+Groups group(std::span<const glm::dvec3> positions) {
+  const std::size_t block_count = (positions.size() + kBlock - 1) / kBlock;
+  std::vector<std::int32_t> places(kGroups * block_count + 1, 0);  // by group, then block
+  const auto for_each = [&](const auto& visit) {
+    parallel_for(block_count, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t b = begin; b < end; ++b)
+        for (std::size_t i = b * kBlock; i < std::min(positions.size(), (b + 1) * kBlock); ++i)
+          visit(i, places[group_of(positions[i]) * block_count + b]);
+    });
+  };
+  for_each([](std::size_t, std::int32_t& place) { ++place; });
+  exclusive_sum(places);
+  Groups groups;
+  for (std::size_t g = 0; g <= kGroups; ++g) groups.starts.push_back(places[g * block_count]);
+  groups.members.resize(positions.size());
+  for_each([&](std::size_t i, std::int32_t& place) {
+    groups.members[place++] = static_cast<std::int32_t>(i);
+  });
+  return groups;
+}
+
+// For each member of a group the first that has its position.
+void find_firsts(std::span<const std::int32_t> members, std::span<const glm::dvec3> positions,
+                 RawVector<std::int32_t>& firsts) {
+  std::vector<std::int32_t> slots(std::bit_ceil(2 * members.size() + 1), -1);
+  const std::size_t mask = slots.size() - 1;
+  for (const std::int32_t member : members) {
+    std::size_t slot = hash_of(positions[member]) & mask;
+    while (slots[slot] >= 0 && positions[slots[slot]] != positions[member])
+      slot = (slot + 1) & mask;
+    if (slots[slot] < 0) slots[slot] = member;
+    firsts[member] = slots[slot];
+  }
+}
+
+}  // namespace
+
+WeldedPositions weld(std::span<const glm::dvec3> positions) {
+  const std::size_t count = positions.size();
+  if (count == 0) return {};
+  const Groups groups = group(positions);
+  RawVector<std::int32_t> firsts(count), numbers(count);
+  parallel_for(kGroups, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; ++g)
+      find_firsts(std::span(groups.members)
+                      .subspan(groups.starts[g], groups.starts[g + 1] - groups.starts[g]),
+                  positions, firsts);
+  });
+  const auto is_first = [&](std::size_t i) { return firsts[i] == static_cast<std::int32_t>(i); };
+  const SelectedBlocks blocks = count_selected(count, is_first);
+  WeldedPositions welded;
+  welded.positions.resize(blocks.total);
+  for_selected(count, blocks, is_first, [&](std::size_t i, std::int32_t number) {
+    welded.positions[number] = positions[i];
+    numbers[i] = number;
+  });
+  welded.indices.resize(count);
+  parallel_for(count, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) welded.indices[i] = numbers[firsts[i]];
+  });
+  return welded;
+}
+
 bool TriangleCollector::add(std::int32_t v0, std::int32_t v1, std::int32_t v2) {
   if (v0 == v1 || v1 == v2 || v2 == v0) {
     ++degenerate_count_;
@@ -64,10 +145,11 @@ bool TriangleCollector::add(std::int32_t v0, std::int32_t v1, std::int32_t v2) {
   return true;
 }
 
-void TriangleCollector::finish(Welder& welder, MeshFile& file) {
+void TriangleCollector::finish(std::vector<glm::dvec3> positions, std::int64_t merged_count,
+                               MeshFile& file) {
   file.mesh = std::move(mesh_);
-  file.mesh.positions = welder.take_positions();
-  file.welded_vertex_count += welder.merged_count();
+  file.mesh.positions = std::move(positions);
+  file.welded_vertex_count += merged_count;
   file.dropped_element_count += degenerate_count_;
   if (degenerate_count_ == 0) return;
   file.warnings.push_back(

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "planish/core/raw_vector.h"
 #include "planish/files/mesh_file.h"
 
 namespace planish {
@@ -28,6 +30,14 @@ class Welder {
   std::int64_t merged_count_ = 0;
 };
 
+/// The same for all positions at once, on all threads.
+struct WeldedPositions {
+  std::vector<glm::dvec3> positions;  ///< in the order in which they first come
+  RawVector<std::int32_t> indices;    ///< of each given one
+};
+/// The positions must be finite and fewer than 2^31.
+[[nodiscard]] WeldedPositions weld(std::span<const glm::dvec3> positions);
+
 /// Collects triangles by welded vertices for the formats that know nothing else. Triangles that
 /// name a vertex twice have no area and are left out.
 class TriangleCollector {
@@ -36,7 +46,10 @@ class TriangleCollector {
   bool add(std::int32_t v0, std::int32_t v1, std::int32_t v2);
   [[nodiscard]] std::size_t corner_count() const { return mesh_.face_vertices.size(); }
   /// Hands over the mesh with its counts, and a warning if triangles were left out.
-  void finish(Welder& welder, MeshFile& file);
+  void finish(std::vector<glm::dvec3> positions, std::int64_t merged_count, MeshFile& file);
+  void finish(Welder& welder, MeshFile& file) {
+    finish(welder.take_positions(), welder.merged_count(), file);
+  }
 
  private:
   PolygonMesh mesh_;

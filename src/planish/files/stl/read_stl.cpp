@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "planish/core/assert.h"
 #include "planish/core/error.h"
+#include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
 #include "planish/files/shared/bytes.h"
 #include "planish/files/shared/text_lines.h"
 #include "planish/files/shared/weld.h"
@@ -31,30 +35,50 @@ bool is_text(std::span<const std::byte> bytes) {
   return begin != std::string_view::npos && is_word(text.substr(begin, 5), "solid");
 }
 
-MeshFile read_binary(std::span<const std::byte> bytes, std::string_view name) {
-  Welder welder;
-  TriangleCollector triangles;
-  const auto count = load<std::uint32_t>(bytes.subspan(80));
-  for (std::uint32_t triangle = 0; triangle < count; ++triangle) {
-    const auto record = bytes.subspan(kHeaderBytes + triangle * kTriangleBytes, kTriangleBytes);
-    std::array<std::int32_t, 3> corners;
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      glm::dvec3 position;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto value = load<float>(record.subspan(kNormalBytes + 12 * corner + 4 * axis));
-        if (!std::isfinite(value))
-          throw Error(ErrorCode::UnreadableInput,
-                      std::string(name) + ": triangle " + std::to_string(triangle) +
-                          " has the coordinate " + shortest(value),
-                      triangle);
-        position[static_cast<int>(axis)] = value;
-      }
-      corners[corner] = welder.insert(position);
+// The first coordinate of a binary file that is not finite.
+[[noreturn]] void fail_at_first_infinite(std::span<const glm::dvec3> positions,
+                                         std::string_view name) {
+  for (std::size_t corner = 0; corner < positions.size(); ++corner) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto value = static_cast<float>(positions[corner][axis]);
+      if (std::isfinite(value)) continue;
+      const auto triangle = static_cast<std::int64_t>(corner / 3);
+      throw Error(ErrorCode::UnreadableInput,
+                  std::string(name) + ": triangle " + std::to_string(triangle) +
+                      " has the coordinate " + shortest(value),
+                  triangle);
     }
-    triangles.add(corners[0], corners[1], corners[2]);
   }
+  assertion_failed("a coordinate is not finite", __FILE__, __LINE__);
+}
+
+MeshFile read_binary(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t kGrain = 4096;
+  const auto count = load<std::uint32_t>(bytes.subspan(80));
+  RawVector<glm::dvec3> positions(std::size_t{3} * count);
+  std::atomic<bool> finite{true};
+  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    bool all = true;
+    for (std::size_t triangle = begin; triangle < end; ++triangle) {
+      const auto record = bytes.subspan(kHeaderBytes + triangle * kTriangleBytes, kTriangleBytes);
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const auto value = load<float>(record.subspan(kNormalBytes + 12 * corner + 4 * axis));
+          all = all && std::isfinite(value);
+          positions[3 * triangle + corner][static_cast<int>(axis)] = value;
+        }
+      }
+    }
+    if (!all) finite.store(false, std::memory_order_relaxed);
+  });
+  if (!finite.load()) fail_at_first_infinite(positions, name);
+  WeldedPositions welded = weld(positions);
+  TriangleCollector triangles;
+  for (std::size_t c = 0; c < positions.size(); c += 3)
+    triangles.add(welded.indices[c], welded.indices[c + 1], welded.indices[c + 2]);
   MeshFile file{.format = FileFormat::Stl};
-  triangles.finish(welder, file);
+  const auto merged = std::ssize(positions) - std::ssize(welded.positions);
+  triangles.finish(std::move(welded.positions), merged, file);
   return file;
 }
 

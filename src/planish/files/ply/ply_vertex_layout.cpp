@@ -1,0 +1,74 @@
+#include "planish/files/ply/ply_vertex_layout.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "planish/files/shared/srgb.h"
+
+namespace planish {
+namespace {
+
+struct Slot {
+  std::string_view name;
+  int index;
+};
+constexpr std::array<Slot, 13> kSlots = {{{"x", 0},
+                                          {"y", 1},
+                                          {"z", 2},
+                                          {"s", 3},
+                                          {"t", 4},
+                                          {"u", 3},
+                                          {"v", 4},
+                                          {"texture_u", 3},
+                                          {"texture_v", 4},
+                                          {"red", 5},
+                                          {"green", 6},
+                                          {"blue", 7},
+                                          {"alpha", 8}}};
+
+}  // namespace
+
+PlyVertexLayout ply_vertex_layout(const PlyElement& element) {
+  PlyVertexLayout layout;
+  std::vector<int>& slots = layout.slots;
+  std::array<bool, kSlots.size()> found{};
+  for (const PlyProperty& property : element.properties) {
+    const auto slot = std::ranges::find(kSlots, property.name, &Slot::name);
+    const bool is_known = slot != kSlots.end() && !property.count_type;
+    slots.push_back(is_known ? slot->index : -1);
+    if (is_known) found[slot->index] = true;
+  }
+  for (const std::size_t axis : {2, 1, 0}) {
+    if (!found[axis]) layout.missing_axis = kSlots[axis].name.front();
+  }
+  // Half of a texture coordinate or of a colour is none.
+  for (int& slot : slots) {
+    const bool is_uv = slot == 3 || slot == 4;
+    const bool is_half = is_uv ? !found[3] || !found[4] : !found[5] || !found[6] || !found[7];
+    if (slot > 2 && is_half) slot = -1;
+  }
+  layout.has_uvs = std::ranges::find(slots, 3) != slots.end();
+  layout.has_colors = std::ranges::find(slots, 5) != slots.end();
+  return layout;
+}
+
+const PlyProperty* ply_vertex_list(const PlyElement& face) {
+  for (const PlyProperty& property : face.properties) {
+    const bool is_named = property.name == "vertex_indices" || property.name == "vertex_index";
+    if (property.count_type && is_named) return &property;
+  }
+  return nullptr;
+}
+
+double ply_color(double value, PlyType type, bool is_alpha) {
+  if (type == PlyType::Float32 || type == PlyType::Float64) return std::clamp(value, 0.0, 1.0);
+  const auto bits = 8 * byte_count_of(type);
+  const bool is_signed = type == PlyType::Int8 || type == PlyType::Int16 || type == PlyType::Int32;
+  const double share =
+      std::clamp(value / (std::ldexp(1, bits - (is_signed ? 1 : 0)) - 1), 0.0, 1.0);
+  return is_alpha ? share : linear_of_srgb(share);
+}
+
+}  // namespace planish

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "planish/files/ply/ply_header.h"
+
+namespace planish {
+
+/// Where each property of a vertex goes.
+struct PlyVertexLayout {
+  /// By property: 0 to 2 the coordinates, 3 and 4 the texture coordinates, 5 to 8 the colour; -1
+  /// for what is passed over.
+  std::vector<int> slots;
+  bool has_uvs = false, has_colors = false;
+  char missing_axis = 0;  ///< a coordinate that the element lacks, as x
+};
+
+[[nodiscard]] PlyVertexLayout ply_vertex_layout(const PlyElement& element);
+
+/// The list of a face's vertices, null if it has none.
+[[nodiscard]] const PlyProperty* ply_vertex_list(const PlyElement& face);
+
+/// Linear, 0 to 1. Integers are sRGB by convention, floating-point numbers are linear.
+[[nodiscard]] double ply_color(double value, PlyType type, bool is_alpha);
+
+}  // namespace planish
