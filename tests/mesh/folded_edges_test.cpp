@@ -45,6 +45,16 @@ TEST(FoldedEdges, FacesWithoutAreaTurnNowhere) {
   EXPECT_EQ(folds.area, 0.0);
 }
 
+TEST(FoldedEdges, AreTheSameByTheTopologyAtHand) {
+  for (const PolygonMesh& mesh : {hinged_strip(119), hinged_strip(-121), hinged_strip(170)}) {
+    const FoldedEdges folds = folded_edges(mesh), same = folded_edges(mesh, MeshTopology(mesh));
+    EXPECT_EQ(same.count, folds.count);
+    EXPECT_EQ(same.area, folds.area);
+    EXPECT_EQ(same.first_face, folds.first_face);
+    EXPECT_EQ(same.is_beside, folds.is_beside);
+  }
+}
+
 TEST(FoldedEdges, AreNoneOnACube) { EXPECT_EQ(folded_edges(test::cube()).count, 0); }
 
 }  // namespace

@@ -36,10 +36,11 @@ Scene load_scene(const std::string& path, const std::string& name) {
   if (settings.interpolation == command::InterpolationChoice::Fair)
     throw Error(ErrorCode::InvalidArgument,
                 job.name + ": interpolation fair does not run on the device; choose another job");
-  const command::Input input = command::read_input(job.input, job.input_format);
+  command::Input input = command::read_input(job.input, job.input_format);
   Scene scene;
   scene.name = job.name;
-  scene.mesh = command::prepare(input.file.mesh, settings, InterpolationMethod::Progressive).mesh;
+  scene.mesh =
+      command::prepare(std::move(input.file.mesh), settings, InterpolationMethod::Progressive).mesh;
   require_usable(scene.mesh, input.name);
   if (settings.up == command::UpAxis::Z)
     for (glm::dvec3& p : scene.mesh.positions) p = {p.x, p.z, -p.y};

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
@@ -20,5 +21,8 @@ inline constexpr double kFoldedEdgeDegrees = 120;
 
 /// Faces without area turn nowhere; of edges with more than two faces the first two count.
 [[nodiscard]] FoldedEdges folded_edges(const PolygonMesh& mesh);
+
+/// The same on all threads, of a mesh whose faces are those of `topology`.
+[[nodiscard]] FoldedEdges folded_edges(const PolygonMesh& mesh, const MeshTopology& topology);
 
 }  // namespace planish
