@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <numbers>
+
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
 
@@ -19,6 +23,30 @@ TEST(DetectCreases, FollowsTheThreshold) {
   EXPECT_TRUE(with_detected_creases(test::cube(), {.dihedral_degrees = 91}).creases.empty());
   EXPECT_EQ(with_detected_creases(test::cube(), {.dihedral_degrees = 89}).creases.size(), 12u);
   EXPECT_THROW((void)with_detected_creases(test::cube(), {.dihedral_degrees = 181}), Error);
+}
+
+// Two triangles that turn by `degrees` at their common edge.
+PolygonMesh hinge(double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
+  PolygonMesh mesh;
+  mesh.positions = {
+      {0, 0, 0}, {1, 0, 0}, {0, -3, 0}, {1, 2 * std::cos(angle), 2 * std::sin(angle)}};
+  mesh.add_face(std::array{0, 2, 1});
+  mesh.add_face(std::array{0, 1, 3});
+  return mesh;
+}
+
+TEST(DetectCreases, DecidesBesideTheThresholdWhateverTheAngle) {
+  for (const double threshold : {0.0, 0.001, 30.0, 89.9, 90.0, 120.0, 179.9}) {
+    for (const double beside : {-10.0, -1e-3, -1e-6, 1e-6, 1e-3, 10.0}) {
+      const double degrees = threshold + beside;
+      if (degrees < 0 || degrees > 180) continue;
+      EXPECT_EQ(
+          with_detected_creases(hinge(degrees), {.dihedral_degrees = threshold}).creases.size(),
+          beside > 0 ? 1u : 0u)
+          << degrees << " degrees, threshold " << threshold;
+    }
+  }
 }
 
 // A roof ridge over `edges` edges: 33 degrees at the ridge, less everywhere else.

@@ -23,6 +23,7 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;
 constexpr double kRadians = std::numbers::pi / 180.0;
+constexpr double kRightAngle = std::numbers::pi / 2;
 
 struct Edge {
   std::int32_t v0, v1;
@@ -39,6 +40,15 @@ void require_angle(double degrees, const char* name) {
 double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
   if (glm::length(a) == 0 || glm::length(b) == 0) return 0;
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+// Whether the angle is less than the one of that slope without any doubt by rounding: most are, and
+// need no arctangent.
+bool is_flatter(const glm::dvec3& a, const glm::dvec3& b, double slope) {
+  constexpr double kMargin = 1 - 1e-9;
+  const glm::dvec3 turn = glm::cross(a, b);
+  const double along = glm::dot(a, b);
+  return along > 0 && glm::dot(turn, turn) < kMargin * slope * slope * along * along;
 }
 
 using VertexPair = std::pair<std::int32_t, std::int32_t>;
@@ -65,6 +75,7 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
                               double dihedral) {
   const std::vector<glm::dvec3> normals = face_normals(mesh);
   const std::set<VertexPair> tagged = tagged_edges(mesh);
+  const double slope = dihedral < kRightAngle ? std::tan(dihedral) : 0;
   const auto ends_of = [&](std::int32_t edge) {
     const auto [v0, v1] = topology.edge_vertices(edge);
     return VertexPair(std::minmax(v0, v1));
@@ -79,9 +90,9 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
         continue;
       }
       const std::int32_t corner = topology.corner_of(edge);
-      const double angle = angle_between(normals[topology.face_of(corner)],
-                                         normals[topology.face_of(topology.twin(corner))]);
-      kinds[e] = angle > dihedral ? Found : Smooth;
+      const glm::dvec3& a = normals[topology.face_of(corner)];
+      const glm::dvec3& b = normals[topology.face_of(topology.twin(corner))];
+      kinds[e] = !is_flatter(a, b, slope) && angle_between(a, b) > dihedral ? Found : Smooth;
     }
   });
   const auto is_sharp = [&](std::size_t e) { return kinds[e] != Smooth; };

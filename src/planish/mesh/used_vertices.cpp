@@ -1,16 +1,42 @@
 #include "planish/mesh/used_vertices.h"
 
+#include <atomic>
+#include <cstddef>
+
+#include "planish/core/parallel.h"
+#include "planish/core/prefix_sum.h"
+#include "planish/core/raw_vector.h"
+
 namespace planish {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+
+template <class Body>
+void for_each(std::size_t count, const Body& body) {
+  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
+}  // namespace
 
 UsedMesh without_unused_vertices(const PolygonMesh& mesh) {
-  std::vector<std::int32_t> new_index(mesh.positions.size(), -1);
-  for (const std::int32_t v : mesh.face_vertices) new_index[v] = 0;
+  RawVector<std::uint8_t> is_named(mesh.positions.size());
+  for_each(is_named.size(), [&](std::size_t v) { is_named[v] = 0; });
+  for_each(mesh.face_vertices.size(), [&](std::size_t c) {
+    std::atomic_ref(is_named[mesh.face_vertices[c]]).store(1, std::memory_order_relaxed);
+  });
+  const auto is_used = [&](std::size_t v) { return is_named[v] != 0; };
+  const SelectedBlocks blocks = count_selected(is_named.size(), is_used);
   UsedMesh used;
-  for (std::size_t v = 0; v < new_index.size(); ++v) {
-    if (new_index[v] < 0) continue;
-    new_index[v] = static_cast<std::int32_t>(used.vertices.size());
-    used.vertices.push_back(static_cast<std::int32_t>(v));
-  }
+  used.vertices.resize(blocks.total);
+  RawVector<std::int32_t> new_index(mesh.positions.size());
+  for_each(new_index.size(), [&](std::size_t v) { new_index[v] = -1; });
+  for_selected(is_named.size(), blocks, is_used, [&](std::size_t v, std::int32_t number) {
+    used.vertices[number] = static_cast<std::int32_t>(v);
+    new_index[v] = number;
+  });
   if (used.vertices.size() == mesh.positions.size()) {
     used.mesh = mesh;
     return used;
@@ -21,14 +47,15 @@ UsedMesh without_unused_vertices(const PolygonMesh& mesh) {
   used.mesh.groups = mesh.groups;
   used.mesh.face_groups = mesh.face_groups;
   used.mesh.hole_faces = mesh.hole_faces;
-  used.mesh.positions.reserve(used.vertices.size());
-  used.mesh.colors.reserve(mesh.colors.empty() ? 0 : used.vertices.size());
-  for (const std::int32_t v : used.vertices) {
-    used.mesh.positions.push_back(mesh.positions[v]);
-    if (!mesh.colors.empty()) used.mesh.colors.push_back(mesh.colors[v]);
-  }
-  used.mesh.face_vertices.reserve(mesh.face_vertices.size());
-  for (const std::int32_t v : mesh.face_vertices) used.mesh.face_vertices.push_back(new_index[v]);
+  used.mesh.positions.resize(used.vertices.size());
+  used.mesh.colors.resize(mesh.colors.empty() ? 0 : used.vertices.size());
+  for_each(used.vertices.size(), [&](std::size_t v) {
+    used.mesh.positions[v] = mesh.positions[used.vertices[v]];
+    if (!mesh.colors.empty()) used.mesh.colors[v] = mesh.colors[used.vertices[v]];
+  });
+  used.mesh.face_vertices.resize(mesh.face_vertices.size());
+  for_each(mesh.face_vertices.size(),
+           [&](std::size_t c) { used.mesh.face_vertices[c] = new_index[mesh.face_vertices[c]]; });
   for (const CreaseEdge& crease : mesh.creases) {
     used.mesh.creases.push_back({new_index[crease.v0], new_index[crease.v1], crease.sharpness});
   }
