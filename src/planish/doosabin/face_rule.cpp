@@ -28,6 +28,16 @@ std::vector<double> face_weights(Weights weights, std::int32_t m) {
   return c;
 }
 
+FaceWeights::FaceWeights(Weights weights) : weights_(weights) {
+  for (std::int32_t m = 2; m <= kCachedSize; ++m) cached_[m] = face_weights(weights, m);
+}
+
+std::span<const double> FaceWeights::of(std::int32_t m, std::vector<double>& scratch) const {
+  if (m <= kCachedSize) return cached_[m];
+  if (static_cast<std::int32_t>(scratch.size()) != m) scratch = face_weights(weights_, m);
+  return scratch;
+}
+
 double smallest_face_eigenvalue(Weights weights, std::int32_t m) {
   if (weights == Weights::Averaged) {
     // 1/2 + cos(2 pi k / m) / 4 with the k nearest to m/2.

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "planish/core/assert.h"
+
 namespace planish {
 
 namespace {
@@ -22,6 +24,8 @@ struct RegularPolygon {
       cosines.push_back(std::cos(angle));
       sines.push_back(std::sin(angle));
     }
+    // Two opposite points span no plane: rounding must not make one up.
+    if (n == 2) sines = {0, 0};
   }
   std::vector<double> cosines, sines;
 };
@@ -41,7 +45,7 @@ double half_plane_offset(std::int32_t i, std::int32_t k) {
 }
 
 struct HalfPlaneRule {
-  const Subdivision& subdivision;
+  const FaceWeights& face_weights;
   const VertexRing& ring;
   const VertexRing::Sector& sector;
 
@@ -52,8 +56,7 @@ struct HalfPlaneRule {
     // A single face has a ring of two, for which the general weights would not halve the odd part
     // as the curve halves the even one: a flat grid would fold.
     static constexpr double kSingleFace[] = {0.75, 0.25};
-    const auto c =
-        k == 1 ? std::span<const double>(kSingleFace) : subdivision.face_weights(2 * k, scratch);
+    const auto c = k == 1 ? std::span<const double>(kSingleFace) : face_weights.of(2 * k, scratch);
     const double q_i = half_plane_offset(i, k);
     double w0 = 0, w1 = 0;
     if (ring.kind == VertexKind::Corner) {  // (b_i + V) / 2
@@ -91,10 +94,10 @@ void add_refined_fan_face(const VertexRing& ring, const VertexRing::Sector& sect
   row.add(ring.corner_point, scale * (0.5 + (1 - alpha - beta) / 4));
 }
 
-void add_refined_ring_face(const Subdivision& subdivision, const VertexRing& ring, std::int32_t i,
+void add_refined_ring_face(const FaceWeights& face_weights, const VertexRing& ring, std::int32_t i,
                            double scale, std::vector<double>& scratch, StencilRow& row) {
   const auto n = static_cast<std::int32_t>(ring.faces.size());
-  const auto c = subdivision.face_weights(n, scratch);
+  const auto c = face_weights.of(n, scratch);
   // A tagged vertex without sharp edges is the tip of a cone: its ring shrinks towards V at the
   // rate of its shape, 1/2, instead of keeping its mean.
   const bool cone = ring.kind == VertexKind::Corner;
@@ -132,7 +135,7 @@ void add_sector_limit(const VertexRing& ring, const VertexRing::Sector& sector, 
 
 }  // namespace
 
-void add_refined_face(const Subdivision& subdivision, const VertexRing& ring, std::int32_t i,
+void add_refined_face(const FaceWeights& face_weights, const VertexRing& ring, std::int32_t i,
                       double scale, std::vector<double>& weights_scratch, StencilRow& row) {
   for (const VertexRing::Sector& sector : ring.sectors) {
     const std::int32_t place = i - sector.first;
@@ -140,11 +143,36 @@ void add_refined_face(const Subdivision& subdivision, const VertexRing& ring, st
     if (ring.kind == VertexKind::Corner && sector.corner != CornerSector::HalfPlane) {
       add_refined_fan_face(ring, sector, place, scale, row);
     } else {
-      HalfPlaneRule{subdivision, ring, sector}.add(place, scale, weights_scratch, row);
+      HalfPlaneRule{face_weights, ring, sector}.add(place, scale, weights_scratch, row);
     }
     return;
   }
-  add_refined_ring_face(subdivision, ring, i, scale, weights_scratch, row);
+  add_refined_ring_face(face_weights, ring, i, scale, weights_scratch, row);
+}
+
+void add_refined_curve_point(const FaceWeights& face_weights, const VertexRing& ring,
+                             std::int32_t own, std::vector<double>& weights_scratch,
+                             StencilRow& row) {
+  const auto n = static_cast<std::int32_t>(ring.faces.size());
+  switch (ring.kind) {
+    case VertexKind::Dart:
+      add_refined_face(face_weights, ring, ring.dart_face, 0.5, weights_scratch, row);
+      add_refined_face(face_weights, ring, (ring.dart_face + n - 1) % n, 0.5, weights_scratch, row);
+      return;
+    case VertexKind::Corner:
+      row.add(own, 0.5);
+      row.add(ring.corner_point, 0.5);
+      return;
+    case VertexKind::Crease: {
+      const auto& sector = ring.sectors.front();
+      row.add(own, 0.75);
+      row.add(sector.curve0 == own ? sector.curve1 : sector.curve0, 0.25);
+      return;
+    }
+    case VertexKind::Smooth:
+      break;
+  }
+  PLANISH_ASSERT(!"a sharp edge ends at a smooth vertex");
 }
 
 void add_limit(const VertexRing& ring, std::int32_t sector, StencilRow& row) {

@@ -138,11 +138,10 @@ void classify_sectors(const PolygonMesh& mesh, const MeshTopology& topology, std
 
 }  // namespace
 
-SharpFeatures find_sharp_features(const PolygonMesh& mesh, const QuadSplit& split,
+SharpFeatures find_sharp_features(const PolygonMesh& mesh, const MeshTopology& topology,
                                   std::span<const glm::dvec3> rest_positions,
                                   const SharpFeatureOptions& options) {
   PLANISH_ASSERT(rest_positions.size() == mesh.positions.size());
-  const MeshTopology& topology = split.topology();
   SharpFeatures features;
   number_sharp_edges(mesh, topology, options.use_tags, features);
   classify_vertices(mesh, topology, options, features);
@@ -157,6 +156,12 @@ SharpFeatures find_sharp_features(const PolygonMesh& mesh, const QuadSplit& spli
       classify_sectors(mesh, topology, v, rest_positions, features);
   }
   return features;
+}
+
+SharpFeatures find_sharp_features(const PolygonMesh& mesh, const QuadSplit& split,
+                                  std::span<const glm::dvec3> rest_positions,
+                                  const SharpFeatureOptions& options) {
+  return find_sharp_features(mesh, split.topology(), rest_positions, options);
 }
 
 }  // namespace planish

@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/sharpness.h"
 #include "planish/stencil/quad_split.h"
@@ -22,8 +23,8 @@ enum class CornerSector : std::uint8_t { Convex, HalfPlane, Reflex };
 /// infinite sharpness; lower sharpness counts as none.
 struct SharpFeatures {
   std::vector<VertexKind> vertex_kinds;     ///< one per vertex
-  std::vector<std::int32_t> sharp_of_edge;  ///< per edge of Q_0 its number among the sharp, or -1;
-                                            ///< empty when there is none
+  std::vector<std::int32_t> sharp_of_edge;  ///< per edge of the mesh its number among the sharp, or
+                                            ///< -1; empty when there is none
   std::vector<std::int32_t> corner_of_vertex;  ///< per vertex its number among corners, or -1;
                                                ///< empty when there is none
   std::vector<std::int32_t> corner_vertices;   ///< by that number
@@ -38,8 +39,14 @@ struct SharpFeatures {
   }
 };
 
-/// `split` is of `mesh`. Sector angles are measured on `rest_positions`, one per vertex of the
+/// `topology` is of `mesh`. Sector angles are measured on `rest_positions`, one per vertex of the
 /// mesh: fixed once, so that a deformed surface keeps its rules.
+[[nodiscard]] SharpFeatures find_sharp_features(const PolygonMesh& mesh,
+                                                const MeshTopology& topology,
+                                                std::span<const glm::dvec3> rest_positions,
+                                                const SharpFeatureOptions& options);
+
+/// The same for those who have a quad split, whose edges are the same.
 [[nodiscard]] SharpFeatures find_sharp_features(const PolygonMesh& mesh, const QuadSplit& split,
                                                 std::span<const glm::dvec3> rest_positions,
                                                 const SharpFeatureOptions& options);

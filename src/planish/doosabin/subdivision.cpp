@@ -39,11 +39,7 @@ std::vector<std::int32_t> invert(const std::vector<std::int32_t>& sharp_of_edge,
 }  // namespace
 
 Subdivision::Subdivision(const QuadSplit& split, const SharpFeatures& features, Weights weights)
-    : split_(split), features_(features), weights_(weights) {
-  for (std::int32_t m = 2; m <= kCachedSize; ++m) {
-    cached_face_weights_[m] = planish::face_weights(weights, m);
-  }
-
+    : split_(split), features_(features), face_weights_(weights) {
   const std::size_t level_count = static_cast<std::size_t>(split.level_count());
   layouts_.resize(level_count + 2);
   for (std::size_t l = 1; l < layouts_.size(); ++l) {
@@ -64,13 +60,6 @@ Subdivision::Subdivision(const QuadSplit& split, const SharpFeatures& features, 
                                           split.level(static_cast<int>(l)), sharp_of_edge_[l - 1]);
     edge_of_sharp_[l] = invert(sharp_of_edge_[l], 2 * edge_of_sharp_[l - 1].size());
   }
-}
-
-std::span<const double> Subdivision::face_weights(std::int32_t m,
-                                                  std::vector<double>& scratch) const {
-  if (m <= kCachedSize) return cached_face_weights_[m];
-  if (static_cast<std::int32_t>(scratch.size()) != m) scratch = planish::face_weights(weights_, m);
-  return scratch;
 }
 
 }  // namespace planish

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,7 +26,10 @@ class Subdivision {
   /// c_m of the face rule. Large ones are computed into `scratch`, which keeps the last of them
   /// and must be used for nothing else.
   [[nodiscard]] std::span<const double> face_weights(std::int32_t m,
-                                                     std::vector<double>& scratch) const;
+                                                     std::vector<double>& scratch) const {
+    return face_weights_.of(m, scratch);
+  }
+  [[nodiscard]] const FaceWeights& all_face_weights() const { return face_weights_; }
 
   /// Number of an edge of Q_level among the sharp edges of that level, or -1; level < level_count
   /// of the split, or 0.
@@ -50,9 +52,7 @@ class Subdivision {
  private:
   const QuadSplit& split_;
   const SharpFeatures& features_;
-  Weights weights_;
-  static constexpr std::int32_t kCachedSize = 64;
-  std::array<std::vector<double>, kCachedSize + 1> cached_face_weights_;
+  FaceWeights face_weights_;
   std::vector<StateLayout> layouts_;
   std::vector<std::vector<std::int32_t>> sharp_of_edge_, edge_of_sharp_;  // per level
 };

@@ -73,7 +73,8 @@ struct RefinementEmitter {
     const auto vertices = subdivision.split().level(level).GetFaceVertices(face);
     gather_ring(subdivision, level, vertices[child % 4], ring);
     const auto place = std::find(ring.faces.begin(), ring.faces.end(), face) - ring.faces.begin();
-    add_refined_face(subdivision, ring, static_cast<std::int32_t>(place), 1.0, scratch, row);
+    add_refined_face(subdivision.all_face_weights(), ring, static_cast<std::int32_t>(place), 1.0,
+                     scratch, row);
   }
 
   void curve_point(std::int32_t sharp_child, StencilRow& row) {
@@ -83,26 +84,7 @@ struct RefinementEmitter {
     const auto first_sharp = static_cast<std::int32_t>(subdivision.state_layout(level).first_sharp);
     const std::int32_t own = first_sharp + sharp_child / 2;
     gather_ring(subdivision, level, vertex, ring);
-    const auto n = static_cast<std::int32_t>(ring.faces.size());
-    switch (ring.kind) {
-      case VertexKind::Dart:
-        add_refined_face(subdivision, ring, ring.dart_face, 0.5, scratch, row);
-        add_refined_face(subdivision, ring, (ring.dart_face + n - 1) % n, 0.5, scratch, row);
-        return;
-      case VertexKind::Corner:
-        row.add(own, 0.5);
-        row.add(ring.corner_point, 0.5);
-        return;
-      case VertexKind::Crease: {
-        const auto& sector = ring.sectors.front();
-        row.add(own, 0.75);
-        row.add(sector.curve0 == own ? sector.curve1 : sector.curve0, 0.25);
-        return;
-      }
-      case VertexKind::Smooth:
-        break;
-    }
-    PLANISH_ASSERT(!"a sharp edge ends at a smooth vertex");
+    add_refined_curve_point(subdivision.all_face_weights(), ring, own, scratch, row);
   }
 
   void operator()(std::int32_t index, StencilRow& row) {
