@@ -10,6 +10,7 @@ set(level_primal 2)
 set(level_backend 2)
 set(level_interpolate 3)
 set(level_fair 3)
+set(level_patches 3)
 set(level_vulkan 3)
 set(level_surface 4)
 set(level_files 4)
@@ -17,8 +18,8 @@ set(level_pipeline 5)
 set(level_osd 5)
 set(level_reconstruct 5)
 # Neighbours on one level that may be used: tables and splits are made of meshes, files of surfaces,
-# kernels repeat the fair construction.
-set(allowed stencil>mesh files>surface vulkan>fair)
+# kernels repeat the fair construction and number rows as patches do.
+set(allowed stencil>mesh files>surface vulkan>fair vulkan>patches)
 
 set(wrong "")
 file(GLOB_RECURSE files RELATIVE ${SOURCE}/src/planish ${SOURCE}/src/planish/*.h

@@ -1,0 +1,91 @@
+// Based on: Doo & Sabin 1978; "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces",
+// equation (1). Curve points: the uniform quadratic B-spline of a sharp polyline.
+#include "planish/patches/first_step.h"
+
+#include <vector>
+
+#include "planish/core/parallel.h"
+
+namespace planish {
+
+namespace {
+
+// Four corners, which most meshes have most of: the weights do not depend on the rule.
+void refine_quad(std::span<const std::int32_t> vertices, std::span<const double> c,
+                 std::span<const glm::dvec3> points, glm::dvec3* result) {
+  const glm::dvec3 p[4] = {points[vertices[0]], points[vertices[1]], points[vertices[2]],
+                           points[vertices[3]]};
+  for (int i = 0; i < 4; ++i) {
+    result[i] = c[0] * p[i] + c[1] * p[(i + 1) & 3] + c[2] * p[(i + 2) & 3] + c[3] * p[(i + 3) & 3];
+  }
+}
+
+void refine_face(std::span<const std::int32_t> vertices, std::span<const double> c,
+                 std::span<const glm::dvec3> points, glm::dvec3* result) {
+  const std::size_t m = vertices.size();
+  for (std::size_t i = 0; i < m; ++i) {
+    glm::dvec3 sum(0.0);
+    for (std::size_t j = 0; j < m; ++j) {
+      sum += c[j] * points[vertices[i + j < m ? i + j : i + j - m]];
+    }
+    result[i] = sum;
+  }
+}
+
+// The two halves of a sharp edge.
+void refine_curve(const PatchMesh& mesh, std::int32_t edge, std::span<const glm::dvec3> points,
+                  std::span<const glm::dvec3> corners, glm::dvec3* result) {
+  const MeshTopology& topology = mesh.topology();
+  const std::int32_t corner = topology.corner_of(edge);
+  const auto [v0, v1] = topology.edge_vertices(edge);
+  for (int end = 0; end < 2; ++end) {
+    const std::int32_t own = end == 0 ? v0 : v1, other = end == 0 ? v1 : v0;
+    if (mesh.features().vertex_kinds[own] != VertexKind::Dart) {
+      result[end] = 0.75 * points[own] + 0.25 * points[other];
+      continue;
+    }
+    // Between the two faces beside the edge.
+    const std::int32_t twin = topology.twin(corner);
+    const std::int32_t left = end == 0 ? corner : topology.next(corner);
+    const std::int32_t right = end == 0 ? topology.next(twin) : twin;
+    result[end] = 0.5 * (corners[left] + corners[right]);
+  }
+}
+
+}  // namespace
+
+RawVector<glm::dvec3> first_step(const PatchMesh& mesh, Weights weights,
+                                 std::span<const glm::dvec3> points) {
+  const MeshTopology& topology = mesh.topology();
+  const FaceWeights face_weights(weights);
+  RawVector<glm::dvec3> state(static_cast<std::size_t>(mesh.state_size()));
+  parallel_for(
+      static_cast<std::size_t>(topology.face_count()), 4096,
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<double> scratch;
+        for (auto f = static_cast<std::int32_t>(begin); f < static_cast<std::int32_t>(end); ++f) {
+          const auto vertices = topology.face(f);
+          const auto c = face_weights.of(static_cast<std::int32_t>(vertices.size()), scratch);
+          glm::dvec3* result = state.data() + topology.first_corner(f);
+          if (vertices.size() == 4) {
+            refine_quad(vertices, c, points, result);
+          } else {
+            refine_face(vertices, c, points, result);
+          }
+        }
+      });
+  const SharpFeatures& features = mesh.features();
+  if (features.sharp_edge_count > 0) {
+    for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+      const std::int32_t sharp = features.sharp_of_edge[e];
+      if (sharp < 0) continue;
+      refine_curve(mesh, e, points, state, state.data() + mesh.first_sharp() + 2 * sharp);
+    }
+  }
+  for (std::int32_t i = 0; i < features.corner_count; ++i) {
+    state[mesh.first_corner_vertex() + i] = points[features.corner_vertices[i]];
+  }
+  return state;
+}
+
+}  // namespace planish

@@ -1,0 +1,92 @@
+// The patch kernel at the width of kernel_lanes.h. Each lane computes what it would alone, by
+// additions, multiplications, divisions and roots that are rounded one by one: the same bits at
+// every width (the flags forbid fused ones).
+#pragma once
+
+#include "planish/patches/kernel_lanes.h"
+#include "planish/patches/patch_kernel.h"
+
+namespace planish {
+namespace {
+
+PLANISH_INLINE Vector dot(const Vector (&a)[3], const Vector (&b)[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Unit vectors along du x dv, zero where |du x dv| < 1e-6 |du||dv| (kDegenerateNormal).
+PLANISH_INLINE bool unit_normals(const Vector (&du)[3], const Vector (&dv)[3],
+                                 Vector (&normal)[3]) {
+  const Vector n[3] = {du[1] * dv[2] - du[2] * dv[1], du[2] * dv[0] - du[0] * dv[2],
+                       du[0] * dv[1] - du[1] * dv[0]};
+  const Vector square = dot(n, n), bound = 1e-12 * (dot(du, du) * dot(dv, dv));
+  const Mask keep = (square >= bound) & (square > Vector{});
+  const Vector inverse = (Vector)((Mask)(1.0 / square_root(square)) & keep);
+  for (int d = 0; d < 3; ++d) normal[d] = n[d] * inverse;
+  bool degenerate = false;
+  for (int l = 0; l < kLanes; ++l) degenerate |= keep[l] == 0;
+  return degenerate;
+}
+
+// Column and sample counts above 0 are known when compiling: those of regular patches.
+template <int kColumns, int kSamples>
+PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output, int lane) {
+  const int column_count = kColumns > 0 ? kColumns : batch.column_count;
+  const int sample_count = kSamples > 0 ? kSamples : batch.sample_count;
+  const std::int32_t* indices = batch.indices + lane;
+  const std::int32_t* targets = batch.targets + lane;
+  Vector own[3];
+  load_points(batch.state, indices, own[0], own[1], own[2]);
+  Vector* points = reinterpret_cast<Vector*>(batch.points);
+  for (int k = 0; k < column_count; ++k) {
+    Vector p[3];
+    load_points(batch.state, indices + (k + 1) * kPatchLanes, p[0], p[1], p[2]);
+    for (int d = 0; d < 3; ++d) points[3 * k + d] = p[d] - own[d];
+  }
+  const double* weights = batch.weights;
+  bool degenerate = false;
+  for (int s = 0; s < sample_count; ++s, weights += 3 * column_count) {
+    Vector position[3]{}, du[3]{}, dv[3]{};
+    for (int k = 0; k < column_count; ++k) {
+      const double w = weights[k], wu = weights[column_count + k],
+                   wv = weights[2 * column_count + k];
+      for (int d = 0; d < 3; ++d) {
+        const Vector p = points[3 * k + d];
+        position[d] += w * p;
+        du[d] += wu * p;
+        dv[d] += wv * p;
+      }
+    }
+    for (int d = 0; d < 3; ++d) {
+      position[d] = output.centre[d] + output.diagonal * (position[d] + own[d]);
+    }
+    if (output.positions) store_doubles(output.positions, targets, s, position);
+    if (output.stored) {
+      const Vector stored[3] = {position[0] - output.origin[0], position[1] - output.origin[1],
+                                position[2] - output.origin[2]};
+      store_floats(output.stored, targets, s, stored);
+    }
+    if (output.normals) {
+      Vector normal[3];
+      degenerate |= unit_normals(du, dv, normal);
+      store_floats(output.normals, targets, s, normal);
+    }
+  }
+  return degenerate;
+}
+
+inline bool run_batch(const PatchBatch& batch, const PatchOutput& output) {
+  bool degenerate = false;
+  for (int lane = 0; lane < batch.lane_count; lane += kLanes) {
+    if (batch.column_count == 8 && batch.sample_count == 3) {
+      degenerate |= run_lanes<8, 3>(batch, output, lane);
+    } else if (batch.column_count == 3 && batch.sample_count == 1) {
+      degenerate |= run_lanes<3, 1>(batch, output, lane);
+    } else {
+      degenerate |= run_lanes<0, 0>(batch, output, lane);
+    }
+  }
+  return degenerate;
+}
+
+}  // namespace
+}  // namespace planish

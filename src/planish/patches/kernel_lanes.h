@@ -1,0 +1,152 @@
+// Vectors of doubles as wide as the flags allow, with the moves between points in memory (xyz) and
+// vectors of x, of y and of z. Included by one kernel source each; all of it is local to that.
+#pragma once
+
+#include <cstdint>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace planish {
+namespace {
+
+#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
+constexpr int kLanes = 8;
+#elif defined(__AVX2__)
+constexpr int kLanes = 4;
+#else
+constexpr int kLanes = 2;
+#endif
+
+typedef double Vector __attribute__((vector_size(8 * kLanes)));
+typedef std::int64_t Mask __attribute__((vector_size(8 * kLanes)));
+
+#define PLANISH_INLINE [[gnu::always_inline]] inline
+
+// The points at indices[0..kLanes).
+PLANISH_INLINE void load_points(const double* state, const std::int32_t* indices, Vector& x,
+                                Vector& y, Vector& z) {
+  const auto at = [&](int lane) { return state + 3 * static_cast<std::int64_t>(indices[lane]); };
+#if defined(__AVX512VL__) || defined(__AVX2__)
+  // Three of four doubles, so that nothing past the last point is read.
+  const auto point = [&](int lane) {
+#if defined(__AVX512VL__)
+    return _mm256_maskz_loadu_pd(7, at(lane));
+#else
+    return _mm256_maskload_pd(at(lane), _mm256_setr_epi64x(-1, -1, -1, 0));
+#endif
+  };
+  const auto turn = [&](int lane, __m256d& px, __m256d& py, __m256d& pz) {
+    const __m256d a = point(lane), b = point(lane + 1), c = point(lane + 2), d = point(lane + 3);
+    const __m256d ab = _mm256_unpacklo_pd(a, b), cd = _mm256_unpacklo_pd(c, d);
+    px = _mm256_permute2f128_pd(ab, cd, 0x20);
+    pz = _mm256_permute2f128_pd(ab, cd, 0x31);
+    py = _mm256_permute2f128_pd(_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d), 0x20);
+  };
+  __m256d px, py, pz;
+  turn(0, px, py, pz);
+#if defined(__AVX512VL__)
+  __m256d qx, qy, qz;
+  turn(4, qx, qy, qz);
+  x = _mm512_insertf64x4(_mm512_castpd256_pd512(px), qx, 1);
+  y = _mm512_insertf64x4(_mm512_castpd256_pd512(py), qy, 1);
+  z = _mm512_insertf64x4(_mm512_castpd256_pd512(pz), qz, 1);
+#else
+  x = px;
+  y = py;
+  z = pz;
+#endif
+#else
+  for (int l = 0; l < kLanes; ++l) {
+    x[l] = at(l)[0];
+    y[l] = at(l)[1];
+    z[l] = at(l)[2];
+  }
+#endif
+}
+
+// Row targets[lane] + sample of an array of rows of three, for each lane.
+PLANISH_INLINE void store_doubles(double* rows, const std::int32_t* targets, std::int32_t sample,
+                                  const Vector (&p)[3]) {
+  const auto at = [&](int lane) {
+    return rows + 3 * (static_cast<std::int64_t>(targets[lane]) + sample);
+  };
+#if defined(__SSE2__)
+  const auto put = [&](int lane, __m128d even, __m128d odd, __m128d z) {
+    _mm_storeu_pd(at(lane), even);
+    _mm_storel_pd(at(lane) + 2, z);
+    _mm_storeu_pd(at(lane + 1), odd);
+    _mm_storeh_pd(at(lane + 1) + 2, z);
+  };
+#if defined(__AVX512VL__)
+  const __m512d even = _mm512_unpacklo_pd(p[0], p[1]), odd = _mm512_unpackhi_pd(p[0], p[1]);
+  put(0, _mm512_castpd512_pd128(even), _mm512_castpd512_pd128(odd), _mm512_castpd512_pd128(p[2]));
+  put(2, _mm512_extractf64x2_pd(even, 1), _mm512_extractf64x2_pd(odd, 1),
+      _mm512_extractf64x2_pd(p[2], 1));
+  put(4, _mm512_extractf64x2_pd(even, 2), _mm512_extractf64x2_pd(odd, 2),
+      _mm512_extractf64x2_pd(p[2], 2));
+  put(6, _mm512_extractf64x2_pd(even, 3), _mm512_extractf64x2_pd(odd, 3),
+      _mm512_extractf64x2_pd(p[2], 3));
+#elif defined(__AVX2__)
+  const __m256d even = _mm256_unpacklo_pd(p[0], p[1]), odd = _mm256_unpackhi_pd(p[0], p[1]);
+  put(0, _mm256_castpd256_pd128(even), _mm256_castpd256_pd128(odd), _mm256_castpd256_pd128(p[2]));
+  put(2, _mm256_extractf128_pd(even, 1), _mm256_extractf128_pd(odd, 1),
+      _mm256_extractf128_pd(p[2], 1));
+#else
+  put(0, _mm_unpacklo_pd(p[0], p[1]), _mm_unpackhi_pd(p[0], p[1]), p[2]);
+#endif
+#else
+  for (int l = 0; l < kLanes; ++l) {
+    for (int d = 0; d < 3; ++d) at(l)[d] = p[d][l];
+  }
+#endif
+}
+
+// The same, rounded to float.
+PLANISH_INLINE void store_floats(float* rows, const std::int32_t* targets, std::int32_t sample,
+                                 const Vector (&p)[3]) {
+  const auto at = [&](int lane) {
+    return rows + 3 * (static_cast<std::int64_t>(targets[lane]) + sample);
+  };
+#if defined(__AVX512VL__) || defined(__AVX2__)
+  const auto put = [&](int lane, __m128 x, __m128 y, __m128 z) {
+    const __m128 low = _mm_unpacklo_ps(x, y), high = _mm_unpackhi_ps(x, y);
+    _mm_storel_pi(reinterpret_cast<__m64*>(at(lane)), low);
+    _mm_storeh_pi(reinterpret_cast<__m64*>(at(lane + 1)), low);
+    _mm_storel_pi(reinterpret_cast<__m64*>(at(lane + 2)), high);
+    _mm_storeh_pi(reinterpret_cast<__m64*>(at(lane + 3)), high);
+    _mm_store_ss(at(lane) + 2, z);
+    _MM_EXTRACT_FLOAT(at(lane + 1)[2], z, 1);
+    _MM_EXTRACT_FLOAT(at(lane + 2)[2], z, 2);
+    _MM_EXTRACT_FLOAT(at(lane + 3)[2], z, 3);
+  };
+#if defined(__AVX512VL__)
+  const __m256 x = _mm512_cvtpd_ps(p[0]), y = _mm512_cvtpd_ps(p[1]), z = _mm512_cvtpd_ps(p[2]);
+  put(0, _mm256_castps256_ps128(x), _mm256_castps256_ps128(y), _mm256_castps256_ps128(z));
+  put(4, _mm256_extractf128_ps(x, 1), _mm256_extractf128_ps(y, 1), _mm256_extractf128_ps(z, 1));
+#else
+  put(0, _mm256_cvtpd_ps(p[0]), _mm256_cvtpd_ps(p[1]), _mm256_cvtpd_ps(p[2]));
+#endif
+#else
+  for (int l = 0; l < kLanes; ++l) {
+    for (int d = 0; d < 3; ++d) at(l)[d] = static_cast<float>(p[d][l]);
+  }
+#endif
+}
+
+PLANISH_INLINE Vector square_root(Vector v) {
+#if defined(__AVX512VL__)
+  return _mm512_sqrt_pd(v);
+#elif defined(__AVX2__)
+  return _mm256_sqrt_pd(v);
+#elif defined(__SSE2__)
+  return _mm_sqrt_pd(v);
+#else
+  for (int l = 0; l < kLanes; ++l) v[l] = __builtin_sqrt(v[l]);
+  return v;
+#endif
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,34 @@
+#include "planish/patches/patch_kernel.h"
+
+namespace planish {
+
+bool can_run(PatchInstructions instructions) {
+#ifdef PLANISH_X86_KERNELS
+  switch (instructions) {
+    case PatchInstructions::Baseline:
+      return true;
+    case PatchInstructions::Avx2:
+      return __builtin_cpu_supports("avx2") != 0;
+    case PatchInstructions::Avx512:
+      return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
+             __builtin_cpu_supports("avx512vl") != 0;
+  }
+#endif
+  return instructions == PatchInstructions::Baseline;
+}
+
+PatchKernel patch_kernel(PatchInstructions instructions) {
+#ifdef PLANISH_X86_KERNELS
+  if (instructions == PatchInstructions::Avx512) return run_patches_avx512;
+  if (instructions == PatchInstructions::Avx2) return run_patches_avx2;
+#endif
+  (void)instructions;
+  return run_patches_baseline;
+}
+
+PatchInstructions best_instructions() {
+  if (can_run(PatchInstructions::Avx512)) return PatchInstructions::Avx512;
+  return can_run(PatchInstructions::Avx2) ? PatchInstructions::Avx2 : PatchInstructions::Baseline;
+}
+
+}  // namespace planish

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planish/doosabin/sharp_features.h"
+#include "planish/mesh/mesh_topology.h"
+#include "planish/patches/patch_class.h"
+
+namespace planish {
+
+/// Control points of a patch: its class and where they are gathered from.
+struct PatchPlace {
+  enum class Around { Vertex, Edge, Face };
+
+  PatchClass patch;
+  /// Whose points come first.
+  Around around;
+  /// A corner patch's corner; of a limit point the corner of the own face.
+  std::int32_t corner;
+  /// Where V's sector begins, if it has one.
+  std::int32_t sector_start;
+};
+
+/// The corner patches of a mesh: their classes, and their points in the state of level 1 (see
+/// Subdivision). Topology and features must outlive it.
+class PatchMesh {
+ public:
+  PatchMesh(const MeshTopology& topology, const SharpFeatures& features)
+      : topology_(topology), features_(features) {}
+
+  [[nodiscard]] const MeshTopology& topology() const { return topology_; }
+  [[nodiscard]] const SharpFeatures& features() const { return features_; }
+  [[nodiscard]] std::int32_t first_sharp() const { return topology_.corner_count(); }
+  [[nodiscard]] std::int32_t first_corner_vertex() const {
+    return first_sharp() + 2 * features_.sharp_edge_count;
+  }
+  [[nodiscard]] std::int32_t state_size() const {
+    return first_corner_vertex() + features_.corner_count;
+  }
+
+  [[nodiscard]] bool is_sharp_edge(std::int32_t edge) const {
+    return !features_.sharp_of_edge.empty() && features_.sharp_of_edge[edge] >= 0;
+  }
+  /// Of a corner's leading edge.
+  [[nodiscard]] bool is_sharp(std::int32_t corner) const {
+    return !features_.sharp_of_edge.empty() && is_sharp_edge(topology_.edge_of(corner));
+  }
+  /// The first corner of the sector that a corner of a crease or corner vertex lies in: that with a
+  /// sharp leading edge. A tagged vertex without sharp edges has no sectors: -1.
+  [[nodiscard]] std::int32_t sector_start(std::int32_t corner) const;
+  /// The first corners of a vertex's sectors in their order; the first corner at the vertex where
+  /// there are none.
+  void sector_starts(std::int32_t vertex, std::vector<std::int32_t>& starts) const;
+
+  [[nodiscard]] PatchPlace corner_patch(std::int32_t corner) const;
+  /// The limit point of a vertex in the sector that begins with `start`, see sector_starts().
+  [[nodiscard]] PatchPlace vertex_point(std::int32_t start) const;
+  /// The limit point of an edge's midpoint, seen from the corner's face whose leading edge it is.
+  [[nodiscard]] PatchPlace edge_point(std::int32_t corner) const;
+  [[nodiscard]] PatchPlace face_point(std::int32_t face) const;
+
+  /// Indices of the points of a place in the order of its class's columns, `stride` apart.
+  void gather(const PatchPlace& place, std::int32_t* indices, std::ptrdiff_t stride) const;
+
+ private:
+  [[nodiscard]] PatchKind sector_kind(std::int32_t start) const;
+  [[nodiscard]] std::int32_t sector_size(std::int32_t start) const;
+  // The curve point of a corner's sharp leading edge at the corner's end of it, and at the other.
+  [[nodiscard]] std::int32_t curve_at_tail(std::int32_t corner) const;
+  [[nodiscard]] std::int32_t curve_at_head(std::int32_t corner) const;
+
+  const MeshTopology& topology_;
+  const SharpFeatures& features_;
+};
+
+}  // namespace planish

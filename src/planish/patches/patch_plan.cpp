@@ -1,0 +1,251 @@
+#include "planish/patches/patch_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <mutex>
+#include <set>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+
+namespace planish {
+
+namespace {
+
+using Part = PatchNumbering::Part;
+using Results = PatchPlan::Results;
+
+// Corners of a tile: enough to fill batches of each class, few enough that their rows and points
+// stay in cache.
+constexpr std::int64_t kTileItems = 2048;
+constexpr std::int64_t kTileRows = 16384;
+constexpr std::int64_t kMinTileItems = 64;
+// Of the indices of a tile, with faces of thousands of corners.
+constexpr std::int64_t kTileIndices = 1 << 20;
+
+constexpr std::array kParts = {Part::Vertices, Part::Faces,    Part::Edges,
+                               Part::Corners,  Part::Trailing, Part::Further};
+
+// The patch of a row that a part has for an item.
+PatchPlace place_of(const PatchMesh& mesh, const PatchNumbering& numbering, Part part,
+                    std::int64_t item) {
+  const std::int32_t corner = numbering.item_corner(part, item);
+  switch (part) {
+    case Part::Vertices:
+      return mesh.vertex_point(corner);
+    case Part::Faces:
+      return mesh.face_point(mesh.topology().face_of(corner));
+    case Part::Edges:
+      return mesh.edge_point(corner);
+    case Part::Corners:
+    case Part::Trailing:
+      return mesh.corner_patch(corner);
+    case Part::Further:
+      return numbering.is_further_edge(item) ? mesh.edge_point(corner) : mesh.vertex_point(corner);
+  }
+  return {};
+}
+
+// Adds an item to its bucket, which it makes if there is none.
+void add_item(const PatchPlace& place, std::int32_t class_index, std::int32_t first_sample,
+              std::int32_t sample_count, Results results, std::int64_t target, PatchPlan& plan) {
+  std::size_t b = plan.buckets.size();
+  const auto matches = [&](const PatchPlan::Bucket& bucket) {
+    return bucket.class_index == class_index && bucket.sample_count == sample_count &&
+           bucket.first_sample == first_sample && bucket.results == results;
+  };
+  while (b > 0 && !matches(plan.buckets[b - 1])) --b;
+  if (b == 0) {
+    plan.buckets.push_back({class_index, first_sample, sample_count, results, 0, 0, 0});
+    b = plan.buckets.size();
+  }
+  ++plan.buckets[b - 1].item_count;
+  plan.items.push_back(
+      {place, static_cast<std::int32_t>(b - 1), static_cast<std::int32_t>(target)});
+}
+
+}  // namespace
+
+PatchClasses::PatchClasses(const PatchNumbering& numbering, const PatchMesh& mesh,
+                           Weights weights) {
+  std::set<PatchClass> found;
+  std::mutex mutex;
+  for (const Part part : kParts) {
+    auto count = static_cast<std::size_t>(numbering.item_count(part));
+    // Corners without samples of their own still have facets.
+    if (part == Part::Corners && numbering.level() == 1) count = mesh.topology().corner_count();
+    parallel_for(count, 1 << 14, [&](std::size_t begin, std::size_t end) {
+      std::set<PatchClass> here;
+      PatchClass last{};
+      for (std::size_t i = begin; i < end; ++i) {
+        const PatchClass patch =
+            place_of(mesh, numbering, part, static_cast<std::int64_t>(i)).patch;
+        if (patch == last) continue;
+        here.insert(patch);
+        last = patch;
+      }
+      const std::lock_guard lock(mutex);
+      found.merge(here);
+    });
+  }
+  // Facets around a row may be hidden ones.
+  std::vector<std::int32_t> starts;
+  for (std::int32_t v = 0; numbering.has_hidden() && v < mesh.topology().vertex_count(); ++v) {
+    mesh.sector_starts(v, starts);
+    for (const std::int32_t start : starts) found.insert(mesh.vertex_point(start).patch);
+  }
+  classes_.assign(found.begin(), found.end());
+  table_.assign(kTableSize * kTableSize, -1);
+  PatchTemplates templates(weights);
+  for (const PatchClass& patch : classes_) {
+    const auto index = static_cast<std::int32_t>(templates_.size());
+    templates_.push_back(templates.make(patch, std::max(numbering.level(), 1)));
+    max_column_count_ = std::max(max_column_count_, patch.column_count());
+    if (patch.kind == PatchKind::Smooth && patch.ring_size < kTableSize &&
+        patch.face_size < kTableSize) {
+      table_[patch.ring_size * kTableSize + patch.face_size] = index;
+    }
+  }
+}
+
+std::int32_t PatchClasses::index_of(const PatchClass& patch) const {
+  if (patch.kind == PatchKind::Smooth && patch.ring_size < kTableSize &&
+      patch.face_size < kTableSize) {
+    const std::int32_t index = table_[patch.ring_size * kTableSize + patch.face_size];
+    PLANISH_ASSERT(index >= 0);
+    return index;
+  }
+  const auto place = std::lower_bound(classes_.begin(), classes_.end(), patch);
+  PLANISH_ASSERT(place != classes_.end() && *place == patch);
+  return static_cast<std::int32_t>(place - classes_.begin());
+}
+
+std::vector<PatchTile> PatchPlanner::tiles() const {
+  std::vector<PatchTile> tiles;
+  const std::int64_t owned = std::max(numbering_.samples().owned_count(), 1);
+  for (const Part part : kParts) {
+    const std::int64_t count = numbering_.item_count(part);
+    std::int64_t items = part == Part::Corners || part == Part::Trailing
+                             ? std::clamp(kTileRows / owned, kMinTileItems, kTileItems)
+                             : kTileItems;
+    items =
+        std::clamp(kTileIndices / classes_.max_column_count(), std::int64_t{kPatchLanes}, items);
+    std::int64_t row = numbering_.first_row(part);
+    for (std::int64_t first = 0; first < count; first += items) {
+      const std::int64_t end = std::min(first + items, count);
+      std::int64_t end_row = row + end - first;
+      if (part == Part::Trailing) {
+        end_row = row + (end - first) * numbering_.samples().trailing_count();
+      } else if (part == Part::Corners) {
+        end_row = end == count ? numbering_.end_row(part)
+                               : numbering_.corner_row(static_cast<std::int32_t>(end));
+      }
+      if (end_row > row) tiles.push_back({part, first, end - first, row, end_row - row});
+      row = end_row;
+    }
+  }
+  return tiles;
+}
+
+void PatchPlanner::take_items(const PatchTile& tile, PatchPlan& plan) const {
+  const PatchSamples& samples = numbering_.samples();
+  const auto add = [&](const PatchPlace& place, std::int32_t first_sample,
+                       std::int32_t sample_count, Results results, std::int64_t row) {
+    add_item(place, classes_.index_of(place.patch), first_sample, sample_count, results,
+             row - tile.first_row, plan);
+  };
+  std::int64_t row = tile.first_row;
+  for (std::int64_t i = tile.first_item; i < tile.first_item + tile.item_count; ++i) {
+    const std::int32_t corner = numbering_.item_corner(tile.part, i);
+    if (tile.part == Part::Corners) {
+      const std::int32_t count = numbering_.corner_row_count(corner);
+      if (count > 0) {
+        add(mesh_.corner_patch(corner), 0, count, Results::All, numbering_.corner_row(corner));
+      }
+      continue;
+    }
+    const PatchPlace place = place_of(mesh_, numbering_, tile.part, i);
+    if (tile.part == Part::Trailing) {
+      const std::int32_t count = samples.trailing_count();
+      const std::int32_t other = mesh_.topology().ccw(corner);
+      add(place, samples.first_trailing(), count, other < 0 ? Results::All : Results::Normals, row);
+      if (other >= 0) add(mesh_.corner_patch(other), 0, count, Results::Positions, row);
+      row += count;
+    } else if (tile.part == Part::Further) {
+      add(place, 0, 1, Results::Normals, row);
+      const std::int32_t other = numbering_.further_first(i);
+      const PatchPlace first =
+          numbering_.is_further_edge(i) ? mesh_.edge_point(other) : mesh_.vertex_point(other);
+      add(first, 0, 1, Results::Positions, row);
+      ++row;
+    } else {
+      add(place, 0, 1, Results::All, row++);
+    }
+  }
+}
+
+void PatchPlanner::plan(const PatchTile& tile, PatchPlan& plan) const {
+  plan.buckets.clear();
+  plan.items.clear();
+  take_items(tile, plan);
+  gather_items(plan);
+}
+
+void PatchPlanner::plan_grids(std::span<const std::int32_t> corners, PatchPlan& plan) const {
+  plan.buckets.clear();
+  plan.items.clear();
+  const std::int32_t count = numbering_.samples().count();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const PatchPlace place = mesh_.corner_patch(corners[i]);
+    add_item(place, classes_.index_of(place.patch), 0, count, Results::All,
+             static_cast<std::int64_t>(i) * count, plan);
+  }
+  gather_items(plan);
+}
+
+void PatchPlanner::gather_items(PatchPlan& plan) const {
+  std::size_t index = 0, target = 0;
+  for (PatchPlan::Bucket& bucket : plan.buckets) {
+    bucket.first_index = index;
+    bucket.first_target = target;
+    const auto batches =
+        static_cast<std::size_t>((bucket.item_count + kPatchLanes - 1) / kPatchLanes);
+    const auto columns =
+        static_cast<std::size_t>(classes_.patch(bucket.class_index).column_count());
+    index += batches * kPatchLanes * columns;
+    target += batches * kPatchLanes;
+    bucket.item_count = 0;
+  }
+  plan.indices.resize(index);
+  plan.targets.resize(target);
+  for (const PatchPlan::Item& item : plan.items) {
+    PatchPlan::Bucket& bucket = plan.buckets[item.bucket];
+    const std::int32_t u = bucket.item_count++;
+    const auto columns =
+        static_cast<std::size_t>(classes_.patch(bucket.class_index).column_count());
+    const auto batch = static_cast<std::size_t>(u / kPatchLanes);
+    std::int32_t* indices =
+        plan.indices.data() + bucket.first_index + batch * columns * kPatchLanes + u % kPatchLanes;
+    mesh_.gather(item.place, indices, kPatchLanes);
+    plan.targets[bucket.first_target + u] = item.target;
+  }
+  // The last batch's idle lanes repeat its first.
+  for (const PatchPlan::Bucket& bucket : plan.buckets) {
+    const std::int32_t used = bucket.item_count % kPatchLanes;
+    if (used == 0) continue;
+    const auto batch = static_cast<std::size_t>(bucket.item_count / kPatchLanes);
+    const auto columns =
+        static_cast<std::size_t>(classes_.patch(bucket.class_index).column_count());
+    std::int32_t* indices =
+        plan.indices.data() + bucket.first_index + batch * columns * kPatchLanes;
+    std::int32_t* targets = plan.targets.data() + bucket.first_target + batch * kPatchLanes;
+    for (std::int32_t l = used; l < kPatchLanes; ++l) {
+      for (std::size_t k = 0; k < columns; ++k) {
+        indices[k * kPatchLanes + l] = indices[k * kPatchLanes];
+      }
+      targets[l] = targets[0];
+    }
+  }
+}
+
+}  // namespace planish

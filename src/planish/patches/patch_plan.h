@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/core/raw_vector.h"
+#include "planish/patches/patch_kernel.h"
+#include "planish/patches/patch_mesh.h"
+#include "planish/patches/patch_numbering.h"
+#include "planish/patches/patch_templates.h"
+
+namespace planish {
+
+/// Rows that follow one another, of one part.
+struct PatchTile {
+  PatchNumbering::Part part;
+  std::int64_t first_item, item_count;
+  std::int64_t first_row, row_count;
+};
+
+/// A tile's patches by class, with the indices of their control points: what the kernel takes.
+struct PatchPlan {
+  /// Which results a bucket's rows take: at a cut the further side's rows take their positions from
+  /// the first side's patch, so that both are equal to the last bit.
+  enum class Results : std::uint8_t { All, Positions, Normals };
+
+  struct Bucket {
+    std::int32_t class_index;
+    std::int32_t first_sample, sample_count;
+    Results results;
+    std::int32_t item_count;
+    std::size_t first_index;   ///< in indices: batches of kPatchLanes, column by column
+    std::size_t first_target;  ///< in targets: kPatchLanes a batch
+  };
+  std::vector<Bucket> buckets;
+  RawVector<std::int32_t> indices;
+  RawVector<std::int32_t> targets;  ///< rows of the tile
+
+  // Scratch of the planner.
+  struct Item {
+    PatchPlace place;
+    std::int32_t bucket, target;
+  };
+  std::vector<Item> items;
+};
+
+/// The classes of a mesh's patches by number, with their templates at one level.
+class PatchClasses {
+ public:
+  PatchClasses(const PatchNumbering& numbering, const PatchMesh& mesh, Weights weights);
+
+  [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(classes_.size()); }
+  [[nodiscard]] const PatchClass& patch(std::int32_t index) const { return classes_[index]; }
+  [[nodiscard]] const PatchTemplate& weights(std::int32_t index) const { return templates_[index]; }
+  [[nodiscard]] std::int32_t index_of(const PatchClass& patch) const;
+  /// The largest K.
+  [[nodiscard]] std::int32_t max_column_count() const { return max_column_count_; }
+
+ private:
+  // Smooth classes of few faces are found in a table.
+  static constexpr std::int32_t kTableSize = 32;
+
+  std::vector<PatchClass> classes_;  // ascending
+  std::vector<PatchTemplate> templates_;
+  std::vector<std::int32_t> table_;
+  std::int32_t max_column_count_ = 0;
+};
+
+/// Plans tiles. All of it must outlive the planner.
+class PatchPlanner {
+ public:
+  PatchPlanner(const PatchMesh& mesh, const PatchNumbering& numbering, const PatchClasses& classes)
+      : mesh_(mesh), numbering_(numbering), classes_(classes) {}
+
+  /// All tiles, ascending by rows.
+  [[nodiscard]] std::vector<PatchTile> tiles() const;
+  /// Replaces a plan, whose memory it uses again.
+  void plan(const PatchTile& tile, PatchPlan& plan) const;
+  /// The same for all samples of some corners, in the order of PatchSamples one corner after
+  /// another.
+  void plan_grids(std::span<const std::int32_t> corners, PatchPlan& plan) const;
+
+ private:
+  void take_items(const PatchTile& tile, PatchPlan& plan) const;
+  void gather_items(PatchPlan& plan) const;
+
+  const PatchMesh& mesh_;
+  const PatchNumbering& numbering_;
+  const PatchClasses& classes_;
+};
+
+}  // namespace planish

@@ -1,0 +1,163 @@
+// One step of Doo-Sabin subdivision cuts a patch into four, which are patches of classes again when
+// each is seen from its own corner: so the rules of the rings are all there is to know.
+#include "planish/patches/patch_rings.h"
+
+#include <numeric>
+
+#include "planish/doosabin/sector_rules.h"
+#include "planish/stencil/stencil_builder.h"
+
+namespace planish {
+
+namespace {
+
+VertexRing ring_at_vertex(const PatchClass& patch) {
+  VertexRing ring;
+  for (std::int32_t i = 0; i < patch.ring_size; ++i) ring.faces.push_back(patch.face_column(i));
+  if (patch.has_vertex()) {
+    ring.kind = VertexKind::Corner;
+    ring.corner_point = patch.vertex_column();
+  }
+  switch (patch.kind) {
+    case PatchKind::Smooth:
+    case PatchKind::Cone:
+      return ring;
+    case PatchKind::Dart:
+      ring.kind = VertexKind::Dart;
+      ring.dart_face = 0;
+      return ring;
+    case PatchKind::Crease:
+      ring.kind = VertexKind::Crease;
+      break;
+    case PatchKind::Convex:
+    case PatchKind::HalfPlane:
+    case PatchKind::Reflex:
+      break;
+  }
+  const CornerSector corner = patch.kind == PatchKind::HalfPlane ? CornerSector::HalfPlane
+                              : patch.kind == PatchKind::Reflex  ? CornerSector::Reflex
+                                                                 : CornerSector::Convex;
+  ring.sectors.push_back(
+      {0, patch.ring_size, patch.curve_column(0), patch.curve_column(1), corner});
+  return ring;
+}
+
+VertexRing smooth_ring(std::vector<std::int32_t> faces) {
+  VertexRing ring;
+  ring.faces = std::move(faces);
+  return ring;
+}
+
+// One side of the midpoint of a sharp edge.
+VertexRing crease_ring(std::int32_t first, std::int32_t second, std::int32_t curve0,
+                       std::int32_t curve1) {
+  VertexRing ring;
+  ring.kind = VertexKind::Crease;
+  ring.faces = {first, second};
+  ring.sectors = {{0, 2, curve0, curve1}};
+  return ring;
+}
+
+void append_row(const StencilRow& row, std::size_t column_count, PatchRowsOfWeights& rows) {
+  const std::size_t first = rows.size();
+  rows.resize(first + column_count, 0.0);
+  for (const StencilRow::Entry& entry : row.entries()) rows[first + entry.index] += entry.weight;
+}
+
+}  // namespace
+
+PatchRings::PatchRings(const PatchClass& patch)
+    : class_(patch), kinds_{patch.kind}, own_{patch.place}, sharp_{} {
+  rings_[0] = ring_at_vertex(patch);
+  if (patch.is_limit_only()) return;
+  const std::int32_t k = patch.ring_size, m = patch.face_size;
+  const std::int32_t e1 = patch.leading_column(), e2 = patch.trailing_column();
+  sharp_ = {patch.is_leading_sharp(), false, false, patch.is_trailing_sharp()};
+  std::vector<std::int32_t> face(static_cast<std::size_t>(m), 0);
+  for (std::int32_t i = 1; i < m; ++i) face[i] = patch.ring_column(i);
+  rings_[2] = smooth_ring(face);
+  rings_[1] = sharp_[0]
+                  ? crease_ring(face[1], 0, e1, patch.curve_column(0))
+                  : smooth_ring({0, patch.face_column((patch.place + k - 1) % k), e1, face[1]});
+  rings_[3] = sharp_[3]
+                  ? crease_ring(0, face[m - 1], patch.curve_column(1), e2)
+                  : smooth_ring({0, face[m - 1], e2, patch.face_column((patch.place + 1) % k)});
+  own_ = {patch.place, sharp_[0] ? 1 : 0, 0, 0};
+  kinds_ = {patch.kind, sharp_[0] ? PatchKind::Crease : PatchKind::Smooth, PatchKind::Smooth,
+            sharp_[3] ? PatchKind::Crease : PatchKind::Smooth};
+}
+
+std::int32_t PatchRings::place(int corner, std::int32_t offset) const {
+  const auto n = static_cast<std::int32_t>(rings_[corner].faces.size());
+  return (own_[corner] + offset + n) % n;
+}
+
+PatchRowsOfWeights PatchRings::limit(int corner) const {
+  const auto column_count = static_cast<std::size_t>(class_.column_count());
+  StencilRow row;
+  add_limit(rings_[corner], 0, row);
+  PatchRowsOfWeights rows(3 * column_count, 0.0);
+  for (const StencilRow::Entry& entry : row.entries()) {
+    rows[entry.index] += entry.weight;
+    rows[column_count + entry.index] += entry.du;
+    rows[2 * column_count + entry.index] += entry.dv;
+  }
+  return rows;
+}
+
+PatchClass PatchRings::quarter_class(int quarter) const {
+  return {kinds_[quarter], static_cast<std::int32_t>(rings_[quarter].faces.size()), own_[quarter],
+          4};
+}
+
+PatchRowsOfWeights PatchRings::quarter_points(int quarter, const FaceWeights& weights) const {
+  const PatchClass quarter_class = this->quarter_class(quarter);
+  const auto column_count = static_cast<std::size_t>(class_.column_count());
+  std::vector<double> scratch;
+  PatchRowsOfWeights rows;
+  rows.reserve(column_count * static_cast<std::size_t>(quarter_class.column_count()));
+  StencilRow row;
+  const auto add_face = [&](int corner, std::int32_t offset) {
+    row.clear();
+    add_refined_face(weights, rings_[corner], place(corner, offset), 1.0, scratch, row);
+    append_row(row, column_count, rows);
+  };
+  // The one before a ring's sector or behind it; a dart has one.
+  const auto add_curve = [&](int corner, bool behind) {
+    std::int32_t own = class_.curve_column(0);
+    if (!rings_[corner].sectors.empty()) {
+      const VertexRing::Sector& sector = rings_[corner].sectors.front();
+      own = behind ? sector.curve1 : sector.curve0;
+    }
+    row.clear();
+    add_refined_curve_point(weights, rings_[corner], own, scratch, row);
+    append_row(row, column_count, rows);
+  };
+
+  const int next = (quarter + 1) % 4, previous = (quarter + 3) % 4;
+  const VertexRing& ring = rings_[quarter];
+  add_face(quarter, 0);
+  for (std::int32_t i = 0; i < quarter_class.ring_size; ++i) {
+    if (i != own_[quarter]) add_face(quarter, i - own_[quarter]);
+  }
+  for (std::int32_t i = 0; i < quarter_class.curve_count(); ++i) add_curve(quarter, i == 1);
+  if (quarter_class.has_vertex()) {
+    row.clear();
+    row.add(ring.corner_point, 1.0);
+    append_row(row, column_count, rows);
+  }
+  for (int j = 1; j < 4; ++j) add_face((quarter + j) % 4, 0);
+  if (sharp_[quarter]) {
+    add_curve(next, true);
+  } else {
+    add_face(next, 1);
+  }
+  if (sharp_[previous]) {
+    add_curve(previous, false);
+  } else {
+    add_face(previous, -1);
+  }
+  return rows;
+}
+
+}  // namespace planish

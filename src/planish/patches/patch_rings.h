@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "planish/doosabin/face_rule.h"
+#include "planish/doosabin/vertex_ring.h"
+#include "planish/patches/patch_class.h"
+
+namespace planish {
+
+/// Rows over the columns of a class, one after another.
+using PatchRowsOfWeights = std::vector<double>;
+
+/// The rings around V, E1, F and E2 of a class (around V alone for a limit point), in the class's
+/// columns as numbers.
+class PatchRings {
+ public:
+  explicit PatchRings(const PatchClass& patch);
+
+  /// Weights of the limit point and of the tangents du and dv, whose cross product is the outward
+  /// normal's direction: three rows. Corner 0 to 3: V, E1, F, E2.
+  [[nodiscard]] PatchRowsOfWeights limit(int corner) const;
+
+  /// The class of quarter 0 to 3 of the patch (at V, E1, F, E2), turned so that the quarter's
+  /// corner is its V.
+  [[nodiscard]] PatchClass quarter_class(int quarter) const;
+  /// That class's points after one step: a row for each.
+  [[nodiscard]] PatchRowsOfWeights quarter_points(int quarter, const FaceWeights& weights) const;
+
+ private:
+  [[nodiscard]] std::int32_t place(int corner, std::int32_t offset) const;
+
+  PatchClass class_;
+  std::array<VertexRing, 4> rings_;
+  std::array<PatchKind, 4> kinds_;
+  std::array<std::int32_t, 4> own_;  // the patch's own face's place in each ring
+  std::array<bool, 4> sharp_;        // edge j runs from corner j to corner j + 1
+};
+
+}  // namespace planish

@@ -1,0 +1,196 @@
+// Corner patches: the surface over a quad of Q_1 is a fixed linear map of a few points of level 1,
+// the same for all quads of a class; a derivation of our own.
+#include "planish/patches/patch_surface.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+#include "planish/patches/facet_normals.h"
+
+namespace planish {
+
+namespace {
+
+struct Scratch {
+  PatchPlan plan;
+  std::vector<double> points;  // of a batch
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::vec3> stored, normals;
+
+  // 64-byte aligned.
+  double* batch_points(std::int32_t column_count) {
+    const std::size_t size = static_cast<std::size_t>(column_count) * 3 * kPatchLanes + 8;
+    if (points.size() < size) points.resize(size);
+    void* place = points.data();
+    std::size_t space = points.size() * sizeof(double);
+    return static_cast<double*>(std::align(64, size * sizeof(double) - 64, place, space));
+  }
+};
+
+Scratch& scratch() {
+  thread_local Scratch instance;
+  return instance;
+}
+
+PatchOutput output_at(const Placement& placement, const PatchTarget& target,
+                      std::ptrdiff_t offset) {
+  PatchOutput output;
+  for (int d = 0; d < 3; ++d) {
+    output.centre[d] = placement.centre[d];
+    output.origin[d] = target.origin[d];
+  }
+  output.diagonal = placement.diagonal;
+  if (!target.positions.empty()) output.positions = &target.positions[0].x + 3 * offset;
+  if (!target.stored.empty()) output.stored = &target.stored[0].x + 3 * offset;
+  if (!target.normals.empty()) output.normals = &target.normals[0].x + 3 * offset;
+  return output;
+}
+
+}  // namespace
+
+PatchSurface::PatchSurface(const PatchMesh& mesh, const PatchSurfaceOptions& options)
+    : mesh_(mesh),
+      numbering_(mesh, options.level, options.hidden),
+      classes_(numbering_, mesh, options.weights),
+      planner_(mesh_, numbering_, classes_),
+      kernel_(patch_kernel(options.instructions)),
+      tiles_(planner_.tiles()) {
+  if (!options.keep_plans) return;
+  plans_.resize(tiles_.size());
+  parallel_for(tiles_.size(), 4, [&](std::size_t begin, std::size_t end) {
+    std::vector<PatchPlan::Item> items;
+    for (std::size_t t = begin; t < end; ++t) {
+      plans_[t].items.swap(items);
+      planner_.plan(tiles_[t], plans_[t]);
+      plans_[t].items.swap(items);
+    }
+  });
+}
+
+bool PatchSurface::run_plan(const PatchPlan& plan, const PatchOutput& output,
+                            const double* state) const {
+  Scratch& local = scratch();
+  bool degenerate = false;
+  for (const PatchPlan::Bucket& bucket : plan.buckets) {
+    const PatchTemplate& weights = classes_.weights(bucket.class_index);
+    PatchOutput out = output;
+    if (bucket.results == PatchPlan::Results::Normals)
+      out.positions = nullptr, out.stored = nullptr;
+    if (bucket.results == PatchPlan::Results::Positions) out.normals = nullptr;
+    PatchBatch batch;
+    batch.state = state;
+    batch.weights = weights.rows(bucket.first_sample).data();
+    batch.column_count = weights.column_count;
+    batch.sample_count = bucket.sample_count;
+    batch.points = local.batch_points(weights.column_count);
+    batch.indices = plan.indices.data() + bucket.first_index;
+    batch.targets = plan.targets.data() + bucket.first_target;
+    for (std::int32_t first = 0; first < bucket.item_count; first += kPatchLanes) {
+      batch.lane_count = std::min(bucket.item_count - first, kPatchLanes);
+      degenerate |= kernel_(batch, out);
+      batch.indices += static_cast<std::ptrdiff_t>(weights.column_count + 1) * kPatchLanes;
+      batch.targets += kPatchLanes;
+    }
+  }
+  return degenerate;
+}
+
+DegenerateRows PatchSurface::run_tile(std::size_t index, const PatchOutput& output,
+                                      const double* state, const Placement& placement,
+                                      RowRange wanted) const {
+  const PatchTile& tile = tiles_[index];
+  Scratch& local = scratch();
+  if (plans_.empty()) planner_.plan(tile, local.plan);
+  const bool degenerate = run_plan(plans_.empty() ? local.plan : plans_[index], output, state);
+  DegenerateRows found;
+  if (!degenerate) return found;
+  const FacetNormals facets(mesh_, numbering_, classes_, state, placement);
+  for (std::int64_t r = 0; r < tile.row_count; ++r) {
+    const std::int64_t row = tile.first_row + r;
+    if (row < wanted.first || row >= wanted.first + wanted.count) continue;
+    float* normal = output.normals + 3 * r;
+    if (normal[0] != 0 || normal[1] != 0 || normal[2] != 0) continue;
+    const glm::vec3 facet = facets.at(tile, row);
+    for (int d = 0; d < 3; ++d) normal[d] = facet[d];
+    found.add({1, row});
+  }
+  return found;
+}
+
+// A tile that the range cuts: evaluated whole, copied in part.
+DegenerateRows PatchSurface::run_part(std::size_t index, std::span<const glm::dvec3> state,
+                                      const Placement& placement, RowRange wanted,
+                                      const PatchTarget& target) const {
+  const PatchTile& tile = tiles_[index];
+  Scratch& local = scratch();
+  const auto count = static_cast<std::size_t>(tile.row_count);
+  PatchTarget whole;
+  whole.origin = target.origin;
+  const auto take = [&](auto& values, const auto& wanted_values) {
+    if (!wanted_values.empty()) values.resize(count);
+    return wanted_values.empty() ? std::span(values).first(0) : std::span(values).first(count);
+  };
+  whole.positions = take(local.positions, target.positions);
+  whole.stored = take(local.stored, target.stored);
+  whole.normals = take(local.normals, target.normals);
+  const DegenerateRows degenerate =
+      run_tile(index, output_at(placement, whole, 0), &state[0].x, placement, wanted);
+  const std::int64_t first = std::max(tile.first_row, wanted.first);
+  const std::int64_t end = std::min(tile.first_row + tile.row_count, wanted.first + wanted.count);
+  const auto copy = [&](const auto& from, const auto& to) {
+    if (to.empty()) return;
+    std::copy_n(from.begin() + (first - tile.first_row), end - first,
+                to.begin() + (first - wanted.first));
+  };
+  copy(whole.positions, target.positions);
+  copy(whole.stored, target.stored);
+  copy(whole.normals, target.normals);
+  return degenerate;
+}
+
+DegenerateRows PatchSurface::rows(std::span<const glm::dvec3> state, const Placement& placement,
+                                  RowRange range, const PatchTarget& target) const {
+  PLANISH_ASSERT(static_cast<std::int64_t>(state.size()) == mesh_.state_size());
+  PLANISH_ASSERT(range.first >= 0 && range.first + range.count <= numbering_.row_count());
+  DegenerateRows degenerate;
+  if (range.count == 0) return degenerate;
+  auto tile =
+      std::upper_bound(tiles_.begin(), tiles_.end(), range.first,
+                       [](std::int64_t row, const PatchTile& t) { return row < t.first_row; }) -
+      tiles_.begin() - 1;
+  for (auto t = static_cast<std::size_t>(tile);
+       t < tiles_.size() && tiles_[t].first_row < range.first + range.count; ++t) {
+    const PatchTile& at = tiles_[t];
+    const bool whole =
+        at.first_row >= range.first && at.first_row + at.row_count <= range.first + range.count;
+    degenerate.add(whole ? run_tile(t, output_at(placement, target, at.first_row - range.first),
+                                    &state[0].x, placement, range)
+                         : run_part(t, state, placement, range, target));
+  }
+  return degenerate;
+}
+
+void PatchSurface::grids(std::span<const glm::dvec3> state, const Placement& placement,
+                         std::span<const std::int32_t> corners, const PatchTarget& target) const {
+  if (corners.empty()) return;
+  PatchPlan& plan = scratch().plan;
+  planner_.plan_grids(corners, plan);
+  if (!run_plan(plan, output_at(placement, target, 0), &state[0].x)) return;
+  const PatchSamples& samples = numbering_.samples();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::int32_t b = 0; b <= samples.side(); ++b) {
+      for (std::int32_t a = 0; a <= samples.side(); ++a) {
+        glm::vec3& normal = target.normals[i * samples.count() + samples.index(a, b)];
+        if (normal != glm::vec3(0.0f)) continue;
+        PatchTarget one;
+        one.normals = std::span(&normal, 1);
+        (void)rows(state, placement, {numbering_.row(corners[i], a, b), 1}, one);
+      }
+    }
+  }
+}
+
+}  // namespace planish

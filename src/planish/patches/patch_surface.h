@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/mesh/placement.h"
+#include "planish/patches/patch_kernel.h"
+#include "planish/patches/patch_mesh.h"
+#include "planish/patches/patch_numbering.h"
+#include "planish/patches/patch_plan.h"
+#include "planish/patches/patch_templates.h"
+#include "planish/stencil/stencil_builder.h"
+
+namespace planish {
+
+struct PatchSurfaceOptions {
+  int level = 2;  ///< 0: limit points of the vertices
+  Weights weights = Weights::DooSabin;
+  std::span<const std::uint8_t> hidden;  ///< one flag a face, or nothing; must outlive the surface
+  /// Plans of all tiles are made once and kept: for many evaluations. 4 (K + 1) bytes a patch.
+  bool keep_plans = false;
+  PatchInstructions instructions = best_instructions();
+};
+
+/// Where rows are written, in model coordinates, each as long as the range of rows or empty.
+struct PatchTarget {
+  std::span<glm::dvec3> positions;
+  std::span<glm::vec3> stored;  ///< positions - origin, rounded once
+  std::span<glm::vec3> normals;
+  glm::dvec3 origin{0.0};
+};
+
+/// Rows whose tangents are parallel: their normals are those of the facets around them.
+struct DegenerateRows {
+  std::int64_t count = 0, first = -1;
+  void add(const DegenerateRows& other) {
+    if (other.count > 0 && (count == 0 || other.first < first)) first = other.first;
+    count += other.count;
+  }
+};
+
+/// Everything that a Doo-Sabin surface of one level depends on besides its control points of level
+/// 1, for any rows of it. Safe to use from many threads; results do not depend on their number, on
+/// how rows are asked for, nor on the processor. `mesh` and what it refers to must outlive it.
+class PatchSurface {
+ public:
+  PatchSurface(const PatchMesh& mesh, const PatchSurfaceOptions& options);
+
+  [[nodiscard]] const PatchMesh& mesh() const { return mesh_; }
+  [[nodiscard]] const PatchNumbering& numbering() const { return numbering_; }
+  [[nodiscard]] const PatchClasses& classes() const { return classes_; }
+  [[nodiscard]] const PatchPlanner& planner() const { return planner_; }
+  /// Ranges of rows that are cheapest together, ascending.
+  [[nodiscard]] std::span<const PatchTile> tiles() const { return tiles_; }
+
+  /// Evaluates a range of rows, on the calling thread. `state`: the points of level 1 in
+  /// coordinates of `placement`.
+  DegenerateRows rows(std::span<const glm::dvec3> state, const Placement& placement, RowRange range,
+                      const PatchTarget& target) const;
+
+  /// All samples of some visible corners, one corner after another, each in the order of
+  /// PatchSamples.
+  void grids(std::span<const glm::dvec3> state, const Placement& placement,
+             std::span<const std::int32_t> corners, const PatchTarget& target) const;
+
+ private:
+  bool run_plan(const PatchPlan& plan, const PatchOutput& output, const double* state) const;
+  DegenerateRows run_tile(std::size_t index, const PatchOutput& output, const double* state,
+                          const Placement& placement, RowRange wanted) const;
+  DegenerateRows run_part(std::size_t index, std::span<const glm::dvec3> state,
+                          const Placement& placement, RowRange wanted,
+                          const PatchTarget& target) const;
+
+  const PatchMesh& mesh_;
+  PatchNumbering numbering_;
+  PatchClasses classes_;
+  PatchPlanner planner_;
+  PatchKernel kernel_;
+  std::vector<PatchTile> tiles_;
+  std::vector<PatchPlan> plans_;  // of all tiles, or none
+};
+
+}  // namespace planish

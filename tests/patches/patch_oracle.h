@@ -1,0 +1,101 @@
+#pragma once
+
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <string>
+#include <vector>
+
+#include "conformance/catalogue.h"
+#include "planish/doosabin/surface_stencils.h"
+#include "planish/mesh/mesh_file.h"
+#include "planish/mesh/mesh_topology.h"
+#include "planish/mesh/placement.h"
+#include "planish/mesh/used_vertices.h"
+#include "planish/patches/patch_mesh.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish::test {
+
+/// The scenes' meshes without unused vertices.
+inline std::vector<NamedMesh> scene_meshes() {
+  std::vector<NamedMesh> meshes;
+  for (const auto& entry : std::filesystem::directory_iterator(PLANISH_SCENES)) {
+    if (entry.path().extension() != ".obj") continue;
+    const std::string name = entry.path().filename().string();
+    meshes.push_back({name, without_unused_vertices(
+                                read_mesh(read_file(entry.path()), name, MeshFormat::Obj).mesh)
+                                .mesh});
+  }
+  return meshes;
+}
+
+/// A mesh with what tables and patches need of it. Points are in unit coordinates.
+struct PatchCase {
+  PatchCase(const PolygonMesh& given, Weights rule, const SharpFeatureOptions& sharp, int level)
+      : mesh(given),
+        weights(rule),
+        topology(mesh),
+        split(mesh),
+        features(find_sharp_features(mesh, topology, mesh.positions, sharp)),
+        patches(topology, features) {
+    split.refine(level);
+    subdivision.emplace(split, features, weights);
+    const Placement placement = placement_of(mesh);
+    for (const glm::dvec3& p : mesh.positions) points.push_back(placement.to_unit(p));
+  }
+
+  PolygonMesh mesh;
+  Weights weights;
+  MeshTopology topology;
+  QuadSplit split;
+  SharpFeatures features;
+  PatchMesh patches;
+  std::optional<Subdivision> subdivision;
+  std::vector<glm::dvec3> points;
+};
+
+struct TableSample {
+  glm::dvec3 position{0.0}, du{0.0}, dv{0.0};
+};
+
+inline std::vector<glm::dvec3> applied(const StencilTable<double>& table,
+                                       const std::vector<glm::dvec3>& source) {
+  const auto view = table.view();
+  std::vector<glm::dvec3> target(static_cast<std::size_t>(view.row_count()), glm::dvec3(0.0));
+  for (std::int32_t i = 0; i < view.row_count(); ++i) {
+    for (std::int32_t k = view.offsets[i]; k < view.offsets[i] + view.sizes[i]; ++k) {
+      target[i] += view.weights[k] * source[view.indices[k]];
+    }
+  }
+  return target;
+}
+
+/// The state of level 1, and the limit rows of `level`, by the chain of stencil tables.
+inline std::vector<glm::dvec3> table_state(const PatchCase& c) {
+  const RowRange all{0, c.subdivision->state_layout(1).size};
+  return applied(first_step_table(c.mesh, *c.subdivision, all), c.points);
+}
+
+inline std::vector<TableSample> table_samples(const PatchCase& c, int level,
+                                              const LimitRows& limits) {
+  std::vector<glm::dvec3> state = table_state(c);
+  for (int l = 2; l <= level; ++l) {
+    const RowRange all{0, c.subdivision->state_layout(l).size};
+    state = applied(refinement_table(*c.subdivision, l - 1, all), state);
+  }
+  const auto table = limit_table(*c.subdivision, std::max(level, 1), limits, {0, limits.count()});
+  const auto view = table.view();
+  std::vector<TableSample> samples(static_cast<std::size_t>(view.row_count()));
+  for (std::int32_t i = 0; i < view.row_count(); ++i) {
+    for (std::int32_t k = view.offsets[i]; k < view.offsets[i] + view.sizes[i]; ++k) {
+      const glm::dvec3& p = state[view.indices[k]];
+      samples[i].position += view.weights[k] * p;
+      samples[i].du += view.du_weights[k] * p;
+      samples[i].dv += view.dv_weights[k] * p;
+    }
+  }
+  return samples;
+}
+
+}  // namespace planish::test

@@ -1,0 +1,165 @@
+// Every sample of every corner, as each corner sees it, against the chain of stencil tables.
+#include "planish/patches/patch_templates.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "patches/patch_oracle.h"
+#include "planish/patches/patch_numbering.h"
+#include "planish/patches/patch_plan.h"
+#include "planish/patches/split_rows.h"
+
+namespace planish::test {
+namespace {
+
+// Of the bounding box's diagonal, which is 1; and degrees.
+constexpr double kPosition = 1e-14;
+constexpr double kNormal = 1e-9;
+
+struct Worst {
+  double position = 0, normal = 0;
+  std::int64_t normals = 0;
+};
+
+TableSample sample_of(const PatchCase& c, const PatchPlace& place, const PatchTemplate& weights,
+                      std::int32_t sample, const std::vector<glm::dvec3>& state) {
+  std::vector<std::int32_t> indices(static_cast<std::size_t>(place.patch.column_count()));
+  c.patches.gather(place, indices.data(), 1);
+  const glm::dvec3 own = state[indices[0]];
+  const auto rows = weights.rows(sample);
+  TableSample result;
+  const std::size_t k = indices.size() - 1;
+  for (std::size_t i = 0; i < k; ++i) {
+    const glm::dvec3 p = state[indices[i + 1]] - own;
+    result.position += rows[i] * p;
+    result.du += rows[k + i] * p;
+    result.dv += rows[2 * k + i] * p;
+  }
+  result.position += own;
+  return result;
+}
+
+void compare(const TableSample& patch, const TableSample& table, Worst& worst) {
+  worst.position = std::max(worst.position, glm::length(patch.position - table.position));
+  const glm::dvec3 wanted = glm::cross(table.du, table.dv), got = glm::cross(patch.du, patch.dv);
+  const double length = glm::length(wanted);
+  const auto is_degenerate = [](const TableSample& s, const glm::dvec3& n) {
+    return !(glm::length(n) > 1e-6 * glm::length(s.du) * glm::length(s.dv));
+  };
+  // Barely degenerate ones may be called otherwise by the other.
+  if (length < 1e-5 * glm::length(table.du) * glm::length(table.dv) || length == 0) return;
+  ASSERT_FALSE(is_degenerate(patch, got));
+  const double sine = glm::length(glm::cross(got, wanted)) / (glm::length(got) * length);
+  ASSERT_GT(glm::dot(got, wanted), 0.0);
+  // Where tangents are nearly parallel the tables' own rounding turns the normal.
+  const double condition = length / (glm::length(table.du) * glm::length(table.dv));
+  worst.normal =
+      std::max(worst.normal, std::asin(std::min(sine, 1.0)) * condition * 180 / std::numbers::pi);
+  ++worst.normals;
+}
+
+Worst compare_corners(const PolygonMesh& mesh, Weights weights, const SharpFeatureOptions& sharp,
+                      int level) {
+  const PatchCase c(mesh, weights, sharp, level);
+  const LimitRows limits(*c.subdivision, level, c.split.counts(level).vertices);
+  const std::vector<TableSample> table = table_samples(c, level, limits);
+  const PatchNumbering numbering(c.patches, level);
+  const std::vector<std::int32_t> limit_of_row =
+      limits_of_rows(c.topology, numbering, c.split, limits);
+  EXPECT_EQ(numbering.row_count(), limits.count());
+  EXPECT_EQ(std::set(limit_of_row.begin(), limit_of_row.end()).size(), limit_of_row.size());
+
+  const PatchClasses classes(numbering, c.patches, weights);
+  const std::vector<glm::dvec3> state = table_state(c);
+  const PatchSamples& samples = numbering.samples();
+  Worst worst;
+  for (std::int32_t corner = 0; corner < c.topology.corner_count(); ++corner) {
+    const PatchPlace place = c.patches.corner_patch(corner);
+    const PatchTemplate& of_class = classes.weights(classes.index_of(place.patch));
+    for (std::int32_t b = 0; b <= samples.side(); ++b) {
+      for (std::int32_t a = 0; a <= samples.side(); ++a) {
+        const auto& wanted = table[limit_of_row.at(numbering.row(corner, a, b))];
+        compare(sample_of(c, place, of_class, samples.index(a, b), state), wanted, worst);
+        if (::testing::Test::HasFatalFailure()) return worst;
+      }
+    }
+  }
+  return worst;
+}
+
+int deepest_level(const PolygonMesh& mesh, std::int64_t max_faces) {
+  int level = 1;
+  auto faces = static_cast<std::int64_t>(mesh.face_vertices.size());
+  while (level < 6 && 4 * faces <= max_faces) faces *= 4, ++level;
+  return level;
+}
+
+void expect_equal(const std::vector<NamedMesh>& meshes, const SharpFeatureOptions& sharp,
+                  std::int64_t max_faces) {
+  Worst all;
+  for (const auto& [name, mesh] : meshes) {
+    for (const Weights weights : kBothWeights) {
+      for (int level = 1; level <= deepest_level(mesh, max_faces); ++level) {
+        SCOPED_TRACE(name + ", level " + std::to_string(level));
+        const Worst worst = compare_corners(mesh, weights, sharp, level);
+        EXPECT_LT(worst.position, kPosition);
+        EXPECT_LT(worst.normal, kNormal);
+        all.position = std::max(all.position, worst.position);
+        all.normal = std::max(all.normal, worst.normal);
+        all.normals += worst.normals;
+        if (::testing::Test::HasFatalFailure()) return;
+      }
+    }
+  }
+  EXPECT_GT(all.normals, 0);
+  ::testing::Test::RecordProperty("worst_position", std::to_string(all.position * 1e16) + "e-16");
+  ::testing::Test::RecordProperty("worst_normal", std::to_string(all.normal * 1e12) + "e-12");
+}
+
+TEST(PatchTemplates, AgreeWithTablesOnSmallMeshes) { expect_equal(all_meshes(), {}, 40000); }
+
+TEST(PatchTemplates, AgreeWithTablesAtLevelSix) {
+  expect_equal(
+      {{"cube", cube()}, {"prism", prism(9)}, {"fan", open_fan(5)}, {"torus", torus(5, 4, 1, .4)}},
+      {}, 4 << 16);
+}
+
+TEST(PatchTemplates, AgreeWithTablesWithBoundaryCorners) {
+  expect_equal(open_meshes(), {.boundary = BoundaryRule::EdgeAndCorner}, 10000);
+}
+
+TEST(PatchTemplates, AgreeWithTablesOnScenes) {
+  const std::vector<NamedMesh> meshes = scene_meshes();
+  ASSERT_GE(meshes.size(), 10u);
+  expect_equal(meshes, {}, 100000);
+}
+
+TEST(PatchTemplates, AgreeWithTablesOnRandomMeshesWithRandomCreases) {
+  std::vector<NamedMesh> meshes;
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    const std::string name = "seed " + std::to_string(seed);
+    PolygonMesh closed = with_random_creases(random_closed_mesh(seed), 0.05 * seed, seed);
+    for (std::int32_t v = 0; v < closed.vertex_count(); v += 7) closed.corners.push_back({v, 10});
+    meshes.push_back({"closed, " + name, std::move(closed)});
+    meshes.push_back({"open, " + name, with_random_creases(random_open_mesh(seed), 0.15, seed)});
+  }
+  expect_equal(meshes, {}, 20000);
+}
+
+TEST(PatchTemplates, OwnPointsAreOriginsOfTheOthers) {
+  // Rows of positions sum to at most 1: what is missing is the own point's weight.
+  PatchTemplates templates(Weights::DooSabin);
+  const PatchTemplate quad = templates.make({PatchKind::Smooth, 4, 0, 4}, 2);
+  ASSERT_EQ(quad.column_count, 8);
+  ASSERT_EQ(quad.sample_count, 9);
+  double sum = 0;
+  for (const double weight : quad.rows(0).first(8)) sum += weight;
+  // The midpoint of V and E1: (1, 6, 1) / 8 along u of the mean of two across.
+  EXPECT_NEAR(sum, 1 - 6.0 / 16, 1e-15);
+}
+
+}  // namespace
+}  // namespace planish::test
