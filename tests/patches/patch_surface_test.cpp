@@ -103,7 +103,7 @@ TEST(PatchSurface, BitsDoNotDependOnInstructionsPlansOrRanges) {
       }
       const PatchSurface kept(c.patches, {.level = level, .keep_plans = true});
       EXPECT_TRUE(same_bits(wanted, all_rows(kept, state, placement, 1 << 30)));
-      for (const std::int64_t block : {1, 7, 1000}) {
+      for (const std::int64_t block : {61, 1000}) {
         const Rows rows = all_rows(kept, state, placement, block);
         EXPECT_TRUE(same_bits(wanted, rows));
         EXPECT_EQ(rows.degenerate.count, wanted.degenerate.count);

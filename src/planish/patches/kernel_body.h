@@ -13,8 +13,9 @@ PLANISH_INLINE Vector dot(const Vector (&a)[3], const Vector (&b)[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-// Unit vectors along du x dv, zero where |du x dv| < 1e-6 |du||dv| (kDegenerateNormal).
-PLANISH_INLINE bool unit_normals(const Vector (&du)[3], const Vector (&dv)[3],
+// Unit vectors along du x dv, zero where |du x dv| < 1e-6 |du||dv| (kDegenerateNormal): there the
+// result is 0, elsewhere all bits are set.
+PLANISH_INLINE Mask unit_normals(const Vector (&du)[3], const Vector (&dv)[3],
                                  Vector (&normal)[3]) {
   const Vector n[3] = {du[1] * dv[2] - du[2] * dv[1], du[2] * dv[0] - du[0] * dv[2],
                        du[0] * dv[1] - du[1] * dv[0]};
@@ -22,9 +23,7 @@ PLANISH_INLINE bool unit_normals(const Vector (&du)[3], const Vector (&dv)[3],
   const Mask keep = (square >= bound) & (square > Vector{});
   const Vector inverse = (Vector)((Mask)(1.0 / square_root(square)) & keep);
   for (int d = 0; d < 3; ++d) normal[d] = n[d] * inverse;
-  bool degenerate = false;
-  for (int l = 0; l < kLanes; ++l) degenerate |= keep[l] == 0;
-  return degenerate;
+  return keep;
 }
 
 // Column and sample counts above 0 are known when compiling: those of regular patches.
@@ -40,24 +39,41 @@ PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output
   for (int k = 0; k < column_count; ++k) {
     Vector p[3];
     load_points(batch.state, indices + (k + 1) * kPatchLanes, p[0], p[1], p[2]);
-    for (int d = 0; d < 3; ++d) points[3 * k + d] = p[d] - own[d];
+    for (int d = 0; d < 3; ++d) points[d * column_count + k] = p[d] - own[d];
   }
   const double* weights = batch.weights;
-  bool degenerate = false;
-  for (int s = 0; s < sample_count; ++s, weights += 3 * column_count) {
-    Vector position[3]{}, du[3]{}, dv[3]{};
-    for (int k = 0; k < column_count; ++k) {
-      const double w = weights[k], wu = weights[column_count + k],
-                   wv = weights[2 * column_count + k];
-      for (int d = 0; d < 3; ++d) {
-        const Vector p = points[3 * k + d];
-        position[d] += w * p;
-        du[d] += wu * p;
-        dv[d] += wv * p;
-      }
-    }
+  Mask kept = ~Mask{};
+  Vector sums[kSamples > 0 ? kSamples : 1][3][3];  // of a row, of a coordinate
+  const auto add_up = [&](const double* rows, Vector(&sum)[3][3], const Vector* x, int d)
+                          PLANISH_INLINE_LAMBDA {
+#pragma GCC unroll 3
+                            for (int r = 0; r < 3; ++r) {
+                              Vector total{};
+#pragma GCC unroll 8
+                              for (int k = 0; k < column_count; ++k)
+                                total += rows[r * column_count + k] * x[k];
+                              sum[r][d] = total;
+                            }
+                          };
+  if constexpr (kSamples > 0) {
+    // A coordinate at a time: its points stay in registers.
+#pragma GCC unroll 3
     for (int d = 0; d < 3; ++d) {
-      position[d] = output.centre[d] + output.diagonal * (position[d] + own[d]);
+      Vector x[kColumns];
+      for (int k = 0; k < kColumns; ++k) x[k] = points[d * column_count + k];
+#pragma GCC unroll 3
+      for (int s = 0; s < kSamples; ++s) add_up(weights + s * 3 * column_count, sums[s], x, d);
+    }
+  }
+  for (int s = 0; s < sample_count; ++s, weights += 3 * column_count) {
+    if constexpr (kSamples == 0) {
+      for (int d = 0; d < 3; ++d) add_up(weights, sums[0], points + d * column_count, d);
+    }
+    const auto& sum = sums[kSamples > 0 ? s : 0];
+    Vector position[3];
+    const auto &du = sum[1], &dv = sum[2];
+    for (int d = 0; d < 3; ++d) {
+      position[d] = output.centre[d] + output.diagonal * (sum[0][d] + own[d]);
     }
     if (output.positions) store_doubles(output.positions, targets, s, position);
     if (output.stored) {
@@ -67,10 +83,12 @@ PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output
     }
     if (output.normals) {
       Vector normal[3];
-      degenerate |= unit_normals(du, dv, normal);
+      kept &= unit_normals(du, dv, normal);
       store_floats(output.normals, targets, s, normal);
     }
   }
+  bool degenerate = false;
+  for (int l = 0; l < kLanes; ++l) degenerate |= kept[l] == 0;
   return degenerate;
 }
 

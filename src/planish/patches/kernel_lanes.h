@@ -23,6 +23,7 @@ typedef double Vector __attribute__((vector_size(8 * kLanes)));
 typedef std::int64_t Mask __attribute__((vector_size(8 * kLanes)));
 
 #define PLANISH_INLINE [[gnu::always_inline]] inline
+#define PLANISH_INLINE_LAMBDA __attribute__((always_inline))
 
 // The points at indices[0..kLanes).
 PLANISH_INLINE void load_points(const double* state, const std::int32_t* indices, Vector& x,
@@ -37,7 +38,7 @@ PLANISH_INLINE void load_points(const double* state, const std::int32_t* indices
     return _mm256_maskload_pd(at(lane), _mm256_setr_epi64x(-1, -1, -1, 0));
 #endif
   };
-  const auto turn = [&](int lane, __m256d& px, __m256d& py, __m256d& pz) {
+  const auto turn = [&](int lane, __m256d& px, __m256d& py, __m256d& pz) PLANISH_INLINE_LAMBDA {
     const __m256d a = point(lane), b = point(lane + 1), c = point(lane + 2), d = point(lane + 3);
     const __m256d ab = _mm256_unpacklo_pd(a, b), cd = _mm256_unpacklo_pd(c, d);
     px = _mm256_permute2f128_pd(ab, cd, 0x20);
@@ -73,7 +74,7 @@ PLANISH_INLINE void store_doubles(double* rows, const std::int32_t* targets, std
     return rows + 3 * (static_cast<std::int64_t>(targets[lane]) + sample);
   };
 #if defined(__SSE2__)
-  const auto put = [&](int lane, __m128d even, __m128d odd, __m128d z) {
+  const auto put = [&](int lane, __m128d even, __m128d odd, __m128d z) PLANISH_INLINE_LAMBDA {
     _mm_storeu_pd(at(lane), even);
     _mm_storel_pd(at(lane) + 2, z);
     _mm_storeu_pd(at(lane + 1), odd);
@@ -110,7 +111,7 @@ PLANISH_INLINE void store_floats(float* rows, const std::int32_t* targets, std::
     return rows + 3 * (static_cast<std::int64_t>(targets[lane]) + sample);
   };
 #if defined(__AVX512VL__) || defined(__AVX2__)
-  const auto put = [&](int lane, __m128 x, __m128 y, __m128 z) {
+  const auto put = [&](int lane, __m128 x, __m128 y, __m128 z) PLANISH_INLINE_LAMBDA {
     const __m128 low = _mm_unpacklo_ps(x, y), high = _mm_unpackhi_ps(x, y);
     _mm_storel_pi(reinterpret_cast<__m64*>(at(lane)), low);
     _mm_storeh_pi(reinterpret_cast<__m64*>(at(lane + 1)), low);
