@@ -84,9 +84,10 @@ TEST(Attributes, HolesShapeTheSurfaceButAreNoPartOfIt) {
   const SurfaceMesh whole = surface_of(mesh, 1);
   mesh.hole_faces = {0, 5};
   const SurfaceMesh holed = surface_of(mesh, 1);
-  EXPECT_EQ(holed.positions, whole.positions);
   EXPECT_EQ(holed.face_count(), whole.face_count() - 8);
-  EXPECT_EQ(holed.face_vertices[0], whole.face_vertices[16]);
+  // The two holes have an edge in common: two centres and a midpoint leave with them.
+  EXPECT_EQ(holed.positions.size(), whole.positions.size() - 3);
+  EXPECT_EQ(holed.positions[holed.face_vertices[0]], whole.positions[whole.face_vertices[16]]);
   EXPECT_EQ(surface_quality(holed, mesh).folded_area, 0.0);
 }
 

@@ -3,9 +3,8 @@
 #include <vector>
 
 #include "planish/backend/cpu_backend.h"
-#include "planish/doosabin/surface_stencils.h"
+#include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/level_one.h"
-#include "planish/surface/subdivided_mesh.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -14,19 +13,10 @@ namespace planish::test {
 /// Level 1 of the surface of an ordinary cage: one Doo-Sabin step.
 inline LevelOne first_step(const PolygonMesh& cage, const SharpFeatureOptions& sharp = {},
                            Weights weights = Weights::DooSabin) {
-  const SubdividedMesh base(cage, {.level = 0, .weights = weights, .sharp = sharp});
+  const DooSabinSurface base(cage, {.weights = weights, .sharp = sharp});
   LevelOne result;
-  result.placement = placement_of(cage);
-  std::vector<glm::dvec3> unit;
-  for (const glm::dvec3& p : base.used.mesh.positions) unit.push_back(result.placement.to_unit(p));
-  const auto size = base.subdivision.state_layout(1).size;
-  const auto backend = make_cpu_backend();
-  const auto source = backend->upload(unit);
-  const auto target = backend->allocate(static_cast<std::int32_t>(size));
-  const StencilTable<double> table =
-      first_step_table(base.used.mesh, base.subdivision, RowRange{0, size});
-  backend->apply(table.view(), *source, *target, 0);
-  result.state = backend->download(*target);
+  result.placement = base.placement();
+  result.state.assign(base.state().begin(), base.state().end());
   return result;
 }
 

@@ -23,6 +23,11 @@ PolygonMesh posed(const PolygonMesh& rest, int frame) {
   return mesh;
 }
 
+PolygonMesh without_holes(PolygonMesh mesh) {
+  mesh.hole_faces.clear();
+  return mesh;
+}
+
 std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
                                    const SystemOptions& options) {
   const auto backend = make_cpu_backend();
@@ -37,7 +42,8 @@ std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& r
   evaluation.weights = options.weights;
   evaluation.sharp = options.sharp;
   evaluation.rest_positions = rest.positions;
-  const SurfaceMesh surface = evaluate(mesh, fit(mesh, *backend, fitting), *backend, evaluation);
+  const PolygonMesh whole = without_holes(mesh);
+  const SurfaceMesh surface = evaluate(whole, fit(whole, *backend, fitting), *backend, evaluation);
   std::vector<Vertex> vertices(surface.positions.size());
   for (std::size_t i = 0; i < vertices.size(); ++i)
     vertices[i] = {glm::vec3(surface.positions[i]), surface.normals[i]};

@@ -21,8 +21,11 @@ struct Vertex {
 /// The mesh with its vertices moved smoothly, differently in each frame.
 [[nodiscard]] PolygonMesh posed(const PolygonMesh& rest, int frame);
 
-/// The vertices of the interpolating surface by fit() and evaluate() in double on the CPU, in the
-/// order of a System's. Corners have the angles of `rest`.
+/// The same mesh, all of whose faces are seen.
+[[nodiscard]] PolygonMesh without_holes(PolygonMesh mesh);
+
+/// The vertices of the interpolating surface, those that only holes name included, by fit() and
+/// evaluate() in double on the CPU, in the order of a System's. Corners have the angles of `rest`.
 [[nodiscard]] std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
                                                  const vulkan::SystemOptions& options);
 

@@ -84,7 +84,7 @@ PolygonMesh random_polygons_on_sphere(const shapes::RandomMeshOptions& options) 
 
 PolygonMesh as_mesh(const SurfaceMesh& surface) {
   PolygonMesh fine;
-  fine.positions = surface.positions;
+  fine.positions.assign(surface.positions.begin(), surface.positions.end());
   for (std::int64_t f = 0; f < surface.face_count(); ++f) fine.add_face(surface.face(f));
   return fine;
 }

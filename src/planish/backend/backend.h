@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -95,6 +96,9 @@ class Backend {
   virtual ~Backend() = default;
 
   [[nodiscard]] virtual DeviceDescription description() const = 0;
+
+  /// Calls `work`, which uses parallel_for, on as many of the host's threads as the backend takes.
+  virtual void run_on_host(const std::function<void()>& work) { work(); }
 
   /// `limit_masks` is B, square; it is copied to the device, or must outlive the solve where the
   /// device is the CPU.

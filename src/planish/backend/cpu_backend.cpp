@@ -319,6 +319,8 @@ class CpuBackend final : public Backend {
             "", "", ""};
   }
 
+  void run_on_host(const std::function<void()>& work) override { arena_.execute(work); }
+
   [[nodiscard]] std::unique_ptr<Solve> make_solve(const StencilView<double>& masks) override {
     if (options_.solve_precision == Precision::Float) {
       return std::make_unique<CpuSolve<float>>(masks, arena_);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -29,6 +30,25 @@ struct RawAllocator : std::allocator<T> {
 /// A vector whose resize() leaves numbers uninitialised: for large arrays that threads fill, whose
 /// fresh pages are then taken on all threads too.
 template <class T>
-using RawVector = std::vector<T, RawAllocator<T>>;
+class RawVector : public std::vector<T, RawAllocator<T>> {
+  using Base = std::vector<T, RawAllocator<T>>;
+
+ public:
+  using Base::Base;
+  using Base::operator=;
+  RawVector() = default;
+  /// Copies an ordinary vector.
+  RawVector(const std::vector<T>& other) : Base(other.begin(), other.end()) {}
+  RawVector& operator=(const std::vector<T>& other) {
+    this->assign(other.begin(), other.end());
+    return *this;
+  }
+  friend bool operator==(const RawVector& a, const RawVector& b) {
+    return static_cast<const Base&>(a) == static_cast<const Base&>(b);
+  }
+  friend bool operator==(const RawVector& a, const std::vector<T>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end());
+  }
+};
 
 }  // namespace planish

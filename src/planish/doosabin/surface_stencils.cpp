@@ -147,17 +147,37 @@ std::int32_t LimitRows::row_of(std::int32_t vertex, std::int32_t face, VertexRin
   return -1;
 }
 
-LimitStencilTable<double> limit_table(const Subdivision& subdivision, int level,
-                                      const LimitRows& limit_rows, RowRange rows) {
+namespace {
+
+// `limit_row(i)` is the number of row i.
+template <class LimitRow>
+LimitStencilTable<double> make_limit_table(const Subdivision& subdivision, int level,
+                                           const LimitRows& limit_rows, RowRange rows,
+                                           const LimitRow& limit_row) {
   const auto source_count = static_cast<std::int32_t>(subdivision.state_layout(level).size);
   return LimitStencilTable<double>(
       source_count, build_rows(rows.first, rows.count, Derivatives::Yes, [&] {
         return [&, ring = VertexRing{}](std::int32_t index, StencilRow& row) mutable {
-          const LimitRows::Place place = limit_rows.place(index);
+          const LimitRows::Place place = limit_rows.place(limit_row(index));
           gather_ring(subdivision, level, place.vertex, ring);
           add_limit(ring, place.sector, row);
         };
       }));
+}
+
+}  // namespace
+
+LimitStencilTable<double> limit_table(const Subdivision& subdivision, int level,
+                                      const LimitRows& limit_rows, RowRange rows) {
+  return make_limit_table(subdivision, level, limit_rows, rows, [](std::int32_t i) { return i; });
+}
+
+LimitStencilTable<double> limit_table(const Subdivision& subdivision, int level,
+                                      const LimitRows& limit_rows,
+                                      std::span<const std::int32_t> order) {
+  return make_limit_table(subdivision, level, limit_rows,
+                          {0, static_cast<std::int64_t>(order.size())},
+                          [&](std::int32_t i) { return order[i]; });
 }
 
 }  // namespace planish

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "planish/doosabin/subdivision.h"
@@ -45,5 +46,9 @@ class LimitRows {
 /// first Fourier pair of the polygon around a vertex.
 [[nodiscard]] LimitStencilTable<double> limit_table(const Subdivision& subdivision, int level,
                                                     const LimitRows& limit_rows, RowRange rows);
+/// The same for rows in any order, by their numbers in `limit_rows`.
+[[nodiscard]] LimitStencilTable<double> limit_table(const Subdivision& subdivision, int level,
+                                                    const LimitRows& limit_rows,
+                                                    std::span<const std::int32_t> order);
 
 }  // namespace planish

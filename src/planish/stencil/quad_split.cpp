@@ -52,9 +52,13 @@ const Far::TopologyRefiner& QuadSplit::refiner() const { return made_refiner(); 
 const Far::TopologyLevel& QuadSplit::level(int index) const { return refiner().GetLevel(index); }
 
 std::vector<LevelCounts> QuadSplit::counts_to(int last) const {
-  std::vector<LevelCounts> counts{
-      {topology_->vertex_count(), topology_->edge_count(), topology_->face_count()}};
-  std::int64_t corner_count = topology_->corner_count();
+  return split_counts({topology_->vertex_count(), topology_->edge_count(), topology_->face_count()},
+                      topology_->corner_count(), last);
+}
+
+std::vector<LevelCounts> split_counts(const LevelCounts& base, std::int64_t corner_count,
+                                      int last) {
+  std::vector<LevelCounts> counts{base};
   for (int l = 0; l < last; ++l) {
     const LevelCounts& c = counts.back();
     counts.push_back({c.vertices + c.edges + c.faces, 2 * c.edges + corner_count, corner_count});

@@ -18,6 +18,10 @@ struct LevelCounts {
   std::int64_t vertices, edges, faces;
 };
 
+/// Those of the levels 0 to `last` of a mesh with so many elements and corners.
+[[nodiscard]] std::vector<LevelCounts> split_counts(const LevelCounts& base,
+                                                    std::int64_t corner_count, int last);
+
 /// The quad splits Q_0 (the mesh), Q_1, Q_2, ... of a polygon mesh: the dual of Doo-Sabin
 /// subdivision. Q_0 is a MeshTopology; finer ones are made by OpenSubdiv's topology refiner with
 /// the bilinear scheme, and only when asked for. What our tables rely on, checked when built:

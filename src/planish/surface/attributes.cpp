@@ -60,6 +60,22 @@ void carry_colors(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
   }
 }
 
+// Takes over the rows of `whole` that the surface's faces name, in their order.
+void keep_named_rows(const SurfaceMesh& whole, SurfaceMesh& surface) {
+  std::vector<std::int32_t> row(whole.positions.size(), -1);
+  for (const std::int32_t v : surface.face_vertices) row[v] = 0;
+  std::int32_t count = 0;
+  for (std::size_t v = 0; v < row.size(); ++v) {
+    if (row[v] < 0) continue;
+    row[v] = count++;
+    surface.positions.push_back(whole.positions[v]);
+    surface.normals.push_back(whole.normals[v]);
+    if (!whole.colors.empty()) surface.colors.push_back(whole.colors[v]);
+    if (v < whole.base_vertices.size()) surface.base_vertices.push_back(whole.base_vertices[v]);
+  }
+  for (std::int32_t& v : surface.face_vertices) v = row[v];
+}
+
 }  // namespace
 
 std::int64_t descendant_count(const SurfaceMesh& surface, std::int32_t face_size) {
@@ -88,10 +104,8 @@ void remove_holes(const PolygonMesh& mesh, SurfaceMesh& surface) {
   for (const std::int32_t f : mesh.hole_faces) is_hole[f] = true;
 
   const SurfaceMesh whole = std::move(surface);
-  surface = SurfaceMesh{whole.level, whole.positions, whole.normals};
-  surface.base_vertices = whole.base_vertices;
+  surface = SurfaceMesh{.level = whole.level};
   surface.uvs = whole.uvs;
-  surface.colors = whole.colors;
   surface.groups = whole.groups;
   if (!whole.face_offsets.empty()) surface.face_offsets = {0};
   std::int64_t face = 0;
@@ -113,6 +127,7 @@ void remove_holes(const PolygonMesh& mesh, SurfaceMesh& surface) {
       if (!whole.face_groups.empty()) surface.face_groups.push_back(whole.face_groups[face]);
     }
   }
+  keep_named_rows(whole, surface);
 }
 
 }  // namespace planish

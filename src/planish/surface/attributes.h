@@ -20,7 +20,8 @@ void carry_attributes(const PolygonMesh& mesh, const OpenSubdiv::Far::TopologyRe
 /// another in the order of the mesh's faces.
 [[nodiscard]] std::int64_t descendant_count(const SurfaceMesh& surface, std::int32_t face_size);
 
-/// Takes the descendants of the mesh's hole faces out of a surface. Vertices stay.
+/// Takes the descendants of the mesh's hole faces out of a surface, and the vertices
+/// that no other face names.
 void remove_holes(const PolygonMesh& mesh, SurfaceMesh& surface);
 
 }  // namespace planish

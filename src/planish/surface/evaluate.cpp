@@ -1,4 +1,5 @@
-// The chain of small stencil tables of SurfaceTables, made and used in slices of rows, so that the
+// Doo-Sabin surfaces are collected from blocks of patches. Those of the other schemes come from the
+// chain of small stencil tables of SurfaceTables, made and used in slices of rows, so that the
 // tables of the last level never stand in memory whole.
 #include "planish/surface/evaluate.h"
 
@@ -12,7 +13,9 @@
 #include "planish/mesh/placement.h"
 #include "planish/primal/primal_stencils.h"
 #include "planish/surface/attributes.h"
+#include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/subdivided_mesh.h"
+#include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_tables.h"
 
 namespace planish {
@@ -56,7 +59,8 @@ std::unique_ptr<DevicePoints> refine_points(Source source, const SurfaceTables& 
 
 // The output's faces, whose size is not stored where all are quads.
 void connect(const PolygonMesh& mesh, const SurfaceTables& tables, SurfaceMesh& surface) {
-  surface.face_vertices = tables.face_vertices();
+  const std::vector<std::int32_t> corners = tables.face_vertices();
+  surface.face_vertices.assign(corners.begin(), corners.end());
   if (surface.level == 0) {
     surface.face_offsets = mesh.face_offsets;
   } else if (const int size = tables.corners_per_face(); size != 4) {
@@ -100,16 +104,7 @@ void replace_degenerate_normals(SurfaceMesh& surface, const Callbacks& callbacks
     surface.normals[degenerate[i]] =
         length > 0 ? glm::vec3(normals[i] / length) : glm::vec3(0.0f, 0.0f, 1.0f);
   }
-  callbacks.warn({"degenerate-normals",
-                  std::to_string(degenerate.size()) +
-                      " vertices have parallel tangents; their normals are those of the facets",
-                  static_cast<std::int64_t>(degenerate.size()), degenerate.front()});
-}
-
-void require_level(const EvaluateOptions& options) {
-  if (options.level >= 0 && options.level <= kMaxLevel) return;
-  throw Error(ErrorCode::InvalidArgument, "level " + std::to_string(options.level) +
-                                              " is outside 0 to " + std::to_string(kMaxLevel));
+  warn_of({static_cast<std::int64_t>(degenerate.size()), degenerate.front()}, callbacks);
 }
 
 SurfaceMesh surface_from(Source source, const Placement& placement, const UsedPart& used,
@@ -155,6 +150,17 @@ SurfaceMesh primal_surface(const PolygonMesh& cage, PrimalScheme scheme, Backend
                       options);
 }
 
+SurfaceMesh doo_sabin_surface(const PolygonMesh& mesh, const LevelOne* level_one, Backend& backend,
+                              const EvaluateOptions& options) {
+  SurfaceMesh surface;
+  backend.run_on_host([&] {
+    const DooSabinSurface base = level_one != nullptr ? DooSabinSurface(mesh, *level_one, options)
+                                                      : DooSabinSurface(mesh, options);
+    surface = collect(*base.level(options.level, options.memory_limit_bytes), options.callbacks);
+  });
+  return surface;
+}
+
 StencilTable<double> primal_masks(const UsedPart& used, PrimalScheme scheme,
                                   const LimitOptions& options) {
   PrimalSplit split(used.mesh, {scheme, options.sharp, used.prepared->topology.get()});
@@ -171,30 +177,29 @@ StencilTable<double> doo_sabin_masks(const UsedPart& used, const LimitOptions& o
 
 }  // namespace
 
+void require_level(int level) {
+  if (level >= 0 && level <= kMaxLevel) return;
+  throw Error(ErrorCode::InvalidArgument,
+              "level " + std::to_string(level) + " is outside 0 to " + std::to_string(kMaxLevel));
+}
+
 SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOptions& options) {
-  require_level(options);
+  require_level(options.level);
   PLANISH_ASSERT(options.rest_positions.empty() ||
                  options.rest_positions.size() == cage.positions.size());
   if (const auto scheme = primal_scheme(options.scheme)) {
     return primal_surface(cage, *scheme, backend, options);
   }
-  const SubdividedMesh subdivided(cage, options);
-  const PolygonMesh& mesh = subdivided.used.mesh;
-  const Placement placement = placement_of(mesh);
-  return surface_from(cage_points(mesh, placement, backend), placement, subdivided.used,
-                      *doo_sabin_tables(subdivided, options.level), backend, options);
+  return doo_sabin_surface(cage, nullptr, backend, options);
 }
 
 SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one, Backend& backend,
                      const EvaluateOptions& options) {
-  require_level(options);
+  require_level(options.level);
   PLANISH_ASSERT(options.scheme == Scheme::DooSabin);
   PLANISH_ASSERT(options.rest_positions.empty() ||
                  options.rest_positions.size() == mesh.positions.size());
-  const SubdividedMesh subdivided(mesh, options);
-  require_state_of(subdivided.subdivision, level_one);
-  return surface_from({backend.upload(level_one.state), 1}, level_one.placement, subdivided.used,
-                      *doo_sabin_tables(subdivided, options.level), backend, options);
+  return doo_sabin_surface(mesh, &level_one, backend, options);
 }
 
 std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, const LimitOptions& options) {

@@ -21,6 +21,9 @@ namespace planish {
 /// Splits beyond which a tessellation is refused: 4096 faces for each face of the cage.
 inline constexpr int kMaxLevel = 6;
 
+/// Throws Error{InvalidArgument} for a level outside 0 to kMaxLevel.
+void require_level(int level);
+
 struct EvaluateOptions {
   int level = 2;  ///< 0 to kMaxLevel splits into quads (triangles with Loop)
   Scheme scheme = Scheme::DooSabin;

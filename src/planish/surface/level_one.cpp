@@ -20,7 +20,10 @@ EvaluateOptions first_level(const SharpFeatureOptions& sharp) {
 }  // namespace
 
 void require_state_of(const Subdivision& subdivision, const LevelOne& level_one) {
-  const std::int64_t size = subdivision.state_layout(1).size;
+  require_state_size(subdivision.state_layout(1).size, level_one);
+}
+
+void require_state_size(std::int64_t size, const LevelOne& level_one) {
   if (static_cast<std::int64_t>(level_one.state.size()) == size) return;
   throw Error(ErrorCode::InvalidArgument,
               "level 1 of this mesh with these creases has " + std::to_string(size) +

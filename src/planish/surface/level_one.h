@@ -24,6 +24,9 @@ struct LevelOne {
 /// Throws Error{InvalidArgument} unless the state has the size that the subdivision needs.
 void require_state_of(const Subdivision& subdivision, const LevelOne& level_one);
 
+/// The same for a state of so many points.
+void require_state_size(std::int64_t size, const LevelOne& level_one);
+
 /// Limit points of the vertices of the mesh without its unused ones, from the state of level 1 and
 /// in its coordinates; in double on the CPU.
 [[nodiscard]] std::vector<glm::dvec3> limit_points(const Subdivision& subdivision,

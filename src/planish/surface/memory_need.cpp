@@ -29,8 +29,16 @@ constexpr std::uint64_t kUvTopologyBytes = 64;
 // A colour, likewise: in double as it is refined, in float on the surface.
 constexpr std::uint64_t kColorBytes = 32 + 8 + 16;
 constexpr std::uint64_t kGroupFaceBytes = 4;
+// Values of a surface alone.
+constexpr std::uint64_t kPatchUvBytes = 16;
+constexpr std::uint64_t kPatchColorBytes = 16;
 // Stencil slices on their way.
 constexpr std::uint64_t kFixedBytes = 256u << 20;
+// Of a surface of patches: what a corner of the mesh takes with its share of vertices (the mesh
+// without unused vertices, connectivity, the control point of level 1), and the tiles of all
+// threads.
+constexpr std::uint64_t kPatchCornerBytes = 100;
+constexpr std::uint64_t kPatchFixedBytes = 32u << 20;
 
 std::string gibibytes(std::uint64_t bytes) {
   const std::string tenths = std::to_string(bytes * 10 / (std::uint64_t{1} << 30));
@@ -44,6 +52,21 @@ std::uint64_t read_number(const char* path) {
   return file >> value ? value : std::numeric_limits<std::uint64_t>::max();
 }
 
+std::uint64_t patch_bytes(std::span<const LevelCounts> levels,
+                          const RefinedAttributes& attributes) {
+  // The faces of level 1 are the corners; at least three a face.
+  const auto corners =
+      static_cast<std::uint64_t>(levels.size() > 1 ? levels[1].faces : 4 * levels[0].faces);
+  const auto faces = static_cast<std::uint64_t>(levels.back().faces);
+  const auto vertices = static_cast<std::uint64_t>(levels.back().vertices);
+  std::uint64_t bytes = kPatchFixedBytes + kPatchCornerBytes * corners;
+  bytes += kSurfaceVertexBytes * vertices + kSurfaceFaceBytes * faces;
+  if (attributes.uvs) bytes += kPatchUvBytes * vertices + kUvFaceBytes * faces;
+  if (attributes.colors) bytes += kPatchColorBytes * vertices;
+  if (attributes.groups) bytes += kGroupFaceBytes * faces;
+  return bytes;
+}
+
 }  // namespace
 
 RefinedAttributes RefinedAttributes::of(const PolygonMesh& mesh) {
@@ -55,6 +78,7 @@ RefinedAttributes RefinedAttributes::of(const PolygonMesh& mesh) {
 
 std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last,
                                  const RefinedAttributes& attributes) {
+  if (last == LastLevel::None) return patch_bytes(levels, attributes);
   std::uint64_t bytes = kFixedBytes;
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
     bytes += kFullTopologyBytes * static_cast<std::uint64_t>(levels[l].faces);

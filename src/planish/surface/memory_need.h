@@ -9,7 +9,11 @@
 namespace planish {
 
 /// How much of the last level's topology a scheme keeps.
-enum class LastLevel { FacesOnly, Full };
+enum class LastLevel {
+  None,  ///< nor any other: surfaces of patches
+  FacesOnly,
+  Full,
+};
 
 /// What of a mesh is refined with it, besides points and normals.
 struct RefinedAttributes {

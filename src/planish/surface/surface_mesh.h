@@ -7,29 +7,32 @@
 #include <span>
 #include <vector>
 
+#include "planish/core/raw_vector.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 
 /// A tessellation whose every vertex lies on the limit surface, in model coordinates. At level 0
-/// its faces are the input's polygons, from level 1 on all quads, or triangles with Loop.
+/// its faces are the input's polygons, from level 1 on all quads, or triangles with Loop. Rows and
+/// faces of Doo-Sabin surfaces are numbered as PatchNumbering says; vertices that only holes name
+/// are left out.
 struct SurfaceMesh {
   int level = 0;
-  std::vector<glm::dvec3> positions;
-  std::vector<glm::vec3> normals;           ///< unit, finite, one per position
-  std::vector<std::int32_t> face_offsets;   ///< face_count + 1; empty where all faces are quads
-  std::vector<std::int32_t> face_vertices;  ///< all corners
+  RawVector<glm::dvec3> positions;
+  RawVector<glm::vec3> normals;            ///< unit, finite, one per position
+  std::vector<std::int32_t> face_offsets;  ///< face_count + 1; empty where all faces are quads
+  RawVector<std::int32_t> face_vertices;   ///< all corners
   /// The first positions are the limit points of the input's vertices, in its order: entry i is
   /// the input's index of position i (unused vertices are left out). Vertices of several normals
   /// (creases) have their further copies at the end.
   std::vector<std::int32_t> base_vertices;
 
   // The mesh's attributes, refined with it; empty where it has none.
-  std::vector<glm::dvec2> uvs;         ///< texture coordinates, which face_uvs names
-  std::vector<std::int32_t> face_uvs;  ///< one per corner, as face_vertices
-  std::vector<glm::vec4> colors;       ///< linear RGBA, one per position
+  RawVector<glm::dvec2> uvs;         ///< texture coordinates, which face_uvs names
+  RawVector<std::int32_t> face_uvs;  ///< one per corner, as face_vertices
+  RawVector<glm::vec4> colors;       ///< linear RGBA, one per position
   std::vector<FaceGroup> groups;
-  std::vector<std::int32_t> face_groups;  ///< one per face: its group
+  RawVector<std::int32_t> face_groups;  ///< one per face: its group
 
   [[nodiscard]] std::int64_t face_count() const {
     return face_offsets.empty() ? static_cast<std::int64_t>(face_vertices.size()) / 4

@@ -4,8 +4,6 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
-#include "planish/doosabin/face_rows.h"
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/primal/primal_stencils.h"
 #include "planish/primal/vertex_star.h"
 #include "planish/surface/memory_need.h"
@@ -13,39 +11,6 @@
 namespace planish {
 
 namespace {
-
-class DooSabinTables final : public SurfaceTables {
- public:
-  DooSabinTables(const SubdividedMesh& cage, int level)
-      : cage_(cage),
-        level_(level),
-        rows_(cage.subdivision, state_level(), cage.split.counts(level).vertices) {}
-
-  [[nodiscard]] int state_level() const override { return std::max(level_, 1); }
-  [[nodiscard]] std::int64_t state_size(int level) const override {
-    return cage_.subdivision.state_layout(level).size;
-  }
-  [[nodiscard]] StencilTable<double> step(int level, RowRange rows) const override {
-    return level == 1 ? first_step_table(cage_.used.mesh, cage_.subdivision, rows)
-                      : refinement_table(cage_.subdivision, level - 1, rows);
-  }
-  [[nodiscard]] const SectorRows& rows() const override { return rows_.sectors(); }
-  [[nodiscard]] LimitStencilTable<double> limit(RowRange rows) const override {
-    return limit_table(cage_.subdivision, state_level(), rows_, rows);
-  }
-  [[nodiscard]] std::vector<std::int32_t> face_vertices() const override {
-    return face_rows(cage_.used.mesh, cage_.split, level_, rows_);
-  }
-  [[nodiscard]] int corners_per_face() const override { return 4; }
-  [[nodiscard]] const OpenSubdiv::Far::TopologyRefiner& refiner() const override {
-    return cage_.split.refiner();
-  }
-
- private:
-  const SubdividedMesh& cage_;
-  int level_;
-  LimitRows rows_;
-};
 
 class PrimalTables final : public SurfaceTables {
  public:
@@ -115,10 +80,6 @@ class PrimalTables final : public SurfaceTables {
 };
 
 }  // namespace
-
-std::unique_ptr<SurfaceTables> doo_sabin_tables(const SubdividedMesh& cage, int level) {
-  return std::make_unique<DooSabinTables>(cage, level);
-}
 
 std::unique_ptr<SurfaceTables> primal_tables(const UsedPart& used, PrimalScheme scheme,
                                              const EvaluateOptions& options) {

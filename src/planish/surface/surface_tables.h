@@ -11,11 +11,10 @@
 #include "planish/stencil/stencil_builder.h"
 #include "planish/stencil/stencil_table.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/subdivided_mesh.h"
 
 namespace planish {
 
-/// A subdivision scheme on one mesh down to one level, as a chain of stencil tables: control points
+/// A primal scheme on one mesh down to one level, as a chain of stencil tables: control points
 /// -> state of level 1 -> ... -> state of state_level() -> limit points and tangents. Tables are
 /// made in slices of rows.
 class SurfaceTables {
@@ -39,10 +38,6 @@ class SurfaceTables {
   /// The topology of the output, which is its level `level`.
   [[nodiscard]] virtual const OpenSubdiv::Far::TopologyRefiner& refiner() const = 0;
 };
-
-/// `cage` must outlive the tables.
-[[nodiscard]] std::unique_ptr<SurfaceTables> doo_sabin_tables(const SubdividedMesh& cage,
-                                                              int level);
 
 /// Throws Error{UnusableMesh} for Loop on other
 /// faces than triangles and Error{OutOfMemory} before memory is taken.

@@ -23,7 +23,7 @@ PolygonMesh surface_of(const PolygonMesh& mesh, const Callbacks& callbacks) {
   options.callbacks = callbacks;
   const SurfaceMesh surface = evaluate(fitted.cage, *backend, options);
   PolygonMesh result;
-  result.positions = surface.positions;
+  result.positions.assign(surface.positions.begin(), surface.positions.end());
   for (std::int64_t f = 0; f < surface.face_count(); ++f) result.add_face(surface.face(f));
   return result;
 }

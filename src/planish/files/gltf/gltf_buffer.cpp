@@ -154,7 +154,8 @@ struct FaceRange {
   }
   // Vertices in the file, by corner.
   [[nodiscard]] std::span<const std::int32_t> corners() const {
-    return vertices.corners.empty() ? surface.face_vertices : vertices.corners;
+    return vertices.corners.empty() ? std::span(surface.face_vertices)
+                                    : std::span(vertices.corners);
   }
 };
 

@@ -11,12 +11,13 @@
 #include "planish/backend/cpu_backend.h"
 #include "planish/backend/initial_residual.h"
 #include "planish/core/error.h"
-#include "planish/doosabin/face_rows.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/doosabin/surface_stencils.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/used_vertices.h"
+#include "planish/patches/split_rows.h"
 #include "planish/stencil/quad_split.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/fair/fair_tables.h"
@@ -51,23 +52,32 @@ void check_decisions(const FairDecisions* decisions, std::size_t count) {
                       "; take those of a fair net of the same mesh");
 }
 
-/// Faces of Q_level that descend from a face with `size` corners.
-std::int64_t descendants(std::int32_t size, int level) {
-  return level == 0 ? 1 : std::int64_t(size) << 2 * (level - 1);
-}
-
-/// What is left of `faces` (corners at level 0, else quads) without those of hole faces; calls
-/// take(corners of a face).
+/// The corners of the output's faces, face by face, without those of hole faces; calls take(corners
+/// of a face).
 template <class Take>
-void for_kept_faces(const PolygonMesh& mesh, int level, std::span<const std::int32_t> faces,
-                    const Take& take) {
+void for_kept_faces(const PolygonMesh& mesh, const MeshTopology& topology,
+                    const PatchNumbering& numbering, const Take& take) {
   std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
   for (const std::int32_t f : mesh.hole_faces) is_hole[f] = true;
-  std::size_t place = 0;
+  const PatchCells cells(std::max(numbering.level(), 1));
+  const std::int32_t side = numbering.samples().side() + 1;
+  std::vector<std::int32_t> corners, grid(static_cast<std::size_t>(side * side));
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const std::size_t size = level == 0 ? mesh.face_size(f) : 4;
-    for (std::int64_t k = descendants(mesh.face_size(f), level); k > 0; --k, place += size)
-      if (!is_hole[f]) take(faces.subspan(place, size));
+    if (is_hole[f]) continue;
+    const std::int32_t first = topology.first_corner(f), end = first + topology.face_size(f);
+    if (numbering.level() == 0) {
+      corners.clear();
+      for (std::int32_t c = first; c < end; ++c) corners.push_back(numbering.vertex_row(c));
+      take(std::span<const std::int32_t>(corners));
+      continue;
+    }
+    for (std::int32_t c = first; c < end; ++c) {
+      numbering.grid(c, grid.data());
+      for (const auto& cell : cells.of(topology, c)) {
+        corners = {grid[cell[0]], grid[cell[1]], grid[cell[2]], grid[cell[3]]};
+        take(std::span<const std::int32_t>(corners));
+      }
+    }
   }
 }
 
@@ -95,7 +105,9 @@ struct System::Parts {
   Parts(const PolygonMesh& rest, const SystemOptions& options);
 
   void build_tables(const PolygonMesh& mesh, const SystemOptions& options);
-  void build_faces(const PolygonMesh& mesh, const QuadSplit& split, const LimitRows& rows);
+  void copy_rows(const LimitRows& rows, std::span<const std::int32_t> order);
+  void build_faces(const PolygonMesh& mesh, const MeshTopology& topology,
+                   const PatchNumbering& numbering);
   void build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
                     const SystemOptions& options);
   void measure_rest(const PolygonMesh& mesh, const Placement& placement, double relative_tolerance);
@@ -134,7 +146,8 @@ void System::Parts::build_tables(const PolygonMesh& mesh, const SystemOptions& o
   const int state_level = std::max(level, 1);
   QuadSplit split(mesh);
   split.refine(level);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, options.sharp);
+  const MeshTopology topology(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, options.sharp);
   const Subdivision subdivision(split, features, options.weights);
   options.callbacks.check_cancelled();
   build_method(mesh, subdivision, options);
@@ -147,11 +160,24 @@ void System::Parts::build_tables(const PolygonMesh& mesh, const SystemOptions& o
   }
   const LimitRows rows(subdivision, state_level, split.counts(level).vertices);
   options.callbacks.check_cancelled();
-  limit.emplace(limit_table(subdivision, state_level, rows, {0, rows.count()}));
-  for (std::int64_t row = 0; row < rows.count(); ++row) {
-    copied_vertices.push_back(rows.place(row).vertex);
+  // Rows are numbered as those of evaluate().
+  const PatchMesh patches(topology, features);
+  const PatchNumbering numbering(patches, level);
+  const std::vector<std::int32_t> order = limits_of_rows(topology, numbering, split, rows);
+  limit.emplace(limit_table(subdivision, state_level, rows, order));
+  copy_rows(rows, order);
+  build_faces(mesh, topology, numbering);
+}
+
+// Of the rows of one vertex the first stands for the others.
+void System::Parts::copy_rows(const LimitRows& rows, std::span<const std::int32_t> order) {
+  std::vector<std::int32_t> first(order.size(), -1);
+  copied_vertices.resize(order.size());
+  for (std::size_t row = 0; row < order.size(); ++row) {
+    std::int32_t& own = first[rows.place(order[row]).vertex];
+    if (own < 0) own = static_cast<std::int32_t>(row);
+    copied_vertices[row] = own;
   }
-  build_faces(mesh, split, rows);
 }
 
 // What the solve goes by.
@@ -172,10 +198,9 @@ void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& sub
                      *std::min_element(valence.begin(), valence.end());
 }
 
-void System::Parts::build_faces(const PolygonMesh& mesh, const QuadSplit& split,
-                                const LimitRows& rows) {
-  const std::vector<std::int32_t> faces = face_rows(mesh, split, level, rows);
-  for_kept_faces(mesh, level, faces, [&](std::span<const std::int32_t> corners) {
+void System::Parts::build_faces(const PolygonMesh& mesh, const MeshTopology& topology,
+                                const PatchNumbering& numbering) {
+  for_kept_faces(mesh, topology, numbering, [&](std::span<const std::int32_t> corners) {
     if (level > 0) quads.insert(quads.end(), corners.begin(), corners.end());
     for (std::size_t k = 2; k < corners.size(); ++k)
       for (const std::int32_t vertex : {corners[0], corners[k - 1], corners[k]})

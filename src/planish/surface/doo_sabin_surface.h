@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "planish/core/raw_vector.h"
+#include "planish/doosabin/sharp_features.h"
+#include "planish/mesh/mesh_topology.h"
+#include "planish/mesh/placement.h"
+#include "planish/mesh/prepared_mesh.h"
+#include "planish/patches/patch_mesh.h"
+#include "planish/surface/evaluate.h"
+#include "planish/surface/level_one.h"
+#include "planish/surface/surface_blocks.h"
+
+namespace planish {
+
+/// A Doo-Sabin surface without its tessellation: topology, sharp features and the control points of
+/// level 1, for all levels. The mesh must outlive it.
+class DooSabinSurface {
+ public:
+  /// That of a control cage; takes what was prepared, weights, what is sharp and the rest pose of the options. Throws
+  /// Error{UnusableMesh}.
+  DooSabinSurface(const PolygonMesh& cage, const EvaluateOptions& options);
+  /// That of control points of level 1 on a mesh. Throws as above, Error{InvalidArgument} for a
+  /// state of another size. The state must outlive the surface.
+  DooSabinSurface(const PolygonMesh& mesh, const LevelOne& level_one,
+                  const EvaluateOptions& options);
+  DooSabinSurface(const DooSabinSurface&) = delete;
+  DooSabinSurface& operator=(const DooSabinSurface&) = delete;
+
+  /// One level of it, 0 to kMaxLevel, which this must outlive. `memory_limit_bytes` is for the
+  /// whole SurfaceMesh (0: what the machine has free). Throws Error{InvalidArgument},
+  /// Error{OutOfMemory}.
+  [[nodiscard]] std::unique_ptr<SurfaceBlocks> level(int level,
+                                                     std::uint64_t memory_limit_bytes = 0) const;
+
+  [[nodiscard]] const PolygonMesh& mesh() const { return used_.mesh; }
+  [[nodiscard]] const UsedPart& used() const { return used_; }
+  [[nodiscard]] const MeshTopology& topology() const { return *used_.prepared->topology; }
+  [[nodiscard]] const PatchMesh& patches() const { return patches_; }
+  [[nodiscard]] std::span<const glm::dvec3> state() const { return state_; }
+  [[nodiscard]] const Placement& placement() const { return placement_; }
+  [[nodiscard]] Weights weights() const { return weights_; }
+  /// One flag a face where the mesh has holes, else nothing.
+  [[nodiscard]] std::span<const std::uint8_t> hidden() const { return hidden_; }
+
+ private:
+  struct Begin {};
+  DooSabinSurface(const PolygonMesh& mesh, const EvaluateOptions& options, Begin);
+
+  UsedPart used_;
+  SharpFeatures features_;
+  PatchMesh patches_;
+  Weights weights_;
+  std::vector<std::uint8_t> hidden_;
+  Placement placement_;
+  RawVector<glm::dvec3> own_state_;
+  std::span<const glm::dvec3> state_;
+};
+
+}  // namespace planish

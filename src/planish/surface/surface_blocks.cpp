@@ -1,0 +1,110 @@
+#include "planish/surface/surface_blocks.h"
+
+#include <algorithm>
+#include <mutex>
+#include <string>
+
+#include "planish/core/parallel.h"
+
+namespace planish {
+
+namespace {
+
+// Rows and faces of a piece: those of several tiles, still within a core's cache.
+constexpr std::int64_t kPieceRows = 1 << 14;
+// Pieces between two looks at the callbacks.
+constexpr std::size_t kPiecesAtOnce = 256;
+
+template <class Body>
+void for_pieces(std::span<const RowRange> pieces, const Callbacks& callbacks, double from,
+                double share, const Body& body) {
+  for (std::size_t first = 0; first < pieces.size(); first += kPiecesAtOnce) {
+    callbacks.check_cancelled();
+    const auto some = pieces.subspan(first, std::min(kPiecesAtOnce, pieces.size() - first));
+    parallel_for(some.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) body(some[i]);
+    });
+    callbacks.report("evaluate", from + share * static_cast<double>(first + some.size()) /
+                                            static_cast<double>(pieces.size()));
+  }
+}
+
+template <class T>
+std::span<T> part_of(RawVector<T>& values, std::int64_t first, std::int64_t count) {
+  return std::span(values).subspan(static_cast<std::size_t>(first),
+                                   static_cast<std::size_t>(count));
+}
+
+}  // namespace
+
+std::vector<RowRange> ranges_of(std::int64_t count, std::int64_t size) {
+  std::vector<RowRange> ranges;
+  for (std::int64_t first = 0; first < count; first += size) {
+    ranges.push_back({first, std::min(size, count - first)});
+  }
+  return ranges;
+}
+
+std::vector<RowRange> sorted(std::vector<RowRange> ranges) {
+  std::sort(ranges.begin(), ranges.end(),
+            [](const RowRange& a, const RowRange& b) { return a.first < b.first; });
+  return ranges;
+}
+
+void warn_of(const DegenerateRows& rows, const Callbacks& callbacks) {
+  if (rows.count == 0) return;
+  callbacks.warn({"degenerate-normals",
+                  std::to_string(rows.count) +
+                      " vertices have parallel tangents; their normals are those of the facets",
+                  rows.count, rows.first});
+}
+
+SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
+  const SurfaceInfo& info = blocks.info();
+  SurfaceMesh surface;
+  surface.level = info.level;
+  surface.base_vertices = info.base_vertices;
+  surface.groups = info.groups;
+  surface.face_offsets = info.face_offsets;
+  if (info.level > 0 && info.corners_per_face != 4) {
+    for (std::int64_t f = 0; f <= info.face_count; ++f) {
+      surface.face_offsets.push_back(static_cast<std::int32_t>(f * info.corners_per_face));
+    }
+  }
+  const auto row_count = static_cast<std::size_t>(info.row_count);
+  surface.positions.resize(row_count);
+  surface.normals.resize(row_count);
+  if (info.has_colors) surface.colors.resize(row_count);
+  DegenerateRows degenerate;
+  std::mutex mutex;
+  for_pieces(blocks.row_blocks(kPieceRows), callbacks, 0, 0.8, [&](RowRange rows) {
+    RowTarget target;
+    target.positions = part_of(surface.positions, rows.first, rows.count);
+    target.normals = part_of(surface.normals, rows.first, rows.count);
+    if (info.has_colors) target.colors = part_of(surface.colors, rows.first, rows.count);
+    const DegenerateRows found = blocks.rows(rows, target);
+    if (found.count == 0) return;
+    const std::lock_guard lock(mutex);
+    degenerate.add(found);
+  });
+
+  surface.face_vertices.resize(static_cast<std::size_t>(info.corner_count));
+  if (info.uv_count > 0) surface.face_uvs.resize(surface.face_vertices.size());
+  if (info.has_groups) surface.face_groups.resize(static_cast<std::size_t>(info.face_count));
+  for_pieces(ranges_of(info.face_count, kPieceRows), callbacks, 0.8, 0.2, [&](RowRange faces) {
+    const std::int64_t first = info.first_corner(faces.first);
+    const std::int64_t count = info.first_corner(faces.first + faces.count) - first;
+    blocks.face_vertices(faces, part_of(surface.face_vertices, first, count));
+    if (info.uv_count > 0) blocks.face_uvs(faces, part_of(surface.face_uvs, first, count));
+    if (info.has_groups) {
+      blocks.face_groups(faces, part_of(surface.face_groups, faces.first, faces.count));
+    }
+  });
+  surface.uvs.resize(static_cast<std::size_t>(info.uv_count));
+  for_pieces(ranges_of(info.uv_count, kPieceRows), {}, 0, 0,
+             [&](RowRange uvs) { blocks.uvs(uvs, part_of(surface.uvs, uvs.first, uvs.count)); });
+  warn_of(degenerate, callbacks);
+  return surface;
+}
+
+}  // namespace planish

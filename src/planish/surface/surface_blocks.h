@@ -1,0 +1,126 @@
+#pragma once
+
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "planish/core/callbacks.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/patches/patch_surface.h"
+#include "planish/stencil/stencil_builder.h"
+#include "planish/surface/surface_mesh.h"
+
+namespace planish {
+
+/// What is known of a surface before any of it is made.
+struct SurfaceInfo {
+  int level = 0;
+  std::int64_t row_count = 0;  ///< vertices, those of several normals as often
+  std::int64_t face_count = 0;
+  std::int64_t corner_count = 0;  ///< of all faces
+  std::int64_t uv_count = 0;      ///< 0: no texture coordinates
+  bool has_colors = false;
+  bool has_groups = false;  ///< each face has one of `groups`
+  std::vector<FaceGroup> groups;
+  std::vector<std::int32_t> base_vertices;  ///< as SurfaceMesh has them
+  /// Level 0: face_count + 1, where each face's corners begin; else empty, and faces are alike.
+  std::vector<std::int32_t> face_offsets;
+  int corners_per_face = 4;  ///< from level 1 on: 3 with Loop
+
+  [[nodiscard]] std::int64_t first_corner(std::int64_t face) const {
+    return level == 0 ? face_offsets[static_cast<std::size_t>(face)] : corners_per_face * face;
+  }
+};
+
+/// Where rows are written: each array as long as the range of rows, or empty.
+struct RowTarget : PatchTarget {
+  std::span<glm::vec4> colors;
+};
+
+/// A tessellation that is made piece by piece, as SurfaceMesh holds it whole: any range of its rows
+/// (vertices) or faces, at any time, as often as wanted, from any number of threads at once.
+/// Results do not depend on ranges or threads. Nobody holds the surface but who keeps what it gets.
+class SurfaceBlocks {
+ public:
+  virtual ~SurfaceBlocks() = default;
+  [[nodiscard]] const SurfaceInfo& info() const { return info_; }
+
+  /// Ranges of about `row_count` rows that are cheap to make, which cover all. They are not
+  /// ascending: rows made from the same control points come near each other. sorted() puts them in
+  /// order.
+  [[nodiscard]] virtual std::vector<RowRange> row_blocks(std::int64_t row_count) const = 0;
+  /// Returns the rows whose normals are those of facets, for want of tangents.
+  virtual DegenerateRows rows(RowRange rows, const RowTarget& target) const = 0;
+
+  /// The rows at the corners of faces, in order: from first_corner() of the first to that behind
+  /// the last. Texture coordinates likewise.
+  virtual void face_vertices(RowRange faces, std::span<std::int32_t> rows) const = 0;
+  virtual void face_uvs(RowRange faces, std::span<std::int32_t> uvs) const = 0;
+  virtual void face_groups(RowRange faces, std::span<std::int32_t> groups) const = 0;
+  /// The face of the mesh that each one descends from.
+  virtual void ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const = 0;
+  virtual void uvs(RowRange uvs, std::span<glm::dvec2> values) const = 0;
+
+  /// Positions and normals at the corners of faces, without the rows: for figures that need no
+  /// neighbours. Ranges are cheapest that begin and end at first faces of mesh faces.
+  virtual void corners(RowRange faces, std::span<glm::dvec3> positions,
+                       std::span<glm::vec3> normals) const = 0;
+
+ protected:
+  SurfaceInfo info_;
+};
+
+/// [0, count) in pieces of `size`.
+[[nodiscard]] std::vector<RowRange> ranges_of(std::int64_t count, std::int64_t size);
+[[nodiscard]] std::vector<RowRange> sorted(std::vector<RowRange> ranges);
+
+/// A surface that stands in memory, as blocks. It must outlive them. `mesh` is what it was made
+/// from.
+[[nodiscard]] std::unique_ptr<SurfaceBlocks> blocks_of(const SurfaceMesh& surface,
+                                                       const PolygonMesh& mesh);
+
+/// The whole surface. Callbacks: step "evaluate", warning "degenerate-normals". Throws
+/// Error{Cancelled}.
+[[nodiscard]] SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks);
+
+/// Warns "degenerate-normals" if there are any.
+void warn_of(const DegenerateRows& rows, const Callbacks& callbacks);
+
+/// Makes pieces on all threads and hands them over one at a time, in their order, on one thread at
+/// a time: for writing what has no fixed size. `make(range, piece)` fills a Piece, which is used
+/// again; `take(range, piece)` has it. As many pieces as threads exist at once.
+template <class Piece, class Make, class Take>
+void in_order(std::span<const RowRange> ranges, const Make& make, const Take& take);
+
+template <class Piece, class Make, class Take>
+void in_order(std::span<const RowRange> ranges, const Make& make, const Take& take) {
+  namespace tbb = oneapi::tbb;
+  // Two pieces a thread, so that none waits while one is taken.
+  const auto slots = static_cast<std::size_t>(2 * tbb::this_task_arena::max_concurrency());
+  std::vector<Piece> pieces(slots);
+  std::size_t next = 0;
+  tbb::parallel_pipeline(
+      slots, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
+                                                 [&](tbb::flow_control& control) -> std::size_t {
+                                                   if (next == ranges.size()) control.stop();
+                                                   return next++;
+                                                 }) &
+                 tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel,
+                                                            [&](std::size_t i) {
+                                                              make(ranges[i], pieces[i % slots]);
+                                                              return i;
+                                                            }) &
+                 tbb::make_filter<std::size_t, void>(
+                     tbb::filter_mode::serial_in_order,
+                     [&](std::size_t i) { take(ranges[i], pieces[i % slots]); }));
+}
+
+}  // namespace planish
