@@ -19,6 +19,8 @@ namespace planish::bench {
 [[nodiscard]] std::vector<Row> bench_masks(const Options& options);
 /// Tessellation of the limit surface.
 [[nodiscard]] std::vector<Row> bench_surface(const Options& options);
+/// Rows and faces of a level by patches, and what they are made from.
+[[nodiscard]] std::vector<Row> bench_patches(const Options& options);
 /// From the bytes of a file to the bytes of a file.
 [[nodiscard]] std::vector<Row> bench_job(const Options& options);
 /// Catmull-Clark stencils that make a level 2.

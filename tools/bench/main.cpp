@@ -16,9 +16,9 @@ namespace {
 using namespace planish::bench;
 
 const std::vector<std::pair<std::string, std::vector<Row> (*)(const Options&)>> kGroups = {
-    {"update", bench_update},   {"solve", bench_solve}, {"masks", bench_masks},
-    {"surface", bench_surface}, {"job", bench_job},     {"osd", bench_osd},
-    {"fair", bench_fair}};
+    {"update", bench_update},   {"solve", bench_solve},     {"masks", bench_masks},
+    {"surface", bench_surface}, {"patches", bench_patches}, {"job", bench_job},
+    {"osd", bench_osd},         {"fair", bench_fair}};
 
 // Google Benchmark takes its --benchmark_* flags and leaves the rest.
 void initialize_benchmark(int& argc, char** argv) {

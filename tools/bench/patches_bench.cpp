@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+#include "bench/agreement.h"
+#include "bench/bench_meshes.h"
+#include "bench/benchmarks.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
+#include "planish/doosabin/surface_stencils.h"
+#include "planish/surface/doo_sabin_surface.h"
+
+namespace planish::bench {
+
+namespace {
+
+constexpr int kLevel = 2;
+
+// A surface's rows, as SurfaceMesh has them, and its quads.
+struct Output {
+  explicit Output(std::int64_t row_count, std::int64_t face_count)
+      : positions(static_cast<std::size_t>(row_count)),
+        normals(positions.size()),
+        faces(static_cast<std::size_t>(4 * face_count)) {}
+
+  RawVector<glm::dvec3> positions;
+  RawVector<glm::vec3> normals;
+  RawVector<std::int32_t> faces;
+};
+
+void set_bytes(Output& output, int value) {
+  parallel_for(output.positions.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    std::memset(static_cast<void*>(&output.positions[begin]), value, (end - begin) * 24);
+    std::memset(static_cast<void*>(&output.normals[begin]), value, (end - begin) * 12);
+  });
+}
+
+void store(Output& output) {
+  parallel_for(output.positions.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto value = static_cast<double>(i & 7);
+      output.positions[i] = {value, value + 1, value + 2};
+      output.normals[i] = {1.0f, static_cast<float>(value), 0.0f};
+    }
+  });
+}
+
+void evaluate_rows(const DooSabinSurface& base, const PatchSurface& surface, Output& output) {
+  const auto tiles = surface.tiles();
+  // Tiles of all parts side by side, as SurfaceBlocks hands them out.
+  constexpr std::size_t kSteps = 1024;
+  std::vector<std::pair<std::size_t, std::size_t>> parts;  // ranges of tiles
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    if (t == 0 || tiles[t].part != tiles[t - 1].part) parts.emplace_back(t, t);
+    parts.back().second = t + 1;
+  }
+  parallel_for(kSteps, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t step = begin; step < end; ++step) {
+      for (const auto& [first, last] : parts) {
+        const std::size_t count = last - first;
+        const std::size_t from = first + count * step / kSteps,
+                          to = first + count * (step + 1) / kSteps;
+        if (from == to) continue;
+        const RowRange rows{
+            tiles[from].first_row,
+            tiles[to - 1].first_row + tiles[to - 1].row_count - tiles[from].first_row};
+        PatchTarget target;
+        target.positions = std::span(output.positions)
+                               .subspan(static_cast<std::size_t>(rows.first),
+                                        static_cast<std::size_t>(rows.count));
+        target.normals = std::span(output.normals)
+                             .subspan(static_cast<std::size_t>(rows.first),
+                                      static_cast<std::size_t>(rows.count));
+        (void)surface.rows(base.state(), base.placement(), rows, target);
+      }
+    }
+  });
+}
+
+void write_faces(const SurfaceBlocks& blocks, Output& output) {
+  const auto count = static_cast<std::size_t>(blocks.info().face_count);
+  parallel_for(count, 1 << 14, [&](std::size_t begin, std::size_t end) {
+    blocks.face_vertices({static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end - begin)},
+                         std::span(output.faces).subspan(4 * begin, 4 * (end - begin)));
+  });
+}
+
+// What stood in place of patches: a chain of tables, made and applied in slices.
+void apply_tables(const PolygonMesh& mesh, Output& output) {
+  constexpr std::int64_t kSlice = 1 << 17;
+  const auto backend = make_cpu_backend();
+  QuadSplit split(mesh);
+  split.refine(kLevel);
+  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
+  const Subdivision subdivision(split, features, Weights::DooSabin);
+  auto points = backend->upload(mesh.positions);
+  for (int l = 1; l <= kLevel; ++l) {
+    const std::int64_t size = subdivision.state_layout(l).size;
+    auto next = backend->allocate(static_cast<std::int32_t>(size));
+    for (const RowRange rows : ranges_of(size, kSlice)) {
+      const auto table = l == 1 ? first_step_table(mesh, subdivision, rows)
+                                : refinement_table(subdivision, l - 1, rows);
+      backend->apply(table.view(), *points, *next, static_cast<std::int32_t>(rows.first));
+    }
+    points = std::move(next);
+  }
+  const LimitRows limits(subdivision, kLevel, split.counts(kLevel).vertices);
+  for (const RowRange rows : ranges_of(limits.count(), kSlice)) {
+    const auto first = static_cast<std::size_t>(rows.first);
+    const auto count = static_cast<std::size_t>(rows.count);
+    backend->apply_limit(limit_table(subdivision, kLevel, limits, rows).view(), *points,
+                         std::span(output.positions).subspan(first, count),
+                         std::span(output.normals).subspan(first, count));
+  }
+}
+
+void require_same(const PolygonMesh& mesh, const PatchSurface& kept, const DooSabinSurface& base) {
+  Output patches(kept.numbering().row_count(), 0), tables(kept.numbering().row_count(), 0);
+  evaluate_rows(base, kept, patches);
+  apply_tables(mesh, tables);
+  // The rows of level 1 are numbered alike.
+  const auto count =
+      static_cast<std::size_t>(kept.numbering().first_row(PatchNumbering::Part::Corners));
+  require_agreement("patches", std::span<const glm::dvec3>(patches.positions).first(count),
+                    std::span<const glm::dvec3>(tables.positions).first(count));
+}
+
+}  // namespace
+
+std::vector<Row> bench_patches(const Options& options) {
+  const PolygonMesh mesh = torus_grid(options.quad_count);
+  EvaluateOptions evaluation;
+  evaluation.level = kLevel;
+  const DooSabinSurface base(mesh, evaluation);
+  const PatchSurface kept(base.patches(), {.level = kLevel, .keep_plans = true});
+  const PatchSurface planning(base.patches(), {.level = kLevel});
+  const auto blocks = base.level(kLevel);
+  require_same(mesh, kept, base);
+  Output output(blocks->info().row_count, blocks->info().face_count);
+  set_bytes(output, 0);
+  write_faces(*blocks, output);
+
+  Group group;
+  group.name = "patches";
+  group.size = std::to_string(mesh.face_count()) + " quads, level " + std::to_string(kLevel) +
+               ", " + std::to_string(blocks->info().row_count) + " rows";
+  group.baseline = "store";
+  group.peers = {
+      {"memset", [&] { set_bytes(output, 1); }},
+      {"store", [&] { store(output); }},
+      {"topology", [&] { const MeshTopology topology(mesh); }},
+      {"plans",
+       [&] { const PatchSurface surface(base.patches(), {.level = kLevel, .keep_plans = true}); }},
+      {"classes", [&] { const PatchSurface surface(base.patches(), {.level = kLevel}); }},
+      {"rows-of-plans", [&] { evaluate_rows(base, kept, output); }},
+      {"rows", [&] { evaluate_rows(base, planning, output); }},
+      {"faces", [&] { write_faces(*blocks, output); }},
+  };
+  for (const auto& [name, instructions] :
+       {std::pair{"rows-of-plans-avx2", PatchInstructions::Avx2},
+        std::pair{"rows-of-plans-baseline", PatchInstructions::Baseline}}) {
+    if (!can_run(instructions)) continue;
+    const auto narrow = std::make_shared<PatchSurface>(
+        base.patches(),
+        PatchSurfaceOptions{.level = kLevel, .keep_plans = true, .instructions = instructions});
+    group.peers.push_back({name, [&, narrow] { evaluate_rows(base, *narrow, output); }});
+  }
+  std::vector<Row> rows = run_group(group, options.repetitions);
+  Group tables = group;
+  tables.peers = {{"store", [&] { store(output); }},
+                  {"planish-tables", [&] { apply_tables(mesh, output); }}};
+  for (Row& row : run_group(tables, std::min(options.repetitions, 3))) {
+    if (row.peer == "planish-tables") rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace planish::bench
