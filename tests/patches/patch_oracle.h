@@ -7,7 +7,7 @@
 
 #include "conformance/catalogue.h"
 #include "planish/doosabin/surface_stencils.h"
-#include "planish/mesh/mesh_file.h"
+#include "planish/files/mesh_file.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/used_vertices.h"
@@ -23,9 +23,7 @@ inline std::vector<NamedMesh> scene_meshes() {
   for (const auto& entry : std::filesystem::directory_iterator(PLANISH_SCENES)) {
     if (entry.path().extension() != ".obj") continue;
     const std::string name = entry.path().filename().string();
-    meshes.push_back({name, without_unused_vertices(
-                                read_mesh(read_file(entry.path()), name, MeshFormat::Obj).mesh)
-                                .mesh});
+    meshes.push_back({name, without_unused_vertices(read_mesh(entry.path()).mesh).mesh});
   }
   return meshes;
 }

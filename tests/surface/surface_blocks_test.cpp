@@ -9,7 +9,7 @@
 
 #include "conformance/catalogue.h"
 #include "planish/backend/cpu_backend.h"
-#include "planish/mesh/mesh_file.h"
+#include "planish/files/mesh_file.h"
 #include "planish/patches/split_rows.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "support/meshes.h"
@@ -107,7 +107,8 @@ TEST(SurfaceBlocks, PiecesAreThoseOfTheWhole) {
 }
 
 TEST(SurfaceBlocks, RowBlocksCoverAllRowsOnce) {
-  const DooSabinSurface base(laden_mesh(2), {});
+  const PolygonMesh mesh = laden_mesh(2);
+  const DooSabinSurface base(mesh, {});
   for (int level = 0; level <= 4; ++level) {
     const auto blocks = base.level(level);
     for (const std::int64_t size : {1, 1000, 1 << 20}) {
@@ -179,9 +180,8 @@ TEST(SurfaceBlocks, ColoursAreInterpolatedAsOpenSubdivDoes) {
 }
 
 TEST(SurfaceBlocks, VerticesThatOnlyHolesNameAreLeftOut) {
-  const std::string name = "cube_with_windows.obj";
-  const auto bytes = read_file(std::filesystem::path(PLANISH_SCENES) / name);
-  PolygonMesh mesh = read_mesh(bytes, name, MeshFormat::Obj).mesh;
+  PolygonMesh mesh =
+      read_mesh(std::filesystem::path(PLANISH_SCENES) / "cube_with_windows.obj").mesh;
   ASSERT_FALSE(mesh.hole_faces.empty());
   const auto surface_of = [&](int level, Scheme scheme) {
     return evaluate(mesh, *make_cpu_backend(), {.level = level, .scheme = scheme});

@@ -27,6 +27,7 @@ class DooSabinSurface {
   /// state of another size. The state must outlive the surface.
   DooSabinSurface(const PolygonMesh& mesh, const LevelOne& level_one,
                   const EvaluateOptions& options);
+  DooSabinSurface(PolygonMesh&& cage, const EvaluateOptions& options) = delete;
   DooSabinSurface(const DooSabinSurface&) = delete;
   DooSabinSurface& operator=(const DooSabinSurface&) = delete;
 
