@@ -164,11 +164,29 @@ Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
   return result;
 }
 
-SurfaceMesh evaluate(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
-                     const EvaluateOptions& options) {
+namespace {
+
+// The options for a surface whose rest pose is the fitted mesh.
+EvaluateOptions posed_options(const PolygonMesh& mesh, const Fit& fit,
+                              const EvaluateOptions& options) {
   EvaluateOptions posed = options;
   if (posed.rest_positions.empty()) posed.rest_positions = mesh.positions;
   if (!posed.prepared) posed.prepared = fit.prepared;
+  return posed;
+}
+
+}  // namespace
+
+std::unique_ptr<const DooSabinSurface> fitted_surface(const PolygonMesh& mesh, const Fit& fit,
+                                                      const EvaluateOptions& options) {
+  const EvaluateOptions posed = posed_options(mesh, fit, options);
+  return fit.fair ? std::make_unique<const DooSabinSurface>(mesh, fit.fair->level_one, posed)
+                  : std::make_unique<const DooSabinSurface>(fit.cage, posed);
+}
+
+SurfaceMesh evaluate(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
+                     const EvaluateOptions& options) {
+  const EvaluateOptions posed = posed_options(mesh, fit, options);
   return fit.fair ? evaluate(mesh, fit.fair->level_one, backend, posed)
                   : evaluate(fit.cage, backend, posed);
 }

@@ -15,6 +15,7 @@
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/prepared_mesh.h"
 #include "planish/primal/scheme.h"
+#include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one.h"
 
@@ -86,6 +87,12 @@ struct Fit {
 /// other evaluate().
 [[nodiscard]] SurfaceMesh evaluate(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
                                    const EvaluateOptions& options = {});
+
+/// The Doo-Sabin surface of a fitted mesh for all levels, which can be had piece by piece (see
+/// surface_blocks.h); the options as above. Mesh and fit must outlive it. Throws
+/// Error{UnusableMesh}.
+[[nodiscard]] std::unique_ptr<const DooSabinSurface> fitted_surface(
+    const PolygonMesh& mesh, const Fit& fit, const EvaluateOptions& options = {});
 
 /// The cage as it is written to files: fit.cage, or with the fair method level_one_mesh().
 [[nodiscard]] PolygonMesh control_cage(const PolygonMesh& mesh, const Fit& fit,

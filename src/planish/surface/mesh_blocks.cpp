@@ -19,8 +19,7 @@ class MeshBlocks final : public SurfaceBlocks {
     info_.has_groups = !surface.face_groups.empty();
     info_.groups = surface.groups;
     info_.base_vertices = surface.base_vertices;
-    if (surface.level == 0) info_.face_offsets = surface.face_offsets;
-    info_.corners_per_face = surface.is_triangles() ? 3 : 4;
+    info_.face_offsets = surface.face_offsets;
     std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
     for (const std::int32_t face : mesh.hole_faces) is_hole[face] = true;
     for (std::int32_t face = 0; face < mesh.face_count(); ++face) {

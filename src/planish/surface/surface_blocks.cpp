@@ -66,11 +66,6 @@ SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
   surface.base_vertices = info.base_vertices;
   surface.groups = info.groups;
   surface.face_offsets = info.face_offsets;
-  if (info.level > 0 && info.corners_per_face != 4) {
-    for (std::int64_t f = 0; f <= info.face_count; ++f) {
-      surface.face_offsets.push_back(static_cast<std::int32_t>(f * info.corners_per_face));
-    }
-  }
   const auto row_count = static_cast<std::size_t>(info.row_count);
   surface.positions.resize(row_count);
   surface.normals.resize(row_count);

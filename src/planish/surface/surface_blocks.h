@@ -31,12 +31,13 @@ struct SurfaceInfo {
   bool has_groups = false;  ///< each face has one of `groups`
   std::vector<FaceGroup> groups;
   std::vector<std::int32_t> base_vertices;  ///< as SurfaceMesh has them
-  /// Level 0: face_count + 1, where each face's corners begin; else empty, and faces are alike.
+  /// face_count + 1, where each face's corners begin; empty where all faces are alike.
   std::vector<std::int32_t> face_offsets;
-  int corners_per_face = 4;  ///< from level 1 on: 3 with Loop
+  int corners_per_face = 4;  ///< of alike faces
 
   [[nodiscard]] std::int64_t first_corner(std::int64_t face) const {
-    return level == 0 ? face_offsets[static_cast<std::size_t>(face)] : corners_per_face * face;
+    return face_offsets.empty() ? corners_per_face * face
+                                : face_offsets[static_cast<std::size_t>(face)];
   }
 };
 

@@ -1,7 +1,9 @@
 #include "job/measure_surface.h"
 
+#include "planish/mesh/folded_edges.h"
 #include "planish/reconstruct/compare_source.h"
 #include "planish/reconstruct/triangle_edges.h"
+#include "planish/surface/block_quality.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -26,15 +28,20 @@ std::vector<Triangle> triangles_of(const SurfaceMesh& surface) {
   return triangles;
 }
 
-void note_quality(const JobInput& made, const Fit& fitted, const SurfaceMesh& surface,
-                  JobReport& report) {
+void note_quality(const JobInput& made, const Fit& fitted, JobLevel& surface, JobReport& report,
+                  const Callbacks& callbacks) {
   MeasuredSurface& measured = report.surface.emplace();
-  measured.level = surface.level;
+  measured.level = surface.level();
   if (!made.source) {
-    measured.quality = surface_quality(surface, made.input.file.mesh);
+    const PolygonMesh& mesh = made.input.file.mesh;
+    measured.quality =
+        surface.is_whole()
+            ? surface_quality(surface.whole(), mesh)
+            : surface_quality(surface.blocks(), mesh,
+                              folded_edges(mesh, *made.prepared->topology).is_beside, callbacks);
     return;
   }
-  const SourceComparison comparison = compare_with_source(surface, made.source->file.mesh);
+  const SourceComparison comparison = compare_with_source(surface.whole(), made.source->file.mesh);
   measured.quality = comparison.quality;
   measured.reference = made.source->name;
   measured.source_distances = relative(comparison.distances, fitted.placement.diagonal);
@@ -58,16 +65,17 @@ void warn_of_folds(JobReport& report, Console& console) {
 
 }  // namespace
 
-void measure_surface(const JobInput& made, const Fit& fitted, const SurfaceMesh& surface,
-                     JobReport& report, Console& console) {
-  if (surface.level >= 1 && !report.surface) {
-    note_quality(made, fitted, surface, report);
-    warn_of_folds(report, console);
+void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface, JobReport& report,
+                     const JobContext& context) {
+  if (surface.level() >= 1 && !report.surface) {
+    note_quality(made, fitted, surface, report, callbacks_for(report, context));
+    warn_of_folds(report, context.console);
   }
-  if (surface.level >= kPointDistanceLevel && !made.points.empty() && !report.point_distances) {
-    const auto triangles = triangles_of(surface);
-    report.point_distances = relative(measure_distances(made.points, surface.positions, triangles),
-                                      fitted.placement.diagonal);
+  if (surface.level() >= kPointDistanceLevel && !made.points.empty() && !report.point_distances) {
+    const SurfaceMesh& whole = surface.whole();
+    report.point_distances =
+        relative(measure_distances(made.points, whole.positions, triangles_of(whole)),
+                 fitted.placement.diagonal);
   }
 }
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "job/job_surface.h"
 #include "job/measure_surface.h"
 #include "job/timed.h"
 #include "output/surface_output.h"
 #include "planish/core/version.h"
-#include "planish/surface/evaluate.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
 
@@ -69,21 +69,15 @@ void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& 
                1, -1});
 }
 
-SurfaceMesh evaluate_level(const FittedJob& work, int level) {
-  EvaluateOptions options;
-  options.level = level;
-  options.scheme = work.job.settings.scheme;
-  options.weights = work.job.settings.weights;
-  options.sharp = work.job.settings.sharp();
-  options.callbacks = callbacks_for(work.report, work.context);
+JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level) {
   return timed(work.report.timing.evaluate, [&] {
-    SurfaceMesh surface = evaluate(work.made.input.file.mesh, work.fitted, work.backend, options);
-    measure_surface(work.made, work.fitted, surface, work.report, work.context.console);
-    return surface;
+    JobLevel made = surface.level(level);
+    measure_surface(work.made, work.fitted, made, work.report, work.context);
+    return made;
   });
 }
 
-void write_one(const FittedJob& work, const PlannedOutput& planned, const SurfaceMesh* surface,
+void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* surface,
                const SurfaceOutputOptions& options, WrittenOutput& written,
                std::vector<std::byte>& stdout_bytes) {
   check_interrupt();
@@ -119,8 +113,10 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
       levels.push_back(planned.level);
     }
   }
+  JobSurface all(work.made, work.fitted, work.backend, work.job.settings,
+                 callbacks_for(work.report, work.context));
   for (const int level : levels) {
-    const SurfaceMesh surface = evaluate_level(work, level);
+    JobLevel surface = measured_level(work, all, level);
     SurfaceOutputOptions options = common;
     options.gltf.extras.emplace_back("level", std::int64_t{level});
     for (std::size_t i = 0; i < work.outputs.size(); ++i) {
@@ -133,8 +129,8 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   // What cannot be seen on the cage or at level 0.
   const bool asks_for_result = !work.outputs.empty() || !work.job.report.empty();
   const bool lacks_distances = !work.made.points.empty() && !work.report.point_distances;
-  if (asks_for_result && lacks_distances) (void)evaluate_level(work, kPointDistanceLevel);
-  if (asks_for_result && !work.report.surface) (void)evaluate_level(work, 1);
+  if (asks_for_result && lacks_distances) (void)measured_level(work, all, kPointDistanceLevel);
+  if (asks_for_result && !work.report.surface) (void)measured_level(work, all, 1);
   return stdout_bytes;
 }
 

@@ -24,7 +24,7 @@ void note_file(WrittenOutput& written, const std::filesystem::path& file) {
 }
 
 // What the first positions of the surface should be.
-std::vector<glm::dvec3> given_points(const SurfaceMesh& surface,
+std::vector<glm::dvec3> given_points(const SurfaceInfo& surface,
                                      std::span<const glm::dvec3> positions) {
   std::vector<glm::dvec3> points;
   points.reserve(surface.base_vertices.size());
@@ -53,34 +53,37 @@ double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec
 }
 
 WrittenOutput write_surface_output(const PlannedOutput& planned,
-                                   const std::filesystem::path& target, const SurfaceMesh& surface,
+                                   const std::filesystem::path& target, JobLevel& surface,
                                    const SurfaceOutputOptions& options,
                                    std::vector<std::byte>& stdout_bytes) {
+  const SurfaceInfo& info = surface.blocks().info();
   WrittenOutput written;
   written.path = planned.path.string();
   written.kind = planned.kind;
-  written.level = surface.level;
-  written.vertices = static_cast<std::int64_t>(surface.positions.size());
-  written.quads = surface.face_offsets.empty() ? surface.face_count() : 0;
-  const auto corners = static_cast<std::int64_t>(surface.face_vertices.size());
-  written.triangles = corners - 2 * surface.face_count();
+  written.level = info.level;
+  written.vertices = info.row_count;
+  written.quads = info.face_offsets.empty() ? info.face_count : 0;
+  written.triangles = info.corner_count - 2 * info.face_count;
   const bool is_gltf = info_of(planned.format).is_gltf;
-  const std::vector<glm::dvec3> given = given_points(surface, options.given);
+  const std::vector<glm::dvec3> given = given_points(info, options.given);
   if (planned.to_stdout) {
-    stdout_bytes = encode_glb(surface, options.gltf);
+    stdout_bytes = encode_glb(surface.blocks(), options.gltf);
     note_bytes(written, stdout_bytes);
   } else if (is_gltf) {
-    const GltfFile file = write_gltf(target, surface, options.gltf);
-    note_file(written, target);
-    written.bytes = file.byte_count;
+    Sha256 digest;
+    GltfOptions gltf = options.gltf;
+    gltf.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
+    written.bytes = write_gltf(target, surface.blocks(), gltf).byte_count;
+    written.sha256 = digest.finish();
   } else {
-    write_surface(target, planned.format, surface);
+    write_surface(target, planned.format, surface.whole());
     note_file(written, target);
   }
   // Text and PLY carry doubles that read back as the same bits.
   const double distance =
-      is_gltf ? largest_distance(written_positions(surface, options.gltf, given.size()), given)
-              : largest_distance(surface.positions, given);
+      is_gltf
+          ? largest_distance(written_positions(surface.blocks(), options.gltf, given.size()), given)
+          : largest_distance(surface.whole().positions, given);
   written.as_written_error = distance / options.diagonal;
   return written;
 }

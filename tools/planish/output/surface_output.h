@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "job/job_surface.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/surface/surface_mesh.h"
 #include "report/report.h"
@@ -22,7 +23,7 @@ struct SurfaceOutputOptions {
 /// planned stdout goes to `stdout_bytes` instead. Throws Error{UnwritableOutput}.
 [[nodiscard]] WrittenOutput write_surface_output(const PlannedOutput& planned,
                                                  const std::filesystem::path& target,
-                                                 const SurfaceMesh& surface,
+                                                 JobLevel& surface,
                                                  const SurfaceOutputOptions& options,
                                                  std::vector<std::byte>& stdout_bytes);
 

@@ -1,30 +1,24 @@
 #pragma once
 
-#include <cstddef>
-#include <functional>
 #include <span>
 
 #include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/gltf_vertices.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/files/shared/ordered_stream.h"
 
 namespace planish {
 
-/// Takes the next bytes of a file.
-using ByteSink = std::function<void(std::span<const std::byte>)>;
+/// The layout of a surface.
+[[nodiscard]] GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices);
 
-/// Throws Error{InvalidArgument} where the surface cannot be written; see encode_glb.
-void require_writable(const SurfaceMesh& surface, const GltfOptions& options);
+/// Smallest and largest float32 coordinates as stored. Throws Error{InvalidArgument} for a position
+/// that float32 cannot hold and a normal that is not of unit length. Warns "degenerate-normals".
+[[nodiscard]] GltfBounds gltf_bounds(const SurfaceBlocks& surface, const GltfOptions& options);
 
-/// The layout of a surface that is writable.
-[[nodiscard]] GltfLayout gltf_layout(const SurfaceMesh& surface, const GltfVertices& vertices);
-
-/// Smallest and largest float32 coordinates as stored.
-[[nodiscard]] GltfBounds gltf_bounds(const SurfaceMesh& surface, const GltfOptions& options);
-
-/// Sends the binary buffer of gltf_layout() to `sink` in pieces of a few MB, in order.
-/// Throws Error{Cancelled} and whatever `sink` throws.
-void write_buffer(const SurfaceMesh& surface, const GltfVertices& vertices,
-                  const GltfOptions& options, const ByteSink& sink);
+/// Sends the binary buffer of gltf_layout() to the sinks in pieces of about a MB, in order.
+/// Throws Error{Cancelled} and whatever a sink throws.
+void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                  const GltfOptions& options, std::span<const ByteSink> sinks);
 
 }  // namespace planish

@@ -2,24 +2,46 @@
 
 #include <unordered_map>
 
+#include "planish/core/parallel.h"
+
 namespace planish {
 namespace {
 
-void split_seams(const SurfaceMesh& surface, GltfVertices& vertices) {
-  const std::size_t own = surface.positions.size();
-  vertices.uvs.assign(own, -1);
-  vertices.corners.resize(surface.face_vertices.size());
+constexpr std::int64_t kPieceFaces = 1 << 14;
+
+// write(range of faces, span of their corners' values), on all threads.
+template <class Write>
+RawVector<std::int32_t> of_all_corners(const SurfaceInfo& info, const Write& write) {
+  RawVector<std::int32_t> values(static_cast<std::size_t>(info.corner_count));
+  const std::vector<RowRange> pieces = ranges_of(info.face_count, kPieceFaces);
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::int64_t first = info.first_corner(pieces[i].first);
+      const std::int64_t last = info.first_corner(pieces[i].first + pieces[i].count);
+      write(pieces[i], std::span(values).subspan(static_cast<std::size_t>(first),
+                                                 static_cast<std::size_t>(last - first)));
+    }
+  });
+  return values;
+}
+
+void split_seams(const SurfaceBlocks& surface, GltfVertices& vertices) {
+  const SurfaceInfo& info = surface.info();
+  vertices.corners = of_all_corners(info, [&](RowRange faces, std::span<std::int32_t> rows) {
+    surface.face_vertices(faces, rows);
+  });
+  const RawVector<std::int32_t> uvs = of_all_corners(
+      info, [&](RowRange faces, std::span<std::int32_t> some) { surface.face_uvs(faces, some); });
+  vertices.uvs.assign(static_cast<std::size_t>(info.row_count), -1);
   std::unordered_map<std::uint64_t, std::int32_t> copies;  // by row and texture coordinate
-  for (std::size_t corner = 0; corner < surface.face_vertices.size(); ++corner) {
-    const std::int32_t row = surface.face_vertices[corner];
-    const std::int32_t uv = surface.face_uvs[corner];
+  for (std::size_t corner = 0; corner < uvs.size(); ++corner) {
     std::int32_t& vertex = vertices.corners[corner];
-    vertex = row;
+    const std::int32_t row = vertex, uv = uvs[corner];
     if (vertices.uvs[row] < 0) vertices.uvs[row] = uv;
     if (vertices.uvs[row] == uv) continue;
     const std::uint64_t key =
         static_cast<std::uint64_t>(row) << 32 | static_cast<std::uint32_t>(uv);
-    const auto next = static_cast<std::int32_t>(own + vertices.rows.size());
+    const auto next = static_cast<std::int32_t>(vertices.count(surface));
     const auto [entry, is_new] = copies.try_emplace(key, next);
     vertex = entry->second;
     if (!is_new) continue;
@@ -28,39 +50,45 @@ void split_seams(const SurfaceMesh& surface, GltfVertices& vertices) {
   }
 }
 
-void sort_by_group(const SurfaceMesh& surface, GltfVertices& vertices) {
-  std::vector<GltfPart> all(surface.groups.size());
-  for (std::size_t face = 0; face < surface.face_groups.size(); ++face) {
-    GltfPart& part = all[surface.face_groups[face]];
-    ++part.face_count;
-    part.triangle_count += surface.face(static_cast<std::int64_t>(face)).size() - 2;
+void sort_by_group(const SurfaceBlocks& surface, GltfVertices& vertices) {
+  const SurfaceInfo& info = surface.info();
+  std::vector<GltfPart> all(info.groups.size());
+  std::vector<std::int32_t> groups;
+  for (const RowRange& piece : ranges_of(info.face_count, kPieceFaces)) {
+    groups.resize(static_cast<std::size_t>(piece.count));
+    surface.face_groups(piece, groups);
+    for (std::int64_t i = 0; i < piece.count; ++i) {
+      GltfPart& part = all[groups[i]];
+      const std::int64_t face = piece.first + i;
+      ++part.face_count;
+      part.triangle_count +=
+          static_cast<std::uint64_t>(info.first_corner(face + 1) - info.first_corner(face) - 2);
+      if (part.faces.empty() || part.faces.back().first + part.faces.back().count != face) {
+        part.faces.push_back({face, 0});
+      }
+      ++part.faces.back().count;
+    }
   }
-  std::vector<std::size_t> next(all.size());
-  std::size_t first = 0;
   for (std::size_t group = 0; group < all.size(); ++group) {
-    next[group] = first;
-    first += all[group].face_count;
     all[group].group = static_cast<std::int32_t>(group);
-    if (all[group].face_count > 0) vertices.parts.push_back(all[group]);
+    if (all[group].face_count > 0) vertices.parts.push_back(std::move(all[group]));
   }
-  if (vertices.parts.size() < 2) return;
-  vertices.face_order.resize(surface.face_groups.size());
-  for (std::size_t face = 0; face < surface.face_groups.size(); ++face)
-    vertices.face_order[next[surface.face_groups[face]]++] = static_cast<std::int32_t>(face);
 }
 
 }  // namespace
 
-GltfVertices gltf_vertices(const SurfaceMesh& surface) {
+GltfVertices gltf_vertices(const SurfaceBlocks& surface) {
+  const SurfaceInfo& info = surface.info();
   GltfVertices vertices;
-  if (!surface.face_uvs.empty()) split_seams(surface, vertices);
-  if (!surface.face_groups.empty()) {
+  if (info.uv_count > 0) split_seams(surface, vertices);
+  if (info.has_groups) {
     sort_by_group(surface, vertices);
   } else {
-    const auto faces = static_cast<std::uint64_t>(surface.face_count());
+    const auto faces = static_cast<std::uint64_t>(info.face_count);
     vertices.parts = {{.group = -1,
                        .face_count = faces,
-                       .triangle_count = surface.face_vertices.size() - 2 * faces}};
+                       .triangle_count = static_cast<std::uint64_t>(info.corner_count) - 2 * faces,
+                       .faces = {{0, info.face_count}}}};
   }
   return vertices;
 }

@@ -10,6 +10,7 @@
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/files/gltf/gltf_buffer.h"
+#include "planish/files/gltf/gltf_checks.h"
 #include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/stored_position.h"
 
@@ -22,28 +23,13 @@ constexpr std::uint32_t kGlbVersion = 2;
 // Many readers keep sizes in signed 32-bit numbers.
 constexpr std::uint64_t kLargeFileBytes = std::uint64_t{1} << 31;
 
+void send(std::span<const ByteSink> sinks, std::span<const std::byte> bytes) {
+  for (const ByteSink& sink : sinks) sink(bytes);
+}
+
 template <std::size_t N>
-void send(const ByteSink& sink, const std::array<std::uint32_t, N>& words) {
-  sink(std::as_bytes(std::span(words)));
-}
-
-std::string padded_json(const SurfaceMesh& surface, const GltfLayout& layout,
-                        const GltfOptions& options) {
-  std::string json = gltf_json(layout, gltf_bounds(surface, options), options, {});
-  json.resize((json.size() + 3) / 4 * 4, ' ');
-  return json;
-}
-
-void write_glb(const SurfaceMesh& surface, const GltfVertices& vertices, const GltfOptions& options,
-               const std::string& json, const ByteSink& sink) {
-  const std::uint64_t buffer_bytes = gltf_layout(surface, vertices).buffer_bytes;
-  const auto all =
-      static_cast<std::uint32_t>(glb_byte_count(json.size(), buffer_bytes, options.name));
-  send(sink, std::array{kGlbMagic, kGlbVersion, all});
-  send(sink, std::array{static_cast<std::uint32_t>(json.size()), kJsonChunk});
-  sink(std::as_bytes(std::span(json)));
-  send(sink, std::array{static_cast<std::uint32_t>(buffer_bytes), kBinaryChunk});
-  write_buffer(surface, vertices, options, sink);
+void send(std::span<const ByteSink> sinks, const std::array<std::uint32_t, N>& words) {
+  send(sinks, std::as_bytes(std::span(words)));
 }
 
 void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
@@ -53,24 +39,81 @@ void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
                                             "2 GiB, fewer levels make it smaller"});
 }
 
-}  // namespace
+// A GLB with all that stands before its buffer.
+struct Glb {
+  Glb(const SurfaceBlocks& from, const GltfOptions& with)
+      : surface(from),
+        options(with),
+        vertices(gltf_vertices(from)),
+        layout(gltf_layout(from, vertices)) {
+    // Before the work: it may not fit.
+    (void)glb_byte_count(0, layout.buffer_bytes, options.name);
+    json = gltf_json(layout, gltf_bounds(surface, options), options, {});
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    byte_count = glb_byte_count(json.size(), layout.buffer_bytes, options.name);
+    warn_if_large(byte_count, options);
+  }
 
-std::vector<std::byte> encode_glb(const SurfaceMesh& surface, const GltfOptions& options) {
-  require_writable(surface, options);
-  const GltfVertices vertices = gltf_vertices(surface);
-  const GltfLayout layout = gltf_layout(surface, vertices);
-  const std::string json = padded_json(surface, layout, options);
-  const std::uint64_t bytes = glb_byte_count(json.size(), layout.buffer_bytes, options.name);
-  warn_if_large(bytes, options);
-  std::vector<std::byte> glb;
-  glb.reserve(bytes);
-  write_glb(surface, vertices, options, json, [&](std::span<const std::byte> piece) {
-    glb.insert(glb.end(), piece.begin(), piece.end());
-  });
-  return glb;
+  void write(std::span<const ByteSink> sinks) const {
+    send(sinks, std::array{kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(byte_count)});
+    send(sinks, std::array{static_cast<std::uint32_t>(json.size()), kJsonChunk});
+    send(sinks, std::as_bytes(std::span(json)));
+    send(sinks, std::array{static_cast<std::uint32_t>(layout.buffer_bytes), kBinaryChunk});
+    write_buffer(surface, vertices, options, sinks);
+  }
+
+  const SurfaceBlocks& surface;
+  const GltfOptions& options;
+  GltfVertices vertices;
+  GltfLayout layout;
+  std::string json;
+  std::uint64_t byte_count = 0;
+};
+
+std::vector<ByteSink> sinks_to(OutputFile& file, const GltfOptions& options) {
+  std::vector<ByteSink> sinks{[&file](std::span<const std::byte> bytes) { file.write(bytes); }};
+  if (options.observe) sinks.push_back(options.observe);
+  return sinks;
 }
 
-GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surface,
+void write_glb(const std::filesystem::path& path, const Glb& glb) {
+  OutputFile file(path);
+  glb.write(sinks_to(file, glb.options));
+  file.commit();
+}
+
+// The document and its buffer; the byte count of both.
+std::uint64_t write_pair(const std::filesystem::path& path, const SurfaceBlocks& surface,
+                         const GltfVertices& vertices, const GltfOptions& options) {
+  const std::filesystem::path buffer_path = std::filesystem::path(path).replace_extension(".bin");
+  const GltfLayout layout = gltf_layout(surface, vertices);
+  const std::string json = gltf_json(layout, gltf_bounds(surface, options), options,
+                                     encode_uri(buffer_path.filename().string()));
+  warn_if_large(layout.buffer_bytes, options);
+  OutputFile file(path), buffer(buffer_path);
+  const ByteSink to_buffer = [&](std::span<const std::byte> bytes) { buffer.write(bytes); };
+  write_buffer(surface, vertices, options, std::span(&to_buffer, 1));
+  send(sinks_to(file, options), std::as_bytes(std::span(json)));
+  // The JSON is nothing without the buffer that it names.
+  buffer.commit();
+  file.commit();
+  return json.size() + layout.buffer_bytes;
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_glb(const SurfaceBlocks& surface, const GltfOptions& options) {
+  const Glb glb(surface, options);
+  std::vector<std::byte> bytes;
+  bytes.reserve(glb.byte_count);
+  const ByteSink append = [&](std::span<const std::byte> piece) {
+    bytes.insert(bytes.end(), piece.begin(), piece.end());
+  };
+  glb.write(std::span(&append, 1));
+  return bytes;
+}
+
+GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surface,
                     const GltfOptions& options) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -79,44 +122,55 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surfac
     throw Error(ErrorCode::InvalidArgument,
                 path.string() + ": extension is neither .glb nor .gltf");
   }
-  require_writable(surface, options);
+  if (extension == ".glb") {
+    const Glb glb(surface, options);
+    write_glb(path, glb);
+    return {glb.byte_count, glb.layout.vertex_count, glb.layout.triangle_count};
+  }
   const GltfVertices vertices = gltf_vertices(surface);
   const GltfLayout layout = gltf_layout(surface, vertices);
-  GltfFile written{0, layout.vertex_count, layout.triangle_count};
-  if (extension == ".glb") {
-    const std::string json = padded_json(surface, layout, options);
-    written.byte_count = glb_byte_count(json.size(), layout.buffer_bytes, path.string());
-    warn_if_large(written.byte_count, options);
-    OutputFile file(path);
-    write_glb(surface, vertices, options, json, [&](auto bytes) { file.write(bytes); });
-    file.commit();
-    return written;
-  }
-  const std::filesystem::path buffer_path = std::filesystem::path(path).replace_extension(".bin");
-  const std::string json = gltf_json(layout, gltf_bounds(surface, options), options,
-                                     encode_uri(buffer_path.filename().string()));
-  written.byte_count = json.size() + layout.buffer_bytes;
-  warn_if_large(layout.buffer_bytes, options);
-  OutputFile file(path), buffer(buffer_path);
-  write_buffer(surface, vertices, options, [&](auto bytes) { buffer.write(bytes); });
-  file.write(json);
-  // The JSON is nothing without the buffer that it names.
-  buffer.commit();
-  file.commit();
+  return {write_pair(path, surface, vertices, options), layout.vertex_count, layout.triangle_count};
+}
+
+std::vector<std::byte> encode_glb(const SurfaceMesh& surface, const GltfOptions& options) {
+  require_writable(surface, options);
+  return encode_glb(*blocks_of(surface, {}), options);
+}
+
+GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surface,
+                    const GltfOptions& options) {
+  require_writable(surface, options);
+  return write_gltf(path, *blocks_of(surface, {}), options);
+}
+
+std::vector<glm::dvec3> written_positions(const SurfaceBlocks& surface, const GltfOptions& options,
+                                          std::size_t count) {
+  constexpr std::int64_t kPieceRows = 1 << 14;
+  const StoredPosition stored(options);
+  std::vector<glm::dvec3> written(
+      std::min(count, static_cast<std::size_t>(surface.info().row_count)));
+  const std::vector<RowRange> pieces =
+      ranges_of(static_cast<std::int64_t>(written.size()), kPieceRows);
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<glm::vec3> positions;
+    for (std::size_t i = begin; i < end; ++i) {
+      positions.resize(static_cast<std::size_t>(pieces[i].count));
+      RowTarget target;
+      target.stored = positions;
+      target.origin = options.origin;
+      (void)surface.rows(pieces[i], target);
+      for (std::size_t k = 0; k < positions.size(); ++k) {
+        written[static_cast<std::size_t>(pieces[i].first) + k] =
+            stored.load(stored.turn(positions[k]));
+      }
+    }
+  });
   return written;
 }
 
 std::vector<glm::dvec3> written_positions(const SurfaceMesh& surface, const GltfOptions& options,
                                           std::size_t count) {
-  constexpr std::size_t kGrain = std::size_t{1} << 13;
-  const StoredPosition stored(options);
-  std::vector<glm::dvec3> written(std::min(count, surface.positions.size()));
-  parallel_for(written.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      written[i] = stored.load(stored.store(surface.positions[i]));
-    }
-  });
-  return written;
+  return written_positions(*blocks_of(surface, {}), options, count);
 }
 
 }  // namespace planish

@@ -3,12 +3,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_mesh.h"
 
 namespace planish {
@@ -21,6 +24,9 @@ struct GltfOptions {
   glm::dvec3 origin{0.0};
   /// asset.extras, in key order on output.
   std::vector<std::pair<std::string, std::variant<bool, std::int64_t, double, std::string>>> extras;
+  /// Gets all bytes of the .glb, or of the .gltf's document, in order while they are written: for a
+  /// digest.
+  std::function<void(std::span<const std::byte>)> observe;
   Callbacks callbacks;  ///< step "write"; warning "large-file" where readers may give up
 };
 
@@ -43,17 +49,27 @@ struct GltfFile {
 [[nodiscard]] std::vector<std::byte> encode_glb(const SurfaceMesh& surface,
                                                 const GltfOptions& options);
 
+/// The same of a surface that is made as it is written, which nobody holds; the same bytes.
+[[nodiscard]] std::vector<std::byte> encode_glb(const SurfaceBlocks& surface,
+                                                const GltfOptions& options);
+
 /// Writes .glb, or .gltf with a .bin of the same name beside it, by extension, through OutputFile;
 /// the .bin appears first. Takes a few MB beside the surface, whatever its size.
 /// Throws what encode_glb throws, Error{InvalidArgument} for another extension,
 /// Error{UnwritableOutput}, Error{Cancelled}.
 GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surface,
                     const GltfOptions& options);
+GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surface,
+                    const GltfOptions& options);
 
 /// The first `count` positions as a reader gets them from the file with these options: rounded to
 /// float32 about the origin, with node.translation added in double and the turn of z_up undone.
 /// Comparing them with the wanted points measures the error as written.
 [[nodiscard]] std::vector<glm::dvec3> written_positions(const SurfaceMesh& surface,
+                                                        const GltfOptions& options,
+                                                        std::size_t count);
+
+[[nodiscard]] std::vector<glm::dvec3> written_positions(const SurfaceBlocks& surface,
                                                         const GltfOptions& options,
                                                         std::size_t count);
 

@@ -1,0 +1,136 @@
+#include "planish/surface/block_quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+#include "planish/mesh/area_vector.h"
+#include "planish/surface/quad_figures.h"
+
+namespace planish {
+
+namespace {
+
+constexpr std::int64_t kPieceFaces = std::int64_t{1} << 14;
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+struct Sums {
+  double area = 0, folded = 0, folded_elsewhere = 0, squares = 0, largest = 0, bending = 0;
+
+  void add(const Sums& other) {
+    area += other.area;
+    folded += other.folded;
+    folded_elsewhere += other.folded_elsewhere;
+    squares += other.squares;
+    largest = std::max(largest, other.largest);
+    bending += other.bending;
+  }
+};
+
+// Measures one range of quads after another; keeps its memory.
+class QuadMeter {
+ public:
+  QuadMeter(const SurfaceBlocks& surface, const PolygonMesh& input,
+            std::span<const std::uint8_t> is_beside_folds)
+      : surface_(surface), input_(input), is_beside_folds_(is_beside_folds) {}
+
+  Sums operator()(RowRange faces) {
+    const auto count = static_cast<std::size_t>(faces.count);
+    positions_.resize(4 * count);
+    normals_.resize(4 * count);
+    ancestors_.resize(count);
+    surface_.corners(faces, positions_, normals_);
+    surface_.ancestors(faces, ancestors_);
+    ancestor_ = -1;
+    Sums sums;
+    for (std::size_t first = 0; first < count; first += kQuadLanes) {
+      const auto lanes = static_cast<int>(std::min<std::size_t>(kQuadLanes, count - first));
+      load(first, lanes);
+      measure_quads(batch_, figures_);
+      for (int i = 0; i < lanes; ++i) add(first + static_cast<std::size_t>(i), i, sums);
+    }
+    return sums;
+  }
+
+ private:
+  // Unused lanes repeat the first.
+  void load(std::size_t first, int lanes) {
+    for (int i = 0; i < kQuadLanes; ++i) {
+      const std::size_t face = first + static_cast<std::size_t>(i < lanes ? i : 0);
+      if (ancestors_[face] != ancestor_) take_ancestor(ancestors_[face]);
+      for (int axis = 0; axis < 3; ++axis) {
+        for (std::size_t k = 0; k < 4; ++k) {
+          batch_.position[k][axis][i] = positions_[4 * face + k][axis];
+          batch_.normal[k][axis][i] = normals_[4 * face + k][axis];
+        }
+        // A face without an area has no normal to deviate from.
+        batch_.wanted[axis][i] =
+            has_normal_ ? wanted_[axis] : static_cast<double>(normals_[4 * face][axis]);
+      }
+    }
+  }
+
+  void take_ancestor(std::int32_t face) {
+    ancestor_ = face;
+    const glm::dvec3 area = area_vector(input_.positions, input_.face(face));
+    const double length = glm::length(area);
+    has_normal_ = length > 0;
+    if (has_normal_) wanted_ = area / length;
+  }
+
+  void add(std::size_t face, int i, Sums& sums) const {
+    sums.area += figures_.area[i];
+    sums.folded += figures_.folded[i];
+    if (is_beside_folds_.empty() || is_beside_folds_[ancestors_[face]] == 0)
+      sums.folded_elsewhere += figures_.folded[i];
+    sums.squares += figures_.squares[i];
+    sums.largest = std::max(sums.largest, figures_.largest[i]);
+    sums.bending += figures_.bending[i];
+  }
+
+  const SurfaceBlocks& surface_;
+  const PolygonMesh& input_;
+  std::span<const std::uint8_t> is_beside_folds_;
+  RawVector<glm::dvec3> positions_;
+  RawVector<glm::vec3> normals_;
+  RawVector<std::int32_t> ancestors_;
+  std::int32_t ancestor_ = -1;
+  bool has_normal_ = false;
+  glm::dvec3 wanted_{0.0};
+  QuadBatch batch_;
+  QuadFigures figures_;
+};
+
+}  // namespace
+
+SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& input,
+                               std::span<const std::uint8_t> is_beside_folds,
+                               const Callbacks& callbacks) {
+  const SurfaceInfo& info = surface.info();
+  PLANISH_ASSERT(info.level >= 1 && info.corners_per_face == 4);
+  const std::vector<RowRange> pieces = ranges_of(info.face_count, kPieceFaces);
+  std::vector<Sums> sums(pieces.size());
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    QuadMeter measure(surface, input, is_beside_folds);
+    for (std::size_t i = begin; i < end; ++i) {
+      callbacks.check_cancelled();
+      sums[i] = measure(pieces[i]);
+    }
+  });
+  Sums all;
+  for (const Sums& part : sums) all.add(part);
+  SurfaceQuality quality;
+  quality.max_normal_deviation = all.largest * kDegrees;
+  quality.bending = all.bending;
+  if (all.area > 0) {
+    quality.folded_area = all.folded / all.area;
+    quality.folded_area_elsewhere = all.folded_elsewhere / all.area;
+    quality.rms_normal_deviation = std::sqrt(all.squares / all.area) * kDegrees;
+  }
+  return quality;
+}
+
+}  // namespace planish

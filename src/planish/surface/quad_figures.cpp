@@ -1,0 +1,113 @@
+// Based on: Pinkall & Polthier 1993 for the bending, see surface_quality.cpp, of which this is the
+// same arithmetic for many quads at once; atan by its series after one halving of the range.
+#include "planish/surface/quad_figures.h"
+
+#include <cmath>
+
+namespace planish {
+
+namespace {
+
+// The widest instructions of the processor, chosen when the program is loaded. Nothing is fused
+// (-ffp-contract=off), so that all give the same bits.
+#if defined(__x86_64__) && defined(__ELF__)
+#define PLANISH_WIDEST __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define PLANISH_WIDEST
+#endif
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kTangentOfEighth = 0.41421356237309503;  // tan(pi / 8)
+// As surface_quality.cpp.
+constexpr double kThinTriangle = 1e-6;
+
+// Of 0 to 1, within 3e-9.
+inline double arc_tangent(double t) {
+  const bool large = t > kTangentOfEighth;
+  const double u = large ? (t - 1) / (t + 1) : t;
+  const double v = u * u;
+  double sum = 1.0 / 17;
+  sum = 1.0 / 15 - v * sum;
+  sum = 1.0 / 13 - v * sum;
+  sum = 1.0 / 11 - v * sum;
+  sum = 1.0 / 9 - v * sum;
+  sum = 1.0 / 7 - v * sum;
+  sum = 1.0 / 5 - v * sum;
+  sum = 1.0 / 3 - v * sum;
+  sum = u - u * v * sum;
+  return large ? kPi / 4 + sum : sum;
+}
+
+inline double squared(double x, double y, double z) { return x * x + y * y + z * z; }
+
+struct Edge {
+  double x, y, z, turn;  // turn: squared difference of the normals
+};
+
+inline Edge edge_of(const QuadBatch& q, int i, int from, int to) {
+  const double tx = q.normal[to][0][i] - q.normal[from][0][i];
+  const double ty = q.normal[to][1][i] - q.normal[from][1][i];
+  const double tz = q.normal[to][2][i] - q.normal[from][2][i];
+  return {q.position[to][0][i] - q.position[from][0][i],
+          q.position[to][1][i] - q.position[from][1][i],
+          q.position[to][2][i] - q.position[from][2][i], squared(tx, ty, tz)};
+}
+
+inline double dot(const Edge& a, const Edge& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+// Edges in a circle.
+inline double triangle_bending(const Edge& a, const Edge& b, const Edge& c) {
+  const double nx = a.y * b.z - a.z * b.y, ny = a.z * b.x - a.x * b.z, nz = a.x * b.y - a.y * b.x;
+  const double double_area = std::sqrt(squared(nx, ny, nz));
+  const double perimeter = std::sqrt(dot(a, a)) + std::sqrt(dot(b, b)) + std::sqrt(dot(c, c));
+  const bool thin = double_area <= kThinTriangle * perimeter * perimeter;
+  const double sum = -dot(b, c) * a.turn - dot(c, a) * b.turn - dot(a, b) * c.turn;
+  return thin ? 0.0 : 0.5 * sum / double_area;
+}
+
+inline Edge reversed(const Edge& e) { return {-e.x, -e.y, -e.z, e.turn}; }
+
+inline double quad_bending(const QuadBatch& q, int i) {
+  const Edge e01 = edge_of(q, i, 0, 1), e12 = edge_of(q, i, 1, 2), e23 = edge_of(q, i, 2, 3),
+             e30 = edge_of(q, i, 3, 0), even = edge_of(q, i, 0, 2), odd = edge_of(q, i, 1, 3);
+  // Cut along the shorter diagonal.
+  const bool cut_odd = dot(odd, odd) < dot(even, even);
+  const double across_even =
+      triangle_bending(e01, e12, reversed(even)) + triangle_bending(even, e23, e30);
+  const double across_odd =
+      triangle_bending(e12, e23, reversed(odd)) + triangle_bending(odd, e30, e01);
+  return cut_odd ? across_odd : across_even;
+}
+
+}  // namespace
+
+PLANISH_WIDEST void measure_quads(const QuadBatch& q, QuadFigures& figures) {
+  for (int i = 0; i < kQuadLanes; ++i) {
+    // The area vector is half the cross product of the diagonals.
+    const Edge even = edge_of(q, i, 0, 2), odd = edge_of(q, i, 1, 3);
+    const double nx = even.y * odd.z - even.z * odd.y, ny = even.z * odd.x - even.x * odd.z,
+                 nz = even.x * odd.y - even.y * odd.x;
+    const double share = 0.125 * std::sqrt(squared(nx, ny, nz));
+    double folded = 0, squares = 0, largest = 0;
+    for (int k = 0; k < 4; ++k) {
+      const double x = q.normal[k][0][i], y = q.normal[k][1][i], z = q.normal[k][2][i];
+      const double wx = q.wanted[0][i], wy = q.wanted[1][i], wz = q.wanted[2][i];
+      // tan(angle / 2) of unit vectors.
+      const double apart = std::sqrt(squared(x - wx, y - wy, z - wz));
+      const double together = std::sqrt(squared(x + wx, y + wy, z + wz));
+      const bool turned = apart > together;
+      const double half = arc_tangent(turned ? together / apart : apart / together);
+      const double angle = turned ? kPi - 2 * half : 2 * half;
+      folded += turned ? share : 0.0;
+      squares += share * angle * angle;
+      largest = angle > largest ? angle : largest;
+    }
+    figures.area[i] = 4 * share;
+    figures.folded[i] = folded;
+    figures.squares[i] = squares;
+    figures.largest[i] = largest;
+    figures.bending[i] = quad_bending(q, i);
+  }
+}
+
+}  // namespace planish

@@ -1,0 +1,36 @@
+#include "job/job_surface.h"
+
+#include <utility>
+
+#include "planish/surface/evaluate.h"
+
+namespace planish::command {
+
+JobLevel::JobLevel(std::unique_ptr<const SurfaceMesh> whole, const PolygonMesh& mesh)
+    : whole_(std::move(whole)), blocks_(blocks_of(*whole_, mesh)) {}
+
+const SurfaceMesh& JobLevel::whole() {
+  if (!whole_) whole_ = std::make_unique<const SurfaceMesh>(collect(*blocks_, callbacks_));
+  return *whole_;
+}
+
+JobSurface::JobSurface(const JobInput& made, const Fit& fitted, Backend& backend,
+                       const Settings& settings, Callbacks callbacks)
+    : mesh_(made.input.file.mesh), fitted_(fitted), backend_(backend) {
+  options_.scheme = settings.scheme;
+  options_.weights = settings.weights;
+  options_.sharp = settings.sharp();
+  options_.callbacks = std::move(callbacks);
+}
+
+JobLevel JobSurface::level(int level) {
+  options_.level = level;
+  if (options_.scheme != Scheme::DooSabin) {
+    return {std::make_unique<const SurfaceMesh>(evaluate(mesh_, fitted_, backend_, options_)),
+            mesh_};
+  }
+  if (!doo_sabin_) doo_sabin_ = fitted_surface(mesh_, fitted_, options_);
+  return JobLevel(doo_sabin_->level(level), options_.callbacks);
+}
+
+}  // namespace planish::command

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "job/job_input.h"
+#include "planish/backend/backend.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/doo_sabin_surface.h"
+#include "planish/surface/surface_blocks.h"
+
+namespace planish::command {
+
+/// One level of a job's surface.
+class JobLevel {
+ public:
+  /// Made piece by piece, as often as it is asked for.
+  explicit JobLevel(std::unique_ptr<SurfaceBlocks> blocks, Callbacks callbacks)
+      : blocks_(std::move(blocks)), callbacks_(std::move(callbacks)) {}
+  /// Of the schemes that make it whole; `mesh` is what was fitted.
+  JobLevel(std::unique_ptr<const SurfaceMesh> whole, const PolygonMesh& mesh);
+
+  [[nodiscard]] int level() const { return blocks_->info().level; }
+  [[nodiscard]] const SurfaceBlocks& blocks() const { return *blocks_; }
+  [[nodiscard]] bool is_whole() const { return whole_ != nullptr; }
+  /// All of it in memory, for those who need neighbours; collected when first asked for.
+  [[nodiscard]] const SurfaceMesh& whole();
+
+ private:
+  std::unique_ptr<const SurfaceMesh> whole_;
+  std::unique_ptr<SurfaceBlocks> blocks_;
+  Callbacks callbacks_;
+};
+
+/// The surface of a fitted mesh; what its levels share is made once.
+class JobSurface {
+ public:
+  /// All of it must outlive the surface.
+  JobSurface(const JobInput& made, const Fit& fitted, Backend& backend, const Settings& settings,
+             Callbacks callbacks);
+
+  /// Throws as evaluate(). The surface must outlive its levels.
+  [[nodiscard]] JobLevel level(int level);
+
+ private:
+  const PolygonMesh& mesh_;
+  const Fit& fitted_;
+  Backend& backend_;
+  EvaluateOptions options_;
+  std::unique_ptr<const DooSabinSurface> doo_sabin_;  // made with the first level
+};
+
+}  // namespace planish::command
