@@ -16,13 +16,16 @@ namespace {
 #define PLANISH_WIDEST
 #endif
 
+// Loops become vectors only where everything in them is in line.
+#define PLANISH_IN_LINE inline __attribute__((always_inline))
+
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kTangentOfEighth = 0.41421356237309503;  // tan(pi / 8)
 // As surface_quality.cpp.
 constexpr double kThinTriangle = 1e-6;
 
 // Of 0 to 1, within 3e-9.
-inline double arc_tangent(double t) {
+PLANISH_IN_LINE double arc_tangent(double t) {
   const bool large = t > kTangentOfEighth;
   const double u = large ? (t - 1) / (t + 1) : t;
   const double v = u * u;
@@ -38,13 +41,13 @@ inline double arc_tangent(double t) {
   return large ? kPi / 4 + sum : sum;
 }
 
-inline double squared(double x, double y, double z) { return x * x + y * y + z * z; }
+PLANISH_IN_LINE double squared(double x, double y, double z) { return x * x + y * y + z * z; }
 
 struct Edge {
   double x, y, z, turn;  // turn: squared difference of the normals
 };
 
-inline Edge edge_of(const QuadBatch& q, int i, int from, int to) {
+PLANISH_IN_LINE Edge edge_of(const QuadBatch& q, int i, int from, int to) {
   const double tx = q.normal[to][0][i] - q.normal[from][0][i];
   const double ty = q.normal[to][1][i] - q.normal[from][1][i];
   const double tz = q.normal[to][2][i] - q.normal[from][2][i];
@@ -53,10 +56,12 @@ inline Edge edge_of(const QuadBatch& q, int i, int from, int to) {
           q.position[to][2][i] - q.position[from][2][i], squared(tx, ty, tz)};
 }
 
-inline double dot(const Edge& a, const Edge& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+PLANISH_IN_LINE double dot(const Edge& a, const Edge& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 // Edges in a circle.
-inline double triangle_bending(const Edge& a, const Edge& b, const Edge& c) {
+PLANISH_IN_LINE double triangle_bending(const Edge& a, const Edge& b, const Edge& c) {
   const double nx = a.y * b.z - a.z * b.y, ny = a.z * b.x - a.x * b.z, nz = a.x * b.y - a.y * b.x;
   const double double_area = std::sqrt(squared(nx, ny, nz));
   const double perimeter = std::sqrt(dot(a, a)) + std::sqrt(dot(b, b)) + std::sqrt(dot(c, c));
@@ -65,18 +70,21 @@ inline double triangle_bending(const Edge& a, const Edge& b, const Edge& c) {
   return thin ? 0.0 : 0.5 * sum / double_area;
 }
 
-inline Edge reversed(const Edge& e) { return {-e.x, -e.y, -e.z, e.turn}; }
+PLANISH_IN_LINE Edge reversed(const Edge& e) { return {-e.x, -e.y, -e.z, e.turn}; }
 
-inline double quad_bending(const QuadBatch& q, int i) {
+// a where `first`, else b.
+PLANISH_IN_LINE Edge either(bool first, const Edge& a, const Edge& b) {
+  return {first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z, first ? a.turn : b.turn};
+}
+
+PLANISH_IN_LINE double quad_bending(const QuadBatch& q, int i) {
   const Edge e01 = edge_of(q, i, 0, 1), e12 = edge_of(q, i, 1, 2), e23 = edge_of(q, i, 2, 3),
              e30 = edge_of(q, i, 3, 0), even = edge_of(q, i, 0, 2), odd = edge_of(q, i, 1, 3);
   // Cut along the shorter diagonal.
-  const bool cut_odd = dot(odd, odd) < dot(even, even);
-  const double across_even =
-      triangle_bending(e01, e12, reversed(even)) + triangle_bending(even, e23, e30);
-  const double across_odd =
-      triangle_bending(e12, e23, reversed(odd)) + triangle_bending(odd, e30, e01);
-  return cut_odd ? across_odd : across_even;
+  const bool turned = dot(odd, odd) < dot(even, even);
+  const Edge cut = either(turned, odd, even);
+  return triangle_bending(either(turned, e12, e01), either(turned, e23, e12), reversed(cut)) +
+         triangle_bending(cut, either(turned, e30, e23), either(turned, e01, e30));
 }
 
 }  // namespace
@@ -87,27 +95,26 @@ PLANISH_WIDEST void measure_quads(const QuadBatch& q, QuadFigures& figures) {
     const Edge even = edge_of(q, i, 0, 2), odd = edge_of(q, i, 1, 3);
     const double nx = even.y * odd.z - even.z * odd.y, ny = even.z * odd.x - even.x * odd.z,
                  nz = even.x * odd.y - even.y * odd.x;
-    const double share = 0.125 * std::sqrt(squared(nx, ny, nz));
-    double folded = 0, squares = 0, largest = 0;
-    for (int k = 0; k < 4; ++k) {
+    figures.area[i] = 0.5 * std::sqrt(squared(nx, ny, nz));
+    figures.folded[i] = figures.squares[i] = figures.largest[i] = 0;
+  }
+  for (int k = 0; k < 4; ++k) {
+    for (int i = 0; i < kQuadLanes; ++i) {
       const double x = q.normal[k][0][i], y = q.normal[k][1][i], z = q.normal[k][2][i];
       const double wx = q.wanted[0][i], wy = q.wanted[1][i], wz = q.wanted[2][i];
+      const double share = 0.25 * figures.area[i];
       // tan(angle / 2) of unit vectors.
-      const double apart = std::sqrt(squared(x - wx, y - wy, z - wz));
-      const double together = std::sqrt(squared(x + wx, y + wy, z + wz));
+      const double apart = squared(x - wx, y - wy, z - wz);
+      const double together = squared(x + wx, y + wy, z + wz);
       const bool turned = apart > together;
-      const double half = arc_tangent(turned ? together / apart : apart / together);
+      const double half = arc_tangent(std::sqrt(turned ? together / apart : apart / together));
       const double angle = turned ? kPi - 2 * half : 2 * half;
-      folded += turned ? share : 0.0;
-      squares += share * angle * angle;
-      largest = angle > largest ? angle : largest;
+      figures.folded[i] += turned ? share : 0.0;
+      figures.squares[i] += share * angle * angle;
+      figures.largest[i] = angle > figures.largest[i] ? angle : figures.largest[i];
     }
-    figures.area[i] = 4 * share;
-    figures.folded[i] = folded;
-    figures.squares[i] = squares;
-    figures.largest[i] = largest;
-    figures.bending[i] = quad_bending(q, i);
   }
+  for (int i = 0; i < kQuadLanes; ++i) figures.bending[i] = quad_bending(q, i);
 }
 
 }  // namespace planish
