@@ -59,9 +59,9 @@ struct TableParameters {
   uint step;
   uint first_group;     // of this slice, among the groups of all slices
   uint partials_total;  // partial sums that a step yields
-  float stop_square;  // negative: never stop
-  uint target_stride; // floats from one point of the target to the next
-  uint normal_offset; // floats from a point's position to its normal
+  float stop_square;    // negative: never stop
+  uint target_stride;   // floats from one point of the target to the next
+  uint normal_offset;   // floats from a point's position to its normal
 };
 
 // Push constants of apply_stencils. Offsets are in floats, from the start of the bound window.
@@ -117,11 +117,11 @@ struct FairVertex {
   uint first;  // of its places: corners around it, counter-clockwise
   uint count;
   uint kind;
-  uint regular;         // 1: only quads around it
-  uint before, after;   // at crease vertices: neighbours along the curve
-  uint curve0, curve1;  // and the control points on the way to them
-  uint circle;          // where the unit circle has the regular polygon of `count` points
-  uint near_curve;      // 1: within two edges of a crease, boundary or corner vertex
+  uint regular;           // 1: only quads around it
+  uint before, after;     // at crease vertices: neighbours along the curve
+  uint curve0, curve1;    // and the control points on the way to them
+  uint circle;            // where the unit circle has the regular polygon of `count` points
+  uint near_curve;        // 1: within two edges of a crease, boundary or corner vertex
   uint unused0, unused1;  // records that every vertex, corner or face has are whole texels
 };
 struct FairPlace {
@@ -149,6 +149,7 @@ struct FairCrease {
   uint vertex;
   uint before, after;
   uint curve0, curve1;
+  uint first, count;  // of its places
 };
 struct FairSector {
   uint vertex;
@@ -166,10 +167,10 @@ struct FairCurvePoint {
 // What the construction counts: edges and faces turned over, per round of repair.
 PLANISH_SHARED_CONSTANT kRepairRounds = 3u;
 PLANISH_SHARED_CONSTANT kRepairCounts = 8u;  // (kRepairRounds + 1) * edges and faces
-PLANISH_SHARED_CONSTANT kFairCounts = 16u;  // words: two repairs
+PLANISH_SHARED_CONSTANT kFairCounts = 16u;   // words: two repairs
 
-// FairDecisions of a vertex in one word: halvings before the polish, and kLateShift bits higher those
-// after it, then whether its polygon was reversed.
+// FairDecisions of a vertex in one word: halvings before the polish, and kLateShift bits higher
+// those after it, then whether its polygon was reversed.
 PLANISH_SHARED_CONSTANT kHalvingsMask = 0xffu;
 PLANISH_SHARED_CONSTANT kLateShift = 8u;
 PLANISH_SHARED_CONSTANT kReversed = 0x10000u;
@@ -195,14 +196,14 @@ PLANISH_SHARED_CONSTANT kMostSumGroups = 1024u;
 
 // Push constants of the fair construction's kernels.
 struct FairParameters {
-  uint count;          // elements to do
-  uint place;          // of repair's counts
-  uint start;          // 1: the polish begins
-  uint partial_count;  // partial sums
-  float x, y, z;       // origin of the unit coordinates
-  float scale;         // model units of one unit
-  uint decided;        // 1: decisions are given, not made
-  uint shift;          // of repair's halvings in a vertex's decisions
+  uint count;                                    // elements to do
+  uint place;                                    // of repair's counts
+  uint start;                                    // 1: the polish begins
+  uint partial_count;                            // partial sums
+  float x, y, z;                                 // origin of the unit coordinates
+  float scale;                                   // model units of one unit
+  uint decided;                                  // 1: decisions are given, not made
+  uint shift;                                    // of repair's halvings in a vertex's decisions
   uint edge_groups, face_groups, vertex_groups;  // that a round of repair takes
 };
 

@@ -8,8 +8,10 @@ READ_STORED(0, FairCrease, creases);
 READ(1, vec4, given)
 READ(2, float, shares)
 READ(3, vec4, points)
-WRITE(4, vec4, shifts);
-WRITE(5, vec4, result);
+READ(4, FairPlace, places)
+READ(5, vec4, face_normals)
+WRITE(6, vec4, shifts);
+WRITE(7, vec4, result);
 
 #include "fair_crease.glsl"
 
@@ -27,6 +29,34 @@ vec3 chord_handle(CreaseArms arms) {
   if (!(size > 0.0)) return vec3(0.0);  // a cusp: both arms the same way
   return direction *
          (min((before + after) / 2.0, kLongestFactor * min(before, after)) / size);
+}
+
+// Of the other edge's distance from the curve: how far a handle may lead into a face.
+const float kCorridor = 1.0 / 12.0;
+const float kLeastCorridorFactor = 0.02;
+
+// In one face, between its sharp edge and its other one; `inward` at right angles to the former.
+float face_factor(vec3 handle, vec3 inward, vec3 other) {
+  float size = safe_length(inward);
+  if (!(size > 0.0)) return 1.0;
+  float lateral = dot(handle, inward / size), height = kCorridor * dot(other, inward / size);
+  return height > 0.0 && lateral > height ? height / lateral : 1.0;
+}
+
+float corridor_factor(FairCrease crease, vec3 own, vec3 handle) {
+  float factor = 1.0;
+  for (uint i = crease.first; i < crease.first + crease.count; ++i) {
+    FairPlace place = places_at(i);
+    vec3 next = given_at(place.next).xyz - own, previous = given_at(place.previous).xyz - own;
+    vec3 normal = face_normals_at(place.face).xyz;
+    if (place.next == crease.before || place.next == crease.after)
+      factor = min(factor, face_factor(place.next == crease.before ? handle : -handle,
+                                       cross(normal, next), previous));
+    if (place.previous == crease.before || place.previous == crease.after)
+      factor = min(factor, face_factor(place.previous == crease.before ? handle : -handle,
+                                       cross(previous, normal), next));
+  }
+  return max(factor, kLeastCorridorFactor);
 }
 
 void main() {
@@ -47,6 +77,7 @@ void main() {
       handle = (1.0 - chord_share) * (arms.before - arms.after) / 2.0 +
                chord_share * chord_handle(arms);
     }
+    handle *= corridor_factor(crease, own, handle);
     shifts[c] = vec4(shift, share);
     result[crease.curve0] = vec4(handle, 0.0);
     result[crease.curve1] = vec4(-handle, 0.0);

@@ -250,7 +250,7 @@ TEST_F(EmbedFair, RefusesWhatItCannotDo) {
     EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
     EXPECT_THAT(error.what(), HasSubstr("polish_steps 1001"));
   }
-  const FairDecisions few{{0}, {0}, {0}};
+  const FairDecisions few{{0}, {0}, {0}, {0}};
   SystemOptions decided = fair_options();
   decided.fair_decisions = &few;
   try {

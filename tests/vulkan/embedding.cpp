@@ -37,6 +37,7 @@ std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& r
   fitting.sharp = options.sharp;
   fitting.fair_decisions = options.fair_decisions;
   fitting.tolerance = 1e-12;
+  fitting.cures_folds = false;  // embedding does not
   EvaluateOptions evaluation;
   evaluation.level = options.level;
   evaluation.weights = options.weights;

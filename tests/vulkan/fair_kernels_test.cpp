@@ -163,6 +163,7 @@ SectorShape crease_shape(const DeviceNet& net, const Prepared& from, std::int32_
     shape.tensor_shift =
         net.given[v] - points[v] - (points[before] + points[after] - 2.0 * points[v]) / 8.0;
   }
+  shape.handle *= corridor_factor(net.topology, net.given, from.face_normals, v, shape.handle);
   return shape;
 }
 

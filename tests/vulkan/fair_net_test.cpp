@@ -140,6 +140,7 @@ TEST_F(FairNetOnDevice, KeepsDecisions) {
   EXPECT_EQ(net.decisions.reversed, rest.reversed);
   EXPECT_EQ(net.decisions.halvings, rest.halvings);
   EXPECT_EQ(net.decisions.late_halvings, rest.late_halvings);
+  EXPECT_EQ(net.decisions.cures, rest.cures);
   EXPECT_EQ(net.shrunk_vertices, expected.shrunk_vertices);
   EXPECT_EQ(net.reversed_vertices, expected.reversed_vertices);
   EXPECT_NEAR(net.flagged_edges, expected.flagged_edges, 2);

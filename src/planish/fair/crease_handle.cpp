@@ -15,6 +15,16 @@ namespace {
 constexpr double kUnevenArms = 0.4;
 // A handle may pass the shorter arm by this factor.
 constexpr double kLongestFactor = 1.15;
+// Of the other edge's distance from the curve: how far a handle may lead into a face.
+constexpr double kCorridor = 1.0 / 12.0;
+constexpr double kLeastCorridorFactor = 0.02;
+
+// The factor in one face, between its sharp edge and its other one; `inward` is in the face and at
+// right angles to the sharp edge.
+double face_factor(const dvec3& handle, const dvec3& inward, const dvec3& other) {
+  const double lateral = glm::dot(handle, inward), height = kCorridor * glm::dot(other, inward);
+  return height > 0 && lateral > height ? height / lateral : 1.0;
+}
 
 }  // namespace
 
@@ -29,6 +39,32 @@ double imbalance(const CreaseArms& arms) {
   const double shorter = std::min(before, after);
   if (!(shorter > 0)) return std::numeric_limits<double>::infinity();
   return std::abs(before - after) / shorter;
+}
+
+double corridor_factor(const FairTopology& topology, std::span<const dvec3> given,
+                       std::span<const dvec3> face_normals, std::int32_t vertex,
+                       const dvec3& handle) {
+  const std::int32_t before = topology.crease_neighbours(vertex)[0];
+  double factor = 1;
+  for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1]; ++i) {
+    const std::int32_t corner = topology.ring_corners[i];
+    const dvec3 next = given[topology.ring_next[i]] - given[vertex];
+    const dvec3 previous = given[topology.ring_previous[i]] - given[vertex];
+    const dvec3& normal = face_normals[topology.corner_faces[corner]];
+    const auto note = [&](std::int32_t neighbour, const dvec3& inward, const dvec3& other) {
+      const double length = glm::length(inward);
+      if (!(length > 0)) return;
+      const dvec3 along = neighbour == before ? handle : -handle;
+      factor = std::min(factor, face_factor(along, inward / length, other));
+    };
+    if (topology.corner_cw[corner] >= topology.corner_count) {
+      note(topology.ring_next[i], glm::cross(normal, next), previous);
+    }
+    if (topology.corner_ccw[corner] >= topology.corner_count) {
+      note(topology.ring_previous[i], glm::cross(previous, normal), next);
+    }
+  }
+  return std::max(factor, kLeastCorridorFactor);
 }
 
 dvec3 chord_handle(const CreaseArms& arms) {

@@ -23,6 +23,15 @@ struct CreaseArms {
 /// their middle is the vertex. For vertices outside regular grids.
 [[nodiscard]] glm::dvec3 crease_handle(const CreaseArms& arms, double rho);
 
+/// What a handle is to be scaled by, at least 0.02, so that it stays in a corridor along the curve:
+/// in each face beside the sharp edges at the vertex it moves into the face by at most a twelfth of
+/// what the face's other edge does. A handle along a reflex boundary would otherwise run through
+/// thin faces.
+[[nodiscard]] double corridor_factor(const FairTopology& topology,
+                                     std::span<const glm::dvec3> given,
+                                     std::span<const glm::dvec3> face_normals, std::int32_t vertex,
+                                     const glm::dvec3& handle);
+
 /// Along the tangent of the circle through the vertex and its neighbours, limited by the shorter
 /// arm: crease_handle() of uneven arms.
 [[nodiscard]] glm::dvec3 chord_handle(const CreaseArms& arms);

@@ -13,6 +13,7 @@
 #include "planish/fair/crease_handle.h"
 #include "planish/fair/crease_sector.h"
 #include "planish/fair/fair_topology.h"
+#include "planish/fair/fold_cure.h"
 #include "planish/fair/fold_repair.h"
 #include "planish/fair/masked_iteration.h"
 #include "planish/fair/polish.h"
@@ -36,18 +37,6 @@ void for_vertices(const FairTopology& topology, const MakeBody& make_body) {
                  auto body = make_body();
                  for (std::size_t v = begin; v < end; ++v) body(static_cast<std::int32_t>(v));
                });
-}
-
-std::vector<dvec3> vertex_normals(const FairTopology& topology, std::span<const dvec3> given,
-                                  std::span<const dvec3> face_normals) {
-  std::vector<dvec3> normals(given.size());
-  for_vertices(topology, [&] {
-    return [&](std::int32_t v) {
-      normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring_offsets[v],
-                                         topology.valence(v));
-    };
-  });
-  return normals;
 }
 
 std::vector<double> tensor_shares(const FairTopology& topology, std::span<const dvec3> given,
@@ -76,6 +65,7 @@ struct NetBuilder {
   void build_polygons(std::vector<std::uint8_t>& reversed);
   void build_crease(std::int32_t vertex);
   void build_curve_points();
+  void build_dart_points();
 };
 
 void NetBuilder::prepare() {
@@ -116,6 +106,7 @@ void NetBuilder::build_crease(std::int32_t vertex) {
         (given[vertex] - points[vertex]) -
         ((points[before] - points[vertex]) + (points[after] - points[vertex])) / 8.0;
   }
+  shape.handle *= corridor_factor(topology, given, face_normals, vertex, shape.handle);
   const std::int32_t crease = topology.crease_of_vertex[vertex];
   for (std::int32_t s = topology.sector_offsets[crease]; s < topology.sector_offsets[crease + 1];
        ++s) {
@@ -130,32 +121,42 @@ void NetBuilder::build_crease(std::int32_t vertex) {
 void NetBuilder::build_curve_points() {
   for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
     const FairTopology::CurvePoint& place = topology.curve_points[s];
-    dvec3& point = offsets[static_cast<std::size_t>(topology.corner_count) + s];
-    switch (topology.kind(place.vertex)) {
-      case VertexKind::Corner: {
-        const dvec3& end = points.empty() ? given[place.other] : points[place.other];
-        point = (end - given[place.vertex]) / 4.0;
-        break;
-      }
-      case VertexKind::Dart:
-        point = (offsets[place.corner_after] + offsets[place.corner_before]) / 2.0;
-        break;
-      case VertexKind::Crease:
-      case VertexKind::Smooth:
-        break;
-    }
+    if (topology.kind(place.vertex) != VertexKind::Corner) continue;
+    const dvec3& end = points.empty() ? given[place.other] : points[place.other];
+    offsets[static_cast<std::size_t>(topology.corner_count) + s] =
+        (end - given[place.vertex]) / 4.0;
+  }
+  build_dart_points();
+}
+
+void NetBuilder::build_dart_points() {
+  for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
+    const FairTopology::CurvePoint& place = topology.curve_points[s];
+    if (topology.kind(place.vertex) != VertexKind::Dart) continue;
+    offsets[static_cast<std::size_t>(topology.corner_count) + s] =
+        (offsets[place.corner_after] + offsets[place.corner_before]) / 2.0;
   }
 }
 
 // Repairs the folds, or halves what was halved before.
-FoldCount settle_folds(const NetBuilder& builder, bool decided, std::vector<std::uint8_t>& halvings,
-                       std::span<dvec3> offsets) {
+void settle_folds(const NetBuilder& builder, bool decided, std::vector<std::uint8_t>& halvings,
+                  std::span<dvec3> offsets) {
   if (decided) {
     halve_polygons(builder.topology, halvings, offsets);
-    return count_folds(builder.topology, builder.given, builder.face_normals, offsets);
+    return;
   }
   halvings.assign(builder.given.size(), 0);
-  return repair_folds(builder.topology, builder.given, builder.face_normals, offsets, halvings);
+  repair_folds(builder.topology, builder.given, builder.face_normals, offsets, halvings);
+}
+
+// What no halving cures; or as it was cured before.
+FoldCount settle_cure(NetBuilder& builder, const FairOptions& options,
+                      std::vector<std::uint8_t>& cures) {
+  const CureInput input{builder.topology, builder.given, builder.face_normals, builder.normals,
+                        builder.offsets};
+  if (!options.decisions || !options.cures_folds) cures.assign(builder.given.size(), 0);
+  if (options.decisions || !options.cures_folds) return repeat_cure(input, cures);
+  return cure_folds(input, cures);
 }
 
 void add_given_points(const FairTopology& topology, std::span<const dvec3> given,
@@ -187,6 +188,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     PLANISH_ASSERT(decisions->reversed.size() == given.size());
     PLANISH_ASSERT(decisions->halvings.size() == given.size());
     PLANISH_ASSERT(decisions->late_halvings.size() == given.size());
+    PLANISH_ASSERT(decisions->cures.size() == given.size());
   }
   const FairTopology topology = make_fair_topology(mesh, subdivision);
   options.callbacks.check_cancelled();
@@ -201,7 +203,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   builder.build_curve_points();
   options.callbacks.check_cancelled();
 
-  FoldCount folds = settle_folds(builder, decided, decisions.halvings, builder.offsets);
+  settle_folds(builder, decided, decisions.halvings, builder.offsets);
   if (options.polish_steps > 0) {
     options.callbacks.check_cancelled();
     builder.build_curve_points();
@@ -211,15 +213,18 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     apply_heights(topology, directions,
                   polish_heights(topology, std::move(bending), options.polish_steps),
                   builder.offsets);
-    folds = settle_folds(builder, decided, decisions.late_halvings, builder.offsets);
+    settle_folds(builder, decided, decisions.late_halvings, builder.offsets);
   } else if (!decided) {
     decisions.late_halvings.assign(given.size(), 0);
   }
   builder.build_curve_points();
+  const FoldCount folds = settle_cure(builder, options, decisions.cures);
+  builder.build_dart_points();
   net.flagged_edges = folds.edges;
   net.flagged_faces = folds.faces;
   for (std::size_t v = 0; v < given.size(); ++v) {
     net.reversed_vertices += decisions.reversed[v];
+    net.cured_vertices += decisions.cures[v] > 0;
     net.shrunk_vertices += decisions.halvings[v] + decisions.late_halvings[v] > 0;
   }
   net.state = std::move(builder.offsets);

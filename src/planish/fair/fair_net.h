@@ -19,6 +19,8 @@ struct FairDecisions {
   std::vector<std::uint8_t> reversed;  ///< 1: the polygon came out turned over and was replaced
   /// How often the repair halved the vertex's polygon, before and after the polish.
   std::vector<std::uint8_t> halvings, late_halvings;
+  /// How many rounds of the cure changed it after that (see fold_cure.h).
+  std::vector<std::uint8_t> cures;
 };
 
 struct FairOptions {
@@ -26,6 +28,8 @@ struct FairOptions {
   Callbacks callbacks;
   /// Where given, of a net of the same mesh: these decisions instead of new ones.
   const FairDecisions* decisions = nullptr;
+  /// False: without the cure of needles and sharp turns (fold_cure.h), as embedding builds nets.
+  bool cures_folds = true;
 };
 
 /// Throws Error{InvalidArgument} for polish_steps out of range.
@@ -39,6 +43,7 @@ struct FairNet {
   std::vector<glm::dvec3> state;
   std::int64_t shrunk_vertices = 0;    ///< whose polygons were drawn in to undo overlaps
   std::int64_t reversed_vertices = 0;  ///< whose polygons came out turned over and were replaced
+  std::int64_t cured_vertices = 0;     ///< whose polygons were replaced by perpendicular ones
   std::int64_t flagged_edges = 0;      ///< smooth edges still turned over in the end
   std::int64_t flagged_faces = 0;      ///< faces still turned over in the end
   FairDecisions decisions;

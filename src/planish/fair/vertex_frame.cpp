@@ -20,6 +20,7 @@ dvec2 VertexFrame::project(const dvec3& vector) const {
 namespace {
 
 constexpr std::size_t kGrain = 8192;
+constexpr std::size_t kVertexGrain = 1024;
 // Of the sum of the angles: a normal below this is what cancellation left.
 constexpr double kCancelled = 1e-6;
 
@@ -96,6 +97,18 @@ dvec3 angle_weighted_normal(const FairTopology& topology, std::span<const dvec3>
     sum += face_normals[topology.corner_faces[topology.ring_corners[i]]];
   }
   return normalised(sum);
+}
+
+std::vector<dvec3> vertex_normals(const FairTopology& topology, std::span<const dvec3> given,
+                                  std::span<const dvec3> face_normals) {
+  std::vector<dvec3> normals(given.size());
+  parallel_for(normals.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
+    for (auto v = static_cast<std::int32_t>(begin); v < static_cast<std::int32_t>(end); ++v) {
+      normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring_offsets[v],
+                                         topology.valence(v));
+    }
+  });
+  return normals;
 }
 
 // Source: Duff et al., "Building an orthonormal basis, revisited", 2017.

@@ -31,6 +31,11 @@ struct VertexFrame {
                                                std::int32_t vertex, std::int32_t first,
                                                std::int32_t count);
 
+/// Those of all vertices, each of its whole ring.
+[[nodiscard]] std::vector<glm::dvec3> vertex_normals(const FairTopology& topology,
+                                                     std::span<const glm::dvec3> given,
+                                                     std::span<const glm::dvec3> face_normals);
+
 /// `normal` of unit length.
 [[nodiscard]] VertexFrame frame_of(const glm::dvec3& normal);
 

@@ -33,6 +33,7 @@ struct FitOptions {
   /// Of the fair method: those of another frame of an animation, usually the rest pose's, so that
   /// nothing pops.
   const FairDecisions* fair_decisions = nullptr;
+  bool cures_folds = true;  ///< of the fair method, see FairOptions
   SharpFeatureOptions sharp;
   /// Where given, what prepare_mesh() made of the mesh: it is not tested and searched again.
   std::shared_ptr<const PreparedMesh> prepared;

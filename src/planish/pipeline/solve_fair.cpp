@@ -60,7 +60,8 @@ void warn_of_concave_faces(const PolygonMesh& mesh, const Callbacks& callbacks) 
 // On the backend's device where it can.
 FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                  std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
-  const FairOptions fair{options.polish_steps, options.callbacks, options.fair_decisions};
+  const FairOptions fair{options.polish_steps, options.callbacks, options.fair_decisions,
+                         options.cures_folds};
   if (fair.decisions && fair.decisions->reversed.size() != given.size()) {
     throw Error(ErrorCode::InvalidArgument,
                 "fair_decisions are of " + std::to_string(fair.decisions->reversed.size()) +

@@ -73,7 +73,8 @@ struct SystemOptions {
   int level = 2;  ///< quad splits of the surface, 0 to 6: its vertex count grows fourfold with each
   /// Fair: the surface's control points of level 1 are built, without iterations. A System's tables
   /// and all Solves made with them are of one method. Fair surfaces fold beside corners that turn
-  /// inward: take with_convex_faces() of such meshes (mesh/convex_faces.h).
+  /// inward: take with_convex_faces() of such meshes (mesh/convex_faces.h). Needles and sharp turns
+  /// may fold: what FairOptions::cures_folds cures on the host is not cured here.
   InterpolationMethod method = InterpolationMethod::Progressive;
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;

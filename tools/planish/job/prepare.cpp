@@ -7,6 +7,7 @@
 
 #include "planish/core/error.h"
 #include "planish/mesh/convex_faces.h"
+#include "planish/mesh/cusp_corners.h"
 #include "planish/mesh/detect_creases.h"
 
 namespace planish::command {
@@ -46,8 +47,10 @@ ReadyMesh prepare(PolygonMesh&& mesh, const Preparation& choice) {
     static_cast<RepairedMesh&>(ready) = repair(mesh);
     ready.prepared = prepare_if_sound(ready.mesh);
   }
-  if (choice.repair == RepairChoice::Safe && choice.method == InterpolationMethod::Fair)
+  if (choice.repair == RepairChoice::Safe && choice.method == InterpolationMethod::Fair) {
     cut_concave_faces(ready);
+    if (ready.prepared) ready.mesh = with_cusp_corners(ready.mesh);
+  }
   if (!choice.creases.dihedral_degrees || !ready.prepared) return ready;
   const CreaseDetectionOptions options{.dihedral_degrees = *choice.creases.dihedral_degrees};
   if (ready.prepared->uses_all()) {

@@ -23,9 +23,10 @@ struct ReadyMesh : RepairedMesh {
 };
 
 /// The mesh that is fitted: repaired unless the choice is none, with creases detected where the
-/// choice names an angle, and for fair surfaces, which fold beside corners that turn inward, with
-/// concave faces cut where repair may. A mesh that remains unusable comes back as it is, for
-/// require_usable() to refuse. Throws what repair() throws, and then leaves `mesh` as it is.
+/// choice names an angle, and for fair surfaces, which fold beside corners that turn inward and
+/// around tips of slits, with concave faces cut and such tips made corners where repair may. A mesh
+/// that remains unusable comes back as it is, for require_usable() to refuse. Throws what repair()
+/// throws, and then leaves `mesh` as it is.
 [[nodiscard]] ReadyMesh prepare(PolygonMesh&& mesh, const Preparation& choice);
 
 /// The same for a job, whose scene file may tag further edges and vertices of the input. Throws

@@ -87,7 +87,8 @@ void add_creases(const FairTopology& topology, FairRecords& records) {
                                  static_cast<std::uint32_t>(records.creases.size()),
                                  vertex.curve0});
     }
-    records.creases.push_back({word(v), vertex.before, vertex.after, vertex.curve0, vertex.curve1});
+    records.creases.push_back({word(v), vertex.before, vertex.after, vertex.curve0, vertex.curve1,
+                               vertex.first, vertex.count});
   }
   for (const FairTopology::CurvePoint& point : topology.curve_points) {
     records.curve_points.push_back({word(point.vertex), word(point.other),

@@ -142,8 +142,9 @@ void GpuFair::plan_build(Binder& binder) {
       {&t.vertices, &t.places, &b.normals, &b.given_offsets, &t.circle, &b.result, &b.decisions});
   binder.add(build_, Kernel::FairSectorNormals, t.sector_count,
              {&t.sectors, &t.places, &b.given, &b.face_normals, &b.sector_normals});
-  binder.add(build_, Kernel::FairHandles, t.crease_count,
-             {&t.creases, &b.given, &b.shares, &points, &b.shifts, &b.result});
+  binder.add(
+      build_, Kernel::FairHandles, t.crease_count,
+      {&t.creases, &b.given, &b.shares, &points, &t.places, &b.face_normals, &b.shifts, &b.result});
   binder.add(build_, Kernel::FairSectors, t.sector_count,
              {&t.sectors, &t.places, &b.given, &b.sector_normals, &b.given_offsets, &offsets(),
               &b.shifts, &b.result});

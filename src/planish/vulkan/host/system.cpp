@@ -44,7 +44,8 @@ void check_options(const SystemOptions& options) {
 
 void check_decisions(const FairDecisions* decisions, std::size_t count) {
   if (!decisions) return;
-  for (const auto* words : {&decisions->reversed, &decisions->halvings, &decisions->late_halvings})
+  for (const auto* words :
+       {&decisions->reversed, &decisions->halvings, &decisions->late_halvings, &decisions->cures})
     if (words->size() != count)
       throw Error(ErrorCode::InvalidArgument,
                   "fair_decisions are of " + std::to_string(words->size()) +

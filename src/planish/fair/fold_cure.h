@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "planish/fair/fair_topology.h"
+#include "planish/fair/fold_repair.h"
+
+namespace planish {
+
+/// What the cure works on. `face_normals` and `normals`, one per vertex, are unit; `offsets`: the
+/// state of level 1 relative to the given points, changed in place.
+struct CureInput {
+  const FairTopology& topology;
+  std::span<const glm::dvec3> given, face_normals, normals;
+  std::span<glm::dvec3> offsets;
+};
+
+/// After the last repair: cures folds at edges, faces and vertices that no halving cures. Vertices
+/// at a limit normal that is turned too far from a face that it belongs to get perpendicular
+/// polygons (perpendicular_polygon.h), and where that does not do a quarter of them, in at most six
+/// rounds. Smooth and dart vertices only. `cures`, one per vertex, is increased by the rounds that
+/// changed it. Returns what is still turned over by more than a right angle from one of its faces.
+FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures);
+
+/// The same polygons, as an earlier cure decided them.
+FoldCount repeat_cure(const CureInput& input, std::span<const std::uint8_t> cures);
+
+}  // namespace planish

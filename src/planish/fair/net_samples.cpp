@@ -1,0 +1,125 @@
+#include "planish/fair/net_samples.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "planish/fair/limit_normal.h"
+
+namespace planish {
+
+using glm::dvec3;
+
+namespace {
+
+// A step of Doo-Sabin on one polygon, about its first point.
+template <class Point>
+dvec3 stepped(const FairTopology& topology, std::int32_t count, const Point& point) {
+  const auto circle = topology.unit_circle.of(count);
+  const dvec3 own = point(0);
+  dvec3 sum(0.0);
+  for (std::int32_t k = 1; k < count; ++k) sum += (3 + 2 * circle[k].x) * (point(k) - own);
+  return own + sum / (4.0 * count);
+}
+
+// The same on four points.
+dvec3 stepped_quad(const dvec3& own, const dvec3& beside, const dvec3& opposite,
+                   const dvec3& other_beside) {
+  return own + (3.0 * (beside - own) + 3.0 * (other_beside - own) + (opposite - own)) / 16.0;
+}
+
+}  // namespace
+
+dvec3 NetSamples::at_edge(const FairTopology::Edge& edge) const {
+  return glm::cross(point(edge.corners[2]) - point(edge.corners[0]),
+                    point(edge.corners[3]) - point(edge.corners[1]));
+}
+
+dvec3 NetSamples::at_face(std::int32_t face) const {
+  const std::int32_t first = topology.face_offsets[face];
+  return limit_normal(topology, topology.face_size(face),
+                      [&](std::int32_t i) { return point(first + i); });
+}
+
+dvec3 NetSamples::at_vertex(std::int32_t vertex) const {
+  const std::int32_t first = topology.ring_offsets[vertex];
+  return limit_normal(topology, topology.valence(vertex),
+                      [&](std::int32_t i) { return offsets[topology.ring_corners[first + i]]; });
+}
+
+namespace {
+
+// The points of level 2 around one control point, and the control points beside it.
+struct Surroundings {
+  const NetSamples& samples;
+  const FairTopology& topology = samples.topology;
+
+  [[nodiscard]] std::int32_t beside(std::int32_t corner, std::int32_t by) const {
+    const std::int32_t face = topology.corner_faces[corner], m = topology.face_size(face);
+    const std::int32_t first = topology.face_offsets[face];
+    return first + (corner - first + by + m) % m;
+  }
+  // Whether the edge from one corner to the next one of its face is. A dart's ring does not show
+  // that it has a sharp one.
+  [[nodiscard]] bool is_smooth(std::int32_t corner, std::int32_t next) const {
+    return topology.corner_cw[corner] < topology.corner_count &&
+           topology.corner_ccw[next] < topology.corner_count;
+  }
+  [[nodiscard]] dvec3 in_face(std::int32_t corner) const {
+    return stepped(topology, topology.face_size(topology.corner_faces[corner]),
+                   [&](std::int32_t k) { return samples.point(beside(corner, k)); });
+  }
+  [[nodiscard]] dvec3 in_polygon(std::int32_t vertex, std::int32_t place) const {
+    const std::int32_t first = topology.ring_offsets[vertex], n = topology.valence(vertex);
+    return stepped(topology, n, [&](std::int32_t k) {
+      return samples.point(topology.ring_corners[first + (place - first + k) % n]);
+    });
+  }
+  // In the polygon of the edge to the next vertex of the face, and to the one before.
+  [[nodiscard]] dvec3 on_next(std::int32_t corner) const {
+    const std::int32_t other = topology.corner_cw[corner];
+    return stepped_quad(samples.point(corner), samples.point(beside(corner, 1)),
+                        samples.point(beside(other, -1)), samples.point(other));
+  }
+  [[nodiscard]] dvec3 on_previous(std::int32_t corner) const {
+    const std::int32_t other = topology.corner_ccw[corner];
+    return stepped_quad(samples.point(corner), samples.point(beside(corner, -1)),
+                        samples.point(beside(other, 1)), samples.point(other));
+  }
+};
+
+double cosine_of(const dvec3& normal, const dvec3& reference) {
+  const double length = glm::length(normal);
+  return length > 0 ? glm::dot(normal, reference) / length : -1;
+}
+
+}  // namespace
+
+double NetSamples::least_cosine_around(std::int32_t vertex,
+                                       std::span<const dvec3> face_normals) const {
+  const Surroundings around{*this};
+  double least = 1;
+  const auto note = [&](const dvec3& normal, std::int32_t corner) {
+    least = std::min(least, cosine_of(normal, face_normals[topology.corner_faces[corner]]));
+  };
+  for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1]; ++i) {
+    const std::int32_t corner = topology.ring_corners[i], after = topology.corner_ccw[corner];
+    const std::int32_t next = around.beside(corner, 1), last = around.beside(corner, -1);
+    const bool next_is_smooth = around.is_smooth(corner, next);
+    const dvec3 own = around.in_polygon(vertex, i), face = around.in_face(corner);
+    if (next_is_smooth) {
+      const dvec3 edge = around.on_next(corner);
+      note(glm::cross(around.on_previous(next) - face, around.in_face(next) - edge), corner);
+    }
+    if (!around.is_smooth(last, corner)) continue;
+    const dvec3 edge = around.on_previous(corner);
+    note(glm::cross(face - around.on_next(last), around.in_face(last) - edge), corner);
+    if (next_is_smooth) note(glm::cross(face - own, edge - around.on_next(corner)), corner);
+    const dvec3 side =
+        glm::cross(around.on_next(after) - own, around.in_polygon(vertex, i + 1) - edge);
+    note(side, corner);
+    note(side, after);
+  }
+  return least;
+}
+
+}  // namespace planish

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "planish/fair/fair_topology.h"
+
+namespace planish {
+
+/// Limit normals of a net of level 1 at the places where they depend on the fewest control points;
+/// of any length, zero where there is none. `offsets`: the state relative to the given points.
+struct NetSamples {
+  const FairTopology& topology;
+  std::span<const glm::dvec3> given, offsets;
+
+  [[nodiscard]] glm::dvec3 point(std::int32_t corner) const {
+    return given[topology.corner_vertices[corner]] + offsets[corner];
+  }
+  [[nodiscard]] glm::dvec3 at_edge(const FairTopology::Edge& edge) const;
+  [[nodiscard]] glm::dvec3 at_face(std::int32_t face) const;
+  /// Around the vertex must be a polygon.
+  [[nodiscard]] glm::dvec3 at_vertex(std::int32_t vertex) const;
+  /// The least cosine between the normals of the faces around a vertex with a polygon and the
+  /// limit normals at the places that the next step adds between it and them: at its control
+  /// points, on the sides of its polygon, and on those of the faces' polygons that begin or end at
+  /// it. 1 where there are none, beside sharp edges.
+  [[nodiscard]] double least_cosine_around(std::int32_t vertex,
+                                           std::span<const glm::dvec3> face_normals) const;
+};
+
+}  // namespace planish

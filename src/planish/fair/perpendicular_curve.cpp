@@ -1,0 +1,240 @@
+// Names: t the curve's direction towards the curve point w0 that a sector begins with, n across it
+// in the sector's plane, e_0..e_k the edges, s_i > 0 with sum s_i e_i along n, x_i the control
+// points: x_1 = w0 + s_0 turned(e_0), x_(i+1) = x_i + s_i turned(e_i), and w1 = -w0 in the end.
+#include "planish/fair/perpendicular_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "planish/fair/balanced_weights.h"
+#include "planish/fair/vertex_frame.h"
+
+namespace planish {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+constexpr double kHalf = 0.5;
+// Of the highest that the edges reach across the curve: what they are balanced about.
+constexpr double kAcrossShare = 0.5;
+// 1 + cosine of the angle at a corner below which its control point moves away no farther.
+constexpr double kWidestAngle = 0.2;
+
+dvec3 unit(const dvec3& vector) {
+  const double length = glm::length(vector);
+  return length > 0 ? vector / length : dvec3(0.0);
+}
+
+dvec3 edge_at(const CurveSite& site, std::span<const std::int32_t> ends, std::int32_t place) {
+  return site.given[ends[place]] - site.given[site.vertex];
+}
+
+// Where the convex hull of the edges' directions crosses the line across the curve, the farther of
+// the two times; 0 where they all lie to one side.
+double highest_across(std::span<const dvec2> edges) {
+  double highest = 0;
+  for (const dvec2& a : edges) {
+    if (a.x < 0) continue;
+    for (const dvec2& b : edges) {
+      if (b.x < 0) highest = std::max(highest, (a.x * b.y - b.x * a.y) / (a.x - b.x));
+    }
+  }
+  return highest;
+}
+
+// Weights with sum s_i edges[i] across the curve; returns how far they are to be used. Needles lie
+// flat along the curve: heights are scaled to the same spread as the rest, which changes no sum.
+double balance_along(PerpendicularScratch& scratch) {
+  const double rise = kAcrossShare * highest_across(scratch.edges);
+  if (!(rise > 0)) return 0;
+  double spread = 0;
+  for (const dvec2& edge : scratch.edges) spread = std::max(spread, std::abs(edge.y - rise));
+  scratch.points = scratch.edges;
+  for (dvec2& edge : scratch.points) edge.y = (edge.y - rise) / spread;
+  return balance(scratch.points, scratch.weights);
+}
+
+struct SectorPlane {
+  dvec3 along, across;
+};
+
+// Fills the chain of a sector for a handle of length 1; returns how far it is to be used.
+double shape_sector(const CurveSite& site, const FairTopology::Sector& sector,
+                    const SectorPlane& plane, PerpendicularScratch& scratch) {
+  const auto k = static_cast<std::size_t>(sector.count);
+  for (auto* vectors : {&scratch.edges, &scratch.points}) vectors->resize(k + 1);
+  scratch.weights.resize(k + 1);
+  for (std::size_t i = 0; i <= k; ++i) {
+    const std::int32_t place = sector.first + static_cast<std::int32_t>(std::min(i, k - 1));
+    const dvec3 edge = edge_at(site,
+                               i < k ? std::span<const std::int32_t>(site.topology.ring_next)
+                                     : std::span<const std::int32_t>(site.topology.ring_previous),
+                               place);
+    const dvec2 flat(glm::dot(edge, plane.along), glm::dot(edge, plane.across));
+    const double length = glm::length(flat);
+    if (!(length > 0)) return 0;
+    scratch.edges[i] = flat / length;
+  }
+  const double usable = balance_along(scratch);
+  if (!(usable > 0)) return 0;
+  double rise = 0;
+  for (std::size_t i = 0; i <= k; ++i) rise += scratch.weights[i] * scratch.edges[i].y;
+  if (!(rise > 0)) return 0;
+  const double scale = 2 / rise;  // from w0 = 1 along to w1 = -1
+  dvec2 at(1.0, 0.0);
+  for (std::size_t i = 0; i < k; ++i) {
+    at += scale * scratch.weights[i] * dvec2(-scratch.edges[i].y, scratch.edges[i].x);
+    scratch.points[i] = at;
+  }
+  return usable;
+}
+
+}  // namespace
+
+void scale_curve_vertex(const CurveSite& site, double factor) {
+  const FairTopology& topology = site.topology;
+  const std::int32_t first = topology.ring_offsets[site.vertex];
+  const std::int32_t last = topology.ring_offsets[site.vertex + 1];
+  std::int32_t begins = -1;  // the curve point that the first sector begins with
+  bool is_closed = true;
+  for (std::int32_t i = first; i < last; ++i) {
+    const std::int32_t corner = topology.ring_corners[i];
+    site.offsets[corner] *= factor;
+    const std::int32_t before = topology.corner_cw[corner];
+    if (before < topology.corner_count) continue;
+    site.offsets[before] *= factor;
+    if (begins < 0) begins = before;
+  }
+  // Around a whole ring the last sector ends where the first begins.
+  const std::int32_t end = topology.corner_ccw[topology.ring_corners[last - 1]];
+  is_closed = end == begins || end < topology.corner_count;
+  if (!is_closed) site.offsets[end] *= factor;
+}
+
+void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scratch) {
+  const FairTopology& topology = site.topology;
+  const std::int32_t crease = topology.crease_of_vertex[site.vertex];
+  const auto sectors = std::span(topology.sectors)
+                           .subspan(static_cast<std::size_t>(topology.sector_offsets[crease]),
+                                    static_cast<std::size_t>(topology.sector_offsets[crease + 1] -
+                                                             topology.sector_offsets[crease]));
+  const std::int32_t curve0 = sectors[0].curve0, curve1 = sectors[0].curve1;
+  const dvec3 direction = unit(site.offsets[curve0]);
+  const double size = perpendicular_size(topology, site.given, site.vertex);
+  double farthest = 1;  // of all control points, for a handle of length 1
+  double usable = size > 0 && direction != dvec3(0.0) ? 1 : 0;
+  const auto plane_of = [&](const FairTopology::Sector& sector) {
+    const dvec3 normal = angle_weighted_normal(topology, site.given, site.face_normals, site.vertex,
+                                               sector.first, sector.count);
+    const dvec3 along = sector.curve0 == curve0 ? direction : -direction;
+    return SectorPlane{along, unit(glm::cross(normal, along))};
+  };
+  for (const FairTopology::Sector& sector : sectors) {
+    usable = std::min(usable, shape_sector(site, sector, plane_of(sector), scratch));
+    if (!(usable > 0)) break;
+    for (std::int32_t i = 0; i < sector.count; ++i) {
+      farthest = std::max(farthest, glm::length(scratch.points[i]));
+    }
+  }
+  scale_curve_vertex(site, kHalf * (1 - usable));
+  if (!(usable > 0)) return;
+  const double length = usable * size / farthest;
+  for (const FairTopology::Sector& sector : sectors) {
+    const SectorPlane plane = plane_of(sector);
+    (void)shape_sector(site, sector, plane, scratch);
+    for (std::int32_t i = 0; i < sector.count; ++i) {
+      const dvec2 point = length * scratch.points[i];
+      site.offsets[topology.ring_corners[sector.first + i]] +=
+          point.x * plane.along + point.y * plane.across;
+    }
+  }
+  site.offsets[curve0] += length * direction;
+  site.offsets[curve1] -= length * direction;
+}
+
+void build_perpendicular_corner(const CurveSite& site) {
+  const FairTopology& topology = site.topology;
+  const double size = perpendicular_size(topology, site.given, site.vertex);
+  for (std::int32_t i = topology.ring_offsets[site.vertex];
+       i < topology.ring_offsets[site.vertex + 1]; ++i) {
+    const std::int32_t corner = topology.ring_corners[i];
+    const dvec3 next = unit(edge_at(site, topology.ring_next, i));
+    const dvec3 previous = unit(edge_at(site, topology.ring_previous, i));
+    // Within the size at right angles, where the point is farther than the circle.
+    const double radius = size * std::numbers::sqrt2 / 2;
+    const double widening = std::max(1 + glm::dot(next, previous), kWidestAngle);
+    site.offsets[corner] = radius / widening * (next + previous);
+    if (topology.corner_cw[corner] >= topology.corner_count) {
+      site.offsets[topology.corner_cw[corner]] = radius * next;
+    }
+    if (topology.corner_ccw[corner] >= topology.corner_count) {
+      site.offsets[topology.corner_ccw[corner]] = radius * previous;
+    }
+  }
+}
+
+double least_sector_cosine(const FairTopology& topology, std::span<const dvec3> face_normals,
+                           std::span<const dvec3> offsets, std::int32_t vertex) {
+  const std::int32_t crease = topology.crease_of_vertex[vertex];
+  double least = 1;
+  for (std::int32_t s = topology.sector_offsets[crease]; s < topology.sector_offsets[crease + 1];
+       ++s) {
+    const FairTopology::Sector& sector = topology.sectors[s];
+    dvec3 across(0.0);
+    for (std::int32_t i = 0; i < sector.count; ++i) {
+      across += std::sin(std::numbers::pi * (2 * i + 1) / (2.0 * sector.count)) *
+                offsets[topology.ring_corners[sector.first + i]];
+    }
+    const dvec3 normal = unit(glm::cross(offsets[sector.curve0] - offsets[sector.curve1], across));
+    for (std::int32_t i = 0; i < sector.count; ++i) {
+      const std::int32_t corner = topology.ring_corners[sector.first + i];
+      least = std::min(least, glm::dot(normal, face_normals[topology.corner_faces[corner]]));
+    }
+  }
+  return least;
+}
+
+namespace {
+
+// Where a point lies in the wedge of two edges, in the sense of least squares: the sum of its parts
+// along them, 1 on the line between their ends.
+double part_of_wedge(const dvec3& point, const dvec3& next, const dvec3& previous) {
+  const double nn = glm::dot(next, next), pp = glm::dot(previous, previous);
+  const double np = glm::dot(next, previous), determinant = nn * pp - np * np;
+  const double n = glm::dot(point, next), p = glm::dot(point, previous);
+  if (!(determinant > 1e-12 * nn * pp)) return 0;
+  return (n * pp - p * np + p * nn - n * np) / determinant;
+}
+
+}  // namespace
+
+double farthest_fan_point(const FairTopology& topology, std::span<const dvec3> given,
+                          std::span<const dvec3> offsets, std::int32_t vertex) {
+  const std::int32_t first = topology.ring_offsets[vertex], end = topology.ring_offsets[vertex + 1];
+  double farthest = 0;
+  for (std::int32_t begin = first; begin < end;) {
+    std::int32_t last = begin;
+    const auto after = [&] { return topology.corner_ccw[topology.ring_corners[last]]; };
+    while (last + 1 < end && after() < topology.corner_count) ++last;
+    const std::int32_t before = topology.corner_cw[topology.ring_corners[begin]];
+    if (before < topology.corner_count || after() < topology.corner_count) return 0;  // a cone
+    for (std::int32_t i = begin; i <= last; ++i) {
+      // The convex corner's fan; wider ones reach no farther.
+      const double t = (i - begin + 0.5) / (last + 1 - begin) * std::numbers::pi / 2;
+      const dvec3 fan =
+          std::numbers::sqrt2 * (std::cos(t) * offsets[before] + std::sin(t) * offsets[after()]);
+      const dvec3 point = (fan + offsets[topology.ring_corners[i]]) / 4.0;
+      const dvec3 next = given[topology.ring_next[i]] - given[vertex];
+      const dvec3 previous = given[topology.ring_previous[i]] - given[vertex];
+      farthest = std::max(farthest, part_of_wedge(point, next, previous));
+    }
+    begin = last + 1;
+  }
+  return farthest;
+}
+
+}  // namespace planish

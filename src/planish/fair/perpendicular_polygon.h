@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/fair/fair_topology.h"
+
+namespace planish {
+
+/// Scratch memory, reused from vertex to vertex.
+struct PerpendicularScratch {
+  std::vector<glm::dvec2> edges, points;
+  std::vector<double> weights;
+};
+
+/// How far the control points of a perpendicular polygon may lie from the vertex: half the least
+/// height of the faces around it.
+[[nodiscard]] double perpendicular_size(const FairTopology& topology,
+                                        std::span<const glm::dvec3> given, std::int32_t vertex);
+
+/// Replaces the polygon around a smooth or dart vertex, in `offsets`, by a small one in the plane
+/// of `normal` (unit) whose sides are at right angles to the edges that they cross, its mean 0:
+/// neither edges nor faces fold beside polygons of this kind that are small enough, nor does the
+/// vertex itself (see README.md). Where the edges do not surround the vertex in the plane there is
+/// none, and the polygon is halved instead; in between both are blended.
+void build_perpendicular_polygon(const FairTopology& topology, std::span<const glm::dvec3> given,
+                                 std::int32_t vertex, const glm::dvec3& normal,
+                                 PerpendicularScratch& scratch, std::span<glm::dvec3> offsets);
+
+}  // namespace planish

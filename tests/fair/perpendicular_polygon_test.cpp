@@ -1,0 +1,146 @@
+#include "planish/fair/perpendicular_polygon.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "fair/fair_case.h"
+#include "planish/fair/net_samples.h"
+#include "planish/fair/smallest_cap.h"
+#include "planish/fair/vertex_frame.h"
+#include "support/meshes.h"
+
+namespace planish::test {
+namespace {
+
+using glm::dvec3;
+using std::int32_t;
+
+// A cone of n triangles over points at uneven angles and distances; vertex n is its tip.
+PolygonMesh uneven_cone(int n, double height, std::uint32_t seed) {
+  std::mt19937 engine(seed);
+  const auto unit = [&] { return engine() * 0x1p-32; };
+  std::vector<double> gaps;
+  for (int i = 0; i < n; ++i) gaps.push_back(std::pow(unit(), 3) + 0.01);
+  double sum = 0, angle = 0;
+  for (const double gap : gaps) sum += gap;
+  PolygonMesh mesh;
+  for (int i = 0; i < n; ++i) {
+    const double radius = 0.3 + unit();
+    mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
+                                0.3 * height * unit());
+    // No gap of half a turn, or the edges do not surround the tip.
+    angle += std::min(gaps[i] / sum, 0.45) * 2 * std::numbers::pi;
+  }
+  mesh.positions.emplace_back(0.0, 0.0, height);
+  for (int i = 0; i < n; ++i) mesh.add_face(std::array{n, i, (i + 1) % n});
+  return mesh;
+}
+
+struct Cone {
+  explicit Cone(const PolygonMesh& mesh)
+      : c(mesh),
+        topology(make_fair_topology(c.mesh, c.subdivision)),
+        face_normals(unit_face_normals(topology, c.given)),
+        offsets(std::size_t(topology.state_size), dvec3(0.0)),
+        tip(mesh.vertex_count() - 1) {}
+  [[nodiscard]] std::vector<dvec3> polygon(const dvec3& normal) {
+    PerpendicularScratch scratch;
+    build_perpendicular_polygon(topology, c.given, tip, normal, scratch, offsets);
+    std::vector<dvec3> points;
+    for (int32_t i = topology.ring_offsets[tip]; i < topology.ring_offsets[tip + 1]; ++i) {
+      points.push_back(offsets[topology.ring_corners[i]]);
+    }
+    return points;
+  }
+  [[nodiscard]] dvec3 edge(int32_t i) const {
+    return c.given[topology.ring_next[topology.ring_offsets[tip] + i]] - c.given[tip];
+  }
+
+  FairCase c;
+  FairTopology topology;
+  std::vector<dvec3> face_normals, offsets;
+  int32_t tip;
+};
+
+TEST(PerpendicularPolygon, ItsSidesCrossTheEdgesAtRightAngles) {
+  int built = 0;
+  for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+    Cone cone(uneven_cone(3 + int(seed % 9), 0.2, seed));
+    const dvec3 normal(0, 0, 1);
+    const std::vector<dvec3> points = cone.polygon(normal);
+    const auto n = points.size();
+    dvec3 sum(0.0);
+    double farthest = 0;
+    for (const dvec3& p : points) {
+      sum += p;
+      farthest = std::max(farthest, glm::length(p));
+    }
+    if (farthest == 0) continue;
+    ++built;
+    EXPECT_LT(glm::length(sum), 1e-12);
+    for (std::size_t i = 0; i < n; ++i) {
+      EXPECT_NEAR(points[i].z, 0, 1e-15);
+      const dvec3 side = points[i] - points[(i + n - 1) % n];
+      const dvec3 edge = cone.edge(int32_t(i));
+      const dvec3 flat(edge.x, edge.y, 0);
+      // To balance()'s own tolerance: its first side closes the polygon.
+      if (i > 0) EXPECT_NEAR(glm::dot(side, flat), 0, 1e-14);
+      EXPECT_GT(glm::dot(glm::cross(flat, side), normal), 0) << seed;
+    }
+  }
+  EXPECT_GT(built, 20);
+}
+
+// The first Fourier pair's cross product has the sign of the polygon's turning, by Rado, Kneser
+// and Choquet's theorem, however uneven the edges are.
+TEST(PerpendicularPolygon, LimitNormalIsThePlanesHoweverUnevenTheEdges) {
+  int built = 0;
+  for (std::uint32_t seed = 1; seed <= 300; ++seed) {
+    Cone cone(uneven_cone(3 + int(seed % 40), 0.2, seed));
+    (void)cone.polygon(dvec3(0, 0, 1));
+    const NetSamples samples{cone.topology, cone.c.given, cone.offsets};
+    const dvec3 normal = samples.at_vertex(cone.tip);
+    if (glm::length(normal) == 0) continue;
+    ++built;
+    EXPECT_GT(normal.z, 0.999 * glm::length(normal)) << seed;
+  }
+  EXPECT_GT(built, 100);
+}
+
+TEST(PerpendicularPolygon, HalvesWhereTheEdgesDoNotSurroundTheVertex) {
+  Cone side(uneven_cone(5, 5, 2));  // a spike seen from its side
+  for (int32_t i = 0; i < side.topology.corner_count; ++i) side.offsets[i] = {0.4, 0.2, 0.1};
+  for (const dvec3& p : side.polygon(dvec3(1, 0, 0))) {
+    EXPECT_EQ(p, dvec3(0.2, 0.1, 0.05));
+  }
+}
+
+TEST(SmallestCap, IsTheSameFromAllFacesOfARegularCorner) {
+  const FairCase c(cube());
+  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  const auto face_normals = unit_face_normals(topology, c.given);
+  const NormalCap cap = smallest_cap(topology, face_normals, 7, glm::normalize(dvec3(1, 0.1, 0)));
+  EXPECT_NEAR(cap.cosine, 1 / std::sqrt(3.0), 0.02);
+  EXPECT_GT(glm::dot(cap.normal, glm::normalize(dvec3(1, 1, 1))), 0.999);
+}
+
+TEST(SmallestCap, TiltsANormalOnlyAsFarAsItMust) {
+  const FairCase c(cube());
+  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  const auto face_normals = unit_face_normals(topology, c.given);
+  const dvec3 good = glm::normalize(dvec3(1, 1, 0.5));
+  EXPECT_EQ(tilted_normal(topology, face_normals, 7, good), good);
+  const dvec3 bad = glm::normalize(dvec3(1, 1, -0.5));
+  const dvec3 tilted = tilted_normal(topology, face_normals, 7, bad);
+  const double cosine = least_face_cosine(topology, face_normals, 7, tilted);
+  EXPECT_GE(cosine, 0.2 / std::sqrt(3.0) - 0.01);
+  EXPECT_LT(cosine, 0.2 / std::sqrt(3.0) + 0.02);
+}
+
+}  // namespace
+}  // namespace planish::test
