@@ -92,5 +92,33 @@ TEST(DetectCreases, TagsSharpTurnsAsCorners) {
   EXPECT_FALSE(result.creases.empty());
 }
 
+// A needle that is turned about its length by 45 degrees in flat surroundings: both long edges are
+// sharp and meet at its tip, vertex 0.
+PolygonMesh turned_needle() {
+  PolygonMesh mesh;
+  mesh.positions = {{0, 0, 0}, {5, -6, 0}, {10, -0.3, -0.3}, {10, 0.3, 0.3}, {5, 6, 0}, {-5, 0, 0}};
+  for (int i = 1; i <= 5; ++i) mesh.add_face(std::array{0, i, i % 5 + 1});
+  return mesh;
+}
+
+TEST(DetectCreases, DropsOneOfTwoEdgesThatFoldALineBack) {
+  PolygonMesh mesh = turned_needle();
+  EXPECT_EQ(with_detected_creases(mesh).creases.size(), 1u);
+  mesh.creases = {{0, 2, kInfiniteSharpness}, {0, 3, kInfiniteSharpness}};
+  EXPECT_EQ(with_detected_creases(mesh).creases.size(), 2u) << "the mesh's own tags stay";
+}
+
+TEST(DetectCreases, KeepsTheEdgesOfASpike) {
+  // Five edges that enclose 7 degrees at the tip.
+  PolygonMesh mesh;
+  mesh.positions.emplace_back(0.0, 0.0, 10.0);
+  for (int i = 0; i < 5; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 5;
+    mesh.positions.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+  }
+  for (int i = 1; i <= 5; ++i) mesh.add_face(std::array{0, i, i % 5 + 1});
+  EXPECT_EQ(with_detected_creases(mesh).creases.size(), 5u);
+}
+
 }  // namespace
 }  // namespace planish

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <string>
 #include <utility>
@@ -25,9 +26,13 @@ constexpr std::size_t kGrain = 4096;
 constexpr double kRadians = std::numbers::pi / 180.0;
 constexpr double kRightAngle = std::numbers::pi / 2;
 
+// Two edges of a line that enclose less than this fold it back on itself: on needles both long
+// edges are sharp, and neither is a feature.
+constexpr double kFoldBackDegrees = 15;
 struct Edge {
   std::int32_t v0, v1;
-  bool given;  // tagged as sharp by the mesh, or a boundary: stays
+  bool given;    // tagged as sharp by the mesh, or a boundary: stays
+  double angle;  // between its faces, radians
 };
 
 void require_angle(double degrees, const char* name) {
@@ -82,6 +87,12 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
   };
   enum : std::uint8_t { Smooth, Found, Given };
   RawVector<std::uint8_t> kinds(static_cast<std::size_t>(topology.edge_count()));
+  const auto angle_at = [&](std::int32_t edge) {
+    if (topology.is_boundary_edge(edge)) return 0.0;
+    const std::int32_t corner = topology.corner_of(edge);
+    return angle_between(normals[topology.face_of(corner)],
+                         normals[topology.face_of(topology.twin(corner))]);
+  };
   parallel_for(kinds.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
       const auto edge = static_cast<std::int32_t>(e);
@@ -99,11 +110,83 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
   const SelectedBlocks blocks = count_selected(kinds.size(), is_sharp);
   std::vector<Edge> edges(static_cast<std::size_t>(blocks.total));
   for_selected(kinds.size(), blocks, is_sharp, [&](std::size_t e, std::int32_t number) {
-    const auto [lower, higher] = ends_of(static_cast<std::int32_t>(e));
-    edges[number] = {lower, higher, kinds[e] == Given};
+    const auto edge = static_cast<std::int32_t>(e);
+    const auto [lower, higher] = ends_of(edge);
+    edges[number] = {lower, higher, kinds[e] == Given, angle_at(edge)};
   });
   std::ranges::sort(edges, {}, [](const Edge& edge) { return VertexPair(edge.v0, edge.v1); });
   return edges;
+}
+
+// The numbers of the sharp edges at every vertex, in ascending order.
+struct EdgesOfVertices {
+  std::vector<std::int32_t> offsets, edges;
+  [[nodiscard]] std::span<const std::int32_t> at(std::int32_t vertex) const {
+    return std::span(edges).subspan(
+        static_cast<std::size_t>(offsets[vertex]),
+        static_cast<std::size_t>(offsets[vertex + 1] - offsets[vertex]));
+  }
+};
+
+EdgesOfVertices edges_of_vertices(const PolygonMesh& mesh, const std::vector<Edge>& edges) {
+  EdgesOfVertices result;
+  result.offsets.assign(mesh.positions.size() + 1, 0);
+  for (const Edge& edge : edges) {
+    ++result.offsets[edge.v0 + 1];
+    ++result.offsets[edge.v1 + 1];
+  }
+  std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());
+  result.edges.resize(2 * edges.size());
+  std::vector<std::int32_t> next = result.offsets;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    result.edges[next[edges[e].v0]++] = static_cast<std::int32_t>(e);
+    result.edges[next[edges[e].v1]++] = static_cast<std::int32_t>(e);
+  }
+  return result;
+}
+
+glm::dvec3 along(const PolygonMesh& mesh, const Edge& edge, std::int32_t from) {
+  return mesh.positions[edge.v0 == from ? edge.v1 : edge.v0] - mesh.positions[from];
+}
+
+// Of every two edges that fold a line back, the flatter one that was found goes; flattest first, so
+// that the order of the edges does not matter.
+void drop_fold_backs(const PolygonMesh& mesh, std::vector<Edge>& edges) {
+  std::vector<std::int32_t> order(edges.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](auto a, auto b) { return edges[a].angle < edges[b].angle; });
+  const EdgesOfVertices sharp = edges_of_vertices(mesh, edges);
+  std::vector<std::uint8_t> dropped(edges.size(), 0);
+  const auto folds_back = [&](std::int32_t e, std::int32_t vertex) {
+    if (sharp.at(vertex).size() != 2) return false;  // the tip of a spike
+    const glm::dvec3 own = along(mesh, edges[e], vertex);
+    return std::ranges::any_of(sharp.at(vertex), [&](std::int32_t other) {
+      return other != e && !dropped[other] &&
+             angle_between(own, along(mesh, edges[other], vertex)) < kFoldBackDegrees * kRadians;
+    });
+  };
+  for (const std::int32_t e : order) {
+    if (edges[e].given) continue;
+    dropped[e] = folds_back(e, edges[e].v0) || folds_back(e, edges[e].v1);
+  }
+  std::size_t next = 0;
+  std::erase_if(edges, [&](const Edge&) { return dropped[next++] != 0; });
+}
+
+// Where a line of two edges turns too far.
+void tag_corners(PolygonMesh& mesh, const std::vector<Edge>& edges, double degrees) {
+  std::set<std::int32_t> tagged;
+  for (const CornerVertex& corner : mesh.corners) tagged.insert(corner.vertex);
+  const EdgesOfVertices sharp = edges_of_vertices(mesh, edges);
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const auto at = sharp.at(v);
+    if (at.size() != 2 || tagged.contains(v)) continue;
+    const glm::dvec3 in = -along(mesh, edges[at[0]], v), out = along(mesh, edges[at[1]], v);
+    if (angle_between(in, out) > degrees * kRadians) {
+      mesh.corners.push_back({v, kInfiniteSharpness});
+    }
+  }
 }
 
 }  // namespace
@@ -113,6 +196,7 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
   require_angle(options.dihedral_degrees, "crease");
   require_angle(options.corner_degrees, "corner");
   std::vector<Edge> edges = sharp_edges(mesh, topology, options.dihedral_degrees * kRadians);
+  drop_fold_backs(mesh, edges);
 
   std::vector<std::int32_t> degree(mesh.positions.size(), 0);
   const auto count = [&](const Edge& edge, int by) {
@@ -136,28 +220,10 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
   std::erase_if(mesh.creases, [&](const CreaseEdge& crease) {
     return crease.sharpness < kInfiniteSharpness && is_found(std::minmax(crease.v0, crease.v1));
   });
-  // The other ends of the first two sharp edges at each vertex, in the order of the edges.
-  std::vector<std::array<std::int32_t, 2>> neighbours(mesh.positions.size());
-  std::vector<std::int32_t> count_at(mesh.positions.size(), 0);
-  const auto add_neighbour = [&](std::int32_t vertex, std::int32_t other) {
-    if (count_at[vertex] < 2) neighbours[vertex][count_at[vertex]] = other;
-    ++count_at[vertex];
-  };
   for (const Edge& edge : edges) {
     if (!edge.given) mesh.creases.push_back({edge.v0, edge.v1, kInfiniteSharpness});
-    add_neighbour(edge.v0, edge.v1);
-    add_neighbour(edge.v1, edge.v0);
   }
-  std::set<std::int32_t> tagged_corners;
-  for (const CornerVertex& corner : mesh.corners) tagged_corners.insert(corner.vertex);
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    if (count_at[v] != 2) continue;
-    const glm::dvec3 in = mesh.positions[v] - mesh.positions[neighbours[v][0]];
-    const glm::dvec3 out = mesh.positions[neighbours[v][1]] - mesh.positions[v];
-    if (!tagged_corners.contains(v) && angle_between(in, out) > options.corner_degrees * kRadians) {
-      mesh.corners.push_back({v, kInfiniteSharpness});
-    }
-  }
+  tag_corners(mesh, edges, options.corner_degrees);
 }
 
 PolygonMesh with_detected_creases(const PolygonMesh& mesh, const CreaseDetectionOptions& options) {
