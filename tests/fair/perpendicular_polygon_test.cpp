@@ -89,7 +89,9 @@ TEST(PerpendicularPolygon, ItsSidesCrossTheEdgesAtRightAngles) {
       const dvec3 edge = cone.edge(int32_t(i));
       const dvec3 flat(edge.x, edge.y, 0);
       // To balance()'s own tolerance: its first side closes the polygon.
-      if (i > 0) EXPECT_NEAR(glm::dot(side, flat), 0, 1e-14);
+      if (i > 0) {
+        EXPECT_NEAR(glm::dot(side, flat), 0, 1e-14);
+      }
       EXPECT_GT(glm::dot(glm::cross(flat, side), normal), 0) << seed;
     }
   }
