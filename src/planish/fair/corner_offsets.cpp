@@ -10,7 +10,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr std::size_t kGrain = 8192;
+constexpr std::size_t kOffsetGrain = 8192;
 
 struct FaceStep {
   const FairTopology& topology;
@@ -62,7 +62,7 @@ struct FaceStep {
 void corner_offsets(const FairTopology& topology, std::span<const dvec3> given,
                     std::span<const dvec3> points, std::span<dvec3> offsets) {
   const FaceStep step{topology, given, points, offsets};
-  parallel_for(static_cast<std::size_t>(topology.face_count), kGrain,
+  parallel_for(static_cast<std::size_t>(topology.face_count), kOffsetGrain,
                [&](std::size_t begin, std::size_t end) {
                  for (auto f = static_cast<std::int32_t>(begin); f < static_cast<std::int32_t>(end);
                       ++f) {

@@ -14,7 +14,7 @@ namespace {
 // Where arms differ by more than this part of the shorter, the handle is the chord's alone.
 constexpr double kUnevenArms = 0.4;
 // A handle may pass the shorter arm by this factor.
-constexpr double kLongestFactor = 1.15;
+constexpr double kLongestHandle = 1.15;
 // Of the other edge's distance from the curve: how far a handle may lead into a face.
 constexpr double kCorridor = 1.0 / 12.0;
 constexpr double kLeastCorridorFactor = 0.02;
@@ -74,7 +74,7 @@ dvec3 chord_handle(const CreaseArms& arms) {
   const double length = glm::length(direction);
   if (!(length > 0)) return dvec3(0.0);  // a cusp: both arms the same way
   return direction *
-         (std::min((before + after) / 2, kLongestFactor * std::min(before, after)) / length);
+         (std::min((before + after) / 2, kLongestHandle * std::min(before, after)) / length);
 }
 
 dvec3 crease_handle(const CreaseArms& arms, double rho) {

@@ -15,7 +15,7 @@ using glm::dvec3;
 namespace {
 
 // Control points beside a sharp edge follow its handle, but not farther than this factor.
-constexpr double kLongestFactor = 1.3;
+constexpr double kLongestInSector = 1.3;
 
 VertexFrame sector_frame(const FairTopology& topology, std::span<const dvec3> given,
                          std::span<const dvec3> face_normals, const FairTopology::Sector& sector,
@@ -32,7 +32,7 @@ VertexFrame sector_frame(const FairTopology& topology, std::span<const dvec3> gi
 
 double handle_factor(double handle_length, const dvec3& edge) {
   const double arm = glm::length(edge) / 4.0;
-  return arm > 0 ? std::min(kLongestFactor, handle_length / arm) : 1.0;
+  return arm > 0 ? std::min(kLongestInSector, handle_length / arm) : 1.0;
 }
 
 }  // namespace

@@ -27,12 +27,12 @@ namespace {
 
 using glm::dvec3;
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kNetGrain = 1024;
 
 // Calls body(vertex) for every vertex on all threads.
 template <class MakeBody>
 void for_vertices(const FairTopology& topology, const MakeBody& make_body) {
-  parallel_for(static_cast<std::size_t>(topology.vertex_count), kGrain,
+  parallel_for(static_cast<std::size_t>(topology.vertex_count), kNetGrain,
                [&](std::size_t begin, std::size_t end) {
                  auto body = make_body();
                  for (std::size_t v = begin; v < end; ++v) body(static_cast<std::int32_t>(v));

@@ -12,7 +12,7 @@ namespace planish {
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kTopologyGrain = 4096;
 
 void number_corners(const PolygonMesh& mesh, FairTopology& topology) {
   topology.vertex_count = mesh.vertex_count();
@@ -72,7 +72,7 @@ void gather_rings(const Subdivision& subdivision, FairTopology& topology) {
   std::transform(subdivision.features().vertex_kinds.begin(),
                  subdivision.features().vertex_kinds.end(), topology.kinds.begin(),
                  [](VertexKind kind) { return static_cast<std::uint8_t>(kind); });
-  parallel_for(vertex_count, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(vertex_count, kTopologyGrain, [&](std::size_t begin, std::size_t end) {
     VertexRing ring;
     for (std::size_t v = begin; v < end; ++v) {
       gather_ring(subdivision, 1, static_cast<std::int32_t>(v), ring);

@@ -14,7 +14,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr std::size_t kGrain = 8192;
+constexpr std::size_t kRepairGrain = 8192;
 constexpr int kRounds = 3;
 // Cosine between the limit normal of a face or edge and the mesh's below which it counts as folded.
 // At edges it is a part of the cosine of half their own turn: less is asked of sharp ones.
@@ -69,7 +69,7 @@ class VertexFlags {
 FoldCount find_folds(const FoldTest& test, VertexFlags& flags) {
   const FairTopology& topology = test.topology;
   std::atomic<std::int64_t> edges = 0, faces = 0;
-  parallel_for(topology.edges.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(topology.edges.size(), kRepairGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
       const FairTopology::Edge& edge = topology.edges[e];
       if (!test.edge_is_folded(edge)) continue;
@@ -78,7 +78,7 @@ FoldCount find_folds(const FoldTest& test, VertexFlags& flags) {
       flags.set(topology.corner_vertices[edge.corners[1]]);
     }
   });
-  parallel_for(static_cast<std::size_t>(topology.face_count), kGrain,
+  parallel_for(static_cast<std::size_t>(topology.face_count), kRepairGrain,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t f = begin; f < end; ++f) {
                    if (!test.face_is_folded(static_cast<std::int32_t>(f))) continue;
@@ -96,7 +96,7 @@ FoldCount find_folds(const FoldTest& test, VertexFlags& flags) {
 
 void halve_polygons(const FairTopology& topology, std::span<const std::uint8_t> halvings,
                     std::span<dvec3> offsets) {
-  parallel_for(halvings.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(halvings.size(), kRepairGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       if (halvings[v] == 0) continue;
       const double factor = std::ldexp(1.0, -halvings[v]);

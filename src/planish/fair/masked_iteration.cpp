@@ -11,7 +11,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr std::size_t kGrain = 8192;
+constexpr std::size_t kStepGrain = 8192;
 constexpr int kSteps = 3;
 
 }  // namespace
@@ -38,7 +38,7 @@ std::vector<dvec3> masked_iteration(const FairTopology& topology, std::span<cons
   std::vector<dvec3> points(given.begin(), given.end());
   std::vector<dvec3> next = points;
   for (int step = 0; step < kSteps; ++step) {
-    parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_for(points.size(), kStepGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         if (shares[v] <= 0) continue;
         next[v] = points[v] - shares[v] * limit_error(topology, given, points, offsets,

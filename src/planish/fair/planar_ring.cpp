@@ -16,14 +16,14 @@ namespace {
 constexpr double kSliverSine = 1e-3;
 // A control point nearer to an edge of its wedge than this part of the other edge is not safely
 // inside.
-constexpr double kLeastCoordinate = 0.02;
-constexpr double kRegularCoordinate = 1.0 / 6.0;
+constexpr double kLeastInRing = 0.02;
+constexpr double kRegularInRing = 1.0 / 6.0;
 
 // Counts a coordinate from the least one on, so that the imbalance grows to infinity there instead
 // of jumping; regular ones stay as they are.
 double above_least(double coordinate) {
-  constexpr double kScale = kRegularCoordinate / (kRegularCoordinate - kLeastCoordinate);
-  return kScale * (coordinate - kLeastCoordinate);
+  constexpr double kScale = kRegularInRing / (kRegularInRing - kLeastInRing);
+  return kScale * (coordinate - kLeastInRing);
 }
 
 double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
@@ -62,8 +62,7 @@ double imbalance(const PlanarRing& ring) {
   double worst = 0;
   for (std::int32_t i = 0; i < ring.count; ++i) {
     const PlanarRing::Wedge& own = ring.wedges[i];
-    if (!own.valid || own.along_next <= kLeastCoordinate ||
-        own.along_previous <= kLeastCoordinate) {
+    if (!own.valid || own.along_next <= kLeastInRing || own.along_previous <= kLeastInRing) {
       return std::numeric_limits<double>::infinity();
     }
     const PlanarRing::Wedge mean = wedge_of(ring.mean, ring.next[i], ring.previous[i]);

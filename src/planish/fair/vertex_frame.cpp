@@ -19,7 +19,7 @@ dvec2 VertexFrame::project(const dvec3& vector) const {
 
 namespace {
 
-constexpr std::size_t kGrain = 8192;
+constexpr std::size_t kFrameGrain = 8192;
 constexpr std::size_t kVertexGrain = 1024;
 // Of the sum of the angles: a normal below this is what cancellation left.
 constexpr double kCancelled = 1e-6;
@@ -53,7 +53,7 @@ double angle_about(const dvec3& a, const dvec3& b, const dvec3& turn, const dvec
 
 std::vector<dvec3> unit_face_normals(const FairTopology& topology, std::span<const dvec3> given) {
   std::vector<dvec3> normals(static_cast<std::size_t>(topology.face_count));
-  parallel_for(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(normals.size(), kFrameGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const auto face = static_cast<std::int32_t>(f);
       normals[f] =

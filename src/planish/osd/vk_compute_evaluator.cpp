@@ -50,7 +50,7 @@ bool VkComputeEvaluator::evalStencils(VkDeviceContext* deviceContext, Bound cons
   for (std::size_t i = 0; i < to.size(); ++i)
     if (to[i].buffer)
       passes->emplace_back(deviceContext->GetContext(), *weights(i), Elements(src.buffer, src.desc),
-                           Elements(to[i].buffer, to[i].desc), vulkan::RowRange{start, end});
+                           Elements(to[i].buffer, to[i].desc), vulkan::PassRows{start, end});
   RunPasses(*deviceContext, passes);
   return true;
 }

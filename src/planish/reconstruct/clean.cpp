@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int32_t kMaxNeighbours = 100;
 constexpr std::size_t kSpacingNeighbours = 6;
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kCleanGrain = 1024;
 constexpr std::size_t kSlice = 1 << 16;  // between tests for cancelling
 
 std::uint64_t hash_of(const glm::dvec3& point) {
@@ -80,7 +80,7 @@ Distances measure(std::span<const glm::dvec3> points, const CleanOptions& option
   for (std::size_t first = 0; first < points.size(); first += kSlice) {
     options.callbacks.check_cancelled();
     options.callbacks.report("clean", static_cast<double>(first) / points.size());
-    parallel_for(std::min(kSlice, points.size() - first), kGrain,
+    parallel_for(std::min(kSlice, points.size() - first), kCleanGrain,
                  [&](std::size_t begin, std::size_t end) {
                    std::array<Neighbour, kMaxNeighbours + 1> nearest;
                    for (std::size_t i = first + begin; i < first + end; ++i) {

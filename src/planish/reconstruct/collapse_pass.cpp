@@ -19,7 +19,7 @@ constexpr double kHopelessTolerances = 4.0;
 // counts as an error of one.
 constexpr double kLengthWeight = 1e-4;
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kCollapseGrain = 4096;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ void CollapsePass::fill_queue() {
   std::vector<Entry> entries;
   for (std::int32_t v = 0; v < static_cast<std::int32_t>(waiting_.size()); ++v)
     if (state_.take(v, Pass::Collapse)) entries.push_back({0, v, 0});
-  parallel_for(entries.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(entries.size(), kCollapseGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Entry& entry = entries[i];
       Waiting& waiting = waiting_[entry.vertex];

@@ -12,7 +12,7 @@ namespace {
 
 // How far from its corner towards the face's middle a normal is looked up.
 constexpr double kInward = 0.01;
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kCompareGrain = 256;
 
 std::vector<Triangle> fans_of(const PolygonMesh& mesh) {
   std::vector<Triangle> triangles;
@@ -28,7 +28,7 @@ std::vector<Triangle> fans_of(const PolygonMesh& mesh) {
 // The nearest triangle to each corner of the surface's faces.
 std::vector<std::int32_t> nearest_triangles(const SurfaceMesh& surface, const TriangleTree& tree) {
   std::vector<std::int32_t> nearest(surface.face_vertices.size());
-  parallel_for(static_cast<std::size_t>(surface.face_count()), kGrain,
+  parallel_for(static_cast<std::size_t>(surface.face_count()), kCompareGrain,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t f = begin; f < end; ++f) {
                    const auto vertices = surface.face(static_cast<std::int64_t>(f));

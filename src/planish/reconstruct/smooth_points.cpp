@@ -16,7 +16,7 @@ namespace planish {
 namespace {
 
 constexpr int kTerms = 6;  // 1, x, y, x^2, xy, y^2
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kSmoothGrain = 256;
 constexpr std::size_t kSlice = 1 << 15;  // between tests for cancelling
 
 using Terms = std::array<double, kTerms>;
@@ -140,7 +140,7 @@ std::vector<glm::dvec3> smooth_points(std::span<const glm::dvec3> points, std::i
     for (std::size_t first = 0; first < current.size(); first += kSlice) {
       callbacks.check_cancelled();
       callbacks.report("smooth", (round + static_cast<double>(first) / current.size()) / rounds);
-      parallel_for(std::min(kSlice, current.size() - first), kGrain,
+      parallel_for(std::min(kSlice, current.size() - first), kSmoothGrain,
                    [&](std::size_t begin, std::size_t end) {
                      for (std::size_t i = first + begin; i < first + end; ++i) {
                        const LocalFit fit = fit_at(static_cast<std::int32_t>(i), current, tree);

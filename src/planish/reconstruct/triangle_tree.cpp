@@ -15,7 +15,7 @@ namespace planish {
 namespace {
 
 constexpr std::int32_t kLeafSize = 4;
-constexpr std::size_t kGrain = 512;
+constexpr std::size_t kTreeGrain = 512;
 
 double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
   const glm::dvec3 outside = glm::max(glm::max(low - p, p - high), glm::dvec3(0.0));
@@ -113,7 +113,7 @@ PointDistances measure_distances(std::span<const glm::dvec3> points,
   PLANISH_ASSERT(!triangles.empty());
   const TriangleTree tree(positions, triangles);
   std::vector<double> squared(points.size());
-  parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(points.size(), kTreeGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) squared[i] = tree.nearest(points[i]).squared_distance;
   });
   const auto farthest = std::ranges::max_element(squared);

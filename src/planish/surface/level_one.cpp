@@ -9,16 +9,6 @@
 
 namespace planish {
 
-namespace {
-
-EvaluateOptions first_level(const SharpFeatureOptions& sharp) {
-  EvaluateOptions options{.level = 0};
-  options.sharp = sharp;
-  return options;
-}
-
-}  // namespace
-
 void require_state_of(const Subdivision& subdivision, const LevelOne& level_one) {
   require_state_size(subdivision.state_layout(1).size, level_one);
 }

@@ -262,12 +262,6 @@ void carry_colors(const SubdividedMesh& base, PolygonMesh& result) {
   }
 }
 
-EvaluateOptions first_level(const SharpFeatureOptions& sharp) {
-  EvaluateOptions options{.level = 0};
-  options.sharp = sharp;
-  return options;
-}
-
 PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one) {
   require_state_of(base.subdivision, level_one);
   PolygonMesh net;

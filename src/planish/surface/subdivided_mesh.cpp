@@ -35,6 +35,12 @@ UsedPart usable_part(const PolygonMesh& mesh, std::shared_ptr<const PreparedMesh
   return used_part(mesh, std::move(prepared));
 }
 
+EvaluateOptions first_level(const SharpFeatureOptions& sharp) {
+  EvaluateOptions options{.level = 0};
+  options.sharp = sharp;
+  return options;
+}
+
 SubdividedMesh::SubdividedMesh(const PolygonMesh& mesh, const EvaluateOptions& options)
     : used(usable_part(mesh, options.prepared)),
       split(used.mesh, used.prepared->topology),

@@ -16,6 +16,9 @@ namespace planish {
 [[nodiscard]] UsedPart usable_part(const PolygonMesh& mesh,
                                    std::shared_ptr<const PreparedMesh> prepared = nullptr);
 
+/// Evaluates the mesh itself, with these sharp features.
+[[nodiscard]] EvaluateOptions first_level(const SharpFeatureOptions& sharp);
+
 /// A mesh with everything that Doo-Sabin's tables depend on besides control points, down to a
 /// level.
 struct SubdividedMesh {

@@ -17,7 +17,6 @@ namespace vulkan {
 
 namespace {
 
-constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
 /// apply_limit writes a position and a normal for each row.
 constexpr std::uint64_t kLimitFloats = 6;
 

@@ -7,8 +7,6 @@ namespace planish::vulkan {
 
 namespace {
 
-constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
-
 template <class Item>
 void upload_items(Submitter& submitter, const Buffer& target, const std::vector<Item>& items) {
   const std::span<const std::byte> bytes = std::as_bytes(std::span(items));

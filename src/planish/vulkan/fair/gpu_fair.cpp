@@ -11,8 +11,7 @@ namespace planish::vulkan {
 
 namespace {
 
-constexpr std::uint32_t kLanes = 64;
-constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
+constexpr std::uint32_t kFairLanes = 64;
 constexpr int kMaskSteps = 3;
 
 }  // namespace
@@ -27,7 +26,7 @@ struct GpuFair::Binder {
             std::initializer_list<const Buffer*> buffers) {
     BoundKernel& kernel_buffers = bound.emplace_back(BoundKernel{kernel, {}});
     for (const Buffer* buffer : buffers) kernel_buffers.buffers.push_back(whole(*buffer));
-    const std::uint32_t wanted = count / kLanes + (count % kLanes ? 1 : 0);
+    const std::uint32_t wanted = count / kFairLanes + (count % kFairLanes ? 1 : 0);
     Pass pass{context.pipelines().specialised(kernel, {}), bound.size() - 1, common,
               std::min(wanted, context.max_group_count())};
     pass.parameters.count = count;

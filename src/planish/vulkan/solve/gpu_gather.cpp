@@ -10,8 +10,7 @@ namespace planish::vulkan {
 
 namespace {
 
-constexpr std::int32_t kLanes = 64;
-constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
+constexpr std::int32_t kGatherLanes = 64;
 
 }  // namespace
 
@@ -28,7 +27,8 @@ GpuGather::GpuGather(Context& context, const Buffer& vertices,
 void GpuGather::cut_gathers(std::span<const std::int32_t> row_vertices, const GivenPoints& given) {
   const std::uint64_t range = context_.max_storage_range();
   const std::uint64_t most_rows =
-      std::min(range / kPointBytes / kLanes, std::uint64_t(context_.max_group_count())) * kLanes;
+      std::min(range / kPointBytes / kGatherLanes, std::uint64_t(context_.max_group_count())) *
+      kGatherLanes;
   const auto window = [&](std::size_t first, std::size_t end) {
     const VkDeviceSize start = given.offset + VkDeviceSize(row_vertices[first]) * given.stride;
     const VkDeviceSize aligned = start - start % kBindingAlignment;
@@ -40,8 +40,9 @@ void GpuGather::cut_gathers(std::span<const std::int32_t> row_vertices, const Gi
   for (std::size_t first = 0; first < row_vertices.size();) {
     // Whole groups of rows, as far as one binding spans their points.
     std::size_t end = first;
-    while (end < row_vertices.size() && end - first < std::max<std::uint64_t>(most_rows, kLanes)) {
-      const std::size_t next = std::min(end + kLanes, row_vertices.size());
+    while (end < row_vertices.size() &&
+           end - first < std::max<std::uint64_t>(most_rows, kGatherLanes)) {
+      const std::size_t next = std::min(end + kGatherLanes, row_vertices.size());
       if (end > first && window(first, next).size > range) break;
       end = next;
     }
@@ -79,8 +80,9 @@ void GpuGather::record(VkCommandBuffer commands) const noexcept {
     parameters.first_vertex = gather.first_vertex;
     parameters.source_shift = gather.shift;
     parameters.source_stride = source_stride_;
-    record_dispatch(context_, commands, Kernel::GatherPoints, sets_[i], &parameters,
-                    static_cast<std::uint32_t>((gather.row_count + kLanes - 1) / kLanes));
+    record_dispatch(
+        context_, commands, Kernel::GatherPoints, sets_[i], &parameters,
+        static_cast<std::uint32_t>((gather.row_count + kGatherLanes - 1) / kGatherLanes));
   }
 }
 

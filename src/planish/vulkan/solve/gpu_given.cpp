@@ -6,12 +6,6 @@
 
 namespace planish::vulkan {
 
-namespace {
-
-constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
-
-}  // namespace
-
 GpuGiven::GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& solve,
                    const Buffer& vertices, std::span<const std::int32_t> row_vertices,
                    const GivenPoints& given)

@@ -78,7 +78,6 @@ template PackedSlice DeviceTable::pack(std::size_t, const StencilView<double>&,
                                        const LimitStencilView<double>*) const;
 
 BufferRange point_range(const Buffer& points, std::int32_t first, std::int32_t count) {
-  constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
   // At least one point, for tables without sources: a binding may not be empty.
   return {points.handle(), std::uint64_t(first) * kPointBytes,
           std::uint64_t(std::max(count, 1)) * kPointBytes};

@@ -59,7 +59,7 @@ void StencilPass::compile(const Context& context, std::uint32_t length, std::uin
 }
 
 StencilPass::StencilPass(Context& context, const DeviceTable& table, const FloatElements& source,
-                         const FloatElements& target, const RowRange& rows)
+                         const FloatElements& target, const PassRows& rows)
     : context_(context),
       pipeline_(specialised(context, source.length, source.stride, target.stride)) {
   PLANISH_ASSERT(source.length == target.length && source.length > 0 && rows.begin >= 0 &&

@@ -17,7 +17,7 @@ struct FloatElements {
 };
 
 /// Rows [begin, end) of a table.
-struct RowRange {
+struct PassRows {
   std::int32_t begin = 0, end = 0;
 };
 
@@ -45,7 +45,7 @@ class StencilPass {
   /// Both sides have the same length. Throws Error{OutOfMemory} naming the limit that the sources
   /// of the table's rows exceed.
   StencilPass(Context& context, const DeviceTable& table, const FloatElements& source,
-              const FloatElements& target, const RowRange& rows);
+              const FloatElements& target, const PassRows& rows);
 
   /// Only records, within kEntryScope and kExitScope.
   void record(VkCommandBuffer commands) const noexcept;

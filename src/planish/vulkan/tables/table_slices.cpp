@@ -16,8 +16,7 @@ namespace planish::vulkan {
 
 namespace {
 
-constexpr std::int32_t kLanes = static_cast<std::int32_t>(shared::kChunkRows);
-constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
+constexpr std::int32_t kChunkLanes = static_cast<std::int32_t>(shared::kChunkRows);
 // Windows start at multiples of 64 points: 1024 bytes, a multiple of every alignment that Vulkan
 // allows a device to ask for.
 constexpr std::int32_t kWindowAlignment = 64;
@@ -45,10 +44,10 @@ WindowNeeds sort_window(const StencilView<Real>& table, std::int32_t first, std:
   std::stable_sort(slots, slots + (last - first),
                    [&](std::int32_t a, std::int32_t b) { return table.sizes[a] > table.sizes[b]; });
   WindowNeeds needs;
-  for (std::int32_t slot = first; slot < last; slot += kLanes) {
+  for (std::int32_t slot = first; slot < last; slot += kChunkLanes) {
     const std::int32_t width = table.sizes[plan.row_of_slot[slot]];
-    plan.chunk_widths[slot / kLanes] = width;
-    needs.entries += std::uint64_t(width) * kLanes;
+    plan.chunk_widths[slot / kChunkLanes] = width;
+    needs.entries += std::uint64_t(width) * kChunkLanes;
   }
   for (std::int32_t row = first; row < last; ++row) {
     if (own_rows) {
@@ -68,7 +67,7 @@ WindowNeeds sort_window(const StencilView<Real>& table, std::int32_t first, std:
 /// The slice with the rows of one more window.
 TableSlice extended(const TableSlice& slice, const WindowNeeds& needs, std::int32_t rows) {
   TableSlice result = slice;
-  result.chunk_count += (rows + kLanes - 1) / kLanes;
+  result.chunk_count += (rows + kChunkLanes - 1) / kChunkLanes;
   result.entry_count += needs.entries;
   const std::int32_t end_source =
       std::max(slice.first_source + slice.source_count, needs.end_source);
@@ -111,9 +110,9 @@ TablePlan plan_with_windows(const StencilView<Real>& table, const SliceLimits& l
                             std::int32_t window_rows) {
   const std::int32_t rows = table.row_count();
   const std::int32_t window_count = (rows + window_rows - 1) / window_rows;
-  const std::size_t chunk_count = (std::size_t(rows) + kLanes - 1) / kLanes;
+  const std::size_t chunk_count = (std::size_t(rows) + kChunkLanes - 1) / kChunkLanes;
   TablePlan plan;
-  plan.row_of_slot.assign(chunk_count * kLanes, -1);
+  plan.row_of_slot.assign(chunk_count * kChunkLanes, -1);
   plan.chunk_widths.assign(chunk_count, 0);
   std::vector<WindowNeeds> needs(window_count);
   parallel_for(needs.size(), 16, [&](std::size_t begin, std::size_t end) {
@@ -131,7 +130,7 @@ TablePlan plan_with_windows(const StencilView<Real>& table, const SliceLimits& l
     if (slice.row_count > 0 && full) {
       plan.slices.push_back(slice);
       slice = {};
-      slice.first_chunk = std::size_t(first_row) / kLanes;
+      slice.first_chunk = std::size_t(first_row) / kChunkLanes;
       slice.first_row = first_row;
       longer = extended(slice, needs[window], count);
     }
@@ -150,14 +149,14 @@ TablePlan plan_with_windows(const StencilView<Real>& table, const SliceLimits& l
 
 template <class Real>
 TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits) {
-  for (std::int32_t window_rows = kSortWindow; window_rows > kLanes; window_rows /= 2) {
+  for (std::int32_t window_rows = kSortWindow; window_rows > kChunkLanes; window_rows /= 2) {
     try {
       return plan_with_windows(table, limits, window_rows);
     } catch (const Error&) {
       // Smaller windows may fit.
     }
   }
-  return plan_with_windows(table, limits, kLanes);
+  return plan_with_windows(table, limits, kChunkLanes);
 }
 
 template <class Real>
@@ -184,7 +183,7 @@ PackedSlice pack_slice(const StencilView<Real>& table,
     const auto spare =
         static_cast<std::uint32_t>(size > 0 ? table.indices[from] - slice.first_source : 0);
     for (std::size_t k = 0; k < width; ++k) {
-      const std::size_t to = (head[0] + k) * kLanes + lane;
+      const std::size_t to = (head[0] + k) * kChunkLanes + lane;
       packed.entries[to] = {spare, 0.0f};
       if (k >= size) continue;
       packed.entries[to] = {
@@ -198,8 +197,8 @@ PackedSlice pack_slice(const StencilView<Real>& table,
   parallel_for(slice.chunk_count, 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       std::uint32_t* head = &packed.chunks[i * shared::kChunkWords];
-      for (std::int32_t lane = 0; lane < kLanes; ++lane) {
-        const std::int32_t row = plan.row_of_slot[(slice.first_chunk + i) * kLanes + lane];
+      for (std::int32_t lane = 0; lane < kChunkLanes; ++lane) {
+        const std::int32_t row = plan.row_of_slot[(slice.first_chunk + i) * kChunkLanes + lane];
         head[2 + lane] = static_cast<std::uint32_t>(row);  // -1 is kNoRow
         pack_row(head, lane, row);
       }

@@ -6,8 +6,12 @@
 #include <vector>
 
 #include "planish/stencil/stencil_table.h"
+#include "shaders/shared.h"
 
 namespace planish::vulkan {
+
+/// A point in a buffer.
+inline constexpr std::uint64_t kPointBytes = shared::kPointFloats * sizeof(float);
 
 /// Rows that are sorted by size together, so that rows of one chunk have about the same; slices
 /// consist of whole windows. Where the limits are too low for that, windows are smaller.
