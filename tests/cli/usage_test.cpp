@@ -94,9 +94,10 @@ TEST(Usage, OtherSchemesHaveNeitherWeightsNorTheFairMethod) {
       flags.insert(flags.begin(), {"fit", "a.obj", "-o", "b.glb", "--scheme", scheme});
       return flags;
     };
-    expect_usage_error(with({"--interpolation", "fair"}),
-                       "--interpolation: fair builds control points of Doo-Sabin's level 1, which " +
-                           scheme + " does not have; take progressive, or --scheme doo-sabin");
+    expect_usage_error(
+        with({"--interpolation", "fair"}),
+        "--interpolation: fair builds control points of Doo-Sabin's level 1, which " + scheme +
+            " does not have; take progressive, or --scheme doo-sabin");
     expect_usage_error(with({"--weights", "averaged"}),
                        "--weights: averaged belongs to --scheme doo-sabin");
     expect_usage_error(with({"--preset", "paper"}),

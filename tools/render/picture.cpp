@@ -21,7 +21,7 @@ constexpr int kScale = 4;  // samples along each side of a pixel
 constexpr int kFloorCells = 480;
 constexpr float kFloorReach = 3.2f;  // half the lit floor's side, in radii of the mesh
 constexpr float kWireWidth = 3.2f;   // in samples
-constexpr float kStripeCount = 9;   // black and white pairs over half a turn
+constexpr float kStripeCount = 9;    // black and white pairs over half a turn
 
 // A square of the plane that the mesh stands on, and how much of the light reaches it.
 struct Floor {

@@ -23,8 +23,8 @@ struct PictureOptions {
   ViewOptions view;
   Look look = Look::Clay;
   glm::vec3 colour{0.81f, 0.82f, 0.84f};  ///< sRGB
-  bool wire = false;                        ///< the edges of the surface's quads
-  std::optional<PolygonMesh> overlay;       ///< drawn as edges and vertices
+  bool wire = false;                      ///< the edges of the surface's quads
+  std::optional<PolygonMesh> overlay;     ///< drawn as edges and vertices
   OverlayOptions overlay_options;
 };
 
