@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
@@ -8,6 +7,10 @@
 #include "terminal/console.h"
 #include "terminal/exit_codes.h"
 #include "terminal/progress.h"
+
+namespace CLI {
+class App;
+}
 
 namespace planish::command {
 

@@ -1,3 +1,4 @@
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <map>
@@ -26,7 +27,7 @@ struct FitFlags {
   MessageFlags messages;
 };
 
-constexpr const char* kExamples =
+constexpr const char* kFitExamples =
     "Examples:\n"
     "  planish fit bunny.obj -o bunny.glb\n"
     "  planish fit bunny.obj -o bunny.glb --levels 3,1 --cage cage.obj --report bunny.json\n"
@@ -193,7 +194,7 @@ void add_fit_command(CLI::App& app, Invocation& invocation) {
   add_file_flags(*command, *flags);
   add_setting_flags(*command, *flags);
   flags->messages.add_to(*command, true);
-  command->footer(kExamples);
+  command->footer(kFitExamples);
   command->callback([flags, &invocation] {
     invocation.action = [flags, &invocation] { return run_fit(*flags, invocation.arguments); };
   });

@@ -1,3 +1,4 @@
+#include <CLI/CLI.hpp>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -26,7 +27,7 @@ struct ReconstructFlags {
   MessageFlags messages;
 };
 
-constexpr const char* kExamples =
+constexpr const char* kReconstructExamples =
     "Examples:\n"
     "  planish reconstruct scan.ply -o mesh.obj\n"
     "  planish reconstruct scan.xyz -o mesh.ply --tolerance-mesh 1e-3 --report scan.json\n"
@@ -137,7 +138,7 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
         ->group("Points");
   }
   flags->messages.add_to(*command, true);
-  command->footer(kExamples);
+  command->footer(kReconstructExamples);
   command->callback([flags, &invocation] {
     invocation.action = [flags, &invocation] {
       return run_reconstruct(*flags, invocation.arguments);

@@ -1,3 +1,4 @@
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -22,7 +23,7 @@ struct RunFlags {
   MessageFlags messages;
 };
 
-constexpr const char* kExamples =
+constexpr const char* kRunExamples =
     "Examples:\n"
     "  planish run scenes/table1.json\n"
     "  planish run scenes/table1.json goblet arm --force\n"
@@ -182,7 +183,7 @@ void add_run_command(CLI::App& app, Invocation& invocation) {
   command->add_flag("-f,--force", flags->force, "overwrite existing files");
   command->add_flag("--dry-run", flags->dry_run, "check everything and say what would be done");
   flags->messages.add_to(*command, true);
-  command->footer(kExamples);
+  command->footer(kRunExamples);
   command->callback([flags, &invocation] {
     invocation.action = [flags, &invocation] { return run_scene(*flags, invocation.arguments); };
   });

@@ -5,16 +5,12 @@
 #include <vector>
 
 #include "options/nearest.h"
-#include "planish/core/error.h"
+#include "options/refuse.h"
 #include "planish/core/number_text.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
-
-[[noreturn]] void refuse(std::string_view where, const std::string& what) {
-  throw Error(ErrorCode::InvalidArgument, std::string(where) + ": " + what);
-}
 
 std::string shown(std::string_view value) { return "\"" + plain_utf8(value) + "\""; }
 

@@ -9,6 +9,7 @@
 #include "job/point_input.h"
 #include "options/nearest.h"
 #include "options/point_settings.h"
+#include "options/refuse.h"
 #include "options/scene_values.h"
 #include "planish/core/error.h"
 #include "planish/files/read_file.h"

@@ -1,15 +1,12 @@
 #include "options/scene_values.h"
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 
-#include "planish/core/error.h"
+#include "options/refuse.h"
 #include "terminal/text.h"
 
 namespace planish::command {
-
-void refuse(const std::string& where, const std::string& what) {
-  throw Error(ErrorCode::InvalidArgument, where + ": " + what);
-}
 
 void require_object(const Json& json, const std::string& where) {
   if (!json.is_object()) refuse(where, std::string("an object is wanted, not ") + json.type_name());

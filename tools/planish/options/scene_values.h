@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 
@@ -9,9 +9,8 @@ namespace planish::command {
 
 using Json = nlohmann::json;
 
-// Values of a scene file. Each throws Error{InvalidArgument}: `where: what is wanted, not what is`.
+// Values of a scene file. Each refuses what it is not: `where: what is wanted, not what is`.
 
-[[noreturn]] void refuse(const std::string& where, const std::string& what);
 void require_object(const Json& json, const std::string& where);
 [[nodiscard]] const std::string& text_of(const Json& json, const std::string& where);
 [[nodiscard]] std::int64_t integer_of(const Json& json, const std::string& where);

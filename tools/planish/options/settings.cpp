@@ -5,7 +5,7 @@
 #include <charconv>
 
 #include "options/nearest.h"
-#include "planish/core/error.h"
+#include "options/refuse.h"
 #include "planish/mesh/detect_creases.h"
 #include "terminal/text.h"
 
@@ -44,10 +44,6 @@ constexpr std::array kSchemes{Word<Scheme>{"doo-sabin", Scheme::DooSabin},
                               Word<Scheme>{"catmull-clark", Scheme::CatmullClark},
                               Word<Scheme>{"loop", Scheme::Loop}};
 constexpr std::array kPresets{Word<bool>{"paper", true}};
-
-[[noreturn]] void refuse(std::string_view where, const std::string& what) {
-  throw Error(ErrorCode::InvalidArgument, std::string(where) + ": " + what);
-}
 
 template <class Words>
 auto parse(const Words& words, std::string_view value, std::string_view where) {

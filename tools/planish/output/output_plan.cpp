@@ -2,16 +2,13 @@
 
 #include <unistd.h>
 
+#include "options/refuse.h"
 #include "planish/core/error.h"
 
 namespace planish::command {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void refuse(std::string_view where, const std::string& what) {
-  throw Error(ErrorCode::InvalidArgument, std::string(where) + ": " + what);
-}
 
 FileFormat format_for(const OutputRequest& request) {
   const auto format = format_of(request.path);

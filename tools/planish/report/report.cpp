@@ -10,13 +10,13 @@
 namespace planish::command {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 // Infinite and NaN errors have no JSON number; they become null.
-Json norms_json(const ErrorNorms& norms) { return {{"max", norms.max}, {"rms", norms.rms}}; }
+OrderedJson norms_json(const ErrorNorms& norms) { return {{"max", norms.max}, {"rms", norms.rms}}; }
 
-Json input_json(const InputFacts& input) {
-  Json json;
+OrderedJson input_json(const InputFacts& input) {
+  OrderedJson json;
   json["path"] = input.path;
   json["sha256"] = input.sha256;
   json["format"] = input.format;
@@ -34,15 +34,15 @@ Json input_json(const InputFacts& input) {
   return json;
 }
 
-Json solve_json(const JobReport& report) {
+OrderedJson solve_json(const JobReport& report) {
   const Interpolation& result = report.interpolation;
   const bool iterates = report.method == InterpolationMethod::Progressive;
-  Json json;
+  OrderedJson json;
   json["method"] = name_of(report.method);
   json["scheme"] = name_of(report.settings.scheme);
   const bool has_weights = report.settings.scheme == Scheme::DooSabin;
-  json["weights"] = has_weights ? Json(name_of(report.settings.weights)) : Json();
-  json["solver"] = iterates ? Json(name_of(report.settings.solver)) : Json();
+  json["weights"] = has_weights ? OrderedJson(name_of(report.settings.weights)) : OrderedJson();
+  json["solver"] = iterates ? OrderedJson(name_of(report.settings.solver)) : OrderedJson();
   json["boundary"] = name_of(report.settings.boundary);
   json["creases"] = name_of(report.settings.creases);
   json["repair"] = name_of(report.settings.repair);
@@ -50,12 +50,12 @@ Json solve_json(const JobReport& report) {
   json["converged"] = result.converged;
   json["stop_reason"] = planish::name_of(result.stop_reason);
   json["iterations"] = result.iterations;
-  json["spectral_bound"] = iterates ? Json(report.spectral_bound) : Json();
+  json["spectral_bound"] = iterates ? OrderedJson(report.spectral_bound) : OrderedJson();
   json["error"] = norms_json(result.error);
   json["error"]["worst_vertex"] = result.worst_vertex;
-  json["history"] = Json::array();
+  json["history"] = OrderedJson::array();
   for (std::size_t i = 0; i < result.history.size(); ++i) {
-    Json entry{{"iteration", i}};
+    OrderedJson entry{{"iteration", i}};
     entry.update(norms_json(result.history[i]));
     json["history"].push_back(entry);
   }
@@ -70,10 +70,10 @@ Json solve_json(const JobReport& report) {
   return json;
 }
 
-Json surface_json(const JobReport& report) {
+OrderedJson surface_json(const JobReport& report) {
   if (!report.surface) return nullptr;
   const MeasuredSurface& surface = *report.surface;
-  Json json;
+  OrderedJson json;
   json["level"] = surface.level;
   json["reference"] = surface.reference.empty() ? "input" : surface.reference;
   json["folded_area"] = surface.quality.folded_area;
@@ -91,15 +91,15 @@ Json surface_json(const JobReport& report) {
   return json;
 }
 
-Json outputs_json(const std::vector<WrittenOutput>& outputs) {
-  Json json = Json::array();
+OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
+  OrderedJson json = OrderedJson::array();
   for (const WrittenOutput& output : outputs) {
-    Json entry;
+    OrderedJson entry;
     entry["path"] = output.path;
     entry["what"] = output.kind == OutputKind::Cage ? "cage" : "surface";
     entry["bytes"] = output.bytes;
     entry["sha256"] = output.sha256;
-    entry["level"] = output.kind == OutputKind::Cage ? Json() : Json(output.level);
+    entry["level"] = output.kind == OutputKind::Cage ? OrderedJson() : OrderedJson(output.level);
     entry["vertices"] = output.vertices;
     entry["quads"] = output.quads;
     entry["triangles"] = output.triangles;
@@ -109,14 +109,14 @@ Json outputs_json(const std::vector<WrittenOutput>& outputs) {
   return json;
 }
 
-Json timing_json(const JobTiming& timing) {
+OrderedJson timing_json(const JobTiming& timing) {
   return {{"read", timing.read},         {"check", timing.check},   {"topology", timing.topology},
           {"stencils", timing.stencils}, {"upload", timing.upload}, {"solve", timing.solve},
           {"evaluate", timing.evaluate}, {"write", timing.write},   {"total", timing.total}};
 }
 
-Json warnings_json(const std::vector<Warning>& warnings) {
-  Json json = Json::array();
+OrderedJson warnings_json(const std::vector<Warning>& warnings) {
+  OrderedJson json = OrderedJson::array();
   for (const Warning& warning : warnings) {
     json.push_back({{"code", warning.code},
                     {"message", warning.message},
@@ -128,21 +128,21 @@ Json warnings_json(const std::vector<Warning>& warnings) {
 
 }  // namespace
 
-Json histogram_json(const std::vector<std::int64_t>& counts) {
-  Json json = Json::object();
+OrderedJson histogram_json(const std::vector<std::int64_t>& counts) {
+  OrderedJson json = OrderedJson::object();
   for (std::size_t n = 0; n < counts.size(); ++n) {
     if (counts[n] != 0) json[std::to_string(n)] = counts[n];
   }
   return json;
 }
 
-std::string json_text(const Json& value) {
-  return value.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+std::string json_text(const OrderedJson& value) {
+  return value.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
-Json to_json(const JobReport& report) {
+OrderedJson to_json(const JobReport& report) {
   const DeviceDescription& device = report.device;
-  Json json;
+  OrderedJson json;
   json["schema"] = "planish.report/1";
   json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}};
   json["argv"] = report.arguments;

@@ -1,6 +1,7 @@
 #include "planish/files/gltf/json_place.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "planish/core/error.h"
 
@@ -70,6 +71,10 @@ bool JsonPlace::boolean() const {
   if (!value_->is_boolean()) fail(clipped() + " is neither true nor false");
   return value_->get<bool>();
 }
+
+bool JsonPlace::is_text() const { return value_->is_string(); }
+
+bool JsonPlace::is_object() const { return value_->is_object(); }
 
 const std::string& JsonPlace::text() const {
   if (!value_->is_string()) fail(clipped() + " is no text");

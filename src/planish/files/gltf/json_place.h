@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,8 +27,8 @@ class JsonPlace {
   [[nodiscard]] double number() const;
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] const std::string& text() const;
-  [[nodiscard]] bool is_text() const { return value_->is_string(); }
-  [[nodiscard]] bool is_object() const { return value_->is_object(); }
+  [[nodiscard]] bool is_text() const;
+  [[nodiscard]] bool is_object() const;
 
   /// Members with a value to use where they are missing.
   [[nodiscard]] std::int64_t integer_or(std::string_view key, std::int64_t otherwise) const;

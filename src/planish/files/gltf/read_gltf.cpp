@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/matrix.hpp>
 #include <glm/vec4.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "planish/core/error.h"

@@ -1,0 +1,42 @@
+# Less waiting for the compiler: sources compiled several at once, and headers compiled before.
+# A source that forgets an include may compile all the same, so that CI builds without.
+option(PLANISH_FAST_BUILD "Unity builds and precompiled headers; OFF finds missing includes" ON)
+
+# planish_unite(TARGET GROUP SIZE SOURCE...): the sources, of the current folder, are compiled SIZE
+# at a time. A source with compile options of its own stays alone: CMake sees to it.
+function(planish_unite target group size)
+  if(NOT PLANISH_FAST_BUILD)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  list(FILTER ARGN INCLUDE REGEX "\\.cpp$")
+  set(at 0)
+  foreach(source IN LISTS ARGN)
+    math(EXPR number "${at} / ${size}")
+    math(EXPR at "${at} + 1")
+    set_source_files_properties(${source} TARGET_DIRECTORY ${target}
+                                PROPERTIES UNITY_GROUP ${group}_${number})
+  endforeach()
+endfunction()
+
+# planish_precompile(TARGET HEADER...): each as it stands between the <> of an include; or those of
+# another target, built with the same options: planish_precompile(TARGET REUSE_FROM OTHER).
+# Not where a compiler cache is used, for which precompiled headers are inputs that change with every build.
+function(planish_precompile target)
+  if(NOT PLANISH_FAST_BUILD OR CMAKE_CXX_COMPILER_LAUNCHER)
+    return()
+  endif()
+  if(ARGV1 STREQUAL REUSE_FROM)
+    target_precompile_headers(${target} REUSE_FROM ${ARGV2})
+    return()
+  endif()
+  list(TRANSFORM ARGN REPLACE "(.+)" "<\\1>")
+  target_precompile_headers(${target} PRIVATE ${ARGN})
+endfunction()
+
+# planish_optimise_less(TARGET): for what parses flags and writes JSON, and has no loop to speed up.
+function(planish_optimise_less target)
+  if(PLANISH_FAST_BUILD)
+    target_compile_options(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
+  endif()
+endfunction()

@@ -1,0 +1,11 @@
+#include "options/refuse.h"
+
+#include "planish/core/error.h"
+
+namespace planish::command {
+
+void refuse(std::string_view where, const std::string& what) {
+  throw Error(ErrorCode::InvalidArgument, std::string(where) + ": " + what);
+}
+
+}  // namespace planish::command
