@@ -20,7 +20,7 @@ using glm::dvec3;
 using std::int32_t;
 
 // Coordinates are about 1 to 5 in size; sums of up to 360 terms.
-constexpr double kRounding = 1e-12;
+constexpr double kOracleRounding = 1e-12;
 
 // The quad split's face for each point of the explicit mesh, carried from level to level: the
 // point made for corner p of polygon F belongs to the child, at the vertex that F stands for, of
@@ -73,8 +73,8 @@ void expect_same_level(const ExplicitMesh& mesh, const QuadSplitOracle& oracle,
     worst_limit = std::max(worst_limit,
                            distance(face_centroid(mesh, int32_t(f)), oracle.limit_point(vertex)));
   }
-  EXPECT_LT(worst, kRounding);
-  EXPECT_LT(worst_limit, kRounding);
+  EXPECT_LT(worst, kOracleRounding);
+  EXPECT_LT(worst_limit, kOracleRounding);
 }
 
 TEST(Oracles, QuadSplitIsTheDualOfExplicitSubdivision) {
@@ -123,8 +123,8 @@ TEST(Oracles, VertexPolygonsKeepTheirCentroidAndShrinkToIt) {
       const std::vector<dvec3> later = explicit_limit_points(level);
       const std::vector<double> last_size = sizes(level);
       for (std::size_t v = 0; v < limits.size(); ++v) {
-        EXPECT_LT(distance(limits[v], later[v]), kRounding);
-        EXPECT_LE(last_size[v], shrink * first_size[v] + kRounding);
+        EXPECT_LT(distance(limits[v], later[v]), kOracleRounding);
+        EXPECT_LE(last_size[v], shrink * first_size[v] + kOracleRounding);
       }
     }
   }
@@ -146,7 +146,7 @@ void expect_no_drift(const PolygonMesh& mesh, Weights weights, BoundaryRule rule
     }
     if (level < levels) oracle.refine();
   }
-  EXPECT_LT(worst, kRounding);
+  EXPECT_LT(worst, kOracleRounding);
 }
 
 TEST(Oracles, LimitPointsStayPutOnOpenAndSharpMeshes) {
@@ -181,7 +181,7 @@ TEST(Oracles, OpenGridsAreTensorProductBSplines) {
           worst_normal = std::max(worst_normal, error);
         }
       }
-      EXPECT_LT(worst, kRounding) << "level " << level;
+      EXPECT_LT(worst, kOracleRounding) << "level " << level;
       EXPECT_LT(worst_normal, 1e-11) << "level " << level;
       oracle.refine();
       where.refine();
@@ -200,7 +200,7 @@ TEST(Oracles, FlatMeshesKeepAnUprightNormal) {
         for (int level = 1; level <= 4; ++level) {
           for (int32_t v = 0; v < oracle.vertex_count(); ++v) {
             for (std::size_t s = 0; s < oracle.sectors(v).size(); ++s) {
-              EXPECT_LT(distance(oracle.normal(v, s), dvec3(0, 0, 1)), kRounding);
+              EXPECT_LT(distance(oracle.normal(v, s), dvec3(0, 0, 1)), kOracleRounding);
             }
           }
           for (const auto& q : oracle.faces()) {
@@ -229,9 +229,9 @@ TEST(Oracles, CreasedCubeIsItsOwnSurface) {
     for (int level = 1; level <= 4; ++level) {
       for (int32_t v = 0; v < oracle.vertex_count(); ++v) {
         const dvec3 p = abs(oracle.limit_point(v));
-        EXPECT_LT(std::abs(std::max({p.x, p.y, p.z}) - 1), kRounding);
+        EXPECT_LT(std::abs(std::max({p.x, p.y, p.z}) - 1), kOracleRounding);
         if (v < 8) {
-          EXPECT_LT(distance(oracle.limit_point(v), mesh.positions[v]), kRounding);
+          EXPECT_LT(distance(oracle.limit_point(v), mesh.positions[v]), kOracleRounding);
         }
       }
       oracle.refine();

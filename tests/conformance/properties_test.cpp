@@ -21,7 +21,7 @@ namespace {
 using glm::dvec3;
 using std::int32_t;
 
-constexpr double kRounding = 1e-12;
+constexpr double kPropertyRounding = 1e-12;
 
 void expect_sums(const StencilView<double>& view, std::span<const double> weights, double sum) {
   double worst = 0;
@@ -30,7 +30,7 @@ void expect_sums(const StencilView<double>& view, std::span<const double> weight
     for (int32_t k = 0; k < view.sizes[row]; ++k) total += weights[view.offsets[row] + k];
     worst = std::max(worst, std::abs(total - sum));
   }
-  EXPECT_LT(worst, kRounding);
+  EXPECT_LT(worst, kPropertyRounding);
 }
 
 TEST(Properties, RowsSumToOneAndDerivativesToZero) {
@@ -89,7 +89,7 @@ TEST(Properties, RelabellingPermutesTheResult) {
       const std::vector<dvec3> before = limit_positions(mesh, weights, {});
       const std::vector<dvec3> after = limit_positions(other.mesh, weights, {});
       for (std::size_t v = 0; v < before.size(); ++v) {
-        EXPECT_LT(glm::distance(before[v], after[other.new_index[v]]), kRounding);
+        EXPECT_LT(glm::distance(before[v], after[other.new_index[v]]), kPropertyRounding);
       }
     }
   }
@@ -121,7 +121,8 @@ TEST(Properties, BaseVerticesStayPutOverLevels) {
         ASSERT_EQ(surface.base_vertices.size(), limits.size());
         for (std::size_t i = 0; i < limits.size(); ++i) {
           const dvec3 expected = limits[surface.base_vertices[i]];
-          EXPECT_LT(glm::distance(surface.positions[i], expected), kRounding) << "level " << level;
+          EXPECT_LT(glm::distance(surface.positions[i], expected), kPropertyRounding)
+              << "level " << level;
         }
       }
     }
@@ -204,7 +205,7 @@ TEST(Properties, FlatOpenGridsStayFlatAndUnfolded) {
                                                 .weights = weights,
                                                 .sharp = options.sharp,
                                                 .rest_positions = mesh.positions});
-          for (const dvec3& p : surface.positions) EXPECT_LT(std::abs(p.z), kRounding);
+          for (const dvec3& p : surface.positions) EXPECT_LT(std::abs(p.z), kPropertyRounding);
           for (const glm::vec3& n : surface.normals) EXPECT_GT(n.z, 1 - 1e-6f);
           for (std::int64_t f = 0; f < surface.face_count(); ++f) {
             const auto face = surface.face(f);
@@ -234,7 +235,7 @@ TEST(Properties, CreasedCubeIsReproducedWithoutIterating) {
     EXPECT_EQ(result.interpolation.iterations, 0);
     EXPECT_TRUE(result.interpolation.converged);
     for (std::size_t v = 0; v < 8; ++v) {
-      EXPECT_LT(glm::distance(result.cage.positions[v], mesh.positions[v]), kRounding);
+      EXPECT_LT(glm::distance(result.cage.positions[v], mesh.positions[v]), kPropertyRounding);
     }
     for (int level = 1; level <= 4; ++level) {
       const SurfaceMesh surface =
@@ -257,7 +258,7 @@ TEST(Properties, TaggedVertexWithoutSharpEdgesIsATipThatTheSurfaceReaches) {
   for (int level = 1; level <= kMaxLevel; ++level) {
     const SurfaceMesh surface = evaluate(mesh, *backend, {.level = level});
     const dvec3 tip = surface.positions[7];
-    EXPECT_LT(glm::distance(tip, mesh.positions[7]), kRounding);
+    EXPECT_LT(glm::distance(tip, mesh.positions[7]), kPropertyRounding);
     EXPECT_LT(glm::distance(dvec3(surface.normals[7]), glm::normalize(dvec3(1))), 1e-6);
     double reach = 0;
     for (std::int64_t f = 0; f < surface.face_count(); ++f) {

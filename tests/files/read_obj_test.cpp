@@ -13,10 +13,10 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-MeshFile read(std::string_view text) { return read_obj(test::bytes_of(text), "a.obj"); }
+MeshFile obj_of(std::string_view text) { return read_obj(test::bytes_of(text), "a.obj"); }
 
-std::string error_of(std::string_view text) {
-  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text); });
+std::string obj_error(std::string_view text) {
+  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)obj_of(text); });
 }
 
 constexpr std::string_view kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -24,7 +24,7 @@ constexpr std::string_view kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 std::string with_triangle(std::string_view more) { return std::string(kTriangle).append(more); }
 
 TEST(ReadObj, KeepsPolygonsOfAnySize) {
-  const MeshFile file = read(
+  const MeshFile file = obj_of(
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\n"
       "f 1 2 3 4\nf 1/1 2/2/2 5//3\nf 1 2 3 4 5\nf 1 2\nf\n");
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 4, 7, 12, 14, 14));
@@ -35,26 +35,28 @@ TEST(ReadObj, KeepsPolygonsOfAnySize) {
 }
 
 TEST(ReadObj, CountsNegativeIndicesFromTheLastVertexBefore) {
-  const MeshFile file = read(with_triangle("f -3 -2 -1\nv 5 5 5\nf -1 -2 -4\n"));
+  const MeshFile file = obj_of(with_triangle("f -3 -2 -1\nv 5 5 5\nf -1 -2 -4\n"));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 3, 2, 0));
 }
 
 TEST(ReadObj, AcceptsVerticesAfterTheFacesThatNameThem) {
-  EXPECT_THAT(read("f 1 2 3\n" + std::string(kTriangle)).mesh.face_vertices, ElementsAre(0, 1, 2));
+  EXPECT_THAT(obj_of("f 1 2 3\n" + std::string(kTriangle)).mesh.face_vertices,
+              ElementsAre(0, 1, 2));
 }
 
 TEST(ReadObj, AcceptsEveryLineEndAndContinuation) {
   const std::vector<std::int32_t> expected = {0, 1, 2};
-  EXPECT_EQ(read("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n").mesh.face_vertices, expected);
-  EXPECT_EQ(read("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3").mesh.face_vertices, expected);
-  EXPECT_EQ(read(with_triangle("f 1 2 \\\n  3\n")).mesh.face_vertices, expected);
-  EXPECT_EQ(read(with_triangle("f 1\\\r\n2\\\r\n3")).mesh.face_vertices, expected);
-  EXPECT_EQ(read(with_triangle("# C:\\models\\\nf 1 2 3")).mesh.face_vertices, expected);
-  EXPECT_EQ(read(with_triangle("\t f  1\t2 3   # the face")).mesh.face_vertices, expected);
+  EXPECT_EQ(obj_of("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n").mesh.face_vertices, expected);
+  EXPECT_EQ(obj_of("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3").mesh.face_vertices, expected);
+  EXPECT_EQ(obj_of(with_triangle("f 1 2 \\\n  3\n")).mesh.face_vertices, expected);
+  EXPECT_EQ(obj_of(with_triangle("f 1\\\r\n2\\\r\n3")).mesh.face_vertices, expected);
+  EXPECT_EQ(obj_of(with_triangle("# C:\\models\\\nf 1 2 3")).mesh.face_vertices, expected);
+  EXPECT_EQ(obj_of(with_triangle("\t f  1\t2 3   # the face")).mesh.face_vertices, expected);
 }
 
 TEST(ReadObj, ReadsNumbersToTheLastBit) {
-  const MeshFile file = read("v 0.1 -1.7976931348623157e308 +4.9e-324 1 0.5 0.5 0.5\nv .5 5. -0\n");
+  const MeshFile file =
+      obj_of("v 0.1 -1.7976931348623157e308 +4.9e-324 1 0.5 0.5 0.5\nv .5 5. -0\n");
   EXPECT_EQ(file.mesh.positions[0].x, 0.1);
   EXPECT_EQ(file.mesh.positions[0].y, -1.7976931348623157e308);
   EXPECT_EQ(file.mesh.positions[0].z, 4.9e-324);
@@ -63,7 +65,7 @@ TEST(ReadObj, ReadsNumbersToTheLastBit) {
 }
 
 TEST(ReadObj, KeepsCreaseAndCornerTags) {
-  const MeshFile file = read(with_triangle(
+  const MeshFile file = obj_of(with_triangle(
       "f 1 2 3\nt crease 2/1/0 0 1 2.5\nt crease 4/1/0 0 1 1 2 3\nt crease 4/2/0 0 1 1 2 4 5\n"
       "t corner 1/1/0 2 10\nt corner 2/2/0 0 1 1.5 0\n"));
   ASSERT_EQ(file.mesh.creases.size(), 5u);
@@ -81,71 +83,73 @@ TEST(ReadObj, KeepsCreaseAndCornerTags) {
 }
 
 TEST(ReadObj, KeepsTextureCoordinatesByCorner) {
-  const MeshFile file = read(with_triangle(
+  const MeshFile file = obj_of(with_triangle(
       "vt 0.1 0.2\nvt 3\nf 1 2 3\nf 1/1 2/-1/7 3//1\nvt -1 2 5\nf 1/3 2/4 3/-3\nvt 9 8\n"));
   EXPECT_THAT(file.mesh.uvs, ElementsAre(glm::dvec2(0.1, 0.2), glm::dvec2(3, 0), glm::dvec2(-1, 2),
                                          glm::dvec2(9, 8)));
   EXPECT_THAT(file.mesh.face_uvs, ElementsAre(-1, -1, -1, 0, 1, -1, 2, 3, 0));
   // What no corner names is no attribute.
-  EXPECT_THAT(read(with_triangle("vt 0 0\nf 1 2 3\n")).mesh.uvs, IsEmpty());
+  EXPECT_THAT(obj_of(with_triangle("vt 0 0\nf 1 2 3\n")).mesh.uvs, IsEmpty());
 }
 
 TEST(ReadObj, RefusesWrongTextureCoordinates) {
-  EXPECT_EQ(error_of(with_triangle("vt 0 0\nf 1/1 2/1 3/2\n")),
+  EXPECT_EQ(obj_error(with_triangle("vt 0 0\nf 1/1 2/1 3/2\n")),
             "a.obj:5: face names texture coordinate 2 of 1");
-  EXPECT_EQ(error_of(with_triangle("f 1/1 2/1 3/1\n")),
+  EXPECT_EQ(obj_error(with_triangle("f 1/1 2/1 3/1\n")),
             "a.obj:4: face names texture coordinate 1 of 0");
-  EXPECT_EQ(error_of(with_triangle("vt 0 0\nf 1/1 2/0 3/1\n")),
+  EXPECT_EQ(obj_error(with_triangle("vt 0 0\nf 1/1 2/0 3/1\n")),
             "a.obj:5: face names texture coordinate 0, but OBJ counts from 1");
-  EXPECT_EQ(error_of(with_triangle("vt 0 0\nf 1/1 2/-2 3/1\n")),
+  EXPECT_EQ(obj_error(with_triangle("vt 0 0\nf 1/1 2/-2 3/1\n")),
             "a.obj:5: face names texture coordinate -2, but only 1 stand before it");
-  EXPECT_EQ(error_of("vt 0 nan\n"), "a.obj:1: texture coordinate `nan` is no finite number");
-  EXPECT_EQ(error_of("vt\n"), "a.obj:1: texture coordinate without a number");
+  EXPECT_EQ(obj_error("vt 0 nan\n"), "a.obj:1: texture coordinate `nan` is no finite number");
+  EXPECT_EQ(obj_error("vt\n"), "a.obj:1: texture coordinate without a number");
 }
 
 TEST(ReadObj, KeepsMaterialsAndNamesOfGroups) {
   const MeshFile file =
-      read(with_triangle("f 1 2 3\no part one\nf 1 2 3\nusemtl red\nf 1 2 3\ng left\nf 1 2 3\n"
-                         "g\nf 1 2 3\no\nusemtl\nf 1 2 3\ng never used\n"));
+      obj_of(with_triangle("f 1 2 3\no part one\nf 1 2 3\nusemtl red\nf 1 2 3\ng left\nf 1 2 3\n"
+                           "g\nf 1 2 3\no\nusemtl\nf 1 2 3\ng never used\n"));
   EXPECT_THAT(file.mesh.face_groups, ElementsAre(0, 1, 2, 3, 2, 0));
   std::vector<std::string> names;
   for (const FaceGroup& group : file.mesh.groups)
     names.push_back(group.name + "|" + group.material);
   EXPECT_THAT(names, ElementsAre("|", "part one|", "part one|red", "left|red"));
-  EXPECT_THAT(read(with_triangle("f 1 2 3\ng a\n")).mesh.groups, IsEmpty());
+  EXPECT_THAT(obj_of(with_triangle("f 1 2 3\ng a\n")).mesh.groups, IsEmpty());
 }
 
 TEST(ReadObj, ReadsColoursAsSrgb) {
-  const MeshFile file = read("v 0 0 0\nv 1 0 0 1 0.5 0\nv 0 1 0 0.04 1 1 0.25\nf 1 2 3\n");
+  const MeshFile file = obj_of("v 0 0 0\nv 1 0 0 1 0.5 0\nv 0 1 0 0.04 1 1 0.25\nf 1 2 3\n");
   ASSERT_EQ(file.mesh.colors.size(), 3u);
   EXPECT_EQ(file.mesh.colors[0], glm::vec4(1));
   // ((0.5 + 0.055) / 1.055)^2.4 and 0.04 / 12.92
   EXPECT_EQ(file.mesh.colors[1], glm::vec4(1, 0.21404114f, 0, 1));
   EXPECT_EQ(file.mesh.colors[2], glm::vec4(0.0030959751f, 1, 1, 0.25f));
-  EXPECT_THAT(read("v 0 0 0 1\n").mesh.colors, IsEmpty());
-  const MeshFile bytes = read("v 0 0 0 255 -1 0\nv 0 0 0 1 1 1\n");
+  EXPECT_THAT(obj_of("v 0 0 0 1\n").mesh.colors, IsEmpty());
+  const MeshFile bytes = obj_of("v 0 0 0 255 -1 0\nv 0 0 0 1 1 1\n");
   EXPECT_EQ(bytes.mesh.colors[0], glm::vec4(1, 0, 0, 1));
   ASSERT_EQ(bytes.warnings.size(), 1u);
   EXPECT_EQ(bytes.warnings[0].message, "1 vertex colours lie outside 0 to 1 and are clamped");
 }
 
 TEST(ReadObj, KeepsHoles) {
-  const MeshFile file = read(with_triangle("t hole 1/0/0 1\nf 1 2 3\nf 1 2 3\nt hole 1/0/0 0\n"));
+  const MeshFile file = obj_of(with_triangle("t hole 1/0/0 1\nf 1 2 3\nf 1 2 3\nt hole 1/0/0 0\n"));
   EXPECT_THAT(file.mesh.hole_faces, ElementsAre(1, 0));
-  EXPECT_EQ(error_of(with_triangle("f 1 2 3\nt hole 1/0/0 1\n")), "a.obj:5: tag names face 1 of 1");
-  EXPECT_EQ(error_of(with_triangle("f 1 2 3\nt hole 1/0/0 -1\n")),
+  EXPECT_EQ(obj_error(with_triangle("f 1 2 3\nt hole 1/0/0 1\n")),
+            "a.obj:5: tag names face 1 of 1");
+  EXPECT_EQ(obj_error(with_triangle("f 1 2 3\nt hole 1/0/0 -1\n")),
             "a.obj:5: tag face `-1` is no index from 0");
 }
 
 TEST(ReadObj, CountsWhatCarriesNoSurface) {
-  const MeshFile file = read(with_triangle("l 1 2\np 3\nvt 0 0\nvn 0 0 1\ng a\nusemtl b\ns off\n"));
+  const MeshFile file =
+      obj_of(with_triangle("l 1 2\np 3\nvt 0 0\nvn 0 0 1\ng a\nusemtl b\ns off\n"));
   EXPECT_EQ(file.dropped_element_count, 2);
   EXPECT_EQ(file.mesh.face_count(), 0);
   EXPECT_THAT(file.warnings, IsEmpty());
 }
 
 TEST(ReadObj, WarnsOfUnknownLines) {
-  const MeshFile file = read(with_triangle("foo 1\nbar\nt foo 1/0/0 0\n"));
+  const MeshFile file = obj_of(with_triangle("foo 1\nbar\nt foo 1/0/0 0\n"));
   ASSERT_EQ(file.warnings.size(), 2u);
   EXPECT_EQ(file.warnings[0].code, "unknown-keyword");
   EXPECT_EQ(file.warnings[0].message, "line 4: unknown keyword `foo`; such lines are ignored");
@@ -156,66 +160,67 @@ TEST(ReadObj, WarnsOfUnknownLines) {
 
 TEST(ReadObj, CollectsTheHeaderOfACage) {
   EXPECT_THAT(
-      read("# planish weights=averaged\n# other\n#planish x\n# planish tolerance=1e-06\r\n").header,
+      obj_of("# planish weights=averaged\n# other\n#planish x\n# planish tolerance=1e-06\r\n")
+          .header,
       ElementsAre("planish weights=averaged", "planish tolerance=1e-06"));
 }
 
 TEST(ReadObj, RefusesWrongNumbers) {
-  EXPECT_EQ(error_of("v 0 0 0\nv nan 0 0\n"),
+  EXPECT_EQ(obj_error("v 0 0 0\nv nan 0 0\n"),
             "a.obj:2: vertex coordinate `nan` is no finite number");
-  EXPECT_EQ(error_of("v 1,5 0 0"), "a.obj:1: vertex coordinate `1,5` is no finite number");
-  EXPECT_EQ(error_of("v 0 inf 0"), "a.obj:1: vertex coordinate `inf` is no finite number");
-  EXPECT_EQ(error_of("v 0 1e999 0"), "a.obj:1: vertex coordinate `1e999` is no finite number");
-  EXPECT_EQ(error_of("v 0 0x10 0"), "a.obj:1: vertex coordinate `0x10` is no finite number");
-  EXPECT_EQ(error_of("v 0 +-1 0"), "a.obj:1: vertex coordinate `+-1` is no finite number");
-  EXPECT_EQ(error_of("v 0 0 0 \x01\xff"), "a.obj:1: vertex coordinate `??` is no finite number");
-  EXPECT_EQ(error_of("# a\nv 1 2\n"), "a.obj:2: vertex has 2 coordinates, 3 are needed");
+  EXPECT_EQ(obj_error("v 1,5 0 0"), "a.obj:1: vertex coordinate `1,5` is no finite number");
+  EXPECT_EQ(obj_error("v 0 inf 0"), "a.obj:1: vertex coordinate `inf` is no finite number");
+  EXPECT_EQ(obj_error("v 0 1e999 0"), "a.obj:1: vertex coordinate `1e999` is no finite number");
+  EXPECT_EQ(obj_error("v 0 0x10 0"), "a.obj:1: vertex coordinate `0x10` is no finite number");
+  EXPECT_EQ(obj_error("v 0 +-1 0"), "a.obj:1: vertex coordinate `+-1` is no finite number");
+  EXPECT_EQ(obj_error("v 0 0 0 \x01\xff"), "a.obj:1: vertex coordinate `??` is no finite number");
+  EXPECT_EQ(obj_error("# a\nv 1 2\n"), "a.obj:2: vertex has 2 coordinates, 3 are needed");
 }
 
 TEST(ReadObj, RefusesWrongFaces) {
-  EXPECT_EQ(error_of(with_triangle("f 1 2 3\nf 1 2 4\n")), "a.obj:5: face names vertex 4 of 3");
-  EXPECT_EQ(error_of(with_triangle("f 1 2 -4\n")),
+  EXPECT_EQ(obj_error(with_triangle("f 1 2 3\nf 1 2 4\n")), "a.obj:5: face names vertex 4 of 3");
+  EXPECT_EQ(obj_error(with_triangle("f 1 2 -4\n")),
             "a.obj:4: face names vertex -4, but only 3 stand before it");
-  EXPECT_EQ(error_of(with_triangle("f 0 1 2\n")),
+  EXPECT_EQ(obj_error(with_triangle("f 0 1 2\n")),
             "a.obj:4: face names vertex 0, but OBJ counts from 1");
-  EXPECT_EQ(error_of(with_triangle("f 1 2 99999999999\n")),
+  EXPECT_EQ(obj_error(with_triangle("f 1 2 99999999999\n")),
             "a.obj:4: face names vertex 99999999999 of 3");
-  EXPECT_EQ(error_of(with_triangle("f 1 2 99999999999999999999\n")),
+  EXPECT_EQ(obj_error(with_triangle("f 1 2 99999999999999999999\n")),
             "a.obj:4: face corner `99999999999999999999` is no v/vt/vn");
   for (const char* corner : {"x", "1.5", "1/x", "1/1/1/1", "/1", "1/1/1x"})
-    EXPECT_EQ(error_of(with_triangle(std::string("f 1 2 ") + corner)),
+    EXPECT_EQ(obj_error(with_triangle(std::string("f 1 2 ") + corner)),
               std::string("a.obj:4: face corner `") + corner + "` is no v/vt/vn");
 }
 
 TEST(ReadObj, NumbersLinesThroughContinuations) {
-  EXPECT_EQ(error_of("v 0 \\\n 0 \\\n 0\nv x 0 0\n"),
+  EXPECT_EQ(obj_error("v 0 \\\n 0 \\\n 0\nv x 0 0\n"),
             "a.obj:4: vertex coordinate `x` is no finite number");
 }
 
 TEST(ReadObj, RefusesWrongTags) {
-  EXPECT_EQ(error_of(with_triangle("t crease 2/1/0 0 3 1\n")), "a.obj:4: tag names vertex 3 of 3");
-  EXPECT_EQ(error_of(with_triangle("t corner 1/1/0 -1 1\n")),
+  EXPECT_EQ(obj_error(with_triangle("t crease 2/1/0 0 3 1\n")), "a.obj:4: tag names vertex 3 of 3");
+  EXPECT_EQ(obj_error(with_triangle("t corner 1/1/0 -1 1\n")),
             "a.obj:4: tag vertex `-1` is no index from 0");
-  EXPECT_EQ(error_of(with_triangle("t crease 2/1/0 0 1 nan\n")),
+  EXPECT_EQ(obj_error(with_triangle("t crease 2/1/0 0 1 nan\n")),
             "a.obj:4: tag sharpness `nan` is no number from 0");
-  EXPECT_EQ(error_of(with_triangle("t crease 2/1/0 0 1\n")),
+  EXPECT_EQ(obj_error(with_triangle("t crease 2/1/0 0 1\n")),
             "a.obj:4: tag sharpness `` is no number from 0");
-  EXPECT_EQ(error_of(with_triangle("t crease 999999999999/1/0 0 1 1\n")),
+  EXPECT_EQ(obj_error(with_triangle("t crease 999999999999/1/0 0 1 1\n")),
             "a.obj:4: tag vertex `` is no index from 0");
-  EXPECT_EQ(error_of(with_triangle("t crease 2/1 0 1 1\n")),
+  EXPECT_EQ(obj_error(with_triangle("t crease 2/1 0 1 1\n")),
             "a.obj:4: tag counts `2/1` are no integers/numbers/strings");
-  EXPECT_EQ(error_of(with_triangle("t crease 3/1/0 0 1 2 1\n")),
+  EXPECT_EQ(obj_error(with_triangle("t crease 3/1/0 0 1 2 1\n")),
             "a.obj:4: crease of 3 vertices and 1 sharpnesses; pairs of vertices with one sharpness "
             "each or together are needed");
-  EXPECT_EQ(error_of(with_triangle("t corner 1/2/0 0 1 1\n")),
+  EXPECT_EQ(obj_error(with_triangle("t corner 1/2/0 0 1 1\n")),
             "a.obj:4: corner tag of 1 vertices and 2 sharpnesses; one sharpness each or together "
             "is needed");
 }
 
 TEST(ReadObj, RefusesAFileThatIsNoObj) {
-  EXPECT_EQ(error_of("Dear reader,\nhow are you?\n"),
+  EXPECT_EQ(obj_error("Dear reader,\nhow are you?\n"),
             "a.obj:1: unknown keyword `Dear` in a file without vertices: this is no OBJ file");
-  EXPECT_EQ(read("").mesh.face_count(), 0);
+  EXPECT_EQ(obj_of("").mesh.face_count(), 0);
 }
 
 // tinyobjloader is an independent reader of the same format.
@@ -236,7 +241,7 @@ TEST(ReadObj, AgreesWithTinyobjloader) {
       offsets.push_back(offsets.back() + static_cast<std::int32_t>(size));
     tags.insert(tags.end(), shape.mesh.tags.begin(), shape.mesh.tags.end());
   }
-  const PolygonMesh mesh = read(text).mesh;
+  const PolygonMesh mesh = obj_of(text).mesh;
   EXPECT_EQ(mesh.face_vertices, vertices);
   EXPECT_EQ(mesh.face_offsets, offsets);
   const auto& coordinates = oracle.GetAttrib().vertices;

@@ -11,14 +11,14 @@ namespace {
 
 using testing::ElementsAre;
 
-MeshFile read(std::string_view text) { return read_off(test::bytes_of(text), "a.off"); }
+MeshFile off_of(std::string_view text) { return read_off(test::bytes_of(text), "a.off"); }
 
-std::string error_of(std::string_view text) {
-  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text); });
+std::string off_error(std::string_view text) {
+  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)off_of(text); });
 }
 
 TEST(ReadOff, KeepsPolygonsOfAnySize) {
-  const MeshFile file = read(
+  const MeshFile file = off_of(
       "OFF\n# planish weights=averaged\n4 2 0\n0 0 0\n1 0 0  # right\n\n1 1 0.1\n0 1 0\n"
       "4 0 1 2 3\n3 2 1 0\n");
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 4, 7));
@@ -30,48 +30,48 @@ TEST(ReadOff, KeepsPolygonsOfAnySize) {
 
 TEST(ReadOff, PassesOverColoursNormalsAndTextureCoordinates) {
   for (const char* keyword : {"COFF", "NOFF", "STCNOFF", "CNOFF", "OFF", "  OFF # hello"}) {
-    const MeshFile file = read(std::string(keyword) +
-                               "\n3 1 3\n0 0 0 255 0 0\n1 0 0 0 0 1\n0 1 0 1\n3 0 1 2 255 0 0\n");
+    const MeshFile file = off_of(std::string(keyword) +
+                                 "\n3 1 3\n0 0 0 255 0 0\n1 0 0 0 0 1\n0 1 0 1\n3 0 1 2 255 0 0\n");
     EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2)) << keyword;
   }
 }
 
 TEST(ReadOff, AcceptsTheCountsBehindTheKeyword) {
   for (const char* start : {"OFF 3 1 0\n", "OFF3 1 0\n", "OFF\r\n3 1\r\n"})
-    EXPECT_EQ(read(std::string(start) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2").mesh.face_count(), 1);
+    EXPECT_EQ(off_of(std::string(start) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2").mesh.face_count(), 1);
 }
 
 TEST(ReadOff, RefusesWrongHeaders) {
-  EXPECT_EQ(error_of(""), "a.off:1: the file is empty");
-  EXPECT_EQ(error_of("3 1 0\n"), "a.off:1: `3` stands in the place of OFF");
+  EXPECT_EQ(off_error(""), "a.off:1: the file is empty");
+  EXPECT_EQ(off_error("3 1 0\n"), "a.off:1: `3` stands in the place of OFF");
   EXPECT_EQ(
-      error_of("4OFF\n"),
+      off_error("4OFF\n"),
       "a.off:1: `4OFF`: only three-dimensional OFF with the prefixes ST, C and N can be read");
-  EXPECT_EQ(error_of("OFF BINARY\n"), "a.off:1: binary OFF cannot be read; save it as text");
-  EXPECT_EQ(error_of("OFF\n"), "a.off:1: the file ends before its counts");
-  EXPECT_EQ(error_of("OFF\n3 x 0\n"), "a.off:2: count `x` is no integer from 0");
-  EXPECT_EQ(error_of("OFF\n-3 1 0\n"), "a.off:2: count `-3` is no integer from 0");
-  EXPECT_EQ(error_of("OFF\n3\n"), "a.off:2: count `` is no integer from 0");
-  EXPECT_EQ(error_of("OFF\n1000000000 0 0\n0 0 0\n"),
+  EXPECT_EQ(off_error("OFF BINARY\n"), "a.off:1: binary OFF cannot be read; save it as text");
+  EXPECT_EQ(off_error("OFF\n"), "a.off:1: the file ends before its counts");
+  EXPECT_EQ(off_error("OFF\n3 x 0\n"), "a.off:2: count `x` is no integer from 0");
+  EXPECT_EQ(off_error("OFF\n-3 1 0\n"), "a.off:2: count `-3` is no integer from 0");
+  EXPECT_EQ(off_error("OFF\n3\n"), "a.off:2: count `` is no integer from 0");
+  EXPECT_EQ(off_error("OFF\n1000000000 0 0\n0 0 0\n"),
             "a.off:2: header promises 1000000000 vertices, but only 6 bytes follow");
-  EXPECT_EQ(error_of("OFF\n1 9000000000000000000 0\n0 0 0\n"),
+  EXPECT_EQ(off_error("OFF\n1 9000000000000000000 0\n0 0 0\n"),
             "a.off:2: header promises 9000000000000000000 faces, but only 6 bytes follow");
 }
 
 TEST(ReadOff, RefusesWrongBodies) {
-  EXPECT_EQ(error_of("OFF\n1 0 0\n0 nan 0\n"),
+  EXPECT_EQ(off_error("OFF\n1 0 0\n0 nan 0\n"),
             "a.off:3: vertex coordinate `nan` is no finite number");
-  EXPECT_EQ(error_of("OFF\n1 0 0\n0 0     \n"),
+  EXPECT_EQ(off_error("OFF\n1 0 0\n0 0     \n"),
             "a.off:3: vertex coordinate `` is no finite number");
-  EXPECT_EQ(error_of("OFF\n2 0 0\n0 0 0     \n"), "a.off:3: the file ends at vertex 1 of 2");
-  EXPECT_EQ(error_of("OFF\n1 1 0\n0 0 0\n3 0 1 0\n"), "a.off:4: face names vertex 1 of 1");
-  EXPECT_EQ(error_of("OFF\n1 1 0\n0 0 0\n3 0 -1 0\n"), "a.off:4: face names vertex -1 of 1");
-  EXPECT_EQ(error_of("OFF\n1 1 0\n0 0 0\n3 0 a 0\n"), "a.off:4: face corner `a` is no integer");
-  EXPECT_EQ(error_of("OFF\n1 1 0\n0 0 0\n3 0 0\n"), "a.off:4: face has 2 corners of 3");
-  EXPECT_EQ(error_of("OFF\n1 1 0\n0 0 0\n-3 0 0\n"),
+  EXPECT_EQ(off_error("OFF\n2 0 0\n0 0 0     \n"), "a.off:3: the file ends at vertex 1 of 2");
+  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n3 0 1 0\n"), "a.off:4: face names vertex 1 of 1");
+  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n3 0 -1 0\n"), "a.off:4: face names vertex -1 of 1");
+  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n3 0 a 0\n"), "a.off:4: face corner `a` is no integer");
+  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n3 0 0\n"), "a.off:4: face has 2 corners of 3");
+  EXPECT_EQ(off_error("OFF\n1 1 0\n0 0 0\n-3 0 0\n"),
             "a.off:4: face size `-3` is no integer from 0");
-  EXPECT_EQ(error_of("OFF\n1 2 0\n0 0 0\n3 0 0 0\n"), "a.off:4: the file ends at face 1 of 2");
-  EXPECT_EQ(error_of("OFF\n1 0 0\n0 0 0\n3 0 0 0\n"), "a.off:4: more follows after the last face");
+  EXPECT_EQ(off_error("OFF\n1 2 0\n0 0 0\n3 0 0 0\n"), "a.off:4: the file ends at face 1 of 2");
+  EXPECT_EQ(off_error("OFF\n1 0 0\n0 0 0\n3 0 0 0\n"), "a.off:4: more follows after the last face");
 }
 
 }  // namespace

@@ -16,9 +16,9 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-PointCloud read(const std::string& text) { return read_pcd(test::bytes_of(text), "a.pcd"); }
-std::string error_of(const std::string& text) {
-  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text); });
+PointCloud pcd_of(const std::string& text) { return read_pcd(test::bytes_of(text), "a.pcd"); }
+std::string pcd_error(const std::string& text) {
+  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)pcd_of(text); });
 }
 
 template <class Value>
@@ -36,13 +36,13 @@ const std::string kXyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
 const std::string kMixed = "FIELDS rgb z _ x y\nSIZE 4 8 1 4 2\nTYPE U F U F I\nCOUNT 1 1 3 1 1\n";
 
 TEST(ReadPcd, ReadsText) {
-  const PointCloud cloud = read(header(kXyz, 3, "ascii") + "1 2 3\nnan nan nan\n0.1 -5 6e1\n");
+  const PointCloud cloud = pcd_of(header(kXyz, 3, "ascii") + "1 2 3\nnan nan nan\n0.1 -5 6e1\n");
   EXPECT_THAT(cloud.points, ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(0.1, -5, 60)));
   EXPECT_EQ(cloud.missing_count, 1);
 }
 
 TEST(ReadPcd, FindsAxesAmongOtherFields) {
-  EXPECT_THAT(read(header(kMixed, 1, "ascii") + "77 3 9 9 9 1 2\n").points,
+  EXPECT_THAT(pcd_of(header(kMixed, 1, "ascii") + "77 3 9 9 9 1 2\n").points,
               ElementsAre(glm::dvec3(1, 2, 3)));
   std::string text = header(kMixed, 2, "binary");
   for (int i = 0; i < 2; ++i) {
@@ -52,7 +52,7 @@ TEST(ReadPcd, FindsAxesAmongOtherFields) {
     append(text, 1.5f);
     append(text, std::int16_t{-2});
   }
-  EXPECT_THAT(read(text).points, ElementsAre(glm::dvec3(1.5, -2, 0.1), glm::dvec3(1.5, -2, 1.1)));
+  EXPECT_THAT(pcd_of(text).points, ElementsAre(glm::dvec3(1.5, -2, 0.1), glm::dvec3(1.5, -2, 1.1)));
 }
 
 // The same two points by literals of LZF: fields one after another.
@@ -66,28 +66,28 @@ std::string compressed_file() {
 }
 
 TEST(ReadPcd, ReadsCompressedFieldsOneAfterAnother) {
-  EXPECT_THAT(read(compressed_file()).points,
+  EXPECT_THAT(pcd_of(compressed_file()).points,
               ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(4, 5, 6)));
 }
 
 TEST(ReadPcd, NamesWhatIsWrong) {
-  EXPECT_THAT(error_of("VERSION 0.7\n"), HasSubstr("before the line DATA"));
-  EXPECT_THAT(error_of("solid cube\n"), HasSubstr("a.pcd:1: unknown keyword `solid`"));
-  EXPECT_THAT(error_of("FIELDS x y\nSIZE 4 4\nTYPE F F\nWIDTH 1\nDATA ascii\n"),
+  EXPECT_THAT(pcd_error("VERSION 0.7\n"), HasSubstr("before the line DATA"));
+  EXPECT_THAT(pcd_error("solid cube\n"), HasSubstr("a.pcd:1: unknown keyword `solid`"));
+  EXPECT_THAT(pcd_error("FIELDS x y\nSIZE 4 4\nTYPE F F\nWIDTH 1\nDATA ascii\n"),
               HasSubstr("no `z`"));
-  EXPECT_THAT(error_of("FIELDS x y z\nSIZE 4 3 4\n"), HasSubstr("a.pcd:2: SIZE `3`"));
-  EXPECT_THAT(error_of("FIELDS x y z\nSIZE 4 4\n"), HasSubstr("fewer values"));
-  EXPECT_THAT(error_of(header(kXyz, 2, "ascii") + "1 2 3\n"), HasSubstr("promises 2"));
-  EXPECT_THAT(error_of(header(kXyz, 2, "ascii") + "1 2 3\n# long enough\n"),
+  EXPECT_THAT(pcd_error("FIELDS x y z\nSIZE 4 3 4\n"), HasSubstr("a.pcd:2: SIZE `3`"));
+  EXPECT_THAT(pcd_error("FIELDS x y z\nSIZE 4 4\n"), HasSubstr("fewer values"));
+  EXPECT_THAT(pcd_error(header(kXyz, 2, "ascii") + "1 2 3\n"), HasSubstr("promises 2"));
+  EXPECT_THAT(pcd_error(header(kXyz, 2, "ascii") + "1 2 3\n# long enough\n"),
               HasSubstr("ends at point 1 of 2"));
-  EXPECT_THAT(error_of(header(kXyz, 1, "ascii") + "1 2 x5\n"), HasSubstr("`x5`"));
-  EXPECT_THAT(error_of(header(kXyz, 2, "binary") + "12 bytes ..."), HasSubstr("2 points of 12"));
-  EXPECT_THAT(error_of(header(kXyz, 2, "zip")), HasSubstr("`zip`"));
-  EXPECT_THAT(error_of(header(kXyz, 2, "binary_compressed") + "abc"), HasSubstr("ends inside"));
+  EXPECT_THAT(pcd_error(header(kXyz, 1, "ascii") + "1 2 x5\n"), HasSubstr("`x5`"));
+  EXPECT_THAT(pcd_error(header(kXyz, 2, "binary") + "12 bytes ..."), HasSubstr("2 points of 12"));
+  EXPECT_THAT(pcd_error(header(kXyz, 2, "zip")), HasSubstr("`zip`"));
+  EXPECT_THAT(pcd_error(header(kXyz, 2, "binary_compressed") + "abc"), HasSubstr("ends inside"));
   std::string damaged = compressed_file();
   damaged[damaged.size() - 25] = '\x7f';
-  EXPECT_THAT(error_of(damaged), HasSubstr("damaged"));
-  EXPECT_THAT(error_of(kXyz + "WIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n"),
+  EXPECT_THAT(pcd_error(damaged), HasSubstr("damaged"));
+  EXPECT_THAT(pcd_error(kXyz + "WIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n"),
               HasSubstr("WIDTH times HEIGHT, 6"));
 }
 
@@ -104,7 +104,7 @@ TEST(ReadPcd, SurvivesMutations) {
       text[random() % text.size()] = static_cast<char>(random() % 256);
     if (random() % 4 == 0) text.resize(random() % text.size());
     try {
-      (void)read(text);
+      (void)pcd_of(text);
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::UnreadableInput);
     }

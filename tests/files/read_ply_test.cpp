@@ -16,10 +16,10 @@ using test::append;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-MeshFile read(std::string_view text) { return read_ply(test::bytes_of(text), "a.ply"); }
+MeshFile ply_of(std::string_view text) { return read_ply(test::bytes_of(text), "a.ply"); }
 
-std::string error_of(std::string_view text) {
-  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text); });
+std::string ply_error(std::string_view text) {
+  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)ply_of(text); });
 }
 
 constexpr std::string_view kPositions = "property float x\nproperty float y\nproperty float z\n";
@@ -37,7 +37,7 @@ std::string text_of(int vertices, int faces, std::string_view body) {
 }
 
 TEST(ReadPly, ReadsTextWithPolygons) {
-  const MeshFile file = read(
+  const MeshFile file = ply_of(
       text_of(5, 3, "0 0 0\n1 0 0\n1 1 0\n0 1 0.1\n0 0 1\n\n4 0 1 2 3\n3 0 1 4\n5 0 1 2 3 4\n"));
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 4, 7, 12));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 3, 0, 1, 4, 0, 1, 2, 3, 4));
@@ -46,19 +46,19 @@ TEST(ReadPly, ReadsTextWithPolygons) {
 }
 
 TEST(ReadPly, PassesOverOtherPropertiesAndElements) {
-  const MeshFile file = read(header("ascii",
-                                    "comment planish weights=averaged\ncomment other\n"
-                                    "obj_info made by hand\n"
-                                    "element material 1\nproperty list int float values\n"
-                                    "element vertex 3\nproperty uchar red\n" +
-                                        std::string(kPositions) +
-                                        "property float quality\n"
-                                        "element face 1\nproperty list uchar float uv\n"
-                                        "property list uint8 uint32 vertex_index\n"
-                                        "property int flags\n"
-                                        "element edge 2\nproperty int a\n") +
-                             "2 7 8\n255 0 0 0 nan\n255 1 0 0 nan\n255 0 1 0 nan\n"
-                             "2 0.5 0.5 3 2 1 0 9\n4\n5\n");
+  const MeshFile file = ply_of(header("ascii",
+                                      "comment planish weights=averaged\ncomment other\n"
+                                      "obj_info made by hand\n"
+                                      "element material 1\nproperty list int float values\n"
+                                      "element vertex 3\nproperty uchar red\n" +
+                                          std::string(kPositions) +
+                                          "property float quality\n"
+                                          "element face 1\nproperty list uchar float uv\n"
+                                          "property list uint8 uint32 vertex_index\n"
+                                          "property int flags\n"
+                                          "element edge 2\nproperty int a\n") +
+                               "2 7 8\n255 0 0 0 nan\n255 1 0 0 nan\n255 0 1 0 nan\n"
+                               "2 0.5 0.5 3 2 1 0 9\n4\n5\n");
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(2, 1, 0));
   EXPECT_EQ(file.mesh.positions[1], glm::dvec3(1, 0, 0));
   EXPECT_EQ(file.dropped_element_count, 2);
@@ -67,9 +67,9 @@ TEST(ReadPly, PassesOverOtherPropertiesAndElements) {
 
 TEST(ReadPly, ReadsColoursAndTextureCoordinates) {
   const auto file_of = [](const std::string& properties, const std::string& vertex) {
-    return read(header("ascii", "element vertex 3\n" + std::string(kPositions) + properties +
-                                    "element face 1\n" + std::string(kIndices)) +
-                "0 0 0 " + vertex + "\n1 0 0 " + vertex + "\n0 1 0 " + vertex + "\n3 2 1 0\n")
+    return ply_of(header("ascii", "element vertex 3\n" + std::string(kPositions) + properties +
+                                      "element face 1\n" + std::string(kIndices)) +
+                  "0 0 0 " + vertex + "\n1 0 0 " + vertex + "\n0 1 0 " + vertex + "\n3 2 1 0\n")
         .mesh;
   };
   const PolygonMesh bytes = file_of(
@@ -99,7 +99,7 @@ TEST(ReadPly, ReadsColoursAndTextureCoordinates) {
 
 TEST(ReadPly, PointsAloneMakeAMeshWithoutFaces) {
   const MeshFile file =
-      read(header("ascii", "element vertex 2\n" + std::string(kPositions)) + "1 2 3\n4 5 6\n");
+      ply_of(header("ascii", "element vertex 2\n" + std::string(kPositions)) + "1 2 3\n4 5 6\n");
   EXPECT_EQ(file.mesh.vertex_count(), 2);
   EXPECT_EQ(file.mesh.face_count(), 0);
 }
@@ -122,7 +122,7 @@ void expect_binary(std::string_view position_type, std::string_view index_type) 
     }
     append<std::int32_t>(bytes, 3, order);
     for (const int vertex : {2, 0, 1}) append<Index>(bytes, static_cast<Index>(vertex), order);
-    const MeshFile file = read(bytes);
+    const MeshFile file = ply_of(bytes);
     EXPECT_THAT(file.mesh.positions,
                 ElementsAre(glm::dvec3(0, 1, 2), glm::dvec3(10, 11, 12), glm::dvec3(20, 21, 22)));
     EXPECT_THAT(file.mesh.face_vertices, ElementsAre(2, 0, 1));
@@ -141,62 +141,62 @@ TEST(ReadPly, ReadsEveryScalarTypeInBothByteOrders) {
 }
 
 TEST(ReadPly, RefusesWrongHeaders) {
-  EXPECT_EQ(error_of(""), "a.ply:1: `` stands in the place of `ply`");
-  EXPECT_EQ(error_of("solid\n"), "a.ply:1: `solid` stands in the place of `ply`");
-  EXPECT_EQ(error_of("ply\nformat ascii 1.0\n"), "a.ply:2: the file ends inside the header");
-  EXPECT_EQ(error_of("ply\nend_header\n"), "a.ply:2: the header names no format");
-  EXPECT_EQ(error_of("ply\nformat ascii 2.0\n"), "a.ply:2: PLY version `2.0` is not 1.0");
-  EXPECT_EQ(error_of("ply\nformat text 1.0\n"), "a.ply:2: unknown format `text`");
-  EXPECT_EQ(error_of(header("ascii", "elemnt vertex 3\n")), "a.ply:3: unknown keyword `elemnt`");
-  EXPECT_EQ(error_of(header("ascii", "property float x\n")),
+  EXPECT_EQ(ply_error(""), "a.ply:1: `` stands in the place of `ply`");
+  EXPECT_EQ(ply_error("solid\n"), "a.ply:1: `solid` stands in the place of `ply`");
+  EXPECT_EQ(ply_error("ply\nformat ascii 1.0\n"), "a.ply:2: the file ends inside the header");
+  EXPECT_EQ(ply_error("ply\nend_header\n"), "a.ply:2: the header names no format");
+  EXPECT_EQ(ply_error("ply\nformat ascii 2.0\n"), "a.ply:2: PLY version `2.0` is not 1.0");
+  EXPECT_EQ(ply_error("ply\nformat text 1.0\n"), "a.ply:2: unknown format `text`");
+  EXPECT_EQ(ply_error(header("ascii", "elemnt vertex 3\n")), "a.ply:3: unknown keyword `elemnt`");
+  EXPECT_EQ(ply_error(header("ascii", "property float x\n")),
             "a.ply:3: property before the first element");
-  EXPECT_EQ(error_of(header("ascii", "element vertex -1\n")),
+  EXPECT_EQ(ply_error(header("ascii", "element vertex -1\n")),
             "a.ply:3: element count `-1` is no integer from 0");
-  EXPECT_EQ(error_of(header("ascii", "element vertex 1\nproperty half x\n")),
+  EXPECT_EQ(ply_error(header("ascii", "element vertex 1\nproperty half x\n")),
             "a.ply:4: unknown type `half`");
-  EXPECT_EQ(error_of(header("ascii", "element vertex 1\nproperty float\n")),
+  EXPECT_EQ(ply_error(header("ascii", "element vertex 1\nproperty float\n")),
             "a.ply:4: property without a name");
-  EXPECT_EQ(error_of(header("ascii", "element face 1\nproperty list float int vertex_indices\n")),
+  EXPECT_EQ(ply_error(header("ascii", "element face 1\nproperty list float int vertex_indices\n")),
             "a.ply:4: a list cannot be counted by a floating-point number");
-  EXPECT_EQ(error_of(header("binary_little_endian", "element face 0\n")),
+  EXPECT_EQ(ply_error(header("binary_little_endian", "element face 0\n")),
             "a.ply: the header has no element `vertex`");
-  EXPECT_EQ(error_of(header("binary_little_endian", "element vertex 0\nelement vertex 0\n")),
+  EXPECT_EQ(ply_error(header("binary_little_endian", "element vertex 0\nelement vertex 0\n")),
             "a.ply: the header has element `vertex` twice");
-  EXPECT_EQ(error_of(header("binary_little_endian", "element vertex 1\n") + "abcdefghijkl"),
+  EXPECT_EQ(ply_error(header("binary_little_endian", "element vertex 1\n") + "abcdefghijkl"),
             "a.ply: element `vertex` has no properties");
-  EXPECT_EQ(error_of(header("binary_little_endian",
-                            "element vertex 1\nproperty float x\nproperty list uchar float y\n"
-                            "property float z\n") +
-                     "abcdefghijkl"),
+  EXPECT_EQ(ply_error(header("binary_little_endian",
+                             "element vertex 1\nproperty float x\nproperty list uchar float y\n"
+                             "property float z\n") +
+                      "abcdefghijkl"),
             "a.ply: element `vertex` has no property `y`");
-  EXPECT_EQ(error_of(header("ascii", "element vertex 1\n" + std::string(kPositions) +
-                                         "element face 1\nproperty int vertex_indices\n") +
-                     "0 0 0\n3\n"),
+  EXPECT_EQ(ply_error(header("ascii", "element vertex 1\n" + std::string(kPositions) +
+                                          "element face 1\nproperty int vertex_indices\n") +
+                      "0 0 0\n3\n"),
             "a.ply:10: element `face` has no list `vertex_indices`");
 }
 
 TEST(ReadPly, RefusesWrongText) {
-  EXPECT_EQ(error_of(text_of(1, 0, "0 nan 0\n")),
+  EXPECT_EQ(ply_error(text_of(1, 0, "0 nan 0\n")),
             "a.ply:10: vertex 0 of 1: `nan` is no finite number");
-  EXPECT_EQ(error_of(text_of(1, 0, "0,5 0 0\n")),
+  EXPECT_EQ(ply_error(text_of(1, 0, "0,5 0 0\n")),
             "a.ply:10: vertex 0 of 1: `0,5` is no finite number");
-  EXPECT_EQ(error_of(text_of(2, 0, "0 0 0\n1     1\n")),
+  EXPECT_EQ(ply_error(text_of(2, 0, "0 0 0\n1     1\n")),
             "a.ply:11: vertex 1 of 2 has too few values");
-  EXPECT_EQ(error_of(text_of(1, 0, "0 0 0 7\n")),
+  EXPECT_EQ(ply_error(text_of(1, 0, "0 0 0 7\n")),
             "a.ply:10: vertex 0 of 1 has a value too many: `7`");
-  EXPECT_EQ(error_of(text_of(2, 0, "0 0 0         \n")),
+  EXPECT_EQ(ply_error(text_of(2, 0, "0 0 0         \n")),
             "a.ply:10: the file ends at vertex 1 of 2");
-  EXPECT_EQ(error_of(text_of(1, 1, "0 0 0\n3 0 1 0\n")),
+  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n3 0 1 0\n")),
             "a.ply:11: face 0 of 1 names vertex 1 of 1");
-  EXPECT_EQ(error_of(text_of(1, 1, "0 0 0\n3 0 0.5 0\n")),
+  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n3 0 0.5 0\n")),
             "a.ply:11: face 0 of 1 names vertex 0.5 of 1");
-  EXPECT_EQ(error_of(text_of(1, 1, "0 0 0\n3 0 -1 0\n")),
+  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n3 0 -1 0\n")),
             "a.ply:11: face 0 of 1 names vertex -1 of 1");
-  EXPECT_EQ(error_of(text_of(1, 1, "0 0 0\n3 0 0\n")), "a.ply:11: face 0 of 1 has too few values");
-  EXPECT_EQ(error_of(text_of(1, 1, "0 0 0\n300 0 0\n")),
+  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n3 0 0\n")), "a.ply:11: face 0 of 1 has too few values");
+  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n300 0 0\n")),
             "a.ply:11: face 0 of 1: list `vertex_indices` promises 300 values, but no more than 4 "
             "can follow");
-  EXPECT_EQ(error_of(text_of(1000000000, 0, "0 0 0\n")),
+  EXPECT_EQ(ply_error(text_of(1000000000, 0, "0 0 0\n")),
             "a.ply:9: header promises 1000000000 of element `vertex`, but only 6 bytes follow");
 }
 
@@ -204,37 +204,38 @@ TEST(ReadPly, RefusesWrongBinaries) {
   const std::string elements =
       "element vertex 1\n" + std::string(kPositions) + "element face 1\n" + std::string(kIndices);
   const std::string begin = header("binary_little_endian", elements);
-  EXPECT_EQ(error_of(begin + "0123456789"),
+  EXPECT_EQ(ply_error(begin + "0123456789"),
             "a.ply: header promises 1 of element `vertex` of at least 12 bytes, but only 10 bytes "
             "follow");
-  EXPECT_EQ(error_of(header("binary_little_endian",
-                            "element vertex 9000000000000000000\n" + std::string(kPositions))),
+  EXPECT_EQ(ply_error(header("binary_little_endian",
+                             "element vertex 9000000000000000000\n" + std::string(kPositions))),
             "a.ply: header promises 9000000000000000000 of element `vertex` of at least 12 bytes, "
             "but only 0 bytes follow");
   std::string nan = begin;
   append<float>(nan, 0);
   append<float>(nan, std::numeric_limits<float>::infinity());
   append<float>(nan, 0);
-  EXPECT_EQ(error_of(nan), "a.ply: vertex 0 of 1: y is inf");
+  EXPECT_EQ(ply_error(nan), "a.ply: vertex 0 of 1: y is inf");
   const std::string vertex = begin + std::string(12, '\0');
-  EXPECT_EQ(error_of(vertex + "\x03"),
+  EXPECT_EQ(ply_error(vertex + "\x03"),
             "a.ply: face 0 of 1: list `vertex_indices` promises 3 values, but no more than 0 can "
             "follow");
   std::string face = vertex + "\x01";
   append<std::int32_t>(face, 1);
-  EXPECT_EQ(error_of(face), "a.ply: face 0 of 1 names vertex 1 of 1");
-  EXPECT_EQ(error_of(header("binary_little_endian",
-                            "element vertex 0\n" + std::string(kPositions) +
-                                "element face 1\nproperty list char int vertex_indices\n") +
-                     "\xff"),
+  EXPECT_EQ(ply_error(face), "a.ply: face 0 of 1 names vertex 1 of 1");
+  EXPECT_EQ(ply_error(header("binary_little_endian",
+                             "element vertex 0\n" + std::string(kPositions) +
+                                 "element face 1\nproperty list char int vertex_indices\n") +
+                      "\xff"),
             "a.ply: face 0 of 1: list `vertex_indices` promises -1 values, but no more than 0 can "
             "follow");
 }
 
 TEST(ReadPly, WarnsOfTriangleStrips) {
-  const MeshFile file = read(header("ascii", "element vertex 1\n" + std::string(kPositions) +
-                                                 "element tristrips 1\n" + std::string(kIndices)) +
-                             "0 0 0\n3 0 0 0\n");
+  const MeshFile file =
+      ply_of(header("ascii", "element vertex 1\n" + std::string(kPositions) +
+                                 "element tristrips 1\n" + std::string(kIndices)) +
+             "0 0 0\n3 0 0 0\n");
   ASSERT_EQ(file.warnings.size(), 1u);
   EXPECT_EQ(file.warnings[0].message, "triangle strips cannot be read; save them as faces");
 }

@@ -15,10 +15,10 @@ namespace {
 using test::append;
 using testing::ElementsAre;
 
-MeshFile read(std::string_view text) { return read_stl(test::bytes_of(text), "a.stl"); }
+MeshFile stl_of(std::string_view text) { return read_stl(test::bytes_of(text), "a.stl"); }
 
-std::string error_of(std::string_view text) {
-  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text); });
+std::string stl_error(std::string_view text) {
+  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)stl_of(text); });
 }
 
 std::string binary(const std::vector<std::array<glm::vec3, 3>>& triangles) {
@@ -39,9 +39,9 @@ std::string facet(std::string_view vertices) {
 }
 
 TEST(ReadStl, WeldsABinaryFileByExactPosition) {
-  const MeshFile file = read(binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
-                                     {{{-0.0f, 0, -0.0f}, {1, 1, 0}, {0, 1, 0}}},
-                                     {{{0, 0, 1e-30f}, {1, 1, 1}, {0, 1, 1}}}}));
+  const MeshFile file = stl_of(binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
+                                       {{{-0.0f, 0, -0.0f}, {1, 1, 0}, {0, 1, 0}}},
+                                       {{{0, 0, 1e-30f}, {1, 1, 1}, {0, 1, 1}}}}));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3, 4, 5, 6));
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 3, 6, 9));
   EXPECT_EQ(file.mesh.positions[3], glm::dvec3(0, 1, 0));
@@ -50,7 +50,7 @@ TEST(ReadStl, WeldsABinaryFileByExactPosition) {
 }
 
 TEST(ReadStl, ReadsText) {
-  const MeshFile file = read(
+  const MeshFile file = stl_of(
       "Solid a b\n" + facet("vertex 0 0 0\nvertex 1 0 0\nVERTEX 0.1 1e0 0\n") +
       facet("vertex 0 0 0\nvertex .1 1 0\nvertex 0 0 1\n") + "endsolid\nsolid b\nendsolid b\n");
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3));
@@ -60,7 +60,7 @@ TEST(ReadStl, ReadsText) {
 
 TEST(ReadStl, LeavesOutTrianglesWithoutArea) {
   const MeshFile file =
-      read(binary({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}}}, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}));
+      stl_of(binary({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}}}, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2));
   EXPECT_EQ(file.dropped_element_count, 1);
   ASSERT_EQ(file.warnings.size(), 1u);
@@ -74,7 +74,7 @@ TEST(ReadStl, WeldsManyPositionsInTheOrderOfTheFile) {
     const auto x = static_cast<float>(i);
     triangles.push_back({{{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}});
   }
-  const MeshFile file = read(binary(triangles));
+  const MeshFile file = stl_of(binary(triangles));
   ASSERT_EQ(file.mesh.vertex_count(), 10001);
   EXPECT_EQ(file.welded_vertex_count, 4999);
   for (int i = 0; i < 5000; ++i)
@@ -86,30 +86,30 @@ TEST(ReadStl, RefusesWrongSizes) {
   std::string bytes = binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
   bytes[0] = 'x';
   bytes.pop_back();
-  EXPECT_EQ(error_of(bytes),
+  EXPECT_EQ(stl_error(bytes),
             "a.stl: header promises 1 triangles in 134 bytes, but the file has 133");
-  EXPECT_EQ(error_of("facet"),
+  EXPECT_EQ(stl_error("facet"),
             "a.stl: neither begins with `solid` nor has a binary header of 84 bytes");
 }
 
 TEST(ReadStl, RefusesNonFiniteNumbers) {
-  EXPECT_EQ(error_of(binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
-                             {{{0, 0, 0}, {std::numeric_limits<float>::quiet_NaN(), 0, 0}, {}}}})),
+  EXPECT_EQ(stl_error(binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
+                              {{{0, 0, 0}, {std::numeric_limits<float>::quiet_NaN(), 0, 0}, {}}}})),
             "a.stl: triangle 1 has the coordinate nan");
-  EXPECT_EQ(error_of("solid\n" + facet("vertex 0 inf 0\n")),
+  EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 inf 0\n")),
             "a.stl:4: vertex coordinate `inf` is no finite number");
 }
 
 TEST(ReadStl, RefusesWrongText) {
-  EXPECT_EQ(error_of("solid\n" + facet("vertex 0 0\n")),
+  EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 0\n")),
             "a.stl:4: vertex coordinate `` is no finite number");
-  EXPECT_EQ(error_of("solid\n" + facet("vertex 0 0 0 0\n")),
+  EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 0 0 0\n")),
             "a.stl:4: vertex has a fourth value `0`");
-  EXPECT_EQ(error_of("solid\n" + facet("vertex 0 0 0\n")),
+  EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 0 0\n")),
             "a.stl:5: facet has 1 vertices, 3 are needed");
-  EXPECT_EQ(error_of("solid\nvertex 0 0 0\n"), "a.stl:2: `vertex` is out of place");
-  EXPECT_EQ(error_of("solid\nvertx 0 0 0\n"), "a.stl:2: `vertx` is no word of STL");
-  EXPECT_EQ(error_of("solid\nfacet normal 0 0 1\nouter loop\n"),
+  EXPECT_EQ(stl_error("solid\nvertex 0 0 0\n"), "a.stl:2: `vertex` is out of place");
+  EXPECT_EQ(stl_error("solid\nvertx 0 0 0\n"), "a.stl:2: `vertx` is no word of STL");
+  EXPECT_EQ(stl_error("solid\nfacet normal 0 0 1\nouter loop\n"),
             "a.stl:3: the file ends inside a facet");
 }
 

@@ -13,48 +13,49 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-PointCloud read(std::string_view text, FileFormat format = FileFormat::Xyz) {
+PointCloud xyz_of(std::string_view text, FileFormat format = FileFormat::Xyz) {
   return format == FileFormat::Pts ? read_pts(test::bytes_of(text), "a.xyz")
                                    : read_xyz(test::bytes_of(text), "a.xyz");
 }
-std::string error_of(std::string_view text, FileFormat format = FileFormat::Xyz) {
-  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)read(text, format); });
+std::string xyz_error(std::string_view text, FileFormat format = FileFormat::Xyz) {
+  return test::message_of(ErrorCode::UnreadableInput, [&] { (void)xyz_of(text, format); });
 }
 
 TEST(ReadXyz, ReadsColumnsHoweverTheyAreSeparated) {
-  const auto points = read("1 2 3\n 4\t5  6 255 0 0\r\n7,8,9\n10;11;12;0\n\n# rest\n//x\n").points;
+  const auto points =
+      xyz_of("1 2 3\n 4\t5  6 255 0 0\r\n7,8,9\n10;11;12;0\n\n# rest\n//x\n").points;
   EXPECT_THAT(points, ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(4, 5, 6), glm::dvec3(7, 8, 9),
                                   glm::dvec3(10, 11, 12)));
 }
 
 TEST(ReadXyz, ReadsNumbersToTheLastBit) {
-  EXPECT_EQ(read("0.1 4.9e-324 -1e100\n").points[0], glm::dvec3(0.1, 4.9e-324, -1e100));
+  EXPECT_EQ(xyz_of("0.1 4.9e-324 -1e100\n").points[0], glm::dvec3(0.1, 4.9e-324, -1e100));
 }
 
 TEST(ReadXyz, PassesOverColumnNamesInTheFirstLineOnly) {
-  EXPECT_EQ(read("X Y Z\n1 2 3\n").points.size(), 1u);
-  EXPECT_THAT(error_of("1 2 3\nX Y Z\n"), HasSubstr("a.xyz:2: coordinate `X`"));
+  EXPECT_EQ(xyz_of("X Y Z\n1 2 3\n").points.size(), 1u);
+  EXPECT_THAT(xyz_error("1 2 3\nX Y Z\n"), HasSubstr("a.xyz:2: coordinate `X`"));
 }
 
 TEST(ReadXyz, CountsMissingPoints) {
-  const PointCloud cloud = read("nan nan nan\n1 2 3\n1 NaN 3\n");
+  const PointCloud cloud = xyz_of("nan nan nan\n1 2 3\n1 NaN 3\n");
   EXPECT_EQ(cloud.points.size(), 1u);
   EXPECT_EQ(cloud.missing_count, 2);
 }
 
 TEST(ReadXyz, NamesLineAndValueOfErrors) {
-  EXPECT_THAT(error_of("1 2 3\n1 2\n"), HasSubstr("a.xyz:2: a point needs 3"));
-  EXPECT_THAT(error_of("1 2 inf\n"), HasSubstr("a.xyz:1: coordinate `inf`"));
-  EXPECT_THAT(error_of("1 2 1e200\n"), HasSubstr("up to 1e150"));
+  EXPECT_THAT(xyz_error("1 2 3\n1 2\n"), HasSubstr("a.xyz:2: a point needs 3"));
+  EXPECT_THAT(xyz_error("1 2 inf\n"), HasSubstr("a.xyz:1: coordinate `inf`"));
+  EXPECT_THAT(xyz_error("1 2 1e200\n"), HasSubstr("up to 1e150"));
 }
 
 TEST(ReadPts, HoldsCountsAgainstPoints) {
-  EXPECT_EQ(read("2\n1 2 3 0.5\n4 5 6 0.5\n1\n7 8 9\n", FileFormat::Pts).points.size(), 3u);
-  EXPECT_EQ(read("1 2 3\n", FileFormat::Pts).points.size(), 1u);
-  EXPECT_THAT(error_of("3\n1 2 3\n", FileFormat::Pts), HasSubstr("after 1 of 3 points"));
-  EXPECT_THAT(error_of("3\n1 2 3\n1\n4 5 6\n", FileFormat::Pts),
+  EXPECT_EQ(xyz_of("2\n1 2 3 0.5\n4 5 6 0.5\n1\n7 8 9\n", FileFormat::Pts).points.size(), 3u);
+  EXPECT_EQ(xyz_of("1 2 3\n", FileFormat::Pts).points.size(), 1u);
+  EXPECT_THAT(xyz_error("3\n1 2 3\n", FileFormat::Pts), HasSubstr("after 1 of 3 points"));
+  EXPECT_THAT(xyz_error("3\n1 2 3\n1\n4 5 6\n", FileFormat::Pts),
               HasSubstr("a.xyz:3: a point count"));
-  EXPECT_THAT(error_of("-3\n", FileFormat::Pts), HasSubstr("`-3`"));
+  EXPECT_THAT(xyz_error("-3\n", FileFormat::Pts), HasSubstr("`-3`"));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace planish {
 namespace {
 
-SurfaceMesh surface_of(const PolygonMesh& cage, int level) {
+SurfaceMesh evaluated(const PolygonMesh& cage, int level) {
   return evaluate(cage, *make_cpu_backend(), {.level = level});
 }
 
@@ -20,7 +20,7 @@ TEST(Evaluate, LevelsStartWithTheSameLimitPointsAndNormals) {
   const std::vector<glm::dvec3> limits = limit_positions(cage, Weights::DooSabin, {});
   SurfaceMesh first;
   for (int level = 0; level <= 5; ++level) {
-    const SurfaceMesh surface = surface_of(cage, level);
+    const SurfaceMesh surface = evaluated(cage, level);
     if (level == 0) first = surface;
     for (std::size_t v = 0; v < limits.size(); ++v) {
       EXPECT_LT(glm::length(surface.positions[v] - limits[v]), 1e-14) << "level " << level;
@@ -31,13 +31,13 @@ TEST(Evaluate, LevelsStartWithTheSameLimitPointsAndNormals) {
 
 TEST(Evaluate, LevelZeroKeepsTheInputsFaces) {
   const PolygonMesh cage = test::prism(5);
-  const SurfaceMesh surface = surface_of(cage, 0);
+  const SurfaceMesh surface = evaluated(cage, 0);
   EXPECT_EQ(surface.face_vertices, cage.face_vertices);
   EXPECT_EQ(surface.face_offsets, cage.face_offsets);
 }
 
 TEST(Evaluate, NormalsPointOutwards) {
-  const SurfaceMesh surface = surface_of(test::icosphere(1), 3);
+  const SurfaceMesh surface = evaluated(test::icosphere(1), 3);
   for (std::size_t v = 0; v < surface.positions.size(); ++v) {
     EXPECT_NEAR(glm::length(surface.normals[v]), 1.0f, 1e-6f);
     EXPECT_GT(glm::dot(glm::dvec3(surface.normals[v]), glm::normalize(surface.positions[v])), 0.98);
@@ -48,9 +48,9 @@ TEST(Evaluate, LeavesUnusedVerticesOut) {
   PolygonMesh cage = test::cube();
   cage.positions.insert(cage.positions.begin(), glm::dvec3(100, 0, 0));
   for (auto& v : cage.face_vertices) ++v;
-  const SurfaceMesh surface = surface_of(cage, 1);
+  const SurfaceMesh surface = evaluated(cage, 1);
   EXPECT_EQ(surface.base_vertices, (std::vector<std::int32_t>{1, 2, 3, 4, 5, 6, 7, 8}));
-  const SurfaceMesh plain = surface_of(test::cube(), 1);
+  const SurfaceMesh plain = evaluated(test::cube(), 1);
   EXPECT_EQ(surface.positions, plain.positions);
   EXPECT_EQ(limit_positions(cage, Weights::DooSabin, {})[0], glm::dvec3(100, 0, 0));
 }
@@ -70,7 +70,7 @@ TEST(Evaluate, ReplacesNormalsWhereTangentsAreParallel) {
 }
 
 TEST(Evaluate, InteriorValenceTwoHasAUnitNormal) {
-  const SurfaceMesh surface = surface_of(test::cube_with_split_edges(), 2);
+  const SurfaceMesh surface = evaluated(test::cube_with_split_edges(), 2);
   for (const auto& normal : surface.normals) EXPECT_NEAR(glm::length(normal), 1.0f, 1e-6f);
 }
 
@@ -79,7 +79,7 @@ TEST(Evaluate, SplitsNormalsAlongCreasesOnly) {
   for (const auto& [a, b] : {std::pair{0, 1}, {1, 3}, {3, 2}, {2, 0}}) {
     cage.creases.push_back({a, b, kInfiniteSharpness});
   }
-  const SurfaceMesh surface = surface_of(cage, 1);
+  const SurfaceMesh surface = evaluated(cage, 1);
   // 8 + 6 + 12 vertices; the closed crease has 4 vertices and 4 midpoints.
   ASSERT_EQ(surface.positions.size(), 26u + 8u);
   const SurfaceMesh smooth =
@@ -90,7 +90,7 @@ TEST(Evaluate, SplitsNormalsAlongCreasesOnly) {
 TEST(Evaluate, RefusesLevelsOutOfRange) {
   for (const int level : {-1, 7}) {
     try {
-      (void)surface_of(test::cube(), level);
+      (void)evaluated(test::cube(), level);
       FAIL();
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
@@ -112,7 +112,7 @@ TEST(Evaluate, RefusesWhatDoesNotFitIntoMemoryBeforeTakingIt) {
 TEST(Evaluate, RefusesBrokenMeshes) {
   PolygonMesh cage = test::cube();
   cage.face_vertices[3] = 77;
-  EXPECT_THROW((void)surface_of(cage, 1), Error);
+  EXPECT_THROW((void)evaluated(cage, 1), Error);
 }
 
 }  // namespace

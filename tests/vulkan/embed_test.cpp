@@ -23,7 +23,7 @@ namespace {
 using namespace vulkan;
 
 // Single precision of coordinates of a few units, through a solve and a chain of levels.
-constexpr double kDistance = 4e-6;
+constexpr double kEmbedDistance = 4e-6;
 constexpr double kCosine = 1 - 1e-5;
 
 /// Meshes whose vertices, faces, boundaries and creases differ most.
@@ -53,7 +53,7 @@ TEST_F(Embedding, SurfaceEqualsTheCpus) {
       const PolygonMesh pose = posed(mesh.mesh, 1);
       const Difference off =
           difference(run(frame, pose, iterations(40)), surface_by_cpu(pose, mesh.mesh, options));
-      EXPECT_LT(off.distance, kDistance) << mesh.name << " " << level;
+      EXPECT_LT(off.distance, kEmbedDistance) << mesh.name << " " << level;
       EXPECT_GT(off.cosine, kCosine) << mesh.name << " " << level;
       EXPECT_EQ(frame.status().iterations, 40u);
       EXPECT_EQ(frame.status().state, SolveState::Stepped);
@@ -248,7 +248,7 @@ TEST_F(Embedding, RecoversFromAFrameWithoutNumbers) {
   EXPECT_EQ(frame.status().residual, std::numeric_limits<float>::infinity());
   parameters = iterations(40);
   parameters.warm_start = true;
-  EXPECT_LT(difference(run(frame, mesh, parameters), expected).distance, kDistance);
+  EXPECT_LT(difference(run(frame, mesh, parameters), expected).distance, kEmbedDistance);
 }
 
 TEST_F(Embedding, RefusesLayoutsThatCannotBe) {

@@ -2,9 +2,19 @@
 # A source that forgets an include may compile all the same, so that CI builds without.
 option(PLANISH_FAST_BUILD "Unity builds and precompiled headers; OFF finds missing includes" ON)
 
-# planish_unite(TARGET GROUP SIZE SOURCE...): the sources, of the current folder, are compiled SIZE
-# at a time. A source with compile options of its own stays alone: CMake sees to it.
-function(planish_unite target group size)
+# planish_unite(TARGET SIZE [ALONE SOURCE...]): the target's sources are compiled SIZE at a time, but
+# for main.cpp, those named, and those with compile options of their own, to which CMake sees.
+function(planish_unite target size)
+  if(PLANISH_FAST_BUILD)
+    cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "ALONE")
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
+    set_source_files_properties(main.cpp ${arg_ALONE} TARGET_DIRECTORY ${target}
+                                PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+endfunction()
+
+# planish_unite_group(TARGET GROUP SIZE SOURCE...): these sources of the current folder only.
+function(planish_unite_group target group size)
   if(NOT PLANISH_FAST_BUILD)
     return()
   endif()
