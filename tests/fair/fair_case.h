@@ -5,11 +5,13 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "conformance/catalogue.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/doosabin/surface_stencils.h"
 #include "planish/fair/fair_net.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/mesh/placement.h"
+#include "support/delaunay_sphere.h"
 
 namespace planish::test {
 
@@ -40,6 +42,13 @@ struct FairCase {
     return find_sharp_features(mesh, split, mesh.positions, {});
   }
 };
+
+/// Meshes of every kind, and a larger one of random triangles.
+[[nodiscard]] inline std::vector<NamedMesh> fair_meshes() {
+  std::vector<NamedMesh> meshes = all_meshes();
+  meshes.push_back({"random sphere 600", delaunay_sphere(600, 1)});
+  return meshes;
+}
 
 /// Limit points of `level` with their normals, from a state of level 1.
 struct LimitSamples {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "conformance/catalogue.h"
 #include "fair/fair_case.h"
 #include "planish/doosabin/vertex_ring.h"
 #include "support/delaunay_sphere.h"
@@ -18,12 +17,6 @@ namespace {
 
 using glm::dvec3;
 using std::int32_t;
-
-std::vector<NamedMesh> fair_meshes() {
-  std::vector<NamedMesh> meshes = all_meshes();
-  meshes.push_back({"random sphere 600", delaunay_sphere(600, 1)});
-  return meshes;
-}
 
 // Largest distance between a given point and the limit point that the level-1 rules give it: the
 // centroid of its polygon, the middle of its curve points, or the corner's own position.

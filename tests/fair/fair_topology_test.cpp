@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "conformance/catalogue.h"
 #include "fair/fair_case.h"
 #include "planish/doosabin/limit_masks.h"
@@ -15,13 +17,20 @@ namespace {
 using glm::dvec3;
 using std::int32_t;
 
-TEST(FairTopology, RingsAreThoseOfTheSubdivision) {
+// Every mesh with its topology.
+void for_each_topology(
+    const std::function<void(const FairCase& c, const FairTopology& topology)>& body) {
   for (const auto& [name, mesh] : all_meshes()) {
     SCOPED_TRACE(name);
     const FairCase c(mesh);
-    const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+    body(c, make_fair_topology(c.mesh, c.subdivision));
+  }
+}
+
+TEST(FairTopology, RingsAreThoseOfTheSubdivision) {
+  for_each_topology([](const FairCase& c, const FairTopology& topology) {
     VertexRing ring;
-    for (int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    for (int32_t v = 0; v < c.mesh.vertex_count(); ++v) {
       gather_ring(c.subdivision, 1, v, ring);
       ASSERT_EQ(topology.valence(v), int32_t(ring.faces.size()));
       for (std::size_t i = 0; i < ring.faces.size(); ++i) {
@@ -38,14 +47,11 @@ TEST(FairTopology, RingsAreThoseOfTheSubdivision) {
         EXPECT_EQ(topology.ring_next[place], topology.ring_previous[other]);
       }
     }
-  }
+  });
 }
 
 TEST(FairTopology, EdgesHaveTheirFourCorners) {
-  for (const auto& [name, mesh] : all_meshes()) {
-    SCOPED_TRACE(name);
-    const FairCase c(mesh);
-    const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  for_each_topology([](const FairCase& c, const FairTopology& topology) {
     for (const FairTopology::Edge& edge : topology.edges) {
       const auto vertex = [&](int k) { return topology.corner_vertices[edge.corners[k]]; };
       EXPECT_EQ(vertex(1), vertex(2));
@@ -55,14 +61,11 @@ TEST(FairTopology, EdgesHaveTheirFourCorners) {
         EXPECT_EQ(topology.corner_faces[edge.corners[k]], edge.faces[k / 2]);
       }
     }
-  }
+  });
 }
 
 TEST(CornerOffsets, AreOneSubdivisionStep) {
-  for (const auto& [name, mesh] : all_meshes()) {
-    SCOPED_TRACE(name);
-    const FairCase c(mesh);
-    const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  for_each_topology([](const FairCase& c, const FairTopology& topology) {
     std::vector<dvec3> points = c.given;
     for (std::size_t v = 0; v < points.size(); ++v)
       points[v] += dvec3(0.01 * double(v % 7), 0, 0.02);
@@ -79,14 +82,11 @@ TEST(CornerOffsets, AreOneSubdivisionStep) {
       EXPECT_LT(glm::distance(offsets[corner], expected), 1e-14);
       EXPECT_LT(glm::distance(corner_offset(topology, c.given, points, corner), expected), 1e-14);
     }
-  }
+  });
 }
 
 TEST(MaskedIteration, WithFullSharesIsThePlainIteration) {
-  for (const auto& [name, mesh] : all_meshes()) {
-    SCOPED_TRACE(name);
-    const FairCase c(mesh);
-    const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  for_each_topology([](const FairCase& c, const FairTopology& topology) {
     std::vector<dvec3> offsets(static_cast<std::size_t>(topology.corner_count));
     corner_offsets(topology, c.given, c.given, offsets);
     std::vector<double> shares(c.given.size(), 1.0);
@@ -111,7 +111,7 @@ TEST(MaskedIteration, WithFullSharesIsThePlainIteration) {
     for (std::size_t v = 0; v < points.size(); ++v) {
       EXPECT_LT(glm::distance(points[v], expected[v]), 1e-14);
     }
-  }
+  });
 }
 
 }  // namespace

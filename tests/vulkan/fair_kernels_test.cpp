@@ -31,12 +31,10 @@ constexpr double kDirection = 1e-4;
 class FairKernels : public FairMachine,
                     public ::testing::WithParamInterface<vulkan::PipelineVariant> {
  protected:
-  void SetUp() override {
-    FairMachine::SetUp();
-    if (!machine_) return;
+  [[nodiscard]] vulkan::ContextOptions context_options() const override {
     vulkan::ContextOptions options;
     options.variant = GetParam();
-    make_machine(options);
+    return options;
   }
 
   template <class Record>
@@ -56,7 +54,7 @@ class FairKernels : public FairMachine,
   }
   // Every mesh's net in the making, with the steps that it will be polished with.
   void for_each_net(std::uint32_t polish_steps, const std::function<void(DeviceNet&)>& body) {
-    for (const test::NamedMesh& mesh : fair_meshes()) {
+    for (const test::NamedMesh& mesh : device_meshes()) {
       SCOPED_TRACE(mesh.name);
       const test::FairCase c(mesh.mesh);
       DeviceNet net(*machine_, c, polish_steps);

@@ -6,21 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "conformance/catalogue.h"
 #include "fair/fair_case.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/fair/gpu_fair.h"
-#include "support/delaunay_sphere.h"
 #include "support/random_meshes.h"
 #include "vulkan/fixture.h"
 
 namespace planish::testing {
 
-/// Meshes of every kind, and those whose vertices, corners, edges or faces fill work groups nearly,
-/// just, and just not.
-[[nodiscard]] inline std::vector<test::NamedMesh> fair_meshes() {
-  std::vector<test::NamedMesh> meshes = test::all_meshes();
-  meshes.push_back({"random sphere 600", test::delaunay_sphere(600, 1)});
+/// Those of the fair method, and some whose vertices, corners, edges or faces fill work groups
+/// nearly, just, and just not.
+[[nodiscard]] inline std::vector<test::NamedMesh> device_meshes() {
+  std::vector<test::NamedMesh> meshes = test::fair_meshes();
   meshes.push_back({"narrow quads", test::torus(12, 48, 1, 0.4)});
   for (const int n : {63, 64, 65}) {
     meshes.push_back({"vertices " + std::to_string(n), test::bipyramid(n - 2)});
@@ -35,8 +32,10 @@ class FairMachine : public VulkanTest {
  protected:
   void SetUp() override {
     VulkanTest::SetUp();
-    if (!IsSkipped() && !HasFatalFailure()) make_machine({});
+    if (!IsSkipped() && !HasFatalFailure()) make_machine(context_options());
   }
+  /// What the machine is made with.
+  [[nodiscard]] virtual vulkan::ContextOptions context_options() const { return {}; }
 
   void make_machine(const vulkan::ContextOptions& context) {
     vulkan::OwnDeviceOptions options;

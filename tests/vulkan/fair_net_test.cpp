@@ -8,6 +8,7 @@
 #include "planish/fair/fair_builder.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/level_one.h"
+#include "support/delaunay_sphere.h"
 #include "vulkan/fair_machine.h"
 
 namespace planish::testing {
@@ -71,7 +72,7 @@ TEST_F(FairNetOnDevice, InterpolatesAndEqualsTheCpusSurface) {
   const auto backend = make_backend();
   double sum = 0;
   int count = 0;
-  for (const test::NamedMesh& mesh : fair_meshes()) {
+  for (const test::NamedMesh& mesh : device_meshes()) {
     SCOPED_TRACE(mesh.name);
     const test::FairCase c(mesh.mesh, 2);
     for (const std::int32_t steps : {0, 8}) {
