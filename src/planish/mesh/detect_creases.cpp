@@ -22,7 +22,7 @@ namespace planish {
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kDetectGrain = 4096;
 constexpr double kRadians = std::numbers::pi / 180.0;
 constexpr double kRightAngle = std::numbers::pi / 2;
 
@@ -68,7 +68,7 @@ std::set<VertexPair> tagged_edges(const PolygonMesh& mesh) {
 
 std::vector<glm::dvec3> face_normals(const PolygonMesh& mesh) {
   std::vector<glm::dvec3> normals(static_cast<std::size_t>(mesh.face_count()));
-  parallel_for(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(normals.size(), kDetectGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
       normals[f] = area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f)));
   });
@@ -93,7 +93,7 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
     return angle_between(normals[topology.face_of(corner)],
                          normals[topology.face_of(topology.twin(corner))]);
   };
-  parallel_for(kinds.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(kinds.size(), kDetectGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
       const auto edge = static_cast<std::int32_t>(e);
       if (topology.is_boundary_edge(edge) || (!tagged.empty() && tagged.contains(ends_of(edge)))) {

@@ -14,13 +14,13 @@ namespace planish {
 
 namespace {
 
-constexpr std::size_t kGrain = 1 << 13;
+constexpr std::size_t kFoldGrain = 1 << 13;
 
 // The vector areas of all faces, and which pairs of them turn too far.
 class Faces {
  public:
   explicit Faces(const PolygonMesh& mesh) : areas_(static_cast<std::size_t>(mesh.face_count())) {
-    parallel_for(areas_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_for(areas_.size(), kFoldGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
         areas_[f] = area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f)));
       }
@@ -74,16 +74,16 @@ FoldedEdges folded_edges(const PolygonMesh& mesh, const MeshTopology& topology) 
   FoldedEdges result;
   result.is_beside.assign(faces.count(), 0);
   // Each face looks at its own edges; each edge counts from one side.
-  std::vector<std::int64_t> counts((faces.count() + kGrain - 1) / kGrain, 0);
+  std::vector<std::int64_t> counts((faces.count() + kFoldGrain - 1) / kFoldGrain, 0);
   parallel_for(counts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin * kGrain; f < std::min(faces.count(), end * kGrain); ++f) {
+    for (std::size_t f = begin * kFoldGrain; f < std::min(faces.count(), end * kFoldGrain); ++f) {
       const auto face = static_cast<std::int32_t>(f);
       const std::int32_t first = topology.first_corner(face);
       for (std::int32_t c = first; c < first + topology.face_size(face); ++c) {
         const std::int32_t twin = topology.twin(c);
         if (twin < 0 || !faces.are_folded(face, topology.face_of(twin))) continue;
         result.is_beside[f] = 1;
-        counts[f / kGrain] += c < twin;
+        counts[f / kFoldGrain] += c < twin;
       }
     }
   });

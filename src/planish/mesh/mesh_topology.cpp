@@ -13,7 +13,7 @@
 namespace planish {
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // elements that a thread takes at least
+constexpr std::size_t kLinkGrain = 4096;  // elements that a thread takes at least
 
 // The corners of one vertex with the other ends of their edges, and who lies beside whom.
 class Fan {
@@ -128,7 +128,7 @@ void MeshTopology::take_faces(const PolygonMesh& mesh) {
   corner_vertex_.resize(mesh.face_vertices.size());
   corner_face_.resize(mesh.face_vertices.size());
   face_offsets_[0] = 0;
-  parallel_for(static_cast<std::size_t>(mesh.face_count()), kGrain,
+  parallel_for(static_cast<std::size_t>(mesh.face_count()), kLinkGrain,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t f = begin; f < end; ++f) {
                    const std::int32_t first = mesh.face_offsets[f], last = mesh.face_offsets[f + 1];
@@ -145,12 +145,12 @@ void MeshTopology::take_faces(const PolygonMesh& mesh) {
 // those of each vertex.
 void MeshTopology::gather_corners() {
   const std::size_t count = corner_vertex_.size();
-  parallel_for(vertex_first_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(vertex_first_.size(), kLinkGrain, [&](std::size_t begin, std::size_t end) {
     std::fill(vertex_first_.begin() + static_cast<std::ptrdiff_t>(begin),
               vertex_first_.begin() + static_cast<std::ptrdiff_t>(end), 0);
   });
   twin_.resize(count);  // until they are known: a corner's place among those of its vertex
-  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, kLinkGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       const std::atomic_ref counter(vertex_first_[corner_vertex_[c]]);
       twin_[c] = counter.fetch_add(1, std::memory_order_relaxed);
@@ -158,7 +158,7 @@ void MeshTopology::gather_corners() {
   });
   exclusive_sum(vertex_first_);
   vertex_corners_.resize(count);
-  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, kLinkGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c)
       vertex_corners_[vertex_first_[corner_vertex_[c]] + twin_[c]] = static_cast<std::int32_t>(c);
   });
@@ -167,7 +167,7 @@ void MeshTopology::gather_corners() {
 // Neighbours around a vertex share an edge, so that its own corners tell all twins.
 bool MeshTopology::join_corners() {
   std::atomic<bool> manifold{true};
-  parallel_for(vertex_first_.size() - 1, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(vertex_first_.size() - 1, kLinkGrain, [&](std::size_t begin, std::size_t end) {
     Fan fan;
     for (std::size_t v = begin; v < end; ++v) {
       const auto corners = std::span(vertex_corners_)

@@ -17,14 +17,14 @@
 namespace planish {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kSoundGrain = 4096;
 constexpr std::int64_t kMaxInt32 = std::numeric_limits<std::int32_t>::max();
 
 // Whether test(begin, end) holds on all pieces; further pieces are left out once one fails.
 template <class Test>
 bool holds_everywhere(std::size_t count, const Test& test) {
   std::atomic<bool> holds{true};
-  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, kSoundGrain, [&](std::size_t begin, std::size_t end) {
     if (holds.load(std::memory_order_relaxed) && !test(begin, end))
       holds.store(false, std::memory_order_relaxed);
   });

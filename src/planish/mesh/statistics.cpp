@@ -9,7 +9,7 @@
 namespace planish {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kStatisticsGrain = 4096;
 constexpr std::size_t kPiece = 1 << 16;  // elements that are counted together
 
 // How often each value of value_of(0 .. count - 1) arises, pieces on all threads.
@@ -39,7 +39,7 @@ template <class UseEdge>
 std::int64_t joins(const MeshTopology& topology, const UseEdge& use_edge) {
   ConcurrentSets sets(static_cast<std::size_t>(topology.vertex_count()));
   std::atomic<std::int64_t> total{0};
-  parallel_for(topology.edge_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(topology.edge_count(), kStatisticsGrain, [&](std::size_t begin, std::size_t end) {
     std::int64_t joined = 0;
     for (std::size_t e = begin; e < end; ++e) {
       const auto edge = static_cast<std::int32_t>(e);
@@ -56,7 +56,7 @@ std::int64_t joins(const MeshTopology& topology, const UseEdge& use_edge) {
 // of boundary vertices are the same.
 std::int64_t count_boundary_loops(const MeshTopology& topology) {
   std::atomic<std::int64_t> vertices{0};
-  parallel_for(topology.vertex_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(topology.vertex_count(), kStatisticsGrain, [&](std::size_t begin, std::size_t end) {
     std::int64_t count = 0;
     for (std::size_t v = begin; v < end; ++v)
       count += topology.is_boundary_vertex(static_cast<std::int32_t>(v)) ? 1 : 0;

@@ -14,7 +14,7 @@ namespace planish {
 
 namespace {
 
-constexpr std::int64_t kPieceFaces = std::int64_t{1} << 14;
+constexpr std::int64_t kMeasuredFaces = std::int64_t{1} << 14;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Sums {
@@ -111,7 +111,7 @@ SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& 
                                const Callbacks& callbacks) {
   const SurfaceInfo& info = surface.info();
   PLANISH_ASSERT(info.level >= 1 && info.corners_per_face == 4);
-  const std::vector<RowRange> pieces = ranges_of(info.face_count, kPieceFaces);
+  const std::vector<RowRange> pieces = ranges_of(info.face_count, kMeasuredFaces);
   std::vector<Sums> sums(pieces.size());
   parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
     QuadMeter measure(surface, input, is_beside_folds);

@@ -22,14 +22,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "glTF buffers are little endian");
 
 // Rows or faces converted at once: about a MB of output, written while still in the cache.
-constexpr std::int64_t kPieceRows = std::int64_t{1} << 16, kPieceFaces = std::int64_t{1} << 15;
+constexpr std::int64_t kBufferRows = std::int64_t{1} << 16, kBufferFaces = std::int64_t{1} << 15;
 
 // As the Khronos validator allows.
 constexpr float kUnitLengthTolerance = 5e-4f;
-
-bool is_finite(const glm::vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 // The first row with a fault, whatever the threads do.
 struct Fault {
@@ -137,7 +133,7 @@ class RowWriter {
   void write(Part part) {
     std::vector<Vector> copies(copied_.size());
     stream(
-        sorted(surface_.row_blocks(kPieceRows)),
+        sorted(surface_.row_blocks(kBufferRows)),
         [&](RowRange range, RawVector<std::byte>& bytes) {
           const auto values = values_of<Vector>(bytes, static_cast<std::size_t>(range.count));
           RowTarget target;
@@ -181,7 +177,7 @@ void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices,
   std::vector<glm::dvec2> uvs(static_cast<std::size_t>(surface.info().uv_count));
   surface.uvs({0, surface.info().uv_count}, uvs);
   stream(
-      ranges_of(vertices.count(surface), kPieceRows),
+      ranges_of(vertices.count(surface), kBufferRows),
       [&](RowRange range, RawVector<std::byte>& bytes) {
         const auto values = values_of<glm::vec2>(bytes, static_cast<std::size_t>(range.count));
         for (std::size_t i = 0; i < values.size(); ++i) {
@@ -259,7 +255,7 @@ void write_indices(const SurfaceBlocks& surface, const GltfVertices& vertices, c
                    std::span<const ByteSink> sinks) {
   std::vector<RowRange> pieces;
   for (const RowRange& run : part.faces) {
-    for (RowRange piece : ranges_of(run.count, kPieceFaces)) {
+    for (RowRange piece : ranges_of(run.count, kBufferFaces)) {
       piece.first += run.first;
       pieces.push_back(piece);
     }
@@ -288,7 +284,7 @@ GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertice
 }
 
 GltfBounds gltf_bounds(const SurfaceBlocks& surface, const GltfOptions& options) {
-  const std::vector<RowRange> pieces = surface.row_blocks(kPieceRows);
+  const std::vector<RowRange> pieces = surface.row_blocks(kBufferRows);
   Survey all;
   std::mutex mutex;
   parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -10,17 +10,17 @@
 namespace planish {
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 13;
+constexpr std::size_t kCheckGrain = std::size_t{1} << 13;
 
 // Smallest i with wrong(i), whatever the threads do; count if there is none.
 template <class Predicate>
 std::size_t first_where(std::size_t count, const Predicate& wrong) {
-  const std::size_t block_count = (count + kGrain - 1) / kGrain;
+  const std::size_t block_count = (count + kCheckGrain - 1) / kCheckGrain;
   std::vector<std::size_t> first(block_count, count);
   parallel_for(block_count, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t block = begin; block < end; ++block) {
-      const std::size_t stop = std::min(count, (block + 1) * kGrain);
-      for (std::size_t i = block * kGrain; i < stop; ++i) {
+      const std::size_t stop = std::min(count, (block + 1) * kCheckGrain);
+      for (std::size_t i = block * kCheckGrain; i < stop; ++i) {
         if (!wrong(i)) continue;
         first[block] = i;
         break;
@@ -28,10 +28,6 @@ std::size_t first_where(std::size_t count, const Predicate& wrong) {
     }
   });
   return first.empty() ? count : *std::min_element(first.begin(), first.end());
-}
-
-bool is_finite(const glm::vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 void require_faces(const SurfaceMesh& surface, const GltfOptions& options) {

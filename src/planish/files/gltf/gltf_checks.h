@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <string>
 
 #include "planish/core/error.h"
@@ -18,5 +20,9 @@ void require_writable(const SurfaceMesh& surface, const GltfOptions& options);
 
 /// A texture coordinate from an origin at the bottom left to glTF's at the top left.
 [[nodiscard]] inline glm::vec2 stored_uv(const glm::dvec2& uv) { return {uv.x, 1.0 - uv.y}; }
+
+[[nodiscard]] inline bool is_finite(const glm::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 }  // namespace planish

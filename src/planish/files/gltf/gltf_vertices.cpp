@@ -7,13 +7,13 @@
 namespace planish {
 namespace {
 
-constexpr std::int64_t kPieceFaces = 1 << 14;
+constexpr std::int64_t kSeamFaces = 1 << 14;
 
 // write(range of faces, span of their corners' values), on all threads.
 template <class Write>
 RawVector<std::int32_t> of_all_corners(const SurfaceInfo& info, const Write& write) {
   RawVector<std::int32_t> values(static_cast<std::size_t>(info.corner_count));
-  const std::vector<RowRange> pieces = ranges_of(info.face_count, kPieceFaces);
+  const std::vector<RowRange> pieces = ranges_of(info.face_count, kSeamFaces);
   parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::int64_t first = info.first_corner(pieces[i].first);
@@ -54,7 +54,7 @@ void sort_by_group(const SurfaceBlocks& surface, GltfVertices& vertices) {
   const SurfaceInfo& info = surface.info();
   std::vector<GltfPart> all(info.groups.size());
   std::vector<std::int32_t> groups;
-  for (const RowRange& piece : ranges_of(info.face_count, kPieceFaces)) {
+  for (const RowRange& piece : ranges_of(info.face_count, kSeamFaces)) {
     groups.resize(static_cast<std::size_t>(piece.count));
     surface.face_groups(piece, groups);
     for (std::int64_t i = 0; i < piece.count; ++i) {

@@ -214,9 +214,9 @@ template <class Body>
 template <class PlaceOf, class Read>
 bool PlyReader<Body>::read_records(std::int64_t count, const PlaceOf& place_of_record,
                                    const Read& read) const {
-  constexpr std::size_t kGrain = 4096;
+  constexpr std::size_t kPlyGrain = 4096;
   std::atomic<bool> sound{true};
-  parallel_for(static_cast<std::size_t>(count), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(static_cast<std::size_t>(count), kPlyGrain, [&](std::size_t begin, std::size_t end) {
     if (!sound.load(std::memory_order_relaxed)) return;
     const std::size_t place = place_of_record(static_cast<std::int64_t>(begin));
     if (place > body_.bytes_left()) return sound.store(false, std::memory_order_relaxed);

@@ -53,11 +53,11 @@ bool is_text(std::span<const std::byte> bytes) {
 }
 
 MeshFile read_binary(std::span<const std::byte> bytes, std::string_view name) {
-  constexpr std::size_t kGrain = 4096;
+  constexpr std::size_t kStlGrain = 4096;
   const auto count = load<std::uint32_t>(bytes.subspan(80));
   RawVector<glm::dvec3> positions(std::size_t{3} * count);
   std::atomic<bool> finite{true};
-  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, kStlGrain, [&](std::size_t begin, std::size_t end) {
     bool all = true;
     for (std::size_t triangle = begin; triangle < end; ++triangle) {
       const auto record = bytes.subspan(kHeaderBytes + triangle * kTriangleBytes, kTriangleBytes);
