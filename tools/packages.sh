@@ -1,4 +1,5 @@
-# Sourced by tools/run and tools/test: the Debian 12 packages that each needs.
+# Sourced by tools/run, tools/test and tools/check: the Debian 12 packages that each
+# needs.
 
 # To build the command and the library.
 run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf-dev
@@ -11,3 +12,6 @@ test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev libmesho
 
 # To build the viewer.
 viewer_packages="libglfw3-dev libimgui-dev"
+
+# To check format and faults.
+check_packages="clang-format clang-tidy"

@@ -1,5 +1,5 @@
-# Sourced by tools/run and tools/test: installing packages, and steps that are quiet unless they
-# fail. Expects $log, the file that takes the output of every step.
+# Sourced by tools/run, tools/test and tools/check: installing packages, and steps that are quiet
+# unless they fail. Expects $log, the file that takes the output of every step.
 
 timings=""
 

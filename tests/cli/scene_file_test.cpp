@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "planish/core/error.h"
 #include "planish/files/formats.h"

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <glm/geometric.hpp>
 
 #include "conformance/catalogue.h"

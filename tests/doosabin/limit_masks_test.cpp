@@ -4,7 +4,6 @@
 
 #include <map>
 
-#include "planish/core/error.h"
 #include "support/meshes.h"
 
 namespace planish {

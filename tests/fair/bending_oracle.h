@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <glm/vec3.hpp>
 #include <span>
-#include <vector>
 
 #include "planish/fair/fair_topology.h"
 

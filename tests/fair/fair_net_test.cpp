@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "fair/fair_case.h"
 #include "planish/doosabin/vertex_ring.h"

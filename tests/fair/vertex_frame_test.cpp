@@ -4,7 +4,6 @@
 
 #include <array>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "fair/fair_case.h"
 

@@ -8,6 +8,7 @@
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
 #include "planish/files/obj/read_obj.h"
+#include "support/byte_strings.h"
 
 namespace planish {
 namespace {
@@ -48,12 +49,6 @@ void expect_the_same_wherever_it_is_cut(const std::string& text) {
   const std::string whole = told(text, text.size() + 1);
   for (std::size_t bytes = 1; bytes <= text.size(); ++bytes)
     ASSERT_EQ(told(text, bytes), whole) << "in parts of " << bytes << " bytes";
-}
-
-std::string with_line_ends(std::string text, const std::string& line_end) {
-  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += line_end.size())
-    text.replace(at, 1, line_end);
-  return text;
 }
 
 constexpr const char* kEverything = R"(# planish scheme=doo-sabin
@@ -99,7 +94,7 @@ f 7 8 4 3)";
 
 TEST(ReadObjInParts, KeepsEverything) {
   for (const char* line_end : {"\n", "\r\n", "\r"}) {
-    const std::string text = with_line_ends(kEverything, line_end);
+    const std::string text = test::with_line_ends(kEverything, line_end);
     ASSERT_EQ(told(text, text.size()).find("error"), std::string::npos) << told(text, text.size());
     expect_the_same_wherever_it_is_cut(text);
     expect_the_same_wherever_it_is_cut(text + line_end);

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "mesh/test_meshes.h"
 #include "planish/files/ply/read_ply.h"

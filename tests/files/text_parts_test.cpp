@@ -2,7 +2,6 @@
 // file read as one, wherever it is cut.
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "planish/core/error.h"
 #include "planish/files/off/read_off.h"
 #include "planish/files/ply/read_ply.h"
+#include "support/byte_strings.h"
 
 namespace planish {
 namespace {
@@ -43,12 +43,6 @@ void expect_the_same_wherever_it_is_cut(Read read, const std::string& text) {
   const std::string whole = told(read, text, text.size() + 1);
   for (std::size_t bytes = 1; bytes <= text.size(); ++bytes)
     ASSERT_EQ(told(read, text, bytes), whole) << "in parts of " << bytes << " bytes of\n" << text;
-}
-
-std::string with_line_ends(std::string text, const std::string& line_end) {
-  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += line_end.size())
-    text.replace(at, 1, line_end);
-  return text;
 }
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
@@ -110,7 +104,7 @@ TEST(ReadTextInParts, KeepsEverything) {
        {std::pair<Read, std::string>(read_ply_in_parts, kPly), {read_off_in_parts, kOff}}) {
     EXPECT_EQ(told(read, text, 1).find("error"), std::string::npos) << told(read, text, 1);
     expect_the_same_wherever_it_is_cut(read, text);
-    expect_the_same_wherever_it_is_cut(read, with_line_ends(text, "\r\n"));
+    expect_the_same_wherever_it_is_cut(read, test::with_line_ends(text, "\r\n"));
     expect_the_same_wherever_it_is_cut(read, text.substr(0, text.size() - 1));
     expect_the_same_wherever_it_is_cut(read, text + "\n\n");
   }

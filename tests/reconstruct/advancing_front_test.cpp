@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "planish/reconstruct/mesher_process.h"
 #include "planish/reconstruct/reconstruct.h"

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "reconstruct/test_clouds.h"
 #include "support/expect_error.h"
 

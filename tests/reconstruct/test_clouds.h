@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <map>
 #include <numbers>
 #include <random>
 #include <utility>

@@ -103,17 +103,11 @@ double area_of(const SurfaceMesh& surface) {
   return area;
 }
 
-FitOptions fair_options() {
-  FitOptions options;
-  options.method = InterpolationMethod::Fair;
-  return options;
-}
-
 TEST(MappedShapes, AFairCagesFileGivesTheSameSurface) {
   const auto backend = make_cpu_backend();
   for (const char* file : {"mapped_cube.obj", "cube_with_windows.obj", "bearing_block.obj"}) {
     const PolygonMesh mesh = scene(file);
-    const Fit fitted = fit(mesh, *backend, fair_options());
+    const Fit fitted = fit(mesh, *backend, {.method = InterpolationMethod::Fair});
     const PolygonMesh cage = written_and_read(control_cage(mesh, fitted, {}));
     const LevelOne again = level_one_of_cage(mesh, cage, {});
     const SurfaceMesh direct = evaluate(mesh, fitted, *backend, {.level = 2});
@@ -137,7 +131,7 @@ TEST(MappedShapes, AFairCagesFileGivesTheSameSurface) {
 TEST(MappedShapes, AFairCageCarriesItsCharts) {
   const PolygonMesh mesh = scene("mapped_cube.obj");
   const auto backend = make_cpu_backend();
-  const Fit fitted = fit(mesh, *backend, fair_options());
+  const Fit fitted = fit(mesh, *backend, {.method = InterpolationMethod::Fair});
   const PolygonMesh cage = written_and_read(control_cage(mesh, fitted, {}));
   const SurfaceMesh direct = evaluate(mesh, fitted, *backend, {.level = 2});
   const SurfaceMesh surface = evaluate(cage, *backend, {.level = 1});
@@ -167,7 +161,7 @@ TEST(MappedShapes, AFairCageCarriesItsCharts) {
 TEST(MappedShapes, AFairCagesHolesCoverTheWindows) {
   const PolygonMesh mesh = scene("cube_with_windows.obj");
   const auto backend = make_cpu_backend();
-  const Fit fitted = fit(mesh, *backend, fair_options());
+  const Fit fitted = fit(mesh, *backend, {.method = InterpolationMethod::Fair});
   const PolygonMesh cage = written_and_read(control_cage(mesh, fitted, {}));
   ASSERT_FALSE(cage.hole_faces.empty());
   const SurfaceMesh holed = evaluate(mesh, fitted, *backend, {.level = 4});

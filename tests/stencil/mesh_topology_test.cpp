@@ -4,10 +4,8 @@
 #include <oneapi/tbb/global_control.h>
 #include <opensubdiv/far/topologyLevel.h>
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
-#include <numeric>
 #include <string>
 #include <vector>
 

@@ -5,7 +5,6 @@
 #include <opensubdiv/osd/cpuVertexBuffer.h>
 
 #include <array>
-#include <memory>
 
 namespace planish {
 namespace {

@@ -15,4 +15,11 @@ void append(std::string& bytes, std::type_identity_t<Value> value,
   bytes += raw;
 }
 
+/// Text with other ends of its lines, which are "\n".
+[[nodiscard]] inline std::string with_line_ends(std::string text, const std::string& line_end) {
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += line_end.size())
+    text.replace(at, 1, line_end);
+  return text;
+}
+
 }  // namespace planish::test

@@ -17,7 +17,6 @@
 #include <chrono>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "planish/core/error.h"
 #include "support/environment_variable.h"

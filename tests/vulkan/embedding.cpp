@@ -1,6 +1,5 @@
 #include "vulkan/embedding.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>

@@ -3,8 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
-#include <memory>
-#include <optional>
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"

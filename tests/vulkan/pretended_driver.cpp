@@ -9,7 +9,6 @@
 #include <set>
 #include <stdexcept>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 namespace planish::testing {

@@ -1,4 +1,3 @@
-#include <memory>
 
 #include "bench/agreement.h"
 #include "bench/bench_meshes.h"

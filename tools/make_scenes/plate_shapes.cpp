@@ -2,7 +2,6 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <vector>
 
 #include "make_scenes/mesh_builder.h"
 #include "make_scenes/shapes.h"

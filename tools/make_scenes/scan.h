@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <vector>
 
 #include "make_scenes/surface_nets.h"
 #include "planish/mesh/polygon_mesh.h"

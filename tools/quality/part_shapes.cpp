@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <span>
 #include <stdexcept>
 
 namespace planish::quality {

@@ -1,6 +1,5 @@
 #include "quality/random_sphere.h"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>

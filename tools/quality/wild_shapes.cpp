@@ -1,6 +1,5 @@
 #include "quality/wild_shapes.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>

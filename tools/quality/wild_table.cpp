@@ -1,7 +1,6 @@
 #include "quality/wild_table.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 
 #include "planish/backend/cpu_backend.h"

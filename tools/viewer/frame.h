@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <glm/vec3.hpp>
 #include <span>
 

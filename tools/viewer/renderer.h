@@ -3,7 +3,6 @@
 #include <array>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "animation.h"
 #include "camera.h"

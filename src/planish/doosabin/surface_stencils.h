@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "planish/doosabin/subdivision.h"
 #include "planish/doosabin/vertex_ring.h"

@@ -1,6 +1,5 @@
 #include "planish/fair/fold_repair.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>

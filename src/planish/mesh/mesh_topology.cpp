@@ -1,7 +1,6 @@
 #include "planish/mesh/mesh_topology.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <vector>

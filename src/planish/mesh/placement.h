@@ -2,7 +2,6 @@
 
 #include <glm/vec3.hpp>
 #include <span>
-#include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
 

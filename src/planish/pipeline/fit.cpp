@@ -2,7 +2,6 @@
 // polygon mesh in, the control mesh of the interpolating subdivision surface out.
 #include "planish/pipeline/fit.h"
 
-#include <algorithm>
 #include <chrono>
 #include <string>
 

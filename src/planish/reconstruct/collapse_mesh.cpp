@@ -2,7 +2,6 @@
 // (when a collapse keeps the topology).
 #include "planish/reconstruct/collapse_mesh.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace planish {

@@ -8,7 +8,7 @@
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/statistics.h"
 #include "planish/reconstruct/clean.h"
-#include "planish/reconstruct/repair.h"
+#include "planish/reconstruct/repair_triangles.h"
 #include "planish/reconstruct/simplify.h"
 #include "planish/reconstruct/triangle_tree.h"
 #include "planish/reconstruct/triangles.h"

@@ -48,7 +48,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/doosabin/face_rule.h"

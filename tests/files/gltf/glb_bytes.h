@@ -2,7 +2,6 @@
 
 #include <initializer_list>
 #include <string>
-#include <vector>
 
 #include "support/byte_strings.h"
 

@@ -10,7 +10,6 @@
 #include "files/gltf/surfaces.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
-#include "planish/files/gltf/read_gltf.h"
 #include "planish/files/gltf/write_gltf.h"
 
 namespace planish {

@@ -19,7 +19,7 @@
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/point_cloud.h"
 #include "planish/reconstruct/mesher_process.h"
-#include "planish/reconstruct/repair.h"
+#include "planish/reconstruct/repair_triangles.h"
 #include "planish/reconstruct/simplify.h"
 #include "planish/reconstruct/triangle_tree.h"
 

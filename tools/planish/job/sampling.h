@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 
 #include "job/input.h"
 #include "planish/core/callbacks.h"

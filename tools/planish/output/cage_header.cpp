@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "planish/core/error.h"
+#include "planish/core/number_text.h"
 #include "planish/core/version.h"
 #include "terminal/text.h"
 

@@ -1,7 +1,6 @@
 // Based on: Khronos, "glTF 2.0 Specification", 2021.
 #include "planish/files/gltf/gltf_document.h"
 
-#include <array>
 #include <cctype>
 #include <limits>
 #include <nlohmann/json.hpp>

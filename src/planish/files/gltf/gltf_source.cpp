@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/files/mesh_file.h"
 

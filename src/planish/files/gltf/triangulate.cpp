@@ -6,7 +6,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
-#include <numeric>
 #include <vector>
 
 #include "planish/core/assert.h"

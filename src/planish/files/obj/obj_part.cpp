@@ -6,6 +6,7 @@
 #include <array>
 #include <limits>
 
+#include "planish/core/number_text.h"
 #include "planish/files/shared/srgb.h"
 
 namespace planish {

@@ -1,5 +1,6 @@
 // Based on: the shapes of OpenSubdiv's regression suite.
 #include "planish/files/obj/obj_tags.h"
+#include "planish/core/number_text.h"
 
 #include <algorithm>
 #include <limits>

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "planish/core/number_text.h"
 #include "planish/files/shared/line_records.h"
 #include "planish/files/shared/text_lines.h"
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/number_text.h"
 #include "planish/files/pcd/lzf.h"
 #include "planish/files/shared/bytes.h"
 #include "planish/files/shared/text_lines.h"

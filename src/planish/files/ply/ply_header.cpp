@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "planish/core/number_text.h"
 #include "planish/files/shared/text_lines.h"
 
 namespace planish {

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/files/ply/ply_body.h"
 #include "planish/files/ply/ply_vertex_layout.h"

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <array>
 #include <bit>
 #include <charconv>
 #include <concepts>
 #include <cstddef>
 #include <cstring>
-#include <span>
 #include <string_view>
 #include <vector>
 

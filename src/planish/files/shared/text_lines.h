@@ -7,8 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "planish/core/number_text.h"
-
 namespace planish {
 
 /// Words of a line, separated by blanks; a word that begins with `#` ends the line. A backslash

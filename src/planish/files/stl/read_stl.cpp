@@ -2,7 +2,6 @@
 #include "planish/files/stl/read_stl.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cctype>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
+#include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/files/shared/bytes.h"

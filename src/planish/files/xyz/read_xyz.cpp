@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "planish/core/number_text.h"
 #include "planish/files/shared/text_lines.h"
 #include "planish/mesh/check.h"
 

@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "planish/core/assert.h"
-#include "planish/core/error.h"
 #include "planish/fair/fold_cure.h"
 #include "planish/fair/vertex_frame.h"
 #include "planish/vulkan/fair/gpu_fair.h"

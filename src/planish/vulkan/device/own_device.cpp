@@ -78,6 +78,7 @@ std::vector<FoundDevice> find_devices(const Instance& instance) {
   check(vk.vkEnumeratePhysicalDevices(instance.handle(), &count, handles.data()),
         "vkEnumeratePhysicalDevices");
   std::vector<FoundDevice> devices;
+  devices.reserve(handles.size());
   for (VkPhysicalDevice handle : handles)
     devices.push_back({handle, query_capabilities(instance.get_proc(), instance.handle(), handle)});
   return devices;

@@ -1,7 +1,6 @@
 #include "planish/vulkan/tables/stencil_pass.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "planish/core/assert.h"

@@ -1,4 +1,4 @@
-#include "planish/reconstruct/repair.h"
+#include "planish/reconstruct/repair_triangles.h"
 
 #include <algorithm>
 #include <cmath>
