@@ -18,3 +18,4 @@
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/surface_quality.h"
+#include "planish/surface/vertex_fields.h"

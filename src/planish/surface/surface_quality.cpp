@@ -10,10 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "planish/core/assert.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/folded_edges.h"
-#include "planish/surface/attributes.h"
+#include "planish/surface/level_faces.h"
 
 namespace planish {
 
@@ -59,22 +58,6 @@ double face_bending(const SurfaceMesh& surface, std::span<const std::int32_t> fa
   return sum;
 }
 
-// The face of the mesh that each face of the surface descends from.
-std::vector<std::int32_t> ancestors(const SurfaceMesh& surface, const PolygonMesh& input) {
-  std::vector<bool> is_hole(static_cast<std::size_t>(input.face_count()), false);
-  for (const std::int32_t f : input.hole_faces) is_hole[f] = true;
-  std::vector<std::int32_t> result;
-  result.reserve(static_cast<std::size_t>(surface.face_count()));
-  for (std::int32_t f = 0; f < input.face_count(); ++f) {
-    if (is_hole[f]) continue;
-    // Descendants of a face follow one another.
-    const auto count = descendant_count(surface, input.face_size(f));
-    result.insert(result.end(), static_cast<std::size_t>(count), f);
-  }
-  PLANISH_ASSERT(static_cast<std::int64_t>(result.size()) == surface.face_count());
-  return result;
-}
-
 }  // namespace
 
 SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal& reference,
@@ -114,7 +97,7 @@ SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal
 
 std::vector<std::uint8_t> beside_folds(const SurfaceMesh& surface, const PolygonMesh& input) {
   const FoldedEdges folds = folded_edges(input);
-  const std::vector<std::int32_t> ancestor = ancestors(surface, input);
+  const std::vector<std::int32_t> ancestor = ancestor_faces(surface, input);
   std::vector<std::uint8_t> result(ancestor.size());
   std::transform(ancestor.begin(), ancestor.end(), result.begin(),
                  [&](std::int32_t face) { return folds.is_beside[face]; });
@@ -122,7 +105,7 @@ std::vector<std::uint8_t> beside_folds(const SurfaceMesh& surface, const Polygon
 }
 
 SurfaceQuality surface_quality(const SurfaceMesh& surface, const PolygonMesh& input) {
-  const std::vector<std::int32_t> ancestor = ancestors(surface, input);
+  const std::vector<std::int32_t> ancestor = ancestor_faces(surface, input);
   glm::dvec3 normal(0.0);
   return surface_quality(
       surface,

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/surface/surface_mesh.h"
+
+namespace planish {
+
+/// The faces of one level of a tessellation; corners name the tessellation's own vertices.
+struct LevelFaces {
+  std::vector<std::int32_t> offsets{0};  ///< face_count + 1
+  std::vector<std::int32_t> vertices;    ///< all corners
+
+  [[nodiscard]] std::size_t face_count() const { return offsets.size() - 1; }
+  [[nodiscard]] std::span<const std::int32_t> face(std::size_t index) const {
+    return {vertices.data() + offsets[index],
+            static_cast<std::size_t>(offsets[index + 1] - offsets[index])};
+  }
+};
+
+/// The faces of levels 0 to surface.level, read off the faces of the last: every face of a level is
+/// followed by its children in the order of its corners. Level 0 are the faces of `mesh`, which the
+/// surface was refined from, without its holes; where a vertex has several normals its corners name
+/// different copies. Children lie as child_corners() says.
+[[nodiscard]] std::vector<LevelFaces> level_faces(const SurfaceMesh& surface,
+                                                  const PolygonMesh& mesh);
+
+/// Where the vertices of child `k` of a face lie among the child's own corners.
+struct ChildCorners {
+  int corner;  ///< corner k of the face
+  int edge;    ///< the point of the edge from corner k to the next
+  int middle;  ///< the point of the face; -1 where faces are triangles (Loop)
+};
+[[nodiscard]] ChildCorners child_corners(std::size_t face_size, std::size_t child_size, int k);
+
+/// The face of the mesh that each face of the surface descends from.
+[[nodiscard]] std::vector<std::int32_t> ancestor_faces(const SurfaceMesh& surface,
+                                                       const PolygonMesh& mesh);
+
+}  // namespace planish

@@ -1,0 +1,120 @@
+// Based on: Rusinkiewicz, "Estimating Curvatures and Their Derivatives on Triangle Meshes", 2004:
+// a symmetric 2 x 2 form in the tangent plane, fitted to finite differences of normals. Here per
+// vertex over the edges that leave it, since the normals are exact at vertices.
+#include "planish/surface/normal_curvatures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "planish/core/parallel.h"
+
+namespace planish {
+namespace {
+
+constexpr std::size_t kGrain = std::size_t{1} << 12;
+
+// Below this the edges around a vertex leave the form open: two directions only, or none. Rows are
+// of unit size, so the determinant of a full set is of order 1.
+constexpr double kOpenForm = 1e-9;
+
+// The faces at each vertex.
+struct FacesAround {
+  std::vector<std::int64_t> offsets;
+  std::vector<std::int32_t> faces;
+};
+
+FacesAround faces_around(const SurfaceMesh& surface) {
+  FacesAround around;
+  around.offsets.assign(surface.positions.size() + 1, 0);
+  for (const std::int32_t v : surface.face_vertices) ++around.offsets[v + 1];
+  for (std::size_t v = 1; v < around.offsets.size(); ++v)
+    around.offsets[v] += around.offsets[v - 1];
+  std::vector<std::int64_t> next(around.offsets.begin(), around.offsets.end() - 1);
+  around.faces.resize(surface.face_vertices.size());
+  for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+    for (const std::int32_t v : surface.face(f))
+      around.faces[next[v]++] = static_cast<std::int32_t>(f);
+  }
+  return around;
+}
+
+struct Tangents {
+  glm::dvec3 u, v;
+};
+
+Tangents tangents_of(const glm::dvec3& normal) {
+  const glm::dvec3 axis = std::abs(normal.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 u = glm::normalize(glm::cross(normal, axis));
+  return {u, glm::cross(normal, u)};
+}
+
+// Normal equations of E x^2 + 2 F x y + G y^2 = curvature.
+struct FormFit {
+  std::array<double, 6> matrix{};  // upper triangle by rows
+  std::array<double, 3> right{};
+
+  void add(double x, double y, double curvature) {
+    const std::array<double, 3> row{x * x, 2 * x * y, y * y};
+    int at = 0;
+    for (int r = 0; r < 3; ++r) {
+      for (int c = r; c < 3; ++c) matrix[at++] += row[r] * row[c];
+      right[r] += row[r] * curvature;
+    }
+  }
+
+  // {E, F, G}; zeros where the form is open.
+  [[nodiscard]] std::array<double, 3> solve() const {
+    const auto& [a, b, c, d, e, f] = matrix;
+    const auto& [p, q, r] = right;
+    const double determinant = a * (d * f - e * e) - b * (b * f - e * c) + c * (b * e - d * c);
+    if (std::abs(determinant) < kOpenForm) return {};
+    return {(p * (d * f - e * e) - b * (q * f - e * r) + c * (q * e - d * r)) / determinant,
+            (a * (q * f - e * r) - p * (b * f - e * c) + c * (b * r - q * c)) / determinant,
+            (a * (d * r - q * e) - b * (b * r - q * c) + p * (b * e - d * c)) / determinant};
+  }
+};
+
+std::array<double, 3> form_at(const SurfaceMesh& surface, std::int32_t vertex,
+                              std::span<const std::int32_t> faces) {
+  const glm::dvec3 normal(surface.normals[vertex]);
+  const Tangents tangents = tangents_of(normal);
+  FormFit fit;
+  for (const std::int32_t f : faces) {
+    // The other corners of a quad: both neighbours, and the diagonal, without which a grid's two
+    // directions would leave the mixed term open.
+    for (const std::int32_t other : surface.face(f)) {
+      const glm::dvec3 along = surface.positions[other] - surface.positions[vertex];
+      const double square = glm::dot(along, along);
+      double x = glm::dot(along, tangents.u), y = glm::dot(along, tangents.v);
+      const double length = std::hypot(x, y);
+      if (!(length > 0)) continue;
+      x /= length;
+      y /= length;
+      fit.add(x, y, glm::dot(glm::dvec3(surface.normals[other]) - normal, along) / square);
+    }
+  }
+  return fit.solve();
+}
+
+}  // namespace
+
+Curvatures curvatures_of_normals(const SurfaceMesh& surface) {
+  const FacesAround around = faces_around(surface);
+  Curvatures result;
+  result.mean.resize(surface.positions.size());
+  result.gaussian.resize(surface.positions.size());
+  parallel_for(surface.positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const std::span faces(around.faces.data() + around.offsets[v],
+                            static_cast<std::size_t>(around.offsets[v + 1] - around.offsets[v]));
+      const auto [e, f, g] = form_at(surface, static_cast<std::int32_t>(v), faces);
+      result.mean[v] = static_cast<float>((e + g) / 2);
+      result.gaussian[v] = static_cast<float>(e * g - f * f);
+    }
+  });
+  return result;
+}
+
+}  // namespace planish

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/surface/normal_curvatures.h"
+#include "planish/surface/surface_mesh.h"
+
+namespace planish {
+
+/// Where curvatures come from.
+enum class CurvatureSource {
+  Normals,  ///< differences of the exact normals, see curvatures_of_normals()
+};
+
+/// Figures of each vertex of a tessellation, to look at or to hand on; one entry a position.
+struct VertexFields {
+  /// Distance from the given vertex, as a fraction of the diagonal. It is known at given vertices;
+  /// between them stands what colours would: the mean over the edge or face that a vertex halves.
+  std::vector<float> error;
+  /// Largest angle between the normal and those of the mesh's faces that the vertex lies on, in
+  /// degrees. Its largest value is SurfaceQuality::max_normal_deviation.
+  std::vector<float> normal_deviation;
+  /// Share of the area around the vertex that is turned by more than 90 degrees from the mesh's
+  /// face, 0 to 1. By area it sums to SurfaceQuality::folded_area.
+  std::vector<float> folded;
+  Curvatures curvatures;
+  CurvatureSource curvature_source = CurvatureSource::Normals;
+};
+
+/// The fields of a surface against the mesh that was fitted, the model's `diagonal` being the
+/// unit of the error. Any level; the same bits for every thread count.
+[[nodiscard]] VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh,
+                                         double diagonal);
+
+/// A face of a tessellation that is turned over, wholly or in part.
+struct FoldedFace {
+  std::int64_t face = 0;      ///< of the surface
+  std::int32_t ancestor = 0;  ///< the mesh's face
+  double area = 0;            ///< of its folded part, in the model's unit
+};
+
+/// The faces with folded corners, as SurfaceQuality counts them: the largest area first, then by
+/// number.
+[[nodiscard]] std::vector<FoldedFace> folded_faces(const SurfaceMesh& surface,
+                                                   const PolygonMesh& mesh);
+
+}  // namespace planish
