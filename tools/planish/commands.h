@@ -40,6 +40,16 @@ struct MessageFlags {
   [[nodiscard]] ProgressMode progress_mode() const;
 };
 
+/// What `--page` and its kin set.
+struct PageFlags {
+  std::string& path;
+  std::string& limit;
+  bool& no_times;
+};
+
+/// The flags of a page, for `fit` and `run`.
+void add_page_flags(CLI::App& command, const PageFlags& flags);
+
 /// Parses, runs, and turns every error into a message on stderr and an exit code.
 [[nodiscard]] ExitCode run_command_line(const std::vector<std::string>& arguments);
 

@@ -10,6 +10,7 @@
 #include "job/job.h"
 #include "job/point_input.h"
 #include "options/point_settings.h"
+#include "page/page_job.h"
 #include "planish/core/error.h"
 #include "terminal/text.h"
 
@@ -17,13 +18,13 @@ namespace planish::command {
 namespace {
 
 struct FitFlags {
-  std::string input, input_format, cage, source, report, levels;
+  std::string input, input_format, cage, source, report, levels, page, page_limit;
   std::vector<std::string> outputs;
   std::map<std::string_view, std::string> words;  ///< by name of the setting
   double tolerance = Settings{}.tolerance;
   std::int64_t max_iterations = Settings{}.max_iterations;
   std::int64_t polish_steps = Settings{}.polish_steps;
-  bool force = false, dry_run = false;
+  bool force = false, dry_run = false, page_no_times = false;
   MessageFlags messages;
 };
 
@@ -31,6 +32,7 @@ constexpr const char* kFitExamples =
     "Examples:\n"
     "  planish fit bunny.obj -o bunny.glb\n"
     "  planish fit bunny.obj -o bunny.glb --levels 3,1 --cage cage.obj --report bunny.json\n"
+    "  planish fit bunny.obj --page bunny.html       # to look at, in any browser\n"
     "  planish fit bunny.obj -o bunny.ply --preset paper --device cpu\n"
     "  cat bunny.obj | planish fit - --input-format obj -o - > bunny.glb\n"
     "Exit codes: 0 done, 1 internal error, 2 usage, 3 input unreadable, 4 mesh unusable,\n"
@@ -92,9 +94,11 @@ Job job_of(const FitFlags& flags) {
   if (!flags.cage.empty()) job.outputs.push_back({flags.cage, OutputKind::Cage, {}, "--cage"});
   job.source = flags.source;
   job.report = flags.report;
-  if (job.outputs.empty() && job.report.empty()) {
+  job.page = flags.page;
+  if (!job.page.empty()) require_page_path(job.page, "--page");
+  if (job.outputs.empty() && job.report.empty() && job.page.empty()) {
     throw Error(ErrorCode::InvalidArgument,
-                "nothing to write: name a file with -o, --cage or --report");
+                "nothing to write: name a file with -o, --cage, --report or --page");
   }
   return job;
 }
@@ -112,6 +116,8 @@ ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& argument
     }
   }
   if (!job.report.empty()) claims.add_output(job.report, "--report");
+  if (!job.page.empty()) claims.add_output(job.page, "--page");
+  const PageOptions page = page_options(flags.page_limit, flags.page_no_times);
   const DeviceList list = list_devices(scope_of(job.settings));
   const ListedDevice& device = list.devices[choose_device(list, job.settings)];
   if (flags.dry_run) {
@@ -120,7 +126,7 @@ ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& argument
   }
   const std::unique_ptr<Backend> backend = open_backend(device, job.settings);
   Progress progress(console, flags.messages.progress_mode());
-  const JobReport report = run_job(job, outputs, *backend, {console, progress, arguments});
+  const JobReport report = run_job(job, outputs, *backend, {console, progress, arguments, page});
   console.info(summary(report));
   return report.exit_code;
 }
@@ -175,6 +181,7 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
                   "mesh that the surface stands for: the report compares with it, not the input")
       ->type_name("FILE");
   command.add_option("--report", flags.report, "JSON report; - for stdout")->type_name("FILE");
+  add_page_flags(command, {flags.page, flags.page_limit, flags.page_no_times});
   command
       .add_option("--levels", flags.levels,
                   "quad splits, 0 to 6 [2]; several write NAME_LOD0.glb, NAME_LOD1.glb, ...")

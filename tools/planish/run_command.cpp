@@ -8,7 +8,10 @@
 #include "devices.h"
 #include "job/job.h"
 #include "options/scene_file.h"
+#include "output/staged_files.h"
+#include "page/page_job.h"
 #include "planish/core/error.h"
+#include "planish/core/output_file.h"
 #include "terminal/interrupt.h"
 #include "terminal/table.h"
 #include "terminal/text.h"
@@ -17,15 +20,16 @@ namespace planish::command {
 namespace {
 
 struct RunFlags {
-  std::string scene, device;
+  std::string scene, device, page, page_limit;
   std::vector<std::string> names;
-  bool force = false, dry_run = false;
+  bool force = false, dry_run = false, page_no_times = false;
   MessageFlags messages;
 };
 
 constexpr const char* kRunExamples =
     "Examples:\n"
     "  planish run scenes/table1.json\n"
+    "  planish run scenes/table1.json --page out/table1.html --force\n"
     "  planish run scenes/table1.json goblet arm --force\n"
     "Exit codes are those of planish fit, and 8 when some jobs failed. scene.schema.json\n"
     "describes the file.\n";
@@ -64,10 +68,12 @@ std::vector<PlannedJob> plan_jobs(const RunFlags& flags, std::vector<Job> jobs,
       }
     }
     if (!job.report.empty()) claims.add_output(job.report, "report of job " + job.name);
+    if (!job.page.empty()) claims.add_output(job.page, "page of job " + job.name);
     entry.device = choose_device(list, job.settings);
     entry.job = std::move(job);
     planned.push_back(std::move(entry));
   }
+  if (!flags.page.empty()) claims.add_output(flags.page, "--page");
   return planned;
 }
 
@@ -125,6 +131,12 @@ std::vector<std::string> failed_row(const Job& job) {
           "failed", "-", "-"};
 }
 
+void note_failure(const Job& job, const std::string& message, const JobContext& context) {
+  context.console.error(job.name + ": " + message);
+  if (context.page_jobs != nullptr)
+    context.page_jobs->push_back({.name = job.name, .failure = message});
+}
+
 // The report, or nothing for a job that failed; the message has been given then.
 std::optional<JobReport> try_job(const PlannedJob& planned, OpenBackends& backends,
                                  const JobContext& context) {
@@ -132,15 +144,33 @@ std::optional<JobReport> try_job(const PlannedJob& planned, OpenBackends& backen
     return run_job(planned.job, planned.outputs, backends.get(planned), context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::Cancelled) throw;
-    context.console.error(planned.job.name + ": " + error.what());
+    note_failure(planned.job, error.what(), context);
   } catch (const std::bad_alloc&) {
-    context.console.error(planned.job.name + ": out of memory");
+    note_failure(planned.job, "out of memory", context);
   }
   return std::nullopt;
 }
 
+// The page of all jobs.
+void write_page(const std::string& path, const JobContext& context) {
+  const std::string text =
+      make_page(*context.page_jobs, context.page, std::filesystem::current_path());
+  if (path == "-") {
+    write_stdout(text);
+    return;
+  }
+  StagedFiles staged;
+  OutputFile file(staged.stage(path));
+  file.write(text);
+  file.commit();
+  staged.commit();
+  context.console.info(path + ": " + byte_size(text.size()) + ", page of " +
+                       counted(static_cast<std::int64_t>(context.page_jobs->size()), "job"));
+}
+
 ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& arguments) {
   Console console(flags.messages.level(), flags.messages.color_mode());
+  if (!flags.page.empty()) require_page_path(flags.page, "--page");
   std::vector<Job> wanted = wanted_jobs(flags);
   const bool cpu_only = std::ranges::all_of(
       wanted, [](const Job& job) { return scope_of(job.settings) == DeviceScope::CpuOnly; });
@@ -150,10 +180,14 @@ ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& argume
     for (const PlannedJob& planned : jobs) {
       describe_job(planned.job, planned.outputs, list.devices[planned.device].description);
     }
+    if (!flags.page.empty()) write_stdout("would write " + flags.page + "  (page of all jobs)\n");
     return ExitCode::Done;
   }
   Progress progress(console, flags.messages.progress_mode());
-  const JobContext context{console, progress, arguments};
+  std::vector<PageJob> page_jobs;
+  const JobContext context{console, progress, arguments,
+                           page_options(flags.page_limit, flags.page_no_times),
+                           flags.page.empty() ? nullptr : &page_jobs};
   OpenBackends backends(list.devices);
   Table table = make_table();
   std::size_t failed = 0;
@@ -163,9 +197,11 @@ ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& argume
     if (!report || report->exit_code != ExitCode::Done) ++failed;
     if (report) console.debug(summary(*report));
   }
-  write_stdout(table.text() +
-               "points: of a cloud, of which the vertices are a part\n"
-               "error: largest vertex error over the diagonal; ms: check, stencils and solve\n");
+  if (!flags.page.empty()) write_page(flags.page, context);
+  if (flags.page != "-")
+    write_stdout(table.text() +
+                 "points: of a cloud, of which the vertices are a part\n"
+                 "error: largest vertex error over the diagonal; ms: check, stencils and solve\n");
   if (failed == 0) return ExitCode::Done;
   console.error(std::to_string(failed) + " of " + counted(jobs.size(), "job") + " failed");
   return ExitCode::JobsFailed;
@@ -178,6 +214,7 @@ void add_run_command(CLI::App& app, Invocation& invocation) {
   auto flags = std::make_shared<RunFlags>();
   command->add_option("SCENE", flags->scene, "scene file (JSON)")->type_name("")->required();
   command->add_option("JOB", flags->names, "names of jobs; all where none is named")->type_name("");
+  add_page_flags(*command, {flags->page, flags->page_limit, flags->page_no_times});
   command->add_option("--device", flags->device, "for all jobs, whatever the scene says")
       ->type_name("auto|cpu|vulkan|INDEX|NAME|UUID");
   command->add_flag("-f,--force", flags->force, "overwrite existing files");

@@ -7,6 +7,14 @@
 namespace planish::command {
 namespace {
 
+// What is written beside surfaces and cages.
+std::string described_words(const Job& job) {
+  std::string text;
+  if (!job.report.empty()) text += "  would write " + job.report + "  (report)\n";
+  if (!job.page.empty()) text += "  would write " + job.page + "  (page)\n";
+  return text;
+}
+
 // How large the mesh will be is not known before it is made.
 void describe_point_job(const Job& job, const std::vector<PlannedOutput>& outputs,
                         const DeviceDescription& device) {
@@ -18,8 +26,7 @@ void describe_point_job(const Job& job, const std::vector<PlannedOutput>& output
   for (const PlannedOutput& output : outputs)
     text +=
         "  would write " + (output.to_stdout ? std::string("stdout") : output.path.string()) + "\n";
-  if (!job.report.empty()) text += "  would write " + job.report + "  (report)\n";
-  write_stdout(text);
+  write_stdout(text + described_words(job));
 }
 
 std::string face_count_text(const PolygonMesh& mesh, Scheme scheme, int level) {
@@ -61,8 +68,7 @@ void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
     text += "  (level " + std::to_string(output.level) + ", " +
             face_count_text(mesh, settings.scheme, output.level) + ")\n";
   }
-  if (!job.report.empty()) text += "  would write " + job.report + "  (report)\n";
-  write_stdout(text);
+  write_stdout(text + described_words(job));
 }
 
 }  // namespace planish::command

@@ -7,6 +7,7 @@
 #include "job/sampling.h"
 #include "options/settings.h"
 #include "output/output_plan.h"
+#include "page/page.h"
 #include "planish/backend/backend.h"
 #include "planish/files/mesh_file.h"
 #include "report/report.h"
@@ -25,6 +26,7 @@ struct Job {
   std::vector<OutputRequest> outputs;
   std::string source;  ///< mesh that the surface is compared with; empty: the input
   std::string report;  ///< path, "-" for stdout, empty for none
+  std::string page;    ///< the same
 };
 
 /// What a job's steps share with the process around them.
@@ -32,6 +34,12 @@ struct JobContext {
   Console& console;
   Progress& progress;
   std::vector<std::string> arguments;  ///< argv, for the report
+  PageOptions page;
+  std::vector<PageJob>* page_jobs = nullptr;  ///< where set, what a page of all jobs needs
+
+  [[nodiscard]] bool wants_page(const Job& job) const {
+    return !job.page.empty() || page_jobs != nullptr;
+  }
 };
 
 /// Reads, checks, fits, evaluates the levels, writes, reports. Files appear all together at the

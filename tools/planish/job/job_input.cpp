@@ -121,6 +121,7 @@ void prepare_input(JobInput& made, JobReport& report, Console& console) {
       add_warning(report, console, change);
     }
     report.input.changed_faces = std::move(prepared.changed_faces);
+    made.file_vertices = std::move(prepared.source_vertices);
     input.file.mesh = std::move(prepared.mesh);
     made.prepared = std::move(prepared.prepared);
   } catch (const Error& error) {

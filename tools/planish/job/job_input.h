@@ -24,6 +24,8 @@ struct JobInput {
   std::vector<glm::dvec3> points;                ///< that were used, where the file has them
   std::optional<Input> source;                   ///< where the job names one
   std::shared_ptr<const PreparedMesh> prepared;  ///< of the mesh; null where it cannot be used
+  /// For each vertex of the mesh the file's that it is or copies; empty: the same.
+  std::vector<std::int32_t> file_vertices;
 };
 
 /// Reads a job's input, meshing points, and its source, and notes in the report what the file is.

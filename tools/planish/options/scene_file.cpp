@@ -11,6 +11,7 @@
 #include "options/point_settings.h"
 #include "options/refuse.h"
 #include "options/scene_values.h"
+#include "page/page_job.h"
 #include "planish/core/error.h"
 #include "planish/files/read_file.h"
 #include "terminal/text.h"
@@ -164,6 +165,10 @@ class JobParser {
     }
     if (json.contains("outputs")) parse_outputs(job, json["outputs"], key_path(where, "outputs"));
     if (json.contains("report")) job.report = path_of(json["report"], key_path(where, "report"));
+    if (json.contains("page")) {
+      job.page = path_of(json["page"], key_path(where, "page"));
+      require_page_path(job.page, key_path(where, "page"));
+    }
     return job;
   }
 
@@ -282,8 +287,8 @@ std::vector<std::string_view> scene_keys(SceneObject object) {
     case SceneObject::Defaults:
       return all;
     case SceneObject::Job:
-      all.insert(all.end(),
-                 {"name", "input", "input_format", "sample", "outputs", "source", "report"});
+      all.insert(all.end(), {"name", "input", "input_format", "sample", "outputs", "source",
+                             "report", "page"});
       return all;
     case SceneObject::Solve:
       return solve;

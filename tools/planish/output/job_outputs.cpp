@@ -7,6 +7,7 @@
 #include "job/measure_surface.h"
 #include "job/timed.h"
 #include "output/surface_output.h"
+#include "page/page_job.h"
 #include "planish/core/version.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
@@ -95,6 +96,16 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
   warn_of_rounding(work.report, work.context.console, written);
 }
 
+// The scene of the page, of the surface of page_level().
+void make_scene(const FittedJob& work, const SurfaceMesh& surface) {
+  check_interrupt();
+  work.context.progress.update("page", 0);
+  timed(work.report.timing.write, [&] {
+    work.scene = make_payloads({surface, work.made.input.file.mesh, work.fitted, work.job.settings,
+                                work.made.file_vertices});
+  });
+}
+
 }  // namespace
 
 std::vector<std::byte> write_outputs(const FittedJob& work) {
@@ -115,6 +126,10 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   }
   JobSurface all(work.made, work.fitted, work.backend, work.job.settings,
                  callbacks_for(work.report, work.context));
+  const int scene_level =
+      work.context.wants_page(work.job)
+          ? page_level(work.made.input.file.mesh, work.job.settings.scheme, work.context.page)
+          : -1;
   for (const int level : levels) {
     JobLevel surface = measured_level(work, all, level);
     SurfaceOutputOptions options = common;
@@ -125,12 +140,18 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
         write_one(work, planned, &surface, options, written[i], stdout_bytes);
       }
     }
+    if (level == scene_level) make_scene(work, surface.whole());
   }
   // What cannot be seen on the cage or at level 0.
-  const bool asks_for_result = !work.outputs.empty() || !work.job.report.empty();
+  const bool asks_for_result =
+      !work.outputs.empty() || !work.job.report.empty() || work.context.wants_page(work.job);
   const bool lacks_distances = !work.made.points.empty() && !work.report.point_distances;
   if (asks_for_result && lacks_distances) (void)measured_level(work, all, kPointDistanceLevel);
   if (asks_for_result && !work.report.surface) (void)measured_level(work, all, 1);
+  if (scene_level >= 0 && work.scene.empty()) {
+    JobLevel surface = measured_level(work, all, scene_level);
+    make_scene(work, surface.whole());
+  }
   return stdout_bytes;
 }
 

@@ -20,10 +20,12 @@ struct FittedJob {
   const Fit& fitted;
   JobReport& report;
   StagedFiles& staged;
+  std::vector<PagePayload>& scene;  ///< for the page; left empty where none is wanted
 };
 
 /// Writes cages, evaluates every level once, whatever the number of files that show it, and
-/// measures the surface; all noted in the report. Returns what is meant for stdout.
+/// measures the surface; all noted in the report. Makes the page's scene. Returns what is meant for
+/// stdout.
 [[nodiscard]] std::vector<std::byte> write_outputs(const FittedJob& work);
 
 }  // namespace planish::command

@@ -30,6 +30,12 @@ struct WrittenOutput {
   double as_written_error = 0;
 };
 
+/// A page for people; its path is empty where there is none.
+struct WrittenPage {
+  std::string path;
+  std::uint64_t bytes = 0;
+};
+
 struct InputFacts {
   std::string path, sha256, format;
   MeshStatistics statistics{};
@@ -77,6 +83,7 @@ struct JobReport {
   /// Distances of all used points to the surface, as fractions of the diagonal; of a cloud.
   std::optional<PointDistances> point_distances;
   std::vector<WrittenOutput> outputs;
+  WrittenPage page;  ///< not in the JSON, which the page holds itself
   JobTiming timing;
   std::uint64_t host_peak_bytes = 0, device_bytes = 0;
   std::vector<Warning> warnings;

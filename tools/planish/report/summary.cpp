@@ -96,6 +96,10 @@ std::string summary(const JobReport& report) {
     text += label + output_line(output, path_width) + "\n";
     label = "              ";
   }
+  if (!report.page.path.empty()) {
+    text += label + (report.page.path == "-" ? "stdout" : report.page.path) + "  " +
+            byte_size(report.page.bytes) + ", page\n";
+  }
   text.pop_back();
   return text;
 }

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "page/page_scene.h"
+
+namespace planish::command {
+
+/// What a user may say of a page.
+struct PageOptions {
+  std::uint64_t limit_bytes = std::uint64_t{8} << 20;
+  /// Without times and memory the same run gives the same bytes.
+  bool times = true;
+};
+
+/// One job on a page.
+struct PageJob {
+  std::string name;
+  std::string failure;            ///< the message of a job that failed; it has nothing else
+  nlohmann::ordered_json report;  ///< as the job's JSON report
+  /// The scene down to each level that can be shown, coarsest first; empty: figures only.
+  std::vector<PagePayload> payloads;
+};
+
+/// The deepest level that a page shows.
+inline constexpr int kPageLevel = 2;
+
+/// One HTML file that needs nothing else: figures and plots of all jobs as text and SVG, a view of
+/// their surfaces that a script draws. As large as the limit at most, but never without the
+/// figures: where the scenes are too large the largest is shown a level coarser, and at last not at
+/// all; the page says so. Paths below `folder` (absolute) are written relative to it. The same jobs
+/// and options give the same bytes.
+[[nodiscard]] std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
+                                    const std::filesystem::path& folder);
+
+/// Script and style as they stand in every page.
+[[nodiscard]] std::string_view page_script();
+[[nodiscard]] std::string_view page_style();
+
+}  // namespace planish::command

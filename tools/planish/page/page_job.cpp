@@ -1,0 +1,79 @@
+#include "page/page_job.h"
+
+#include <unistd.h>
+
+#include <charconv>
+#include <filesystem>
+
+#include "planish/core/error.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+
+int page_level(const PolygonMesh& mesh, Scheme scheme, const PageOptions& options) {
+  // No surface has packed to less than half a byte a vertex: one that is finer cannot fit.
+  const std::uint64_t most = 2 * options.limit_bytes;
+  if (static_cast<std::uint64_t>(mesh.vertex_count()) > most) return -1;
+  const bool triangles = scheme == Scheme::Loop;
+  int level = 0;
+  auto faces = static_cast<std::uint64_t>(mesh.face_vertices.size());
+  if (triangles) faces = 2 * static_cast<std::uint64_t>(mesh.face_count());
+  while (level < kPageLevel && faces <= most) {
+    ++level;
+    faces *= 4;
+  }
+  return level;
+}
+
+std::vector<PagePayload> make_payloads(const PagePayloadInput& input) {
+  const PolygonMesh cage = control_cage(input.mesh, input.fitted, input.settings.sharp());
+  const PageScene scene =
+      make_page_scene({input.surface, input.mesh, cage, input.file_vertices,
+                       input.fitted.placement.diagonal, input.fitted.interpolation.worst_vertex});
+  std::vector<PagePayload> payloads;
+  for (int level = 0; level <= input.surface.level; ++level) {
+    payloads.push_back(encode_scene(scene, level));
+    payloads.back().head["up"] = input.settings.up == UpAxis::Z ? "z" : "y";
+  }
+  return payloads;
+}
+
+std::uint64_t parse_page_limit(std::string_view value, std::string_view where) {
+  std::uint64_t number = 0;
+  const auto [next, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  const std::string_view unit(next, static_cast<std::size_t>(value.data() + value.size() - next));
+  int shift = -1;
+  if (unit.empty()) shift = 0;
+  if (unit == "K" || unit == "k") shift = 10;
+  if (unit == "M" || unit == "m") shift = 20;
+  if (unit == "G" || unit == "g") shift = 30;
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 32;  // browsers hold a page as text
+  if (error != std::errc() || shift < 0 || number > kMost >> shift) {
+    throw Error(ErrorCode::InvalidArgument, std::string(where) + ": \"" + plain_utf8(value) +
+                                                "\" is no size of up to 4G, such as 8M or 500K");
+  }
+  return number << shift;
+}
+
+PageOptions page_options(const std::string& limit, bool no_times) {
+  PageOptions options;
+  options.times = !no_times;
+  if (!limit.empty()) options.limit_bytes = parse_page_limit(limit, "--page-limit");
+  return options;
+}
+
+void require_page_path(const std::string& path, std::string_view where) {
+  if (path == "-") {
+    if (::isatty(STDOUT_FILENO) == 1) {
+      throw Error(ErrorCode::InvalidArgument,
+                  std::string(where) + ": a page is not written to a terminal; name a file");
+    }
+    return;
+  }
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".html" || extension == ".htm") return;
+  throw Error(ErrorCode::InvalidArgument,
+              std::string(where) + ": " + plain_utf8(path) + ": a page is an .html file");
+}
+
+}  // namespace planish::command
