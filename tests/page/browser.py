@@ -129,7 +129,7 @@ class Tab:
     def evaluate(self, expression):
         """The value of a script's expression, promises awaited."""
         result = self.call("Runtime.evaluate", expression=expression, awaitPromise=True,
-                           returnByValue=True)
+                           returnByValue=True, allowUnsafeEvalBlockedByCSP=False)
         if "exceptionDetails" in result:
             details = result["exceptionDetails"]
             raise RuntimeError(details.get("exception", {}).get("description", details["text"]))

@@ -142,16 +142,17 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
     }
     if (level == scene_level) make_scene(work, surface.whole());
   }
+  // What is seen on the page is what is measured.
+  if (scene_level >= 0 && work.scene.empty()) {
+    JobLevel surface = measured_level(work, all, scene_level);
+    make_scene(work, surface.whole());
+  }
   // What cannot be seen on the cage or at level 0.
   const bool asks_for_result =
       !work.outputs.empty() || !work.job.report.empty() || work.context.wants_page(work.job);
   const bool lacks_distances = !work.made.points.empty() && !work.report.point_distances;
   if (asks_for_result && lacks_distances) (void)measured_level(work, all, kPointDistanceLevel);
   if (asks_for_result && !work.report.surface) (void)measured_level(work, all, 1);
-  if (scene_level >= 0 && work.scene.empty()) {
-    JobLevel surface = measured_level(work, all, scene_level);
-    make_scene(work, surface.whole());
-  }
   return stdout_bytes;
 }
 

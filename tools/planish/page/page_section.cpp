@@ -225,8 +225,10 @@ std::string failed_row_html(const std::string& name, std::size_t number) {
 
 std::string job_label(const Json& report) {
   const Json& solve = report["solve"];
-  const std::string method = solve["method"] == "fair" ? "fair" : text_of(solve["scheme"]);
-  return text_of(report["job"]) + ", " + (method == "doo-sabin" ? "progressive" : method);
+  std::string method = solve["method"] == "fair" ? "fair" : text_of(solve["scheme"]);
+  if (method == "doo-sabin") method = "progressive";
+  const std::string name = text_of(report["job"]);
+  return name == method ? name : name + ", " + method;
 }
 
 }  // namespace planish::command

@@ -35,7 +35,8 @@ function topOf(name) {
     if (field.kind !== 'amount') return field.limit;
     return choice === 'largest' ? field.largest : field.most;
   });
-  return Math.max(...tops, 1e-30);
+  // Colours for what rounding leaves would show nothing but it.
+  return Math.max(...tops, name === 'error' ? ERROR_NOISE : 1e-30);
 }
 
 /** All that the controls say, for one picture. */
