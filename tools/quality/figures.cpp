@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "planish/backend/cpu_backend.h"
@@ -63,7 +64,7 @@ std::vector<Foot> feet_of(const SurfaceMesh& surface, const Truth& truth) {
 }
 
 // Largest and root of the mean square.
-void note_distances(Figures& figures, const std::vector<glm::dvec3>& a,
+void note_distances(Figures& figures, std::span<const glm::dvec3> a,
                     const std::vector<Foot>& feet) {
   double sum = 0;
   for (std::size_t v = 0; v < a.size(); ++v) {

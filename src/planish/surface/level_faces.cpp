@@ -46,7 +46,7 @@ ChildCorners child_corners(std::size_t face_size, std::size_t child_size, int k)
 std::vector<LevelFaces> level_faces(const SurfaceMesh& surface, const PolygonMesh& mesh) {
   std::vector<LevelFaces> levels(static_cast<std::size_t>(surface.level) + 1);
   LevelFaces& last = levels.back();
-  last.vertices = surface.face_vertices;
+  last.vertices.assign(surface.face_vertices.begin(), surface.face_vertices.end());
   last.offsets = surface.face_offsets;
   if (last.offsets.empty()) {
     for (std::int64_t f = 0; f <= surface.face_count(); ++f)

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 
 #include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/tables/table_slices.h"
 
 namespace planish::vulkan {
 
