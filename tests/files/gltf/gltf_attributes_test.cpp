@@ -11,6 +11,7 @@
 #include "planish/core/error.h"
 #include "planish/core/version.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/files/mesh_file.h"
 
 namespace planish {
 namespace {
