@@ -57,7 +57,13 @@ TEST(LevelFaces, CoarserLevelsAreThoseOfTheirOwnSurface) {
     const std::vector<LevelFaces> levels = level_faces(fine, mesh);
     for (int level = 0; level <= 3; ++level) {
       const SurfaceMesh coarse = evaluate(mesh, *backend, {.level = level, .scheme = scheme});
-      EXPECT_EQ(levels[level].vertices, coarse.face_vertices) << level;
+      // Vertices have other numbers there, and the same limit points.
+      ASSERT_EQ(levels[level].vertices.size(), coarse.face_vertices.size()) << level;
+      for (std::size_t i = 0; i < coarse.face_vertices.size(); ++i) {
+        const std::int32_t v = levels[level].vertices[i], w = coarse.face_vertices[i];
+        ASSERT_LT(glm::distance(fine.positions[v], coarse.positions[w]), 1e-13) << level;
+        ASSERT_LT(glm::distance(fine.normals[v], coarse.normals[w]), 1e-6f) << level;
+      }
     }
   }
 }
