@@ -16,7 +16,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-json schema() {
+json report_schema() {
   std::ifstream file(PLANISH_REPORT_SCHEMA);
   return json::parse(file);
 }
@@ -39,7 +39,7 @@ class ReportSchema : public FolderTest {
     return json::parse(run_planish(arguments).out);
   }
 
-  json schema_ = schema();
+  json schema_ = report_schema();
   std::string torus_ = write("torus.obj", torus_obj(8));
   std::string plate_ = write("plate.obj", bumpy_plate_obj(5));
 };

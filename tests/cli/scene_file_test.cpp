@@ -193,13 +193,13 @@ TEST(SceneFile, ReadsASampling) {
 
 // ---- the published schema against the parser ----
 
-json schema() {
+json scene_schema() {
   std::ifstream file(PLANISH_SCENE_SCHEMA);
   return json::parse(file);
 }
 
 TEST(SceneSchema, NamesTheFormatsOfTheTable) {
-  const json document = schema();
+  const json document = scene_schema();
   const json& job = document["$defs"]["job"]["properties"];
   std::string formats;
   for (const auto& name : job["input_format"]["enum"])
@@ -257,7 +257,7 @@ const std::vector<std::pair<SceneObject, std::string>> kSchemaObjects{
     {SceneObject::Sample, "/$defs/sample"}};
 
 TEST(SceneSchema, HasTheKeysOfTheParserAndNoOthers) {
-  const json document = schema();
+  const json document = scene_schema();
   for (const auto& [object, pointer] : kSchemaObjects) {
     const json& description = document.at(json::json_pointer(pointer));
     EXPECT_EQ(description["additionalProperties"], false) << pointer;
@@ -269,7 +269,7 @@ TEST(SceneSchema, HasTheKeysOfTheParserAndNoOthers) {
 }
 
 TEST(SceneSchema, EveryValueThatItAllowsIsAccepted) {
-  const json document = schema();
+  const json document = scene_schema();
   for (const auto& [object, pointer] : kSchemaObjects) {
     for (const auto& [key, property] :
          document.at(json::json_pointer(pointer))["properties"].items()) {
@@ -289,7 +289,7 @@ TEST(SceneSchema, EveryValueThatItAllowsIsAccepted) {
 }
 
 TEST(SceneSchema, WhatItForbidsIsRefused) {
-  const json document = schema();
+  const json document = scene_schema();
   for (const auto& [object, pointer] : kSchemaObjects) {
     for (const auto& [key, property] :
          document.at(json::json_pointer(pointer))["properties"].items()) {

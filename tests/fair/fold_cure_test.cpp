@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "fair/fair_case.h"
 #include "planish/fair/net_samples.h"

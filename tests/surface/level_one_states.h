@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "planish/backend/cpu_backend.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/level_one.h"
 #include "support/meshes.h"

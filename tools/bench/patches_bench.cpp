@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstring>
-#include <optional>
 
 #include "bench/agreement.h"
 #include "bench/bench_meshes.h"
@@ -15,7 +14,7 @@ namespace planish::bench {
 
 namespace {
 
-constexpr int kLevel = 2;
+constexpr int kPatchLevel = 2;
 
 // A surface's rows, as SurfaceMesh has them, and its quads.
 struct Output {
@@ -91,11 +90,11 @@ void apply_tables(const PolygonMesh& mesh, Output& output) {
   constexpr std::int64_t kSlice = 1 << 17;
   const auto backend = make_cpu_backend();
   QuadSplit split(mesh);
-  split.refine(kLevel);
+  split.refine(kPatchLevel);
   const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
   const Subdivision subdivision(split, features, Weights::DooSabin);
   auto points = backend->upload(mesh.positions);
-  for (int l = 1; l <= kLevel; ++l) {
+  for (int l = 1; l <= kPatchLevel; ++l) {
     const std::int64_t size = subdivision.state_layout(l).size;
     auto next = backend->allocate(static_cast<std::int32_t>(size));
     for (const RowRange rows : ranges_of(size, kSlice)) {
@@ -105,11 +104,11 @@ void apply_tables(const PolygonMesh& mesh, Output& output) {
     }
     points = std::move(next);
   }
-  const LimitRows limits(subdivision, kLevel, split.counts(kLevel).vertices);
+  const LimitRows limits(subdivision, kPatchLevel, split.counts(kPatchLevel).vertices);
   for (const RowRange rows : ranges_of(limits.count(), kSlice)) {
     const auto first = static_cast<std::size_t>(rows.first);
     const auto count = static_cast<std::size_t>(rows.count);
-    backend->apply_limit(limit_table(subdivision, kLevel, limits, rows).view(), *points,
+    backend->apply_limit(limit_table(subdivision, kPatchLevel, limits, rows).view(), *points,
                          std::span(output.positions).subspan(first, count),
                          std::span(output.normals).subspan(first, count));
   }
@@ -131,11 +130,11 @@ void require_same(const PolygonMesh& mesh, const PatchSurface& kept, const DooSa
 std::vector<Row> bench_patches(const Options& options) {
   const PolygonMesh mesh = torus_grid(options.quad_count);
   EvaluateOptions evaluation;
-  evaluation.level = kLevel;
+  evaluation.level = kPatchLevel;
   const DooSabinSurface base(mesh, evaluation);
-  const PatchSurface kept(base.patches(), {.level = kLevel, .keep_plans = true});
-  const PatchSurface planning(base.patches(), {.level = kLevel});
-  const auto blocks = base.level(kLevel);
+  const PatchSurface kept(base.patches(), {.level = kPatchLevel, .keep_plans = true});
+  const PatchSurface planning(base.patches(), {.level = kPatchLevel});
+  const auto blocks = base.level(kPatchLevel);
   require_same(mesh, kept, base);
   Output output(blocks->info().row_count, blocks->info().face_count);
   set_bytes(output, 0);
@@ -143,7 +142,7 @@ std::vector<Row> bench_patches(const Options& options) {
 
   Group group;
   group.name = "patches";
-  group.size = std::to_string(mesh.face_count()) + " quads, level " + std::to_string(kLevel) +
+  group.size = std::to_string(mesh.face_count()) + " quads, level " + std::to_string(kPatchLevel) +
                ", " + std::to_string(blocks->info().row_count) + " rows";
   group.baseline = "store";
   group.peers = {
@@ -151,8 +150,10 @@ std::vector<Row> bench_patches(const Options& options) {
       {"store", [&] { store(output); }},
       {"topology", [&] { const MeshTopology topology(mesh); }},
       {"plans",
-       [&] { const PatchSurface surface(base.patches(), {.level = kLevel, .keep_plans = true}); }},
-      {"classes", [&] { const PatchSurface surface(base.patches(), {.level = kLevel}); }},
+       [&] {
+         const PatchSurface surface(base.patches(), {.level = kPatchLevel, .keep_plans = true});
+       }},
+      {"classes", [&] { const PatchSurface surface(base.patches(), {.level = kPatchLevel}); }},
       {"rows-of-plans", [&] { evaluate_rows(base, kept, output); }},
       {"rows", [&] { evaluate_rows(base, planning, output); }},
       {"faces", [&] { write_faces(*blocks, output); }},
@@ -163,7 +164,8 @@ std::vector<Row> bench_patches(const Options& options) {
     if (!can_run(instructions)) continue;
     const auto narrow = std::make_shared<PatchSurface>(
         base.patches(),
-        PatchSurfaceOptions{.level = kLevel, .keep_plans = true, .instructions = instructions});
+        PatchSurfaceOptions{
+            .level = kPatchLevel, .keep_plans = true, .instructions = instructions});
     group.peers.push_back({name, [&, narrow] { evaluate_rows(base, *narrow, output); }});
   }
   std::vector<Row> rows = run_group(group, options.repetitions);

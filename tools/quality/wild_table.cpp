@@ -15,7 +15,7 @@ namespace planish::quality {
 
 namespace {
 
-constexpr double kFoldedArea = 1e-5;
+constexpr double kFoldedPart = 1e-5;
 constexpr int kLevels = 3;
 
 struct WildFigures {
@@ -70,7 +70,7 @@ std::vector<std::string> print_wild_table(const std::vector<NamedCase>& cases) {
     std::printf("\n");
     std::fflush(stdout);
     for (const auto& [figures, how] : {std::pair(fair, ""), {creased, " with creases found"}}) {
-      if (figures.folded_elsewhere > kFoldedArea) folded.push_back(named.name + how + " folds");
+      if (figures.folded_elsewhere > kFoldedPart) folded.push_back(named.name + how + " folds");
     }
   }
   return folded;

@@ -18,7 +18,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kHalf = 0.5;
+constexpr double kHalfOfCurve = 0.5;
 // Of the highest that the edges reach across the curve: what they are balanced about.
 constexpr double kAcrossShare = 0.5;
 // 1 + cosine of the angle at a corner below which its control point moves away no farther.
@@ -140,7 +140,7 @@ void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scr
       farthest = std::max(farthest, glm::length(scratch.points[i]));
     }
   }
-  scale_curve_vertex(site, kHalf * (1 - usable));
+  scale_curve_vertex(site, kHalfOfCurve * (1 - usable));
   if (!(usable > 0)) return;
   const double length = usable * size / farthest;
   for (const FairTopology::Sector& sector : sectors) {

@@ -1,6 +1,5 @@
 #include "planish/fair/smallest_cap.h"
 
-#include <algorithm>
 #include <glm/geometric.hpp>
 
 namespace planish {

@@ -1,7 +1,6 @@
 #include "planish/mesh/detect_creases.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <span>
 
 #include "planish/mesh/placement.h"
 #include "planish/patches/patch_mesh.h"

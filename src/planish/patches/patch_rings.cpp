@@ -2,8 +2,6 @@
 // each is seen from its own corner: so the rules of the rings are all there is to know.
 #include "planish/patches/patch_rings.h"
 
-#include <numeric>
-
 #include "planish/doosabin/sector_rules.h"
 #include "planish/stencil/stencil_builder.h"
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <memory>
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"

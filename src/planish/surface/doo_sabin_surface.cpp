@@ -4,7 +4,6 @@
 #include <mutex>
 #include <optional>
 
-#include "planish/core/error.h"
 #include "planish/core/parallel.h"
 #include "planish/patches/first_step.h"
 #include "planish/surface/memory_need.h"

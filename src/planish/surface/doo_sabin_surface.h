@@ -20,8 +20,8 @@ namespace planish {
 /// level 1, for all levels. The mesh must outlive it.
 class DooSabinSurface {
  public:
-  /// That of a control cage; takes what was prepared, weights, what is sharp and the rest pose of the options. Throws
-  /// Error{UnusableMesh}.
+  /// That of a control cage; takes what was prepared, weights, what is sharp and the rest pose of
+  /// the options. Throws Error{UnusableMesh}.
   DooSabinSurface(const PolygonMesh& cage, const EvaluateOptions& options);
   /// That of control points of level 1 on a mesh. Throws as above, Error{InvalidArgument} for a
   /// state of another size. The state must outlive the surface.

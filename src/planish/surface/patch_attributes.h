@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <span>
 
 #include "planish/patches/patch_numbering.h"
 #include "planish/stencil/stencil_builder.h"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "job/job_input.h"
 #include "planish/backend/backend.h"

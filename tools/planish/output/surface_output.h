@@ -7,7 +7,6 @@
 
 #include "job/job_surface.h"
 #include "planish/files/gltf/write_gltf.h"
-#include "planish/surface/surface_mesh.h"
 #include "report/report.h"
 
 namespace planish::command {
