@@ -168,7 +168,7 @@ std::vector<std::uint16_t> quantised(const PageField& field, std::size_t count, 
   return result;
 }
 
-const char* name_of(FieldKind kind) {
+const char* word_of(FieldKind kind) {
   return kind == FieldKind::Amount ? "amount" : kind == FieldKind::Signed ? "signed" : "share";
 }
 
@@ -227,7 +227,7 @@ nlohmann::ordered_json add_fields(const PageScene& scene, std::size_t count, Pag
     fields.push_back({{"name", field.name},
                       {"label", field.label},
                       {"unit", field.unit},
-                      {"kind", name_of(field.kind)},
+                      {"kind", word_of(field.kind)},
                       {"limit", field.limit},
                       {"largest", field.largest},
                       {"most", field.most}});
