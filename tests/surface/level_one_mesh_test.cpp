@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 
+#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/check.h"

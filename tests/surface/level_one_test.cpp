@@ -5,6 +5,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
+#include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one_mesh.h"

@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "planish/backend/cpu_backend.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one_mesh.h"
 #include "surface/level_one_states.h"
