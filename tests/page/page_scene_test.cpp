@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <random>
 
 #include "page/page_reader.h"
 #include "planish/backend/cpu_backend.h"

@@ -1,7 +1,5 @@
 #include "planish/surface/level_faces.h"
 
-#include <algorithm>
-
 #include "planish/core/assert.h"
 #include "planish/surface/attributes.h"
 

@@ -3,7 +3,6 @@
 // vertex over the edges that leave it, since the normals are exact at vertices.
 #include "planish/surface/normal_curvatures.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>

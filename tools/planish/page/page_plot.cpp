@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
-#include <vector>
 
 #include "page/page_text.h"
 #include "terminal/table.h"
