@@ -12,7 +12,7 @@
 namespace planish {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
 SurfaceMesh surface_of(const PolygonMesh& mesh) {
   SurfaceMesh surface;
@@ -104,7 +104,7 @@ TEST(NormalCurvatures, KeepGaussAndBonnetOnAnEllipsoid) {
         2;
     for (const std::int32_t v : face) integral += curvatures.gaussian[v] * area / 3;
   }
-  EXPECT_NEAR(integral, 4 * kPi, 0.02 * 4 * kPi);
+  EXPECT_NEAR(integral, 4 * kHalfTurn, 0.02 * 4 * kHalfTurn);
 }
 
 }  // namespace
