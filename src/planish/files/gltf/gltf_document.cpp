@@ -31,7 +31,8 @@ json array_of(const Vector& v) {
 json asset_of(const GltfOptions& options) {
   json asset{{"version", "2.0"}, {"generator", "planish " PLANISH_VERSION}};
   for (const auto& [key, value] : options.extras) {
-    std::visit([&](const auto& held) { asset["extras"][key] = held; }, value);
+    json& entry = asset["extras"][key];
+    std::visit([&](const auto& held) { entry = held; }, value);
   }
   return asset;
 }
