@@ -29,6 +29,25 @@ std::string written(FileFormat format, const SurfaceMesh& surface) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+TEST(WriteSurface, PlyCarriesFieldsBehindEverythingElse) {
+  const test::TemporaryFolder folder;
+  const SurfaceMesh surface = two_quads();
+  const std::vector<float> values{1, 2, 3, 4, 5, -6.5f};
+  const std::vector<NamedField> fields{{"error", values}};
+  write_surface(folder.path() / "s", FileFormat::Ply, surface, {}, fields);
+  const auto bytes = read_file(folder.path() / "s");
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t header = text.find("end_header\n") + 11;
+  EXPECT_NE(text.find("property float nz\nproperty float error\nelement face 2\n"),
+            std::string::npos);
+  constexpr std::size_t kVertex = 3 * 8 + 3 * 4 + 4;
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    float value = 0;
+    std::memcpy(&value, text.data() + header + (v + 1) * kVertex - 4, 4);
+    EXPECT_EQ(value, values[v]);
+  }
+}
+
 TEST(WriteSurface, ObjCarriesNormals) {
   EXPECT_EQ(written(FileFormat::Obj, two_quads()),
             "# planish level=1\nv 0 0 0\nv 1 0 0.1\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"

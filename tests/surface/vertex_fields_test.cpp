@@ -122,6 +122,18 @@ TEST(VertexFields, FoldsSumToTheFoldedArea) {
   EXPECT_NEAR(folded / whole, surface_quality(c.surface, c.mesh).folded_area, 1e-12);
 }
 
+TEST(VertexFields, ChosenFieldsAreNamedInOrder) {
+  const Case c = case_of(test::prism(5), 1);
+  const auto named = named_fields(c.fields, {.error = true, .curvature = true});
+  ASSERT_EQ(named.size(), 3u);
+  EXPECT_EQ(named[0].name, "error");
+  EXPECT_EQ(named[0].values.data(), c.fields.error.data());
+  EXPECT_EQ(named[1].name, "mean_curvature");
+  EXPECT_EQ(named[2].values.data(), c.fields.curvatures.gaussian.data());
+  EXPECT_TRUE(named_fields(c.fields, {}).empty());
+  EXPECT_FALSE(FieldChoice{}.any());
+}
+
 TEST(VertexFields, FoldedFacesSayWhereAndHowMuch) {
   const Case c = folded_case();
   const std::vector<FoldedFace> folds = folded_faces(c.surface, c.mesh);

@@ -115,6 +115,7 @@ ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& argument
       outputs.push_back(std::move(planned));
     }
   }
+  if (job.settings.attributes.any()) require_attribute_formats(outputs);
   if (!job.report.empty()) claims.add_output(job.report, "--report");
   if (!job.page.empty()) claims.add_output(job.page, "--page");
   const PageOptions page = page_options(flags.page_limit, flags.page_no_times);

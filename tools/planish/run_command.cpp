@@ -67,6 +67,7 @@ std::vector<PlannedJob> plan_jobs(const RunFlags& flags, std::vector<Job> jobs,
         entry.outputs.push_back(std::move(output));
       }
     }
+    if (job.settings.attributes.any()) require_attribute_formats(entry.outputs);
     if (!job.report.empty()) claims.add_output(job.report, "report of job " + job.name);
     if (!job.page.empty()) claims.add_output(job.page, "page of job " + job.name);
     entry.device = choose_device(list, job.settings);

@@ -11,6 +11,7 @@
 
 #include "planish/files/formats.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/surface/vertex_fields.h"
 
 namespace planish {
 
@@ -28,6 +29,7 @@ struct PolygonView {
   std::span<const FaceGroup> groups;
   std::span<const std::int32_t> face_groups;  ///< empty, or one per face
   std::span<const std::int32_t> hole_faces;
+  std::span<const NamedField> fields;   ///< one value per position each; PLY only
   std::span<const std::string> header;  ///< comment lines, without the comment sign
 
   [[nodiscard]] std::size_t face_count() const {

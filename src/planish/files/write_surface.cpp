@@ -5,7 +5,7 @@
 namespace planish {
 
 void write_surface(const std::filesystem::path& path, FileFormat format, const SurfaceMesh& surface,
-                   const std::vector<std::string>& header) {
+                   const std::vector<std::string>& header, std::span<const NamedField> fields) {
   PolygonView view;
   view.positions = surface.positions;
   view.normals = surface.normals;
@@ -17,6 +17,7 @@ void write_surface(const std::filesystem::path& path, FileFormat format, const S
   view.groups = surface.groups;
   view.face_groups = surface.face_groups;
   view.header = header;
+  view.fields = fields;
   write_polygons(path, format, view);
 }
 

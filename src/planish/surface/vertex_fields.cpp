@@ -98,6 +98,14 @@ void spread(const LevelFaces& coarse, const LevelFaces& fine, std::vector<float>
 
 }  // namespace
 
+const char* name_of(CurvatureSource source) {
+  switch (source) {
+    case CurvatureSource::Normals:
+      break;
+  }
+  return "normals";
+}
+
 VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh, double diagonal) {
   VertexFields fields;
   fields.error.assign(surface.positions.size(), 0.0f);
@@ -107,6 +115,18 @@ VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh, 
   compare_normals(surface, mesh, fields);
   fields.curvatures = curvatures_of_normals(surface);
   return fields;
+}
+
+std::vector<NamedField> named_fields(const VertexFields& fields, const FieldChoice& choice) {
+  std::vector<NamedField> named;
+  if (choice.error) named.push_back({"error", fields.error});
+  if (choice.deviation) named.push_back({"deviation", fields.normal_deviation});
+  if (choice.fold) named.push_back({"fold", fields.folded});
+  if (choice.curvature) {
+    named.push_back({"mean_curvature", fields.curvatures.mean});
+    named.push_back({"gaussian_curvature", fields.curvatures.gaussian});
+  }
+  return named;
 }
 
 std::vector<FoldedFace> folded_faces(const SurfaceMesh& surface, const PolygonMesh& mesh) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
@@ -13,6 +15,9 @@ namespace planish {
 enum class CurvatureSource {
   Normals,  ///< differences of the exact normals, see curvatures_of_normals()
 };
+
+/// "normals": a stable name for files.
+[[nodiscard]] const char* name_of(CurvatureSource source);
 
 /// Figures of each vertex of a tessellation, to look at or to hand on; one entry a position.
 struct VertexFields {
@@ -33,6 +38,24 @@ struct VertexFields {
 /// unit of the error. Any level; the same bits for every thread count.
 [[nodiscard]] VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh,
                                          double diagonal);
+
+/// A field as files take it: a name of lower-case letters and '_', and a value for each position.
+struct NamedField {
+  std::string name;
+  std::span<const float> values;
+};
+
+/// Which fields are wanted.
+struct FieldChoice {
+  bool error = false, deviation = false, fold = false, curvature = false;
+
+  [[nodiscard]] bool any() const { return error || deviation || fold || curvature; }
+};
+
+/// "error", "deviation", "fold", "mean_curvature" and "gaussian_curvature" of those that are
+/// chosen, in this order; `fields` must outlive them.
+[[nodiscard]] std::vector<NamedField> named_fields(const VertexFields& fields,
+                                                   const FieldChoice& choice);
 
 /// A face of a tessellation that is turned over, wholly or in part.
 struct FoldedFace {

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <map>
 
 #include "files/gltf/parsed_gltf.h"
@@ -37,6 +39,45 @@ std::vector<Value> values_of(const tinygltf::Model& model, int accessor_index) {
 template <class Value>
 std::vector<Value> attribute_of(const tinygltf::Model& model, const std::string& name) {
   return values_of<Value>(model, model.meshes.at(0).primitives.at(0).attributes.at(name));
+}
+
+TEST(GltfAttributes, FieldsBecomeScalarsOfTheirNames) {
+  const SurfaceMesh surface = test::two_charts();
+  std::vector<float> values(surface.positions.size());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5f * static_cast<float>(i) - 2;
+  GltfOptions options;
+  options.fields = {{"error", values}, {"mean_curvature", values}};
+  const tinygltf::Model model = parsed(surface, options);
+  const auto positions = attribute_of<glm::vec3>(model, "POSITION");
+  for (const char* name : {"_ERROR", "_MEAN_CURVATURE"}) {
+    const auto found = attribute_of<float>(model, name);
+    ASSERT_EQ(found.size(), positions.size());
+    for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(found[i], values[i]);
+    // Copies along seams have the value of their place.
+    for (std::size_t i = values.size(); i < found.size(); ++i) {
+      const auto original = std::find(positions.begin(), positions.end(), positions[i]);
+      EXPECT_EQ(found[i], values[static_cast<std::size_t>(original - positions.begin())]);
+    }
+    EXPECT_EQ(model.accessors.at(test::attribute(model, name)).type, TINYGLTF_TYPE_SCALAR);
+  }
+}
+
+TEST(GltfAttributes, FieldsAreCheckedBeforeTheyAreWritten) {
+  const SurfaceMesh surface = test::two_charts();
+  const auto message_for = [&](std::vector<float> values) -> std::string {
+    GltfOptions options;
+    options.fields = {{"error", values}};
+    try {
+      (void)encode_glb(surface, options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "nothing was thrown";
+  };
+  EXPECT_THAT(message_for(std::vector<float>(3)), HasSubstr("3 values of error for 15 positions"));
+  std::vector<float> wild(15);
+  wild[7] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(message_for(wild), HasSubstr("error of vertex 7 is not finite"));
 }
 
 TEST(GltfAttributes, GiveVerticesOnSeamsOneCopyForEachChart) {

@@ -23,6 +23,10 @@ void write_samples(const std::filesystem::path& folder) {
   SurfaceMesh charts = test::two_charts();
   charts.colors.assign(charts.positions.size(), glm::vec4(0.2f, 0.4f, 1.0f, 1.0f));
   write_gltf(folder / "charts.glb", charts, plain);
+  std::vector<float> values(charts.positions.size(), 0.5f);
+  GltfOptions with_fields = plain;
+  with_fields.fields = {{"error", values}, {"gaussian_curvature", values}};
+  write_gltf(folder / "fields.glb", charts, with_fields);
   charts.face_groups = {0, 1, 1, 1, 1, 1, 1, 1};
   write_gltf(folder / "groups of uneven size.gltf", charts, plain);
   GltfOptions everything;

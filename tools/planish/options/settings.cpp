@@ -71,6 +71,21 @@ void set_preset(Settings& settings, std::string_view value, std::string_view whe
   settings.solver = Solver::Plain;
 }
 
+// A list of words, each switching one on.
+void set_attributes(Settings& settings, std::string_view value, std::string_view where) {
+  constexpr std::array kAttributes{Word<bool FieldChoice::*>{"error", &FieldChoice::error},
+                                   Word<bool FieldChoice::*>{"deviation", &FieldChoice::deviation},
+                                   Word<bool FieldChoice::*>{"fold", &FieldChoice::fold},
+                                   Word<bool FieldChoice::*>{"curvature", &FieldChoice::curvature}};
+  settings.attributes = {};
+  while (true) {
+    const std::size_t comma = value.find(',');
+    settings.attributes.*parse(kAttributes, value.substr(0, comma), where) = true;
+    if (comma == std::string_view::npos) return;
+    value.remove_prefix(comma + 1);
+  }
+}
+
 constexpr std::array kWordSettings{
     WordSetting{"preset", "paper", "", "averaged weights and the plain iteration, as published",
                 true, set_preset},
@@ -125,6 +140,8 @@ constexpr std::array kWordSettings{
                 [](Settings& s, std::string_view value, std::string_view where) {
                   s.up = parse(kUpAxes, value, where);
                 }},
+    WordSetting{"attributes", "error,deviation,fold,curvature", "",
+                "figures of each vertex, written into glTF and PLY", false, set_attributes},
     WordSetting{"device", "auto|cpu|vulkan|INDEX|NAME|UUID", "auto",
                 "auto: a hardware Vulkan device, else the CPU; see planish devices", false,
                 [](Settings& s, std::string_view value, std::string_view where) {

@@ -11,6 +11,7 @@
 #include "planish/pipeline/fit.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "planish/surface/evaluate.h"
+#include "planish/surface/vertex_fields.h"
 
 namespace planish::command {
 
@@ -42,6 +43,7 @@ struct Settings {
   std::vector<CreaseEdge> crease_edges;  ///< of a scene file, besides the input's own tags
   std::vector<CornerVertex> corner_vertices;
   UpAxis up = UpAxis::Y;
+  FieldChoice attributes;  ///< that surfaces carry as data
   std::string device = "auto";
   std::vector<int> levels{2};
   ReconstructOptions points{.measure_noise = true};  ///< how a point cloud becomes a mesh

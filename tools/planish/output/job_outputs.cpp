@@ -96,6 +96,18 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
   warn_of_rounding(work.report, work.context.console, written);
 }
 
+// The fields that the job wants as data; `fields` holds them.
+void add_attributes(const FittedJob& work, JobLevel& surface, VertexFields& fields,
+                    GltfOptions& options) {
+  const FieldChoice& choice = work.job.settings.attributes;
+  if (!choice.any()) return;
+  fields =
+      vertex_fields(surface.whole(), work.made.input.file.mesh, work.fitted.placement.diagonal);
+  options.fields = named_fields(fields, choice);
+  if (!choice.curvature) return;
+  options.extras.emplace_back("curvature_from", std::string(name_of(fields.curvature_source)));
+}
+
 // The scene of the page, of the surface of page_level().
 void make_scene(const FittedJob& work, const SurfaceMesh& surface) {
   check_interrupt();
@@ -132,7 +144,9 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
           : -1;
   for (const int level : levels) {
     JobLevel surface = measured_level(work, all, level);
+    VertexFields fields;
     SurfaceOutputOptions options = common;
+    add_attributes(work, surface, fields, options.gltf);
     options.gltf.extras.emplace_back("level", std::int64_t{level});
     for (std::size_t i = 0; i < work.outputs.size(); ++i) {
       const PlannedOutput& planned = work.outputs[i];

@@ -73,6 +73,14 @@ void PathClaims::add_output(const fs::path& path, std::string_view where) {
   require_writable_folder(path, where, rules_.create_folders);
 }
 
+void require_attribute_formats(const std::vector<PlannedOutput>& outputs) {
+  for (const PlannedOutput& output : outputs) {
+    const bool carries = info_of(output.format).is_gltf || output.format == FileFormat::Ply;
+    if (output.kind == OutputKind::Cage || carries) continue;
+    refuse("--attributes", output.path.string() + " cannot hold them; .glb, .gltf and .ply can");
+  }
+}
+
 fs::path gltf_companion(const fs::path& path) {
   fs::path companion = path;
   return companion.replace_extension(".bin");

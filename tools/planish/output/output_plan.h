@@ -55,6 +55,9 @@ class PathClaims {
 [[nodiscard]] std::vector<PlannedOutput> plan_output(const OutputRequest& request,
                                                      PathClaims& claims);
 
+/// Refuses surfaces that cannot carry vertex attributes, such as .obj, with Error{InvalidArgument}.
+void require_attribute_formats(const std::vector<PlannedOutput>& outputs);
+
 /// The .bin that is written beside a .gltf.
 [[nodiscard]] std::filesystem::path gltf_companion(const std::filesystem::path& path);
 

@@ -76,7 +76,12 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
     written.bytes = write_gltf(target, surface.blocks(), gltf).byte_count;
     written.sha256 = digest.finish();
   } else {
-    write_surface(target, planned.format, surface.whole());
+    std::vector<std::string> header;
+    for (const auto& [key, value] : options.gltf.extras) {
+      if (key == "curvature_from")
+        header.push_back("planish curvature_from=" + std::get<std::string>(value));
+    }
+    write_surface(target, planned.format, surface.whole(), header, options.gltf.fields);
     note_file(written, target);
   }
   // Text and PLY carry doubles that read back as the same bits.

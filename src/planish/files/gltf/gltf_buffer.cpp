@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
@@ -188,6 +189,29 @@ void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices,
       sinks);
 }
 
+void write_field(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                 const NamedField& field, std::span<const ByteSink> sinks) {
+  const std::int64_t own = surface.info().row_count;
+  stream(
+      ranges_of(vertices.count(surface), kBufferRows),
+      [&](RowRange range, RawVector<std::byte>& bytes) {
+        const auto values = values_of<float>(bytes, static_cast<std::size_t>(range.count));
+        for (std::int64_t i = 0; i < range.count; ++i) {
+          const std::int64_t vertex = range.first + i;
+          const std::int64_t row = vertex < own ? vertex : vertices.rows[vertex - own];
+          values[i] = field.values[row];
+        }
+      },
+      sinks);
+}
+
+// glTF wants an underscore before names of one's own, and capitals.
+std::string attribute_name(const std::string& field) {
+  std::string name = "_";
+  for (const char c : field) name += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
 // The indices of a range of faces.
 template <class Index>
 class FaceWriter {
@@ -270,11 +294,14 @@ void write_indices(const SurfaceBlocks& surface, const GltfVertices& vertices, c
 
 }  // namespace
 
-GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices) {
+GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                       const GltfOptions& options) {
   GltfLayout layout;
   layout.vertex_count = static_cast<std::uint64_t>(vertices.count(surface));
   layout.has_uvs = !vertices.uvs.empty();
   layout.has_colors = surface.info().has_colors;
+  for (const NamedField& field : options.fields)
+    layout.fields.push_back(attribute_name(field.name));
   for (const GltfPart& part : vertices.parts) {
     const FaceGroup group = part.group < 0 ? FaceGroup{} : surface.info().groups[part.group];
     layout.primitives.push_back({part.triangle_count, group.name, group.material});
@@ -303,7 +330,7 @@ GltfBounds gltf_bounds(const SurfaceBlocks& surface, const GltfOptions& options)
 
 void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
                   const GltfOptions& options, std::span<const ByteSink> sinks) {
-  const GltfLayout layout = gltf_layout(surface, vertices);
+  const GltfLayout layout = gltf_layout(surface, vertices, options);
   std::uint64_t written = 0;
   std::vector<ByteSink> all(sinks.begin(), sinks.end());
   all.push_back([&](std::span<const std::byte> bytes) {
@@ -317,6 +344,7 @@ void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
   rows.write<glm::vec3>(Part::Normal);
   if (layout.has_uvs) write_uvs(surface, vertices, all);
   if (layout.has_colors) rows.write<glm::vec4>(Part::Color);
+  for (const NamedField& field : options.fields) write_field(surface, vertices, field, all);
   const std::array<std::byte, 4> zeros{};
   for (const GltfPart& part : vertices.parts) {
     if (layout.index_size == 2) {

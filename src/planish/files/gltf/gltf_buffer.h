@@ -10,7 +10,8 @@
 namespace planish {
 
 /// The layout of a surface.
-[[nodiscard]] GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices);
+[[nodiscard]] GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                                     const GltfOptions& options);
 
 /// Smallest and largest float32 coordinates as stored. Throws Error{InvalidArgument} for a position
 /// that float32 cannot hold and a normal that is not of unit length. Warns "degenerate-normals".

@@ -110,6 +110,19 @@ void refuse_to_write(const GltfOptions& options, const std::string& what, std::i
   throw Error(ErrorCode::InvalidArgument, options.name + ": " + what, element);
 }
 
+void require_fields(std::int64_t row_count, const GltfOptions& options) {
+  for (const NamedField& field : options.fields) {
+    if (field.values.size() != static_cast<std::size_t>(row_count))
+      refuse_to_write(options, std::to_string(field.values.size()) + " values of " + field.name +
+                                   " for " + std::to_string(row_count) + " positions");
+    const std::size_t wild = first_where(
+        field.values.size(), [&](std::size_t i) { return !std::isfinite(field.values[i]); });
+    if (wild < field.values.size())
+      refuse_to_write(options, field.name + " of vertex " + std::to_string(wild) + " is not finite",
+                      static_cast<std::int64_t>(wild));
+  }
+}
+
 void require_writable(const SurfaceMesh& surface, const GltfOptions& options) {
   if (surface.normals.size() != surface.positions.size()) {
     refuse_to_write(options, std::to_string(surface.normals.size()) + " normals for " +

@@ -47,7 +47,7 @@ json node_of(const GltfOptions& options) {
 
 // Attributes of all primitives in the order of their buffer views and accessors.
 struct Attribute {
-  const char* name;
+  std::string name;
   const char* type;
   std::uint64_t bytes;  // of a vertex
 };
@@ -56,6 +56,7 @@ std::vector<Attribute> attributes_of(const GltfLayout& layout) {
   std::vector<Attribute> attributes{{"POSITION", "VEC3", 12}, {"NORMAL", "VEC3", 12}};
   if (layout.has_uvs) attributes.push_back({"TEXCOORD_0", "VEC2", 8});
   if (layout.has_colors) attributes.push_back({"COLOR_0", "VEC4", 16});
+  for (const std::string& field : layout.fields) attributes.push_back({field, "SCALAR", 4});
   return attributes;
 }
 

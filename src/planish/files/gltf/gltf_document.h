@@ -17,13 +17,15 @@ struct GltfPrimitive {
 };
 
 /// Where the parts of a file's binary buffer lie, in bytes: POSITION (float32 x 3), NORMAL
-/// (float32 x 3), TEXCOORD_0 (float32 x 2) and COLOR_0 (float32 x 4) where there are any, then the
-/// triangle indices of each primitive. Every part starts on a multiple of 4.
+/// (float32 x 3), TEXCOORD_0 (float32 x 2) and COLOR_0 (float32 x 4) where there are any, fields
+/// (float32 each), then the triangle indices of each primitive. Every part starts on a multiple
+/// of 4.
 struct GltfLayout {
   std::uint64_t vertex_count = 0, triangle_count = 0;
   std::uint32_t index_size = 4;       ///< 2 up to kMaxShortIndexVertices, else 4
   std::uint64_t attribute_bytes = 0;  ///< of POSITION, and again of NORMAL
   bool has_uvs = false, has_colors = false;
+  std::vector<std::string> fields;  ///< attributes behind those, by name
   std::vector<GltfPrimitive> primitives;
   std::uint64_t buffer_bytes = 0;  ///< of all, padded to a multiple of 4
 
@@ -42,7 +44,7 @@ inline constexpr std::uint64_t kGlbHeaderBytes = 12, kGlbChunkHeaderBytes = 8;
 
 /// Without texture coordinates, colours and groups.
 [[nodiscard]] GltfLayout gltf_layout(std::uint64_t vertex_count, std::uint64_t triangle_count);
-/// Gives a layout of vertex_count, has_uvs, has_colors and primitives its sizes.
+/// Gives a layout of vertex_count, has_uvs, has_colors, fields and primitives its sizes.
 void set_sizes(GltfLayout& layout);
 
 /// Bytes of the GLB of a JSON text (before padding) and a buffer.

@@ -45,7 +45,8 @@ struct Glb {
       : surface(from),
         options(with),
         vertices(gltf_vertices(from)),
-        layout(gltf_layout(from, vertices)) {
+        layout(gltf_layout(from, vertices, with)) {
+    require_fields(surface.info().row_count, options);
     // Before the work: it may not fit.
     (void)glb_byte_count(0, layout.buffer_bytes, options.name);
     json = gltf_json(layout, gltf_bounds(surface, options), options, {});
@@ -86,7 +87,7 @@ void write_glb(const std::filesystem::path& path, const Glb& glb) {
 std::uint64_t write_pair(const std::filesystem::path& path, const SurfaceBlocks& surface,
                          const GltfVertices& vertices, const GltfOptions& options) {
   const std::filesystem::path buffer_path = std::filesystem::path(path).replace_extension(".bin");
-  const GltfLayout layout = gltf_layout(surface, vertices);
+  const GltfLayout layout = gltf_layout(surface, vertices, options);
   const std::string json = gltf_json(layout, gltf_bounds(surface, options), options,
                                      encode_uri(buffer_path.filename().string()));
   warn_if_large(layout.buffer_bytes, options);
@@ -127,8 +128,9 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
     write_glb(path, glb);
     return {glb.byte_count, glb.layout.vertex_count, glb.layout.triangle_count};
   }
+  require_fields(surface.info().row_count, options);
   const GltfVertices vertices = gltf_vertices(surface);
-  const GltfLayout layout = gltf_layout(surface, vertices);
+  const GltfLayout layout = gltf_layout(surface, vertices, options);
   return {write_pair(path, surface, vertices, options), layout.vertex_count, layout.triangle_count};
 }
 

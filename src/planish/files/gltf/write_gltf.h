@@ -13,6 +13,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_mesh.h"
+#include "planish/surface/vertex_fields.h"
 
 namespace planish {
 
@@ -24,6 +25,9 @@ struct GltfOptions {
   glm::dvec3 origin{0.0};
   /// asset.extras, in key order on output.
   std::vector<std::pair<std::string, std::variant<bool, std::int64_t, double, std::string>>> extras;
+  /// Further figures of the vertices: "mean_curvature" becomes the attribute _MEAN_CURVATURE. One
+  /// value for each position of the surface; they must outlive the call.
+  std::vector<NamedField> fields;
   /// Gets all bytes of the .glb, or of the .gltf's document, in order while they are written: for a
   /// digest.
   std::function<void(std::span<const std::byte>)> observe;
@@ -43,8 +47,9 @@ struct GltfFile {
 /// with the material's name; the group's stands in the primitive's extras. Texture coordinates
 /// become TEXCOORD_0 (v turned over), vertices on their seams get copies behind the others;
 /// colours become COLOR_0. The same surface and options give the same bytes.
+/// Fields are float32 scalars behind them.
 /// Throws Error{InvalidArgument}: from 4 GiB on, naming .gltf as the way out; a surface without
-/// faces; a number that float32 cannot hold, a normal that is not of unit length, a face that
+/// faces; a field of another length; a number that float32 cannot hold, a normal that is not of unit length, a face that
 /// names no vertex, texture coordinate or group, with its index as element.
 [[nodiscard]] std::vector<std::byte> encode_glb(const SurfaceMesh& surface,
                                                 const GltfOptions& options);

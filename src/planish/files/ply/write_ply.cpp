@@ -20,6 +20,8 @@ void write_ply(FileBuffer& out, const PolygonView& view) {
   if (!view.colors.empty())
     out.text(
         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n");
+  for (const NamedField& field : view.fields)
+    out.text("property float ").text(field.name).text("\n");
   out.text("element face ").number(view.face_count());
   out.text(short_counts ? "\nproperty list uchar" : "\nproperty list int");
   out.text(" int vertex_indices\nend_header\n");
@@ -35,6 +37,7 @@ void write_ply(FileBuffer& out, const PolygonView& view) {
       for (int k = 0; k < 4; ++k)
         out.binary(static_cast<std::uint8_t>(std::lround(255 * encoded[k])));
     }
+    for (const NamedField& field : view.fields) out.binary(field.values[i]);
   }
   for (std::size_t face = 0; face < view.face_count(); ++face) {
     const auto corners = view.face(face);
