@@ -9,6 +9,8 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/stop.h"
+#include "planish/core/visible_text.h"
 
 namespace planish {
 
@@ -44,10 +46,11 @@ OutputFile::~OutputFile() {
 
 void OutputFile::fail(std::string_view action) {
   throw Error(ErrorCode::UnwritableOutput,
-              path_.string() + ": cannot " + std::string(action) + ": " + std::strerror(errno));
+              visible(path_) + ": cannot " + std::string(action) + ": " + std::strerror(errno));
 }
 
 void OutputFile::write(std::span<const std::byte> bytes) {
+  check_stop();
   if (bytes.empty()) return;
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("write");
 }

@@ -1,6 +1,7 @@
 #include "planish/files/mesh_file.h"
 
 #include "planish/core/error.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
 #include "planish/files/write_polygons.h"
 
@@ -23,13 +24,14 @@ MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, File
 MeshFile read_mesh(const std::filesystem::path& path, std::optional<FileFormat> format) {
   if (!format) format = format_of(path);
   if (!format) {
-    throw Error(ErrorCode::InvalidArgument, path.string() + ": the extension \"" +
-                                                path.extension().string() +
+    throw Error(ErrorCode::InvalidArgument, visible(path) + ": the extension \"" +
+                                                visible(path.extension()) +
                                                 "\" names no format of meshes that is read (" +
                                                 names_of(FormatUse::ReadMesh) + ")");
   }
   const RawVector<std::byte> bytes = read_file(path);
-  return read_mesh(FileBytes{.bytes = bytes, .name = path.native(), .path = path}, *format);
+  const std::string name = visible(path);
+  return read_mesh(FileBytes{.bytes = bytes, .name = name, .path = path}, *format);
 }
 
 void write_mesh(const std::filesystem::path& path, FileFormat format, const PolygonMesh& mesh,

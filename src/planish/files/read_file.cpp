@@ -12,12 +12,14 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/stop.h"
+#include "planish/core/visible_text.h"
 
 namespace planish {
 namespace {
 
 [[noreturn]] void fail_to_read(const std::filesystem::path& path, int error) {
-  throw Error(ErrorCode::UnreadableInput, path.string() + ": cannot read: " + std::strerror(error));
+  throw Error(ErrorCode::UnreadableInput, visible(path) + ": cannot read: " + std::strerror(error));
 }
 
 struct Descriptor {
@@ -74,6 +76,7 @@ RawVector<std::byte> read_file(const std::filesystem::path& path) {
   RawVector<std::byte> bytes(size + kPiece);
   std::size_t used = read_pieces(file.number, std::span(bytes).first(size));
   for (;;) {
+    check_stop();
     if (used == bytes.size()) bytes.resize(2 * bytes.size());
     const ssize_t got = read_at(file.number, std::span(bytes).subspan(used), used, size > 0);
     if (got < 0) fail_to_read(path, errno);

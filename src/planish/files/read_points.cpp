@@ -1,6 +1,7 @@
 #include "planish/files/read_points.h"
 
 #include "planish/core/error.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
 
 namespace planish {
@@ -19,11 +20,11 @@ PointCloud read_points(std::span<const std::byte> bytes, std::string_view name, 
 PointCloud read_points(const std::filesystem::path& path) {
   const auto format = format_of(path);
   if (!format || !serves(*format, FormatUse::ReadPoints)) {
-    throw Error(ErrorCode::InvalidArgument, path.string() +
+    throw Error(ErrorCode::InvalidArgument, visible(path) +
                                                 ": the extension names no format of points (" +
                                                 names_of(FormatUse::ReadPoints) + ")");
   }
-  return read_points(read_file(path), path.native(), *format);
+  return read_points(read_file(path), visible(path), *format);
 }
 
 }  // namespace planish

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "planish/core/error.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/shared/file_buffer.h"
 
 namespace planish {
@@ -39,10 +40,10 @@ void require_writable(const std::string& name, const PolygonView& view) {
 void write_polygons(const std::filesystem::path& path, FileFormat format, const PolygonView& view) {
   const FormatInfo& info = info_of(format);
   if (!info.write_polygons)
-    throw Error(ErrorCode::InvalidArgument, path.string() + ": polygons are written as " +
+    throw Error(ErrorCode::InvalidArgument, visible(path) + ": polygons are written as " +
                                                 extensions_in_words(FormatUse::WriteCage) +
                                                 ", not as ." + std::string(info.name));
-  require_writable(path.string(), view);
+  require_writable(visible(path), view);
   OutputFile file(path);
   FileBuffer out(file);
   info.write_polygons(out, view);

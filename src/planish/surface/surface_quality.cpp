@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "planish/core/stop.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/surface/level_faces.h"
@@ -64,7 +65,9 @@ SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal
                                std::span<const std::uint8_t> is_beside_folds) {
   SurfaceQuality quality;
   double whole = 0, sum_of_squares = 0;
+  StopCheck stop;
   for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+    stop.step();
     const auto vertices = surface.face(f);
     const double share = glm::length(area_vector(surface.positions, vertices)) /
                          static_cast<double>(vertices.size());

@@ -9,6 +9,7 @@
 
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_checks.h"
 #include "planish/files/gltf/gltf_document.h"
@@ -121,7 +122,7 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension != ".glb" && extension != ".gltf") {
     throw Error(ErrorCode::InvalidArgument,
-                path.string() + ": extension is neither .glb nor .gltf");
+                visible(path) + ": extension is neither .glb nor .gltf");
   }
   if (extension == ".glb") {
     const Glb glb(surface, options);

@@ -80,6 +80,7 @@ std::size_t TextLines::start_of_line(std::size_t from) const {
 
 bool TextLines::next() {
   if (position_ >= text_.size()) return false;
+  stop_.step();
   number_ = next_number_;
   const std::size_t begin = position_;
   std::size_t end = end_of_line(begin);

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "planish/core/stop.h"
+
 namespace planish {
 
 /// Words of a line, separated by blanks; a word that begins with `#` ends the line. A backslash
@@ -73,6 +75,7 @@ class TextLines {
   std::size_t position_ = 0;
   std::int64_t number_ = 0;
   std::int64_t next_number_ = 1;
+  StopCheck stop_;
 };
 
 }  // namespace planish

@@ -1,0 +1,32 @@
+#include "planish/core/stop.h"
+
+#include "planish/core/error.h"
+
+namespace planish {
+namespace {
+
+thread_local const StopScope* in_force = nullptr;
+
+}  // namespace
+
+StopScope::StopScope(const StopFlag& flag) : flag_(flag), outer_(in_force) { in_force = this; }
+
+StopScope::~StopScope() { in_force = outer_; }
+
+bool stop_requested() {
+  for (const StopScope* scope = in_force; scope != nullptr; scope = scope->outer_)
+    if (scope->flag_.load(std::memory_order_relaxed)) return true;
+  return false;
+}
+
+void check_stop() {
+  if (stop_requested()) throw Error(ErrorCode::Cancelled, "cancelled");
+}
+
+const StopScope* AdoptedStop::current() { return in_force; }
+
+AdoptedStop::AdoptedStop(const StopScope* scope) : own_(in_force) { in_force = scope; }
+
+AdoptedStop::~AdoptedStop() { in_force = own_; }
+
+}  // namespace planish

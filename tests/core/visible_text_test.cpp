@@ -1,0 +1,42 @@
+#include "planish/core/visible_text.h"
+
+#include <gtest/gtest.h>
+
+namespace planish {
+namespace {
+
+TEST(VisibleText, LeavesLettersOfAllTonguesAlone) {
+  for (const char* text : {"goblet.obj", "K\xC3\xA4se \xF0\x9F\xA7\x80.obj", "a\\b 'c' \"d\"", ""})
+    EXPECT_EQ(visible(std::string_view(text)), text);
+}
+
+TEST(VisibleText, ShowsWhatATerminalWouldObey) {
+  EXPECT_EQ(visible(std::string_view("\x1b[31mred")), "\\x1b[31mred");
+  EXPECT_EQ(visible(std::string_view("a\nb\rc\td\x7F")), "a\\nb\\rc\\td\\x7f");
+  EXPECT_EQ(visible(std::string_view("\xC2\x9B"
+                                     "31m")),
+            "\\u009b31m");  // the 8-bit CSI
+}
+
+TEST(VisibleText, ShowsWhatTurnsOrHidesLetters) {
+  EXPECT_EQ(visible(std::string_view("a\xE2\x80\xAE"
+                                     "b")),
+            "a\\u202eb");  // right-to-left override
+  EXPECT_EQ(visible(std::string_view("a\xE2\x80\x8B"
+                                     "b")),
+            "a\\u200bb");  // no width
+  EXPECT_EQ(visible(std::string_view("\xEF\xBB\xBF")), "\\ufeff");
+  EXPECT_EQ(visible(std::string_view("\xE2\x80\x93")), "\xE2\x80\x93");  // a dash stays
+}
+
+TEST(VisibleText, ShowsBytesThatAreNoUtf8) {
+  EXPECT_EQ(visible(std::string_view("\xFFz")), "\\xffz");
+  EXPECT_EQ(visible(std::string_view("\xC3")), "\\xc3");
+}
+
+TEST(VisibleText, LinesStayWhereSeveralAreMeant) {
+  EXPECT_EQ(visible_lines("a\n  b\x1b\n"), "a\n  b\\x1b\n");
+}
+
+}  // namespace
+}  // namespace planish
