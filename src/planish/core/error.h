@@ -11,7 +11,7 @@ enum class ErrorCode {
   InvalidArgument,   ///< an option or argument is out of range or contradicts another
   UnreadableInput,   ///< a file is missing, malformed or shorter than it says
   UnusableMesh,      ///< the mesh was read but no surface can be made of it
-  NoDevice,          ///< no device fits the request
+  NoDevice,          ///< no device fits the request, or a program that does is missing
   DeviceLost,        ///< the device stopped answering
   OutOfMemory,       ///< host or device memory does not suffice; thrown before it is taken
   UnwritableOutput,  ///< a file could not be written; the old one is untouched

@@ -103,6 +103,8 @@ std::optional<FileFormat> format_of(const std::filesystem::path& path) {
 bool serves(FileFormat format, FormatUse use) {
   const FormatInfo& info = info_of(format);
   switch (use) {
+    case FormatUse::Read:
+      return info.read_mesh || info.read_points;
     case FormatUse::ReadMesh:
       return info.read_mesh;
     case FormatUse::ReadPoints:

@@ -51,7 +51,7 @@ struct FormatInfo {
 [[nodiscard]] std::optional<FileFormat> format_of(const std::filesystem::path& path);
 
 /// What a format may be wanted for.
-enum class FormatUse : std::uint8_t { ReadMesh, ReadPoints, WriteSurface, WriteCage };
+enum class FormatUse : std::uint8_t { Read, ReadMesh, ReadPoints, WriteSurface, WriteCage };
 [[nodiscard]] bool serves(FileFormat format, FormatUse use);
 /// Points only: what a mesh is not read from.
 [[nodiscard]] bool holds_points_only(FileFormat format);

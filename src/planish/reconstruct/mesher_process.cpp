@@ -72,7 +72,7 @@ class Child {
 
  private:
   [[noreturn]] void fail_to_start(int reason) const {
-    throw Error(ErrorCode::InvalidArgument, program_ + ": cannot start: " + std::strerror(reason));
+    throw Error(ErrorCode::NoDevice, program_ + ": cannot start: " + std::strerror(reason));
   }
 
   std::string program_;

@@ -13,7 +13,8 @@ namespace planish {
 
 /// A mesher that starts `program` for each cloud and talks with it through a socket. The program
 /// ends with the call, whether it returns or throws. Besides the program's own errors it throws
-/// Error{InvalidArgument} when the program cannot be started or answers what no mesher does,
+/// Error{NoDevice} when the program cannot be started, Error{InvalidArgument} when it answers what
+/// no mesher does,
 /// Error{OutOfMemory} when it was killed, Error{Cancelled}.
 [[nodiscard]] Mesher mesher_process(std::filesystem::path program);
 

@@ -51,7 +51,13 @@ GltfFileParts split_glb(std::span<const std::byte> bytes, std::string_view name)
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorCode::UnreadableInput, std::string(name) + ": " + what);
   };
-  if (!text_of(bytes).starts_with("glTF")) return {.json = text_of(bytes), .chunk = {}};
+  if (!text_of(bytes).starts_with("glTF")) {
+    // After blanks, or a byte order mark.
+    const std::size_t first = text_of(bytes).find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+    if (first == std::string_view::npos || text_of(bytes)[first] != '{')
+      fail("is no glTF: it starts neither with glTF nor with {");
+    return {.json = text_of(bytes), .chunk = {}};
+  }
   if (bytes.size() < kHeader + kChunkHeader)
     fail("a GLB begins with 20 bytes, but the file has " + std::to_string(bytes.size()));
   const auto version = load<std::uint32_t>(bytes.subspan(4));

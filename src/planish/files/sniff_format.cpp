@@ -1,0 +1,93 @@
+#include "planish/files/sniff_format.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include "planish/core/number_text.h"
+
+namespace planish {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n\f\v";
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
+}
+
+std::string_view first_word(std::string_view line) {
+  return line.substr(0, line.find_first_of(kBlanks));
+}
+
+// The first line that is neither empty nor a comment; a PCD says what it is in its comment.
+std::string_view first_line(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = trimmed(text.substr(0, end));
+    if (line.starts_with("# .PCD")) return line;
+    if (!line.empty() && line.front() != '#') return line;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return {};
+}
+
+bool is_binary_stl(std::span<const std::byte> bytes) {
+  constexpr std::size_t kHead = 84, kTriangle = 50;
+  if (bytes.size() < kHead) return false;
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + kHead - sizeof count, sizeof count);
+  return count > 0 && bytes.size() == kHead + kTriangle * count;
+}
+
+// OFF and its kin: COFF, NOFF, STOFF, 4OFF...
+bool is_off_word(std::string_view word) { return word.size() <= 8 && word.ends_with("OFF"); }
+
+bool is_obj_word(std::string_view word) {
+  constexpr std::array<std::string_view, 15> kWords{
+      "v", "vt", "vn", "vp", "f", "o", "g", "s", "t", "l", "p", "h", "mtllib", "usemtl", "mg"};
+  return std::ranges::find(kWords, word) != kWords.end();
+}
+
+// A count alone begins a PTS, at least three numbers in a line are a point.
+std::optional<FileFormat> numbers_format(std::string_view line) {
+  std::size_t count = 0;
+  std::int64_t integer = 0;
+  double number = 0;
+  const bool is_count = parse_integer(first_word(line), integer);
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find_first_of(" \t,;"), line.size());
+    if (!parse_number(line.substr(0, end), number)) return std::nullopt;
+    ++count;
+    line.remove_prefix(end);
+    line.remove_prefix(std::min(line.find_first_not_of(" \t,;"), line.size()));
+  }
+  if (count == 1 && is_count) return FileFormat::Pts;
+  return count >= 3 ? std::optional(FileFormat::Xyz) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<FileFormat> sniff_format(std::span<const std::byte> bytes) {
+  constexpr std::size_t kLooked = 1 << 16;
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()),
+                        std::min(bytes.size(), kLooked));
+  if (text.starts_with("glTF")) return FileFormat::Glb;
+  if (is_binary_stl(bytes)) return FileFormat::Stl;
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const std::string_view line = first_line(text);
+  if (line.empty()) return std::nullopt;
+  const std::string_view word = first_word(line);
+  if (word == "ply") return FileFormat::Ply;
+  if (line.starts_with("# .PCD") || word == "VERSION" || word == "FIELDS") return FileFormat::Pcd;
+  if (word == "solid") return FileFormat::Stl;
+  if (line.front() == '{') return FileFormat::Gltf;
+  if (is_off_word(word)) return FileFormat::Off;
+  if (is_obj_word(word)) return FileFormat::Obj;
+  return numbers_format(line);
+}
+
+}  // namespace planish

@@ -1,0 +1,49 @@
+#include "planish/files/sniff_format.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace planish {
+namespace {
+
+std::optional<FileFormat> sniff(const std::string& content) {
+  return sniff_format(std::as_bytes(std::span(content)));
+}
+
+TEST(SniffFormat, KnowsEveryFormatByItsFirstLines) {
+  const std::vector<std::pair<std::string, FileFormat>> files{
+      {"glTF\x02", FileFormat::Glb},
+      {" \n{\"asset\":{}}", FileFormat::Gltf},
+      {"# made by hand\n\nv 0 0 0\n", FileFormat::Obj},
+      {"mtllib a.mtl\r\nv 0 0 0\r\n", FileFormat::Obj},
+      {"ply\r\nformat ascii 1.0\r\n", FileFormat::Ply},
+      {"OFF\n3 1 0\n", FileFormat::Off},
+      {"COFF 3 1 0\n", FileFormat::Off},
+      {"solid part\n facet normal", FileFormat::Stl},
+      {"# .PCD v0.7 - Point Cloud Data\nVERSION 0.7\n", FileFormat::Pcd},
+      {"1204\n0 0 0 1 2 3\n", FileFormat::Pts},
+      {"# x y z\n0.5 -1e3 2\n", FileFormat::Xyz},
+      {"0.5,1,2,255\n", FileFormat::Xyz}};
+  for (const auto& [content, format] : files) EXPECT_EQ(sniff(content), format) << content;
+}
+
+TEST(SniffFormat, KnowsABinaryStlByItsSize) {
+  std::string content(84 + 2 * 50, '\0');
+  content.replace(0, 5, "solid");  // as some programs write into binary files
+  content[80] = 2;
+  EXPECT_EQ(sniff(content), FileFormat::Stl);
+  content[80] = 3;
+  content.replace(0, 5, "\0\0\0\0\0", 5);
+  EXPECT_EQ(sniff(content), std::nullopt);
+}
+
+TEST(SniffFormat, SaysNothingOfWhatItDoesNotKnow) {
+  for (const char* content : {"", "\n\n", "# only a comment\n", "hello world\n", "1 2\n", "PK\x03"})
+    EXPECT_EQ(sniff(content), std::nullopt) << content;
+}
+
+}  // namespace
+}  // namespace planish
