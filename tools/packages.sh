@@ -8,7 +8,7 @@ run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf
 # To build and run the tests and benchmarks: reference implementations, a software Vulkan device
 # and its validation layers.
 test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev libmeshoptimizer-dev libegl-dev
-  libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers xvfb python3"
+  libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers xvfb python3 zsh fish man-db bsdextrautils"
 
 # To test pages in a browser: 64 MB to fetch, so only where the test must not be skipped.
 browser_packages="chromium-headless-shell"

@@ -70,6 +70,15 @@ TEST(Devices, AreNamedByIndexUuidNameOrPartOfIt) {
   EXPECT_EQ(choose(list, "cpu"), 2u);
 }
 
+TEST(Devices, AutoAsksNoDriverForWhatOnlyTheCpuDoes) {
+  Settings settings;
+  settings.tolerance = 1e-12;
+  EXPECT_EQ(scope_of(settings), DeviceScope::CpuOnly);
+  EXPECT_EQ(scope_of(for_device("cpu")), DeviceScope::CpuOnly);
+  EXPECT_EQ(scope_of(for_device("vulkan")), DeviceScope::All);
+  EXPECT_EQ(scope_of(for_device("0")), DeviceScope::All);
+}
+
 TEST(Devices, WhatCannotBeChosenSaysWhy) {
   DeviceList list = list_of({"software", "gpu"});
   const auto message_of = [&](const Settings& settings, ErrorCode code) -> std::string {
@@ -122,18 +131,49 @@ TEST(DevicesCommand, ListsTheCpuAndWhatAutoTakes) {
   EXPECT_TRUE(found);
 }
 
-TEST(DevicesCommand, AnUnknownDeviceExitsSix) {
-  const ProcessResult result = run_planish({"fit", "a.obj", "-o", "b.glb", "--device", "Voodoo 2"});
+class FitDevice : public test::FolderTest {
+ protected:
+  std::string cube_ = write("cube.obj", test::cube_obj());
+};
+
+TEST_F(FitDevice, AnUnknownDeviceExitsSix) {
+  const ProcessResult result =
+      run_planish({"fit", cube_, "-o", path("b.glb"), "--device", "Voodoo 2"});
   EXPECT_EQ(result.exit_code, 6);
   EXPECT_THAT(result.err, HasSubstr("--device Voodoo 2 names none of the devices"));
 }
 
-TEST(DevicesCommand, WithoutADriverVulkanExitsSixWithTheReason) {
+TEST_F(FitDevice, ANumberIsAnIndexAndNoPartOfAName) {
+  const ProcessResult result = run_planish({"fit", cube_, "-o", path("b.glb"), "--device", "5"});
+  EXPECT_EQ(result.exit_code, 6);
+  EXPECT_THAT(result.err, HasSubstr("--device 5: there "));
+  EXPECT_THAT(result.err, HasSubstr("cpu"));
+  EXPECT_FALSE(exists("b.glb"));
+}
+
+// What ld.so says that the command loaded.
+std::string loaded_by(const std::vector<std::string>& arguments) {
+  test::PlanishProcess::Options options;
+  options.environment = {"LD_DEBUG=files"};
+  return run_planish(arguments, options).err;
+}
+
+TEST_F(FitDevice, NoDriverIsLoadedWhereNoneIsAskedFor) {
+  using testing::Not;
+  ASSERT_THAT(loaded_by({"inspect", cube_}), HasSubstr("libtbb"));  // the means work
+  EXPECT_THAT(loaded_by({"inspect", cube_}), Not(HasSubstr("libvulkan")));
+  EXPECT_THAT(loaded_by({"fit", "none.obj", "-o", path("b.glb")}), Not(HasSubstr("libvulkan")));
+  EXPECT_THAT(loaded_by({"fit", cube_, "-o", path("b.glb"), "--device", "cpu"}),
+              Not(HasSubstr("libvulkan")));
+  EXPECT_THAT(loaded_by({"--help"}), Not(HasSubstr("libvulkan")));
+}
+
+TEST_F(FitDevice, WithoutADriverVulkanExitsSixWithTheReason) {
   // The loader finds its drivers through this variable; an empty list leaves none.
   test::PlanishProcess::Options options;
   options.environment = {"VK_ICD_FILENAMES=/nonexistent.json", "VK_DRIVER_FILES=/nonexistent.json"};
   const ProcessResult result =
-      run_planish({"fit", "a.obj", "-o", "b.glb", "--device", "vulkan"}, options);
+      run_planish({"fit", cube_, "-o", path("b.glb"), "--device", "vulkan"}, options);
   EXPECT_EQ(result.exit_code, 6);
   EXPECT_THAT(result.err, HasSubstr("--device vulkan: "));
 }

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include <chrono>
+
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "planish/core/error.h"
@@ -14,16 +16,21 @@ using testing::HasSubstr;
 
 class Interrupt : public FolderTest {
  protected:
-  // Stops a fit that has seconds of work before it and is known to be at it.
-  ProcessResult stop_by(int signal) {
+  // Stops a fit that has seconds of work before it and is known to be at the step.
+  ProcessResult stop_by(int signal, const std::string& step = "stencils") {
     const std::string input = write("torus.obj", torus_obj(150));
     PlanishProcess process({"fit", input, "-o", path("a.obj"), "--cage", path("c.obj"), "--report",
                             path("r.json"), "--levels", "4", "--progress", "json"},
                            {});
-    EXPECT_TRUE(process.wait_for_message("\"stencils\""));
+    EXPECT_TRUE(process.wait_for_message("\"" + step + "\""));
+    const auto signalled = std::chrono::steady_clock::now();
     ::kill(process.id(), signal);
-    return process.finish();
+    ProcessResult result = process.finish();
+    took_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - signalled).count();
+    return result;
   }
+
+  double took_ = 0;  ///< seconds from the signal to the end
 };
 
 TEST_F(Interrupt, SigintExits130AndLeavesNothingBehind) {
@@ -36,6 +43,16 @@ TEST_F(Interrupt, SigintExits130AndLeavesNothingBehind) {
 TEST_F(Interrupt, SigtermExits143AndLeavesNothingBehind) {
   EXPECT_EQ(stop_by(SIGTERM).exit_code, 143);
   EXPECT_THAT(names(), ElementsAre("torus.obj"));
+}
+
+TEST_F(Interrupt, EndsSoonWhereverTheWorkIs) {
+  for (const char* step : {"read", "stencils", "solve", "evaluate", "measure", "write"}) {
+    const ProcessResult result = stop_by(SIGINT, step);
+    EXPECT_EQ(result.exit_code, 130) << step;
+    // 0.2 s, and room for a machine that does other things as well.
+    EXPECT_LT(took_, 1.0) << step;
+    EXPECT_THAT(names(), ElementsAre("torus.obj")) << step;
+  }
 }
 
 TEST(ExitCodes, FollowTheKindOfError) {

@@ -28,7 +28,7 @@ class OutputPaths : public FolderTest {
 
 TEST_F(OutputPaths, AnExistingOutputNeedsForce) {
   write("cube.glb", "precious");
-  expect_refused({"-o", path("cube.glb")}, 2, "exists; --force overwrites it");
+  expect_refused({"-o", path("cube.glb")}, 7, "exists; --force overwrites it");
   EXPECT_EQ(read("cube.glb"), "precious");
   EXPECT_EQ(run_planish({"fit", cube_, "-o", path("cube.glb"), "--force"}).exit_code, 0);
   EXPECT_EQ(read("cube.glb").substr(0, 4), "glTF");
@@ -55,7 +55,7 @@ TEST_F(OutputPaths, NothingIsWrittenTwice) {
 
 TEST_F(OutputPaths, TheCompanionOfAGltfCounts) {
   write("a.bin", "precious");
-  expect_refused({"-o", path("a.gltf")}, 2, "a.bin exists");
+  expect_refused({"-o", path("a.gltf")}, 7, "a.bin exists");
 }
 
 TEST_F(OutputPaths, UnknownExtensionsAreRefused) {
@@ -65,8 +65,15 @@ TEST_F(OutputPaths, UnknownExtensionsAreRefused) {
   expect_refused({"-o", path("noextension")}, 2, "a surface is written as");
 }
 
-TEST_F(OutputPaths, AMissingFolderIsNamed) {
+TEST_F(OutputPaths, WhatTheDiskRefusesIsAnOutputErrorWhateverItIs) {
   expect_refused({"-o", path("missing/a.glb")}, 7, "there is no folder");
+  std::filesystem::create_directory(path("folder.json"));
+  expect_refused({"-o", path("a.glb"), "--report", path("folder.json")}, 7, "is a folder");
+}
+
+TEST_F(OutputPaths, FormatsOfOthersAreToldHowToGetThere) {
+  expect_refused({"-o", path("a.stl")}, 2, "from a .glb \"assimp export ");
+  expect_refused({"-o", path("a.usdz")}, 2, "Blender converts it");
 }
 
 TEST_F(OutputPaths, AFolderThatTakesNoFilesIsAnOutputError) {

@@ -24,6 +24,15 @@ int memory_file(std::string_view content) {
   return file;
 }
 
+// Our side of a new terminal, and the name of the other.
+int open_terminal(std::string& name) {
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0)
+    throw std::runtime_error("no terminal");
+  name = ::ptsname(terminal);
+  return terminal;
+}
+
 // The writing end of a pipe without a reader.
 int broken_pipe() {
   std::array<int, 2> ends{};
@@ -48,8 +57,18 @@ PlanishProcess::PlanishProcess(const std::vector<std::string>& arguments, const 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, in_, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, out_, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, err_, STDERR_FILENO);
+  std::string terminal;
+  if (options.terminal) {
+    terminal_ = open_terminal(terminal);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, terminal.c_str(), O_RDWR | O_NOCTTY,
+                                     0);
+    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  } else {
+    posix_spawn_file_actions_adddup2(&actions, out_, STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, err_, STDERR_FILENO);
+  }
+  if (!options.folder.empty())
+    posix_spawn_file_actions_addchdir_np(&actions, options.folder.c_str());
   std::vector<std::string> texts{PLANISH_EXECUTABLE};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = options.environment;
@@ -71,6 +90,7 @@ PlanishProcess::~PlanishProcess() {
     reap(true);
   }
   for (const int file : {in_, out_, err_}) ::close(file);
+  if (terminal_ >= 0) ::close(terminal_);
 }
 
 bool PlanishProcess::reap(bool wait) {
@@ -98,11 +118,23 @@ bool PlanishProcess::wait_for_message(std::string_view text) {
   }
 }
 
+// Until the other side is closed, which reads as an error.
+void PlanishProcess::read_terminal() {
+  std::array<char, 4096> buffer{};
+  for (;;) {
+    const ssize_t count = ::read(terminal_, buffer.data(), buffer.size());
+    if (count <= 0) return;
+    shown_.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+}
+
 ProcessResult PlanishProcess::finish() {
+  if (terminal_ >= 0) read_terminal();
   reap(true);
   ProcessResult result;
   if (WIFEXITED(status_)) result.exit_code = WEXITSTATUS(status_);
-  result.out = read_all(out_);
+  if (WIFSIGNALED(status_)) result.signal = WTERMSIG(status_);
+  result.out = terminal_ >= 0 ? shown_ : read_all(out_);
   result.err = read_all(err_);
   return result;
 }

@@ -11,6 +11,7 @@ namespace planish::test {
 /// What a finished process left.
 struct ProcessResult {
   int exit_code = -1;  ///< -1: killed by a signal
+  int signal = 0;      ///< that killed it
   std::string out, err;
 };
 
@@ -19,9 +20,11 @@ struct ProcessResult {
 class PlanishProcess {
  public:
   struct Options {
-    std::string input;                     ///< on stdin
-    bool closed_stdout = false;            ///< stdout is a pipe that nobody reads
+    std::string input;           ///< on stdin
+    bool closed_stdout = false;  ///< stdout is a pipe that nobody reads
+    bool terminal = false;  ///< stdout and stderr are a terminal; both come as ProcessResult::out
     std::vector<std::string> environment;  ///< "NAME=value", beside PATH
+    std::string folder;                    ///< working folder; empty: this process's
   };
 
   PlanishProcess(const std::vector<std::string>& arguments, const Options& options);
@@ -36,10 +39,13 @@ class PlanishProcess {
 
  private:
   [[nodiscard]] std::string read_all(int file) const;
+  void read_terminal();
   bool reap(bool wait);
 
   pid_t id_ = -1;
   int in_ = -1, out_ = -1, err_ = -1;
+  int terminal_ = -1;  ///< our side of it
+  std::string shown_;  ///< on the terminal
   bool ended_ = false;
   int status_ = 0;
 };

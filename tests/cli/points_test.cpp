@@ -43,11 +43,11 @@ class Points : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(Points, WithoutTheMesherEndInExitTwo) {
+TEST_F(Points, WithoutTheMesherEndInExitSix) {
   const PlanishProcess::Options missing{.environment = {"PLANISH_RECONSTRUCT=/nonexistent"}};
   for (const char* command : {"fit", "reconstruct"}) {
     const auto result = run_planish({command, path("torus.xyz"), "-o", path("m.obj")}, missing);
-    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.exit_code, 6);
     EXPECT_THAT(result.err, HasSubstr("planish-reconstruct"));
     EXPECT_FALSE(fs::exists(path("m.obj")));
   }

@@ -44,7 +44,7 @@ TEST_F(Report, HasTheKeysThatItPromises) {
   EXPECT_THAT(keys_of(report["input"]),
               ElementsAre("path", "sha256", "format", "vertices", "faces", "face_sizes",
                           "boundary_loops", "components", "genus", "sharp_edges", "corners",
-                          "welded", "dropped", "changed_faces"));
+                          "welded", "dropped", "changed_faces", "file_vertices", "file_faces"));
   EXPECT_THAT(keys_of(report["device"]), ElementsAre("kind", "name", "uuid", "driver", "api"));
   EXPECT_THAT(keys_of(report["solve"]),
               ElementsAre("method", "scheme", "weights", "solver", "boundary", "creases", "repair",

@@ -32,9 +32,12 @@ TEST_F(RunCommand, PrintsATableAndWritesBesideTheScene) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(
       result.out,
-      AllOf(ContainsRegex("name +points +vertices +solver +weights +iterations +error +ms\n"),
-            ContainsRegex("\nring +- +144 +chebyshev +doo-sabin +[0-9]+ +[-.0-9e]+ +[.0-9]+\n"),
-            ContainsRegex("\nsheet +- +49 +plain +averaged +[0-9]+ +[-.0-9e]+ +[.0-9]+\n")));
+      AllOf(
+          ContainsRegex(
+              "name +points +vertices +solver +weights +iterations +error +fit ms +all ms\n"),
+          ContainsRegex(
+              "\nring +- +144 +chebyshev +doo-sabin +[0-9]+ +[-.0-9e]+ +[.0-9]+ +[.0-9]+\n"),
+          ContainsRegex("\nsheet +- +49 +plain +averaged +[0-9]+ +[-.0-9e]+ +[.0-9]+ +[.0-9]+\n")));
   EXPECT_TRUE(exists("out/ring_LOD0.glb"));
   EXPECT_TRUE(exists("out/ring_LOD1.glb"));
   EXPECT_EQ(read_json("out/ring.json")["job"], "ring");

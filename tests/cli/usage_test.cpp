@@ -1,5 +1,8 @@
 #include <gmock/gmock.h>
 
+#include <array>
+#include <sstream>
+
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 
@@ -19,32 +22,110 @@ void expect_usage_error(const std::vector<std::string>& arguments, const std::st
   EXPECT_THAT(result.out, IsEmpty());
 }
 
+constexpr std::array kCommands{"fit", "run", "reconstruct", "verify", "inspect", "devices"};
+
 TEST(Usage, HelpGoesToStdoutWithExamples) {
-  const ProcessResult result = run_planish({"--help"});
-  EXPECT_EQ(result.exit_code, 0);
-  for (const char* command : {"fit", "run", "reconstruct", "verify", "inspect", "devices"}) {
-    EXPECT_THAT(result.out, HasSubstr(std::string("\n  ") + command + " "));
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--help"}, {"-h"}, {"help"}}) {
+    const ProcessResult result = run_planish(arguments);
+    EXPECT_EQ(result.exit_code, 0);
+    for (const char* command : kCommands) {
+      EXPECT_THAT(result.out, HasSubstr(std::string("\n  ") + command + " "));
+    }
+    EXPECT_THAT(result.out, HasSubstr("Examples:"));
+    EXPECT_THAT(result.err, IsEmpty());
   }
-  EXPECT_THAT(result.out, HasSubstr("Examples:"));
-  EXPECT_THAT(result.err, IsEmpty());
 }
 
 TEST(Usage, EveryCommandHasHelpWithExamples) {
-  for (const char* command : {"fit", "run", "verify", "inspect", "devices"}) {
+  for (const char* command : kCommands) {
     const ProcessResult result = run_planish({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.out,
                 AllOf(HasSubstr(std::string("Usage: planish ") + command), HasSubstr("Examples:")));
+    EXPECT_EQ(run_planish({"help", command}).out, result.out);
   }
 }
 
-TEST(Usage, VersionIsPrinted) {
-  const ProcessResult result = run_planish({"--version"});
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.out, testing::MatchesRegex("planish [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
 }
 
-TEST(Usage, NothingAtAllIsAnError) { expect_usage_error({}, "--help"); }
+TEST(Usage, ShortHelpIsOneScreenOfEightyColumns) {
+  for (const char* command : {"fit", "run", "verify", "inspect", "devices", "completion"}) {
+    const auto lines = lines_of(run_planish({command, "-h"}).out);
+    EXPECT_LE(lines.size(), 40u) << command;
+    EXPECT_GE(lines.size(), 5u) << command;
+    for (const std::string& line : lines) EXPECT_LE(line.size(), 80u) << line;
+  }
+  EXPECT_LE(lines_of(run_planish({"fit", "-h"}).out).size(), 40u);
+}
+
+TEST(Usage, LongHelpHasEveryFlagByTopicInEightyColumns) {
+  const std::string text = run_planish({"fit", "--help"}).out;
+  for (const char* part : {"\nFiles:\n", "\nSurface:\n", "\nPoints", "\nMessages", "--polish",
+                           "--min-angle", "Exit codes:"})
+    EXPECT_THAT(text, HasSubstr(part));
+  for (const std::string& line : lines_of(text)) EXPECT_LE(line.size(), 80u) << line;
+}
+
+TEST(Usage, VersionTellsCommitAndParts) {
+  const ProcessResult result = run_planish({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out,
+              testing::ContainsRegex("^planish [0-9]+\\.[0-9]+\\.[0-9]+ \\([0-9a-z]+\\)"));
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("OpenSubdiv 3."), HasSubstr("Vulkan"), HasSubstr("CGAL")));
+  for (const char* reflex : {"version", "-V"})
+    EXPECT_EQ(run_planish({reflex}).out, result.out) << reflex;
+}
+
+TEST(Usage, NothingAtAllIsAnsweredWithTheCommandsAndOneExample) {
+  const ProcessResult result = run_planish({});
+  EXPECT_EQ(result.exit_code, 2);
+  for (const char* command : kCommands)
+    EXPECT_THAT(result.err, HasSubstr(std::string("\n  ") + command + " "));
+  EXPECT_THAT(result.err, HasSubstr("planish fit goblet.obj -o goblet.glb"));
+  EXPECT_THAT(result.out, IsEmpty());
+}
+
+TEST(Usage, AFileInThePlaceOfACommandIsAnsweredWithTheLineToType) {
+  expect_usage_error({"dir/goblet.obj"}, "did you mean: planish fit dir/goblet.obj -o goblet.glb");
+  expect_usage_error({"table.json"}, "did you mean: planish run table.json");
+  expect_usage_error({"run", "a.obj"}, "did you mean: planish fit a.obj -o a.glb");
+}
+
+TEST(Usage, AnArgumentMayBeCalledAsACommandIs) {
+  const ProcessResult result = run_planish({"inspect", "fit"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("fit: cannot read: No such file"));
+}
+
+TEST(Usage, AFlagCutShortIsCompleted) {
+  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--tol", "1"}, "did you mean --tolerance?");
+  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "-x"}, "-x is no flag of planish fit");
+}
+
+TEST(Usage, NumbersThatAreNoneSayWhatIsWanted) {
+  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--tolerance", "abc"},
+                     "--tolerance: \"abc\" is no number; a fraction of the bounding-box diagonal");
+  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--creases", "40"},
+                     "--creases: \"40\" is not one of use, ignore, auto:DEGREES; did you mean "
+                     "auto:40?");
+  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--creases", "ignroe"},
+                     "did you mean ignore?");
+  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "-j", "0"}, "--jobs: 0 is out of range");
+  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--color", "sometimes"},
+                     "--color: \"sometimes\" is not one of auto, always, never");
+}
+
+TEST(Usage, ReportsEndInJson) {
+  expect_usage_error({"fit", "a.obj", "--report", "r.html"},
+                     "--report: r.html: a report is JSON, and its name ends in .json");
+}
 
 TEST(Usage, ASlipInACommandNamesTheNearest) {
   expect_usage_error({"fti", "a.obj"}, "\"fti\" is no command; did you mean fit?");
@@ -70,7 +151,7 @@ TEST(Usage, NumbersOutOfRangeAreRefused) {
     return arguments;
   };
   expect_usage_error(with("--tolerance", "0"), "--tolerance: 0 is out of range");
-  expect_usage_error(with("--tolerance", "nan"), "--tolerance: nan is out of range");
+  expect_usage_error(with("--tolerance", "nan"), "--tolerance: \"nan\" is no number");
   expect_usage_error(with("--tolerance", "1,5"), "--tolerance");
   expect_usage_error(with("--max-iterations", "-1"), "--max-iterations: -1 is out of range");
   expect_usage_error(with("--max-iterations", "many"), "--max-iterations");
@@ -121,12 +202,15 @@ TEST(Usage, QuietAndVerboseContradict) {
 
 TEST(Usage, MissingArgumentsPointToTheHelp) {
   expect_usage_error({"fit"}, "planish fit --help");
-  expect_usage_error({"fit", "a.obj"}, "nothing to write");
+  expect_usage_error({"fit", "a.obj"},
+                     "nothing to write; did you mean: planish fit a.obj -o a.glb");
+  expect_usage_error({"fit", "a.obj", "b.glb"}, "b.glb: no such input; did you mean -o b.glb?");
+  expect_usage_error({"fit", "--", "a.obj", "-o", "b.glb"},
+                     "-o stands after --, where flags end; put flags before it");
   expect_usage_error({"verify", "a.obj"}, "planish verify --help");
 }
 
-TEST(Usage, StdinNeedsAFormat) {
-  expect_usage_error({"fit", "-", "-o", "b.glb"}, "--input-format");
+TEST(Usage, TheFormatOfStdinIsAWordThatIsKnown) {
   expect_usage_error({"fit", "-", "--input-format", "objj", "-o", "b.glb"}, "did you mean obj?");
 }
 

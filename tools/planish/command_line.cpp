@@ -1,110 +1,126 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <exception>
+#include <filesystem>
 #include <new>
 
 #include "commands.h"
-#include "options/nearest.h"
+#include "help/help_text.h"
+#include "options/arguments.h"
 #include "planish/core/error.h"
-#include "planish/core/version.h"
-#include "terminal/text.h"
+#include "terminal/faults.h"
+#include "terminal/interrupt.h"
+#include "version_text.h"
 
 namespace planish::command {
 namespace {
 
-constexpr const char* kExamples =
-    "Examples:\n"
-    "  planish fit goblet.obj -o goblet.glb\n"
-    "  planish fit goblet.obj -o goblet.glb --cage cage.obj --report goblet.json\n"
-    "  planish verify cage.obj goblet.obj\n"
-    "  planish fit --help\n";
+const CommandText kText{
+    .examples = {"planish fit goblet.obj -o goblet.glb",
+                 "planish fit goblet.obj -o goblet.glb --cage cage.obj --report goblet.json",
+                 "planish verify cage.obj goblet.obj", "planish inspect scan.ply"},
+    .first_flags = {},
+    .notes =
+        "planish COMMAND --help has all flags of a command, planish COMMAND -h those that come "
+        "first, and \"man planish-fit\" and its like are their manuals."};
 
-Error usage_error(const std::string& message) { return Error(ErrorCode::InvalidArgument, message); }
-
-// Colour and quietness are not known while arguments are still being read.
-void say_error(std::string_view message) {
-  Console(LogLevel::Error, ColorMode::Auto).error(message);
-}
-
-// Names the flag that is not known before anything else is found amiss: "INPUT is required"
-// would hide the slip that moved the input into a flag's place.
-void check_flag_names(const CLI::App& command, const std::vector<std::string>& arguments) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  const std::vector<std::string_view> known(names.begin(), names.end());
-  for (const std::string& argument : arguments) {
-    if (argument == "--") return;
-    if (!argument.starts_with("--")) continue;
-    const std::string name = argument.substr(0, argument.find('='));
-    if (std::ranges::find(known, name) == known.end()) {
-      throw usage_error(plain_utf8(name) + " is no flag of planish " + command.get_name() +
-                        did_you_mean(name, known));
-    }
-  }
-}
-
-void check_names(const CLI::App& app, const std::vector<std::string>& arguments) {
-  const auto first =
-      std::find_if(arguments.begin() + 1, arguments.end(),
-                   [](const std::string& argument) { return !argument.starts_with('-'); });
-  if (first == arguments.end()) return;
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    names.push_back(command->get_name());
-    if (command->get_name() == *first) {
-      if (!command->get_allow_extras()) check_flag_names(*command, {first + 1, arguments.end()});
-      return;
-    }
-  }
-  const std::vector<std::string_view> known(names.begin(), names.end());
-  throw usage_error("\"" + plain_utf8(*first) + "\" is no command" + did_you_mean(*first, known) +
-                    " (planish --help lists them)");
-}
-
-ExitCode parse_and_run(const std::vector<std::string>& arguments) {
-  CLI::App app("planish: smooth surfaces that pass exactly through the vertices of a mesh",
-               "planish");
-  app.set_version_flag("--version", "planish " PLANISH_VERSION);
-  app.get_formatter()->column_width(36);
-  app.footer(kExamples);
-  app.require_subcommand(1);
-  Invocation invocation{arguments, {}};
+void add_commands(CLI::App& app, Invocation& invocation) {
+  app.require_subcommand(0, 1);  // so that a job or file may be called as a command is
+  // In this order: -h belongs to the flag of --help at first.
+  app.set_help_flag("--help", "all help, by topic")->group("Help");
+  app.set_help_all_flag("-h", "help on one screen")->group("Help");
+  invocation.texts[""] = kText;
   add_fit_command(app, invocation);
   add_run_command(app, invocation);
   add_reconstruct_command(app, invocation);
   add_verify_command(app, invocation);
   add_inspect_command(app, invocation);
   add_devices_command(app, invocation);
+  add_help_commands(app, invocation);
+  app.add_flag("-V,--version", invocation.wants_version, "version, commit and parts")
+      ->group("Help");
+}
+
+// The page of the command that the arguments chose, or planish's own.
+HelpPage chosen_page(const CLI::App& app, const Invocation& invocation) {
+  HelpPage all = help_page(app, invocation.texts);
+  const auto chosen = app.get_subcommands();
+  if (chosen.empty()) return all;
+  for (HelpPage& page : all.commands)
+    if (page.name == chosen.front()->get_name()) return page;
+  return all;
+}
+
+ExitCode parse_and_run(const std::vector<std::string>& given) {
+  const std::vector<std::string> arguments = with_reflexes_understood(given);
+  CLI::App app("planish: smooth surfaces that pass exactly through the vertices of a mesh",
+               "planish");
+  Invocation invocation{.arguments = given, .action = {}};
+  add_commands(app, invocation);
+  if (arguments.size() <= 1) {
+    Console(LogLevel::Info, ColorMode::Never)
+        .info(overview(help_page(app, invocation.texts), stdout_columns()));
+    return ExitCode::Usage;
+  }
+  if (arguments[1] == "--version") {
+    write_text(version_text());
+    return ExitCode::Done;
+  }
   check_names(app, arguments);
   std::vector<std::string> reversed(arguments.rbegin(), arguments.rend() - 1);
   try {
     app.parse(reversed);
-  } catch (const CLI::CallForHelp&) {
-    const auto chosen = app.get_subcommands();
-    write_stdout(chosen.empty() ? app.help() : chosen.front()->help("planish"));
+  } catch (const CLI::CallForAllHelp&) {
+    write_text(short_help(chosen_page(app, invocation), stdout_columns()));
     return ExitCode::Done;
-  } catch (const CLI::CallForVersion&) {
-    write_stdout("planish " PLANISH_VERSION "\n");
+  } catch (const CLI::CallForHelp&) {
+    write_text(long_help(chosen_page(app, invocation), stdout_columns()));
     return ExitCode::Done;
   } catch (const CLI::ParseError& error) {
-    const auto chosen = app.get_subcommands();
-    throw usage_error(std::string(error.what()) + "\n  planish " +
-                      (chosen.empty() ? "" : chosen.front()->get_name() + " ") +
-                      "--help shows what is possible");
+    throw parse_fault(app, chosen_page(app, invocation), error);
   }
+  if (!invocation.action)
+    throw parse_fault(app, chosen_page(app, invocation), CLI::RequiredError("COMMAND"));
   return invocation.action();
+}
+
+// As other filters end whose reader has gone: killed by SIGPIPE, without a word.
+[[noreturn]] void end_by_broken_pipe() {
+  std::signal(SIGPIPE, SIG_DFL);
+  std::raise(SIGPIPE);
+  std::_Exit(128 + SIGPIPE);
 }
 
 }  // namespace
 
+HelpPage all_help() {
+  CLI::App app("planish: smooth surfaces that pass exactly through the vertices of a mesh",
+               "planish");
+  Invocation invocation{.arguments = {}, .action = {}};
+  add_commands(app, invocation);
+  return help_page(app, invocation.texts);
+}
+
 ExitCode run_command_line(const std::vector<std::string>& arguments) {
+  const MessageStyle style = early_style(arguments);
+  const auto say_error = [&](std::string_view message) {
+    Console(LogLevel::Error, style.color, style.form).error(message);
+  };
+  const StopScope scope(interrupt_flag());
   try {
-    return parse_and_run(arguments);
+    const ExitCode exit_code = parse_and_run(arguments);
+    claim_end();
+    return exit_code;
+  } catch (const BrokenPipe&) {
+    end_by_broken_pipe();
+  } catch (const FaultList& faults) {
+    for (const std::string& message : faults.messages()) say_error(message);
+    return exit_code_of(faults.code());
   } catch (const Error& error) {
     // Who notices first, the library or the command, makes no difference to the reader.
     const bool cancelled = error.code() == ErrorCode::Cancelled;
+    if (cancelled) claim_end();
     say_error(cancelled ? "interrupted; no partial file is left" : error.what());
     return exit_code_of(error.code());
   } catch (const std::bad_alloc&) {

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 
 #include "planish/core/error.h"
+#include "planish/core/number_text.h"
+#include "planish/core/visible_text.h"
 #if PLANISH_HAS_VULKAN
 #include "planish/vulkan/vulkan_backend.h"
 #endif
@@ -57,9 +60,19 @@ void add_vulkan_devices(DeviceList& list) {
 }
 #endif
 
+// A number is an index: as a part of a name it would match what nobody meant.
+std::size_t find_index(const std::vector<ListedDevice>& devices, const std::string& number) {
+  const auto found = std::ranges::find(devices, number, &ListedDevice::selector);
+  if (found != devices.end()) return static_cast<std::size_t>(found - devices.begin());
+  throw Error(ErrorCode::NoDevice, "--device " + number + ": there " +
+                                       (devices.size() == 1 ? "is " : "are ") + selectors(devices));
+}
+
 // Exactly by index, UUID or name, else by a part of the name that only one device has; any case.
 std::size_t find_named(const std::vector<ListedDevice>& devices, const std::string& name) {
   const std::string wanted = lower(name);
+  std::int64_t index = 0;
+  if (parse_integer(name, index)) return find_index(devices, name);
   std::vector<std::size_t> matches;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceDescription& description = devices[i].description;
@@ -70,7 +83,7 @@ std::size_t find_named(const std::vector<ListedDevice>& devices, const std::stri
     if (lower(description.name).find(wanted) != std::string::npos) matches.push_back(i);
   }
   if (matches.size() == 1) return matches.front();
-  throw Error(ErrorCode::NoDevice, "--device " + name +
+  throw Error(ErrorCode::NoDevice, "--device " + visible(name) +
                                        (matches.empty() ? " names none of the devices: "
                                                         : " names several of the devices: ") +
                                        selectors(devices));
@@ -88,13 +101,35 @@ std::size_t best_vulkan(const std::vector<ListedDevice>& devices) {
   return best;
 }
 
+// What only the CPU can do.
+bool needs_cpu(const Settings& settings) {
+  return settings.precision != PrecisionChoice::Auto ||
+         solve_precision(settings) == Precision::Double;
+}
+
+// Whether the kernel shows a device that a hardware driver of Vulkan could be for: a render node
+// (Mesa and most others), or the nodes of NVIDIA's, WSL's, ARM's and Qualcomm's own drivers.
+bool may_have_a_gpu() {
+#ifdef __linux__
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev", error)) {
+    const std::string name = entry.path().filename().string();
+    for (const char* prefix : {"nvidia", "dxg", "mali", "kgsl", "pvr"})
+      if (name.starts_with(prefix)) return true;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/dri", error))
+    if (entry.path().filename().string().starts_with("renderD")) return true;
+  return false;
+#else
+  return true;
+#endif
+}
+
 std::size_t automatic_choice(const std::vector<ListedDevice>& devices, const Settings& settings) {
   const std::size_t cpu = devices.size() - 1;
-  // What only the CPU can do leaves no choice; nor does a Vulkan device that is the CPU itself.
-  const bool needs_cpu =
-      settings.precision != PrecisionChoice::Auto || solve_precision(settings) == Precision::Double;
+  // A Vulkan device that is the CPU itself is no gain.
   const std::size_t best = best_vulkan(devices);
-  return needs_cpu || best == devices.size() || !is_hardware(devices[best]) ? cpu : best;
+  return needs_cpu(settings) || best == devices.size() || !is_hardware(devices[best]) ? cpu : best;
 }
 
 }  // namespace
@@ -107,7 +142,9 @@ DeviceList list_devices(DeviceScope scope) {
 }
 
 DeviceScope scope_of(const Settings& settings) {
-  return settings.device == "cpu" ? DeviceScope::CpuOnly : DeviceScope::All;
+  if (settings.device == "cpu") return DeviceScope::CpuOnly;
+  if (settings.device != "auto") return DeviceScope::All;
+  return needs_cpu(settings) || !may_have_a_gpu() ? DeviceScope::CpuOnly : DeviceScope::All;
 }
 
 std::size_t choose_device(const DeviceList& list, const Settings& settings) {

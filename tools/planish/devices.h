@@ -26,10 +26,13 @@ struct DeviceList {
   std::string no_vulkan_because;      ///< empty where a Vulkan device is usable
 };
 
-enum class DeviceScope { All, CpuOnly };  ///< asking Vulkan drivers takes a while
+/// Asking Vulkan drivers takes a while. Least first.
+enum class DeviceScope { CpuOnly, All };
 [[nodiscard]] DeviceList list_devices(DeviceScope scope);
 
-/// CpuOnly where the settings name the CPU.
+/// CpuOnly where the settings name the CPU, or leave the choice and nothing but the CPU can come
+/// of it: no driver of hardware works without a device node of its kernel's, and a software
+/// driver is not taken unasked.
 [[nodiscard]] DeviceScope scope_of(const Settings& settings);
 
 /// Position in `list.devices` of the one that `settings.device` names. "auto": hardware Vulkan

@@ -12,13 +12,18 @@ void add_devices_command(CLI::App& app, Invocation& invocation) {
   CLI::App* command =
       app.add_subcommand("devices", "compute devices, their limits, and which one auto takes");
   auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "as JSON");
-  command->footer("Examples:\n  planish devices\n  planish devices --json\n");
+  command->add_flag("--json", *json, "as JSON, with all limits to the byte")->group("Flags");
+  invocation.texts["devices"] = {
+      .examples = {"planish devices", "planish devices --json"}, .first_flags = {}, .notes = ""};
   command->callback([json, &invocation] {
     invocation.action = [json] {
       const DeviceList list = list_devices(DeviceScope::All);
       const std::size_t automatic = choose_device(list, Settings{});
-      write_stdout(*json ? devices_json(list, automatic) : devices_table(list, automatic));
+      if (*json) {
+        write_stdout(devices_json(list, automatic));
+      } else {
+        write_text(devices_table(list, automatic));
+      }
       return ExitCode::Done;
     };
   });

@@ -1,196 +1,182 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
-#include <map>
 #include <memory>
 
 #include "commands.h"
-#include "devices.h"
-#include "job/input.h"
-#include "job/job.h"
+#include "job/batch.h"
+#include "job/describe_job.h"
 #include "job/point_input.h"
-#include "options/point_settings.h"
+#include "options/fit_flags.h"
+#include "options/input_list.h"
 #include "page/page_job.h"
 #include "planish/core/error.h"
-#include "terminal/text.h"
+#include "planish/core/visible_text.h"
+#include "report/details.h"
+#include "terminal/faults.h"
 
 namespace planish::command {
 namespace {
 
-struct FitFlags {
-  std::string input, input_format, cage, source, report, levels, page, page_limit;
-  std::vector<std::string> outputs;
-  std::map<std::string_view, std::string> words;  ///< by name of the setting
-  double tolerance = Settings{}.tolerance;
-  std::int64_t max_iterations = Settings{}.max_iterations;
-  std::int64_t polish_steps = Settings{}.polish_steps;
-  bool force = false, dry_run = false, page_no_times = false;
-  MessageFlags messages;
+// Everything is looked at before work starts, and all that is wrong is said at once: first the
+// inputs, then flags, then what would be written.
+struct FitPlan {
+  InputList inputs;
+  std::vector<PlannedJob> jobs;
+  DeviceList devices;
+  PathClaims claims;
+  PageOptions page{};
 };
 
-constexpr const char* kFitExamples =
-    "Examples:\n"
-    "  planish fit bunny.obj -o bunny.glb\n"
-    "  planish fit bunny.obj -o bunny.glb --levels 3,1 --cage cage.obj --report bunny.json\n"
-    "  planish fit bunny.obj --page bunny.html       # to look at, in any browser\n"
-    "  planish fit bunny.obj -o bunny.ply --preset paper --device cpu\n"
-    "  cat bunny.obj | planish fit - --input-format obj -o - > bunny.glb\n"
-    "Exit codes: 0 done, 1 internal error, 2 usage, 3 input unreadable, 4 mesh unusable,\n"
-    "  5 not converged (files are written), 6 no device or memory, 7 output not writable,\n"
-    "  130 and 143 interrupted.\n";
-
-std::vector<int> parse_levels(const std::string& text) {
-  std::vector<std::int64_t> values;
-  const char* at = text.data();
-  const char* const end = text.data() + text.size();
-  while (true) {
-    std::int64_t value = 0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    if (error != std::errc() || (next != end && *next != ',')) {
-      throw Error(ErrorCode::InvalidArgument,
-                  "--levels: \"" + plain_utf8(text) + "\" is no list of levels such as 2 or 3,1");
-    }
-    values.push_back(value);
-    if (next == end) break;
-    at = next + 1;
-  }
-  return checked_levels(values, "--levels");
+bool is_batch(const FitPlan& plan) {
+  return plan.inputs.has_folder || plan.inputs.paths.size() > 1;
 }
 
-Settings settings_of(const FitFlags& flags) {
+// `planish fit -- a.obj -o b.glb`, `planish fit a.obj b.glb`: slips that end among the inputs.
+std::string slip_among_inputs(const FitFlags& flags, const std::string& path) {
+  std::error_code error;
+  if (path == "-" || std::filesystem::exists(path, error)) return {};
+  if (path.starts_with('-'))
+    return visible(path) + " stands after --, where flags end; put flags before it";
+  const auto format = format_of(path);
+  const bool could_be_output = format && serves(*format, FormatUse::WriteSurface);
+  if (flags.inputs.size() > 1 && path != flags.inputs.front() && could_be_output &&
+      flags.outputs.empty())
+    return visible(path) + ": no such input; did you mean -o " + visible(path) + "?";
+  return {};
+}
+
+void check_inputs(const FitFlags& flags, const FitPlan& plan, std::optional<FileFormat> format,
+                  Faults& faults) {
+  for (const std::string& path : plan.inputs.paths) {
+    faults.note([&] {
+      const std::string slip = slip_among_inputs(flags, path);
+      if (!slip.empty()) throw Error(ErrorCode::InvalidArgument, slip);
+      require_readable(path, format);
+    });
+  }
+  if (is_batch(plan)) faults.note([&] { require_distinct_stems(plan.inputs.paths); });
+}
+
+// What to type where nothing is to be written.
+std::string nothing_to_write(const FitPlan& plan) {
+  const std::string& first = plan.inputs.paths.empty() ? "mesh.obj" : plan.inputs.paths.front();
+  const std::string line =
+      is_batch(plan) ? "planish fit ... -o out/"
+                     : "planish fit " + visible(first) + " -o " + job_name_of(first) + ".glb";
+  return "nothing to write; did you mean: " + line +
+         "  (or --cage FILE, --page FILE, --report FILE)";
+}
+
+void claim_files(PlannedJob& planned, PathClaims& claims, Faults& faults) {
+  for (const OutputRequest& request : planned.job.outputs) {
+    faults.note([&] {
+      for (PlannedOutput& output : plan_output(request, claims))
+        planned.outputs.push_back(std::move(output));
+    });
+  }
+  if (planned.job.settings.attributes.any())
+    faults.note([&] { require_attribute_formats(planned.outputs); });
+}
+
+std::optional<FileFormat> requested_format(const FitFlags& flags, Faults& faults) {
+  try {
+    return input_format_of(flags);
+  } catch (const Error& error) {
+    faults.add(error);
+    return std::nullopt;
+  }
+}
+
+FitPlan plan_fit(const FitFlags& flags) {
+  Faults faults;
+  faults.note([&] { (void)workers_of(flags); });
+  InputList inputs;
+  const std::optional<FileFormat> format = requested_format(flags, faults);
+  faults.note([&] { inputs = expand_inputs(flags.inputs); });
+  const bool into_folders = inputs.paths.size() > 1 || inputs.has_folder ||
+                            std::ranges::any_of(flags.outputs, names_folder) ||
+                            names_folder(flags.cage);
+  FitPlan plan{
+      .inputs = std::move(inputs),
+      .jobs = {},
+      .devices = {},
+      .claims = PathClaims(
+          {.overwrite = flags.force, .create_folders = into_folders, .only_note = flags.dry_run})};
+  PathClaims& claims = plan.claims;
+  check_inputs(flags, plan, format, faults);
   Settings settings;
-  for (const WordSetting& setting : word_settings()) {
-    const auto given = flags.words.find(setting.name);
-    if (given != flags.words.end() && !given->second.empty()) {
-      setting.set(settings, given->second, flag_of(setting.name));
-    }
+  faults.note([&] { settings = settings_of(flags); });
+  const bool slipped = std::ranges::any_of(plan.inputs.paths, [&](const std::string& path) {
+    return !slip_among_inputs(flags, path).empty();
+  });
+  if (!slipped && flags.outputs.empty() && flags.cage.empty() && flags.report.empty() &&
+      flags.page.empty())
+    faults.note([&] { throw Error(ErrorCode::InvalidArgument, nothing_to_write(plan)); });
+  for (const std::string& path : plan.inputs.paths) claims.add_input(path);
+  if (!flags.source.empty()) {
+    faults.note([&] { require_readable(flags.source, {}); });
+    claims.add_input(flags.source);
   }
-  for (const PointSetting& setting : point_settings()) {
-    const auto given = flags.words.find(setting.name);
-    if (given != flags.words.end() && !given->second.empty()) {
-      setting.set(settings.points, given->second, flag_of(setting.name));
-    }
+  for (const std::string& path : plan.inputs.paths) {
+    PlannedJob planned;
+    faults.note([&] { planned.job = job_of(flags, settings, path, is_batch(plan)); });
+    claim_files(planned, claims, faults);
+    plan.jobs.push_back(std::move(planned));
   }
-  set_tolerance(settings, flags.tolerance, "--tolerance");
-  set_max_iterations(settings, flags.max_iterations, "--max-iterations");
-  set_polish_steps(settings, flags.polish_steps, "--polish");
-  if (!flags.levels.empty()) settings.levels = parse_levels(flags.levels);
-  check_consistent(settings);
-  return settings;
+  if (!flags.report.empty()) faults.note([&] { claims.add_report(flags.report, "--report"); });
+  if (!flags.page.empty()) {
+    faults.note([&] {
+      require_page_path(flags.page, "--page");
+      claims.add_output(flags.page, "--page");
+    });
+  }
+  faults.note([&] { plan.page = page_options(flags.page_limit, flags.page_no_times); });
+  // Asking drivers for devices takes longer than all the rest.
+  if (!faults.any() || settings.device != "auto")
+    faults.note([&] { plan.devices = settle_devices(plan.jobs); });
+  faults.throw_if_any();
+  return plan;
 }
 
-Job job_of(const FitFlags& flags) {
-  Job job;
-  job.input = flags.input;
-  job.name = flags.input == "-" ? "stdin" : std::filesystem::path(flags.input).stem().string();
-  if (!flags.input_format.empty()) {
-    job.input_format = parse_mesh_format(flags.input_format, "--input-format");
-  }
-  require_readable(job.input, job.input_format);
-  job.settings = settings_of(flags);
-  for (const std::string& path : flags.outputs) {
-    job.outputs.push_back({path, OutputKind::Surface, job.settings.levels, "-o"});
-  }
-  if (!flags.cage.empty()) job.outputs.push_back({flags.cage, OutputKind::Cage, {}, "--cage"});
-  job.source = flags.source;
-  job.report = flags.report;
-  job.page = flags.page;
-  if (!job.page.empty()) require_page_path(job.page, "--page");
-  if (job.outputs.empty() && job.report.empty() && job.page.empty()) {
-    throw Error(ErrorCode::InvalidArgument,
-                "nothing to write: name a file with -o, --cage, --report or --page");
-  }
-  return job;
-}
-
-ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& arguments) {
-  Console console(flags.messages.level(), flags.messages.color_mode());
-  const Job job = job_of(flags);
-  PathClaims claims({.overwrite = flags.force});
-  claims.add_input(job.input);
-  if (!job.source.empty()) claims.add_input(job.source);
-  std::vector<PlannedOutput> outputs;
-  for (const OutputRequest& request : job.outputs) {
-    for (PlannedOutput& planned : plan_output(request, claims)) {
-      outputs.push_back(std::move(planned));
-    }
-  }
-  if (job.settings.attributes.any()) require_attribute_formats(outputs);
-  if (!job.report.empty()) claims.add_output(job.report, "--report");
-  if (!job.page.empty()) claims.add_output(job.page, "--page");
-  const PageOptions page = page_options(flags.page_limit, flags.page_no_times);
-  const DeviceList list = list_devices(scope_of(job.settings));
-  const ListedDevice& device = list.devices[choose_device(list, job.settings)];
-  if (flags.dry_run) {
-    describe_job(job, outputs, device.description);
-    return ExitCode::Done;
-  }
-  const std::unique_ptr<Backend> backend = open_backend(device, job.settings);
+ExitCode run_one(const FitFlags& flags, const FitPlan& plan, Console& console,
+                 const std::vector<std::string>& arguments) {
+  PlannedJob planned = plan.jobs.front();
+  planned.job.report = flags.report;
+  planned.job.page = flags.page;
+  const auto backend = open_backend(plan.devices.devices[planned.device], planned.job.settings);
   Progress progress(console, flags.messages.progress_mode());
-  const JobReport report = run_job(job, outputs, *backend, {console, progress, arguments, page});
+  JobProgress job_progress(progress, planned.job.name);
+  const JobReport report = run_job(planned.job, planned.outputs, *backend,
+                                   {console, job_progress, arguments, plan.page});
   console.info(summary(report));
+  if (console.is_terminal()) console.info(next_step(report));
   return report.exit_code;
 }
 
-void add_setting_flags(CLI::App& command, FitFlags& flags) {
-  for (const WordSetting& setting : word_settings()) {
-    std::string help(setting.help);
-    if (!setting.initial.empty()) help += " [" + std::string(setting.initial) + "]";
-    command.add_option(flag_of(setting.name), flags.words[setting.name], help)
-        ->type_name(std::string(setting.choices))
-        ->group("Solve");
-  }
-  for (const PointSetting& setting : point_settings()) {
-    std::string help(setting.help);
-    if (!setting.initial.empty()) help += " [" + std::string(setting.initial) + "]";
-    command.add_option(flag_of(setting.name), flags.words[setting.name], help)
-        ->type_name(std::string(setting.choices))
-        ->group("Points");
-  }
-  command
-      .add_option("--tolerance", flags.tolerance,
-                  "largest vertex error, relative to the bounding-box diagonal [1e-6]")
-      ->type_name("T")
-      ->group("Solve");
-  command.add_option("--max-iterations", flags.max_iterations, "give up after so many [200]")
-      ->type_name("N")
-      ->group("Solve");
-  command
-      .add_option("--polish", flags.polish_steps,
-                  "steps that even out the curvature of a fair surface [8]")
-      ->type_name("N")
-      ->group("Solve");
+ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& console,
+                     const std::vector<std::string>& arguments) {
+  auto outcomes = run_batch(plan.jobs, plan.devices, console,
+                            {.workers = workers_of(flags),
+                             .progress = flags.messages.progress_mode(),
+                             .arguments = arguments,
+                             .page = plan.page,
+                             .wants_page = !flags.page.empty()});
+  console.info(batch_table(plan.jobs, outcomes));
+  if (!flags.report.empty())
+    write_batch_report(flags.report, batch_json(plan.jobs, outcomes, arguments));
+  if (!flags.page.empty()) write_batch_page(flags.page, outcomes, plan.page, console);
+  const ExitCode exit_code = exit_code_of(outcomes);
+  if (exit_code != ExitCode::Done) console.error(failed_jobs_text(outcomes));
+  return exit_code;
 }
 
-void add_file_flags(CLI::App& command, FitFlags& flags) {
-  command
-      .add_option("INPUT", flags.input,
-                  "mesh: " + extensions_of(FormatUse::ReadMesh) +
-                      ", - for stdin; or points: " + extensions_of(FormatUse::ReadPoints))
-      ->type_name("")
-      ->required();
-  command
-      .add_option("-o,--output", flags.outputs,
-                  "surface: " + extensions_of(FormatUse::WriteSurface) +
-                      "; - for a GLB on stdout; repeatable")
-      ->type_name("FILE")
-      ->allow_extra_args(false);
-  command.add_option("--cage", flags.cage, "control cage: " + extensions_of(FormatUse::WriteCage))
-      ->type_name("FILE");
-  command
-      .add_option("--source", flags.source,
-                  "mesh that the surface stands for: the report compares with it, not the input")
-      ->type_name("FILE");
-  command.add_option("--report", flags.report, "JSON report; - for stdout")->type_name("FILE");
-  add_page_flags(command, {flags.page, flags.page_limit, flags.page_no_times});
-  command
-      .add_option("--levels", flags.levels,
-                  "quad splits, 0 to 6 [2]; several write NAME_LOD0.glb, NAME_LOD1.glb, ...")
-      ->type_name("L[,L2,...]");
-  command.add_option("--input-format", flags.input_format, "of stdin, or against the extension")
-      ->type_name(names_of(FormatUse::ReadMesh, "|"));
-  command.add_flag("-f,--force", flags.force, "overwrite existing files");
-  command.add_flag("--dry-run", flags.dry_run, "check everything and say what would be done");
+ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& arguments) {
+  Console console(flags.messages.level(), flags.messages.color_mode(), flags.messages.form());
+  const FitPlan plan = plan_fit(flags);
+  if (flags.dry_run)
+    return describe_jobs(plan.jobs, plan.devices, plan.claims, {flags.report, flags.page});
+  return is_batch(plan) ? run_several(flags, plan, console, arguments)
+                        : run_one(flags, plan, console, arguments);
 }
 
 }  // namespace
@@ -199,10 +185,23 @@ void add_fit_command(CLI::App& app, Invocation& invocation) {
   CLI::App* command =
       app.add_subcommand("fit", "a mesh or points in, the smooth surface through all vertices out");
   auto flags = std::make_shared<FitFlags>();
-  add_file_flags(*command, *flags);
-  add_setting_flags(*command, *flags);
+  add_fit_flags(*command, *flags);
   flags->messages.add_to(*command, true);
-  command->footer(kFitExamples);
+  invocation.texts["fit"] = {
+      .examples = {"planish fit bunny.obj -o bunny.glb",
+                   "planish fit bunny.obj -o bunny.glb --levels 3,1 --cage cage.obj",
+                   "planish fit *.obj scans/ -o out/ -j 4 --report out/all.json",
+                   "planish fit bunny.obj --page bunny.html",
+                   "planish fit bunny.obj -o bunny.ply --preset paper --device cpu",
+                   "cat bunny.obj | planish fit - -o - > bunny.glb"},
+      .first_flags = {"--output", "--page", "--cage", "--report", "--levels", "--tolerance",
+                      "--interpolation", "--creases", "--device", "--force", "--dry-run", "--jobs",
+                      "--quiet", "-h", "--help"},
+      .notes =
+          "Exit codes: 0 done; 1 internal error; 2 usage; 3 input unreadable; 4 mesh unusable; "
+          "5 not converged (files are written, and flagged); 6 no device, program or memory; 7 "
+          "an output exists, is a folder, has no folder or cannot be written; 8 some of several "
+          "inputs failed; 130 and 143 interrupted."};
   command->callback([flags, &invocation] {
     invocation.action = [flags, &invocation] { return run_fit(*flags, invocation.arguments); };
   });

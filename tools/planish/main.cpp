@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <cstdlib>
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -21,7 +22,13 @@ void keep_freed_memory() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  using namespace planish::command;
   keep_freed_memory();
-  planish::command::install_signal_handlers();
-  return static_cast<int>(planish::command::run_command_line({argv, argv + argc}));
+  const std::vector<std::string> arguments(argv, argv + argc);
+  install_signal_handlers(early_style(arguments));
+  const ExitCode exit_code = run_command_line(arguments);
+  // Everything is written and closed. Without the destructors of what the process still holds,
+  // since drivers' own can take longer than the work.
+  std::fflush(nullptr);
+  std::_Exit(static_cast<int>(exit_code));
 }

@@ -6,41 +6,40 @@
 #include "build_info.h"
 #include "commands.h"
 #include "job/point_input.h"
+#include "options/input_list.h"
 #include "options/point_settings.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
 #include "planish/core/version.h"
+#include "planish/core/visible_text.h"
 #include "report/report.h"
+#include "terminal/faults.h"
 #include "terminal/interrupt.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
 
 struct ReconstructFlags {
-  std::string input, report;
+  std::string input, input_format, report;
   std::vector<std::string> outputs;
   std::map<std::string_view, std::string> words;  ///< by name of the setting
   bool force = false;
   MessageFlags messages;
 };
 
-constexpr const char* kReconstructExamples =
-    "Examples:\n"
-    "  planish reconstruct scan.ply -o mesh.obj\n"
-    "  planish reconstruct scan.xyz -o mesh.ply --tolerance-mesh 1e-3 --report scan.json\n"
-    "  planish reconstruct noisy.pcd -o mesh.obj --smooth 2 --spacing even\n"
-    "Exit codes: 0 done, 2 usage or no planish-reconstruct, 3 input unreadable, 4 no surface in\n"
-    "  the points, 6 no memory, 7 output not writable, 130 and 143 interrupted.\n";
-
 FileFormat output_format(const std::string& path) {
   const auto format = format_of(path);
   if (format && serves(*format, FormatUse::WriteCage)) return *format;
   throw Error(ErrorCode::InvalidArgument,
-              "-o: " + path + ": the extension is none of a mesh that is written (" +
+              "-o: " + visible(path) + ": the extension is none of a mesh that is written (" +
                   names_of(FormatUse::WriteCage) + ")");
+}
+
+// A PLY may be one of a mesh: its vertices are points all the same.
+PointInput read_cloud(const std::string& path, std::optional<FileFormat> format) {
+  return points_of(load_input(path, format));
 }
 
 void write_report(const ReconstructFlags& flags, const std::vector<std::string>& arguments,
@@ -69,8 +68,7 @@ void write_report(const ReconstructFlags& flags, const std::vector<std::string>&
   file.commit();
 }
 
-ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::string>& arguments) {
-  Console console(flags.messages.level(), flags.messages.color_mode());
+ReconstructOptions options_of(const ReconstructFlags& flags) {
   ReconstructOptions options;
   options.measure_noise = true;
   for (const PointSetting& setting : point_settings()) {
@@ -78,19 +76,46 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
     if (given != flags.words.end() && !given->second.empty())
       setting.set(options, given->second, flag_of(setting.name));
   }
+  return options;
+}
+
+std::optional<FileFormat> input_format_of(const ReconstructFlags& flags) {
+  if (flags.input_format.empty()) return std::nullopt;
+  return parse_input_format(flags.input_format, "--input-format");
+}
+
+// All that is wrong before work, at once.
+void check_files(const ReconstructFlags& flags) {
+  Faults faults;
+  faults.note([&] { require_readable(flags.input, input_format_of(flags)); });
+  faults.note([&] { (void)options_of(flags); });
   if (flags.outputs.empty() && flags.report.empty())
-    throw Error(ErrorCode::InvalidArgument, "nothing to write: name a file with -o or --report");
+    faults.note([&] {
+      throw Error(ErrorCode::InvalidArgument,
+                  "nothing to write; did you mean: planish reconstruct " + visible(flags.input) +
+                      " -o " + job_name_of(flags.input) + ".obj");
+    });
   PathClaims claims({.overwrite = flags.force});
   claims.add_input(flags.input);
   for (const std::string& path : flags.outputs) {
-    (void)output_format(path);
-    claims.add_output(path, "-o");
+    faults.note([&] {
+      (void)output_format(path);
+      claims.add_output(path, "-o");
+    });
   }
-  if (!flags.report.empty()) claims.add_output(flags.report, "--report");
-  (void)require_mesher();
+  if (!flags.report.empty()) faults.note([&] { claims.add_report(flags.report, "--report"); });
+  faults.note([] { (void)require_mesher(); });
+  faults.throw_if_any();
+}
 
-  Progress progress(console, flags.messages.progress_mode());
-  progress.begin_job(std::filesystem::path(flags.input).stem().string());
+ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::string>& arguments) {
+  Console console(flags.messages.level(), flags.messages.color_mode(), flags.messages.form());
+  check_files(flags);
+  ReconstructOptions options = options_of(flags);
+  Progress all(console, flags.messages.progress_mode());
+  JobProgress progress(all, job_name_of(flags.input));
+  progress.plan(
+      {{"read", 2}, {"clean", 5}, {"smooth", 0.5}, {"mesh", 40}, {"repair", 2}, {"simplify", 60}});
   std::vector<Warning> warnings;
   options.callbacks.progress = [&](std::string_view step, double fraction) {
     progress.update(step, fraction);
@@ -101,16 +126,16 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
     console.warning(warning.message);
   };
   progress.update("read", 0);
-  const PointInput input = read_point_input(flags.input);
+  const PointInput input = read_cloud(flags.input, input_format_of(flags));
   const Reconstruction result = reconstruct_input(input, options);
   StagedFiles staged;
   for (const std::string& path : flags.outputs)
     write_mesh(staged.stage(path), output_format(path), result.mesh);
-  progress.finish();
+  all.finish();
   check_interrupt();
   if (!flags.report.empty()) write_report(flags, arguments, input, result, warnings, staged);
   staged.commit();
-  console.info(flags.input + "\n" + reconstruction_summary(input, result));
+  console.info(input.name + "\n" + reconstruction_summary(input, result));
   return ExitCode::Done;
 }
 
@@ -120,16 +145,27 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
   CLI::App* command =
       app.add_subcommand("reconstruct", "points in, a polygon mesh within a tolerance of them out");
   auto flags = std::make_shared<ReconstructFlags>();
-  command->add_option("POINTS", flags->input, "points: .ply .xyz .pts .pcd")
-      ->type_name("")
+  const char* group = "Files";
+  command
+      ->add_option("POINTS", flags->input,
+                   "points: " + extensions_of(FormatUse::ReadPoints) + "; - for stdin")
+      ->type_name("POINTS")
       ->required();
   command
       ->add_option("-o,--output", flags->outputs,
                    "mesh: " + extensions_of(FormatUse::WriteCage) + "; repeatable")
       ->type_name("FILE")
+      ->group(group)
       ->allow_extra_args(false);
-  command->add_option("--report", flags->report, "JSON report; - for stdout")->type_name("FILE");
-  command->add_flag("-f,--force", flags->force, "overwrite existing files");
+  command->add_option("--report", flags->report, "JSON report; - for stdout")
+      ->type_name("FILE")
+      ->group(group);
+  command
+      ->add_option("--input-format", flags->input_format,
+                   "of stdin, or against the extension [what the content looks like]")
+      ->type_name(names_of(FormatUse::ReadPoints, "|"))
+      ->group(group);
+  command->add_flag("-f,--force", flags->force, "overwrite existing files")->group(group);
   for (const PointSetting& setting : point_settings()) {
     std::string help(setting.help);
     if (!setting.initial.empty()) help += " [" + std::string(setting.initial) + "]";
@@ -138,7 +174,16 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
         ->group("Points");
   }
   flags->messages.add_to(*command, true);
-  command->footer(kReconstructExamples);
+  invocation.texts["reconstruct"] = {
+      .examples =
+          {"planish reconstruct scan.ply -o mesh.obj",
+           "planish reconstruct scan.xyz -o mesh.ply --tolerance-mesh 1e-3 --report scan.json",
+           "planish reconstruct noisy.pcd -o mesh.obj --smooth 2 --spacing even"},
+      .first_flags = {},
+      .notes =
+          "Exit codes: 0 done; 2 usage; 3 input unreadable; 4 no surface in the points; 6 no "
+          "planish-reconstruct or no memory; 7 an output exists, has no folder or cannot be "
+          "written; 130 and 143 interrupted."};
   command->callback([flags, &invocation] {
     invocation.action = [flags, &invocation] {
       return run_reconstruct(*flags, invocation.arguments);

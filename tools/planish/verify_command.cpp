@@ -3,9 +3,11 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "job/input_path.h"
 #include "job/verify.h"
 #include "output/cage_header.h"
 #include "report/report.h"
+#include "terminal/faults.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -13,8 +15,7 @@ namespace {
 
 struct VerifyFlags {
   std::string cage, input, interpolation, scheme, weights, boundary, creases, repair;
-  double tolerance = 0;  ///< 0: not given
-  CLI::Option* tolerance_flag = nullptr;
+  std::string tolerance;
   bool json = false;
 };
 
@@ -36,9 +37,9 @@ VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
   if (!flags.boundary.empty()) options.boundary = parse_boundary(flags.boundary, "--boundary");
   if (!flags.creases.empty()) options.creases = parse_creases(flags.creases, "--creases");
   if (!flags.repair.empty()) options.repair = parse_repair(flags.repair, "--repair");
-  if (flags.tolerance_flag->count() > 0) {
+  if (!flags.tolerance.empty()) {
     Settings checked;
-    set_tolerance(checked, flags.tolerance, "--tolerance");
+    set_tolerance(checked, std::string_view(flags.tolerance), "--tolerance");
     options.tolerance = checked.tolerance;
   }
   return options;
@@ -79,13 +80,21 @@ std::string to_text(const Verification& result, const VerifyOptions& options, co
 }
 
 ExitCode run_verify(const VerifyFlags& flags) {
+  Faults faults;
+  faults.note([&] { require_input(flags.cage, {}); });
+  faults.note([&] { require_input(flags.input, {}); });
+  faults.note([&] { (void)options_of(flags, {}); });
+  faults.throw_if_any();
   const Input cage = read_input(flags.cage, std::nullopt);
   const CageHeader header = parse_cage_header(cage.file.header, cage.name);
   const VerifyOptions options = options_of(flags, header);
   const Input given = read_input(flags.input, std::nullopt);
   const Verification result = verify(cage, given, options);
-  write_stdout(flags.json ? to_json_text(result, options, cage, given)
-                          : to_text(result, options, cage, given));
+  if (flags.json) {
+    write_stdout(to_json_text(result, options, cage, given));
+  } else {
+    write_text(to_text(result, options, cage, given));
+  }
   return result.confirmed ? ExitCode::Done : ExitCode::NotConverged;
 }
 
@@ -96,9 +105,11 @@ void add_verify_command(CLI::App& app, Invocation& invocation) {
       "verify", "how far a mesh's vertices are from the limit surface of its cage");
   auto flags = std::make_shared<VerifyFlags>();
   command->add_option("CAGE", flags->cage, "control cage, as fit --cage writes it")
-      ->type_name("")
+      ->type_name("CAGE")
       ->required();
-  command->add_option("INPUT", flags->input, "the mesh that was fitted")->type_name("")->required();
+  command->add_option("INPUT", flags->input, "the mesh that was fitted")
+      ->type_name("INPUT")
+      ->required();
   const char* group = "Instead of what the cage's header says";
   command->add_option("--interpolation", flags->interpolation, "how the mesh was fitted")
       ->type_name("progressive|fair")
@@ -118,16 +129,17 @@ void add_verify_command(CLI::App& app, Invocation& invocation) {
   command->add_option("--repair", flags->repair, "how the mesh was mended")
       ->type_name("safe|none")
       ->group(group);
-  flags->tolerance_flag =
-      command->add_option("--tolerance", flags->tolerance, "largest error that is confirmed")
-          ->type_name("T")
-          ->group(group);
-  command->add_flag("--json", flags->json, "as JSON");
-  command->footer(
-      "Recomputed in double on the CPU, whatever device fitted the cage.\n"
-      "Examples:\n  planish verify cage.obj bunny.obj\n"
-      "  planish verify cage.obj bunny.obj --tolerance 1e-9 --json\n"
-      "Exit code 5 above the tolerance.\n");
+  command->add_option("--tolerance", flags->tolerance, "largest error that is confirmed")
+      ->type_name("T")
+      ->group(group);
+  command->add_flag("--json", flags->json, "as JSON")->group("Flags");
+  invocation.texts["verify"] = {
+      .examples = {"planish verify cage.obj bunny.obj",
+                   "planish verify cage.obj bunny.obj --tolerance 1e-9 --json"},
+      .first_flags = {},
+      .notes =
+          "Recomputed in double on the CPU, whatever device fitted the cage.\n"
+          "Exit code 5 above the tolerance."};
   command->callback(
       [flags, &invocation] { invocation.action = [flags] { return run_verify(*flags); }; });
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/core/stop.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_surface.h"
 #include "planish/stencil/stencil_builder.h"
@@ -108,6 +109,7 @@ void in_order(std::span<const RowRange> ranges, const Make& make, const Take& ta
   const auto slots = static_cast<std::size_t>(2 * tbb::this_task_arena::max_concurrency());
   std::vector<Piece> pieces(slots);
   std::size_t next = 0;
+  const StopScope* const stop = AdoptedStop::current();
   tbb::parallel_pipeline(
       slots, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
                                                  [&](tbb::flow_control& control) -> std::size_t {
@@ -116,12 +118,16 @@ void in_order(std::span<const RowRange> ranges, const Make& make, const Take& ta
                                                  }) &
                  tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel,
                                                             [&](std::size_t i) {
+                                                              const AdoptedStop adopted(stop);
+                                                              check_stop();
                                                               make(ranges[i], pieces[i % slots]);
                                                               return i;
                                                             }) &
-                 tbb::make_filter<std::size_t, void>(
-                     tbb::filter_mode::serial_in_order,
-                     [&](std::size_t i) { take(ranges[i], pieces[i % slots]); }));
+                 tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order,
+                                                     [&](std::size_t i) {
+                                                       const AdoptedStop adopted(stop);
+                                                       take(ranges[i], pieces[i % slots]);
+                                                     }));
 }
 
 }  // namespace planish

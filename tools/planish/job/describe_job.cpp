@@ -1,32 +1,22 @@
-#include "job/job.h"
+#include "job/describe_job.h"
+
+#include "job/forecast.h"
+#include "job/input.h"
 #include "job/point_input.h"
 #include "job/prepare.h"
+#include "planish/core/error.h"
+#include "planish/core/visible_text.h"
 #include "planish/mesh/check.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
 
-// What is written beside surfaces and cages.
-std::string described_words(const Job& job) {
-  std::string text;
-  if (!job.report.empty()) text += "  would write " + job.report + "  (report)\n";
-  if (!job.page.empty()) text += "  would write " + job.page + "  (page)\n";
-  return text;
-}
-
-// How large the mesh will be is not known before it is made.
-void describe_point_job(const Job& job, const std::vector<PlannedOutput>& outputs,
-                        const DeviceDescription& device) {
-  const PointInput input = read_point_input(job.input);
-  std::string text = "would reconstruct and fit " + input.name + ": " +
-                     with_separators(static_cast<std::int64_t>(input.cloud.points.size())) +
-                     " points\n";
-  text += "  device      " + device.kind + ", " + device.name + "\n";
-  for (const PlannedOutput& output : outputs)
-    text +=
-        "  would write " + (output.to_stdout ? std::string("stdout") : output.path.string()) + "\n";
-  write_stdout(text + described_words(job));
+std::string write_line(const std::filesystem::path& path, const std::string& what,
+                       const PathClaims& claims) {
+  const std::string refusal = claims.refusal(path);
+  if (!refusal.empty()) return "  would refuse " + refusal + "\n";
+  return "  would write  " + (path == "-" ? "stdout" : visible(path)) + what + "\n";
 }
 
 std::string face_count_text(const PolygonMesh& mesh, Scheme scheme, int level) {
@@ -38,37 +28,105 @@ std::string face_count_text(const PolygonMesh& mesh, Scheme scheme, int level) {
   return counted(corners << (2 * (level - 1)), "quad");
 }
 
-}  // namespace
+std::string device_line(const DeviceDescription& device) {
+  return "  device       " + device.kind + ", " + device.name + "\n";
+}
 
-void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
-                  const DeviceDescription& device) {
-  if (is_point_path(job.input, job.input_format)) {
-    describe_point_job(job, outputs, device);
-    return;
-  }
-  Input input = read_input(job.input, job.input_format);
-  const auto method = job.settings.interpolation == InterpolationChoice::Fair
-                          ? InterpolationMethod::Fair
-                          : InterpolationMethod::Progressive;
-  const PolygonMesh mesh = prepare(std::move(input.file.mesh), job.settings, method).mesh;
-  require_usable(mesh, input.name);
-  std::string text = "would fit " + input.name + ": " + with_separators(mesh.vertex_count()) +
-                     " vertices" + ", " + counted(mesh.face_count(), "face") + "\n";
-  const Settings& settings = job.settings;
-  text += "  device      " + device.kind + ", " + device.name + "\n  solve       " +
-          std::string(name_of(settings.solver)) + ", " +
-          subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
-          short_number(settings.tolerance) + "\n";
-  for (const PlannedOutput& output : outputs) {
-    text += "  would write " + (output.to_stdout ? std::string("stdout") : output.path.string());
+// How large the mesh of points will be is not known before it is made.
+std::string describe_points(const PlannedJob& planned, const PointInput& input,
+                            const DeviceDescription& device, const PathClaims& claims) {
+  std::string text = "would reconstruct and fit " + input.name + ": " +
+                     with_separators(static_cast<std::int64_t>(input.cloud.points.size())) +
+                     " points\n" + device_line(device);
+  for (const PlannedOutput& output : planned.outputs) text += write_line(output.path, "", claims);
+  return text;
+}
+
+std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
+                         const Forecast& forecast, const PathClaims& claims) {
+  std::string text;
+  for (std::size_t i = 0; i < planned.outputs.size(); ++i) {
+    const PlannedOutput& output = planned.outputs[i];
+    const std::string size = ", about " + byte_size(forecast.output_bytes[i]) + ")";
     if (output.kind == OutputKind::Cage) {
-      text += "  (control cage)\n";
+      text += write_line(output.path, "  (control cage" + size, claims);
       continue;
     }
-    text += "  (level " + std::to_string(output.level) + ", " +
-            face_count_text(mesh, settings.scheme, output.level) + ")\n";
+    text += write_line(output.path,
+                       "  (level " + std::to_string(output.level) + ", " +
+                           face_count_text(mesh, planned.job.settings.scheme, output.level) + size,
+                       claims);
+    if (output.format == FileFormat::Gltf)
+      text += write_line(gltf_companion(output.path), "  (its numbers)", claims);
   }
-  write_stdout(text + described_words(job));
+  return text;
+}
+
+std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDescription& device,
+                          const PathClaims& claims) {
+  const Settings& settings = planned.job.settings;
+  const auto method = settings.interpolation == InterpolationChoice::Fair
+                          ? InterpolationMethod::Fair
+                          : InterpolationMethod::Progressive;
+  const std::int64_t vertices = input.file.mesh.vertex_count();
+  const std::int64_t faces = input.file.mesh.face_count();
+  const ReadyMesh ready = prepare(std::move(input.file.mesh), settings, method);
+  const PolygonMesh& mesh = ready.mesh;
+  if (!ready.prepared) require_usable(mesh, input.name);
+  const Forecast forecast = forecast_of(mesh, *ready.prepared, settings, planned.outputs);
+  require_memory_for(mesh, *ready.prepared, settings, planned.outputs);
+  std::string text = "would fit " + input.name + ": " +
+                     counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count()) + "\n" +
+                     device_line(device) + "  solve        " +
+                     (method == InterpolationMethod::Fair ? std::string("fair")
+                                                          : std::string(name_of(settings.solver))) +
+                     ", " + subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
+                     short_number(settings.tolerance) + "\n";
+  text += outputs_text(planned, mesh, forecast, claims);
+  return text + "  memory       at most about " + byte_size(forecast.peak_bytes) +
+         "\n  time         " + rough_duration(forecast.seconds) + "\n";
+}
+
+std::string describe(const PlannedJob& planned, const DeviceDescription& device,
+                     const PathClaims& claims) {
+  const InputFile file = load_input(planned.job.input, planned.job.input_format);
+  if (holds_points_only(file.format))
+    return describe_points(planned, points_of(file), device, claims);
+  Input input = mesh_of(file);
+  if (const auto cloud = points_of(input)) {
+    (void)require_mesher();
+    return describe_points(planned, *cloud, device, claims);
+  }
+  return describe_mesh(planned, std::move(input), device, claims);
+}
+
+}  // namespace
+
+ExitCode describe_jobs(const std::vector<PlannedJob>& jobs, const DeviceList& devices,
+                       const PathClaims& claims, const BatchFiles& files) {
+  ExitCode exit_code = ExitCode::Done;
+  for (const PlannedJob& planned : jobs) {
+    std::string text;
+    try {
+      text = describe(planned, devices.devices[planned.device].description, claims);
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::Cancelled) throw;
+      text = "would fail on " + planned.job.name + ": " + error.what() + "\n";
+      exit_code = jobs.size() > 1 ? ExitCode::JobsFailed : exit_code_of(error.code());
+    }
+    if (!planned.job.report.empty()) text += write_line(planned.job.report, "  (report)", claims);
+    if (!planned.job.page.empty()) text += write_line(planned.job.page, "  (page)", claims);
+    write_text(text);
+  }
+  const char* of_all = jobs.size() > 1 ? " of all jobs)" : ")";
+  if (!files.report.empty())
+    write_text(write_line(files.report, std::string("  (report") + of_all, claims));
+  if (!files.page.empty())
+    write_text(write_line(files.page, std::string("  (page") + of_all, claims));
+  if (claims.any_refused()) exit_code = ExitCode::UnwritableOutput;  // before any work
+  write_text("would end with exit code " + std::to_string(static_cast<int>(exit_code)) +
+             (exit_code == ExitCode::Done ? ", or 5 if the solve does not converge\n" : "\n"));
+  return exit_code;
 }
 
 }  // namespace planish::command

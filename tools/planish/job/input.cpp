@@ -5,21 +5,24 @@
 #include <cerrno>
 #include <cstring>
 #include <future>
+#include <span>
 #include <string>
 
 #include "options/nearest.h"
 #include "output/digest.h"
 #include "planish/core/error.h"
+#include "planish/core/stop.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
+#include "planish/files/sniff_format.h"
 #include "terminal/interrupt.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
 
-std::vector<std::byte> read_stdin() {
+RawVector<std::byte> read_stdin() {
   constexpr std::size_t kChunk = 1 << 20;
-  std::vector<std::byte> bytes;
+  RawVector<std::byte> bytes;
   std::size_t size = 0;
   while (true) {
     check_interrupt();
@@ -36,56 +39,66 @@ std::vector<std::byte> read_stdin() {
   return bytes;
 }
 
+FileFormat settled_format(const InputFile& file, std::optional<FileFormat> format) {
+  if (format) return *format;
+  if (const auto named = format_of(file.path)) return *named;
+  if (const auto sniffed = sniff_format(file.bytes)) return *sniffed;
+  throw Error(ErrorCode::UnreadableInput,
+              file.name + ": neither name nor content is that of a format that is read (" +
+                  names_of(FormatUse::Read) + "); name it with --input-format");
+}
+
 }  // namespace
 
-FileFormat parse_mesh_format(std::string_view value, std::string_view where) {
+InputFile load_input(const std::string& path, std::optional<FileFormat> format) {
+  InputFile file;
+  if (path == "-") {
+    file.name = "stdin";
+    file.bytes = read_stdin();
+  } else {
+    file.name = visible(path);
+    file.path = path;
+    file.bytes = read_file(path);
+  }
+  file.format = settled_format(file, format);
+  // The digest takes as long as a reader: beside it. Moving the file leaves its bytes in place.
+  file.digest = std::async(std::launch::async, [bytes = std::span<const std::byte>(file.bytes),
+                                                stop = AdoptedStop::current()] {
+    const AdoptedStop adopted(stop);
+    return sha256(bytes);
+  });
+  return file;
+}
+
+Input mesh_of(const InputFile& file) {
+  if (holds_points_only(file.format)) {
+    throw Error(ErrorCode::InvalidArgument,
+                file.name + ": holds points, and a mesh is wanted here; \"planish reconstruct " +
+                    file.name + " -o mesh.obj\" makes one of them");
+  }
+  Input input{
+      .name = file.name,
+      .file = read_mesh(FileBytes{.bytes = file.bytes, .name = file.name, .path = file.path},
+                        file.format),
+      .sha256 = {}};
+  input.sha256 = file.sha256();
+  return input;
+}
+
+Input read_input(const std::string& path, std::optional<FileFormat> format) {
+  return mesh_of(load_input(path, format));
+}
+
+FileFormat parse_input_format(std::string_view value, std::string_view where) {
   std::vector<std::string_view> names;
   for (const FormatInfo& info : formats()) {
-    if (!info.read_mesh) continue;
+    if (!serves(info.format, FormatUse::Read)) continue;
     if (info.name == value) return info.format;
     names.push_back(info.name);
   }
-  throw Error(ErrorCode::InvalidArgument, std::string(where) + ": \"" + plain_utf8(value) +
-                                              "\" is not one of " + names_of(FormatUse::ReadMesh) +
+  throw Error(ErrorCode::InvalidArgument, std::string(where) + ": \"" + visible(value) +
+                                              "\" is not one of " + names_of(FormatUse::Read) +
                                               did_you_mean(value, names));
-}
-
-FileFormat input_format_of(const std::string& path, std::optional<FileFormat> format) {
-  if (format) return *format;
-  if (path == "-") {
-    throw Error(ErrorCode::InvalidArgument,
-                "stdin has no extension: name its format with --input-format");
-  }
-  const auto found = format_of(path);
-  if (found && serves(*found, FormatUse::ReadMesh)) return *found;
-  if (found) {
-    throw Error(
-        ErrorCode::InvalidArgument,
-        path + ": is a point cloud, and a polygon mesh is wanted; planish reconstruct makes one");
-  }
-  throw Error(ErrorCode::InvalidArgument,
-              path + ": the extension \"" + std::filesystem::path(path).extension().string() +
-                  "\" names no format that is read (" + names_of(FormatUse::ReadMesh) +
-                  "); name it with --input-format");
-}
-
-Input read_input(const std::string& path, std::optional<FileFormat> requested) {
-  const FileFormat format = input_format_of(path, requested);
-  Input input;
-  if (path == "-") {
-    const std::vector<std::byte> bytes = read_stdin();
-    input.name = "stdin";
-    input.sha256 = sha256(bytes);
-    input.file = read_mesh(bytes, input.name, format);
-    return input;
-  }
-  const RawVector<std::byte> bytes = read_file(path);
-  input.name = path;
-  // The digest takes as long as a reader: beside it.
-  std::future<std::string> digest = std::async(std::launch::async, [&] { return sha256(bytes); });
-  input.file = read_mesh(FileBytes{.bytes = bytes, .name = path, .path = path}, format);
-  input.sha256 = digest.get();
-  return input;
 }
 
 }  // namespace planish::command

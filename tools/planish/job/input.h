@@ -1,28 +1,49 @@
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
+#include <future>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "planish/core/raw_vector.h"
 #include "planish/files/mesh_file.h"
 
 namespace planish::command {
 
+/// A file in memory, of a format that is settled.
+struct InputFile {
+  std::string name;            ///< what messages say: the path made visible, or "stdin"
+  std::filesystem::path path;  ///< empty: stdin
+  RawVector<std::byte> bytes;
+  FileFormat format = FileFormat::Obj;
+  std::shared_future<std::string> digest;  ///< is taken while the bytes are read
+
+  [[nodiscard]] std::string sha256() const { return digest.get(); }
+};
+
 /// A mesh with what a report says of its file.
 struct Input {
-  std::string name;  ///< the path, or "stdin": what messages say
+  std::string name;
   MeshFile file;
   std::string sha256;
 };
 
-/// Reads a mesh by its extension, or by `format` where given; "-" reads stdin, which needs a
-/// format. Throws Error{UnreadableInput}; Error{InvalidArgument} for an extension that is not read.
+/// Reads a file, "-" for stdin. Its format is `format` where given, else what the extension names,
+/// else what the content looks like. Throws Error{UnreadableInput} where it cannot be read or
+/// nothing speaks for a format.
+[[nodiscard]] InputFile load_input(const std::string& path, std::optional<FileFormat> format);
+
+/// The mesh in a loaded file. Throws Error{UnreadableInput}; Error{InvalidArgument} for a format
+/// of points.
+[[nodiscard]] Input mesh_of(const InputFile& file);
+
+/// load_input() and mesh_of().
 [[nodiscard]] Input read_input(const std::string& path, std::optional<FileFormat> format);
 
-/// The format that read_input() would take, with its errors; reads nothing.
-[[nodiscard]] FileFormat input_format_of(const std::string& path, std::optional<FileFormat> format);
-
-/// "obj", "ply", "off", "stl", "gltf" or "glb". Throws Error{InvalidArgument} naming `where`.
-[[nodiscard]] FileFormat parse_mesh_format(std::string_view value, std::string_view where);
+/// The name of a format that is read, "obj" or "xyz" say. Throws Error{InvalidArgument} naming
+/// `where`.
+[[nodiscard]] FileFormat parse_input_format(std::string_view value, std::string_view where);
 
 }  // namespace planish::command

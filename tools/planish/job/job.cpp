@@ -1,12 +1,18 @@
 #include "job/job.h"
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "job/forecast.h"
 #include "job/job_fit.h"
 #include "job/job_input.h"
+#include "job/point_input.h"
 #include "job/timed.h"
 #include "output/job_outputs.h"
 #include "planish/core/output_file.h"
+#include "planish/mesh/check.h"
+#include "report/details.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
 
@@ -41,6 +47,34 @@ std::string write_page(const Job& job, PageJob&& page, JobReport& report, Staged
 
 }  // namespace
 
+std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutput>& outputs) {
+  // Weights by what the steps take on a goblet; those of a level grow with its points.
+  std::vector<PlannedStep> steps{{"read", 2}};
+  if (job.sampling || is_point_path(job.input, job.input_format)) {
+    if (job.sampling)
+      steps.insert(steps.end(), {{"stencils", 1}, {"solve", 1}, {"evaluate", 4}, {"sample", 4}});
+    steps.insert(steps.end(),
+                 {{"clean", 5}, {"smooth", 0.5}, {"mesh", 40}, {"repair", 2}, {"simplify", 60}});
+  }
+  steps.insert(steps.end(), {{"stencils", 2}, {"solve", 3}});
+  std::vector<int> levels;
+  for (const PlannedOutput& output : outputs) {
+    const bool is_new = std::ranges::find(levels, output.level) == levels.end();
+    if (output.kind == OutputKind::Surface && is_new) levels.push_back(output.level);
+  }
+  for (const int level : levels) {
+    const double points = std::ldexp(1.0, 2 * level);
+    steps.push_back({"evaluate", points});
+    if (level > 0 && steps.end() == std::ranges::find(steps, "measure", &PlannedStep::name))
+      steps.push_back({"measure", 0.4 * points});
+    for (const PlannedOutput& output : outputs)
+      if (output.kind == OutputKind::Surface && output.level == level)
+        steps.push_back({"write", 0.6 * points});
+  }
+  if (!job.page.empty()) steps.push_back({"page", 8});
+  return steps;
+}
+
 JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Backend& backend,
                   const JobContext& context) {
   JobReport report;
@@ -48,23 +82,30 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   report.arguments = context.arguments;
   report.settings = job.settings;
   report.device = backend.description();
-  context.progress.begin_job(job.name);
+  context.progress.plan(steps_of(job, outputs));
   StagedFiles staged;
   PageJob page{.name = job.name};
   std::vector<std::byte> stdout_bytes;
   timed(report.timing.total, [&] {
     context.progress.update("read", 0);
     JobInput made = timed(report.timing.read, [&] { return read_job_input(job, report, context); });
-    timed(report.timing.check, [&] { prepare_input(made, report, context.console); });
+    timed(report.timing.check, [&] {
+      prepare_input(made, report, context.console);
+      warn_of_unused_settings(job, made, report, context.console);
+      const PolygonMesh& mesh = made.input.file.mesh;
+      if (!made.prepared) require_usable(mesh, made.input.name);
+      require_memory_for(mesh, *made.prepared, job.settings, outputs);
+    });
     const Fit result = fit_input(made, backend, report, context);
     stdout_bytes = write_outputs(
         {job, outputs, backend, context, made, result, report, staged, page.payloads});
   });
   report.host_peak_bytes = peak_host_bytes();
   report.device_bytes = backend.peak_device_bytes();
+  context.console.debug(details(report));
   write_report(job, report, staged);
   const std::string page_text = write_page(job, std::move(page), report, staged, context);
-  context.progress.finish();
+  context.console.clear_status();
   check_interrupt();
   if (!stdout_bytes.empty()) {
     write_stdout({reinterpret_cast<const char*>(stdout_bytes.data()), stdout_bytes.size()});

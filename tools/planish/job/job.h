@@ -20,10 +20,12 @@ namespace planish::command {
 struct Job {
   std::string name;                        ///< in messages and tables
   std::string input;                       ///< path, or "-" for stdin
-  std::optional<FileFormat> input_format;  ///< empty: by extension
+  std::optional<FileFormat> input_format;  ///< empty: by extension, else by content
   std::optional<Sampling> sampling;        ///< then the input is only what points are sampled from
   Settings settings;
   std::vector<OutputRequest> outputs;
+  /// Names of the settings that flags gave, for a warning where one has no effect.
+  std::vector<std::string> given_settings;
   std::string source;  ///< mesh that the surface is compared with; empty: the input
   std::string report;  ///< path, "-" for stdout, empty for none
   std::string page;    ///< the same
@@ -32,7 +34,7 @@ struct Job {
 /// What a job's steps share with the process around them.
 struct JobContext {
   Console& console;
-  Progress& progress;
+  JobProgress& progress;
   std::vector<std::string> arguments;  ///< argv, for the report
   PageOptions page;
   std::vector<PageJob>* page_jobs = nullptr;  ///< where set, what a page of all jobs needs
@@ -48,8 +50,8 @@ struct JobContext {
 JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Backend& backend,
                   const JobContext& context);
 
-/// Reads and checks the input as run_job() does and says on stdout what it would do.
-void describe_job(const Job& job, const std::vector<PlannedOutput>& outputs,
-                  const DeviceDescription& device);
+/// The steps that run_job() will report, for JobProgress::plan().
+[[nodiscard]] std::vector<PlannedStep> steps_of(const Job& job,
+                                                const std::vector<PlannedOutput>& outputs);
 
 }  // namespace planish::command

@@ -5,6 +5,7 @@
 
 #include "job/point_input.h"
 #include "job/prepare.h"
+#include "options/point_settings.h"
 #include "planish/core/error.h"
 #include "planish/mesh/check.h"
 #include "terminal/interrupt.h"
@@ -36,13 +37,13 @@ Callbacks callbacks_for(JobReport& report, const JobContext& context) {
 namespace {
 
 // The mesh of the file gives way to points of its surface.
-PointInput sample_input(const Job& job, const Callbacks& callbacks) {
+PointInput sample_input(const InputFile& file, const Sampling& sampling,
+                        const Callbacks& callbacks) {
   (void)require_mesher();  // before the work
-  const Input mesh = read_input(job.input, job.input_format);
+  const Input mesh = mesh_of(file);
   require_usable(mesh.file.mesh, mesh.name);
-  return {.name = mesh.name,
-          .cloud = sample_surface(mesh, *job.sampling, callbacks),
-          .sha256 = mesh.sha256};
+  return {
+      .name = mesh.name, .cloud = sample_surface(mesh, sampling, callbacks), .sha256 = mesh.sha256};
 }
 
 void reconstruct_points(const PointInput& cloud, JobInput& made, JobReport& report,
@@ -82,32 +83,28 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
   Console& console = context.console;
   JobInput made;
   Input& input = made.input;
+  const Callbacks callbacks = callbacks_for(report, context);
+  const InputFile file = load_input(job.input, job.input_format);
+  input.name = file.name;
+  report.input.format = name_of(file.format);
   if (job.sampling) {
-    const Callbacks callbacks = callbacks_for(report, context);
-    const PointInput cloud = sample_input(job, callbacks);
-    input.name = cloud.name;
-    input.sha256 = cloud.sha256;
-    report.input.format = name_of(input_format_of(job.input, job.input_format));
-    reconstruct_points(cloud, made, report, callbacks);
+    reconstruct_points(sample_input(file, *job.sampling, callbacks), made, report, callbacks);
     report.reconstruction["sampled"] = sampling_json(*job.sampling);
-  } else if (is_point_path(job.input, job.input_format)) {
-    const PointInput cloud = read_point_input(job.input);
-    input.name = cloud.name;
-    input.sha256 = cloud.sha256;
-    report.input.format = name_of(cloud.format);
-    reconstruct_points(cloud, made, report, callbacks_for(report, context));
+  } else if (holds_points_only(file.format)) {
+    reconstruct_points(points_of(file), made, report, callbacks);
   } else {
-    input = read_input(job.input, job.input_format);
+    input = mesh_of(file);
     report.input.format = name_of(input.file.format);
-    if (const auto cloud = points_of(input))
-      reconstruct_points(*cloud, made, report, callbacks_for(report, context));
+    if (const auto cloud = points_of(input)) reconstruct_points(*cloud, made, report, callbacks);
   }
   if (!job.source.empty()) made.source = read_source(job.source);
   for (const Warning& warning : input.file.warnings) add_warning(report, console, warning);
   report.input.path = job.input;
-  report.input.sha256 = input.sha256;
+  report.input.sha256 = file.sha256();
   report.input.welded = input.file.welded_vertex_count;
   report.input.dropped = input.file.dropped_element_count;
+  report.input.file_vertices = input.file.mesh.vertex_count();
+  report.input.file_faces = input.file.mesh.face_count();
   return made;
 }
 
@@ -128,6 +125,31 @@ void prepare_input(JobInput& made, JobReport& report, Console& console) {
     if (error.code() == ErrorCode::UnusableMesh) require_usable(input.file.mesh, input.name);
     throw;
   }
+}
+
+void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,
+                             Console& console) {
+  const bool is_fair = report.method == InterpolationMethod::Fair;
+  std::string unused;
+  std::int64_t count = 0;
+  const auto note = [&](std::string_view name) {
+    unused += (unused.empty() ? "" : ", ") + flag_of(name);
+    ++count;
+  };
+  for (const std::string& name : job.given_settings) {
+    const auto of_points = std::ranges::find(point_settings(), name, &PointSetting::name);
+    const bool without_points = made.points.empty() && of_points != point_settings().end();
+    const bool without_steps =
+        is_fair && (name == "solver" || name == "max_iterations" || name == "precision");
+    if (without_points || without_steps || (!is_fair && name == "polish")) note(name);
+  }
+  if (count == 0) return;
+  add_warning(report, console,
+              {"unused-settings",
+               made.input.name + ": without effect here: " + unused + " (the input is " +
+                   (made.points.empty() ? "a mesh" : "of points") + ", the method " +
+                   std::string(name_of(report.method)) + ")",
+               count, -1});
 }
 
 }  // namespace planish::command

@@ -37,4 +37,8 @@ struct JobInput {
 /// Error{UnusableMesh} naming the file.
 void prepare_input(JobInput& made, JobReport& report, Console& console);
 
+/// Warns "unused-settings" of flags that have no effect on what the input turned out to be.
+void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,
+                             Console& console);
+
 }  // namespace planish::command

@@ -2,9 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "output/digest.h"
+#include "job/input_path.h"
 #include "planish/core/error.h"
-#include "planish/files/read_file.h"
 #include "planish/files/read_points.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "report/report.h"
@@ -13,28 +12,24 @@
 namespace planish::command {
 
 bool is_point_path(const std::string& path, std::optional<FileFormat> format) {
-  const auto found = format_of(path);
-  return !format && found && holds_points_only(*found);
+  if (!format) format = format_of(path);
+  return format && holds_points_only(*format);
 }
 
 void require_readable(const std::string& path, std::optional<FileFormat> format) {
-  if (is_point_path(path, format)) {
-    (void)require_mesher();
-  } else {
-    (void)input_format_of(path, format);
-  }
+  require_input(path, format);
+  if (is_point_path(path, format)) (void)require_mesher();
 }
 
-PointInput read_point_input(const std::string& path) {
-  const auto format = format_of(path);
-  if (!format || !serves(*format, FormatUse::ReadPoints))
-    throw Error(ErrorCode::InvalidArgument, path + ": the extension names no format of points (" +
-                                                names_of(FormatUse::ReadPoints) + ")");
-  const RawVector<std::byte> bytes = read_file(path);
-  return {.name = path,
-          .cloud = read_points(bytes, path, *format),
-          .sha256 = sha256(bytes),
-          .format = *format};
+PointInput points_of(const InputFile& file) {
+  if (!serves(file.format, FormatUse::ReadPoints))
+    throw Error(ErrorCode::InvalidArgument, file.name + ": ." + std::string(name_of(file.format)) +
+                                                " is no format of points (" +
+                                                names_of(FormatUse::ReadPoints) + " are)");
+  return {.name = file.name,
+          .cloud = read_points(file.bytes, file.name, file.format),
+          .sha256 = file.sha256(),
+          .format = file.format};
 }
 
 std::optional<PointInput> points_of(const Input& input) {
@@ -48,7 +43,7 @@ std::optional<PointInput> points_of(const Input& input) {
 Mesher require_mesher() {
   auto program = find_mesher_program();
   if (!program)
-    throw Error(ErrorCode::InvalidArgument,
+    throw Error(ErrorCode::NoDevice,
                 "points need the program planish-reconstruct, which is not installed (a build "
                 "with CGAL makes it; it is found beside planish, on PATH or by "
                 "PLANISH_RECONSTRUCT); a polygon mesh needs none");

@@ -17,21 +17,22 @@ struct PointInput {
   FileFormat format = FileFormat::Ply;
 };
 
-/// Whether the extension is one that only points have: .xyz, .pts, .pcd.
+/// Whether the format, or the extension where none is given, is one that only points have: xyz,
+/// pts, pcd.
 [[nodiscard]] bool is_point_path(const std::string& path, std::optional<FileFormat> format);
 
-/// Throws what reading the path will throw for its extension and for a missing mesher; reads
-/// nothing.
+/// Throws what the path alone says is wrong (require_input()), and Error{NoDevice} for points
+/// without a mesher; reads nothing.
 void require_readable(const std::string& path, std::optional<FileFormat> format);
 
-/// Reads points by their extension. Throws Error{UnreadableInput}; Error{InvalidArgument} for an
-/// extension that is not read.
-[[nodiscard]] PointInput read_point_input(const std::string& path);
+/// The points in a loaded file. Throws Error{UnreadableInput}; Error{InvalidArgument} for a format
+/// that holds no points.
+[[nodiscard]] PointInput points_of(const InputFile& file);
 
 /// The points of a PLY file that has no faces; empty for a mesh.
 [[nodiscard]] std::optional<PointInput> points_of(const Input& input);
 
-/// The mesher that this installation has. Throws Error{InvalidArgument} where there is none.
+/// The mesher that this installation has. Throws Error{NoDevice} where there is none.
 [[nodiscard]] Mesher require_mesher();
 
 /// reconstruct() with errors that name the file.

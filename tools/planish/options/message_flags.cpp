@@ -1,9 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <utility>
+#include <vector>
 
 #include "commands.h"
+#include "options/nearest.h"
 #include "planish/core/error.h"
+#include "planish/core/visible_text.h"
 
 namespace planish::command {
 namespace {
@@ -23,19 +26,28 @@ constexpr std::array<std::pair<std::string_view, ProgressMode>, 5> kProgress{
      {"none", ProgressMode::None}}};
 
 template <class Words>
-std::vector<std::string> names_of(const Words& words) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : words) names.emplace_back(name);
-  return names;
-}
-
-// The flag's own check has let only known names through.
-template <class Words>
-auto value_of(const Words& words, std::string_view name) {
+auto value_of(const Words& words, std::string_view name, std::string_view flag) {
+  std::vector<std::string_view> texts;
+  std::string allowed;
   for (const auto& [known, value] : words) {
     if (known == name) return value;
+    texts.push_back(known);
+    allowed += (allowed.empty() ? "" : ", ") + std::string(known);
   }
-  return words.front().second;
+  throw Error(ErrorCode::InvalidArgument, std::string(flag) + ": \"" + visible(name) +
+                                              "\" is not one of " + allowed +
+                                              did_you_mean(name, texts));
+}
+
+// The value of the flag as it stands among arguments that nothing has parsed yet.
+std::string_view early_value(const std::vector<std::string>& arguments, const std::string& flag) {
+  std::string_view value;
+  for (std::size_t i = 1; i < arguments.size() && arguments[i] != "--"; ++i) {
+    if (arguments[i] == flag && i + 1 < arguments.size()) value = arguments[i + 1];
+    if (arguments[i].starts_with(flag + "="))
+      value = std::string_view(arguments[i]).substr(flag.size() + 1);
+  }
+  return value;
 }
 
 }  // namespace
@@ -43,19 +55,22 @@ auto value_of(const Words& words, std::string_view name) {
 void MessageFlags::add_to(CLI::App& command, bool with_progress) {
   const auto group = "Messages (on stderr)";
   command.add_flag("-q,--quiet", quiet, "errors only")->group(group);
-  command.add_flag("-v,--verbose", verbose, "more detail")->group(group);
+  command
+      .add_flag("-v,--verbose", verbose,
+                "more: bounds, threads, the error of every iteration, memory")
+      ->group(group);
   command.add_option("--log-level", log_level, "least weight that is shown [info]")
       ->type_name("error|warning|info|debug")
-      ->check(CLI::IsMember(names_of(kLevels)).description(""))
       ->group(group);
   command.add_option("--color", color, "auto: on a terminal, unless NO_COLOR is set [auto]")
       ->type_name("auto|always|never")
-      ->check(CLI::IsMember(names_of(kColors)).description(""))
       ->group(group);
   if (!with_progress) return;
-  command.add_option("--progress", progress, "auto: a bar on a terminal, else plain lines [auto]")
+  command
+      .add_option("--progress", progress,
+                  "auto: a bar on a terminal, else plain lines; json: every line on stderr is a "
+                  "JSON object [auto]")
       ->type_name("auto|bar|plain|json|none")
-      ->check(CLI::IsMember(names_of(kProgress)).description(""))
       ->group(group);
 }
 
@@ -65,11 +80,26 @@ LogLevel MessageFlags::level() const {
   }
   if (quiet) return LogLevel::Error;
   if (verbose) return LogLevel::Debug;
-  return value_of(kLevels, log_level);
+  return value_of(kLevels, log_level, "--log-level");
 }
 
-ColorMode MessageFlags::color_mode() const { return value_of(kColors, color); }
+ColorMode MessageFlags::color_mode() const { return value_of(kColors, color, "--color"); }
 
-ProgressMode MessageFlags::progress_mode() const { return value_of(kProgress, progress); }
+ProgressMode MessageFlags::progress_mode() const {
+  return value_of(kProgress, progress, "--progress");
+}
+
+MessageForm MessageFlags::form() const {
+  return progress_mode() == ProgressMode::Json ? MessageForm::Json : MessageForm::Text;
+}
+
+MessageStyle early_style(const std::vector<std::string>& arguments) {
+  MessageStyle style;
+  const std::string_view color = early_value(arguments, "--color");
+  for (const auto& [name, mode] : kColors)
+    if (name == color) style.color = mode;
+  if (early_value(arguments, "--progress") == "json") style.form = MessageForm::Json;
+  return style;
+}
 
 }  // namespace planish::command

@@ -25,6 +25,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return cost[a.size()][b.size()];
 }
 
+// Words are cut short, too: the shortest that goes on from it.
+std::optional<std::string_view> completed(std::string_view word,
+                                          std::span<const std::string_view> candidates) {
+  constexpr std::size_t kFewest = 2;  // letters
+  const std::size_t letters = word.size() - std::min(word.find_first_not_of('-'), word.size());
+  if (letters < kFewest) return std::nullopt;
+  std::optional<std::string_view> best;
+  for (const std::string_view candidate : candidates)
+    if (candidate.starts_with(word) && (!best || candidate.size() < best->size())) best = candidate;
+  return best;
+}
+
 }  // namespace
 
 std::optional<std::string_view> nearest(std::string_view word,
@@ -42,7 +54,7 @@ std::optional<std::string_view> nearest(std::string_view word,
       best_distance = distance;
     }
   }
-  return best;
+  return best ? best : completed(word, candidates);
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {

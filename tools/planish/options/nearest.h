@@ -8,8 +8,8 @@
 namespace planish::command {
 
 /// The candidate that `word` is most likely a slip of: fewest inserted, deleted, replaced or
-/// swapped letters, at most a third of its length (but 2 at least); empty when none is that near.
-/// Of equally near ones the first.
+/// swapped letters, at most a third of its length (but 2 at least). Of equally near ones the first.
+/// Else the shortest that `word` is the beginning of.
 [[nodiscard]] std::optional<std::string_view> nearest(std::string_view word,
                                                       std::span<const std::string_view> candidates);
 

@@ -7,12 +7,13 @@
 #include "options/nearest.h"
 #include "options/refuse.h"
 #include "planish/core/number_text.h"
+#include "planish/core/visible_text.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
 
-std::string shown(std::string_view value) { return "\"" + plain_utf8(value) + "\""; }
+std::string shown(std::string_view value) { return "\"" + visible(value) + "\""; }
 
 std::size_t choose(std::string_view value, std::string_view where,
                    const std::vector<std::string_view>& words) {

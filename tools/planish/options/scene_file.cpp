@@ -7,14 +7,15 @@
 
 #include "job/input.h"
 #include "job/point_input.h"
+#include "options/json_lines.h"
 #include "options/nearest.h"
 #include "options/point_settings.h"
 #include "options/refuse.h"
 #include "options/scene_values.h"
 #include "page/page_job.h"
 #include "planish/core/error.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
-#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -123,8 +124,7 @@ Sampling sampling_of(const Json& json, const std::string& where) {
     const std::string& pattern = text_of(json["pattern"], path("pattern"));
     sampling.poisson_disk = pattern == kPatterns[0];
     if (std::ranges::find(kPatterns, pattern) == kPatterns.end())
-      refuse(path("pattern"), "\"" + plain_utf8(pattern) +
-                                  "\" is not one of poisson-disk, uniform" +
+      refuse(path("pattern"), "\"" + visible(pattern) + "\" is not one of poisson-disk, uniform" +
                                   did_you_mean(pattern, kPatterns));
   }
   if (json.contains("seed"))
@@ -150,12 +150,13 @@ class JobParser {
     job.input = path_of(json["input"], key_path(where, "input"));
     job.name = std::filesystem::path(job.input).stem().string();
     if (json.contains("name")) job.name = text_of(json["name"], key_path(where, "name"));
+    job.name = visible(job.name);
     if (job.name.empty()) refuse(key_path(where, "name"), "is empty");
     if (json.contains("input_format")) {
       const std::string path = key_path(where, "input_format");
-      job.input_format = parse_mesh_format(text_of(json["input_format"], path), path);
+      job.input_format = parse_input_format(text_of(json["input_format"], path), path);
     }
-    require_readable(job.input, job.input_format);
+    if (is_point_path(job.input, job.input_format)) (void)require_mesher();
     if (json.contains("source")) job.source = path_of(json["source"], key_path(where, "source"));
     if (json.contains("sample")) {
       const std::string path = key_path(where, "sample");
@@ -190,10 +191,9 @@ class JobParser {
   }
 
   void parse_outputs(Job& job, const Json& json, const std::string& where) const {
-    if (!json.is_array()) refuse(where, std::string("a list is wanted, not ") + json.type_name());
-    for (std::size_t i = 0; i < json.size(); ++i) {
-      job.outputs.push_back(parse_output(json[i], entry_path(where, i), job.settings.levels));
-    }
+    for_entries(json, where, [&](const Json& output, const std::string& entry) {
+      job.outputs.push_back(parse_output(output, entry, job.settings.levels));
+    });
   }
 
   OutputRequest parse_output(const Json& json, const std::string& where,
@@ -209,7 +209,7 @@ class JobParser {
       constexpr std::array<std::string_view, 2> kKinds{"surface", "cage"};
       if (what == kKinds[1]) request.kind = OutputKind::Cage;
       if (std::ranges::find(kKinds, what) == kKinds.end()) {
-        refuse(path, "\"" + plain_utf8(what) + "\" is not one of surface, cage" +
+        refuse(path, "\"" + visible(what) + "\" is not one of surface, cage" +
                          did_you_mean(what, kKinds));
       }
     }
@@ -242,7 +242,7 @@ class StrictParse {
     if (event == Json::parse_event_t::key) {
       const std::string& key = parsed.get_ref<const std::string&>();
       if (!keys_.back().insert(key).second) {
-        refuse(name_, "the key \"" + plain_utf8(key) + "\" stands twice in an object");
+        refuse(name_, "the key \"" + visible(key) + "\" stands twice in an object");
       }
     }
     return true;
@@ -300,9 +300,10 @@ std::vector<std::string_view> scene_keys(SceneObject object) {
   return {};
 }
 
-std::vector<Job> parse_scene(std::string_view text, const std::string& name,
-                             const std::filesystem::path& folder) {
-  const Json scene = parse_json(text, name);
+namespace {
+
+std::vector<Job> jobs_of(const Json& scene, const std::string& name,
+                         const std::filesystem::path& folder) {
   check_keys(scene, SceneObject::Scene, name);
   if (!scene.contains("version")) refuse(name, "has no \"version\"; this planish reads version 1");
   if (scene["version"] != Json(1)) {
@@ -318,19 +319,45 @@ std::vector<Job> parse_scene(std::string_view text, const std::string& name,
   }
   const Json& list = scene["jobs"];
   const std::string where = key_path(name, "jobs");
-  if (!list.is_array()) refuse(where, std::string("a list is wanted, not ") + list.type_name());
-  if (list.empty()) refuse(where, "is empty");
+  if (list.is_array() && list.empty()) refuse(where, "is empty");
   const JobParser parser(defaults, folder);
   std::vector<Job> jobs;
   std::set<std::string> names;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    jobs.push_back(parser.parse(list[i], entry_path(where, i)));
+  for_entries(list, where, [&](const Json& json, const std::string& entry) {
+    jobs.push_back(parser.parse(json, entry));
     if (!names.insert(jobs.back().name).second) {
-      refuse(key_path(entry_path(where, i), "name"),
-             "\"" + plain_utf8(jobs.back().name) + "\" is the name of an earlier job");
+      refuse(key_path(entry, "name"), "\"" + jobs.back().name + "\" is the name of an earlier job");
     }
-  }
+  });
   return jobs;
+}
+
+// "scene.json: jobs[0].name: ..." with the line of that key, or of the nearest above it.
+std::string with_line(const std::string& message, const std::string& name, std::string_view text) {
+  const std::string head = name + ": ";
+  if (!message.starts_with(head)) return message;
+  std::string path = message.substr(head.size(), message.find(": ", head.size()) - head.size());
+  const auto lines = lines_of_json(text);
+  while (!path.empty()) {
+    const auto found = lines.find(path);
+    if (found != lines.end())
+      return name + ":" + std::to_string(found->second) + ": " + message.substr(head.size());
+    const std::size_t cut = path.find_last_of(".[");
+    path.resize(cut == std::string::npos ? 0 : cut);
+  }
+  return message;
+}
+
+}  // namespace
+
+std::vector<Job> parse_scene(std::string_view text, const std::string& name,
+                             const std::filesystem::path& folder) {
+  const Json scene = parse_json(text, name);
+  try {
+    return jobs_of(scene, name, folder);
+  } catch (const Error& error) {
+    throw Error(error.code(), with_line(error.what(), name, text), error.element());
+  }
 }
 
 std::vector<Job> read_scene_file(const std::filesystem::path& path) {
@@ -340,9 +367,23 @@ std::vector<Job> read_scene_file(const std::filesystem::path& path) {
   } catch (const Error& error) {
     throw Error(ErrorCode::InvalidArgument, error.what());
   }
-  return parse_scene({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path.string(),
+  return parse_scene({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, visible(path),
                      path.parent_path());
 }
+
+namespace {
+
+// "a, b and c", but not hundreds of them.
+std::string listed(const std::vector<std::string_view>& names) {
+  constexpr std::size_t kMost = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+    text += (i == 0 ? "" : ", ") + std::string(names[i]);
+  return names.size() > kMost ? text + ", and " + std::to_string(names.size() - kMost) + " more"
+                              : text;
+}
+
+}  // namespace
 
 std::vector<Job> select_jobs(std::vector<Job> jobs, const std::vector<std::string>& names) {
   if (names.empty()) return jobs;
@@ -350,8 +391,8 @@ std::vector<Job> select_jobs(std::vector<Job> jobs, const std::vector<std::strin
   for (const Job& job : jobs) known.push_back(job.name);
   for (const std::string& name : names) {
     if (std::ranges::find(known, name) == known.end()) {
-      refuse("the scene has no job \"" + plain_utf8(name) + "\"",
-             "it has " + std::to_string(jobs.size()) + " jobs" + did_you_mean(name, known));
+      refuse("the scene has no job \"" + visible(name) + "\"",
+             "it has " + listed(known) + did_you_mean(name, known));
     }
   }
   std::erase_if(jobs,

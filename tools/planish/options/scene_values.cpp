@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "options/refuse.h"
+#include "planish/core/visible_text.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -28,7 +29,7 @@ std::int64_t integer_of(const Json& json, const std::string& where) {
 std::string key_path(const std::string& where, std::string_view key) {
   // "scene.json" is followed by ": ", everything deeper by '.'.
   const bool top = where.find(": ") == std::string::npos;
-  return where + (top ? ": " : ".") + plain_utf8(key);
+  return where + (top ? ": " : ".") + visible(key);
 }
 
 std::string entry_path(const std::string& where, std::size_t index) {

@@ -6,6 +6,8 @@
 
 #include "options/nearest.h"
 #include "options/refuse.h"
+#include "planish/core/number_text.h"
+#include "planish/core/visible_text.h"
 #include "planish/mesh/detect_creases.h"
 #include "terminal/text.h"
 
@@ -45,6 +47,9 @@ constexpr std::array kSchemes{Word<Scheme>{"doo-sabin", Scheme::DooSabin},
                               Word<Scheme>{"loop", Scheme::Loop}};
 constexpr std::array kPresets{Word<bool>{"paper", true}};
 
+constexpr std::string_view kToleranceWanted =
+    "a fraction of the bounding-box diagonal above 0 and up to 1 is wanted, such as 1e-6";
+
 template <class Words>
 auto parse(const Words& words, std::string_view value, std::string_view where) {
   std::vector<std::string_view> texts;
@@ -54,8 +59,7 @@ auto parse(const Words& words, std::string_view value, std::string_view where) {
     texts.push_back(word.text);
     allowed += (allowed.empty() ? "" : ", ") + std::string(word.text);
   }
-  refuse(where,
-         "\"" + plain_utf8(value) + "\" is not one of " + allowed + did_you_mean(value, texts));
+  refuse(where, "\"" + visible(value) + "\" is not one of " + allowed + did_you_mean(value, texts));
 }
 
 template <class Words, class Value>
@@ -172,13 +176,25 @@ BoundaryRule parse_boundary(std::string_view value, std::string_view where) {
 
 CreaseChoice parse_creases(std::string_view value, std::string_view where) {
   if (value == "auto") return {true, CreaseDetectionOptions{}.dihedral_degrees};
-  if (!value.starts_with("auto:")) return {parse(kCreases, value, where), std::nullopt};
+  double angle = 0;
+  if (parse_number(value, angle)) {
+    refuse(where, "\"" + visible(value) +
+                      "\" is not one of use, ignore, auto:DEGREES; did you mean auto:" +
+                      visible(value) + "?");
+  }
+  if (!value.starts_with("auto:")) {
+    for (const auto& word : kCreases)
+      if (word.text == value) return {word.value, std::nullopt};
+    constexpr std::array<std::string_view, 3> kKnown{"use", "ignore", "auto"};
+    refuse(where, "\"" + visible(value) + "\" is not one of use, ignore, auto:DEGREES" +
+                      did_you_mean(value, kKnown));
+  }
   const std::string_view digits = value.substr(5);
   double degrees = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), degrees);
   const bool whole = error == std::errc() && end == digits.data() + digits.size();
   if (!whole || !(degrees >= 0 && degrees <= 180)) {
-    refuse(where, "\"" + plain_utf8(digits) + "\" is no angle of 0 to 180 degrees");
+    refuse(where, "\"" + visible(digits) + "\" is no angle of 0 to 180 degrees");
   }
   return {true, degrees};
 }
@@ -189,11 +205,22 @@ RepairChoice parse_repair(std::string_view value, std::string_view where) {
 
 void set_tolerance(Settings& settings, double value, std::string_view where) {
   if (!(value > 0 && value <= 1)) {
-    refuse(where, short_number(value) +
-                      " is out of range; a fraction of the bounding-box diagonal above 0 and up to "
-                      "1 is wanted, such as 1e-6");
+    refuse(where, short_number(value) + " is out of range; " + std::string(kToleranceWanted));
   }
   settings.tolerance = value;
+}
+
+void set_tolerance(Settings& settings, std::string_view text, std::string_view where) {
+  double value = 0;
+  if (!parse_number(text, value))
+    refuse(where, "\"" + visible(text) + "\" is no number; " + std::string(kToleranceWanted));
+  set_tolerance(settings, value, where);
+}
+
+std::int64_t parse_whole(std::string_view text, std::string_view where) {
+  std::int64_t value = 0;
+  if (!parse_integer(text, value)) refuse(where, "\"" + visible(text) + "\" is no whole number");
+  return value;
 }
 
 void set_max_iterations(Settings& settings, std::int64_t value, std::string_view where) {

@@ -66,8 +66,10 @@ struct WordSetting {
 /// In the order in which they have to be set: a preset first, so that others override it.
 [[nodiscard]] std::span<const WordSetting> word_settings();
 
-// Settings that are numbers; the same errors.
+// Settings that are numbers; the same errors. As text: of a flag.
 void set_tolerance(Settings& settings, double value, std::string_view where);
+void set_tolerance(Settings& settings, std::string_view text, std::string_view where);
+[[nodiscard]] std::int64_t parse_whole(std::string_view text, std::string_view where);
 void set_max_iterations(Settings& settings, std::int64_t value, std::string_view where);
 void set_polish_steps(Settings& settings, std::int64_t value, std::string_view where);
 /// Each 0 to kMaxLevel, none twice, at least one.

@@ -8,6 +8,7 @@
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/version.h"
+#include "planish/core/visible_text.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -24,8 +25,7 @@ double parse_tolerance(std::string_view value, const std::string& where) {
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
   const bool whole = error == std::errc() && end == value.data() + value.size();
   if (!whole || !std::isfinite(number) || number <= 0) {
-    throw Error(ErrorCode::InvalidArgument,
-                where + ": \"" + plain_utf8(value) + "\" is no tolerance");
+    throw Error(ErrorCode::InvalidArgument, where + ": \"" + visible(value) + "\" is no tolerance");
   }
   return number;
 }

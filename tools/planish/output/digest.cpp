@@ -2,6 +2,7 @@
 
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <memory>
@@ -10,6 +11,8 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
+#include "planish/core/stop.h"
+#include "planish/core/visible_text.h"
 
 namespace planish::command {
 struct Sha256::Context {
@@ -41,8 +44,12 @@ std::string Sha256::finish() {
 }
 
 std::string sha256(std::span<const std::byte> bytes) {
+  constexpr std::size_t kPiece = 1 << 20;  // between looks at interrupts
   Sha256 digest;
-  digest.add(bytes);
+  for (; !bytes.empty(); bytes = bytes.subspan(std::min(kPiece, bytes.size()))) {
+    check_stop();
+    digest.add(bytes.first(std::min(kPiece, bytes.size())));
+  }
   return digest.finish();
 }
 
@@ -52,11 +59,12 @@ FileDigest digest_of(const std::filesystem::path& path) {
   FileDigest result;
   std::vector<char> buffer(1 << 20);
   while (file) {
+    check_stop();
     file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
     digest.add(std::as_bytes(std::span(buffer).first(static_cast<std::size_t>(file.gcount()))));
     result.bytes += static_cast<std::uint64_t>(file.gcount());
   }
-  if (!file.eof()) throw Error(ErrorCode::UnreadableInput, path.string() + ": cannot be read back");
+  if (!file.eof()) throw Error(ErrorCode::UnreadableInput, visible(path) + ": cannot be read back");
   result.sha256 = digest.finish();
   return result;
 }

@@ -73,6 +73,7 @@ void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& 
 JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level) {
   return timed(work.report.timing.evaluate, [&] {
     JobLevel made = surface.level(level);
+    work.context.progress.update("measure", 0);
     measure_surface(work.made, work.fitted, made, work.report, work.context);
     return made;
   });
@@ -82,6 +83,7 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
                const SurfaceOutputOptions& options, WrittenOutput& written,
                std::vector<std::byte>& stdout_bytes) {
   check_interrupt();
+  work.context.progress.update("write", 0);
   timed(work.report.timing.write, [&] {
     std::filesystem::path target;
     if (!planned.to_stdout) target = work.staged.stage(planned.path);

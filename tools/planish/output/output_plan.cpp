@@ -2,8 +2,11 @@
 
 #include <unistd.h>
 
+#include "job/input_path.h"
 #include "options/refuse.h"
 #include "planish/core/error.h"
+#include "planish/core/visible_text.h"
+#include "terminal/console.h"
 
 namespace planish::command {
 namespace {
@@ -15,8 +18,10 @@ FileFormat format_for(const OutputRequest& request) {
   const bool cage = request.kind == OutputKind::Cage;
   const FormatUse use = cage ? FormatUse::WriteCage : FormatUse::WriteSurface;
   if (!format || !serves(*format, use)) {
-    refuse(request.where, request.path + ": a " + (cage ? "cage" : "surface") + " is written as " +
-                              extensions_in_words(use));
+    const std::string converter = cage ? "" : conversion_from_glb(request.path);
+    refuse(request.where, visible(request.path) + ": a " + (cage ? "cage" : "surface") +
+                              " is written as " + extensions_in_words(use) +
+                              (converter.empty() ? "" : "; " + converter));
   }
   return *format;
 }
@@ -28,29 +33,37 @@ fs::path resolved(const fs::path& path) {
   return error ? fs::absolute(path).lexically_normal() : result;
 }
 
-void require_writable_folder(const fs::path& path, std::string_view where, bool create_folders) {
+// The folder that has to be there: the path's own, or the first above it that exists where the
+// others will be made.
+fs::path folder_needed(const fs::path& path, bool create_folders) {
   fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   std::error_code error;
   while (create_folders && !fs::exists(folder, error) && folder.has_parent_path() &&
          folder != folder.parent_path()) {
     folder = folder.parent_path();
   }
-  if (!fs::is_directory(folder, error) && create_folders && !folder.has_parent_path() &&
-      !fs::exists(folder, error)) {
-    folder = ".";
-  }
-  const std::string subject = std::string(where) + ": " + path.string() + ": ";
-  if (!fs::is_directory(folder, error)) {
-    throw Error(ErrorCode::UnwritableOutput,
-                subject + "there is no folder " + folder.string() + "; make it first");
-  }
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw Error(ErrorCode::UnwritableOutput,
-                subject + "the folder " + folder.string() + " is not writable");
-  }
+  const bool is_new = create_folders && !folder.has_parent_path() && !fs::exists(folder, error);
+  return is_new ? fs::path(".") : folder;
 }
 
 }  // namespace
+
+void PathClaims::refuse_place(const fs::path& path, std::string_view where,
+                              const std::string& what) {
+  if (!rules_.only_note)
+    throw Error(ErrorCode::UnwritableOutput, std::string(where) + ": " + visible(path) + what);
+  refusals_.emplace(resolved(path), visible(path) + what);
+}
+
+void PathClaims::check_folder(const fs::path& path, std::string_view where) {
+  const fs::path folder = folder_needed(path, rules_.create_folders);
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    refuse_place(path, where, ": there is no folder " + visible(folder) + "; make it first");
+  } else if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    refuse_place(path, where, ": the folder " + visible(folder) + " is not writable");
+  }
+}
 
 void PathClaims::add_input(const fs::path& path) {
   if (path != "-") inputs_.insert(resolved(path));
@@ -63,14 +76,27 @@ void PathClaims::add_output(const fs::path& path, std::string_view where) {
   }
   if (path.empty()) refuse(where, "the path is empty");
   const fs::path target = resolved(path);
-  if (inputs_.contains(target)) refuse(where, path.string() + " is the input as well");
-  if (!outputs_.insert(target).second) refuse(where, path.string() + " is written twice");
+  if (inputs_.contains(target)) refuse(where, visible(path) + " is the input as well");
+  if (!outputs_.insert(target).second) refuse(where, visible(path) + " is written twice");
   std::error_code error;
-  if (fs::is_directory(path, error)) refuse(where, path.string() + " is a folder");
-  if (!rules_.overwrite && fs::exists(fs::symlink_status(path, error))) {
-    refuse(where, path.string() + " exists; --force overwrites it");
+  if (fs::is_directory(path, error)) {
+    refuse_place(path, where, " is a folder");
+  } else if (!rules_.overwrite && fs::exists(fs::symlink_status(path, error))) {
+    refuse_place(path, where, " exists; --force overwrites it");
+  } else {
+    check_folder(path, where);
   }
-  require_writable_folder(path, where, rules_.create_folders);
+}
+
+void PathClaims::add_report(const fs::path& path, std::string_view where) {
+  if (path != "-" && path.extension() != ".json")
+    refuse(where, visible(path) + ": a report is JSON, and its name ends in .json");
+  add_output(path, where);
+}
+
+std::string PathClaims::refusal(const fs::path& path) const {
+  const auto found = refusals_.find(resolved(path));
+  return found == refusals_.end() ? std::string() : found->second;
 }
 
 void require_attribute_formats(const std::vector<PlannedOutput>& outputs) {
@@ -91,6 +117,10 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
   if (request.path == "-") {
     if (request.kind == OutputKind::Cage) refuse(request.where, "a cage needs a file");
     if (several) refuse(request.where, "stdout takes one level only");
+    if (stdout_is_terminal())
+      refuse(
+          request.where,
+          "a GLB is not written to a terminal; name a file, or send stdout somewhere: > out.glb");
     claims.add_output("-", request.where);
     return {{"-", OutputKind::Surface, FileFormat::Glb, request.levels.at(0), true}};
   }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "planish/files/formats.h"
@@ -31,27 +33,41 @@ struct PlannedOutput {
 struct PathRules {
   bool overwrite = false;       ///< existing files may be replaced
   bool create_folders = false;  ///< missing folders are made when files are written
+  bool only_note = false;       ///< what cannot be written is noted, not thrown: for a dry run
 };
 
-/// All paths of a process, so that no file is written twice or over an input.
+/// All paths of a process, so that no file is written twice or over an input. One rule for what an
+/// output meets on the disk: a file that exists, a folder in its place, a folder that is missing or
+/// not writable are all Error{UnwritableOutput}. What is wrong with the request itself (written
+/// twice, over the input) is Error{InvalidArgument}.
 class PathClaims {
  public:
   explicit PathClaims(PathRules rules) : rules_(rules) {}
 
   void add_input(const std::filesystem::path& path);
-  /// "-" claims stdout. Throws Error{InvalidArgument} for a path that is taken, an input, a folder
-  /// or an existing file without leave to overwrite; Error{UnwritableOutput} for a folder that is
-  /// missing or not writable. Only looks, creates nothing.
+  /// "-" claims stdout, which may be a terminal only for text. Throws as above. Only looks, creates
+  /// nothing.
   void add_output(const std::filesystem::path& path, std::string_view where);
+  /// A report: a path that ends in .json, or "-".
+  void add_report(const std::filesystem::path& path, std::string_view where);
+
+  /// Why the path would be refused; empty where it would not, or where nothing is only noted.
+  [[nodiscard]] std::string refusal(const std::filesystem::path& path) const;
+  [[nodiscard]] bool any_refused() const { return !refusals_.empty(); }
 
  private:
+  void refuse_place(const std::filesystem::path& path, std::string_view where,
+                    const std::string& what);
+  void check_folder(const std::filesystem::path& path, std::string_view where);
+
   PathRules rules_;
   std::set<std::filesystem::path> inputs_, outputs_;
+  std::map<std::filesystem::path, std::string> refusals_;
 };
 
 /// The files that a request becomes: NAME.glb, or NAME_LOD0.glb, NAME_LOD1.glb... in the order of
 /// the levels. Claims each. Throws as PathClaims, and Error{InvalidArgument} for an extension that
-/// is not written or several levels to stdout.
+/// is not written, several levels to stdout or bytes to a terminal.
 [[nodiscard]] std::vector<PlannedOutput> plan_output(const OutputRequest& request,
                                                      PathClaims& claims);
 

@@ -62,6 +62,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   written.kind = planned.kind;
   written.level = info.level;
   written.vertices = info.row_count;
+  written.faces = info.face_count;
   written.quads = info.face_offsets.empty() ? info.face_count : 0;
   written.triangles = info.corner_count - 2 * info.face_count;
   const bool is_gltf = info_of(planned.format).is_gltf;

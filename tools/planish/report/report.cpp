@@ -31,6 +31,8 @@ OrderedJson input_json(const InputFacts& input) {
   json["welded"] = input.welded;
   json["dropped"] = input.dropped;
   json["changed_faces"] = input.changed_faces;
+  json["file_vertices"] = input.file_vertices;
+  json["file_faces"] = input.file_faces;
   return json;
 }
 

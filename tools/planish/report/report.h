@@ -25,6 +25,7 @@ struct WrittenOutput {
   std::uint64_t bytes = 0;  ///< a .gltf counts its .bin
   std::string sha256;       ///< of the file named by path
   std::int64_t vertices = 0, quads = 0, triangles = 0;
+  std::int64_t faces = 0;  ///< of any size
   /// Largest distance of a given vertex from its place on the surface that the file describes,
   /// recomputed in double from the numbers in the file; a fraction of the diagonal.
   double as_written_error = 0;
@@ -42,6 +43,8 @@ struct InputFacts {
   std::int32_t sharp_edges = 0, corners = 0;
   std::vector<std::int32_t> changed_faces;  ///< by repair; the file's indices
   std::int64_t welded = 0, dropped = 0;
+  /// The file's own, or the reconstruction's, before mending; `statistics` has those after it.
+  std::int64_t file_vertices = 0, file_faces = 0;
 };
 
 /// The fair method's own figures, see FairNet.
@@ -97,6 +100,11 @@ struct JobReport {
 
 /// {"3": 20, "4": 1}: the non-zero entries of a histogram.
 [[nodiscard]] nlohmann::ordered_json histogram_json(const std::vector<std::int64_t>& counts);
+
+/// "1,148 vertices, 1,254 after separating sheets, 2,200 faces": the file's own counts, with what
+/// mending made of them where that differs.
+[[nodiscard]] std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces,
+                                      std::int64_t vertices, std::int64_t faces);
 
 /// A few aligned lines for people.
 [[nodiscard]] std::string summary(const JobReport& report);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "planish/core/visible_text.h"
 #include "report/report.h"
 #include "terminal/text.h"
 
@@ -32,14 +33,12 @@ std::string timing_line(const JobTiming& timing) {
 }
 
 std::string output_line(const WrittenOutput& output, std::size_t path_width) {
-  std::string line = output.path == "-" ? "stdout" : output.path;
+  std::string line = output.path == "-" ? "stdout" : visible(output.path);
   line.resize(std::max(line.size(), path_width), ' ');
   line += "  " + byte_size(output.bytes) + ", ";
   if (output.kind == OutputKind::Cage) return line + "control cage";
-  line += "level " + std::to_string(output.level) + ", " + counted(output.vertices, "vertice");
-  // The only plural that is not the singular and an s.
-  if (output.vertices == 1) line.replace(line.rfind("vertice"), 7, "vertex");
-  if (output.level == 0) return line;
+  line += "level " + std::to_string(output.level) + ", " + counted(output.vertices, "vertex");
+  if (output.level == 0) return line + ", " + counted(output.faces, "face");
   return line + ", " +
          (output.quads > 0 ? counted(output.quads, "quad") : counted(output.triangles, "triangle"));
 }
@@ -62,21 +61,39 @@ std::string method_line(const JobReport& report) {
   return line;
 }
 
+// Rounding noise of flat surfaces is nothing to read.
+std::string angle_text(double degrees) {
+  constexpr double kNoise = 1e-6;
+  return degrees < kNoise ? "0" : short_number(degrees);
+}
+
 std::string quality_line(const MeasuredSurface& surface) {
   const SurfaceQuality& quality = surface.quality;
   return "  surface     " + short_number(quality.folded_area * 100) + " % folded, normals off by " +
-         short_number(quality.rms_normal_deviation) + " degrees rms from " +
+         angle_text(quality.rms_normal_deviation) + " degrees rms from " +
          (surface.reference.empty() ? "the input's faces" : surface.reference);
 }
 
 }  // namespace
 
+std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces, std::int64_t vertices,
+                        std::int64_t faces) {
+  std::string text = counted(file_vertices, "vertex");
+  if (vertices != file_vertices)
+    text += ", " + with_separators(vertices) +
+            (vertices > file_vertices ? " after separating sheets" : " after mending");
+  text += ", " + counted(file_faces, "face");
+  if (faces != file_faces) text += ", " + with_separators(faces) + " after mending";
+  return text;
+}
+
 std::string summary(const JobReport& report) {
   const Interpolation& result = report.interpolation;
   const MeshStatistics& statistics = report.input.statistics;
-  std::string text = report.input.path + ": " + with_separators(statistics.vertex_count) +
-                     " vertices, " + with_separators(statistics.face_count) + " faces (" +
-                     shape_of(statistics) + ")\n";
+  std::string text = (report.input.path == "-" ? "stdin" : visible(report.input.path)) + ": " +
+                     counts_text(report.input.file_vertices, report.input.file_faces,
+                                 statistics.vertex_count, statistics.face_count) +
+                     " (" + shape_of(statistics) + ")\n";
   text += report.reconstruction_summary;
   if (report.point_distances)
     text += "  points      farthest " + short_number(report.point_distances->max) + ", rms " +
@@ -89,7 +106,7 @@ std::string summary(const JobReport& report) {
   text += "  time        " + timing_line(report.timing) + "\n";
   std::size_t path_width = 0;
   for (const WrittenOutput& output : report.outputs) {
-    path_width = std::max(path_width, output.path.size());
+    path_width = std::max(path_width, visible(output.path).size());
   }
   const char* label = "  wrote       ";
   for (const WrittenOutput& output : report.outputs) {
@@ -97,7 +114,7 @@ std::string summary(const JobReport& report) {
     label = "              ";
   }
   if (!report.page.path.empty()) {
-    text += label + (report.page.path == "-" ? "stdout" : report.page.path) + "  " +
+    text += label + (report.page.path == "-" ? "stdout" : visible(report.page.path)) + "  " +
             byte_size(report.page.bytes) + ", page\n";
   }
   text.pop_back();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -7,12 +8,24 @@ namespace planish::command {
 
 enum class LogLevel { Error, Warning, Info, Debug };
 enum class ColorMode { Auto, Always, Never };
+/// Json: every message is a line `{"level":...,"message":...}`, so that a program which reads the
+/// progress as JSON meets nothing else.
+enum class MessageForm { Text, Json };
+
+/// How messages look, as far as it is known before arguments are parsed.
+struct MessageStyle {
+  ColorMode color = ColorMode::Auto;
+  MessageForm form = MessageForm::Text;
+};
 
 /// Messages for people, all on stderr. One status line may stand below them on a terminal; it is
-/// taken away before a message and drawn again by its owner. A closed stderr is no error.
+/// taken away before a message and drawn again by its owner. A closed stderr is no error. What a
+/// terminal would obey in a message is shown instead, see visible_lines(); who puts a name from
+/// outside into a message cleans it by visible(), line ends included. May be used by several
+/// threads.
 class Console {
  public:
-  Console(LogLevel level, ColorMode color);
+  Console(LogLevel level, ColorMode color, MessageForm form = MessageForm::Text);
   ~Console() { clear_status(); }
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -31,15 +44,31 @@ class Console {
   [[nodiscard]] LogLevel level() const { return level_; }
 
  private:
-  void labelled(std::string_view color, std::string_view label, std::string_view text);
+  void say(std::string_view level, std::string_view color, std::string_view text);
+  void write_line(std::string line);
 
   LogLevel level_;
+  MessageForm form_;
   bool terminal_;
   bool color_;
+  std::mutex mutex_;
   bool status_shown_ = false;
 };
 
-/// Writes to stdout and flushes. Throws Error{UnwritableOutput}, a broken pipe included.
-void write_stdout(std::string_view text);
+/// Nobody reads stdout any more. No Error: the process ends by SIGPIPE, without a word, as other
+/// filters do.
+struct BrokenPipe {};
+
+/// Writes bytes to stdout and flushes. Throws Error{UnwritableOutput}, or BrokenPipe.
+void write_stdout(std::string_view bytes);
+
+/// The same with a text for people, in which what a terminal would obey is shown instead.
+void write_text(std::string_view text);
+
+/// Whether stdout is a terminal.
+[[nodiscard]] bool stdout_is_terminal();
+
+/// Columns of the terminal on stdout; 80 where it is none.
+[[nodiscard]] int stdout_columns();
 
 }  // namespace planish::command

@@ -1,5 +1,6 @@
 #include "terminal/devices_text.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "report/report.h"
@@ -7,6 +8,26 @@
 #include "terminal/text.h"
 
 namespace planish::command {
+
+namespace {
+
+// "0: 30.9 GiB of memory, buffers to 128.0 MiB, ...": the names of the limits as words.
+std::string limits_line(const ListedDevice& device) {
+  std::string text = device.selector + ":";
+  const char* separator = " ";
+  for (const auto& [name, value] : device.limits) {
+    constexpr std::string_view kBytes = "_bytes";
+    const bool is_bytes = name.ends_with(kBytes);
+    std::string words = is_bytes ? name.substr(0, name.size() - kBytes.size()) : name;
+    std::ranges::replace(words, '_', ' ');
+    text += separator + words + " " +
+            (is_bytes ? byte_size(value) : with_separators(static_cast<std::int64_t>(value)));
+    separator = ", ";
+  }
+  return text;
+}
+
+}  // namespace
 
 std::string devices_json(const DeviceList& list, std::size_t automatic) {
   nlohmann::ordered_json json;
@@ -46,10 +67,7 @@ std::string devices_table(const DeviceList& list, std::size_t automatic) {
   }
   std::string text = table.text();
   for (const ListedDevice& device : devices) {
-    for (const auto& [name, value] : device.limits) {
-      text += device.selector + ": " + name + " " +
-              with_separators(static_cast<std::int64_t>(value)) + "\n";
-    }
+    if (!device.limits.empty()) text += limits_line(device) + "\n";
     if (device.portability_subset)
       text += device.selector + ": a layer over another API (VK_KHR_portability_subset)\n";
     for (const std::string& feature : device.missing)

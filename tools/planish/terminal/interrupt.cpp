@@ -1,19 +1,75 @@
 #include "terminal/interrupt.h"
 
+#include <semaphore.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <set>
+#include <thread>
 
 #include "planish/core/error.h"
+#include "terminal/console.h"
+#include "terminal/exit_codes.h"
 
 namespace planish::command {
 namespace {
 
-volatile std::sig_atomic_t noted_signal = 0;
+// Never destroyed: the waiting thread outlives main().
+struct Watch {
+  std::atomic<bool> is_ending = false;
+  std::mutex moving;
+  std::mutex mutex;  // of folders
+  std::set<std::filesystem::path> folders;
+};
 
-extern "C" void note_signal(int signal) { noted_signal = signal; }
+Watch& watch() {
+  static auto* const instance = new Watch;
+  return *instance;
+}
+
+volatile std::sig_atomic_t noted_signal = 0;
+StopFlag stop = false;
+sem_t signalled;
+MessageStyle ending_style;
+
+extern "C" void note_signal(int signal) {
+  noted_signal = signal;
+  stop = true;
+  sem_post(&signalled);
+}
+
+// For work that does not come to its next check soon enough.
+[[noreturn]] void end_for_good() {
+  const auto lock = while_files_move();
+  if (watch().is_ending.exchange(true)) {
+    for (;;) ::pause();
+  }
+  std::error_code ignored;
+  const std::scoped_lock folders_lock(watch().mutex);
+  for (const auto& folder : watch().folders) std::filesystem::remove_all(folder, ignored);
+  Console console(LogLevel::Error, ending_style.color, ending_style.form);
+  if (console.is_terminal()) console.status("");
+  console.error("interrupted; no partial file is left");
+  std::_Exit(static_cast<int>(exit_code_of(ErrorCode::Cancelled)));
+}
+
+void wait_for_signal() {
+  while (sem_wait(&signalled) != 0) {
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(kPatienceMilliseconds));
+  end_for_good();
+}
 
 }  // namespace
 
-void install_signal_handlers() {
+void install_signal_handlers(MessageStyle style) {
+  ending_style = style;
+  sem_init(&signalled, 0, 0);
+  (void)watch();
+  std::thread(wait_for_signal).detach();
   struct sigaction action {};
   action.sa_handler = note_signal;
   sigemptyset(&action.sa_mask);
@@ -27,8 +83,27 @@ void install_signal_handlers() {
 
 int interrupt_signal() { return noted_signal; }
 
+const StopFlag& interrupt_flag() { return stop; }
+
 void check_interrupt() {
   if (noted_signal != 0) throw Error(ErrorCode::Cancelled, "interrupted");
 }
+
+void claim_end() {
+  if (!watch().is_ending.exchange(true)) return;
+  for (;;) ::pause();
+}
+
+void add_temporary_folder(const std::filesystem::path& folder) {
+  const std::scoped_lock lock(watch().mutex);
+  watch().folders.insert(folder);
+}
+
+void forget_temporary_folder(const std::filesystem::path& folder) {
+  const std::scoped_lock lock(watch().mutex);
+  watch().folders.erase(folder);
+}
+
+std::unique_lock<std::mutex> while_files_move() { return std::unique_lock(watch().moving); }
 
 }  // namespace planish::command

@@ -11,6 +11,7 @@ namespace {
 constexpr double kPlainInterval = 10.0;  // seconds; logs stay short
 constexpr double kBarInterval = 0.05;    // faster than this nobody sees
 constexpr int kBarWidth = 24;
+constexpr double kShareToTell = 0.05;  // of the job, before which an estimate is a guess
 
 double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -24,64 +25,119 @@ ProgressMode resolve(ProgressMode mode, const Console& console) {
 
 int percent_of(double fraction) { return static_cast<int>(std::floor(fraction * 100)); }
 
+// Seconds that are left; negative where they cannot be told yet.
+double seconds_left(double share, double seconds) {
+  return share < kShareToTell ? -1 : seconds * (1 - share) / share;
+}
+
+std::string left_text(double share, double seconds) {
+  const double left = seconds_left(share, seconds);
+  if (left < 0) return {};
+  const auto whole = static_cast<long>(std::lround(left));
+  if (whole < 100) return ", " + std::to_string(whole) + " s left";
+  return ", " + std::to_string((whole + 30) / 60) + " min left";
+}
+
 }  // namespace
 
-Progress::Progress(Console& console, ProgressMode mode, Clock clock)
+Progress::Progress(Console& console, ProgressMode mode, Clock clock, int job_count)
     : console_(console),
       mode_(resolve(mode, console)),
       clock_(clock ? std::move(clock) : Clock(steady_seconds)),
-      last_shown_(clock_()) {}
+      job_count_(job_count),
+      last_bar_(clock_()) {}
 
-void Progress::begin_job(std::string_view name) {
-  job_ = name;
-  step_.clear();
-  json_step_.clear();
-  json_percent_ = -1;
-}
-
-void Progress::update(std::string_view step, double fraction) {
-  step_ = step;
-  fraction_ = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
+void Progress::show(JobProgress& job) {
+  const std::scoped_lock lock(mutex_);
   const double now = clock_();
   switch (mode_) {
     case ProgressMode::Bar:
-      return draw_bar(now);
+      return draw_bar(job, now);
     case ProgressMode::Plain:
-      return write_plain(now);
+      return write_plain(job, now);
     case ProgressMode::Json:
-      return write_json();
+      return write_json(job, now);
     case ProgressMode::Auto:
     case ProgressMode::None:
       return;
   }
 }
 
-void Progress::draw_bar(double now) {
-  if (now - last_shown_ < kBarInterval) return;
-  last_shown_ = now;
-  const int filled = static_cast<int>(std::lround(fraction_ * kBarWidth));
-  std::string line = job_ + "  [" + std::string(filled, '#') +
-                     std::string(kBarWidth - filled, '.') + "]  " +
-                     std::to_string(percent_of(fraction_)) + "%  " + step_;
+void Progress::draw_bar(JobProgress& job, double now) {
+  if (now - last_bar_ < kBarInterval) return;
+  last_bar_ = now;
+  const int filled = static_cast<int>(std::lround(job.share_ * kBarWidth));
+  std::string line;
+  if (job_count_ > 1) line = std::to_string(job.number_) + "/" + std::to_string(job_count_) + " ";
+  line += job.name_ + "  [" + std::string(filled, '#') + std::string(kBarWidth - filled, '.') +
+          "]  " + std::to_string(percent_of(job.share_)) + "%  " + job.step_ +
+          left_text(job.share_, now - job.begun_);
   console_.status(line);
 }
 
-void Progress::write_plain(double now) {
-  if (now - last_shown_ < kPlainInterval) return;
-  last_shown_ = now;
-  console_.raw(job_ + ": " + step_ + " " + std::to_string(percent_of(fraction_)) + "%");
+void Progress::write_plain(JobProgress& job, double now) {
+  if (now - job.last_plain_ < kPlainInterval) return;
+  job.last_plain_ = now;
+  console_.raw(job.name_ + ": " + std::to_string(percent_of(job.share_)) + "%, " + job.step_ +
+               left_text(job.share_, now - job.begun_));
 }
 
-void Progress::write_json() {
-  const int percent = percent_of(fraction_);
-  if (step_ == json_step_ && percent == json_percent_) return;
-  json_step_ = step_;
-  json_percent_ = percent;
+void Progress::write_json(JobProgress& job, double now) {
+  const int percent = percent_of(job.fraction_);
+  if (job.step_ == job.json_step_ && percent == job.json_percent_) return;
+  job.json_step_ = job.step_;
+  job.json_percent_ = percent;
+  const double seconds = now - job.begun_;
+  const double left = seconds_left(job.share_, seconds);
+  const auto rounded = [](double value) { return std::round(value * 1000) / 1000; };
   nlohmann::ordered_json line;
-  line["job"] = job_;
-  line["step"] = step_;
-  line["fraction"] = fraction_;
-  console_.raw(line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  line["job"] = job.name_;
+  line["step"] = job.step_;
+  line["fraction"] = job.fraction_;
+  line["number"] = job.number_;
+  line["jobs"] = job_count_;
+  line["share"] = rounded(job.share_);
+  line["seconds"] = rounded(seconds);
+  line["seconds_left"] =
+      left < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(rounded(left));
+  console_.raw(line.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+}
+
+JobProgress::JobProgress(Progress& progress, std::string_view name, int number)
+    : progress_(progress),
+      name_(name),
+      number_(number),
+      begun_(progress.clock_()),
+      last_plain_(begun_) {}
+
+void JobProgress::plan(std::vector<PlannedStep> steps) { steps_ = std::move(steps); }
+
+// A step comes again for every level: one that starts anew is the next of its name.
+void JobProgress::advance() {
+  if (steps_.empty()) {
+    share_ = fraction_;
+    return;
+  }
+  const auto from = steps_.begin() + static_cast<std::ptrdiff_t>(std::min(place_, steps_.size()));
+  const auto found = std::ranges::find(from, steps_.end(), step_, &PlannedStep::name);
+  if (found == steps_.end()) return;
+  place_ = static_cast<std::size_t>(found - steps_.begin());
+  double before = 0, all = 0;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    if (i < place_) before += steps_[i].weight;
+    all += steps_[i].weight;
+  }
+  const double share = (before + fraction_ * steps_[place_].weight) / all;
+  share_ = std::clamp(share, share_, 1.0);
+}
+
+void JobProgress::update(std::string_view step, double fraction) {
+  const double sane = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
+  if (step == step_ && sane < fraction_) ++place_;
+  step_ = step;
+  fraction_ = sane;
+  advance();
+  progress_.show(*this);
 }
 
 }  // namespace planish::command

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <functional>
+#include <mutex>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "terminal/console.h"
 
@@ -10,33 +12,70 @@ namespace planish::command {
 
 enum class ProgressMode { Auto, Bar, Plain, Json, None };
 
+class JobProgress;
+
+/// A step of a job and how long it takes beside the others, in any unit.
+struct PlannedStep {
+  std::string name;
+  double weight = 1;
+};
+
 /// Shows how far the work is, on stderr: a bar that is redrawn in place; or plain lines, at most
-/// one every 10 seconds; or JSON lines `{"job":...,"step":...,"fraction":...}`, one per step and
-/// per percent. Auto: the bar on a terminal, else plain lines; nothing where messages are off.
+/// one every 10 seconds a job; or JSON lines, one per step and per percent of it:
+/// `{"job":"goblet","step":"solve","fraction":0.5,"number":1,"jobs":1,"share":0.3,"seconds":1.2,
+/// "seconds_left":2.8}`: `fraction` of the step and `share` of the whole job, the job's number
+/// among all, seconds since it began and an estimate of those left (null before it can be told).
+/// Auto: the bar on a terminal, else plain lines; nothing where messages are off. Several threads
+/// may report, each on a job of its own.
 class Progress {
  public:
   /// Seconds since any fixed moment.
   using Clock = std::function<double()>;
 
-  Progress(Console& console, ProgressMode mode, Clock clock = {});
+  Progress(Console& console, ProgressMode mode, Clock clock = {}, int job_count = 1);
 
-  /// The name that the next updates belong to.
-  void begin_job(std::string_view name);
-  void update(std::string_view step, double fraction);
   void finish() { console_.clear_status(); }
 
  private:
-  void draw_bar(double now);
-  void write_plain(double now);
-  void write_json();
+  friend class JobProgress;
+  void show(JobProgress& job);
+  void draw_bar(JobProgress& job, double now);
+  void write_plain(JobProgress& job, double now);
+  void write_json(JobProgress& job, double now);
 
   Console& console_;
   ProgressMode mode_;
   Clock clock_;
-  std::string job_, step_;
-  double fraction_ = 0;
-  double last_shown_;      ///< time of the last bar or plain line
-  std::string json_step_;  ///< the last JSON line's step and percent
+  int job_count_;
+  std::mutex mutex_;
+  double last_bar_;  ///< when it was drawn
+};
+
+/// How far one job is.
+class JobProgress {
+ public:
+  /// `number` counts from 1.
+  JobProgress(Progress& progress, std::string_view name, int number = 1);
+
+  /// The steps to come, in their order; a step that is not among them counts for nothing.
+  void plan(std::vector<PlannedStep> steps);
+  void update(std::string_view step, double fraction);
+  /// Of the whole job, 0 to 1; never falls.
+  [[nodiscard]] double share() const { return share_; }
+
+ private:
+  friend class Progress;
+  void advance();
+
+  Progress& progress_;
+  std::string name_;
+  int number_;
+  std::vector<PlannedStep> steps_{};
+  std::size_t place_ = 0;  ///< in steps_
+  std::string step_{};
+  double fraction_ = 0, share_ = 0;
+  double begun_, last_plain_;
+  std::string json_step_{};
   int json_percent_ = -1;
 };
 

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdio>
 
+#include "planish/core/visible_text.h"
+
 namespace planish::command {
 namespace {
 
@@ -10,23 +12,6 @@ std::string formatted(const char* format, double value) {
   std::array<char, 64> buffer{};
   std::snprintf(buffer.data(), buffer.size(), format, value);
   return buffer.data();
-}
-
-// Length of the well-formed UTF-8 sequence at the start of `text`, 0 if it is not one.
-std::size_t sequence_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-  }
-  const unsigned char second = byte(1);
-  const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
-  const bool surrogate = first == 0xED && second >= 0xA0;
-  const bool beyond_unicode = first == 0xF4 && second >= 0x90;
-  return overlong || surrogate || beyond_unicode ? 0 : length;
 }
 
 }  // namespace
@@ -59,14 +44,22 @@ std::string duration(double milliseconds) {
   return formatted(milliseconds >= 10 ? "%.0f ms" : "%.1f ms", milliseconds);
 }
 
+std::string rough_duration(double seconds) {
+  if (seconds < 1) return "under 1 s";
+  if (seconds < 100) return formatted("about %.0f s", seconds);
+  return formatted("about %.0f min", seconds / 60);
+}
+
 std::string counted(std::int64_t count, std::string_view singular) {
-  return with_separators(count) + " " + std::string(singular) + (count == 1 ? "" : "s");
+  const std::string number = with_separators(count) + " ";
+  if (singular == "vertex") return number + (count == 1 ? "vertex" : "vertices");
+  return number + std::string(singular) + (count == 1 ? "" : "s");
 }
 
 std::string plain_utf8(std::string_view text) {
   std::string out;
   while (!text.empty()) {
-    const std::size_t length = sequence_length(text);
+    const std::size_t length = utf8_length(text);
     const bool control = static_cast<unsigned char>(text[0]) < 0x20 || text[0] == 0x7F;
     if (length == 0 || control) {
       out += '?';

@@ -18,7 +18,10 @@ namespace planish::command {
 /// 0.41 s or 12 ms or 0.3 ms.
 [[nodiscard]] std::string duration(double milliseconds);
 
-/// "1 face", "2 faces".
+/// "under 1 s", "about 12 s", "about 3 min".
+[[nodiscard]] std::string rough_duration(double seconds);
+
+/// "1 face", "2 faces"; "1 vertex", "2 vertices".
 [[nodiscard]] std::string counted(std::int64_t count, std::string_view singular);
 
 /// Valid UTF-8 without control characters: what may stand in a file's header or in glTF. Each

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planish/core/raw_vector.h"
+#include "planish/core/stop.h"
 #include "planish/stencil/stencil_builder.h"
 
 namespace planish {
@@ -27,6 +28,7 @@ void stream(std::span<const RowRange> ranges, const Make& make, std::span<const 
       static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) + sinks.size() + 1;
   std::vector<RawVector<std::byte>> pieces(slots);
   std::size_t next = 0;
+  const StopScope* const stop = AdoptedStop::current();
   tbb::filter<void, std::size_t> chain =
       tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
                                           [&](tbb::flow_control& control) -> std::size_t {
@@ -34,12 +36,15 @@ void stream(std::span<const RowRange> ranges, const Make& make, std::span<const 
                                             return next++;
                                           }) &
       tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel, [&](std::size_t i) {
+        const AdoptedStop adopted(stop);
+        check_stop();
         make(ranges[i], pieces[i % slots]);
         return i;
       });
   for (const ByteSink& sink : sinks) {
     chain = chain & tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::serial_in_order,
                                                                [&](std::size_t i) {
+                                                                 const AdoptedStop adopted(stop);
                                                                  sink(pieces[i % slots]);
                                                                  return i;
                                                                });

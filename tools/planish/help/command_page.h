@@ -1,0 +1,58 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace planish::command {
+
+/// What CLI11's tree of options cannot hold of a command's help.
+struct CommandText {
+  std::vector<std::string> examples;     ///< whole lines
+  std::vector<std::string> first_flags;  ///< long names that -h shows; empty: all of them
+  std::string notes;                     ///< paragraphs for the end of the long help
+};
+
+/// By the command's name; "" is planish itself.
+using CommandTexts = std::map<std::string, CommandText>;
+
+struct HelpOption {
+  std::vector<std::string> names;    ///< "-o", "--output"; of an argument without dashes, "INPUT"
+  std::string value;                 ///< "FILE", "auto|cpu"; empty for a switch
+  std::vector<std::string> choices;  ///< the words of `value` where it is a list of them
+  std::string text;
+  bool is_first = false;  ///< belongs into the short help
+  bool takes_file = false;
+};
+
+struct HelpTopic {
+  std::string title;
+  std::vector<HelpOption> options;
+};
+
+/// All that help texts, man pages and completions say of a command: the only source is the tree of
+/// options that parses the arguments, and its CommandText.
+struct HelpPage {
+  std::string name;  ///< "fit"; empty: planish itself
+  std::string summary;
+  std::vector<HelpOption> arguments;  ///< positional
+  std::vector<HelpTopic> topics;
+  std::vector<HelpPage> commands;  ///< of planish itself
+  CommandText text;
+
+  [[nodiscard]] std::string full_name() const {
+    return name.empty() ? "planish" : "planish " + name;
+  }
+  /// "planish fit [FLAGS] INPUT..."
+  [[nodiscard]] std::string usage() const;
+};
+
+/// The page of planish with those of its commands. Commands without a description are for the
+/// build and left out.
+[[nodiscard]] HelpPage help_page(const CLI::App& app, const CommandTexts& texts);
+
+}  // namespace planish::command

@@ -1,0 +1,218 @@
+#include "job/batch.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "build_info.h"
+#include "output/staged_files.h"
+#include "planish/core/error.h"
+#include "planish/core/output_file.h"
+#include "planish/core/version.h"
+#include "planish/core/visible_text.h"
+#include "terminal/interrupt.h"
+#include "terminal/table.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+// Opened once for all jobs that share a device and a precision.
+class OpenBackends {
+ public:
+  explicit OpenBackends(const std::vector<ListedDevice>& devices) : devices_(devices) {}
+
+  Backend& get(const PlannedJob& job) {
+    auto& backend = backends_[{job.device, solve_precision(job.job.settings)}];
+    if (!backend) backend = open_backend(devices_[job.device], job.job.settings);
+    return *backend;
+  }
+
+ private:
+  const std::vector<ListedDevice>& devices_;
+  std::map<std::pair<std::size_t, Precision>, std::unique_ptr<Backend>> backends_;
+};
+
+JobOutcome failure(const PlannedJob& planned, Console& console, ExitCode exit_code,
+                   const std::string& message) {
+  console.error(planned.job.name + ": " + message);
+  return {.report = {},
+          .exit_code = exit_code,
+          .message = message,
+          .page_jobs = {{.name = planned.job.name, .failure = message}}};
+}
+
+JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, const JobContext& context) {
+  try {
+    JobReport report = run_job(planned.job, planned.outputs, backends.get(planned), context);
+    context.console.debug(summary(report));
+    const ExitCode exit_code = report.exit_code;
+    return {.report = std::move(report), .exit_code = exit_code, .message = {}, .page_jobs = {}};
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::Cancelled) throw;
+    return failure(planned, context.console, exit_code_of(error.code()), error.what());
+  } catch (const std::bad_alloc&) {
+    return failure(planned, context.console, ExitCode::NoDevice, "out of memory");
+  }
+}
+
+// The other schemes have no choice of weights.
+std::string weights_text(const Settings& settings) {
+  return std::string(settings.scheme == Scheme::DooSabin ? name_of(settings.weights)
+                                                         : name_of(settings.scheme));
+}
+
+std::vector<std::string> row_of(const JobReport& report) {
+  const JobTiming& timing = report.timing;
+  const Interpolation& result = report.interpolation;
+  return {report.job,
+          report.reconstruction.is_null()
+              ? "-"
+              : with_separators(report.reconstruction["points"].get<std::int64_t>()),
+          with_separators(report.input.statistics.vertex_count),
+          report.fair ? "fair" : std::string(name_of(report.settings.solver)),
+          weights_text(report.settings),
+          (report.fair ? "-" : std::to_string(result.iterations)) +
+              (result.converged ? "" : " (not converged)"),
+          short_number(result.error.max),
+          fixed(timing.check + timing.topology + timing.stencils + timing.upload + timing.solve, 1),
+          fixed(timing.total, 1)};
+}
+
+std::vector<std::string> failed_row(const Job& job) {
+  return {job.name, "-", "-", "-", weights_text(job.settings), "failed", "-", "-", "-"};
+}
+
+}  // namespace
+
+DeviceList settle_devices(std::vector<PlannedJob>& jobs) {
+  DeviceScope scope = DeviceScope::CpuOnly;
+  for (const PlannedJob& planned : jobs) scope = std::max(scope, scope_of(planned.job.settings));
+  const DeviceList list = list_devices(scope);
+  for (PlannedJob& planned : jobs) planned.device = choose_device(list, planned.job.settings);
+  return list;
+}
+
+std::vector<JobOutcome> run_batch(const std::vector<PlannedJob>& jobs, const DeviceList& devices,
+                                  Console& console, const BatchOptions& options) {
+  std::vector<JobOutcome> outcomes(jobs.size());
+  Progress progress(console, options.progress, {}, static_cast<int>(jobs.size()));
+  std::atomic<std::size_t> next = 0;
+  std::exception_ptr thrown;
+  std::mutex mutex;
+  const auto work = [&] {
+    const StopScope scope(interrupt_flag());
+    OpenBackends backends(devices.devices);
+    try {
+      for (std::size_t i = next++; i < jobs.size(); i = next++) {
+        JobProgress job_progress(progress, jobs[i].job.name, static_cast<int>(i) + 1);
+        std::vector<PageJob> page_jobs;
+        outcomes[i] = try_job(jobs[i], backends,
+                              {console, job_progress, options.arguments, options.page,
+                               options.wants_page ? &page_jobs : nullptr});
+        if (outcomes[i].report) outcomes[i].page_jobs = std::move(page_jobs);
+      }
+    } catch (...) {
+      next = jobs.size();
+      const std::scoped_lock lock(mutex);
+      if (!thrown) thrown = std::current_exception();
+    }
+  };
+  const auto workers =
+      std::min<std::size_t>(static_cast<std::size_t>(options.workers), jobs.size());
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 1; i < workers; ++i) threads.emplace_back(work);
+    work();
+  }
+  progress.finish();
+  if (thrown) std::rethrow_exception(thrown);
+  return outcomes;
+}
+
+ExitCode exit_code_of(const std::vector<JobOutcome>& outcomes) {
+  const bool all_done = std::ranges::all_of(
+      outcomes, [](const JobOutcome& outcome) { return outcome.exit_code == ExitCode::Done; });
+  return all_done ? ExitCode::Done : ExitCode::JobsFailed;
+}
+
+std::string batch_table(const std::vector<PlannedJob>& jobs,
+                        const std::vector<JobOutcome>& outcomes) {
+  Table table({{"name", Align::Left},
+               {"points", Align::Right},
+               {"vertices", Align::Right},
+               {"solver", Align::Left},
+               {"weights", Align::Left},
+               {"iterations", Align::Right},
+               {"error", Align::Right},
+               {"fit ms", Align::Right},
+               {"all ms", Align::Right}});
+  for (std::size_t i = 0; i < jobs.size(); ++i)
+    table.add_row(outcomes[i].report ? row_of(*outcomes[i].report) : failed_row(jobs[i].job));
+  return table.text() +
+         "points: of a cloud, of which the vertices are a part\n"
+         "error: largest vertex error over the diagonal; fit ms: check, stencils and solve; all "
+         "ms: reading, evaluating and writing, too\n";
+}
+
+std::string failed_jobs_text(const std::vector<JobOutcome>& outcomes) {
+  const auto failed = std::ranges::count_if(
+      outcomes, [](const JobOutcome& outcome) { return outcome.exit_code != ExitCode::Done; });
+  return std::to_string(failed) + " of " +
+         counted(static_cast<std::int64_t>(outcomes.size()), "job") + " failed";
+}
+
+void write_batch_report(const std::string& path, const nlohmann::ordered_json& json) {
+  if (path == "-") return write_stdout(json_text(json));
+  StagedFiles staged;
+  OutputFile file(staged.stage(path));
+  file.write(json_text(json));
+  file.commit();
+  staged.commit();
+}
+
+void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes,
+                      const PageOptions& options, Console& console) {
+  std::vector<PageJob> page_jobs;
+  for (JobOutcome& outcome : outcomes)
+    std::ranges::move(outcome.page_jobs, std::back_inserter(page_jobs));
+  const std::string text = make_page(page_jobs, options, std::filesystem::current_path());
+  if (path == "-") return write_stdout(text);
+  StagedFiles staged;
+  OutputFile file(staged.stage(path));
+  file.write(text);
+  file.commit();
+  staged.commit();
+  console.info(visible(path) + ": " + byte_size(text.size()) + ", page of " +
+               counted(static_cast<std::int64_t>(page_jobs.size()), "job"));
+}
+
+nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,
+                                  const std::vector<JobOutcome>& outcomes,
+                                  const std::vector<std::string>& arguments) {
+  nlohmann::ordered_json json;
+  json["schema"] = "planish.batch/1";
+  json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}};
+  json["argv"] = arguments;
+  json["exit_code"] = static_cast<int>(exit_code_of(outcomes));
+  json["jobs"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (outcomes[i].report) {
+      json["jobs"].push_back(to_json(*outcomes[i].report));
+    } else {
+      json["jobs"].push_back({{"job", jobs[i].job.name},
+                              {"exit_code", static_cast<int>(outcomes[i].exit_code)},
+                              {"input", {{"path", jobs[i].job.input}}},
+                              {"error", outcomes[i].message}});
+    }
+  }
+  return json;
+}
+
+}  // namespace planish::command

@@ -1,0 +1,137 @@
+#include "job/forecast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "planish/core/error.h"
+#include "planish/surface/memory_need.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+struct MeshCounts {
+  LevelCounts base;
+  std::int64_t corners;
+};
+
+MeshCounts counts_of(const PreparedMesh& mesh) {
+  const MeshTopology& topology = *mesh.topology;
+  return {{topology.vertex_count(), topology.edge_count(), topology.face_count()},
+          topology.corner_count()};
+}
+
+// Elements of the levels 0 to `last`: quads from level 1 on, triangles with Loop.
+std::vector<LevelCounts> levels_to(const MeshCounts& mesh, Scheme scheme, int last) {
+  std::vector<LevelCounts> levels{mesh.base};
+  std::int64_t corners = mesh.corners;
+  for (int level = 1; level <= last; ++level) {
+    const LevelCounts& c = levels.back();
+    const bool loop = scheme == Scheme::Loop;
+    const LevelCounts next =
+        loop ? LevelCounts{c.vertices + c.edges, 2 * c.edges + corners, 4 * c.faces}
+             : LevelCounts{c.vertices + c.edges + c.faces, 2 * c.edges + corners, corners};
+    corners = (loop ? 3 : 4) * next.faces;
+    levels.push_back(next);
+  }
+  return levels;
+}
+
+std::uint64_t digits_of(std::int64_t number) {
+  return static_cast<std::uint64_t>(std::to_string(number).size());
+}
+
+std::uint64_t surface_bytes(const PolygonMesh& mesh, const LevelCounts& counts, bool quads,
+                            std::uint64_t level_corners, const PlannedOutput& output) {
+  const auto vertices = static_cast<std::uint64_t>(counts.vertices);
+  const auto faces = static_cast<std::uint64_t>(counts.faces);
+  const std::uint64_t corners = quads ? 4 * faces : level_corners;
+  const bool has_colors = !mesh.colors.empty(), has_uvs = !mesh.face_uvs.empty();
+  switch (output.format) {
+    case FileFormat::Glb:
+    case FileFormat::Gltf: {
+      // 32-bit floats; two bytes an index while that reaches.
+      const std::uint64_t index = vertices < 65535 ? 2 : 4;
+      return 1500 + vertices * (24 + (has_uvs ? 8 : 0) + (has_colors ? 8 : 0)) +
+             index * 3 * (corners - 2 * faces);
+    }
+    case FileFormat::Ply:
+      return 400 + vertices * (24 + 12 + (has_colors ? 4 : 0)) + faces + 4 * corners;
+    case FileFormat::Off:
+      return 40 + vertices * 58 + faces * 2 + corners * (digits_of(counts.vertices) + 1);
+    default:  // OBJ: a normal is written with each position, and both numbers at each corner
+      return vertices * (60 + 36) + 2 * faces +
+             corners * (2 * digits_of(counts.vertices) + 3 + (has_uvs ? 8 : 0));
+  }
+}
+
+// Seconds a million points of one level take on one thread, reading and writing included, and a
+// million vertices of the mesh (measured on a loaded machine of two cores: an upper value).
+constexpr double kSecondsPerMillionPoints = 1.6;
+constexpr double kSecondsPerMillionVertices = 8;
+
+std::uint64_t peak_bytes(const PolygonMesh& mesh, const std::vector<LevelCounts>& levels,
+                         Scheme scheme) {
+  // The mesh, its stencils and the solve's vectors take about this for a vertex.
+  constexpr std::uint64_t kSolveBytes = 1200;
+  const std::uint64_t solve = kSolveBytes * static_cast<std::uint64_t>(levels[0].vertices);
+  const LastLevel last = scheme == Scheme::DooSabin ? LastLevel::None : LastLevel::Full;
+  return std::max(solve, tessellation_bytes(levels, last, RefinedAttributes::of(mesh)) + solve / 4);
+}
+
+int highest_level(const std::vector<PlannedOutput>& outputs) {
+  int level = 1;  // where the surface is measured
+  for (const PlannedOutput& output : outputs)
+    if (output.kind == OutputKind::Surface) level = std::max(level, output.level);
+  return level;
+}
+
+}  // namespace
+
+Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                     const Settings& settings, const std::vector<PlannedOutput>& outputs) {
+  const MeshCounts counts = counts_of(prepared);
+  const std::vector<LevelCounts> levels =
+      levels_to(counts, settings.scheme, highest_level(outputs));
+  Forecast forecast;
+  double points = 0;
+  for (const PlannedOutput& output : outputs) {
+    const int level = output.kind == OutputKind::Surface ? output.level : 0;
+    const bool triangles = settings.scheme == Scheme::Loop && level > 0;
+    const LevelCounts& at = levels[static_cast<std::size_t>(level)];
+    const auto corners =
+        static_cast<std::uint64_t>(level == 0 ? counts.corners : (triangles ? 3 : 4) * at.faces);
+    forecast.output_bytes.push_back(
+        surface_bytes(mesh, at, level > 0 && !triangles, corners, output));
+    points += static_cast<double>(at.vertices);
+  }
+  forecast.peak_bytes = peak_bytes(mesh, levels, settings.scheme);
+  const double threads = std::max(1u, std::thread::hardware_concurrency());
+  forecast.seconds = (kSecondsPerMillionPoints * points +
+                      kSecondsPerMillionVertices * static_cast<double>(levels[0].vertices)) *
+                     1e-6 / threads;
+  return forecast;
+}
+
+void require_memory_for(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                        const Settings& settings, const std::vector<PlannedOutput>& outputs) {
+  const int wanted = highest_level(outputs);
+  const MeshCounts counts = counts_of(prepared);
+  const std::uint64_t free = available_memory_bytes();
+  const auto need = [&](int level) {
+    return peak_bytes(mesh, levels_to(counts, settings.scheme, level), settings.scheme);
+  };
+  const std::uint64_t needed = need(wanted);
+  if (needed <= free) return;
+  int fitting = wanted - 1;
+  while (fitting >= 0 && need(fitting) > free) --fitting;
+  throw Error(ErrorCode::OutOfMemory,
+              "level " + std::to_string(wanted) + " needs about " + byte_size(needed) +
+                  " of memory where " + byte_size(free) + " are free; " +
+                  (fitting < 0 ? "no level fits"
+                               : "--levels " + std::to_string(fitting) + " fits (" +
+                                     byte_size(need(fitting)) + ")"));
+}
+
+}  // namespace planish::command

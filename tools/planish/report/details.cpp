@@ -1,0 +1,61 @@
+#include "report/details.h"
+
+#include <oneapi/tbb/task_arena.h>
+
+#include "planish/core/visible_text.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+std::string line(const char* label, const std::string& value) {
+  std::string text = std::string("  ") + label;
+  text.resize(14, ' ');
+  return text + value + "\n";
+}
+
+std::string errors_text(const std::vector<ErrorNorms>& history) {
+  constexpr std::size_t kShown = 24;
+  std::string text;
+  for (std::size_t i = 0; i < history.size() && i < kShown; ++i)
+    text += (i == 0 ? "" : ", ") + short_number(history[i].max);
+  return history.size() > kShown ? text + ", ... (the report has all)" : text;
+}
+
+}  // namespace
+
+std::string details(const JobReport& report) {
+  std::string text = report.job + ", in detail:\n";
+  text += line("threads", std::to_string(oneapi::tbb::this_task_arena::max_concurrency()));
+  if (report.fair) {
+    text +=
+        line("drawn in", counted(report.fair->shrunk_vertices, "vertex") + ", " +
+                             counted(report.fair->reversed_vertices, "vertex") + " turned back");
+    text += line("flagged", counted(report.fair->flagged_edges, "edge") + ", " +
+                                counted(report.fair->flagged_faces, "face"));
+  } else {
+    text += line("bound", short_number(report.spectral_bound) + " (least eigenvalue of B)");
+  }
+  text += line("errors", errors_text(report.interpolation.history));
+  text += line("memory", byte_size(report.host_peak_bytes) + " at most" +
+                             (report.device_bytes > 0
+                                  ? ", " + byte_size(report.device_bytes) + " on the device"
+                                  : ""));
+  text.pop_back();
+  return text;
+}
+
+std::string next_step(const JobReport& report) {
+  const bool has_page = !report.page.path.empty() && report.page.path != "-";
+  if (has_page) return "next: open " + visible(report.page.path) + " in a browser";
+  for (const WrittenOutput& output : report.outputs) {
+    if (output.path == "-") continue;
+    const std::string path = visible(output.path);
+    if (output.kind == OutputKind::Cage)
+      return "next: planish verify " + path + " " + visible(report.input.path);
+    return "next: open " + path + ", or see it in a browser: planish fit ... --page out.html";
+  }
+  return "next: see it in a browser: planish fit ... --page out.html";
+}
+
+}  // namespace planish::command

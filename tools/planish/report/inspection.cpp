@@ -1,0 +1,187 @@
+#include "report/inspection.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "planish/core/visible_text.h"
+#include "planish/mesh/placement.h"
+#include "planish/reconstruct/clean.h"
+#include "report/report.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+std::int64_t point_count(const Inspection& inspection) {
+  return static_cast<std::int64_t>(inspection.points->cloud.points.size());
+}
+
+void measure_points(Inspection& inspection) {
+  const PointCloud& cloud = inspection.points->cloud;
+  inspection.diagonal = diagonal_of(cloud.points);
+  inspection.spacing = clean(cloud.points, {.outliers = OutlierRule::Off, .callbacks = {}}).spacing;
+}
+
+std::string line(const std::string& label, const std::string& value) {
+  std::string text = "  " + label;
+  text.resize(20, ' ');
+  return text + value + "\n";
+}
+
+// A line only where there is something to count.
+std::string line_if_any(const std::string& label, std::int64_t count) {
+  return count > 0 ? line(label, with_separators(count)) : std::string();
+}
+
+// "3: 20, 4: 1"
+std::string histogram(const std::vector<std::int64_t>& counts) {
+  std::string text;
+  for (std::size_t n = 0; n < counts.size(); ++n) {
+    if (counts[n] == 0) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(n) + ": " + with_separators(counts[n]);
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::string points_text(const Inspection& inspection) {
+  const PointCloud& cloud = inspection.points->cloud;
+  std::string text = line("points", with_separators(point_count(inspection)));
+  text += line_if_any("not numbers", cloud.missing_count);
+  text +=
+      line_if_any("colours", static_cast<std::int64_t>(inspection.input.file.mesh.colors.size()));
+  text += line("diagonal", short_number(inspection.diagonal));
+  text += line("spacing", short_number(inspection.spacing));
+  for (const Warning& warning : cloud.warnings) text += line("warning", visible(warning.message));
+  return text;
+}
+
+std::string statistics_text(const MeshStatistics& statistics) {
+  return line("edges", with_separators(statistics.edge_count)) +
+         line("unused vertices", with_separators(statistics.unused_vertex_count)) +
+         line("face sizes", histogram(statistics.face_size_counts)) +
+         line("valences", histogram(statistics.valence_counts)) +
+         line("boundary loops", with_separators(statistics.boundary_loop_count)) +
+         line("components", with_separators(statistics.component_count)) +
+         line("genus", with_separators(statistics.genus));
+}
+
+std::string problems_text(const std::vector<MeshProblem>& problems) {
+  constexpr std::size_t kShown = 10;
+  std::string text =
+      line("problems",
+           problems.empty() ? "none" : with_separators(static_cast<std::int64_t>(problems.size())));
+  for (std::size_t i = 0; i < std::min(kShown, problems.size()); ++i)
+    text += "    " + std::string(name_of(problems[i].kind)) + ": " + problems[i].message + "\n";
+  if (problems.size() > kShown) text += "    and more; --json lists all\n";
+  return text;
+}
+
+std::string mesh_text(const Inspection& inspection) {
+  const MeshFile& file = inspection.input.file;
+  std::string text = line("vertices", with_separators(file.mesh.vertex_count()));
+  text += line("faces", with_separators(file.mesh.face_count()));
+  if (inspection.statistics) {
+    text += statistics_text(*inspection.statistics);
+    text += line("diagonal", short_number(inspection.diagonal));
+  }
+  const auto count = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
+  text += line("crease edges", with_separators(count(file.mesh.creases)));
+  text += line("corner vertices", with_separators(count(file.mesh.corners)));
+  text += line_if_any("hole faces", count(file.mesh.hole_faces));
+  text += line_if_any("texture points", count(file.mesh.uvs));
+  text += line_if_any("colours", count(file.mesh.colors));
+  text += line_if_any("groups", count(file.mesh.groups));
+  text += line_if_any("welded vertices", file.welded_vertex_count);
+  text += line_if_any("dropped elements", file.dropped_element_count);
+  for (const std::string& entry : file.header) text += line("header", visible(entry));
+  for (const Warning& warning : file.warnings) text += line("warning", visible(warning.message));
+  return text + problems_text(inspection.problems);
+}
+
+void add_mesh(const Inspection& inspection, nlohmann::ordered_json& json) {
+  const MeshFile& file = inspection.input.file;
+  json["vertices"] = file.mesh.vertex_count();
+  json["faces"] = file.mesh.face_count();
+  json["crease_edges"] = file.mesh.creases.size();
+  json["corner_vertices"] = file.mesh.corners.size();
+  json["hole_faces"] = file.mesh.hole_faces.size();
+  json["welded"] = file.welded_vertex_count;
+  json["dropped"] = file.dropped_element_count;
+  if (const auto& statistics = inspection.statistics) {
+    json["diagonal"] = inspection.diagonal;
+    json["edges"] = statistics->edge_count;
+    json["unused_vertices"] = statistics->unused_vertex_count;
+    json["face_sizes"] = histogram_json(statistics->face_size_counts);
+    json["valences"] = histogram_json(statistics->valence_counts);
+    json["boundary_loops"] = statistics->boundary_loop_count;
+    json["components"] = statistics->component_count;
+    json["genus"] = statistics->genus;
+  }
+  json["header"] = file.header;
+}
+
+void add_points(const Inspection& inspection, nlohmann::ordered_json& json) {
+  json["points"] = point_count(inspection);
+  json["missing"] = inspection.points->cloud.missing_count;
+  json["diagonal"] = inspection.diagonal;
+  json["spacing"] = inspection.spacing;
+}
+
+}  // namespace
+
+Inspection inspect(const std::string& path, std::optional<FileFormat> requested) {
+  const InputFile file = load_input(path, requested);
+  Inspection inspection;
+  inspection.format = file.format;
+  if (holds_points_only(file.format)) {
+    inspection.input.name = file.name;
+    inspection.input.sha256 = file.sha256();
+    inspection.points = points_of(file);
+  } else {
+    inspection.input = mesh_of(file);
+    inspection.format = inspection.input.file.format;
+    inspection.points = points_of(inspection.input);
+  }
+  if (inspection.points) {
+    measure_points(inspection);
+    return inspection;
+  }
+  const PolygonMesh& mesh = inspection.input.file.mesh;
+  inspection.problems = check(mesh);
+  if (inspection.problems.empty()) {
+    inspection.statistics = statistics(mesh);
+    inspection.diagonal = placement_of(mesh).diagonal;
+  }
+  return inspection;
+}
+
+nlohmann::ordered_json inspection_json(const Inspection& inspection) {
+  nlohmann::ordered_json json;
+  json["schema"] = "planish.inspect/1";
+  json["path"] = inspection.input.name;
+  json["sha256"] = inspection.input.sha256;
+  json["format"] = name_of(inspection.format);
+  if (inspection.points) {
+    add_points(inspection, json);
+  } else {
+    add_mesh(inspection, json);
+  }
+  const std::vector<Warning>& warnings =
+      inspection.points ? inspection.points->cloud.warnings : inspection.input.file.warnings;
+  json["warnings"] = nlohmann::ordered_json::array();
+  for (const Warning& warning : warnings) json["warnings"].push_back(warning.message);
+  json["problems"] = nlohmann::ordered_json::array();
+  for (const MeshProblem& problem : inspection.problems) {
+    json["problems"].push_back({{"kind", name_of(problem.kind)},
+                                {"element", problem.element},
+                                {"message", problem.message}});
+  }
+  return json;
+}
+
+std::string inspection_text(const Inspection& inspection) {
+  return inspection.input.name + " (" + std::string(name_of(inspection.format)) + ")\n" +
+         (inspection.points ? points_text(inspection) : mesh_text(inspection));
+}
+
+}  // namespace planish::command

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "job/point_input.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/statistics.h"
+
+namespace planish::command {
+
+/// What a file holds, and what is wrong with it.
+struct Inspection {
+  Input input;  ///< of a mesh; else only its name and digest
+  FileFormat format = FileFormat::Obj;
+  std::vector<MeshProblem> problems;         ///< of a mesh
+  std::optional<MeshStatistics> statistics;  ///< of a mesh without problems
+  std::optional<PointInput> points;          ///< of a file without faces
+  double diagonal = 0;
+  double spacing = 0;  ///< median distance of a point to its nearest neighbour
+};
+
+/// Reads a mesh or points. Throws what load_input() and the readers throw.
+[[nodiscard]] Inspection inspect(const std::string& path, std::optional<FileFormat> format);
+
+/// Schema planish.inspect/1.
+[[nodiscard]] nlohmann::ordered_json inspection_json(const Inspection& inspection);
+/// Aligned lines for people.
+[[nodiscard]] std::string inspection_text(const Inspection& inspection);
+
+}  // namespace planish::command

@@ -1,0 +1,33 @@
+#include "version_text.h"
+
+#include <oneapi/tbb/version.h>
+#include <opensubdiv/version.h>
+
+#include "build_info.h"
+#include "planish/core/version.h"
+#include "planish/reconstruct/mesher_process.h"
+
+namespace planish::command {
+namespace {
+
+std::string text_of(int number) { return std::to_string(number); }
+
+}  // namespace
+
+std::string version_text() {
+  std::string text = std::string("planish ") + PLANISH_VERSION + " (" + kGitRevision + ")\n";
+  constexpr int kOsd = OPENSUBDIV_VERSION_NUMBER;
+  text += "  OpenSubdiv " + text_of(kOsd / 10000) + "." + text_of(kOsd / 100 % 100) + "." +
+          text_of(kOsd % 100) + ", oneTBB " + text_of(TBB_VERSION_MAJOR) + "." +
+          text_of(TBB_VERSION_MINOR) + "\n";
+#if PLANISH_HAS_VULKAN
+  text += "  Vulkan: built in (planish devices lists devices)\n";
+#else
+  text += "  Vulkan: not built in\n";
+#endif
+  text += find_mesher_program() ? "  points: planish-reconstruct (CGAL) is installed\n"
+                                : "  points: planish-reconstruct (CGAL) is not installed\n";
+  return text;
+}
+
+}  // namespace planish::command
