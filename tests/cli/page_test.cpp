@@ -87,11 +87,11 @@ TEST_F(PageFile, IsRefusedBeforeTheWorkWhereItCannotBe) {
               HasSubstr("--page-limit: \"8X\" is no size"));
   write("old.html", "old");
   const ProcessResult result = fit({"--page", path("old.html")});
-  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.exit_code, 7);
   EXPECT_THAT(result.err, HasSubstr("exists; --force overwrites it"));
   EXPECT_EQ(read("old.html"), "old");
   EXPECT_THAT(fit({"--page", path("p.html"), "--report", path("p.html")}).err,
-              HasSubstr("written twice"));
+              HasSubstr("a report is JSON, and its name ends in .json"));
 }
 
 TEST_F(PageFile, GoesToStdout) {
@@ -103,7 +103,7 @@ TEST_F(PageFile, GoesToStdout) {
 
 TEST_F(PageFile, IsNamedByADryRun) {
   EXPECT_THAT(fit({"--page", path("p.html"), "--dry-run"}).out,
-              HasSubstr("would write " + path("p.html") + "  (page)"));
+              HasSubstr("would write  " + path("p.html") + "  (page)"));
   EXPECT_FALSE(exists("p.html"));
 }
 

@@ -90,13 +90,14 @@ TEST(MesherProcess, CanBeCancelled) {
 
 TEST(MesherProcess, SaysWhenTheProgramIsNoMesher) {
   const auto points = test::torus_points(50000, 1);
-  const auto error_of = [&](const char* program) {
-    return test::message_of(ErrorCode::InvalidArgument,
-                            [&] { (void)mesher_process(program)(points, {}); });
+  const auto error_of = [&](const char* program, ErrorCode code) {
+    return test::message_of(code, [&] { (void)mesher_process(program)(points, {}); });
   };
-  EXPECT_THAT(error_of("/nonexistent/program"), HasSubstr("cannot start"));
-  EXPECT_THAT(error_of("/bin/true"), HasSubstr("ended with code 0 without an answer"));
-  EXPECT_THAT(error_of("/bin/cat"), HasSubstr("no mesher of this version"));
+  EXPECT_THAT(error_of("/nonexistent/program", ErrorCode::NoDevice), HasSubstr("cannot start"));
+  EXPECT_THAT(error_of("/bin/true", ErrorCode::InvalidArgument),
+              HasSubstr("ended with code 0 without an answer"));
+  EXPECT_THAT(error_of("/bin/cat", ErrorCode::InvalidArgument),
+              HasSubstr("no mesher of this version"));
 }
 
 }  // namespace

@@ -44,7 +44,10 @@ TEST(ViewerArguments, WhatIsWrongIsNamed) {
   expect_error({"--headless", "--scene", PLANISH_SCENES "/goblet.obj", "--job", "goblet"}, 2,
                "--job goblet");
   expect_error({"--headless", "--scene", PLANISH_SCENES "/goblet.json", "--job", "cup"}, 2, "cup");
-  expect_error({"--headless", "--scene", "points.xyz"}, 2, "planish reconstruct");
+  const auto points = std::filesystem::temp_directory_path() / "planish_viewer_points.xyz";
+  std::ofstream(points) << "0 0 0\n1 0 0\n0 1 0\n";
+  expect_error({"--headless", "--scene", points.string()}, 2, "planish reconstruct");
+  std::filesystem::remove(points);
 }
 
 class ViewerProcess : public ViewerTest {};

@@ -195,8 +195,8 @@ void add_fit_command(CLI::App& app, Invocation& invocation) {
                    "planish fit bunny.obj -o bunny.ply --preset paper --device cpu",
                    "cat bunny.obj | planish fit - -o - > bunny.glb"},
       .first_flags = {"--output", "--page", "--cage", "--report", "--levels", "--tolerance",
-                      "--interpolation", "--creases", "--device", "--force", "--dry-run", "--jobs",
-                      "--quiet", "-h", "--help"},
+                      "--interpolation", "--creases", "--device", "--force", "--jobs", "-h",
+                      "--help"},
       .notes =
           "Exit codes: 0 done; 1 internal error; 2 usage; 3 input unreadable; 4 mesh unusable; "
           "5 not converged (files are written, and flagged); 6 no device, program or memory; 7 "

@@ -40,9 +40,10 @@ TEST(ReadGltfErrors, RefusesWrongJson) {
   EXPECT_EQ(glb_error("{\"a\":"),
             "a.glb: parse error at line 1, column 6: syntax error while parsing value - unexpected "
             "end of input; expected '[', '{', or a literal");
-  EXPECT_EQ(glb_error("[]"), "a.glb: an array is no object");
+  EXPECT_EQ(glb_error("[]"), "a.glb: is no glTF: it starts neither with glTF nor with {");
   EXPECT_EQ(glb_error("{}"), "a.glb: has no `asset`");
-  EXPECT_EQ(glb_error(std::string(100000, '[')), "a.glb: JSON is nested deeper than 64 levels");
+  EXPECT_EQ(glb_error("{\"a\":" + std::string(100000, '[')),
+            "a.glb: JSON is nested deeper than 64 levels");
   EXPECT_EQ(square_error("2.0", "1.0"), "a.glb: asset.version: `1.0` is not 2.x");
   EXPECT_EQ(square_error("\"scene\":0", "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]"),
             "a.glb: extensionsRequired[0]: `KHR_draco_mesh_compression` cannot be read; save the "

@@ -49,8 +49,9 @@ struct GltfFile {
 /// colours become COLOR_0. The same surface and options give the same bytes.
 /// Fields are float32 scalars behind them.
 /// Throws Error{InvalidArgument}: from 4 GiB on, naming .gltf as the way out; a surface without
-/// faces; a field of another length; a number that float32 cannot hold, a normal that is not of unit length, a face that
-/// names no vertex, texture coordinate or group, with its index as element.
+/// faces; a field of another length; a number that float32 cannot hold, a normal that is not of
+/// unit length, a face that names no vertex, texture coordinate or group, with its index as
+/// element.
 [[nodiscard]] std::vector<std::byte> encode_glb(const SurfaceMesh& surface,
                                                 const GltfOptions& options);
 
