@@ -56,8 +56,8 @@ TEST_F(Attributes, CurvatureSaysWhatItIsTakenFrom) {
   ASSERT_EQ(fit({"-o", path("p.glb"), "-o", path("p.ply"), "--attributes", "curvature"}).exit_code,
             0);
   EXPECT_EQ(scalars(read("p.glb"), "_GAUSSIAN_CURVATURE").size(), 625u);
-  EXPECT_THAT(read("p.glb"), HasSubstr(R"("curvature_from":"normals")"));
-  EXPECT_THAT(read("p.ply"), HasSubstr("comment planish curvature_from=normals\n"));
+  EXPECT_THAT(read("p.glb"), HasSubstr(R"("curvature_from":"second derivatives")"));
+  EXPECT_THAT(read("p.ply"), HasSubstr("comment planish curvature_from=second derivatives\n"));
   EXPECT_THAT(read("p.ply"),
               HasSubstr("property float mean_curvature\nproperty float gaussian_curvature\n"));
 }

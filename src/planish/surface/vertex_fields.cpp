@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "planish/mesh/area_vector.h"
+#include "planish/surface/derivative_curvatures.h"
 #include "planish/surface/level_faces.h"
 
 namespace planish {
@@ -101,12 +102,15 @@ void spread(const LevelFaces& coarse, const LevelFaces& fine, std::vector<float>
 const char* name_of(CurvatureSource source) {
   switch (source) {
     case CurvatureSource::Normals:
-      break;
+      return "normals";
+    case CurvatureSource::Derivatives:
+      return "second derivatives";
   }
-  return "normals";
+  return "";
 }
 
-VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh, double diagonal) {
+VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh, double diagonal,
+                           const DooSabinSurface* exact) {
   VertexFields fields;
   fields.error.assign(surface.positions.size(), 0.0f);
   const std::vector<LevelFaces> levels = level_faces(surface, mesh);
@@ -114,6 +118,10 @@ VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh, 
   for (std::size_t l = 1; l < levels.size(); ++l) spread(levels[l - 1], levels[l], fields.error);
   compare_normals(surface, mesh, fields);
   fields.curvatures = curvatures_of_normals(surface);
+  if (exact != nullptr) {
+    fields.curvatures = curvatures_of_derivatives(*exact, surface, std::move(fields.curvatures));
+    fields.curvature_source = CurvatureSource::Derivatives;
+  }
   return fields;
 }
 

@@ -11,12 +11,16 @@
 
 namespace planish {
 
+class DooSabinSurface;
+
 /// Where curvatures come from.
 enum class CurvatureSource {
   Normals,  ///< differences of the exact normals, see curvatures_of_normals()
+  /// Second derivatives, see curvatures_of_derivatives(); normals where there are none.
+  Derivatives,
 };
 
-/// "normals": a stable name for files.
+/// "normals" or "second derivatives": a stable name for files.
 [[nodiscard]] const char* name_of(CurvatureSource source);
 
 /// Figures of each vertex of a tessellation, to look at or to hand on; one entry a position.
@@ -35,9 +39,10 @@ struct VertexFields {
 };
 
 /// The fields of a surface against the mesh that was fitted, the model's `diagonal` being the
-/// unit of the error. Any level; the same bits for every thread count.
+/// unit of the error. Any level; the same bits for every thread count. Curvatures come from
+/// `exact`, the surface that was tessellated, where it is given.
 [[nodiscard]] VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh,
-                                         double diagonal);
+                                         double diagonal, const DooSabinSurface* exact = nullptr);
 
 /// A field as files take it: a name of lower-case letters and '_', and a value for each position.
 struct NamedField {

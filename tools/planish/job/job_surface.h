@@ -40,6 +40,8 @@ class JobSurface {
 
   /// Throws as evaluate(). The surface must outlive its levels.
   [[nodiscard]] JobLevel level(int level);
+  /// What the levels so far were taken from; null before the first, and with other schemes.
+  [[nodiscard]] const DooSabinSurface* doo_sabin() const { return doo_sabin_.get(); }
 
  private:
   const PolygonMesh& mesh_;

@@ -99,24 +99,24 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
 }
 
 // The fields that the job wants as data; `fields` holds them.
-void add_attributes(const FittedJob& work, JobLevel& surface, VertexFields& fields,
-                    GltfOptions& options) {
+void add_attributes(const FittedJob& work, const JobSurface& all, JobLevel& surface,
+                    VertexFields& fields, GltfOptions& options) {
   const FieldChoice& choice = work.job.settings.attributes;
   if (!choice.any()) return;
-  fields =
-      vertex_fields(surface.whole(), work.made.input.file.mesh, work.fitted.placement.diagonal);
+  fields = vertex_fields(surface.whole(), work.made.input.file.mesh, work.fitted.placement.diagonal,
+                         all.doo_sabin());
   options.fields = named_fields(fields, choice);
   if (!choice.curvature) return;
   options.extras.emplace_back("curvature_from", std::string(name_of(fields.curvature_source)));
 }
 
 // The scene of the page, of the surface of page_level().
-void make_scene(const FittedJob& work, const SurfaceMesh& surface) {
+void make_scene(const FittedJob& work, const JobSurface& all, const SurfaceMesh& surface) {
   check_interrupt();
   work.context.progress.update("page", 0);
   timed(work.report.timing.write, [&] {
     work.scene = make_payloads({surface, work.made.input.file.mesh, work.fitted, work.job.settings,
-                                work.made.file_vertices});
+                                work.made.file_vertices, all.doo_sabin()});
   });
 }
 
@@ -148,7 +148,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
     JobLevel surface = measured_level(work, all, level);
     VertexFields fields;
     SurfaceOutputOptions options = common;
-    add_attributes(work, surface, fields, options.gltf);
+    add_attributes(work, all, surface, fields, options.gltf);
     options.gltf.extras.emplace_back("level", std::int64_t{level});
     for (std::size_t i = 0; i < work.outputs.size(); ++i) {
       const PlannedOutput& planned = work.outputs[i];
@@ -156,12 +156,12 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
         write_one(work, planned, &surface, options, written[i], stdout_bytes);
       }
     }
-    if (level == scene_level) make_scene(work, surface.whole());
+    if (level == scene_level) make_scene(work, all, surface.whole());
   }
   // What is seen on the page is what is measured.
   if (scene_level >= 0 && work.scene.empty()) {
     JobLevel surface = measured_level(work, all, scene_level);
-    make_scene(work, surface.whole());
+    make_scene(work, all, surface.whole());
   }
   // What cannot be seen on the cage or at level 0.
   const bool asks_for_result =

@@ -27,9 +27,9 @@ int page_level(const PolygonMesh& mesh, Scheme scheme, const PageOptions& option
 
 std::vector<PagePayload> make_payloads(const PagePayloadInput& input) {
   const PolygonMesh cage = control_cage(input.mesh, input.fitted, input.settings.sharp());
-  const PageScene scene =
-      make_page_scene({input.surface, input.mesh, cage, input.file_vertices,
-                       input.fitted.placement.diagonal, input.fitted.interpolation.worst_vertex});
+  const PageScene scene = make_page_scene({input.surface, input.mesh, cage, input.file_vertices,
+                                           input.fitted.placement.diagonal,
+                                           input.fitted.interpolation.worst_vertex, input.exact});
   std::vector<PagePayload> payloads;
   for (int level = 0; level <= input.surface.level; ++level) {
     payloads.push_back(encode_scene(scene, level));

@@ -22,6 +22,7 @@ struct PagePayloadInput {
   const Fit& fitted;
   const Settings& settings;
   std::span<const std::int32_t> file_vertices;  ///< see PageSceneInput
+  const DooSabinSurface* exact;                 ///< the same
 };
 
 /// A fitted job's scene down to each level of the surface, coarsest first.

@@ -60,9 +60,11 @@ void add_fields(const VertexFields& fields, double diagonal, PageScene& scene) {
   add({"deviation", "Normals off the input\u2019s faces", "degrees", FieldKind::Amount, {}},
       fields.normal_deviation, 1);
   add({"fold", "Folded", "of the area around", FieldKind::Share, {}}, fields.folded, 1);
-  add({"mean", "Mean curvature from normals", "1/diagonal", FieldKind::Signed, {}},
+  const std::string source =
+      fields.curvature_source == CurvatureSource::Normals ? " from normals" : "";
+  add({"mean", "Mean curvature" + source, "1/diagonal", FieldKind::Signed, {}},
       fields.curvatures.mean, diagonal);
-  add({"gauss", "Gaussian curvature from normals", "1/diagonal\u00b2", FieldKind::Signed, {}},
+  add({"gauss", "Gaussian curvature" + source, "1/diagonal\u00b2", FieldKind::Signed, {}},
       fields.curvatures.gaussian, diagonal * diagonal);
 }
 
@@ -257,7 +259,8 @@ PageScene make_page_scene(const PageSceneInput& input) {
     scene.positions.push_back(input.surface.positions[row]);
     scene.normals.push_back(input.surface.normals[row]);
   }
-  add_fields(vertex_fields(input.surface, input.mesh, input.diagonal), input.diagonal, scene);
+  add_fields(vertex_fields(input.surface, input.mesh, input.diagonal, input.exact), input.diagonal,
+             scene);
   if (input.surface.level > 0) add_folds(input, scene);
   scene.cage = input.cage;
   scene.file_vertices.resize(input.mesh.positions.size());

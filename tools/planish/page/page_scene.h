@@ -9,6 +9,7 @@
 
 #include "page/page_order.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/surface_mesh.h"
 
 namespace planish::command {
@@ -58,7 +59,8 @@ struct PageSceneInput {
   const PolygonMesh& cage;
   std::span<const std::int32_t> file_vertices;  ///< of the mesh's vertices; empty: the same
   double diagonal = 1;
-  std::int64_t worst_vertex = -1;  ///< of the mesh
+  std::int64_t worst_vertex = -1;          ///< of the mesh
+  const DooSabinSurface* exact = nullptr;  ///< what was tessellated, for curvature
 };
 
 /// Throws nothing but what memory needs.
