@@ -10,6 +10,7 @@
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_points.h"
 #include "planish/files/write_surface.h"
+#include "planish/limit/surface_queries.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/detect_creases.h"

@@ -15,6 +15,7 @@ set(level_vulkan 3)
 set(level_surface 4)
 set(level_files 4)
 set(level_pipeline 5)
+set(level_limit 5)
 set(level_osd 5)
 set(level_reconstruct 5)
 # Neighbours on one level that may be used: tables and splits are made of meshes, files of surfaces,

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/limit/corner_tree.h"
+
+namespace planish {
+
+/// Where a ray meets a surface, in unit coordinates.
+struct RayPlace {
+  std::int32_t corner = -1;
+  double u = 0, v = 0;
+  double t = 0;
+  glm::dvec3 normal{};  ///< not of unit length
+  bool is_tangent = false;
+  bool is_singular = false;  ///< at a vertex or face centre without a polynomial
+};
+
+enum class RayAnswer {
+  All,    ///< by ascending t; what several patches share once
+  First,  ///< the smallest t
+  Any,    ///< one, whichever is found first
+};
+
+/// Searches a tree for the places where a ray meets the surface. Patches are split until the ray
+/// can meet a piece once at most (seen along the ray, no two of its directions are parallel) or
+/// not at all; then Newton's method. Used again from ray to ray; one a thread.
+class RaySearch {
+ public:
+  explicit RaySearch(const CornerTree& tree) : tree_(tree), corner_(tree.surface()) {}
+
+  /// In unit coordinates, the direction of unit length.
+  [[nodiscard]] const std::vector<RayPlace>& run(const glm::dvec3& origin,
+                                                 const glm::dvec3& direction, double t_min,
+                                                 double t_max, RayAnswer wanted);
+
+ private:
+  // A piece's place in its patch: (u, v) = origin + u' along + v' across.
+  struct PieceFrame {
+    glm::dvec2 origin{0, 0}, along{1, 0}, across{0, 1};
+    int depth = 0;
+
+    [[nodiscard]] PieceFrame quarter(int q) const;
+    [[nodiscard]] PieceFrame half(bool upper_u, bool upper_v) const;
+  };
+  // Bezier points of a piece as the ray sees them: two directions across it, and t.
+  using Net = std::array<glm::dvec3, 9>;
+
+  [[nodiscard]] bool meets(const CornerBox& box) const;
+  [[nodiscard]] bool can_meet(std::span<const glm::dvec3> points, double reach) const;
+  void search_corner(std::int32_t corner);
+  void search_form(const PatchForm& form, std::span<const glm::dvec3> points,
+                   const PieceFrame& frame);
+  void search_net(const Net& net, const PieceFrame& frame);
+  bool solve(const Net& net, const PieceFrame& frame);
+  void add(const PieceFrame& frame, const glm::dvec2& local, bool is_tangent, bool is_singular);
+  [[nodiscard]] bool is_done() const { return wanted_ == RayAnswer::Any && !places_.empty(); }
+
+  const CornerTree& tree_;
+  LimitSurface::Corner corner_;
+  glm::dvec3 origin_{}, direction_{}, right_{}, up_{};
+  double t_min_ = 0, t_max_ = 0;
+  RayAnswer wanted_ = RayAnswer::All;
+  std::int32_t corner_number_ = -1;
+  std::vector<RayPlace> places_;
+};
+
+}  // namespace planish

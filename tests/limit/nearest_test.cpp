@@ -1,0 +1,191 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <oneapi/tbb/global_control.h>
+
+#include "limit/limit_case.h"
+#include "planish/limit/surface_queries.h"
+#include "support/expect_error.h"
+
+namespace planish::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+// The nearest of a dense grid of samples, each improved until nothing nearby is nearer: by halving
+// a pattern of steps, which knows nothing of derivatives, boxes or trees.
+double brute_force(const LimitCase& c, const std::vector<std::vector<SurfaceParameter>>& places,
+                   const std::vector<std::vector<glm::dvec3>>& samples, const glm::dvec3& point) {
+  struct Start {
+    double square;
+    std::size_t corner, sample;
+  };
+  std::vector<Start> starts;
+  for (std::size_t corner = 0; corner < samples.size(); ++corner) {
+    Start best{1e300, corner, 0};
+    for (std::size_t i = 0; i < samples[corner].size(); ++i) {
+      const glm::dvec3 off = samples[corner][i] - point;
+      if (glm::dot(off, off) < best.square) best = {glm::dot(off, off), corner, i};
+    }
+    starts.push_back(best);
+  }
+  std::ranges::sort(starts, {}, &Start::square);
+  double nearest = 1e300;
+  LimitSurface::Corner corner(c.limit);
+  const Placement& placement = c.surface->placement();
+  for (std::size_t k = 0; k < std::min<std::size_t>(starts.size(), 12); ++k) {
+    const CornerParameter in =
+        corner_parameter(c.limit.topology(), places[starts[k].corner][starts[k].sample]);
+    corner.move_to(in.corner);
+    const auto distance = [&](double u, double v) {
+      return glm::length(placement.to_model(corner.at({u, v}).position) - point);
+    };
+    double u = in.u, v = in.v, step = 1.0 / 16, here = distance(u, v);
+    while (step > 1e-9) {
+      bool better = false;
+      for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1},
+                                   {1, -1}, {-1, 1}}) {
+        const double nu = std::clamp(u + step * du, 0.0, 1.0);
+        const double nv = std::clamp(v + step * dv, 0.0, 1.0);
+        const double there = distance(nu, nv);
+        if (there < here) {
+          here = there;
+          u = nu;
+          v = nv;
+          better = true;
+          break;
+        }
+      }
+      if (!better) step *= 0.5;
+    }
+    nearest = std::min(nearest, here);
+  }
+  return nearest;
+}
+
+TEST(ClosestPoint, IsTheNearestOfAll) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  int queries = 0;
+  for (const auto& [name, mesh] : limit_meshes()) {
+    SCOPED_TRACE(name);
+    const LimitCase c(mesh);
+    const SurfaceQueries queries_of(c.limit);
+    const MeshTopology& topology = c.limit.topology();
+    std::vector<std::vector<SurfaceParameter>> places;
+    std::vector<std::vector<glm::dvec3>> samples;
+    for (std::int32_t corner = 0; corner < topology.corner_count(); ++corner) {
+      if (!c.surface->hidden().empty() &&
+          c.surface->hidden()[static_cast<std::size_t>(topology.face_of(corner))] != 0)
+        continue;
+      places.emplace_back();
+      samples.emplace_back();
+      for (int i = 0; i < 81; ++i) {
+        places.back().push_back(surface_parameter(topology, corner, i % 9 / 8.0, i / 9 / 8.0));
+        samples.back().push_back(c.limit.evaluate(places.back().back()).position);
+      }
+    }
+    const double size = c.surface->placement().diagonal;
+    for (const double off : {1e-4, 1e-2, 0.1, 0.5}) {
+      for (int i = 0; i < 6; ++i, ++queries) {
+        const glm::dvec3 on = c.limit.evaluate(c.any_place(random)).position;
+        const glm::dvec3 point =
+            on + off * size * glm::dvec3(normal(random), normal(random), normal(random));
+        const ClosestPoint found = queries_of.closest(point);
+        const double wanted = brute_force(c, places, samples, point);
+        ASSERT_LT(found.distance, wanted + 1e-12 * size) << off << " " << i;
+        ASSERT_NEAR(glm::length(found.position - point), found.distance, 1e-15 * size);
+        ASSERT_LT(glm::length(c.limit.evaluate(found.at).position - found.position), 1e-15 * size);
+      }
+    }
+  }
+  EXPECT_GT(queries, 500);
+}
+
+TEST(ClosestPoint, LiesAlongTheNormalInside) {
+  const LimitCase c(torus(12, 8, 2, 1));
+  const SurfaceQueries queries(c.limit);
+  std::mt19937 random(12);
+  for (int i = 0; i < 200; ++i) {
+    const SurfacePoint on = c.limit.evaluate(c.any_place(random));
+    const ClosestPoint found = queries.closest(on.position + 0.05 * on.normal);
+    EXPECT_NEAR(found.distance, 0.05, 1e-12);
+    EXPECT_LT(glm::length(found.position - on.position), 1e-7);
+  }
+}
+
+TEST(ClosestPoint, AtBoundariesIsOnTheBoundary) {
+  const LimitCase c(flat_grid(4, 4));
+  const SurfaceQueries queries(c.limit);
+  glm::dvec3 high = c.mesh.positions.front();
+  for (const glm::dvec3& p : c.mesh.positions) high = glm::max(high, p);
+  const ClosestPoint found = queries.closest(high + glm::dvec3(3, 0, 4));
+  EXPECT_NEAR(found.position.x, high.x, 0.5);  // the corner is rounded
+  EXPECT_GE(found.distance, 5);
+  const ClosestPoint beside = queries.closest({high.x + 3, 0.5 * high.y, 4});
+  EXPECT_NEAR(beside.position.x, high.x, 1e-12);
+  EXPECT_NEAR(beside.distance, 5, 1e-12);
+}
+
+TEST(SignedDistance, IsNegativeInside) {
+  for (const bool creased : {false, true}) {
+    PolygonMesh mesh = cube();
+    const auto face = mesh.face(0);
+    if (creased) mesh.creases = {{face[0], face[1], 10.0}, {face[1], face[2], 10.0}};
+    const LimitCase c(mesh);
+    const SurfaceQueries queries(c.limit);
+    std::mt19937 random(13);
+    for (int i = 0; i < 50; ++i) {
+      const SurfacePoint on = c.limit.evaluate(c.any_place(random));
+      EXPECT_NEAR(queries.signed_distance(on.position + 1e-3 * on.normal), 1e-3, 1e-4);
+      EXPECT_NEAR(queries.signed_distance(on.position - 1e-3 * on.normal), -1e-3, 1e-4);
+    }
+    glm::dvec3 middle(0.0);
+    for (const glm::dvec3& p : mesh.positions) middle += p / 8.0;
+    EXPECT_LT(queries.signed_distance(middle), 0);
+    EXPECT_GT(queries.signed_distance(middle + glm::dvec3(10, 11, 12)), 0);
+  }
+}
+
+TEST(ClosestPoint, ManyAtOnceAreTheSameBitsForEveryThreadCount) {
+  const LimitCase c(random_closed_mesh(5));
+  const SurfaceQueries queries(c.limit);
+  std::mt19937 random(14);
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 500; ++i)
+    points.push_back(1.1 * c.limit.evaluate(c.any_place(random)).position);
+  std::vector<ClosestPoint> one(points.size()), many(points.size());
+  {
+    const oneapi::tbb::global_control control(
+        oneapi::tbb::global_control::max_allowed_parallelism, 1);
+    queries.closest(points, one);
+  }
+  queries.closest(points, many);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ASSERT_EQ(one[i].position, many[i].position);
+    ASSERT_EQ(one[i].at.face, many[i].at.face);
+  }
+}
+
+TEST(SurfaceQueries, BadQuestionsAreRefused) {
+  const LimitCase c(cube());
+  const SurfaceQueries queries(c.limit);
+  const auto message = [](const auto& ask) {
+    return message_of(ErrorCode::InvalidArgument, ask);
+  };
+  const double nan = std::nan("");
+  EXPECT_THAT(message([&] { (void)queries.closest({0, nan, 0}); }), HasSubstr("not finite"));
+  EXPECT_THAT(message([&] { (void)queries.first_hit({{0, 0, 0}, {0, 0, 0}}); }),
+              HasSubstr("no direction"));
+  PolygonMesh holes = cube();
+  holes.hole_faces = {0, 1, 2, 3, 4, 5};
+  const LimitCase nothing(holes);
+  EXPECT_THAT(message_of(ErrorCode::UnusableMesh, [&] { SurfaceQueries(nothing.limit); }),
+              HasSubstr("has no faces"));
+}
+
+}  // namespace
+}  // namespace planish::test
