@@ -90,6 +90,69 @@ struct PatchParameters {
   uint first_target;  // of the first coordinate
 };
 
+// Corner patches. A point of level 1 is held as its offset from a given vertex, whose number stands
+// in the fourth float: with this bit, every number is that of a normal float, which nothing flushes
+// to zero on its way.
+PLANISH_SHARED_CONSTANT kVertexTag = 0x40000000u;
+// Where a patch's control points come from, a specialisation constant: found on the way from corner
+// to corner (around a corner, a vertex, a face or the midpoint of an edge), or listed.
+PLANISH_SHARED_CONSTANT kGatherCorner = 0u;
+PLANISH_SHARED_CONSTANT kGatherVertex = 1u;
+PLANISH_SHARED_CONSTANT kGatherFace = 2u;
+PLANISH_SHARED_CONSTANT kGatherEdge = 3u;
+PLANISH_SHARED_CONSTANT kGatherList = 4u;
+// Patches of one class, one to a lane.
+PLANISH_SHARED_CONSTANT kPatchLanes = 64u;
+// What a group of patches is known by, in this order. Its words are kPatchLanes corners if flagged,
+// as many rows if flagged, then the lists of points, column by column.
+struct PatchGroup {
+  uint first_word;
+  uint lane_count;
+  uint first_weight;
+  uint columns;      // points without the own one
+  uint corner;       // of lane 0
+  uint corner_step;  // from lane to lane
+  uint row;          // of lane 0
+  uint row_step;     // from lane to lane, or from corner to corner if flagged
+  uint ring;         // faces around the vertex
+  uint face;         // corners of the face
+  uint flags;
+  uint unused;
+};
+PLANISH_SHARED_CONSTANT kGroupVectors = 3u;  // of four words
+PLANISH_SHARED_CONSTANT kCornersAreWords = 1u;
+PLANISH_SHARED_CONSTANT kRowsAreWords = 2u;
+PLANISH_SHARED_CONSTANT kRowsFollowCorners = 4u;
+PLANISH_SHARED_CONSTANT kHasPositions = 8u;
+PLANISH_SHARED_CONSTANT kHasNormals = 16u;
+// Samples that a lane evaluates at once where a patch has a multiple of them, as all of a corner's
+// are: 4^n - 1.
+PLANISH_SHARED_CONSTANT kSampleChunk = 3u;
+
+// Push constants of corner_patches. Windows begin with the state's first_state, given's
+// first_vertex and the target's first_row.
+struct CornerPatchParameters {
+  uint unit_count;  // groups times chunks of samples
+  uint chunk_count;
+  uint first_group;
+  uint first_state;
+  uint first_vertex;
+  uint first_row;
+  uint first_target;  // floats from the window's start to first_row's position
+  uint target_stride;
+  uint normal_offset;
+};
+
+// Push constants of first_step.
+struct FirstStepParameters {
+  uint count;
+  uint first_point;   // of the state, that lane 0 does
+  uint first_corner;  // that the windows of links and vertices begin with
+  uint first_vertex;  // that the windows of points begin with
+  uint first_target;  // of the state, that the target's window begins with
+  uint first_word;    // of the sharp points
+};
+
 // Push constants of the kernels that walk vectors or partial sums.
 struct VectorParameters {
   uint count;

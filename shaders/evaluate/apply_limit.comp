@@ -8,8 +8,7 @@ POINTS_BINDING(2, source)
 layout(std430, set = 0, binding = 3) restrict writeonly buffer Target { float target[]; };
 PAIRS_BINDING(4, derivatives)
 
-// |du x dv| below this part of |du||dv| has no direction that rounding has not made.
-const float kParallel = 1e-6;
+#include "limit_row.glsl"
 
 void main() {
   for (uint i = 0u; i < kChunksPerGroup; ++i) {
@@ -28,25 +27,9 @@ void main() {
       du += slope.x * point;
       dv += slope.y * point;
     }
-    // Scaled to unit size first, so that the products neither vanish nor overflow.
-    float u = max(max(abs(du.x), abs(du.y)), abs(du.z));
-    float v = max(max(abs(dv.x), abs(dv.y)), abs(dv.z));
-    vec3 normal = vec3(0.0);
-    if (u > 0.0 && v > 0.0) {
-      precise vec3 a = du / u;
-      precise vec3 b = dv / v;
-      precise vec3 c = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-      float size = sqrt(dot(c, c));
-      if (size >= kParallel * sqrt(dot(a, a)) * sqrt(dot(b, b))) normal = c / size;
-    }
     uint place = (at.row - parameters.first_row) * parameters.target_stride +
                  parameters.first_target;
-    target[place] = position.x;
-    target[place + 1u] = position.y;
-    target[place + 2u] = position.z;
-    place += parameters.normal_offset;
-    target[place] = normal.x;
-    target[place + 1u] = normal.y;
-    target[place + 2u] = normal.z;
+    write_vector(place, position);
+    write_vector(place + parameters.normal_offset, unit_normal(du, dv));
   }
 }

@@ -10,6 +10,7 @@ layout(std430, set = 0, binding = 2) restrict readonly buffer Side2 { vec4 side2
 layout(std430, set = 0, binding = 3) restrict readonly buffer Status { SolveStatus status; };
 layout(std430, set = 0, binding = 4) restrict readonly buffer Given { vec4 given[]; };
 layout(std430, set = 0, binding = 5) restrict writeonly buffer Control { vec4 control[]; };
+layout(std430, set = 0, binding = 6) restrict writeonly buffer Moved { vec4 moved[]; };
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
 void main() {
@@ -18,5 +19,6 @@ void main() {
   vec4 displacement = side2[row];
   if (status.side == 0u) displacement = side0[row];
   if (status.side == 1u) displacement = side1[row];
+  moved[row] = displacement;
   control[row] = given[row] + displacement;
 }

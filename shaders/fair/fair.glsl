@@ -1,6 +1,7 @@
 // What the kernels of the fair construction share. An invocation does every so many elements, so
 // that the device's limit on work groups bounds nothing.
 #include "shared.h"
+#include "read.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant) uniform Parameters { FairParameters parameters; };
@@ -9,22 +10,12 @@ layout(push_constant) uniform Parameters { FairParameters parameters; };
   for (uint i = gl_GlobalInvocationID.x; i < parameters.count; \
        i += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
 
-// READ(number, Item, name) declares an array that is only read, whose items name_at(i) gives: as a
-// storage buffer, or with PLANISH_TEXEL as a uniform texel buffer. No semicolon after it.
 #ifdef PLANISH_TEXEL
-#define SAMPLER_float samplerBuffer
-#define SAMPLER_vec2 samplerBuffer
-#define SAMPLER_vec4 samplerBuffer
-#define SAMPLER_uint usamplerBuffer
 #define SAMPLER_FairVertex usamplerBuffer
 #define SAMPLER_FairPlace usamplerBuffer
 #define SAMPLER_FairLinks usamplerBuffer
 #define SAMPLER_FairFace usamplerBuffer
 #define SAMPLER_FairEdge usamplerBuffer
-float fetch_float(samplerBuffer from, uint i) { return texelFetch(from, int(i)).x; }
-vec2 fetch_vec2(samplerBuffer from, uint i) { return texelFetch(from, int(i)).xy; }
-vec4 fetch_vec4(samplerBuffer from, uint i) { return texelFetch(from, int(i)); }
-uint fetch_uint(usamplerBuffer from, uint i) { return texelFetch(from, int(i)).x; }
 FairVertex fetch_FairVertex(usamplerBuffer from, uint i) {
   int first = 3 * int(i);
   uvec4 a = texelFetch(from, first), b = texelFetch(from, first + 1);
@@ -49,19 +40,10 @@ FairEdge fetch_FairEdge(usamplerBuffer from, uint i) {
   uvec2 b = texelFetch(from, first + 1).xy;
   return FairEdge(a.x, a.y, a.z, a.w, b.x, b.y, 0u, 0u);
 }
-#define READ(number, Item, name)                                              \
-  layout(set = 0, binding = number) uniform SAMPLER_##Item name##_texels;     \
-  Item name##_at(uint i) { return fetch_##Item(name##_texels, i); }
-#else
-#define READ(number, Item, name)                                                                   \
-  layout(std430, set = 0, binding = number) restrict readonly buffer name##_block { Item name[]; }; \
-  Item name##_at(uint i) { return name[i]; }
 #endif
-// The same of small arrays, as storage buffers everywhere.
+// Small arrays, as storage buffers everywhere.
 #define READ_STORED(number, Item, name) \
   layout(std430, set = 0, binding = number) restrict readonly buffer name##_block { Item name[]; }
-#define WRITE(number, Item, name) \
-  layout(std430, set = 0, binding = number) restrict writeonly buffer name##_block { Item name[]; }
 #define UPDATE(number, Item, name) \
   layout(std430, set = 0, binding = number) restrict buffer name##_block { Item name[]; }
 

@@ -184,10 +184,14 @@ void PatchPlanner::take_items(const PatchTile& tile, PatchPlan& plan) const {
   }
 }
 
-void PatchPlanner::plan(const PatchTile& tile, PatchPlan& plan) const {
+void PatchPlanner::list(const PatchTile& tile, PatchPlan& plan) const {
   plan.buckets.clear();
   plan.items.clear();
   take_items(tile, plan);
+}
+
+void PatchPlanner::plan(const PatchTile& tile, PatchPlan& plan) const {
+  list(tile, plan);
   gather_items(plan);
 }
 

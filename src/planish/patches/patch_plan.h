@@ -38,10 +38,10 @@ struct PatchPlan {
   RawVector<std::int32_t> indices;
   RawVector<std::int32_t> targets;  ///< rows of the tile
 
-  // Scratch of the planner.
   struct Item {
     PatchPlace place;
-    std::int32_t bucket, target;
+    std::int32_t bucket;
+    std::int32_t target;  ///< the tile's row of the bucket's first sample
   };
   std::vector<Item> items;
 };
@@ -78,6 +78,8 @@ class PatchPlanner {
   [[nodiscard]] std::vector<PatchTile> tiles() const;
   /// Replaces a plan, whose memory it uses again.
   void plan(const PatchTile& tile, PatchPlan& plan) const;
+  /// Its buckets and items only, with nothing gathered.
+  void list(const PatchTile& tile, PatchPlan& plan) const;
   /// The same for all samples of some corners, in the order of PatchSamples one corner after
   /// another.
   void plan_grids(std::span<const std::int32_t> corners, PatchPlan& plan) const;

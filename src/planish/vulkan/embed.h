@@ -3,7 +3,8 @@
 // Interpolating Doo-Sabin surfaces inside a Vulkan application that owns its device, its command
 // buffers, its memory and its frame loop. This is the one header for such hosts.
 //
-// - System: topology and stencil tables of a mesh, on the CPU; immutable, shared by all.
+// - System: topology, limit masks and corner patches of a mesh, on the CPU; immutable, shared by
+//   all.
 // - Context: functions, limits and pipelines of the host's VkDevice (planish/vulkan/context.h).
 // - DeviceSystem: the tables of one System on the device; read-only once its upload ran.
 // - Solve: work buffers and descriptor sets of one frame in flight.
@@ -67,6 +68,7 @@ struct FairDecisions;
 namespace planish::vulkan {
 
 struct FairRecords;
+struct SurfaceRecords;
 
 struct SystemOptions {
   int level = 2;  ///< quad splits of the surface, 0 to 6: its vertex count grows fourfold with each
@@ -116,13 +118,8 @@ class System {
   /// B: row i gives the limit point of used vertex i from all control points. Without rows where
   /// the method is Fair.
   [[nodiscard]] StencilView<double> limit_masks() const;
-  /// Refinement: entry 0 from control points to the state of level 1, entry l from the state of
-  /// level l to that of l + 1; the last gives the state of level max(level(), 1). Where the method
-  /// is Fair, from the entry from level 1 to level 2 on.
-  [[nodiscard]] std::size_t refinement_count() const;
-  [[nodiscard]] StencilView<double> refinement(std::size_t step) const;
-  /// Limit points and tangents from that state, a row per output vertex; du x dv points outward.
-  [[nodiscard]] LimitStencilView<double> limit_stencils() const;
+  /// What devices need to know of the surface.
+  [[nodiscard]] const SurfaceRecords& surface_records() const;
 
   /// What the fair method needs to know of the mesh; null where the method is another.
   [[nodiscard]] const FairRecords* fair_records() const;
@@ -184,8 +181,7 @@ class DeviceSystem {
   [[nodiscard]] std::uint32_t index_count() const;
   [[nodiscard]] std::int32_t given_count() const;
   [[nodiscard]] std::int32_t vertex_count() const;
-  /// Dispatches that one pass over all tables takes: more than one a table where the device's
-  /// limits are low.
+  /// Dispatches that one pass over all tables takes: more where the device's limits are low.
   [[nodiscard]] std::size_t slice_count() const;
   /// Device memory that the tables take.
   [[nodiscard]] std::uint64_t device_bytes() const;

@@ -50,6 +50,16 @@ Buffer::Buffer(Context& context, std::uint64_t size, MemoryUse use, const char* 
   }
 }
 
+Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name) {
+  if (bytes > context.max_storage_range())
+    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": " + std::to_string(bytes) +
+                                            " bytes are needed in one binding (" + name +
+                                            "), but maxStorageBufferRange is " +
+                                            std::to_string(context.max_storage_range()) +
+                                            "; use --device cpu or a smaller mesh");
+  return Buffer(context, bytes, MemoryUse::Device, name);
+}
+
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
   if (this == &other) return *this;
   release();

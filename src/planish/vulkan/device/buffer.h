@@ -38,6 +38,10 @@ class Buffer {
   std::uint64_t block_size_ = 0;
 };
 
+/// A buffer that one binding spans, in device memory. Throws Error{OutOfMemory} naming the limit
+/// that it exceeds.
+[[nodiscard]] Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name);
+
 /// A multiple of every alignment that Vulkan allows a device to ask of a binding's offset.
 inline constexpr VkDeviceSize kBindingAlignment = 256;
 

@@ -12,6 +12,8 @@
 #include "shaders/cg_apply_texel.spv.h"
 #include "shaders/cg_turn.spv.h"
 #include "shaders/control_points.spv.h"
+#include "shaders/corner_patches.spv.h"
+#include "shaders/corner_patches_texel.spv.h"
 #include "shaders/eval_patches.spv.h"
 #include "shaders/fair_apply_heights.spv.h"
 #include "shaders/fair_apply_heights_texel.spv.h"
@@ -68,6 +70,8 @@
 #include "shaders/fair_vertex_normals.spv.h"
 #include "shaders/fair_vertex_normals_texel.spv.h"
 #include "shaders/finish_solve.spv.h"
+#include "shaders/first_step.spv.h"
+#include "shaders/first_step_texel.spv.h"
 #include "shaders/gather_points.spv.h"
 #include "shaders/initial_residual.spv.h"
 #include "shaders/initial_residual_texel.spv.h"
@@ -110,10 +114,15 @@ KernelSource vector_kernel(Code code, std::uint32_t binding_count) {
   return {code, code, sizeof(shared::VectorParameters), {}, binding_count};
 }
 
-KernelSource fair_kernel(Code storage, Code texel, std::initializer_list<Binding> bindings) {
-  KernelSource source{storage, texel, sizeof(shared::FairParameters), {}, 0, true};
+KernelSource special_kernel(Code storage, Code texel, std::uint32_t parameter_bytes,
+                            std::initializer_list<Binding> bindings) {
+  KernelSource source{storage, texel, parameter_bytes, {}, 0, true};
   for (const Binding binding : bindings) source.bindings[source.binding_count++] = binding;
   return source;
+}
+
+KernelSource fair_kernel(Code storage, Code texel, std::initializer_list<Binding> bindings) {
+  return special_kernel(storage, texel, sizeof(shared::FairParameters), bindings);
 }
 
 #define PLANISH_BOTH(name) spirv::name, spirv::name##_texel
@@ -127,6 +136,10 @@ const KernelSource kSources[kKernelCount] = {
     table_kernel(PLANISH_BOTH(apply_stencils), {Floats, Storage},
                  sizeof(shared::StencilParameters)),
     table_kernel(PLANISH_BOTH(apply_limit), {Points, Storage, Pairs}),
+    special_kernel(PLANISH_BOTH(first_step), sizeof(shared::FirstStepParameters),
+                   {Words, Entries, Words, Points, Points, Storage}),
+    special_kernel(PLANISH_BOTH(corner_patches), sizeof(shared::CornerPatchParameters),
+                   {Records, Words, Entries, Points, Points, Points, Storage}),
     table_kernel(PLANISH_BOTH(cg_apply), {Points, Storage, Storage, Storage}),
     vector_kernel(spirv::cg_advance, 6),
     vector_kernel(spirv::cg_turn, 2),
@@ -135,7 +148,7 @@ const KernelSource kSources[kKernelCount] = {
     vector_kernel(spirv::gather_points, 3),
     table_kernel(PLANISH_BOTH(initial_residual), {Points, Storage}),
     vector_kernel(spirv::take_up, 4),
-    vector_kernel(spirv::control_points, 6),
+    vector_kernel(spirv::control_points, 7),
     {spirv::eval_patches, spirv::eval_patches, sizeof(shared::PatchParameters), {}, 6, true},
     fair_kernel(PLANISH_BOTH(fair_place), {Points, Storage}),
     fair_kernel(PLANISH_BOTH(fair_face_normals), {Records, Words, Points, Storage}),
@@ -175,7 +188,7 @@ const KernelSource kSources[kKernelCount] = {
     fair_kernel(PLANISH_BOTH(fair_momentum), {Floats, Storage}),
     fair_kernel(PLANISH_BOTH(fair_apply_heights), {Records, Records, Points, Points, Storage}),
     fair_kernel(PLANISH_BOTH(fair_measure), {Records, Records, Points, Points, Storage}),
-    fair_kernel(PLANISH_BOTH(fair_state), {Words, Points, Points, Storage}),
+    fair_kernel(PLANISH_BOTH(fair_state), {Words, Points, Points, Storage, Storage}),
 };
 
 #undef PLANISH_BOTH
@@ -186,6 +199,8 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish finish_solve",
                                                     "planish apply_stencils",
                                                     "planish apply_limit",
+                                                    "planish first_step",
+                                                    "planish corner_patches",
                                                     "planish cg_apply",
                                                     "planish cg_advance",
                                                     "planish cg_turn",

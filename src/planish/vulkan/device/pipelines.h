@@ -19,6 +19,8 @@ enum class Kernel {
   FinishSolve,
   ApplyStencils,
   ApplyLimit,
+  FirstStep,      ///< only specialised
+  CornerPatches,  ///< only specialised
   CgApply,
   CgAdvance,
   CgTurn,
@@ -59,7 +61,7 @@ enum class Kernel {
   FairMeasure,
   FairState,
 };
-inline constexpr std::size_t kKernelCount = 43;
+inline constexpr std::size_t kKernelCount = 45;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);

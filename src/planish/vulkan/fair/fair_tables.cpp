@@ -1,9 +1,5 @@
 #include "planish/vulkan/fair/fair_tables.h"
 
-#include <string>
-
-#include "planish/core/error.h"
-
 namespace planish::vulkan {
 
 namespace {
@@ -151,16 +147,6 @@ FairDecisions unpack_decisions(std::span<const std::uint32_t> words) {
         static_cast<std::uint8_t>(word >> shared::kLateShift & shared::kHalvingsMask));
   }
   return decisions;
-}
-
-Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name) {
-  if (bytes > context.max_storage_range())
-    throw Error(ErrorCode::OutOfMemory,
-                context.capabilities().name + ": the fair method needs " + std::to_string(bytes) +
-                    " bytes in one binding (" + name + "), but maxStorageBufferRange is " +
-                    std::to_string(context.max_storage_range()) +
-                    "; use --device cpu, the progressive method or a smaller mesh");
-  return Buffer(context, bytes, MemoryUse::Device, name);
 }
 
 FairTables::FairTables(Context& context, const FairRecords& records)

@@ -66,7 +66,4 @@ struct FairTables {
   }
 };
 
-/// A buffer that one binding spans. Throws Error{OutOfMemory} naming the limit that it exceeds.
-[[nodiscard]] Buffer make_bindable(Context& context, std::uint64_t bytes, const char* name);
-
 }  // namespace planish::vulkan

@@ -83,7 +83,8 @@ void GpuFair::make_buffers() {
   }
   make(b.sector_normals, tables_.sector_count * kPointBytes);
   make(b.shifts, tables_.crease_count * kPointBytes);
-  for (Buffer* buffer : {&b.result, &b.state}) make(*buffer, tables_.state_size * kPointBytes);
+  for (Buffer* buffer : {&b.result, &b.state, &b.state_offsets})
+    make(*buffer, tables_.state_size * kPointBytes);
   for (Buffer* buffer : {&b.shares, &b.flags, &b.decisions, &b.precondition})
     make(*buffer, vertices * sizeof(float));
   make(b.counts, shared::kFairCounts * sizeof(std::uint32_t));
@@ -221,7 +222,7 @@ void GpuFair::plan_finish(Binder& binder, const Buffer& model_points) {
   binder.add(finish_, Kernel::FairMeasure, t.vertex_count,
              {&t.vertices, &t.places, &b.given, &b.result, &b.status});
   binder.add(finish_, Kernel::FairState, t.state_size,
-             {&t.owners, &model_points, &b.result, &b.state});
+             {&t.owners, &model_points, &b.result, &b.state, &b.state_offsets});
 }
 
 void GpuFair::record_passes(VkCommandBuffer commands, const Passes& passes,

@@ -56,6 +56,7 @@ class GpuFair {
     Buffer precondition;              // float per vertex
     Buffer partials, scalars;         // floats; shared::FairScalars
     Buffer state;                     // per point of the state, model coordinates
+    Buffer state_offsets;             // the same as corner patches take it
     Buffer status;                    // shared::SolveStatus
   };
   [[nodiscard]] const Buffers& buffers() const { return buffers_; }

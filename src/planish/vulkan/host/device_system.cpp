@@ -5,6 +5,7 @@
 
 #include "planish/core/error.h"
 #include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/host/surface_records.h"
 
 namespace planish::vulkan {
 
@@ -20,13 +21,11 @@ class StagingWriter {
     if (!bytes.empty()) std::memcpy(place_, bytes.data(), bytes.size());
     place_ += bytes.size();
   }
-  void write_table(const DeviceTable& table, const StencilView<double>& view,
-                   const LimitStencilView<double>* derivatives) {
+  void write_table(const DeviceTable& table, const StencilView<double>& view) {
     for (std::size_t i = 0; i < table.slices().size(); ++i) {
-      const PackedSlice packed = table.pack(i, view, derivatives);
+      const PackedSlice packed = table.pack(i, view, nullptr);
       write(packed.chunks);
       write(packed.entries);
-      write(packed.derivatives);
     }
   }
 
@@ -40,22 +39,20 @@ DeviceTable make_masks(Context& context, const System& system) {
   return {context, system.limit_masks(), nullptr, options};
 }
 
-std::vector<DeviceTable> make_refinement(Context& context, const System& system) {
-  std::vector<DeviceTable> tables;
-  tables.reserve(system.refinement_count());
-  for (std::size_t i = 0; i < system.refinement_count(); ++i)
-    tables.emplace_back(context, system.refinement(i), nullptr, DeviceTableOptions{});
-  return tables;
-}
-
-DeviceTable make_limit(Context& context, const System& system, std::uint32_t vertex_stride) {
-  DeviceTableOptions options;
-  options.target_stride = vertex_stride;
-  const LimitStencilView<double> view = system.limit_stencils();
-  return {context, view, &view, options};
-}
-
 }  // namespace
+
+/// What of a System's surface goes to a device. Made anew for each use, since it is as large as the
+/// device's own.
+struct DeviceSystem::Parts::PackedSurface {
+  PackedSurface(const System& system, const PatchLimits& limits)
+      : patches(patch_records(system.surface_records().patches, limits)) {
+    const SurfaceRecords& surface = system.surface_records();
+    if (surface.sharp_rows)
+      step = step_records(surface.patch_mesh, surface.weights, surface.sharp_rows->view(), limits);
+  }
+  PatchRecords patches;
+  std::optional<StepRecords> step;
+};
 
 DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystemOptions& options)
     : context(on),
@@ -65,35 +62,39 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
       spectral_bound(system.spectral_bound()),
       used_vertices(system.used_vertices().begin(), system.used_vertices().end()),
       masks(make_masks(on, system)),
-      refinement(make_refinement(on, system)),
-      limit(make_limit(on, system, options.max_vertex_stride)),
+      vertex_count(system.vertex_count()),
       vertices(on, used_vertices.size() * sizeof(std::int32_t), MemoryUse::Device,
                "planish vertices") {
-  plan_copies(masks, false);
-  for (const DeviceTable& table : refinement) plan_copies(table, false);
-  plan_copies(limit, true);
-  copies.push_back({vertices.handle(), used_vertices.size() * sizeof(std::int32_t)});
-  if (const FairRecords* records = system.fair_records()) {
-    fair.emplace(on, *records);
-    fair->for_each(*records, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
-      copies.push_back({buffer.handle(), bytes.size()});
-    });
-  }
+  const PackedSurface surface(system, patch_limits(on, max_vertex_stride));
+  patches.emplace(on, surface.patches, system.surface_records().patch_mesh.state_size());
+  if (surface.step) step.emplace(on, *surface.step);
+  if (const FairRecords* records = system.fair_records()) fair.emplace(on, *records);
+  plan_masks();
+  for_each(system, surface, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
+    copies.push_back({buffer.handle(), bytes.size()});
+  });
   for (const Copy& copy : copies) device_bytes += copy.bytes;
   on.log("planish: a system of " + std::to_string(used_vertices.size()) + " vertices takes " +
          std::to_string(device_bytes) + " bytes, its limit masks in " +
          std::to_string(masks.slices().size()) + " slices");
 }
 
-void DeviceSystem::Parts::plan_copies(const DeviceTable& table, bool has_derivatives) {
-  for (const DeviceTable::Slice& slice : table.slices()) {
+void DeviceSystem::Parts::plan_masks() {
+  for (const DeviceTable::Slice& slice : masks.slices()) {
     const TableSlice& rows = slice.rows;
     copies.push_back(
         {slice.chunks.handle(), rows.chunk_count * shared::kChunkWords * sizeof(std::uint32_t)});
     copies.push_back({slice.entries.handle(), rows.entry_count * sizeof(PackedEntry)});
-    if (has_derivatives)
-      copies.push_back({slice.derivatives.handle(), rows.entry_count * sizeof(PackedDerivative)});
   }
+}
+
+template <class Take>
+void DeviceSystem::Parts::for_each(const System& system, const PackedSurface& surface,
+                                   const Take& take) const {
+  patches->for_each(surface.patches, take);
+  if (step) step->for_each(*surface.step, take);
+  take(vertices, std::as_bytes(std::span(used_vertices)));
+  if (fair) fair->for_each(*system.fair_records(), take);
 }
 
 DeviceSystem::DeviceSystem(Context& context, const System& system,
@@ -108,11 +109,10 @@ std::uint64_t DeviceSystem::upload_bytes() const {
 }
 std::uint32_t DeviceSystem::index_count() const { return parts_->index_count; }
 std::int32_t DeviceSystem::given_count() const { return parts_->given_count; }
-std::int32_t DeviceSystem::vertex_count() const { return parts_->limit.row_count(); }
+std::int32_t DeviceSystem::vertex_count() const { return parts_->vertex_count; }
 std::size_t DeviceSystem::slice_count() const {
-  std::size_t count = parts_->masks.slices().size() + parts_->limit.slices().size();
-  for (const DeviceTable& table : parts_->refinement) count += table.slices().size();
-  return count;
+  return parts_->masks.slices().size() + parts_->patches->slices.size() +
+         (parts_->step ? parts_->step->slices.size() : 0);
 }
 std::uint64_t DeviceSystem::device_bytes() const { return parts_->device_bytes; }
 
@@ -121,21 +121,22 @@ void DeviceSystem::write_upload(const System& system, std::span<std::byte> stagi
     throw Error(ErrorCode::InvalidArgument, "the upload takes " + std::to_string(upload_bytes()) +
                                                 " bytes of staging memory, not " +
                                                 std::to_string(staging.size()));
-  if (system.vertex_count() != vertex_count() || system.triangles().size() != index_count() ||
-      system.refinement_count() != parts_->refinement.size() ||
-      parts_->fair.has_value() != (system.fair_records() != nullptr))
+  const auto refuse = [] {
     throw Error(ErrorCode::InvalidArgument, "the upload is not of the System that it was made for");
+  };
+  if (system.vertex_count() != vertex_count() || system.triangles().size() != index_count() ||
+      parts_->fair.has_value() != (system.fair_records() != nullptr))
+    refuse();
+  const Parts::PackedSurface surface(system,
+                                     patch_limits(parts_->context, parts_->max_vertex_stride));
+  std::size_t copy = 2 * parts_->masks.slices().size();
+  parts_->for_each(system, surface, [&](const Buffer&, std::span<const std::byte> bytes) {
+    if (bytes.size() != parts_->copies[copy++].bytes) refuse();
+  });
   StagingWriter writer(staging);
-  writer.write_table(parts_->masks, system.limit_masks(), nullptr);
-  for (std::size_t i = 0; i < system.refinement_count(); ++i)
-    writer.write_table(parts_->refinement[i], system.refinement(i), nullptr);
-  const LimitStencilView<double> limit = system.limit_stencils();
-  writer.write_table(parts_->limit, limit, &limit);
-  writer.write(parts_->used_vertices);
-  if (parts_->fair)
-    parts_->fair->for_each(
-        *system.fair_records(),
-        [&](const Buffer&, std::span<const std::byte> bytes) { writer.write(bytes); });
+  writer.write_table(parts_->masks, system.limit_masks());
+  parts_->for_each(system, surface,
+                   [&](const Buffer&, std::span<const std::byte> bytes) { writer.write(bytes); });
   writer.write(system.triangles());
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "planish/vulkan/embed.h"
+#include "planish/vulkan/evaluate/patch_tables.h"
 #include "planish/vulkan/fair/fair_tables.h"
 #include "planish/vulkan/tables/device_table.h"
 
@@ -18,7 +19,11 @@ struct DeviceSystem::Parts {
     VkBuffer target;
     std::uint64_t bytes;
   };
-  void plan_copies(const DeviceTable& table, bool has_derivatives);
+  struct PackedSurface;
+  void plan_masks();
+  /// Calls take(buffer, bytes) for all that comes after the masks, in the order of copies.
+  template <class Take>
+  void for_each(const System& system, const PackedSurface& surface, const Take& take) const;
 
   Context& context;
   std::uint32_t max_vertex_stride;
@@ -27,8 +32,9 @@ struct DeviceSystem::Parts {
   double spectral_bound;
   std::vector<std::int32_t> used_vertices;
   DeviceTable masks;
-  std::vector<DeviceTable> refinement;
-  DeviceTable limit;
+  std::int32_t vertex_count;
+  std::optional<PatchTables> patches;
+  std::optional<StepTables> step;  // where the method is not fair
   std::optional<FairTables> fair;  // where that is the method
   Buffer vertices;                 // used_vertices, on the device
   std::vector<Copy> copies;        // in the order of their bytes; indices come after them

@@ -8,7 +8,8 @@
 #include "planish/core/error.h"
 #include "planish/fair/fair_net.h"
 #include "planish/vulkan/device/commands.h"
-#include "planish/vulkan/evaluate/gpu_evaluation.h"
+#include "planish/vulkan/evaluate/gpu_first_step.h"
+#include "planish/vulkan/evaluate/gpu_patches.h"
 #include "planish/vulkan/fair/gpu_fair.h"
 #include "planish/vulkan/host/device_system.h"
 #include "planish/vulkan/solve/gpu_given.h"
@@ -120,7 +121,8 @@ struct Solve::Parts {
   std::optional<Buffer> own_given;         // where the host gives no buffer
   std::optional<Progressive> progressive;  // one of these two
   std::optional<Fair> fair;
-  std::optional<GpuEvaluation> evaluation;
+  std::optional<GpuFirstStep> step;  // of the progressive method
+  std::optional<GpuPatches> patches;
 
  private:
   static std::optional<Buffer> make_given(Context& context, std::uint64_t bytes,
@@ -159,7 +161,15 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const SolveO
     progressive.emplace(on, system, options, points);
   if (!options.vertices.buffer) return;
   check_layout(options.vertices, system.max_vertex_stride);
-  evaluation.emplace(on, system.refinement, system.limit, control_points(), options.vertices);
+  if (progressive) {
+    const GpuGiven& given_points = progressive->given;
+    step.emplace(on, *system.patches, *system.step, given_points.given(),
+                 given_points.displacement());
+    patches.emplace(on, *system.patches, given_points.given(), step->state(), options.vertices);
+  } else {
+    patches.emplace(on, *system.patches, fair->gather.points(), fair->fair.buffers().state_offsets,
+                    options.vertices);
+  }
 }
 
 Solve::Solve(Context& context, const DeviceSystem& system, const SolveOptions& options)
@@ -209,7 +219,12 @@ void Solve::record_evaluate(VkCommandBuffer commands, const Timestamps& timestam
   record_barrier(context, commands, kExitScope, kEntryScope);
   const TimedScope timed(context, commands, timestamps);
   if (parts_->progressive) parts_->progressive->given.record_control_points(commands);
-  if (parts_->evaluation) parts_->evaluation->record(commands);
+  if (!parts_->patches) return;
+  if (parts_->step) {
+    parts_->step->record(commands);
+    record_barrier(context, commands, kKernelScope, kKernelScope);
+  }
+  parts_->patches->record(commands);
 }
 
 void Solve::record_status(VkCommandBuffer commands, VkBuffer target,

@@ -1,5 +1,4 @@
-// Based on: the paper, section 3.2, for the system B P = V0; the chain of tables is that of
-// surface/evaluate.cpp, kept whole since it serves every frame.
+// Based on: the paper, section 3.2, for the system B P = V0.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -17,10 +16,10 @@
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/used_vertices.h"
-#include "planish/patches/split_rows.h"
 #include "planish/stencil/quad_split.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/fair/fair_tables.h"
+#include "planish/vulkan/host/surface_records.h"
 
 namespace planish::vulkan {
 
@@ -105,10 +104,8 @@ std::uint32_t count_iterations(const StencilView<double>& masks,
 struct System::Parts {
   Parts(const PolygonMesh& rest, const SystemOptions& options);
 
-  void build_tables(const PolygonMesh& mesh, const SystemOptions& options);
-  void copy_rows(const LimitRows& rows, std::span<const std::int32_t> order);
-  void build_faces(const PolygonMesh& mesh, const MeshTopology& topology,
-                   const PatchNumbering& numbering);
+  void copy_rows();
+  void build_faces(const PolygonMesh& mesh);
   void build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
                     const SystemOptions& options);
   void measure_rest(const PolygonMesh& mesh, const Placement& placement, double relative_tolerance);
@@ -117,9 +114,8 @@ struct System::Parts {
   std::int32_t given_count;
   std::vector<std::int32_t> used_vertices, copied_vertices;
   std::vector<std::uint32_t> triangles, quads;
+  std::optional<SurfaceRecords> surface;
   std::optional<StencilTable<double>> masks;
-  std::vector<StencilTable<double>> refinement;
-  std::optional<LimitStencilTable<double>> limit;
   std::optional<FairRecords> fair;
   double diagonal = 1, tolerance = 0, spectral_bound = 0, rest_error = 0;
   double valence_spread = 1;  // of all valences, their sum over the smallest
@@ -132,52 +128,46 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
   require_usable(rest, "mesh");
   UsedMesh used = without_unused_vertices(rest);
   used_vertices = std::move(used.vertices);
-  build_tables(used.mesh, options);
-  const Placement placement = placement_of(used.mesh);
+  const PolygonMesh& mesh = used.mesh;
+  surface.emplace(mesh, options);
+  options.callbacks.check_cancelled();
+  {
+    const QuadSplit split(mesh, surface->topology);
+    const Subdivision subdivision(split, surface->features, options.weights);
+    build_method(mesh, subdivision, options);
+    options.callbacks.report("tables", 0.5);
+    if (!fair) surface->take_sharp_rows(mesh, subdivision);
+  }
+  options.callbacks.check_cancelled();
+  copy_rows();
+  build_faces(mesh);
+  const Placement placement = placement_of(mesh);
   diagonal = placement.diagonal;
   tolerance = options.tolerance * diagonal;
   if (fair)
     fair->placement = placement;
   else
-    measure_rest(used.mesh, placement, options.tolerance);
+    measure_rest(mesh, placement, options.tolerance);
 }
 
-void System::Parts::build_tables(const PolygonMesh& mesh, const SystemOptions& options) {
-  // The vertices of level 0 have their limit points on every level: it reads them off level 1.
-  const int state_level = std::max(level, 1);
-  QuadSplit split(mesh);
-  split.refine(level);
-  const MeshTopology topology(mesh);
-  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, options.sharp);
-  const Subdivision subdivision(split, features, options.weights);
-  options.callbacks.check_cancelled();
-  build_method(mesh, subdivision, options);
-  for (int l = fair ? 2 : 1; l <= state_level; ++l) {
-    options.callbacks.check_cancelled();
-    options.callbacks.report("tables", 0.5 * l / state_level);
-    const RowRange rows{0, subdivision.state_layout(l).size};
-    refinement.push_back(l == 1 ? first_step_table(mesh, subdivision, rows)
-                                : refinement_table(subdivision, l - 1, rows));
+// Across a cut the further side's rows stand where the first side's do.
+void System::Parts::copy_rows() {
+  using Part = PatchNumbering::Part;
+  const PatchNumbering& numbering = surface->patches.numbering();
+  copied_vertices.resize(static_cast<std::size_t>(numbering.row_count()));
+  std::iota(copied_vertices.begin(), copied_vertices.end(), 0);
+  const std::int32_t count = numbering.samples().trailing_count();
+  std::int64_t row = numbering.first_row(Part::Trailing);
+  for (std::int64_t i = 0; i < numbering.item_count(Part::Trailing); ++i, row += count) {
+    const std::int32_t other = surface->topology->ccw(numbering.item_corner(Part::Trailing, i));
+    for (std::int32_t k = 0; other >= 0 && k < count; ++k)
+      copied_vertices[row + k] = static_cast<std::int32_t>(numbering.corner_row(other)) + k;
   }
-  const LimitRows rows(subdivision, state_level, split.counts(level).vertices);
-  options.callbacks.check_cancelled();
-  // Rows are numbered as those of evaluate().
-  const PatchMesh patches(topology, features);
-  const PatchNumbering numbering(patches, level);
-  const std::vector<std::int32_t> order = limits_of_rows(topology, numbering, split, rows);
-  limit.emplace(limit_table(subdivision, state_level, rows, order));
-  copy_rows(rows, order);
-  build_faces(mesh, topology, numbering);
-}
-
-// Of the rows of one vertex the first stands for the others.
-void System::Parts::copy_rows(const LimitRows& rows, std::span<const std::int32_t> order) {
-  std::vector<std::int32_t> first(order.size(), -1);
-  copied_vertices.resize(order.size());
-  for (std::size_t row = 0; row < order.size(); ++row) {
-    std::int32_t& own = first[rows.place(order[row]).vertex];
-    if (own < 0) own = static_cast<std::int32_t>(row);
-    copied_vertices[row] = own;
+  row = numbering.first_row(Part::Further);
+  for (std::int64_t i = 0; i < numbering.item_count(Part::Further); ++i, ++row) {
+    const std::int32_t first = numbering.further_first(i);
+    copied_vertices[row] =
+        numbering.is_further_edge(i) ? numbering.edge_row(first) : numbering.vertex_row(first);
   }
 }
 
@@ -199,14 +189,14 @@ void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& sub
                      *std::min_element(valence.begin(), valence.end());
 }
 
-void System::Parts::build_faces(const PolygonMesh& mesh, const MeshTopology& topology,
-                                const PatchNumbering& numbering) {
-  for_kept_faces(mesh, topology, numbering, [&](std::span<const std::int32_t> corners) {
+void System::Parts::build_faces(const PolygonMesh& mesh) {
+  const auto take = [&](std::span<const std::int32_t> corners) {
     if (level > 0) quads.insert(quads.end(), corners.begin(), corners.end());
     for (std::size_t k = 2; k < corners.size(); ++k)
       for (const std::int32_t vertex : {corners[0], corners[k - 1], corners[k]})
         triangles.push_back(static_cast<std::uint32_t>(vertex));
-  });
+  };
+  for_kept_faces(mesh, *surface->topology, surface->patches.numbering(), take);
 }
 
 void System::Parts::measure_rest(const PolygonMesh& mesh, const Placement& placement,
@@ -230,16 +220,14 @@ System& System::operator=(System&&) noexcept = default;
 int System::level() const { return parts_->level; }
 std::int32_t System::given_count() const { return parts_->given_count; }
 std::span<const std::int32_t> System::used_vertices() const { return parts_->used_vertices; }
-std::int32_t System::vertex_count() const { return parts_->limit->view().row_count(); }
+std::int32_t System::vertex_count() const {
+  return static_cast<std::int32_t>(parts_->copied_vertices.size());
+}
 std::span<const std::int32_t> System::copied_vertices() const { return parts_->copied_vertices; }
 std::span<const std::uint32_t> System::triangles() const { return parts_->triangles; }
 std::span<const std::uint32_t> System::quads() const { return parts_->quads; }
 StencilView<double> System::limit_masks() const { return parts_->masks->view(); }
-std::size_t System::refinement_count() const { return parts_->refinement.size(); }
-StencilView<double> System::refinement(std::size_t step) const {
-  return parts_->refinement[step].view();
-}
-LimitStencilView<double> System::limit_stencils() const { return parts_->limit->view(); }
+const SurfaceRecords& System::surface_records() const { return *parts_->surface; }
 const FairRecords* System::fair_records() const { return parts_->fair ? &*parts_->fair : nullptr; }
 double System::diagonal() const { return parts_->diagonal; }
 double System::tolerance() const { return parts_->tolerance; }

@@ -14,7 +14,9 @@ GpuGiven::GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& s
       pieces_(cut_rows(context, masks.row_count(), kPointBytes)),
       gather_(context, vertices, row_vertices, given),
       control_(context, masks.row_count() * kPointBytes, MemoryUse::Device,
-               "planish control points") {
+               "planish control points"),
+      moved_(context, masks.row_count() * kPointBytes, MemoryUse::Device,
+             "planish last displacement") {
   bind(solve);
 }
 
@@ -28,10 +30,10 @@ void GpuGiven::bind(const GpuSolve& solve) {
                      {own(solve.side(0), piece), own(solve.side(1), piece),
                       own(solve.side(2), piece), whole(solve.status())}});
   for (const VectorPiece& piece : pieces_)
-    bound.push_back(
-        {Kernel::ControlPoints,
-         {own(solve.side(0), piece), own(solve.side(1), piece), own(solve.side(2), piece),
-          whole(solve.status()), own(gather_.points(), piece), own(control_, piece)}});
+    bound.push_back({Kernel::ControlPoints,
+                     {own(solve.side(0), piece), own(solve.side(1), piece),
+                      own(solve.side(2), piece), whole(solve.status()),
+                      own(gather_.points(), piece), own(control_, piece), own(moved_, piece)}});
   for (const DeviceTable::Slice& slice : masks_.slices())
     bound.push_back(
         {Kernel::InitialResidual,

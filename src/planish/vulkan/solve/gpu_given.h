@@ -22,10 +22,12 @@ class GpuGiven {
 
   /// Right-hand side from the points, displacement from the last one or zero.
   void record_begin(VkCommandBuffer commands, bool warm_start) const noexcept;
-  /// control_points() = given points + displacement.
+  /// control_points() = given() + displacement().
   void record_control_points(VkCommandBuffer commands) const noexcept;
 
-  /// shared::kPointFloats floats per row.
+  // Of shared::kPointFloats floats per row.
+  [[nodiscard]] const Buffer& given() const { return gather_.points(); }
+  [[nodiscard]] const Buffer& displacement() const { return moved_; }
   [[nodiscard]] const Buffer& control_points() const { return control_; }
 
  private:
@@ -37,7 +39,7 @@ class GpuGiven {
   const DeviceTable& masks_;
   std::vector<VectorPiece> pieces_;
   GpuGather gather_;
-  Buffer control_;
+  Buffer control_, moved_;
   DescriptorSets sets_;  // take up per piece, control points per piece, slices of masks
 };
 

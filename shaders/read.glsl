@@ -1,0 +1,25 @@
+// READ(number, Item, name) declares an array that is only read, whose items name_at(i) gives: as a
+// storage buffer, or with PLANISH_TEXEL as a uniform texel buffer. No semicolon after it.
+#ifdef PLANISH_TEXEL
+#define SAMPLER_float samplerBuffer
+#define SAMPLER_vec2 samplerBuffer
+#define SAMPLER_vec4 samplerBuffer
+#define SAMPLER_uint usamplerBuffer
+#define SAMPLER_uvec2 usamplerBuffer
+#define SAMPLER_uvec4 usamplerBuffer
+float fetch_float(samplerBuffer from, uint i) { return texelFetch(from, int(i)).x; }
+vec2 fetch_vec2(samplerBuffer from, uint i) { return texelFetch(from, int(i)).xy; }
+vec4 fetch_vec4(samplerBuffer from, uint i) { return texelFetch(from, int(i)); }
+uint fetch_uint(usamplerBuffer from, uint i) { return texelFetch(from, int(i)).x; }
+uvec2 fetch_uvec2(usamplerBuffer from, uint i) { return texelFetch(from, int(i)).xy; }
+uvec4 fetch_uvec4(usamplerBuffer from, uint i) { return texelFetch(from, int(i)); }
+#define READ(number, Item, name)                                              \
+  layout(set = 0, binding = number) uniform SAMPLER_##Item name##_texels;     \
+  Item name##_at(uint i) { return fetch_##Item(name##_texels, i); }
+#else
+#define READ(number, Item, name)                                                                   \
+  layout(std430, set = 0, binding = number) restrict readonly buffer name##_block { Item name[]; }; \
+  Item name##_at(uint i) { return name[i]; }
+#endif
+#define WRITE(number, Item, name) \
+  layout(std430, set = 0, binding = number) restrict writeonly buffer name##_block { Item name[]; }

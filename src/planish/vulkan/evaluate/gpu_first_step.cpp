@@ -1,0 +1,56 @@
+// Based on: Doo & Sabin 1978; "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces",
+// equation (1), in differences between neighbours; its twin is patches/first_step.cpp.
+#include "planish/vulkan/evaluate/gpu_first_step.h"
+
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/tables/table_slices.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr std::uint32_t kStepLanes = 64;
+
+}  // namespace
+
+GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const StepTables& tables,
+                           const Buffer& given, const Buffer& displacement)
+    : context_(context),
+      state_(context, static_cast<std::uint64_t>(patches.point_count) * kPointBytes,
+             MemoryUse::Device, "planish points of level 1") {
+  std::vector<BoundKernel> bound;
+  for (const StepSlice& slice : tables.slices) {
+    const std::int64_t shift = slice.points.first % kStepLanes;
+    const IndexWindow target{slice.points.first - shift, slice.points.count + shift};
+    const std::uint32_t constants[] = {slice.is_sharp ? 1u : 0u};
+    Dispatch& dispatch = dispatches_.emplace_back();
+    dispatch.pipeline = context.pipelines().specialised(Kernel::FirstStep, constants);
+    shared::FirstStepParameters& parameters = dispatch.parameters;
+    parameters.count = static_cast<std::uint32_t>(slice.points.count);
+    parameters.first_point = static_cast<std::uint32_t>(slice.points.first);
+    parameters.first_corner = static_cast<std::uint32_t>(slice.corners.first);
+    parameters.first_vertex = static_cast<std::uint32_t>(slice.vertices.first);
+    parameters.first_target = static_cast<std::uint32_t>(target.first);
+    parameters.first_word = tables.first_sharp_word;
+    dispatch.groups = (parameters.count + kStepLanes - 1) / kStepLanes;
+    bound.push_back({Kernel::FirstStep,
+                     {whole(tables.words),
+                      window_range(patches.links, slice.corners, sizeof(PatchRecords::Link)),
+                      window_range(tables.vertices, slice.corners, sizeof(std::uint32_t)),
+                      window_range(given, slice.vertices, kPointBytes),
+                      window_range(displacement, slice.vertices, kPointBytes),
+                      window_range(state_, target, kPointBytes)}});
+  }
+  sets_ = DescriptorSets(context, bound);
+}
+
+void GpuFirstStep::record(VkCommandBuffer commands) const noexcept {
+  for (std::size_t i = 0; i < dispatches_.size(); ++i) {
+    // Windows of neighbouring dispatches may share their edge.
+    if (i > 0) record_barrier(context_, commands, kKernelScope, kKernelScope);
+    record_dispatch(context_, commands, dispatches_[i].pipeline, sets_[i],
+                    &dispatches_[i].parameters, dispatches_[i].groups);
+  }
+}
+
+}  // namespace planish::vulkan

@@ -1,0 +1,78 @@
+// Based on: corner patches, a derivation of our own; see patches/patch_surface.cpp, its twin.
+#include "planish/vulkan/evaluate/gpu_patches.h"
+
+#include <algorithm>
+
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/tables/stencil_pass.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr std::uint32_t kVectorFloats = 3;
+
+// The host's vertices as far as they are written.
+FloatElements elements_of(const VertexLayout& layout) {
+  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
+  return {layout.buffer, layout.offset / sizeof(float),
+          static_cast<std::uint32_t>(last / sizeof(float)) + kVectorFloats,
+          static_cast<std::uint32_t>(layout.stride / sizeof(float))};
+}
+
+}  // namespace
+
+GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer& given,
+                       const Buffer& state, const VertexLayout& layout)
+    : context_(context) {
+  const std::uint32_t units_per_group = context.variant().chunks_per_group;
+  std::vector<BoundKernel> bound;
+  for (const PatchSlice& slice : tables.slices) {
+    const ElementWindow target =
+        element_window(elements_of(layout), static_cast<std::uint64_t>(slice.rows.first),
+                       static_cast<std::uint64_t>(slice.rows.count));
+    check_range(context, target);
+    const std::uint32_t constants[] = {slice.gather, slice.samples};
+    Dispatch& dispatch = dispatches_.emplace_back();
+    dispatch.pipeline = context.pipelines().specialised(Kernel::CornerPatches, constants);
+    shared::CornerPatchParameters& parameters = dispatch.parameters;
+    parameters.unit_count = slice.group_count * slice.chunk_count;
+    parameters.chunk_count = slice.chunk_count;
+    parameters.first_group = slice.first_group;
+    parameters.first_state = static_cast<std::uint32_t>(slice.points.first);
+    parameters.first_vertex = static_cast<std::uint32_t>(slice.vertices.first);
+    parameters.first_row = static_cast<std::uint32_t>(slice.rows.first);
+    parameters.first_target =
+        target.shift + static_cast<std::uint32_t>(layout.position_offset / sizeof(float));
+    parameters.target_stride = layout.stride / sizeof(float);
+    // May be negative: the kernel's sum wraps around.
+    parameters.normal_offset =
+        layout.normal_offset / sizeof(float) - layout.position_offset / sizeof(float);
+    dispatch.groups = (parameters.unit_count + units_per_group - 1) / units_per_group;
+    // Points behind the corners' have no links.
+    const std::uint64_t link_bytes = sizeof(PatchRecords::Link);
+    const auto link_count = static_cast<std::int64_t>(tables.links.size() / link_bytes);
+    const std::int64_t first_link = std::min(slice.points.first, link_count - 1) / 64 * 64;
+    const IndexWindow links{
+        first_link,
+        std::min(slice.points.first + slice.points.count, link_count) - first_link};
+    bound.push_back({Kernel::CornerPatches,
+                     {whole(tables.groups), whole(tables.words),
+                      window_range(tables.links, links, link_bytes),
+                      window_range(state, slice.points, kPointBytes),
+                      window_range(given, slice.vertices, kPointBytes), whole(tables.weights),
+                      target.range}});
+  }
+  sets_ = DescriptorSets(context, bound);
+}
+
+void GpuPatches::record(VkCommandBuffer commands) const noexcept {
+  for (std::size_t i = 0; i < dispatches_.size(); ++i) {
+    record_dispatch(context_, commands, dispatches_[i].pipeline, sets_[i],
+                    &dispatches_[i].parameters, dispatches_[i].groups);
+    // Windows of neighbouring dispatches share their edge.
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
+  }
+}
+
+}  // namespace planish::vulkan

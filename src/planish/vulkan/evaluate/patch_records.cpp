@@ -1,0 +1,337 @@
+#include "planish/vulkan/evaluate/patch_records.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <tuple>
+
+#include "planish/core/error.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+using Item = PatchPlan::Item;
+using Bucket = PatchPlan::Bucket;
+
+constexpr std::int64_t kWindowStep = 64;
+constexpr std::uint64_t kWidestPoint = shared::kPointFloats * sizeof(float);
+// A window of rows begins where a binding may.
+constexpr std::uint64_t kRowSlack = 256;
+
+std::uint32_t word(std::int64_t value) { return static_cast<std::uint32_t>(value); }
+
+IndexWindow aligned(const IndexWindow& window) {
+  const std::int64_t shift = window.first % kWindowStep;
+  return {window.first - shift, window.count + shift};
+}
+
+std::uint32_t gather_of(const PatchPlace& place) {
+  const PatchClass& patch = place.patch;
+  if (patch.kind != PatchKind::Smooth) return shared::kGatherList;
+  switch (place.around) {
+    case PatchPlace::Around::Face:
+      return shared::kGatherFace;
+    case PatchPlace::Around::Edge:
+      return shared::kGatherEdge;
+    case PatchPlace::Around::Vertex:
+      break;
+  }
+  return patch.is_limit_only() ? shared::kGatherVertex : shared::kGatherCorner;
+}
+
+// What all patches of a dispatch have in common: how points are gathered, samples at once, chunks.
+using PassKey = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
+
+struct Pass {
+  std::vector<shared::PatchGroup> groups;
+  std::vector<PatchSlice> slices;
+};
+
+// values[0] + step * (places[i] - places[0]) for all i, if these are the values.
+bool is_progression(std::span<const std::uint32_t> values, std::span<const std::uint32_t> places,
+                    std::uint32_t& step) {
+  step = 0;
+  if (values.size() > 1 && places[1] > places[0])
+    step = (values[1] - values[0]) / (places[1] - places[0]);
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[0] + step * (places[i] - places[0]) != values[i]) return false;
+  return true;
+}
+
+class Packer {
+ public:
+  Packer(const PatchSurface& surface, const PatchLimits& limits)
+      : surface_(surface), mesh_(surface.mesh()), limits_(limits), owners_(state_owners(mesh_)) {
+    all_points_ = {0, mesh_.state_size()};
+    all_vertices_ = {0, mesh_.topology().vertex_count()};
+    windows_matter_ = !fits(all_points_) || !fits(all_vertices_);
+  }
+
+  PatchRecords pack() {
+    add_links();
+    PatchPlan plan;
+    std::vector<Item> items;
+    for (const PatchTile& tile : surface_.tiles()) {
+      surface_.planner().list(tile, plan);
+      for (std::size_t b = 0; b < plan.buckets.size(); ++b) {
+        items.clear();
+        for (const Item& item : plan.items)
+          if (item.bucket == static_cast<std::int32_t>(b)) items.push_back(item);
+        add_bucket(tile, plan.buckets[b], items);
+      }
+    }
+    join_passes();
+    return std::move(records_);
+  }
+
+ private:
+  void add_links();
+  void add_bucket(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items);
+  void add_group(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items,
+                 Pass& pass, PatchSlice extent);
+  [[nodiscard]] shared::PatchGroup group_of(const PatchTile& tile, const Bucket& bucket,
+                                            const PatchSlice& extent, std::span<const Item> items);
+  void add_lanes(const PatchTile& tile, std::uint32_t gather, std::span<const Item> items,
+                 shared::PatchGroup& group);
+  [[nodiscard]] std::uint32_t first_weight(const Bucket& bucket, std::uint32_t samples);
+  void measure(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items,
+               PatchSlice& extent);
+  void join_passes();
+
+  [[nodiscard]] bool fits(const IndexWindow& window) const {
+    const auto count = static_cast<std::uint64_t>(aligned(window).count);
+    return count * kWidestPoint <= limits_.max_range && count <= limits_.max_elements;
+  }
+  [[nodiscard]] std::uint64_t row_bytes(const IndexWindow& rows) const {
+    return static_cast<std::uint64_t>(rows.count) * limits_.row_stride + kRowSlack;
+  }
+  [[nodiscard]] bool fits(const PatchSlice& slice) const {
+    return fits(slice.points) && fits(slice.vertices) && row_bytes(slice.rows) <= limits_.max_range &&
+           std::uint64_t(slice.group_count) * slice.chunk_count <= limits_.max_units;
+  }
+  [[noreturn]] void refuse(const PatchSlice& slice) const;
+
+  const PatchSurface& surface_;
+  const PatchMesh& mesh_;
+  const PatchLimits& limits_;
+  std::vector<std::int32_t> owners_;
+  IndexWindow all_points_, all_vertices_;
+  bool windows_matter_ = false;
+  PatchRecords records_;
+  std::map<PassKey, Pass> passes_;
+  std::map<std::tuple<std::int32_t, std::int32_t, std::int32_t>, std::uint32_t> weights_;
+  std::vector<std::int32_t> gathered_;
+};
+
+void Packer::add_links() {
+  const MeshTopology& topology = mesh_.topology();
+  records_.links.resize(static_cast<std::size_t>(topology.corner_count()));
+  for (std::int32_t c = 0; c < topology.corner_count(); ++c)
+    // -1 is kNone.
+    records_.links[c] = {word(topology.ccw(c)), word(topology.next(c))};
+}
+
+void Packer::add_bucket(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items) {
+  const auto count = static_cast<std::uint32_t>(bucket.sample_count);
+  PatchSlice extent;
+  extent.samples = count % shared::kSampleChunk == 0 ? shared::kSampleChunk : 1;
+  extent.chunk_count = count / extent.samples;
+  extent.group_count = 1;
+  for (std::size_t first = 0; first < items.size();) {
+    extent.gather = gather_of(items[first].place);
+    std::size_t end = first;
+    while (end < items.size() && end - first < shared::kPatchLanes &&
+           gather_of(items[end].place) == extent.gather)
+      ++end;
+    Pass& pass = passes_[{extent.gather, extent.samples, extent.chunk_count}];
+    add_group(tile, bucket, items.subspan(first, end - first), pass, extent);
+    first = end;
+  }
+}
+
+// What a group's patches read and write.
+void Packer::measure(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items,
+                     PatchSlice& extent) {
+  extent.points = extent.vertices = extent.rows = {};
+  for (const Item& item : items)
+    extent.rows =
+        extent.rows.joined({tile.first_row + item.target, std::int64_t{bucket.sample_count}});
+  if (!windows_matter_) {
+    extent.points = all_points_;
+    extent.vertices = all_vertices_;
+    return;
+  }
+  for (const Item& item : items) {
+    gathered_.resize(static_cast<std::size_t>(item.place.patch.column_count()));
+    mesh_.gather(item.place, gathered_.data(), 1);
+    for (const std::int32_t point : gathered_) {
+      extent.points.take(point);
+      extent.vertices.take(owners_[point]);
+    }
+  }
+  extent.points = aligned(extent.points);
+  extent.vertices = aligned(extent.vertices);
+}
+
+void Packer::add_group(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items,
+                       Pass& pass, PatchSlice extent) {
+  measure(tile, bucket, items, extent);
+  if (!fits(extent)) {
+    if (items.size() == 1) refuse(extent);
+    const std::size_t half = items.size() / 2;
+    add_group(tile, bucket, items.first(half), pass, extent);
+    add_group(tile, bucket, items.subspan(half), pass, extent);
+    return;
+  }
+  const shared::PatchGroup group = group_of(tile, bucket, extent, items);
+  extent.first_group = static_cast<std::uint32_t>(pass.groups.size());
+  pass.groups.push_back(group);
+  if (!pass.slices.empty()) {
+    PatchSlice longer = pass.slices.back();
+    ++longer.group_count;
+    longer.points = longer.points.joined(extent.points);
+    longer.vertices = longer.vertices.joined(extent.vertices);
+    longer.rows = longer.rows.joined(extent.rows);
+    if (fits(longer)) {
+      pass.slices.back() = longer;
+      return;
+    }
+  }
+  pass.slices.push_back(extent);
+}
+
+shared::PatchGroup Packer::group_of(const PatchTile& tile, const Bucket& bucket,
+                                    const PatchSlice& extent, std::span<const Item> items) {
+  const PatchClass& patch = items.front().place.patch;
+  shared::PatchGroup group{};
+  group.first_word = word(std::ssize(records_.words));
+  group.lane_count = word(std::ssize(items));
+  group.first_weight = first_weight(bucket, extent.samples);
+  group.columns = word(patch.column_count() - 1);
+  group.ring = word(patch.ring_size);
+  group.face = word(extent.gather == shared::kGatherFace ? patch.ring_size : patch.face_size);
+  if (bucket.results != PatchPlan::Results::Normals) group.flags |= shared::kHasPositions;
+  if (bucket.results != PatchPlan::Results::Positions) group.flags |= shared::kHasNormals;
+  add_lanes(tile, extent.gather, items, group);
+  if (extent.gather != shared::kGatherList) return group;
+  const std::size_t first = records_.words.size();
+  records_.words.resize(first + (group.columns + 1) * shared::kPatchLanes);
+  gathered_.resize(group.columns + 1);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    mesh_.gather(items[i].place, gathered_.data(), 1);
+    for (std::size_t k = 0; k < gathered_.size(); ++k)
+      records_.words[first + k * shared::kPatchLanes + i] = word(gathered_[k]);
+  }
+  return group;
+}
+
+// Corners and rows of the lanes: as steps where they are even, else as words.
+void Packer::add_lanes(const PatchTile& tile, std::uint32_t gather, std::span<const Item> items,
+                       shared::PatchGroup& group) {
+  std::array<std::uint32_t, shared::kPatchLanes> all_corners{}, all_rows{}, all_lanes{};
+  const auto corners = std::span(all_corners).first(items.size());
+  const auto rows = std::span(all_rows).first(items.size());
+  const auto lanes = std::span(all_lanes).first(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const PatchPlace& place = items[i].place;
+    // An edge's point is the next corner's.
+    corners[i] = word(gather == shared::kGatherEdge ? mesh_.topology().prev(place.corner)
+                                                    : place.corner);
+    rows[i] = word(tile.first_row + items[i].target);
+    lanes[i] = word(static_cast<std::int64_t>(i));
+  }
+  group.corner = corners[0];
+  group.row = rows[0];
+  const auto add_words = [&](const auto& values) {
+    records_.words.insert(records_.words.end(), values.begin(), values.end());
+  };
+  const bool has_corners = gather != shared::kGatherList;
+  if (has_corners && !is_progression(corners, lanes, group.corner_step)) {
+    group.corner_step = 0;
+    group.flags |= shared::kCornersAreWords;
+    add_words(all_corners);
+  }
+  if (is_progression(rows, lanes, group.row_step)) return;
+  if (has_corners && is_progression(rows, corners, group.row_step)) {
+    group.flags |= shared::kRowsFollowCorners;
+    return;
+  }
+  group.flags |= shared::kRowsAreWords;
+  add_words(all_rows);
+}
+
+// The weights of a bucket's samples: chunk by chunk, column by column, sample by sample.
+std::uint32_t Packer::first_weight(const Bucket& bucket, std::uint32_t samples) {
+  const auto [place, is_new] =
+      weights_.try_emplace({bucket.class_index, bucket.first_sample, bucket.sample_count},
+                           word(std::ssize(records_.weights)));
+  if (!is_new) return place->second;
+  const PatchTemplate& weights = surface_.classes().weights(bucket.class_index);
+  const auto columns = static_cast<std::size_t>(weights.column_count);
+  for (std::int32_t chunk = 0; chunk < bucket.sample_count; chunk += std::int32_t(samples))
+    for (std::size_t k = 0; k < columns; ++k)
+      for (std::int32_t s = 0; s < std::int32_t(samples); ++s) {
+        const auto rows = weights.rows(bucket.first_sample + chunk + s);
+        records_.weights.push_back({static_cast<float>(rows[k]),
+                                    static_cast<float>(rows[columns + k]),
+                                    static_cast<float>(rows[2 * columns + k]), 0});
+      }
+  return place->second;
+}
+
+void Packer::join_passes() {
+  for (auto& [key, pass] : passes_) {
+    const auto first = word(std::ssize(records_.groups));
+    records_.groups.insert(records_.groups.end(), pass.groups.begin(), pass.groups.end());
+    for (PatchSlice& slice : pass.slices) {
+      slice.first_group += first;
+      records_.slices.push_back(slice);
+    }
+  }
+}
+
+void Packer::refuse(const PatchSlice& slice) const {
+  const auto largest = std::max({static_cast<std::uint64_t>(slice.points.count) * kWidestPoint,
+                                 static_cast<std::uint64_t>(slice.vertices.count) * kWidestPoint,
+                                 row_bytes(slice.rows)});
+  throw Error(ErrorCode::OutOfMemory,
+              "a patch spans " + std::to_string(largest) +
+                  " bytes of one binding, but maxStorageBufferRange is " +
+                  std::to_string(limits_.max_range) + ", maxTexelBufferElements " +
+                  std::to_string(limits_.max_elements) +
+                  " and work groups allow " + std::to_string(limits_.max_units) +
+                  " chunks; use --device cpu, a lower level or a smaller mesh");
+}
+
+}  // namespace
+
+IndexWindow IndexWindow::joined(const IndexWindow& other) const {
+  if (count == 0) return other;
+  if (other.count == 0) return *this;
+  const std::int64_t begin = std::min(first, other.first);
+  return {begin, std::max(first + count, other.first + other.count) - begin};
+}
+
+std::vector<std::int32_t> state_owners(const PatchMesh& mesh) {
+  const MeshTopology& topology = mesh.topology();
+  const SharpFeatures& features = mesh.features();
+  std::vector<std::int32_t> owners(static_cast<std::size_t>(mesh.state_size()));
+  for (std::int32_t c = 0; c < topology.corner_count(); ++c) owners[c] = topology.vertex_of(c);
+  for (std::int32_t e = 0; features.sharp_edge_count > 0 && e < topology.edge_count(); ++e) {
+    const std::int32_t sharp = features.sharp_of_edge[e];
+    if (sharp < 0) continue;
+    const auto [v0, v1] = topology.edge_vertices(e);
+    owners[mesh.first_sharp() + 2 * sharp] = v0;
+    owners[mesh.first_sharp() + 2 * sharp + 1] = v1;
+  }
+  for (std::int32_t i = 0; i < features.corner_count; ++i)
+    owners[mesh.first_corner_vertex() + i] = features.corner_vertices[i];
+  return owners;
+}
+
+PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits) {
+  return Packer(surface, limits).pack();
+}
+
+}  // namespace planish::vulkan

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/patches/patch_surface.h"
+#include "shaders/shared.h"
+
+namespace planish::vulkan {
+
+/// Indices [first, first + count); none where count is 0.
+struct IndexWindow {
+  std::int64_t first = 0, count = 0;
+  /// The smallest that holds both.
+  [[nodiscard]] IndexWindow joined(const IndexWindow& other) const;
+  void take(std::int64_t index) { *this = joined({index, 1}); }
+};
+
+/// Patches that one dispatch does, with what its bindings must span. Windows of points and vertices
+/// begin at multiples of 64.
+struct PatchSlice {
+  std::uint32_t gather = 0;   ///< shared::kGatherCorner, ...
+  std::uint32_t samples = 1;  ///< that a lane evaluates at once, chunk_count times
+  std::uint32_t chunk_count = 1;
+  std::uint32_t first_group = 0, group_count = 0;
+  IndexWindow points;    ///< of the state of level 1
+  IndexWindow vertices;  ///< of the mesh
+  IndexWindow rows;      ///< of the output
+};
+
+struct PatchLimits {
+  std::uint64_t max_range = 0;     ///< bytes that a binding may span
+  std::uint64_t max_elements = 0;  ///< points, links or vertices that a binding may have
+  std::uint64_t max_units = 0;     ///< groups times chunks in one dispatch
+  std::uint64_t row_stride = 24;   ///< bytes from one row of the output to the next, at most
+};
+
+/// Where the points of the state of level 1 are seen from: the vertex of a corner; of a curve point
+/// the end of its edge that it lies next to; a corner vertex itself.
+[[nodiscard]] std::vector<std::int32_t> state_owners(const PatchMesh& mesh);
+
+/// The surface's patches as kernels take them; see shaders/shared.h.
+struct PatchRecords {
+  using Link = std::array<std::uint32_t, 2>;
+  using Weight = std::array<float, 4>;
+
+  std::vector<Link> links;                ///< per corner: ccw, shared::kNone at boundaries; next
+  std::vector<shared::PatchGroup> groups;
+  std::vector<std::uint32_t> words;
+  std::vector<Weight> weights;  ///< of point, du, dv; a float unused
+  std::vector<PatchSlice> slices;
+};
+
+/// Throws Error{OutOfMemory}, naming the limit that one patch alone exceeds.
+[[nodiscard]] PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits);
+
+}  // namespace planish::vulkan

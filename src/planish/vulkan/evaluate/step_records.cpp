@@ -1,0 +1,124 @@
+#include "planish/vulkan/evaluate/step_records.h"
+
+#include <algorithm>
+#include <bit>
+#include <set>
+#include <string>
+
+#include "planish/core/error.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr std::int64_t kLanes = 64;
+constexpr std::uint64_t kStepPointBytes = shared::kPointFloats * sizeof(float);
+
+std::uint32_t bits(double weight) { return std::bit_cast<std::uint32_t>(static_cast<float>(weight)); }
+
+IndexWindow from_a_multiple(const IndexWindow& window) {
+  const std::int64_t shift = window.first % kLanes;
+  return {window.first - shift, window.count + shift};
+}
+
+void add_weights(const MeshTopology& topology, Weights weights, std::vector<std::uint32_t>& words) {
+  std::set<std::int32_t> sizes;
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) sizes.insert(topology.face_size(f));
+  if (sizes.empty()) return;
+  const FaceWeights rule(weights);
+  std::vector<double> scratch;
+  words.resize(static_cast<std::size_t>(*sizes.rbegin()) + 1);
+  for (const std::int32_t size : sizes) {
+    words[size] = static_cast<std::uint32_t>(words.size());
+    for (const double weight : rule.of(size, scratch)) words.push_back(bits(weight));
+  }
+}
+
+void add_sharp(const StencilView<double>& rows, std::span<const std::int32_t> owners,
+               StepRecords& records) {
+  std::vector<std::uint32_t>& words = records.words;
+  records.first_sharp_word = static_cast<std::uint32_t>(words.size());
+  auto pair = static_cast<std::uint32_t>(words.size() + 2 * rows.row_count() + 2);
+  for (std::int32_t row = 0; row < rows.row_count(); ++row) {
+    words.push_back(static_cast<std::uint32_t>(owners[row]));
+    words.push_back(pair);
+    pair += 2 * static_cast<std::uint32_t>(rows.sizes[row]);
+  }
+  words.insert(words.end(), {0, pair});
+  for (std::int32_t row = 0; row < rows.row_count(); ++row)
+    for (std::int32_t k = rows.offsets[row]; k < rows.offsets[row] + rows.sizes[row]; ++k) {
+      words.push_back(static_cast<std::uint32_t>(rows.indices[k]));
+      words.push_back(bits(rows.weights[k]));
+    }
+}
+
+bool fits(const StepSlice& slice, const PatchLimits& limits) {
+  for (const IndexWindow& window : {slice.points, slice.corners, slice.vertices}) {
+    const auto count = static_cast<std::uint64_t>(from_a_multiple(window).count);
+    if (count * kStepPointBytes > limits.max_range || count > limits.max_elements) return false;
+  }
+  return static_cast<std::uint64_t>((slice.points.count + kLanes - 1) / kLanes) <= limits.max_units;
+}
+
+void require_fit(const StepSlice& slice, const PatchLimits& limits) {
+  if (fits(slice, limits)) return;
+  const std::int64_t most =
+      std::max({slice.points.count, slice.corners.count, slice.vertices.count}) + kLanes;
+  throw Error(ErrorCode::OutOfMemory,
+              std::string(slice.is_sharp ? "the points beside sharp edges" : "a face's points") +
+                  " span " + std::to_string(most * static_cast<std::int64_t>(kStepPointBytes)) +
+                  " bytes of one binding, but maxStorageBufferRange is " +
+                  std::to_string(limits.max_range) + " and maxTexelBufferElements " +
+                  std::to_string(limits.max_elements) + "; use --device cpu or a smaller mesh");
+}
+
+void cut_faces(const MeshTopology& topology, const PatchLimits& limits,
+               std::vector<StepSlice>& slices) {
+  StepSlice slice;
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    StepSlice face;
+    face.points = {topology.first_corner(f), topology.face_size(f)};
+    for (const std::int32_t vertex : topology.face(f)) face.vertices.take(vertex);
+    StepSlice longer = slice;
+    longer.points = longer.corners = slice.points.joined(face.points);
+    longer.vertices = slice.vertices.joined(face.vertices);
+    if (slice.points.count > 0 && !fits(longer, limits)) {
+      slices.push_back(slice);
+      longer = face;
+      longer.corners = face.points;
+    }
+    slice = longer;
+    if (slice.points.count == face.points.count) require_fit(slice, limits);
+  }
+  if (slice.points.count > 0) slices.push_back(slice);
+}
+
+}  // namespace
+
+StepRecords step_records(const PatchMesh& mesh, Weights weights,
+                         const StencilView<double>& sharp_rows, const PatchLimits& limits) {
+  const MeshTopology& topology = mesh.topology();
+  StepRecords records;
+  records.vertices.reserve(static_cast<std::size_t>(topology.corner_count()));
+  for (std::int32_t c = 0; c < topology.corner_count(); ++c)
+    records.vertices.push_back(static_cast<std::uint32_t>(topology.vertex_of(c)));
+  add_weights(topology, weights, records.words);
+  cut_faces(topology, limits, records.slices);
+  if (sharp_rows.row_count() > 0) {
+    const std::vector<std::int32_t> owners = state_owners(mesh);
+    add_sharp(sharp_rows, std::span(owners).subspan(mesh.first_sharp()), records);
+    StepSlice slice;
+    slice.is_sharp = true;
+    slice.points = {mesh.first_sharp(), sharp_rows.row_count()};
+    for (const std::int32_t vertex : sharp_rows.indices) slice.vertices.take(vertex);
+    require_fit(slice, limits);
+    records.slices.push_back(slice);
+  }
+  for (StepSlice& slice : records.slices) {
+    slice.corners = from_a_multiple(slice.corners);
+    slice.vertices = from_a_multiple(slice.vertices);
+  }
+  return records;
+}
+
+}  // namespace planish::vulkan

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planish/doosabin/face_rule.h"
+#include "planish/patches/patch_mesh.h"
+#include "planish/stencil/stencil_table.h"
+#include "planish/vulkan/evaluate/patch_records.h"
+
+namespace planish::vulkan {
+
+/// Points of the state of level 1 that one dispatch makes, with what its bindings must span.
+/// Windows begin at multiples of 64.
+struct StepSlice {
+  bool is_sharp = false;
+  IndexWindow points;    ///< that are made
+  IndexWindow corners;   ///< of the faces that are read
+  IndexWindow vertices;  ///< of the mesh
+};
+
+/// The first step as its kernel takes it, beside PatchRecords::links.
+struct StepRecords {
+  std::vector<std::uint32_t> vertices;  ///< per corner
+  /// The place of each face size's weights, the weights; then of each sharp point its vertex and
+  /// where its pairs begin, and pairs of a vertex and a weight.
+  std::vector<std::uint32_t> words;
+  std::uint32_t first_sharp_word = 0;
+  std::vector<StepSlice> slices;
+};
+
+/// `sharp_rows`: the rows of the first step behind those of the corners. Throws Error{OutOfMemory},
+/// naming the limit that one face alone exceeds, or the sharp points together.
+[[nodiscard]] StepRecords step_records(const PatchMesh& mesh, Weights weights,
+                                       const StencilView<double>& sharp_rows,
+                                       const PatchLimits& limits);
+
+}  // namespace planish::vulkan
