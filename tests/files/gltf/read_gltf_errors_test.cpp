@@ -1,6 +1,7 @@
 // What the glTF reader refuses, and that nothing brings it down.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tiny_gltf.h>
 
 #include <limits>
 #include <random>
@@ -48,6 +49,24 @@ TEST(ReadGltfErrors, RefusesWrongJson) {
   EXPECT_EQ(square_error("\"scene\":0", "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]"),
             "a.glb: extensionsRequired[0]: `KHR_draco_mesh_compression` cannot be read; save the "
             "file without it");
+}
+
+// Why documents are not read by tinygltf, which takes the second node for 0 and misses the first.
+TEST(ReadGltfErrors, NumbersAreNotCutTo32Bits) {
+  const std::string text = square_json();
+  EXPECT_EQ(read_glb(glb_of(replaced(text, "{\"mesh\":0}", "{\"mesh\":0.0}"), square_chunk()))
+                .mesh.face_count(),
+            2);
+  EXPECT_EQ(square_error("{\"mesh\":0}", "{\"mesh\":4294967296}"),
+            "a.glb: meshes: entry 4294967296 is asked for, but there are only 1");
+  tinygltf::Model model;
+  std::string error, warning;
+  const std::string wrong = R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0.0},)"
+                            R"({"mesh":4294967296}]})";
+  ASSERT_TRUE(tinygltf::TinyGLTF().LoadASCIIFromString(&model, &error, &warning, wrong.data(),
+                                                       static_cast<unsigned>(wrong.size()), "", 0));
+  EXPECT_EQ(model.nodes[0].mesh, -1);
+  EXPECT_EQ(model.nodes[1].mesh, 0);
 }
 
 TEST(ReadGltfErrors, RefusesWrongNodes) {

@@ -1,9 +1,12 @@
 // Based on: Khronos, "glTF 2.0 Specification", 2021.
 #include "planish/files/gltf/gltf_document.h"
 
+#include <tiny_gltf.h>
+
 #include <cctype>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "planish/core/error.h"
 #include "planish/core/version.h"
@@ -12,117 +15,140 @@
 namespace planish {
 namespace {
 
-using nlohmann::json;
-
-// Of the glTF specification, section 5.
-constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
-constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
-constexpr int kTriangles = 4;
+using tinygltf::Value;
 
 constexpr double kRoughness = 0.5;
 
 std::uint64_t padded(std::uint64_t bytes) { return (bytes + 3) / 4 * 4; }
 
 template <class Vector>
-json array_of(const Vector& v) {
-  return json::array({v.x, v.y, v.z});
+std::vector<double> array_of(const Vector& v) {
+  return {v.x, v.y, v.z};
 }
 
-json asset_of(const GltfOptions& options) {
-  json asset{{"version", "2.0"}, {"generator", "planish " PLANISH_VERSION}};
-  for (const auto& [key, value] : options.extras) {
-    json& entry = asset["extras"][key];
-    std::visit([&](const auto& held) { entry = held; }, value);
-  }
+// tinygltf throws where text is no UTF-8.
+std::string valid_utf8(const std::string& text) {
+  const nlohmann::json value = text;
+  return nlohmann::json::parse(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
+      .get<std::string>();
+}
+
+Value value_of(const std::variant<bool, std::int64_t, double, std::string>& held) {
+  if (const auto* flag = std::get_if<bool>(&held)) return Value(*flag);
+  if (const auto* number = std::get_if<double>(&held)) return Value(*number);
+  if (const auto* text = std::get_if<std::string>(&held)) return Value(valid_utf8(*text));
+  const std::int64_t integer = std::get<std::int64_t>(held);
+  // tinygltf's integers have 32 bits.
+  const int narrow = static_cast<int>(integer);
+  return narrow == integer ? Value(narrow) : Value(static_cast<double>(integer));
+}
+
+tinygltf::Asset asset_of(const GltfOptions& options) {
+  tinygltf::Asset asset;
+  asset.version = "2.0";
+  asset.generator = "planish " PLANISH_VERSION;
+  Value::Object extras;
+  for (const auto& [key, held] : options.extras) extras[valid_utf8(key)] = value_of(held);
+  if (!extras.empty()) asset.extras = Value(std::move(extras));
   return asset;
 }
 
-json node_of(const GltfOptions& options) {
-  json node{{"mesh", 0}, {"name", options.name}};
-  if (options.origin != glm::dvec3(0.0)) {
-    node["translation"] = array_of(StoredPosition(options).translation());
-  }
+tinygltf::Node node_of(const GltfOptions& options) {
+  tinygltf::Node node;
+  node.mesh = 0;
+  node.name = valid_utf8(options.name);
+  if (options.origin != glm::dvec3(0.0))
+    node.translation = array_of(StoredPosition(options).translation());
   return node;
 }
 
 // Attributes of all primitives in the order of their buffer views and accessors.
 struct Attribute {
   std::string name;
-  const char* type;
+  int type;
   std::uint64_t bytes;  // of a vertex
 };
 
 std::vector<Attribute> attributes_of(const GltfLayout& layout) {
-  std::vector<Attribute> attributes{{"POSITION", "VEC3", 12}, {"NORMAL", "VEC3", 12}};
-  if (layout.has_uvs) attributes.push_back({"TEXCOORD_0", "VEC2", 8});
-  if (layout.has_colors) attributes.push_back({"COLOR_0", "VEC4", 16});
-  for (const std::string& field : layout.fields) attributes.push_back({field, "SCALAR", 4});
+  std::vector<Attribute> attributes{{"POSITION", TINYGLTF_TYPE_VEC3, 12},
+                                    {"NORMAL", TINYGLTF_TYPE_VEC3, 12}};
+  if (layout.has_uvs) attributes.push_back({"TEXCOORD_0", TINYGLTF_TYPE_VEC2, 8});
+  if (layout.has_colors) attributes.push_back({"COLOR_0", TINYGLTF_TYPE_VEC4, 16});
+  for (const std::string& field : layout.fields)
+    attributes.push_back({field, TINYGLTF_TYPE_SCALAR, 4});
   return attributes;
 }
 
-json buffer_views_of(const GltfLayout& layout) {
-  json views = json::array();
+void add_buffer_views(const GltfLayout& layout, tinygltf::Model& model) {
   std::uint64_t offset = 0;
   const auto add = [&](std::uint64_t bytes, int target) {
-    views.push_back(
-        {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes}, {"target", target}});
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = offset;
+    view.byteLength = bytes;
+    view.target = target;
+    model.bufferViews.push_back(std::move(view));
     offset += padded(bytes);
   };
   for (const Attribute& attribute : attributes_of(layout))
-    add(attribute.bytes * layout.vertex_count, kArrayBuffer);
+    add(attribute.bytes * layout.vertex_count, TINYGLTF_TARGET_ARRAY_BUFFER);
   for (std::size_t i = 0; i < layout.primitives.size(); ++i)
-    add(layout.index_bytes(i), kElementArrayBuffer);
-  return views;
+    add(layout.index_bytes(i), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
 }
 
-json accessors_of(const GltfLayout& layout, const GltfBounds& bounds) {
-  json accessors = json::array();
-  for (const Attribute& attribute : attributes_of(layout)) {
-    accessors.push_back({{"bufferView", accessors.size()},
-                         {"componentType", kFloat},
-                         {"count", layout.vertex_count},
-                         {"type", attribute.type}});
-  }
-  accessors[0]["min"] = array_of(bounds.minimum);
-  accessors[0]["max"] = array_of(bounds.maximum);
+void add_accessors(const GltfLayout& layout, const GltfBounds& bounds, tinygltf::Model& model) {
+  const auto add = [&](int component, std::uint64_t count, int type) -> tinygltf::Accessor& {
+    tinygltf::Accessor& accessor = model.accessors.emplace_back();
+    accessor.bufferView = static_cast<int>(model.accessors.size()) - 1;
+    accessor.componentType = component;
+    accessor.count = count;
+    accessor.type = type;
+    return accessor;
+  };
+  for (const Attribute& attribute : attributes_of(layout))
+    add(TINYGLTF_COMPONENT_TYPE_FLOAT, layout.vertex_count, attribute.type);
+  model.accessors[0].minValues = array_of(bounds.minimum);
+  model.accessors[0].maxValues = array_of(bounds.maximum);
   for (const GltfPrimitive& primitive : layout.primitives) {
-    accessors.push_back({{"bufferView", accessors.size()},
-                         {"componentType", layout.index_size == 2 ? kUnsignedShort : kUnsignedInt},
-                         {"count", 3 * primitive.triangle_count},
-                         {"type", "SCALAR"}});
+    add(layout.index_size == 2 ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT
+                               : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
+        3 * primitive.triangle_count, TINYGLTF_TYPE_SCALAR);
   }
-  return accessors;
 }
 
-json primitives_of(const GltfLayout& layout) {
+tinygltf::Mesh mesh_of(const GltfLayout& layout, const GltfOptions& options) {
   const std::vector<Attribute> attributes = attributes_of(layout);
-  json accessor_of = json::object();
-  for (std::size_t i = 0; i < attributes.size(); ++i) accessor_of[attributes[i].name] = i;
-  json primitives = json::array();
+  tinygltf::Mesh mesh;
+  mesh.name = valid_utf8(options.name);
   for (std::size_t i = 0; i < layout.primitives.size(); ++i) {
-    json primitive{{"attributes", accessor_of},
-                   {"indices", attributes.size() + i},
-                   {"material", i},
-                   {"mode", kTriangles}};
+    tinygltf::Primitive& primitive = mesh.primitives.emplace_back();
+    for (std::size_t k = 0; k < attributes.size(); ++k)
+      primitive.attributes[valid_utf8(attributes[k].name)] = static_cast<int>(k);
+    primitive.indices = static_cast<int>(attributes.size() + i);
+    primitive.material = static_cast<int>(i);
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
     // Primitives have no name of their own.
-    if (!layout.primitives[i].name.empty())
-      primitive["extras"] = {{"group", layout.primitives[i].name}};
-    primitives.push_back(std::move(primitive));
+    const std::string& name = layout.primitives[i].name;
+    if (!name.empty()) primitive.extras = Value(Value::Object{{"group", Value(valid_utf8(name))}});
   }
-  return primitives;
+  return mesh;
 }
 
-json materials_of(const GltfLayout& layout, const GltfOptions& options) {
-  json materials = json::array();
+void add_materials(const GltfLayout& layout, const GltfOptions& options, tinygltf::Model& model) {
   for (const GltfPrimitive& primitive : layout.primitives) {
-    json material{
-        {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", kRoughness}}}};
-    if (options.double_sided) material["doubleSided"] = true;
-    const std::string& name = primitive.material.empty() ? primitive.name : primitive.material;
-    if (!name.empty()) material["name"] = name;
-    materials.push_back(std::move(material));
+    tinygltf::Material& material = model.materials.emplace_back();
+    material.pbrMetallicRoughness.metallicFactor = 0.0;
+    material.pbrMetallicRoughness.roughnessFactor = kRoughness;
+    material.doubleSided = options.double_sided;
+    material.name = valid_utf8(primitive.material.empty() ? primitive.name : primitive.material);
   }
-  return materials;
+}
+
+// The document without its buffers.
+nlohmann::json serialised(const tinygltf::Model& model) {
+  std::ostringstream text;
+  tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, text, false, false);
+  return nlohmann::json::parse(text.str());
 }
 
 }  // namespace
@@ -162,21 +188,21 @@ std::uint64_t glb_byte_count(std::uint64_t json_bytes, std::uint64_t buffer_byte
 
 std::string gltf_json(const GltfLayout& layout, const GltfBounds& bounds,
                       const GltfOptions& options, std::string_view buffer_uri) {
-  json mesh{{"name", options.name}, {"primitives", primitives_of(layout)}};
-  json scene{{"nodes", json::array({0})}};
-  json document;
-  document["asset"] = asset_of(options);
-  document["scene"] = 0;
-  document["scenes"] = json::array({std::move(scene)});
-  document["nodes"] = json::array({node_of(options)});
-  document["meshes"] = json::array({std::move(mesh)});
-  document["materials"] = materials_of(layout, options);
-  document["accessors"] = accessors_of(layout, bounds);
-  document["bufferViews"] = buffer_views_of(layout);
-  json buffer{{"byteLength", layout.buffer_bytes}};
+  tinygltf::Model model;
+  model.asset = asset_of(options);
+  model.defaultScene = 0;
+  model.scenes.emplace_back().nodes = {0};
+  model.nodes = {node_of(options)};
+  model.meshes = {mesh_of(layout, options)};
+  add_materials(layout, options, model);
+  add_accessors(layout, bounds, model);
+  add_buffer_views(layout, model);
+  nlohmann::json document = serialised(model);
+  // tinygltf sizes a buffer by the bytes that it holds, and ours are still to be made.
+  nlohmann::json buffer{{"byteLength", layout.buffer_bytes}};
   if (!buffer_uri.empty()) buffer["uri"] = buffer_uri;
-  document["buffers"] = json::array({std::move(buffer)});
-  return document.dump(buffer_uri.empty() ? -1 : 2, ' ', false, json::error_handler_t::replace);
+  document["buffers"] = nlohmann::json::array({std::move(buffer)});
+  return document.dump(buffer_uri.empty() ? -1 : 2);
 }
 
 std::string encode_uri(std::string_view file_name) {

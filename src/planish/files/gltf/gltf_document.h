@@ -57,8 +57,9 @@ struct GltfBounds {
   glm::vec3 minimum, maximum;
 };
 
-/// The glTF JSON, keys sorted. An empty buffer_uri stands for a GLB's binary chunk and gives the
-/// text without white space. Text that is not UTF-8 and non-finite numbers become U+FFFD and null.
+/// The glTF JSON as tinygltf writes it, keys sorted. An empty buffer_uri stands for a GLB's binary
+/// chunk and gives the text without white space. Text that is not UTF-8 and non-finite numbers
+/// become U+FFFD and null.
 [[nodiscard]] std::string gltf_json(const GltfLayout& layout, const GltfBounds& bounds,
                                     const GltfOptions& options, std::string_view buffer_uri);
 
