@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <glm/common.hpp>
 #include <limits>
 #include <map>
 
@@ -37,12 +38,20 @@ std::vector<Value> values_of(const tinygltf::Model& model, int accessor_index) {
 }
 
 template <class Value>
-std::vector<Value> attribute_of(const tinygltf::Model& model, const std::string& name) {
-  return values_of<Value>(model, model.meshes.at(0).primitives.at(0).attributes.at(name));
+std::vector<Value> attribute_of(const tinygltf::Model& model, const std::string& name,
+                                std::size_t primitive = 0) {
+  return values_of<Value>(model, model.meshes.at(0).primitives.at(primitive).attributes.at(name));
+}
+
+SurfaceMesh charts_without_groups() {
+  SurfaceMesh surface = test::two_charts();
+  surface.groups.clear();
+  surface.face_groups.clear();
+  return surface;
 }
 
 TEST(GltfAttributes, FieldsBecomeScalarsOfTheirNames) {
-  const SurfaceMesh surface = test::two_charts();
+  const SurfaceMesh surface = charts_without_groups();
   std::vector<float> values(surface.positions.size());
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5f * static_cast<float>(i) - 2;
   GltfOptions options;
@@ -81,7 +90,7 @@ TEST(GltfAttributes, FieldsAreCheckedBeforeTheyAreWritten) {
 }
 
 TEST(GltfAttributes, GiveVerticesOnSeamsOneCopyForEachChart) {
-  const SurfaceMesh surface = test::two_charts();
+  const SurfaceMesh surface = charts_without_groups();
   const tinygltf::Model model = parsed(surface);
   const auto positions = attribute_of<glm::vec3>(model, "POSITION");
   const auto normals = attribute_of<glm::vec3>(model, "NORMAL");
@@ -92,17 +101,72 @@ TEST(GltfAttributes, GiveVerticesOnSeamsOneCopyForEachChart) {
     EXPECT_EQ(positions[i], glm::vec3(surface.positions[i]));
     EXPECT_EQ(normals[i], surface.normals[i]);
   }
-  // Each triangle lies in the chart of its primitive, at its corners' places.
+  // Each triangle lies in one chart, at its corners' places.
+  const auto indices = values_of<std::uint16_t>(model, model.meshes[0].primitives.at(0).indices);
+  EXPECT_EQ(indices.size(), 48u);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const glm::vec3 place = positions[indices[i]];
+    const float u = place.x + (i / 6 % 4 < 2 ? 0.0f : 10.0f);
+    EXPECT_EQ(uvs[indices[i]], glm::vec2(u, 1.0f - place.y));
+  }
+}
+
+// Three rows of five vertices, cut in the middle: three of a row on either side.
+TEST(GltfAttributes, EachPrimitiveHasVerticesOfItsOwn) {
+  SurfaceMesh surface = test::two_charts();
+  std::vector<float> values(surface.positions.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = static_cast<float>(i);
+    surface.colors.emplace_back(0.05f * static_cast<float>(i), 0.5f, 0.25f, 1.0f);
+  }
+  GltfOptions options;
+  options.fields = {{"error", values}};
+  const tinygltf::Model model = parsed(surface, options);
   for (std::size_t part = 0; part < 2; ++part) {
-    const auto indices =
-        values_of<std::uint16_t>(model, model.meshes[0].primitives.at(part).indices);
-    EXPECT_EQ(indices.size(), 24u);
-    for (const std::uint16_t vertex : indices) {
-      const glm::vec3 place = positions[vertex];
-      const float u = place.x + (part == 0 ? 0.0f : 10.0f);
-      EXPECT_EQ(uvs[vertex], glm::vec2(u, 1.0f - place.y));
+    SCOPED_TRACE(part);
+    const auto positions = attribute_of<glm::vec3>(model, "POSITION", part);
+    const auto uvs = attribute_of<glm::vec2>(model, "TEXCOORD_0", part);
+    const auto colors = attribute_of<glm::vec4>(model, "COLOR_0", part);
+    const auto fields = attribute_of<float>(model, "_ERROR", part);
+    ASSERT_EQ(positions.size(), 9u);
+    glm::vec3 low(1e9f), high(-1e9f);
+    for (std::size_t i = 0; i < 9; ++i) {
+      // In the surface's order.
+      const std::size_t row = 5 * (i / 3) + i % 3 + 2 * part;
+      EXPECT_EQ(positions[i], glm::vec3(surface.positions[row]));
+      EXPECT_EQ(uvs[i],
+                glm::vec2(positions[i].x + 10.0f * static_cast<float>(part), 1 - positions[i].y));
+      EXPECT_EQ(colors[i], surface.colors[row]);
+      EXPECT_EQ(fields[i], values[row]);
+      low = glm::min(low, positions[i]);
+      high = glm::max(high, positions[i]);
+    }
+    const auto& accessor =
+        model.accessors.at(model.meshes[0].primitives[part].attributes.at("POSITION"));
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(accessor.minValues.at(axis), low[axis]);
+      EXPECT_EQ(accessor.maxValues.at(axis), high[axis]);
+    }
+    const auto indices = values_of<std::uint16_t>(model, model.meshes[0].primitives[part].indices);
+    ASSERT_EQ(indices.size(), 24u);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      const auto face =
+          surface.face(static_cast<std::int64_t>(4 * (i / 12) + 2 * part + i / 6 % 2));
+      EXPECT_TRUE(std::ranges::any_of(face, [&](std::int32_t v) {
+        return glm::vec3(surface.positions[v]) == positions[indices[i]];
+      })) << i;
     }
   }
+}
+
+TEST(GltfAttributes, PrimitivesWithoutTextureCoordinatesSaySo) {
+  SurfaceMesh surface = test::two_charts();
+  for (std::size_t uv = 15; uv < 30; ++uv) surface.uvs[uv] = glm::dvec2(0.0);
+  const tinygltf::Model model = parsed(surface);
+  const auto& primitives = model.meshes.at(0).primitives;
+  EXPECT_EQ(attribute_of<glm::vec2>(model, "TEXCOORD_0").size(), 9u);
+  EXPECT_EQ(primitives.at(1).attributes.count("TEXCOORD_0"), 0u);
+  EXPECT_EQ(attribute_of<glm::vec3>(model, "POSITION", 1).size(), 9u);
 }
 
 TEST(GltfAttributes, GroupsBecomePrimitivesWithMaterials) {
@@ -116,11 +180,11 @@ TEST(GltfAttributes, GroupsBecomePrimitivesWithMaterials) {
   EXPECT_EQ(model.materials[primitives[0].material].name, "blue");
   EXPECT_EQ(model.materials[primitives[1].material].name, "rest");
   EXPECT_EQ(primitives[0].extras.Get("group").Get<std::string>(), "side");
-  EXPECT_EQ(primitives[0].attributes, primitives[1].attributes);
+  EXPECT_NE(primitives[0].attributes, primitives[1].attributes);
   EXPECT_EQ(values_of<std::uint16_t>(model, primitives[0].indices).size(), 30u);
   // Faces keep their order within a group: 0, 2 and 4 are the second primitive's.
   const auto indices = values_of<std::uint16_t>(model, primitives[1].indices);
-  const auto positions = attribute_of<glm::vec3>(model, "POSITION");
+  const auto positions = attribute_of<glm::vec3>(model, "POSITION", 1);
   ASSERT_EQ(indices.size(), 18u);
   for (std::size_t i = 0; i < 18; ++i) {
     const auto face = surface.face(static_cast<std::int64_t>(2 * (i / 6)));
@@ -132,7 +196,7 @@ TEST(GltfAttributes, GroupsBecomePrimitivesWithMaterials) {
 }
 
 TEST(GltfAttributes, ColoursFollowTheirVertices) {
-  SurfaceMesh surface = test::two_charts();
+  SurfaceMesh surface = charts_without_groups();
   for (std::size_t i = 0; i < surface.positions.size(); ++i)
     surface.colors.emplace_back(0.05f * i, 1.5f, -1.0f, 0.5f);
   const tinygltf::Model model = parsed(surface);

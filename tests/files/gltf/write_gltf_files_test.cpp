@@ -13,6 +13,7 @@
 #include "files/gltf/parsed_gltf.h"
 #include "files/gltf/surfaces.h"
 #include "planish/files/gltf/gltf_document.h"
+#include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/write_gltf.h"
 
 namespace planish {
@@ -112,8 +113,8 @@ TEST_F(WriteGltfFiles, FourGibibytesAreRefusedNamingTheWayOut) {
 
 TEST_F(WriteGltfFiles, LayoutCountsIn64Bits) {
   const GltfLayout layout = gltf_layout(1000000000, 2000000000);
-  EXPECT_EQ(layout.attribute_bytes, 12000000000u);
-  EXPECT_EQ(layout.index_bytes(0), 24000000000u);
+  EXPECT_EQ(layout.vertex_count, 1000000000u);
+  EXPECT_EQ(layout.primitives[0].index_bytes(), 24000000000u);
   EXPECT_EQ(layout.buffer_bytes, 48000000000u);
 }
 

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <mutex>
@@ -40,28 +41,52 @@ struct Fault {
   }
 };
 
-struct Survey {
-  GltfBounds bounds{};
-  DegenerateRows degenerate;
-  Fault fault;
+struct PartBounds {
+  GltfBounds bounds;
   bool is_empty = true;
 
-  void add(const Survey& other) {
-    if (other.is_empty) return;
-    bounds = is_empty ? other.bounds
-                      : GltfBounds{glm::min(bounds.minimum, other.bounds.minimum),
-                                   glm::max(bounds.maximum, other.bounds.maximum)};
+  void add(const GltfBounds& other) {
+    bounds = is_empty ? other
+                      : GltfBounds{glm::min(bounds.minimum, other.minimum),
+                                   glm::max(bounds.maximum, other.maximum)};
     is_empty = false;
+  }
+};
+
+struct Survey {
+  std::vector<PartBounds> parts;
+  DegenerateRows degenerate;
+  Fault fault;
+
+  void add(const Survey& other) {
+    parts.resize(other.parts.size());
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (!other.parts[i].is_empty) parts[i].add(other.parts[i].bounds);
+    }
     degenerate.add(other.degenerate);
     if (other.fault.before(fault)) fault = other.fault;
   }
 };
 
+// Those of a range of rows, out of all copies.
+std::span<const CopiedRow> copies_in(std::span<const CopiedRow> copied, RowRange range) {
+  const auto at = [&](std::int64_t row) {
+    return std::ranges::lower_bound(copied, row, std::less<>(), &CopiedRow::row);
+  };
+  return {at(range.first), at(range.first + range.count)};
+}
+
 // One range of rows.
 class Surveyor {
  public:
-  Surveyor(const SurfaceBlocks& surface, const GltfOptions& options)
-      : surface_(surface), stored_(options), origin_(options.origin) {}
+  // `copied` is copied_rows() of the vertices.
+  Surveyor(const SurfaceBlocks& surface, const GltfVertices& vertices,
+           std::span<const CopiedRow> copied, const GltfOptions& options)
+      : surface_(surface),
+        vertices_(vertices),
+        copied_(copied),
+        stored_(options),
+        origin_(options.origin) {}
 
   Survey operator()(RowRange range) {
     const auto count = static_cast<std::size_t>(range.count);
@@ -79,20 +104,37 @@ class Surveyor {
       if (!is_finite(position)) note({row, true}, survey);
       const float length = glm::length(normals_[i]);
       if (!(std::abs(length - 1.0f) <= kUnitLengthTolerance)) note({row, false, length}, survey);
-      if (i == 0) survey.bounds = {position, position};
-      survey.bounds = {glm::min(survey.bounds.minimum, position),
-                       glm::max(survey.bounds.maximum, position)};
+      positions_[i] = position;
     }
-    survey.is_empty = count == 0;
+    add_bounds(range, survey);
     return survey;
   }
 
  private:
+  void add_bounds(RowRange range, Survey& survey) const {
+    survey.parts.resize(vertices_.parts.size());
+    // One primitive has all rows: its copies have the places of others.
+    if (survey.parts.size() == 1) {
+      for (const glm::vec3& position : positions_) survey.parts[0].add({position, position});
+      return;
+    }
+    for (const CopiedRow& copy : copies_in(copied_, range)) {
+      const auto part = std::ranges::upper_bound(vertices_.parts, copy.vertex, std::less<>(),
+                                                 &GltfPart::first_vertex) -
+                        1;
+      const glm::vec3& position = positions_[static_cast<std::size_t>(copy.row - range.first)];
+      survey.parts[static_cast<std::size_t>(part - vertices_.parts.begin())].add(
+          {position, position});
+    }
+  }
+
   static void note(const Fault& fault, Survey& survey) {
     if (fault.before(survey.fault)) survey.fault = fault;
   }
 
   const SurfaceBlocks& surface_;
+  const GltfVertices& vertices_;
+  std::span<const CopiedRow> copied_;
   StoredPosition stored_;
   glm::dvec3 origin_;
   RawVector<glm::vec3> positions_, normals_;
@@ -123,11 +165,9 @@ class RowWriter {
         vertices_(vertices),
         stored_(options),
         origin_(options.origin),
+        copied_(copied_rows(vertices)),
         sinks_(sinks) {
-    for (std::size_t i = 0; i < vertices.rows.size(); ++i) {
-      copied_.emplace_back(vertices.rows[i], i);
-    }
-    std::sort(copied_.begin(), copied_.end());
+    if (vertices.kept_rows > 0) row_sinks_.assign(sinks.begin(), sinks.end());
   }
 
   template <class Vector>
@@ -148,14 +188,12 @@ class RowWriter {
           }
           (void)surface_.rows(range, target);
           for (Vector& value : values) value = finished(value);
-          auto copy =
-              std::lower_bound(copied_.begin(), copied_.end(),
-                               std::pair{static_cast<std::int32_t>(range.first), std::size_t{0}});
-          for (; copy != copied_.end() && copy->first < range.first + range.count; ++copy) {
-            copies[copy->second] = values[static_cast<std::size_t>(copy->first - range.first)];
+          for (const CopiedRow& copy : copies_in(copied_, range)) {
+            copies[static_cast<std::size_t>(copy.vertex - vertices_.kept_rows)] =
+                values[static_cast<std::size_t>(copy.row - range.first)];
           }
         },
-        sinks_);
+        row_sinks_);
     for (const ByteSink& sink : sinks_) sink(std::as_bytes(std::span(copies)));
   }
 
@@ -169,16 +207,25 @@ class RowWriter {
   const GltfVertices& vertices_;
   StoredPosition stored_;
   glm::dvec3 origin_;
+  std::vector<CopiedRow> copied_;
   std::span<const ByteSink> sinks_;
-  std::vector<std::pair<std::int32_t, std::size_t>> copied_;  // row, place among the copies
+  std::vector<ByteSink> row_sinks_;  // empty where no row is kept
 };
 
 void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices,
                std::span<const ByteSink> sinks) {
   std::vector<glm::dvec2> uvs(static_cast<std::size_t>(surface.info().uv_count));
   surface.uvs({0, surface.info().uv_count}, uvs);
+  std::vector<RowRange> pieces;
+  for (const GltfPart& part : vertices.parts) {
+    if (!part.has_uvs) continue;
+    for (RowRange piece : ranges_of(part.vertex_count, kBufferRows)) {
+      piece.first += part.first_vertex;
+      pieces.push_back(piece);
+    }
+  }
   stream(
-      ranges_of(vertices.count(surface), kBufferRows),
+      pieces,
       [&](RowRange range, RawVector<std::byte>& bytes) {
         const auto values = values_of<glm::vec2>(bytes, static_cast<std::size_t>(range.count));
         for (std::size_t i = 0; i < values.size(); ++i) {
@@ -189,18 +236,14 @@ void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices,
       sinks);
 }
 
-void write_field(const SurfaceBlocks& surface, const GltfVertices& vertices,
-                 const NamedField& field, std::span<const ByteSink> sinks) {
-  const std::int64_t own = surface.info().row_count;
+void write_field(const GltfVertices& vertices, const NamedField& field,
+                 std::span<const ByteSink> sinks) {
   stream(
-      ranges_of(vertices.count(surface), kBufferRows),
+      ranges_of(vertices.count(), kBufferRows),
       [&](RowRange range, RawVector<std::byte>& bytes) {
         const auto values = values_of<float>(bytes, static_cast<std::size_t>(range.count));
-        for (std::int64_t i = 0; i < range.count; ++i) {
-          const std::int64_t vertex = range.first + i;
-          const std::int64_t row = vertex < own ? vertex : vertices.rows[vertex - own];
-          values[i] = field.values[row];
-        }
+        for (std::int64_t i = 0; i < range.count; ++i)
+          values[i] = field.values[static_cast<std::size_t>(vertices.row_of(range.first + i))];
       },
       sinks);
 }
@@ -297,25 +340,29 @@ void write_indices(const SurfaceBlocks& surface, const GltfVertices& vertices, c
 GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
                        const GltfOptions& options) {
   GltfLayout layout;
-  layout.vertex_count = static_cast<std::uint64_t>(vertices.count(surface));
-  layout.has_uvs = !vertices.uvs.empty();
   layout.has_colors = surface.info().has_colors;
   for (const NamedField& field : options.fields)
     layout.fields.push_back(attribute_name(field.name));
   for (const GltfPart& part : vertices.parts) {
     const FaceGroup group = part.group < 0 ? FaceGroup{} : surface.info().groups[part.group];
-    layout.primitives.push_back({part.triangle_count, group.name, group.material});
+    layout.primitives.push_back({.vertex_count = static_cast<std::uint64_t>(part.vertex_count),
+                                 .triangle_count = part.triangle_count,
+                                 .has_uvs = part.has_uvs,
+                                 .name = group.name,
+                                 .material = group.material});
   }
   set_sizes(layout);
   return layout;
 }
 
-GltfBounds gltf_bounds(const SurfaceBlocks& surface, const GltfOptions& options) {
+std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                                    const GltfOptions& options) {
+  const std::vector<CopiedRow> copied = copied_rows(vertices);
   const std::vector<RowRange> pieces = surface.row_blocks(kBufferRows);
   Survey all;
   std::mutex mutex;
   parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    Surveyor survey(surface, options);
+    Surveyor survey(surface, vertices, copied, options);
     for (std::size_t i = begin; i < end; ++i) {
       options.callbacks.check_cancelled();
       const Survey part = survey(pieces[i]);
@@ -325,7 +372,9 @@ GltfBounds gltf_bounds(const SurfaceBlocks& surface, const GltfOptions& options)
   });
   if (all.fault.row >= 0) refuse(all.fault, options);
   warn_of(all.degenerate, options.callbacks);
-  return all.bounds;
+  std::vector<GltfBounds> bounds;
+  for (const PartBounds& part : all.parts) bounds.push_back(part.bounds);
+  return bounds;
 }
 
 void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
@@ -342,15 +391,15 @@ void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
   RowWriter rows(surface, vertices, options, all);
   rows.write<glm::vec3>(Part::Position);
   rows.write<glm::vec3>(Part::Normal);
-  if (layout.has_uvs) write_uvs(surface, vertices, all);
+  if (!vertices.uvs.empty()) write_uvs(surface, vertices, all);
   if (layout.has_colors) rows.write<glm::vec4>(Part::Color);
-  for (const NamedField& field : options.fields) write_field(surface, vertices, field, all);
+  for (const NamedField& field : options.fields) write_field(vertices, field, all);
   const std::array<std::byte, 4> zeros{};
-  for (const GltfPart& part : vertices.parts) {
-    if (layout.index_size == 2) {
-      write_indices<std::uint16_t>(surface, vertices, part, all);
+  for (std::size_t i = 0; i < vertices.parts.size(); ++i) {
+    if (layout.primitives[i].index_size() == 2) {
+      write_indices<std::uint16_t>(surface, vertices, vertices.parts[i], all);
     } else {
-      write_indices<std::uint32_t>(surface, vertices, part, all);
+      write_indices<std::uint32_t>(surface, vertices, vertices.parts[i], all);
     }
     if (written % 4 == 0) continue;
     for (const ByteSink& sink : all) sink(std::span(zeros).first(4 - written % 4));

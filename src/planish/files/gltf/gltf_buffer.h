@@ -1,8 +1,9 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
-#include "planish/files/gltf/gltf_document.h"
+#include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/gltf_vertices.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/shared/ordered_stream.h"
@@ -13,9 +14,12 @@ namespace planish {
 [[nodiscard]] GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
                                      const GltfOptions& options);
 
-/// Smallest and largest float32 coordinates as stored. Throws Error{InvalidArgument} for a position
-/// that float32 cannot hold and a normal that is not of unit length. Warns "degenerate-normals".
-[[nodiscard]] GltfBounds gltf_bounds(const SurfaceBlocks& surface, const GltfOptions& options);
+/// Smallest and largest float32 coordinates as stored, of each primitive. Throws
+/// Error{InvalidArgument} for a position that float32 cannot hold and a normal that is not of unit
+/// length. Warns "degenerate-normals".
+[[nodiscard]] std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface,
+                                                  const GltfVertices& vertices,
+                                                  const GltfOptions& options);
 
 /// Sends the binary buffer of gltf_layout() to the sinks in pieces of about a MB, in order.
 /// Throws Error{Cancelled} and whatever a sink throws.

@@ -1,5 +1,8 @@
 #include "planish/files/gltf/gltf_vertices.h"
 
+#include <algorithm>
+#include <functional>
+#include <span>
 #include <unordered_map>
 
 #include "planish/core/parallel.h"
@@ -25,28 +28,106 @@ RawVector<std::int32_t> of_all_corners(const SurfaceInfo& info, const Write& wri
   return values;
 }
 
-void split_seams(const SurfaceBlocks& surface, GltfVertices& vertices) {
-  const SurfaceInfo& info = surface.info();
-  vertices.corners = of_all_corners(info, [&](RowRange faces, std::span<std::int32_t> rows) {
+RawVector<std::int32_t> rows_of_corners(const SurfaceBlocks& surface) {
+  return of_all_corners(surface.info(), [&](RowRange faces, std::span<std::int32_t> rows) {
     surface.face_vertices(faces, rows);
   });
-  const RawVector<std::int32_t> uvs = of_all_corners(
-      info, [&](RowRange faces, std::span<std::int32_t> some) { surface.face_uvs(faces, some); });
-  vertices.uvs.assign(static_cast<std::size_t>(info.row_count), -1);
-  std::unordered_map<std::uint64_t, std::int32_t> copies;  // by row and texture coordinate
-  for (std::size_t corner = 0; corner < uvs.size(); ++corner) {
-    std::int32_t& vertex = vertices.corners[corner];
-    const std::int32_t row = vertex, uv = uvs[corner];
-    if (vertices.uvs[row] < 0) vertices.uvs[row] = uv;
-    if (vertices.uvs[row] == uv) continue;
+}
+
+RawVector<std::int32_t> uvs_of_corners(const SurfaceBlocks& surface) {
+  return of_all_corners(surface.info(), [&](RowRange faces, std::span<std::int32_t> uvs) {
+    surface.face_uvs(faces, uvs);
+  });
+}
+
+// Vertices by row and texture coordinate: the first coordinate that comes to a row is its own.
+class SeamSplitter {
+ public:
+  explicit SeamSplitter(GltfVertices& vertices) : vertices_(vertices) {}
+
+  // The vertex of a corner; `first` is that of its row.
+  std::int64_t operator()(std::int64_t first, std::int32_t row, std::int32_t uv) {
+    std::int32_t& own = vertices_.uvs[static_cast<std::size_t>(first)];
+    if (own < 0) own = uv;
+    if (own == uv) return first;
     const std::uint64_t key =
         static_cast<std::uint64_t>(row) << 32 | static_cast<std::uint32_t>(uv);
-    const auto next = static_cast<std::int32_t>(vertices.count(surface));
-    const auto [entry, is_new] = copies.try_emplace(key, next);
-    vertex = entry->second;
-    if (!is_new) continue;
-    vertices.rows.push_back(row);
-    vertices.uvs.push_back(uv);
+    const auto [entry, is_new] = copies_.try_emplace(key, vertices_.count());
+    if (is_new) {
+      vertices_.rows.push_back(row);
+      vertices_.uvs.push_back(uv);
+    }
+    return entry->second;
+  }
+
+  void next_primitive() { copies_.clear(); }
+
+ private:
+  GltfVertices& vertices_;
+  std::unordered_map<std::uint64_t, std::int64_t> copies_;
+};
+
+void split_seams(const SurfaceBlocks& surface, GltfVertices& vertices) {
+  vertices.corners = rows_of_corners(surface);
+  const RawVector<std::int32_t> uvs = uvs_of_corners(surface);
+  vertices.uvs.assign(static_cast<std::size_t>(vertices.kept_rows), -1);
+  SeamSplitter split(vertices);
+  for (std::size_t corner = 0; corner < uvs.size(); ++corner) {
+    std::int32_t& vertex = vertices.corners[corner];
+    vertex = static_cast<std::int32_t>(split(vertex, vertex, uvs[corner]));
+  }
+}
+
+// Calls visit(corner) for every corner of a part.
+template <class Visit>
+void for_each_corner(const SurfaceInfo& info, const GltfPart& part, const Visit& visit) {
+  for (const RowRange& run : part.faces) {
+    const auto end = static_cast<std::size_t>(info.first_corner(run.first + run.count));
+    for (auto c = static_cast<std::size_t>(info.first_corner(run.first)); c < end; ++c) visit(c);
+  }
+}
+
+// Numbers the vertices of each part by itself.
+void part_vertices(const SurfaceBlocks& surface, GltfVertices& vertices) {
+  const SurfaceInfo& info = surface.info();
+  vertices.corners = rows_of_corners(surface);
+  RawVector<std::int32_t> uvs;
+  if (info.uv_count > 0) uvs = uvs_of_corners(surface);
+  std::vector<std::int64_t> vertex_of(static_cast<std::size_t>(info.row_count));
+  SeamSplitter split(vertices);
+  for (GltfPart& part : vertices.parts) {
+    part.first_vertex = vertices.count();
+    std::vector<std::int32_t> rows;
+    for_each_corner(info, part, [&](std::size_t c) { rows.push_back(vertices.corners[c]); });
+    std::ranges::sort(rows);
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    for (const std::int32_t row : rows) {
+      vertex_of[static_cast<std::size_t>(row)] = vertices.count();
+      vertices.rows.push_back(row);
+    }
+    if (!uvs.empty()) vertices.uvs.resize(vertices.rows.size(), -1);
+    for_each_corner(info, part, [&](std::size_t c) {
+      const std::int32_t row = vertices.corners[c];
+      std::int64_t vertex = vertex_of[static_cast<std::size_t>(row)];
+      if (!uvs.empty()) vertex = split(vertex, row, uvs[c]);
+      vertices.corners[c] = static_cast<std::int32_t>(vertex - part.first_vertex);
+    });
+    part.vertex_count = vertices.count() - part.first_vertex;
+    split.next_primitive();
+  }
+}
+
+// Faces without texture coordinates come with zeros.
+void look_for_uvs(const SurfaceBlocks& surface, GltfVertices& vertices) {
+  std::vector<glm::dvec2> values(static_cast<std::size_t>(surface.info().uv_count));
+  surface.uvs({0, surface.info().uv_count}, values);
+  for (GltfPart& part : vertices.parts) {
+    const auto uvs = std::span(vertices.uvs)
+                         .subspan(static_cast<std::size_t>(part.first_vertex),
+                                  static_cast<std::size_t>(part.vertex_count));
+    part.has_uvs = std::ranges::any_of(uvs, [&](std::int32_t uv) {
+      return uv >= 0 && values[static_cast<std::size_t>(uv)] != glm::dvec2(0.0);
+    });
   }
 }
 
@@ -80,17 +161,31 @@ void sort_by_group(const SurfaceBlocks& surface, GltfVertices& vertices) {
 GltfVertices gltf_vertices(const SurfaceBlocks& surface) {
   const SurfaceInfo& info = surface.info();
   GltfVertices vertices;
-  if (info.uv_count > 0) split_seams(surface, vertices);
   if (info.has_groups) {
     sort_by_group(surface, vertices);
   } else {
     const auto faces = static_cast<std::uint64_t>(info.face_count);
-    vertices.parts = {{.group = -1,
-                       .face_count = faces,
+    vertices.parts = {{.face_count = faces,
                        .triangle_count = static_cast<std::uint64_t>(info.corner_count) - 2 * faces,
                        .faces = {{0, info.face_count}}}};
   }
+  if (vertices.parts.size() > 1) {
+    part_vertices(surface, vertices);
+  } else {
+    vertices.kept_rows = info.row_count;
+    if (info.uv_count > 0) split_seams(surface, vertices);
+    for (GltfPart& part : vertices.parts) part.vertex_count = vertices.count();
+  }
+  if (info.uv_count > 0) look_for_uvs(surface, vertices);
   return vertices;
+}
+
+std::vector<CopiedRow> copied_rows(const GltfVertices& vertices) {
+  std::vector<CopiedRow> copied(vertices.rows.size());
+  for (std::size_t i = 0; i < copied.size(); ++i)
+    copied[i] = {vertices.rows[i], vertices.kept_rows + static_cast<std::int64_t>(i)};
+  std::ranges::sort(copied, std::less<>());
+  return copied;
 }
 
 }  // namespace planish

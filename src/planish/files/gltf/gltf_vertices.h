@@ -12,26 +12,45 @@ namespace planish {
 /// Faces of one group: a primitive of the file.
 struct GltfPart {
   std::int32_t group = -1;  ///< -1: the surface has no groups
+  std::int64_t first_vertex = 0, vertex_count = 0;
+  bool has_uvs = false;
   std::uint64_t face_count = 0, triangle_count = 0;
   std::vector<RowRange> faces;  ///< ascending
 };
 
-/// A surface as glTF has it, with one texture coordinate a vertex and one material a primitive.
-/// What is empty is as in the surface.
+/// A surface as glTF has it: one texture coordinate a vertex, and vertices of its own for each
+/// primitive, since readers that count by primitive would hold shared ones again and again.
 struct GltfVertices {
-  std::vector<std::int32_t> rows;   ///< position of each vertex behind the surface's own
-  std::vector<std::int32_t> uvs;    ///< texture coordinate of each vertex; -1: none
-  RawVector<std::int32_t> corners;  ///< vertex of each corner
+  std::int64_t kept_rows = 0;      ///< so many of the surface's rows are the first vertices
+  std::vector<std::int32_t> rows;  ///< the surface's row of each vertex behind those
+  std::vector<std::int32_t>
+      uvs;  ///< texture coordinate of each vertex; empty: none; -1: none there
+  RawVector<std::int32_t> corners;  ///< vertex of each corner in its primitive; empty: its row
   std::vector<GltfPart> parts;      ///< one for each group that has faces, at least one
 
-  [[nodiscard]] std::int64_t count(const SurfaceBlocks& surface) const {
-    return surface.info().row_count + static_cast<std::int64_t>(rows.size());
+  [[nodiscard]] std::int64_t count() const {
+    return kept_rows + static_cast<std::int64_t>(rows.size());
+  }
+  [[nodiscard]] std::int64_t row_of(std::int64_t vertex) const {
+    return vertex < kept_rows ? vertex : rows[static_cast<std::size_t>(vertex - kept_rows)];
   }
 };
 
-/// Splits vertices along the seams of the texture coordinates and sorts faces by group. The
-/// surface's vertices stay the first, in their order: each takes the texture coordinate of its
-/// first corner, every other gets a vertex of its own behind them.
+/// Splits vertices along the seams of the texture coordinates and between primitives. Of one
+/// primitive the surface's rows stay the first vertices, in their order: each takes the texture
+/// coordinate of its first corner, every other gets a vertex of its own behind them. Several have
+/// each the rows of its faces, in their order, and such copies behind them. A primitive whose
+/// texture coordinates are all zero has none.
 [[nodiscard]] GltfVertices gltf_vertices(const SurfaceBlocks& surface);
+
+/// A vertex behind the kept rows, by its row: sorted by row, then by vertex.
+struct CopiedRow {
+  std::int32_t row;
+  std::int64_t vertex;
+  [[nodiscard]] bool operator<(const CopiedRow& other) const {
+    return row != other.row ? row < other.row : vertex < other.vertex;
+  }
+};
+[[nodiscard]] std::vector<CopiedRow> copied_rows(const GltfVertices& vertices);
 
 }  // namespace planish

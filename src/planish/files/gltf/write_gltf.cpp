@@ -13,6 +13,7 @@
 #include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_checks.h"
 #include "planish/files/gltf/gltf_document.h"
+#include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/stored_position.h"
 
 namespace planish {
@@ -50,7 +51,8 @@ struct Glb {
     require_fields(surface.info().row_count, options);
     // Before the work: it may not fit.
     (void)glb_byte_count(0, layout.buffer_bytes, options.name);
-    json = gltf_json(layout, gltf_bounds(surface, options), options, {});
+    const std::vector<GltfBounds> bounds = gltf_bounds(surface, vertices, options);
+    json = gltf_json(plain_document(layout, bounds, options), options, {});
     json.resize((json.size() + 3) / 4 * 4, ' ');
     byte_count = glb_byte_count(json.size(), layout.buffer_bytes, options.name);
     warn_if_large(byte_count, options);
@@ -89,7 +91,8 @@ std::uint64_t write_pair(const std::filesystem::path& path, const SurfaceBlocks&
                          const GltfVertices& vertices, const GltfOptions& options) {
   const std::filesystem::path buffer_path = std::filesystem::path(path).replace_extension(".bin");
   const GltfLayout layout = gltf_layout(surface, vertices, options);
-  const std::string json = gltf_json(layout, gltf_bounds(surface, options), options,
+  const std::vector<GltfBounds> bounds = gltf_bounds(surface, vertices, options);
+  const std::string json = gltf_json(plain_document(layout, bounds, options), options,
                                      encode_uri(buffer_path.filename().string()));
   warn_if_large(layout.buffer_bytes, options);
   OutputFile file(path), buffer(buffer_path);

@@ -1,0 +1,115 @@
+// Based on: Khronos, "glTF 2.0 Specification", 2021, sections 3.6 and 4.4.
+#include "planish/files/gltf/gltf_layout.h"
+
+#include <limits>
+
+#include "planish/core/error.h"
+#include "planish/files/gltf/stored_position.h"
+
+namespace planish {
+namespace {
+
+std::uint64_t padded(std::uint64_t bytes) { return (bytes + 3) / 4 * 4; }
+
+// Attributes in the order in which they are written.
+struct Attribute {
+  std::string name;
+  std::string_view type;
+  std::uint64_t bytes;  // of a vertex
+  bool needs_uvs = false;
+
+  [[nodiscard]] bool belongs_to(const GltfPrimitive& primitive) const {
+    return !needs_uvs || primitive.has_uvs;
+  }
+};
+
+std::vector<Attribute> attributes_of(const GltfLayout& layout) {
+  std::vector<Attribute> attributes{{"POSITION", "VEC3", 12},
+                                    {"NORMAL", "VEC3", 12},
+                                    {"TEXCOORD_0", "VEC2", 8, true}};
+  if (layout.has_colors) attributes.push_back({"COLOR_0", "VEC4", 16});
+  for (const std::string& field : layout.fields) attributes.push_back({field, "SCALAR", 4});
+  return attributes;
+}
+
+}  // namespace
+
+std::uint32_t GltfPrimitive::index_size() const {
+  return vertex_count <= kMaxShortIndexVertices ? 2 : 4;
+}
+
+GltfLayout gltf_layout(std::uint64_t vertex_count, std::uint64_t triangle_count) {
+  GltfLayout layout;
+  GltfPrimitive& primitive = layout.primitives.emplace_back();
+  primitive.vertex_count = vertex_count;
+  primitive.triangle_count = triangle_count;
+  set_sizes(layout);
+  return layout;
+}
+
+void set_sizes(GltfLayout& layout) {
+  layout.vertex_count = layout.triangle_count = layout.buffer_bytes = 0;
+  for (const GltfPrimitive& primitive : layout.primitives) {
+    layout.vertex_count += primitive.vertex_count;
+    layout.triangle_count += primitive.triangle_count;
+    for (const Attribute& attribute : attributes_of(layout)) {
+      if (attribute.belongs_to(primitive))
+        layout.buffer_bytes += attribute.bytes * primitive.vertex_count;
+    }
+    layout.buffer_bytes += padded(primitive.index_bytes());
+  }
+}
+
+GltfDocument plain_document(const GltfLayout& layout, std::span<const GltfBounds> bounds,
+                            const GltfOptions& options) {
+  GltfDocument document;
+  document.translation = StoredPosition(options).translation();
+  document.buffer_bytes = layout.buffer_bytes;
+  std::uint64_t offset = 0;
+  const auto add = [&](GltfArray array, std::uint64_t bytes) {
+    array.offset = offset;
+    array.bytes = bytes;
+    document.arrays.push_back(array);
+    offset += padded(bytes);
+    return document.arrays.size() - 1;
+  };
+  document.primitives.resize(layout.primitives.size());
+  for (const Attribute& attribute : attributes_of(layout)) {
+    for (std::size_t i = 0; i < layout.primitives.size(); ++i) {
+      const GltfPrimitive& primitive = layout.primitives[i];
+      if (!attribute.belongs_to(primitive)) continue;
+      GltfArray array{.type = attribute.type, .count = primitive.vertex_count};
+      if (attribute.name == "POSITION") array.bounds = bounds[i];
+      document.primitives[i].attributes[attribute.name] =
+          add(array, attribute.bytes * primitive.vertex_count);
+    }
+  }
+  for (std::size_t i = 0; i < layout.primitives.size(); ++i) {
+    const GltfPrimitive& primitive = layout.primitives[i];
+    document.primitives[i].indices =
+        add({.type = "SCALAR",
+             .component = primitive.index_size() == 2 ? GltfComponent::UnsignedShort
+                                                      : GltfComponent::UnsignedInt,
+             .count = 3 * primitive.triangle_count,
+             .is_indices = true},
+            primitive.index_bytes());
+    document.primitives[i].name = primitive.name;
+    document.primitives[i].material = primitive.material;
+  }
+  return document;
+}
+
+std::uint64_t glb_byte_count(std::uint64_t json_bytes, std::uint64_t buffer_bytes,
+                             std::string_view name) {
+  const std::uint64_t bytes =
+      kGlbHeaderBytes + 2 * kGlbChunkHeaderBytes + padded(json_bytes) + padded(buffer_bytes);
+  if (bytes > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ErrorCode::InvalidArgument,
+                std::string(name) + ": " + std::to_string(bytes) +
+                    " bytes are more than a .glb file can hold (4294967295); write .gltf, whose "
+                    ".bin has no such limit, or use fewer levels");
+  }
+  return bytes;
+}
+
+}  // namespace planish
