@@ -76,6 +76,8 @@ void claim_files(PlannedJob& planned, PathClaims& claims, Faults& faults) {
   }
   if (planned.job.settings.attributes.any())
     faults.note([&] { require_attribute_formats(planned.outputs); });
+  if (planned.job.settings.compression != GltfCompression::None)
+    faults.note([&] { require_compressible(planned.outputs); });
 }
 
 std::optional<FileFormat> requested_format(const FitFlags& flags, Faults& faults) {

@@ -66,6 +66,8 @@ void claim_files(const RunFlags& flags, std::vector<PlannedJob>& jobs, PathClaim
     }
     if (job.settings.attributes.any())
       faults.note([&] { require_attribute_formats(planned.outputs); });
+    if (job.settings.compression != GltfCompression::None)
+      faults.note([&] { require_compressible(planned.outputs); });
     if (!job.report.empty())
       faults.note([&] { claims.add_report(job.report, "report of job " + job.name); });
     if (!job.page.empty())

@@ -29,6 +29,23 @@ void write_samples(const std::filesystem::path& folder) {
   write_gltf(folder / "fields.glb", charts, with_fields);
   charts.face_groups = {0, 1, 1, 1, 1, 1, 1, 1};
   write_gltf(folder / "groups of uneven size.gltf", charts, plain);
+  charts = test::two_charts();
+  charts.colors.assign(charts.positions.size(), glm::vec4(0.2f, 0.4f, 1.0f, 1.0f));
+  GltfOptions packed = with_fields;
+  packed.position_error = 1e-4;
+  const auto write_packed = [&](const std::string& name, const SurfaceMesh& surface) {
+    packed.compression = GltfCompression::None;
+    write_gltf(folder / (name + "_plain.glb"), surface, packed);
+    packed.compression = GltfCompression::Quantize;
+    write_gltf(folder / (name + "_quantize.glb"), surface, packed);
+    packed.compression = GltfCompression::Meshopt;
+    write_gltf(folder / (name + "_meshopt.glb"), surface, packed);
+    write_gltf(folder / (name + "_meshopt.gltf"), surface, packed);
+  };
+  write_packed("charts", charts);
+  packed.fields.clear();
+  write_packed("waves", test::wavy_grid(80, 50));
+  write_packed("many waves", test::wavy_grid(300, 300));
   GltfOptions everything;
   everything.name = "\xC3\xA4 \"quoted\"";
   everything.double_sided = true;

@@ -45,6 +45,9 @@ constexpr std::array kMethods{
 constexpr std::array kSchemes{Word<Scheme>{"doo-sabin", Scheme::DooSabin},
                               Word<Scheme>{"catmull-clark", Scheme::CatmullClark},
                               Word<Scheme>{"loop", Scheme::Loop}};
+constexpr std::array kCompressions{Word<GltfCompression>{"none", GltfCompression::None},
+                                   Word<GltfCompression>{"quantize", GltfCompression::Quantize},
+                                   Word<GltfCompression>{"meshopt", GltfCompression::Meshopt}};
 constexpr std::array kPresets{Word<bool>{"paper", true}};
 
 constexpr std::string_view kToleranceWanted =
@@ -146,6 +149,14 @@ constexpr std::array kWordSettings{
                 }},
     WordSetting{"attributes", "error,deviation,fold,curvature", "",
                 "figures of each vertex, written into glTF and PLY", false, set_attributes},
+    WordSetting{
+        "compress", "none|quantize|meshopt", "none",
+        "smaller glTF within the tolerance: quantize has 16-bit numbers, meshopt packs them "
+        "too, for readers such as three.js and Babylon.js (Blender 3.4 has none)",
+        false,
+        [](Settings& s, std::string_view value, std::string_view where) {
+          s.compression = parse(kCompressions, value, where);
+        }},
     WordSetting{"device", "auto|cpu|vulkan|INDEX|NAME|UUID", "auto",
                 "auto: a hardware Vulkan device, else the CPU; see planish devices", false,
                 [](Settings& s, std::string_view value, std::string_view where) {
@@ -300,6 +311,9 @@ std::string_view name_of(InterpolationMethod method) { return text_of(kMethods, 
 std::string_view name_of(Solver solver) { return text_of(kSolvers, solver); }
 std::string_view name_of(BoundaryRule boundary) { return text_of(kBoundaries, boundary); }
 std::string_view name_of(RepairChoice repair) { return text_of(kRepairs, repair); }
+std::string_view name_of(GltfCompression compression) {
+  return text_of(kCompressions, compression);
+}
 
 std::string name_of(const CreaseChoice& creases) {
   if (!creases.dihedral_degrees) return std::string(text_of(kCreases, creases.use_tags));

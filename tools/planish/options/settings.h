@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/files/gltf/write_gltf.h"
 #include "planish/pipeline/fit.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "planish/surface/evaluate.h"
@@ -44,6 +45,7 @@ struct Settings {
   std::vector<CornerVertex> corner_vertices;
   UpAxis up = UpAxis::Y;
   FieldChoice attributes;  ///< that surfaces carry as data
+  GltfCompression compression = GltfCompression::None;
   std::string device = "auto";
   std::vector<int> levels{2};
   ReconstructOptions points{.measure_noise = true};  ///< how a point cloud becomes a mesh
@@ -91,6 +93,7 @@ void check_consistent(const Settings& settings);
 [[nodiscard]] std::string_view name_of(BoundaryRule boundary);
 [[nodiscard]] std::string name_of(const CreaseChoice& creases);
 [[nodiscard]] std::string_view name_of(RepairChoice repair);
+[[nodiscard]] std::string_view name_of(GltfCompression compression);
 
 /// The subdivision for people: "doo-sabin weights", "averaged weights", "catmull-clark", "loop".
 [[nodiscard]] std::string subdivision_text(Scheme scheme, Weights weights);

@@ -32,6 +32,8 @@ SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
   options.given = input.positions;
   options.gltf.callbacks = callbacks;
   options.diagonal = placement.diagonal;
+  options.tolerance = job.settings.tolerance;
+  options.gltf.compression = job.settings.compression;
   const std::string stem =
       job.input == "-" ? job.name : std::filesystem::path(job.input).stem().string();
   options.gltf.name = plain_utf8(stem);

@@ -107,6 +107,13 @@ void require_attribute_formats(const std::vector<PlannedOutput>& outputs) {
   }
 }
 
+void require_compressible(const std::vector<PlannedOutput>& outputs) {
+  for (const PlannedOutput& output : outputs) {
+    if (output.kind == OutputKind::Cage || info_of(output.format).is_gltf) continue;
+    refuse("--compress", visible(output.path) + " is not compressed; .glb and .gltf are");
+  }
+}
+
 fs::path gltf_companion(const fs::path& path) {
   fs::path companion = path;
   return companion.replace_extension(".bin");

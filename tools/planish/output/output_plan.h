@@ -71,6 +71,9 @@ class PathClaims {
 [[nodiscard]] std::vector<PlannedOutput> plan_output(const OutputRequest& request,
                                                      PathClaims& claims);
 
+/// Refuses surfaces that are no glTF, which alone is compressed, with Error{InvalidArgument}.
+void require_compressible(const std::vector<PlannedOutput>& outputs);
+
 /// Refuses surfaces that cannot carry vertex attributes, such as .obj, with Error{InvalidArgument}.
 void require_attribute_formats(const std::vector<PlannedOutput>& outputs);
 

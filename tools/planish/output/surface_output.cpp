@@ -32,6 +32,33 @@ std::vector<glm::dvec3> given_points(const SurfaceInfo& surface,
   return points;
 }
 
+void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& target,
+                   const SurfaceBlocks& surface, const SurfaceOutputOptions& options,
+                   const std::vector<glm::dvec3>& given, WrittenOutput& written,
+                   std::vector<std::byte>& stdout_bytes) {
+  // Little of what the tolerance leaves to compression is kept for rounding.
+  constexpr double kShare = 0.99;
+  GltfOptions gltf = options.gltf;
+  double distance = largest_distance(written_positions(surface, gltf, given.size()), given);
+  if (gltf.compression != GltfCompression::None) {
+    gltf.position_error = std::max(0.0, kShare * (options.tolerance * options.diagonal - distance));
+    gltf.decoded_rows = static_cast<std::int64_t>(given.size());
+    gltf.decoded = [&](std::span<const glm::dvec3> positions) {
+      distance = largest_distance(positions, given);
+    };
+  }
+  if (planned.to_stdout) {
+    stdout_bytes = encode_glb(surface, gltf);
+    note_bytes(written, stdout_bytes);
+  } else {
+    Sha256 digest;
+    gltf.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
+    written.bytes = write_gltf(target, surface, gltf).byte_count;
+    written.sha256 = digest.finish();
+  }
+  written.as_written_error = distance / options.diagonal;
+}
+
 // The control points of a fair cage as they are written.
 LevelOne state_of(const PolygonMesh& cage, const FairFit& fair) {
   LevelOne written{cage.positions, {}};
@@ -67,30 +94,19 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   written.triangles = info.corner_count - 2 * info.face_count;
   const bool is_gltf = info_of(planned.format).is_gltf;
   const std::vector<glm::dvec3> given = given_points(info, options.given);
-  if (planned.to_stdout) {
-    stdout_bytes = encode_glb(surface.blocks(), options.gltf);
-    note_bytes(written, stdout_bytes);
-  } else if (is_gltf) {
-    Sha256 digest;
-    GltfOptions gltf = options.gltf;
-    gltf.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
-    written.bytes = write_gltf(target, surface.blocks(), gltf).byte_count;
-    written.sha256 = digest.finish();
-  } else {
-    std::vector<std::string> header;
-    for (const auto& [key, value] : options.gltf.extras) {
-      if (key == "curvature_from")
-        header.push_back("planish curvature_from=" + std::get<std::string>(value));
-    }
-    write_surface(target, planned.format, surface.whole(), header, options.gltf.fields);
-    note_file(written, target);
+  if (is_gltf) {
+    write_as_gltf(planned, target, surface.blocks(), options, given, written, stdout_bytes);
+    return written;
   }
+  std::vector<std::string> header;
+  for (const auto& [key, value] : options.gltf.extras) {
+    if (key == "curvature_from")
+      header.push_back("planish curvature_from=" + std::get<std::string>(value));
+  }
+  write_surface(target, planned.format, surface.whole(), header, options.gltf.fields);
+  note_file(written, target);
   // Text and PLY carry doubles that read back as the same bits.
-  const double distance =
-      is_gltf
-          ? largest_distance(written_positions(surface.blocks(), options.gltf, given.size()), given)
-          : largest_distance(surface.whole().positions, given);
-  written.as_written_error = distance / options.diagonal;
+  written.as_written_error = largest_distance(surface.whole().positions, given) / options.diagonal;
   return written;
 }
 

@@ -16,6 +16,7 @@ struct SurfaceOutputOptions {
   GltfOptions gltf;
   std::span<const glm::dvec3> given;  ///< the input's vertices
   double diagonal = 1.0;              ///< that errors are relative to
+  double tolerance = 0;               ///< relative, that compression keeps
 };
 
 /// Writes `surface` to `target` in the format of `planned` and measures what was written; a

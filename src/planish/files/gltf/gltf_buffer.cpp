@@ -68,14 +68,6 @@ struct Survey {
   }
 };
 
-// Those of a range of rows, out of all copies.
-std::span<const CopiedRow> copies_in(std::span<const CopiedRow> copied, RowRange range) {
-  const auto at = [&](std::int64_t row) {
-    return std::ranges::lower_bound(copied, row, std::less<>(), &CopiedRow::row);
-  };
-  return {at(range.first), at(range.first + range.count)};
-}
-
 // One range of rows.
 class Surveyor {
  public:

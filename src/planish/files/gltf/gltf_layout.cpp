@@ -24,9 +24,8 @@ struct Attribute {
 };
 
 std::vector<Attribute> attributes_of(const GltfLayout& layout) {
-  std::vector<Attribute> attributes{{"POSITION", "VEC3", 12},
-                                    {"NORMAL", "VEC3", 12},
-                                    {"TEXCOORD_0", "VEC2", 8, true}};
+  std::vector<Attribute> attributes{
+      {"POSITION", "VEC3", 12}, {"NORMAL", "VEC3", 12}, {"TEXCOORD_0", "VEC2", 8, true}};
   if (layout.has_colors) attributes.push_back({"COLOR_0", "VEC4", 16});
   for (const std::string& field : layout.fields) attributes.push_back({field, "SCALAR", 4});
   return attributes;

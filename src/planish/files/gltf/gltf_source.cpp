@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "planish/core/number_text.h"
+#include "planish/files/gltf/meshopt_stream.h"
 #include "planish/files/mesh_file.h"
 
 namespace planish {
@@ -99,6 +100,16 @@ std::span<const std::byte> GltfSource::buffer(std::int64_t index) {
 
 std::span<const std::byte> GltfSource::view(std::int64_t index) {
   const JsonPlace place = root_["bufferViews"][index];
+  const auto extensions = place.find("extensions");
+  const auto packed = extensions ? extensions->find(kMeshoptExtension) : std::nullopt;
+  if (!packed) return part(place);
+  auto found = unpacked_.find(index);
+  if (found == unpacked_.end())
+    found = unpacked_.emplace(index, decode_meshopt(*packed, part(*packed))).first;
+  return found->second;
+}
+
+std::span<const std::byte> GltfSource::part(const JsonPlace& place) {
   const std::span<const std::byte> bytes = buffer(place["buffer"].integer());
   const auto offset = static_cast<std::uint64_t>(place.integer_or("byteOffset", 0));
   const auto length = static_cast<std::uint64_t>(place["byteLength"].integer());

@@ -24,16 +24,19 @@ class GltfSource {
 
   /// The bytes of buffer `index`: exactly its byteLength. Throws Error{UnreadableInput}.
   [[nodiscard]] std::span<const std::byte> buffer(std::int64_t index);
-  /// The bytes of a buffer view, which lie within its buffer.
+  /// The bytes of a buffer view, which lie within its buffer; unpacked where they are packed.
   [[nodiscard]] std::span<const std::byte> view(std::int64_t index);
 
  private:
   [[nodiscard]] std::span<const std::byte> fetch(const JsonPlace& uri);
+  // Of a buffer view, or of its packed stream.
+  [[nodiscard]] std::span<const std::byte> part(const JsonPlace& place);
 
   JsonPlace root_;
   std::span<const std::byte> glb_chunk_;
   std::optional<std::filesystem::path> folder_;
-  std::map<std::string, RawVector<std::byte>> fetched_;  // by URI, so that none is read twice
+  std::map<std::string, RawVector<std::byte>> fetched_;    // by URI, so that none is read twice
+  std::map<std::int64_t, RawVector<std::byte>> unpacked_;  // by buffer view
 };
 
 /// Decodes base64 (RFC 4648) with or without its padding; empty if `text` is none.

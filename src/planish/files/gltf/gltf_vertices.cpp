@@ -188,4 +188,11 @@ std::vector<CopiedRow> copied_rows(const GltfVertices& vertices) {
   return copied;
 }
 
+std::span<const CopiedRow> copies_in(std::span<const CopiedRow> copied, RowRange range) {
+  const auto at = [&](std::int64_t row) {
+    return std::ranges::lower_bound(copied, row, std::less<>(), &CopiedRow::row);
+  };
+  return {at(range.first), at(range.first + range.count)};
+}
+
 }  // namespace planish

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,5 +53,8 @@ struct CopiedRow {
   }
 };
 [[nodiscard]] std::vector<CopiedRow> copied_rows(const GltfVertices& vertices);
+/// Those of a range of rows, out of all copies.
+[[nodiscard]] std::span<const CopiedRow> copies_in(std::span<const CopiedRow> copied,
+                                                   RowRange range);
 
 }  // namespace planish

@@ -27,9 +27,11 @@ namespace {
 constexpr std::int64_t kMaxCorners = std::int64_t{1} << 28;
 constexpr std::int64_t kMaxPrimitives = std::int64_t{1} << 20;
 
-// Extensions that change nothing about the triangles; any other that a file requires is refused.
-constexpr std::array<std::string_view, 5> kHarmlessExtensions = {
-    "KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_mesh_quantization"};
+// Extensions that change nothing about the triangles, or are read; any other that a file requires
+// is refused.
+constexpr std::array<std::string_view, 6> kHarmlessExtensions = {
+    "KHR_materials_", "KHR_texture_",          "EXT_texture_",
+    "KHR_lights_",    "KHR_mesh_quantization", "EXT_meshopt_compression"};
 
 struct GltfFileParts {
   std::string_view json;

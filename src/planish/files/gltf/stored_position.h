@@ -18,8 +18,11 @@ class StoredPosition {
   }
   /// Exact inverse of the turn, then the origin added in double.
   [[nodiscard]] glm::dvec3 load(const glm::vec3& stored) const {
-    const glm::dvec3 wide(stored);
-    return origin_ + (z_up_ ? glm::dvec3(wide.x, -wide.z, wide.y) : wide);
+    return origin_ + unturn(glm::dvec3(stored));
+  }
+  /// A position of the file's scene, with its node's translation, in model coordinates.
+  [[nodiscard]] glm::dvec3 unturn(const glm::dvec3& world) const {
+    return z_up_ ? glm::dvec3(world.x, -world.z, world.y) : world;
   }
   /// Of a normal.
   [[nodiscard]] glm::vec3 turn(const glm::vec3& normal) const { return upright(normal); }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <functional>
+#include <memory>
 
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
@@ -14,6 +16,7 @@
 #include "planish/files/gltf/gltf_checks.h"
 #include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/gltf_layout.h"
+#include "planish/files/gltf/gltf_packing.h"
 #include "planish/files/gltf/stored_position.h"
 
 namespace planish {
@@ -41,20 +44,64 @@ void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
                                             "2 GiB, fewer levels make it smaller"});
 }
 
+// What is written behind which document.
+struct Contents {
+  GltfDocument document;
+  std::uint64_t vertex_count = 0, triangle_count = 0;
+  std::function<void(std::span<const ByteSink>)> write_buffer;
+};
+
+// In memory first, since packing needs all of it.
+void pack(Contents& contents, const GltfVertices& vertices, const GltfOptions& options) {
+  GltfContents plain{contents.document, {}};
+  plain.buffer.reserve(contents.document.buffer_bytes);
+  const ByteSink append = [&](std::span<const std::byte> piece) {
+    plain.buffer.insert(plain.buffer.end(), piece.begin(), piece.end());
+  };
+  contents.write_buffer(std::span(&append, 1));
+  auto packed = std::make_shared<GltfContents>(pack_gltf(plain, vertices, options));
+  contents.document = packed->document;
+  contents.write_buffer = [packed](std::span<const ByteSink> sinks) {
+    constexpr std::size_t kPiece = std::size_t{1} << 20;
+    const std::span<const std::byte> bytes = packed->buffer;
+    for (std::size_t at = 0; at < bytes.size(); at += kPiece)
+      send(sinks, bytes.subspan(at, std::min(kPiece, bytes.size() - at)));
+  };
+}
+
+Contents contents_of(const SurfaceBlocks& surface, const GltfOptions& options, bool is_glb) {
+  require_fields(surface.info().row_count, options);
+  auto vertices = std::make_shared<const GltfVertices>(gltf_vertices(surface));
+  const GltfLayout layout = gltf_layout(surface, *vertices, options);
+  const bool is_packed = options.compression != GltfCompression::None;
+  // Before the work: it may not fit.
+  if (is_glb && !is_packed) (void)glb_byte_count(0, layout.buffer_bytes, options.name);
+  Contents contents;
+  contents.vertex_count = layout.vertex_count;
+  contents.triangle_count = layout.triangle_count;
+  contents.document = plain_document(layout, gltf_bounds(surface, *vertices, options), options);
+  contents.write_buffer = [&surface, &options, vertices](std::span<const ByteSink> sinks) {
+    write_buffer(surface, *vertices, options, sinks);
+  };
+  if (is_packed) pack(contents, *vertices, options);
+  return contents;
+}
+
+std::string json_of(const Contents& contents, const GltfOptions& options, std::string_view uri) {
+  if (options.compression != GltfCompression::Meshopt)
+    return gltf_json(contents.document, options, uri);
+  GltfOptions reordered = options;
+  reordered.extras.emplace_back("vertex_order", "as triangles first use them");
+  return gltf_json(contents.document, reordered, uri);
+}
+
 // A GLB with all that stands before its buffer.
 struct Glb {
-  Glb(const SurfaceBlocks& from, const GltfOptions& with)
-      : surface(from),
-        options(with),
-        vertices(gltf_vertices(from)),
-        layout(gltf_layout(from, vertices, with)) {
-    require_fields(surface.info().row_count, options);
-    // Before the work: it may not fit.
-    (void)glb_byte_count(0, layout.buffer_bytes, options.name);
-    const std::vector<GltfBounds> bounds = gltf_bounds(surface, vertices, options);
-    json = gltf_json(plain_document(layout, bounds, options), options, {});
+  Glb(const SurfaceBlocks& surface, const GltfOptions& with)
+      : options(with), contents(contents_of(surface, with, true)) {
+    json = json_of(contents, options, {});
     json.resize((json.size() + 3) / 4 * 4, ' ');
-    byte_count = glb_byte_count(json.size(), layout.buffer_bytes, options.name);
+    byte_count = glb_byte_count(json.size(), contents.document.buffer_bytes, options.name);
     warn_if_large(byte_count, options);
   }
 
@@ -62,14 +109,13 @@ struct Glb {
     send(sinks, std::array{kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(byte_count)});
     send(sinks, std::array{static_cast<std::uint32_t>(json.size()), kJsonChunk});
     send(sinks, std::as_bytes(std::span(json)));
-    send(sinks, std::array{static_cast<std::uint32_t>(layout.buffer_bytes), kBinaryChunk});
-    write_buffer(surface, vertices, options, sinks);
+    send(sinks,
+         std::array{static_cast<std::uint32_t>(contents.document.buffer_bytes), kBinaryChunk});
+    contents.write_buffer(sinks);
   }
 
-  const SurfaceBlocks& surface;
   const GltfOptions& options;
-  GltfVertices vertices;
-  GltfLayout layout;
+  Contents contents;
   std::string json;
   std::uint64_t byte_count = 0;
 };
@@ -87,22 +133,19 @@ void write_glb(const std::filesystem::path& path, const Glb& glb) {
 }
 
 // The document and its buffer; the byte count of both.
-std::uint64_t write_pair(const std::filesystem::path& path, const SurfaceBlocks& surface,
-                         const GltfVertices& vertices, const GltfOptions& options) {
+std::uint64_t write_pair(const std::filesystem::path& path, const Contents& contents,
+                         const GltfOptions& options) {
   const std::filesystem::path buffer_path = std::filesystem::path(path).replace_extension(".bin");
-  const GltfLayout layout = gltf_layout(surface, vertices, options);
-  const std::vector<GltfBounds> bounds = gltf_bounds(surface, vertices, options);
-  const std::string json = gltf_json(plain_document(layout, bounds, options), options,
-                                     encode_uri(buffer_path.filename().string()));
-  warn_if_large(layout.buffer_bytes, options);
+  const std::string json = json_of(contents, options, encode_uri(buffer_path.filename().string()));
+  warn_if_large(contents.document.buffer_bytes, options);
   OutputFile file(path), buffer(buffer_path);
   const ByteSink to_buffer = [&](std::span<const std::byte> bytes) { buffer.write(bytes); };
-  write_buffer(surface, vertices, options, std::span(&to_buffer, 1));
+  contents.write_buffer(std::span(&to_buffer, 1));
   send(sinks_to(file, options), std::as_bytes(std::span(json)));
   // The JSON is nothing without the buffer that it names.
   buffer.commit();
   file.commit();
-  return json.size() + layout.buffer_bytes;
+  return json.size() + contents.document.buffer_bytes;
 }
 
 }  // namespace
@@ -130,12 +173,10 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
   if (extension == ".glb") {
     const Glb glb(surface, options);
     write_glb(path, glb);
-    return {glb.byte_count, glb.layout.vertex_count, glb.layout.triangle_count};
+    return {glb.byte_count, glb.contents.vertex_count, glb.contents.triangle_count};
   }
-  require_fields(surface.info().row_count, options);
-  const GltfVertices vertices = gltf_vertices(surface);
-  const GltfLayout layout = gltf_layout(surface, vertices, options);
-  return {write_pair(path, surface, vertices, options), layout.vertex_count, layout.triangle_count};
+  const Contents contents = contents_of(surface, options, false);
+  return {write_pair(path, contents, options), contents.vertex_count, contents.triangle_count};
 }
 
 std::vector<std::byte> encode_glb(const SurfaceMesh& surface, const GltfOptions& options) {

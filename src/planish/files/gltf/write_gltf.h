@@ -17,6 +17,14 @@
 
 namespace planish {
 
+/// How numbers are stored. Quantize (KHR_mesh_quantization): normals and colours in 16 bits,
+/// texture coordinates too where they lie between 0 and 1, and positions where position_error
+/// allows it. Meshopt (EXT_meshopt_compression): positions on a grid as coarse as position_error
+/// allows, else as float32; normals in 14 bits (0.02 degrees), colours in 16, texture coordinates
+/// to an eighth of a texel of 16384; packed streams, with triangles and vertices in another order,
+/// which asset.extras says ("vertex_order").
+enum class GltfCompression { None, Quantize, Meshopt };
+
 struct GltfOptions {
   std::string name = "surface";  ///< of mesh and node
   bool double_sided = false;     ///< for open surfaces
@@ -28,6 +36,13 @@ struct GltfOptions {
   /// Further figures of the vertices: "mean_curvature" becomes the attribute _MEAN_CURVATURE. One
   /// value for each position of the surface; they must outlive the call.
   std::vector<NamedField> fields;
+  GltfCompression compression = GltfCompression::None;
+  /// How far compression may move a position, in model units.
+  double position_error = 0;
+  /// With compression: gets the first decoded_rows positions of the surface, in its order, as
+  /// readers decode them, in model coordinates.
+  std::function<void(std::span<const glm::dvec3>)> decoded;
+  std::int64_t decoded_rows = 0;
   /// Gets all bytes of the .glb, or of the .gltf's document, in order while they are written: for a
   /// digest.
   std::function<void(std::span<const std::byte>)> observe;
@@ -60,7 +75,8 @@ struct GltfFile {
                                                 const GltfOptions& options);
 
 /// Writes .glb, or .gltf with a .bin of the same name beside it, by extension, through OutputFile;
-/// the .bin appears first. Takes a few MB beside the surface, whatever its size.
+/// the .bin appears first. Takes a few MB beside the surface, whatever its size; with compression,
+/// about three times the plain file.
 /// Throws what encode_glb throws, Error{InvalidArgument} for another extension,
 /// Error{UnwritableOutput}, Error{Cancelled}.
 GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surface,
@@ -70,6 +86,7 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
 
 /// The first `count` positions as a reader gets them from the file with these options: rounded to
 /// float32 about the origin, with node.translation added in double and the turn of z_up undone.
+/// What compression changes is not in it (see GltfOptions::decoded).
 /// Comparing them with the wanted points measures the error as written.
 [[nodiscard]] std::vector<glm::dvec3> written_positions(const SurfaceMesh& surface,
                                                         const GltfOptions& options,

@@ -1,0 +1,328 @@
+// Based on: Khronos, "KHR_mesh_quantization", 2020, and "EXT_meshopt_compression", 2021.
+#include "planish/files/gltf/gltf_packing.h"
+
+#include <oneapi/tbb/task_group.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+#include "planish/files/gltf/packed_numbers.h"
+#include "planish/files/gltf/stored_position.h"
+#include "planish/files/gltf/strip_order.h"
+
+namespace planish {
+namespace {
+
+// Textures of 16384 texels: an eighth of a texel, and room for 16 tilings in float's 24 bits.
+constexpr double kUvError = 1.0 / (8 * 16384);
+constexpr double kMostShort = 65535;
+
+template <class Value>
+std::span<const std::byte> bytes_of(const RawVector<Value>& values) {
+  return std::as_bytes(std::span(values));
+}
+
+template <class Value>
+std::span<const Value> values_in(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const Value*>(bytes.data()), bytes.size() / sizeof(Value)};
+}
+
+GltfBounds bounds_of(std::span<const glm::vec3> positions) {
+  GltfBounds bounds{positions[0], positions[0]};
+  for (const glm::vec3& position : positions) {
+    bounds.minimum = glm::min(bounds.minimum, position);
+    bounds.maximum = glm::max(bounds.maximum, position);
+  }
+  return bounds;
+}
+
+// An array in its new form.
+struct PackedArray {
+  GltfArray array;
+  RawVector<std::byte> bytes;  // as in the file
+};
+
+void use(PackedArray& packed, std::span<const std::byte> bytes) {
+  packed.bytes.resize(bytes.size());
+  std::memcpy(packed.bytes.data(), bytes.data(), bytes.size());
+  packed.array.bytes = bytes.size();
+}
+
+// A grid of 16 bits over all positions: node.translation and node.scale carry it.
+struct ShortGrid {
+  glm::dvec3 least{0.0};
+  double step = 0;  // 0: float32 stays
+
+  [[nodiscard]] glm::vec3 place(const glm::vec3& position) const {
+    return glm::vec3(glm::round((glm::dvec3(position) - least) / step));
+  }
+};
+
+ShortGrid short_grid(const GltfDocument& document, double error) {
+  GltfBounds all;
+  bool is_first = true;
+  for (const GltfArray& array : document.arrays) {
+    if (!array.bounds) continue;
+    all = is_first ? *array.bounds
+                   : GltfBounds{glm::min(all.minimum, array.bounds->minimum),
+                                glm::max(all.maximum, array.bounds->maximum)};
+    is_first = false;
+  }
+  const glm::dvec3 extent = glm::dvec3(all.maximum) - glm::dvec3(all.minimum);
+  const double step = std::max({extent.x, extent.y, extent.z}) / kMostShort;
+  if (!(step > 0) || std::sqrt(3.0) / 2 * step > error) return {};
+  return {glm::dvec3(all.minimum), step};
+}
+
+class Packer {
+ public:
+  Packer(const GltfContents& plain, const GltfVertices& vertices, const GltfOptions& options)
+      : plain_(plain), vertices_(vertices), options_(options), packed_(plain.document.arrays.size()) {}
+
+  GltfContents operator()() {
+    document_ = plain_.document;
+    document_.extensions = {"KHR_mesh_quantization"};
+    if (is_meshopt()) {
+      document_.extensions.insert(document_.extensions.begin(), "EXT_meshopt_compression");
+    } else {
+      grid_ = short_grid(document_, options_.position_error);
+      if (grid_.step > 0) {
+        document_.translation += grid_.least;
+        document_.scale = grid_.step;
+      }
+    }
+    decoded_.resize(static_cast<std::size_t>(std::min(row_count(), options_.decoded_rows)));
+    for (std::size_t i = 0; i < document_.primitives.size(); ++i) pack_primitive(i);
+    if (options_.decoded) options_.decoded(decoded_);
+    return assembled();
+  }
+
+ private:
+  [[nodiscard]] bool is_meshopt() const {
+    return options_.compression == GltfCompression::Meshopt;
+  }
+  [[nodiscard]] std::int64_t row_count() const {
+    std::int64_t count = vertices_.kept_rows;
+    for (const std::int32_t row : vertices_.rows) count = std::max<std::int64_t>(count, row + 1);
+    return count;
+  }
+  [[nodiscard]] std::span<const std::byte> plain_bytes(std::size_t array) const {
+    const GltfArray& from = plain_.document.arrays[array];
+    return std::span(plain_.buffer).subspan(from.offset, from.bytes);
+  }
+
+  void pack_primitive(std::size_t primitive);
+  void pack_indices(std::size_t array, const StripOrder& order);
+  void pack_attribute(const std::string& name, std::size_t array, const GltfPart& part,
+                      std::span<const std::uint32_t> order);
+  void quantize(const std::string& name, std::span<const std::byte> bytes, PackedArray& packed);
+  void compress(const std::string& name, std::span<const std::byte> bytes, PackedArray& packed);
+  void note_decoded(PackedArray& packed, const GltfPart& part,
+                    std::span<const std::uint32_t> order);
+  GltfContents assembled();
+
+  const GltfContents& plain_;
+  const GltfVertices& vertices_;
+  const GltfOptions& options_;
+  GltfDocument document_;
+  ShortGrid grid_;
+  std::vector<PackedArray> packed_;
+  std::vector<glm::dvec3> decoded_;  // by row
+};
+
+// Vertices in their new order.
+RawVector<std::byte> reordered(std::span<const std::byte> bytes, std::size_t size,
+                               std::span<const std::uint32_t> order) {
+  RawVector<std::byte> moved(bytes.size());
+  constexpr std::size_t kGrain = std::size_t{1} << 14;
+  parallel_for(order.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      std::memcpy(moved.data() + size * order[i], bytes.data() + size * i, size);
+  });
+  return moved;
+}
+
+void Packer::pack_primitive(std::size_t primitive) {
+  const GltfArrays& arrays = document_.primitives[primitive];
+  const GltfPart& part = vertices_.parts[primitive];
+  if (!is_meshopt()) {
+    packed_[arrays.indices].array = plain_.document.arrays[arrays.indices];
+    use(packed_[arrays.indices], plain_bytes(arrays.indices));
+    for (const auto& [name, array] : arrays.attributes) pack_attribute(name, array, part, {});
+    return;
+  }
+  const std::span<const std::byte> bytes = plain_bytes(arrays.indices);
+  RawVector<std::uint32_t> indices;
+  if (plain_.document.arrays[arrays.indices].component == GltfComponent::UnsignedShort) {
+    const auto narrow = values_in<std::uint16_t>(bytes);
+    indices.assign(narrow.begin(), narrow.end());
+  } else {
+    const auto wide = values_in<std::uint32_t>(bytes);
+    indices.assign(wide.begin(), wide.end());
+  }
+  const StripOrder order = strip_order(indices, static_cast<std::size_t>(part.vertex_count));
+  indices = {};
+  oneapi::tbb::task_group tasks;
+  tasks.run([&] { pack_indices(arrays.indices, order); });
+  for (const auto& [name, array] : arrays.attributes)
+    tasks.run([&, array = array, attribute = &name] {
+      pack_attribute(*attribute, array, part, order.new_vertices);
+    });
+  tasks.wait();
+}
+
+void Packer::pack_indices(std::size_t array, const StripOrder& order) {
+  PackedArray& packed = packed_[array];
+  packed.array = plain_.document.arrays[array];
+  packed.array.stream = GltfStream{.mode = "TRIANGLES"};
+  packed.bytes = encode_triangles(order.indices, order.new_vertices.size());
+}
+
+void Packer::pack_attribute(const std::string& name, std::size_t array, const GltfPart& part,
+                            std::span<const std::uint32_t> order) {
+  PackedArray& packed = packed_[array];
+  packed.array = plain_.document.arrays[array];
+  const std::span<const std::byte> bytes = plain_bytes(array);
+  if (is_meshopt()) {
+    const RawVector<std::byte> moved = reordered(bytes, bytes.size() / packed.array.count, order);
+    compress(name, moved, packed);
+  } else {
+    quantize(name, bytes, packed);
+  }
+  if (name == "POSITION") note_decoded(packed, part, order);
+}
+
+void Packer::quantize(const std::string& name, std::span<const std::byte> bytes,
+                      PackedArray& packed) {
+  GltfArray& array = packed.array;
+  if (name == "NORMAL") {
+    array.component = GltfComponent::Short;
+    array.normalized = true;
+    array.stride = 8;
+    use(packed, bytes_of(short_normals(values_in<glm::vec3>(bytes))));
+  } else if (name == "POSITION" && grid_.step > 0) {
+    array.component = GltfComponent::UnsignedShort;
+    array.stride = 8;
+    const auto positions = values_in<glm::vec3>(bytes);
+    RawVector<std::uint16_t> places(4 * positions.size());
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const glm::vec3 place = grid_.place(positions[i]);
+      for (int axis = 0; axis < 3; ++axis)
+        places[4 * i + axis] = static_cast<std::uint16_t>(place[axis]);
+      places[4 * i + 3] = 0;
+    }
+    array.bounds = {grid_.place(array.bounds->minimum), grid_.place(array.bounds->maximum)};
+    use(packed, bytes_of(places));
+  } else {
+    const auto numbers = values_in<float>(bytes);
+    const bool fits = name == "COLOR_0" ||
+                      (name == "TEXCOORD_0" && std::ranges::all_of(numbers, [](float number) {
+                         return number >= 0 && number <= 1;
+                       }));
+    if (!fits) return use(packed, bytes);
+    array.component = GltfComponent::UnsignedShort;
+    array.normalized = true;
+    use(packed, bytes_of(unit_shorts(numbers)));
+  }
+}
+
+void Packer::compress(const std::string& name, std::span<const std::byte> bytes,
+                      PackedArray& packed) {
+  GltfArray& array = packed.array;
+  GltfStream stream{.mode = "ATTRIBUTES"};
+  const auto encode = [&](std::span<const std::byte> values) {
+    array.bytes = values.size();
+    packed.bytes = encode_vertices(values, values.size() / array.count);
+  };
+  const auto numbers = values_in<float>(bytes);
+  const double error = name == "POSITION" ? options_.position_error
+                       : name == "TEXCOORD_0" ? kUvError
+                                              : 0;
+  if (name == "NORMAL") {
+    array.component = GltfComponent::Short;
+    array.normalized = true;
+    array.stride = 8;
+    stream.filter = "OCTAHEDRAL";
+    encode(bytes_of(octahedral(values_in<glm::vec3>(bytes))));
+  } else if (name == "COLOR_0") {
+    array.component = GltfComponent::UnsignedShort;
+    array.normalized = true;
+    encode(bytes_of(unit_shorts(numbers)));
+  } else if (const auto exponent = grid_exponent(numbers, error)) {
+    stream.filter = "EXPONENTIAL";
+    encode(bytes_of(on_grid(numbers, *exponent)));
+  } else {
+    encode(bytes);
+  }
+  array.stream = stream;
+}
+
+// Positions as a reader has them, from the bytes of the file.
+void Packer::note_decoded(PackedArray& packed, const GltfPart& part,
+                          std::span<const std::uint32_t> order) {
+  const auto count = static_cast<std::size_t>(packed.array.count);
+  RawVector<glm::vec3> positions(count);
+  if (packed.array.stream) {
+    positions = packed.array.stream->filter == "NONE" ? decode_vectors(packed.bytes, count)
+                                                      : decode_grid(packed.bytes, count);
+    packed.array.bounds = bounds_of(positions);
+  } else if (packed.array.component == GltfComponent::UnsignedShort) {
+    const auto places = values_in<std::uint16_t>(packed.bytes);
+    for (std::size_t i = 0; i < count; ++i)
+      positions[i] = {places[4 * i], places[4 * i + 1], places[4 * i + 2]};
+  } else {
+    std::memcpy(positions.data(), packed.bytes.data(), packed.bytes.size());
+  }
+  const StoredPosition stored(options_);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = static_cast<std::size_t>(
+        vertices_.row_of(part.first_vertex + static_cast<std::int64_t>(i)));
+    if (row >= decoded_.size()) continue;
+    const glm::vec3& position = positions[order.empty() ? i : order[i]];
+    decoded_[row] =
+        stored.unturn(document_.translation + document_.scale * glm::dvec3(position));
+  }
+}
+
+GltfContents Packer::assembled() {
+  GltfContents contents;
+  contents.document = std::move(document_);
+  GltfDocument& document = contents.document;
+  const auto padded = [](std::uint64_t bytes) { return (bytes + 3) / 4 * 4; };
+  std::uint64_t total = 0;
+  for (const PackedArray& packed : packed_) total += padded(packed.bytes.size());
+  contents.buffer.resize(total);
+  document.buffer_bytes = document.decoded_bytes = 0;
+  for (std::size_t i = 0; i < packed_.size(); ++i) {
+    PackedArray& packed = packed_[i];
+    GltfArray& array = document.arrays[i] = packed.array;
+    if (array.stream) {
+      array.stream->offset = document.buffer_bytes;
+      array.stream->bytes = packed.bytes.size();
+      array.offset = document.decoded_bytes;
+      document.decoded_bytes += padded(array.bytes);
+    } else {
+      array.offset = document.buffer_bytes;
+    }
+    std::byte* const to = contents.buffer.data() + document.buffer_bytes;
+    std::memcpy(to, packed.bytes.data(), packed.bytes.size());
+    document.buffer_bytes += padded(packed.bytes.size());
+    std::fill(to + packed.bytes.size(), contents.buffer.data() + document.buffer_bytes,
+              std::byte{0});
+    packed.bytes = {};
+  }
+  return contents;
+}
+
+}  // namespace
+
+GltfContents pack_gltf(const GltfContents& plain, const GltfVertices& vertices,
+                       const GltfOptions& options) {
+  return Packer(plain, vertices, options)();
+}
+
+}  // namespace planish

@@ -1,0 +1,117 @@
+// Based on: Khronos, "EXT_meshopt_compression", 2021; A. Kapoulkine, "meshoptimizer", 2017-2022.
+#include "planish/files/gltf/packed_numbers.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planish/core/assert.h"
+#include "planish/core/parallel.h"
+
+namespace planish {
+namespace {
+
+constexpr std::size_t kNumberGrain = std::size_t{1} << 14;
+constexpr int kMantissaBits = 23;  // and a sign
+constexpr int kLeastExponent = -100, kMostExponent = 100;
+constexpr int kNormalBits = 14;
+
+}  // namespace
+
+std::optional<int> grid_exponent(std::span<const float> numbers, double error) {
+  if (!(error > 0)) return std::nullopt;
+  // Half a step in each of three directions.
+  const double step = error * 2 / std::sqrt(3.0);
+  if (!(step > std::ldexp(1.0, kLeastExponent))) return std::nullopt;
+  const int exponent = std::min(std::ilogb(step), kMostExponent);
+  double largest = 0;
+  for (const float number : numbers) largest = std::max(largest, std::abs(static_cast<double>(number)));
+  const double most = std::ldexp(1.0, kMantissaBits) - 1;
+  if (largest / std::ldexp(1.0, exponent) > most) return std::nullopt;
+  return exponent;
+}
+
+RawVector<std::uint32_t> on_grid(std::span<const float> numbers, int exponent) {
+  RawVector<std::uint32_t> words(numbers.size());
+  const double scale = std::ldexp(1.0, -exponent);
+  const std::uint32_t high = static_cast<std::uint32_t>(static_cast<std::uint8_t>(exponent)) << 24;
+  parallel_for(numbers.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto mantissa = static_cast<std::int32_t>(std::lround(numbers[i] * scale));
+      words[i] = high | (static_cast<std::uint32_t>(mantissa) & 0xffffffu);
+    }
+  });
+  return words;
+}
+
+RawVector<std::int16_t> octahedral(std::span<const glm::vec3> normals) {
+  RawVector<std::int16_t> packed(4 * normals.size());
+  parallel_for(normals.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
+    RawVector<float> wide(4 * (end - begin));
+    for (std::size_t i = begin; i < end; ++i) {
+      for (int axis = 0; axis < 3; ++axis) wide[4 * (i - begin) + axis] = normals[i][axis];
+      wide[4 * (i - begin) + 3] = 0;
+    }
+    meshopt_encodeFilterOct(packed.data() + 4 * begin, end - begin, 8, kNormalBits, wide.data());
+  });
+  return packed;
+}
+
+RawVector<std::int16_t> short_normals(std::span<const glm::vec3> normals) {
+  RawVector<std::int16_t> packed(4 * normals.size());
+  parallel_for(normals.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        packed[4 * i + axis] =
+            static_cast<std::int16_t>(std::lround(std::clamp(normals[i][axis], -1.0f, 1.0f) * 32767));
+      }
+      packed[4 * i + 3] = 0;
+    }
+  });
+  return packed;
+}
+
+RawVector<std::uint16_t> unit_shorts(std::span<const float> numbers) {
+  RawVector<std::uint16_t> packed(numbers.size());
+  parallel_for(numbers.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      packed[i] = static_cast<std::uint16_t>(std::lround(std::clamp(numbers[i], 0.0f, 1.0f) * 65535));
+  });
+  return packed;
+}
+
+RawVector<std::byte> encode_vertices(std::span<const std::byte> vertices, std::size_t size) {
+  const std::size_t count = vertices.size() / size;
+  RawVector<std::byte> encoded(meshopt_encodeVertexBufferBound(count, size));
+  encoded.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(encoded.data()),
+                                            encoded.size(), vertices.data(), count, size));
+  PLANISH_ASSERT(!encoded.empty());
+  return encoded;
+}
+
+RawVector<std::byte> encode_triangles(std::span<const std::uint32_t> indices,
+                                      std::size_t vertex_count) {
+  RawVector<std::byte> encoded(meshopt_encodeIndexBufferBound(indices.size(), vertex_count));
+  encoded.resize(meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(encoded.data()),
+                                           encoded.size(), indices.data(), indices.size()));
+  PLANISH_ASSERT(!encoded.empty());
+  return encoded;
+}
+
+RawVector<glm::vec3> decode_vectors(std::span<const std::byte> encoded, std::size_t count) {
+  RawVector<glm::vec3> decoded(count);
+  const int failed = meshopt_decodeVertexBuffer(
+      decoded.data(), count, sizeof(glm::vec3),
+      reinterpret_cast<const unsigned char*>(encoded.data()), encoded.size());
+  PLANISH_ASSERT(failed == 0);
+  return decoded;
+}
+
+RawVector<glm::vec3> decode_grid(std::span<const std::byte> encoded, std::size_t count) {
+  RawVector<glm::vec3> decoded = decode_vectors(encoded, count);
+  meshopt_decodeFilterExp(decoded.data(), count, sizeof(glm::vec3));
+  return decoded;
+}
+
+}  // namespace planish

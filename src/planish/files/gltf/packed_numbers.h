@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+
+#include "planish/core/raw_vector.h"
+
+namespace planish {
+
+/// The exponent of the coarsest grid 2^e on which every number moves by less than `error` / sqrt(3)
+/// and has 24 bits: vectors of three then move by less than `error`. Empty where float32 has no
+/// more room than such a grid, or `error` is 0.
+[[nodiscard]] std::optional<int> grid_exponent(std::span<const float> numbers, double error);
+
+/// Numbers as the meshopt filter "EXPONENTIAL" decodes them, mantissa * 2^exponent, all with one
+/// exponent: of 12-byte vectors only the low bytes then change from one to the next.
+[[nodiscard]] RawVector<std::uint32_t> on_grid(std::span<const float> numbers, int exponent);
+
+/// Unit vectors as the filter "OCTAHEDRAL" decodes them to int16 x 4, the fourth 0. 14 bits turn
+/// them by at most 0.02 degrees.
+[[nodiscard]] RawVector<std::int16_t> octahedral(std::span<const glm::vec3> normals);
+
+/// Unit vectors as int16 x 4 normalised, the fourth 0.
+[[nodiscard]] RawVector<std::int16_t> short_normals(std::span<const glm::vec3> normals);
+
+/// Numbers from 0 to 1 as uint16, 65535 for 1.
+[[nodiscard]] RawVector<std::uint16_t> unit_shorts(std::span<const float> numbers);
+
+/// Bytes of the meshopt vertex codec, version 0. `size` bytes a vertex, a multiple of 4 up to 256.
+[[nodiscard]] RawVector<std::byte> encode_vertices(std::span<const std::byte> vertices,
+                                                   std::size_t size);
+/// Bytes of the meshopt index codec, version 1.
+[[nodiscard]] RawVector<std::byte> encode_triangles(std::span<const std::uint32_t> indices,
+                                                    std::size_t vertex_count);
+
+/// What a reader gets from on_grid() and encode_vertices().
+[[nodiscard]] RawVector<glm::vec3> decode_grid(std::span<const std::byte> encoded,
+                                               std::size_t count);
+/// The same without the filter.
+[[nodiscard]] RawVector<glm::vec3> decode_vectors(std::span<const std::byte> encoded,
+                                                  std::size_t count);
+
+}  // namespace planish
