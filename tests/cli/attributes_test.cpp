@@ -65,7 +65,7 @@ TEST_F(Attributes, CurvatureSaysWhatItIsTakenFrom) {
 TEST_F(Attributes, FilesThatCannotHoldThemAreRefused) {
   const ProcessResult result = fit({"-o", path("p.obj"), "--attributes", "fold"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("p.obj cannot hold them; .glb, .gltf and .ply can"));
+  EXPECT_THAT(result.err, HasSubstr("p.obj cannot hold them; .glb, .gltf, .ply and .usda can"));
   EXPECT_THAT(fit({"-o", path("p.glb"), "--attributes", "error,curvatur"}).err,
               HasSubstr("\"curvatur\" is not one of error, deviation, fold, curvature; did you "
                         "mean curvature?"));

@@ -60,8 +60,8 @@ TEST_F(OutputPaths, TheCompanionOfAGltfCounts) {
 
 TEST_F(OutputPaths, UnknownExtensionsAreRefused) {
   expect_refused({"-o", path("a.fbx")}, 2,
-                 "a surface is written as .glb, .gltf, .obj, .ply or .off");
-  expect_refused({"--cage", path("a.glb")}, 2, "a cage is written as .obj, .ply or .off");
+                 "a surface is written as .glb, .gltf, .obj, .ply, .off, .stl or .usda");
+  expect_refused({"--cage", path("a.glb")}, 2, "a cage is written as .obj, .ply, .off or .usda");
   expect_refused({"-o", path("noextension")}, 2, "a surface is written as");
 }
 

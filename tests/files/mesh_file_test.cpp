@@ -182,8 +182,8 @@ TEST(WriteMesh, RefusesWhatCouldNotBeReadBack) {
                             [&] { write_mesh(path, format, mesh, options); });
   };
   PolygonMesh mesh = test::cube();
-  EXPECT_EQ(error_of(FileFormat::Stl, mesh, {}),
-            path.string() + ": polygons are written as .obj, .ply or .off, not as .stl");
+  EXPECT_EQ(error_of(FileFormat::Xyz, mesh, {}),
+            path.string() + ": polygons are written as .obj, .ply, .off or .usda, not as .xyz");
   EXPECT_EQ(error_of(FileFormat::Obj, mesh, {.header = {"a\nv 1 2 3"}}),
             path.string() + ": a header line holds a line break");
   mesh.uvs = {{0, std::numeric_limits<double>::infinity()}};
@@ -244,8 +244,8 @@ TEST(Formats, StandAtTheirPlaceWithNamesOfTheirOwn) {
 TEST(Formats, AreListedByUse) {
   EXPECT_EQ(names_of(FormatUse::ReadMesh), "glb, gltf, obj, ply, off, stl");
   EXPECT_EQ(names_of(FormatUse::ReadPoints), "ply, xyz, pts, pcd");
-  EXPECT_EQ(extensions_of(FormatUse::WriteSurface), ".glb .gltf .obj .ply .off");
-  EXPECT_EQ(extensions_in_words(FormatUse::WriteCage), ".obj, .ply or .off");
+  EXPECT_EQ(extensions_of(FormatUse::WriteSurface), ".glb .gltf .obj .ply .off .stl .usda");
+  EXPECT_EQ(extensions_in_words(FormatUse::WriteCage), ".obj, .ply, .off or .usda");
   EXPECT_TRUE(holds_points_only(FileFormat::Pcd));
   EXPECT_FALSE(holds_points_only(FileFormat::Ply));
 }

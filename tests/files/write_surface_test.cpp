@@ -4,8 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <glm/geometric.hpp>
 
+#include "mesh/test_meshes.h"
+#include "planish/core/error.h"
 #include "support/temporary_folder.h"
 
 namespace planish {
@@ -99,6 +103,75 @@ TEST(WriteSurface, EveryFormatIsReadBack) {
     EXPECT_EQ(mesh.face_vertices, surface.face_vertices);
     EXPECT_THAT(mesh.face_offsets, ElementsAre(0, 4, 8));
   }
+}
+
+TEST(WriteSurface, StlIsReadBackAsTriangles) {
+  const SurfaceMesh surface = two_quads();
+  const std::string bytes = written(FileFormat::Stl, surface);
+  EXPECT_EQ(bytes.size(), 84u + 4 * 50);
+  EXPECT_FALSE(bytes.starts_with("solid"));
+  float normal[3];
+  std::memcpy(normal, bytes.data() + 84, sizeof normal);
+  EXPECT_NEAR(glm::length(glm::vec3(normal[0], normal[1], normal[2])), 1, 1e-6);
+  const PolygonMesh mesh =
+      read_mesh(std::as_bytes(std::span(bytes.data(), bytes.size())), "s", FileFormat::Stl).mesh;
+  EXPECT_EQ(mesh.face_count(), 4);
+  ASSERT_EQ(mesh.positions.size(), 6u);
+  for (const glm::dvec3& position : mesh.positions) {
+    EXPECT_TRUE(std::ranges::any_of(surface.positions, [&](const glm::dvec3& p) {
+      return glm::dvec3(glm::vec3(p)) == position;
+    }));
+  }
+}
+
+TEST(WriteSurface, UsdaCarriesEverything) {
+  SurfaceMesh surface = two_quads();
+  surface.uvs = {{0, 0}, {0.5, 0}, {0.5, 1}, {0, 1}};
+  surface.face_uvs = {0, 1, 2, 3, 3, 2, 1, 0};
+  surface.colors.assign(6, glm::vec4(0.5f, 0.25f, 1, 0.5f));
+  surface.groups = {{"left side", "red"}, {"", ""}};
+  surface.face_groups = {1, 0};
+  const std::string text = written(FileFormat::Usda, surface);
+  for (const char* part :
+       {"#usda 1.0\n(\n    defaultPrim = \"surface\"\n", "# planish level=1\n",
+        "uniform token subdivisionScheme = \"none\"\n", "int[] faceVertexCounts = [4, 4]\n",
+        "int[] faceVertexIndices = [0, 1, 2, 3, 1, 4, 5, 2]\n",
+        "point3f[] points = [(0, 0, 0), (1, 0, 0.1), (1, 1, 0), (0, 1, 0), (2, 0, 0), (2, 1, 0)]",
+        "(0.6, 0, 0.8), (0, 1, 0)] (\n        interpolation = \"vertex\"\n    )\n",
+        "color3f[] primvars:displayColor = [(0.5, 0.25, 1),", "displayOpacity = [0.5, 0.5,",
+        "texCoord2f[] primvars:st = [(0, 0), (0.5, 0), (0.5, 1), (0, 1)] (\n        "
+        "interpolation = \"faceVarying\"",
+        "int[] primvars:st:indices = [0, 1, 2, 3, 3, 2, 1, 0]\n",
+        "def GeomSubset \"group_0_left_side\"", "int[] indices = [1]\n",
+        "def GeomSubset \"group_1\"", "int[] indices = [0]\n"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+}
+
+TEST(WriteMesh, UsdaCagesSayHowTheyAreSubdivided) {
+  const test::TemporaryFolder folder;
+  PolygonMesh cube = test::cube();
+  cube.creases = {{0, 1, 10.0f}, {1, 2, 2.5f}};
+  cube.corners = {{3, 10.0f}};
+  cube.hole_faces = {2};
+  write_mesh(folder.path() / "c.usda", FileFormat::Usda, cube,
+             {.header = {}, .subdivision = {"catmullClark", true}});
+  const auto bytes = read_file(folder.path() / "c.usda");
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  for (const char* part :
+       {"subdivisionScheme = \"catmullClark\"\n", "interpolateBoundary = \"edgeAndCorner\"\n",
+        "creaseIndices = [0, 1, 1, 2]\n", "creaseLengths = [2, 2]\n",
+        "creaseSharpnesses = [10, 2.5]\n", "cornerIndices = [3]\n", "cornerSharpnesses = [10]\n",
+        "holeIndices = [2]\n"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  EXPECT_EQ(text.find("normals"), std::string::npos);
+}
+
+TEST(WriteSurface, FormatsOfFloatsRefuseWhatDoesNotFit) {
+  SurfaceMesh surface = two_quads();
+  surface.positions[4].x = 1e40;
+  EXPECT_THROW((void)written(FileFormat::Stl, surface), Error);
+  EXPECT_THROW((void)written(FileFormat::Usda, surface), Error);
+  EXPECT_NO_THROW((void)written(FileFormat::Ply, surface));
 }
 
 TEST(WriteSurface, LevelZeroKeepsPolygons) {

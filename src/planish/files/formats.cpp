@@ -16,6 +16,8 @@
 #include "planish/files/ply/read_ply.h"
 #include "planish/files/ply/write_ply.h"
 #include "planish/files/stl/read_stl.h"
+#include "planish/files/stl/write_stl.h"
+#include "planish/files/usda/write_usda.h"
 #include "planish/files/xyz/read_xyz.h"
 
 namespace planish {
@@ -60,7 +62,9 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                               FormatInfo{.format = FileFormat::Stl,
                                          .name = "stl",
                                          .title = "STL",
-                                         .read_mesh = from_bytes<read_stl>},
+                                         .read_mesh = from_bytes<read_stl>,
+                                         .write_polygons = write_stl,
+                                         .has_polygons = false},
                               FormatInfo{.format = FileFormat::Xyz,
                                          .name = "xyz",
                                          .title = "points as text",
@@ -72,7 +76,12 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                               FormatInfo{.format = FileFormat::Pcd,
                                          .name = "pcd",
                                          .title = "Point Cloud Library",
-                                         .read_points = from_bytes<read_pcd>}};
+                                         .read_points = from_bytes<read_pcd>},
+                              FormatInfo{.format = FileFormat::Usda,
+                                         .name = "usda",
+                                         .title = "USD as text",
+                                         .write_polygons = write_usda,
+                                         .keeps_sharp_edges = true}};
 
 std::vector<std::string> dotted_names(FormatUse use) {
   std::vector<std::string> names;
@@ -112,7 +121,7 @@ bool serves(FileFormat format, FormatUse use) {
     case FormatUse::WriteSurface:
       return info.is_gltf || info.write_polygons;
     case FormatUse::WriteCage:
-      return info.write_polygons;
+      return info.write_polygons && info.has_polygons;
   }
   return false;
 }

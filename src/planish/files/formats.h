@@ -16,7 +16,7 @@ struct PointCloud;
 struct PolygonView;
 
 /// A format's place in formats().
-enum class FileFormat : std::uint8_t { Glb, Gltf, Obj, Ply, Off, Stl, Xyz, Pts, Pcd };
+enum class FileFormat : std::uint8_t { Glb, Gltf, Obj, Ply, Off, Stl, Xyz, Pts, Pcd, Usda };
 
 /// A file in memory.
 struct FileBytes {
@@ -36,7 +36,8 @@ struct FormatInfo {
   /// Polygons of any size, for cages and surfaces. glTF is written by write_gltf().
   void (*write_polygons)(FileBuffer&, const PolygonView&) = nullptr;
   bool is_gltf = false;
-  bool keeps_doubles = false;      ///< positions come back to the last bit
+  bool has_polygons = true;        ///< false: only triangles
+  bool keeps_doubles = false;      ///< positions come back to the last bit; else as float32
   bool keeps_sharp_edges = false;  ///< and corners and holes
 };
 

@@ -9,6 +9,9 @@ namespace planish {
 
 MeshFile read_mesh(const FileBytes& file, FileFormat format) {
   const FormatInfo& info = info_of(format);
+  if (!info.read_mesh && !info.read_points)
+    throw Error(ErrorCode::InvalidArgument,
+                std::string(file.name) + ": ." + std::string(info.name) + " is written, not read");
   if (!info.read_mesh) {
     throw Error(ErrorCode::InvalidArgument, std::string(file.name) + ": ." +
                                                 std::string(info.name) +
@@ -49,6 +52,7 @@ void write_mesh(const std::filesystem::path& path, FileFormat format, const Poly
                   .groups = mesh.groups,
                   .face_groups = mesh.face_groups,
                   .hole_faces = mesh.hole_faces,
+                  .subdivision = options.subdivision,
                   .header = options.header});
 }
 

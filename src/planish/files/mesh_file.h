@@ -11,6 +11,7 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/files/formats.h"
+#include "planish/files/write_polygons.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
@@ -42,13 +43,14 @@ struct MeshFile {
                                  std::optional<FileFormat> format = std::nullopt);
 
 struct MeshWriteOptions {
-  std::vector<std::string> header;  ///< comment lines, without the comment sign
+  std::vector<std::string> header;   ///< comment lines, without the comment sign
+  CageSubdivision subdivision = {};  ///< for USD
 };
 
-/// Writes OBJ, PLY (binary little endian, double) or OFF through OutputFile; n-gons are kept. OBJ
-/// holds all that a mesh has, so that reading it gives the same mesh; PLY holds its colours too
-/// (8 bits), OFF positions and faces only. Text numbers are shortest round-trip doubles.
-/// Throws Error{UnwritableOutput}, Error{InvalidArgument} for other formats.
+/// Writes OBJ, PLY (binary little endian, double), OFF or USD text through OutputFile; n-gons are
+/// kept. OBJ holds all that a mesh has, so that reading it gives the same mesh; PLY holds its
+/// colours too (8 bits), OFF positions and faces only. Text numbers are shortest round-trip
+/// doubles. Throws Error{UnwritableOutput}, Error{InvalidArgument} for other formats.
 void write_mesh(const std::filesystem::path& path, FileFormat format, const PolygonMesh& mesh,
                 const MeshWriteOptions& options = {});
 

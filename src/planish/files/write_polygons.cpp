@@ -1,6 +1,7 @@
 #include "planish/files/write_polygons.h"
 
 #include <cmath>
+#include <limits>
 
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
@@ -9,7 +10,12 @@
 namespace planish {
 namespace {
 
-void require_writable(const std::string& name, const PolygonView& view) {
+bool fits_float(const glm::dvec3& p) {
+  constexpr double kMost = std::numeric_limits<float>::max();
+  return std::abs(p.x) <= kMost && std::abs(p.y) <= kMost && std::abs(p.z) <= kMost;
+}
+
+void require_writable(const std::string& name, const FormatInfo& info, const PolygonView& view) {
   for (const std::string& line : view.header)
     if (line.find_first_of("\r\n") != std::string::npos)
       throw Error(ErrorCode::InvalidArgument, name + ": a header line holds a line break");
@@ -18,6 +24,11 @@ void require_writable(const std::string& name, const PolygonView& view) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
       throw Error(ErrorCode::InvalidArgument,
                   name + ": vertex " + std::to_string(i) + " is not finite",
+                  static_cast<std::int64_t>(i));
+    if (!info.keeps_doubles && !fits_float(p))
+      throw Error(ErrorCode::InvalidArgument,
+                  name + ": vertex " + std::to_string(i) +
+                      " has a coordinate that float32 cannot hold; scale the model down",
                   static_cast<std::int64_t>(i));
   }
   for (std::size_t i = 0; i < view.uvs.size(); ++i) {
@@ -43,7 +54,7 @@ void write_polygons(const std::filesystem::path& path, FileFormat format, const 
     throw Error(ErrorCode::InvalidArgument, visible(path) + ": polygons are written as " +
                                                 extensions_in_words(FormatUse::WriteCage) +
                                                 ", not as ." + std::string(info.name));
-  require_writable(visible(path), view);
+  require_writable(visible(path), info, view);
   OutputFile file(path);
   FileBuffer out(file);
   info.write_polygons(out, view);

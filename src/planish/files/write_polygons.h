@@ -8,12 +8,19 @@
 #include <glm/vec4.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "planish/files/formats.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/vertex_fields.h"
 
 namespace planish {
+
+/// How a format that knows subdivision surfaces (USD) is to draw a cage.
+struct CageSubdivision {
+  std::string_view scheme = "none";  ///< "catmullClark", "loop"; "none" draws the polygons
+  bool has_sharp_boundary_corners = false;
+};
 
 /// What the writers see of a polygon mesh or a tessellated surface.
 struct PolygonView {
@@ -29,7 +36,8 @@ struct PolygonView {
   std::span<const FaceGroup> groups;
   std::span<const std::int32_t> face_groups;  ///< empty, or one per face
   std::span<const std::int32_t> hole_faces;
-  std::span<const NamedField> fields;   ///< one value per position each; PLY only
+  std::span<const NamedField> fields;   ///< one value per position each; PLY and USD only
+  CageSubdivision subdivision;          ///< USD only
   std::span<const std::string> header;  ///< comment lines, without the comment sign
 
   [[nodiscard]] std::size_t face_count() const {

@@ -12,8 +12,9 @@
 namespace planish {
 
 /// Writes the faces of the surface as OBJ (with `vn` and all attributes), PLY (with `nx ny nz` and
-/// colours) or OFF (positions only); `header` as in MeshWriteOptions. Fields become float
-/// properties of their names in PLY, and are left out of the others. Throws as write_mesh().
+/// colours), OFF (positions only), STL (triangles) or USD text (all attributes); `header` as in
+/// MeshWriteOptions. Fields become float properties of their names in PLY and USD, and are left out
+/// of the others. Throws as write_mesh().
 void write_surface(const std::filesystem::path& path, FileFormat format, const SurfaceMesh& surface,
                    const std::vector<std::string>& header = {},
                    std::span<const NamedField> fields = {});

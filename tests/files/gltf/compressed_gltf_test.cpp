@@ -48,17 +48,15 @@ std::vector<std::array<std::size_t, 3>> triangles_by_place(const PolygonMesh& me
                                                            double error) {
   std::vector<std::size_t> nearest(mesh.positions.size());
   for (std::size_t v = 0; v < nearest.size(); ++v) {
-    const auto at = std::ranges::min_element(vertices, {}, [&](const glm::dvec3& p) {
-      return glm::distance(p, mesh.positions[v]);
-    });
+    const auto at = std::ranges::min_element(
+        vertices, {}, [&](const glm::dvec3& p) { return glm::distance(p, mesh.positions[v]); });
     EXPECT_LE(glm::distance(*at, mesh.positions[v]), error);
     nearest[v] = static_cast<std::size_t>(at - vertices.begin());
   }
   std::vector<std::array<std::size_t, 3>> triangles;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     std::array<std::size_t, 3> corners{};
-    for (int k = 0; k < 3; ++k)
-      corners[k] = nearest[mesh.face_vertices[mesh.face_offsets[f] + k]];
+    for (int k = 0; k < 3; ++k) corners[k] = nearest[mesh.face_vertices[mesh.face_offsets[f] + k]];
     std::ranges::rotate(corners, std::ranges::min_element(corners));
     triangles.push_back(corners);
   }
@@ -68,7 +66,8 @@ std::vector<std::array<std::size_t, 3>> triangles_by_place(const PolygonMesh& me
 
 TEST(CompressedGltf, HasTheSameTrianglesWithinTheError) {
   const SurfaceMesh surface = test::wavy_grid(40, 30, {3, -2, 1});
-  const auto plain = triangles_by_place(read_back(encode_glb(surface, {})), surface.positions, 1e-6);
+  const auto plain =
+      triangles_by_place(read_back(encode_glb(surface, {})), surface.positions, 1e-6);
   for (const auto compression : {GltfCompression::Quantize, GltfCompression::Meshopt}) {
     for (const double error : {0.0, 1e-5, 1e-3}) {
       SCOPED_TRACE(error);
@@ -182,8 +181,8 @@ TEST(PackedNumbers, NormalsTurnByAFiftiethOfADegree) {
   for (std::size_t i = 0; i < normals.size(); ++i) {
     for (std::int16_t* values : {packed.data(), shorts.data()}) {
       const glm::dvec3 found(values[4 * i], values[4 * i + 1], values[4 * i + 2]);
-      const double turn = std::asin(glm::length(glm::cross(glm::normalize(found),
-                                                           glm::dvec3(normals[i]))));
+      const double turn =
+          std::asin(glm::length(glm::cross(glm::normalize(found), glm::dvec3(normals[i]))));
       EXPECT_LE(turn * 57.2958, 0.02);
       EXPECT_GT(glm::dot(found, glm::dvec3(normals[i])), 0);
     }
@@ -219,7 +218,8 @@ TEST(ReadMeshopt, SizesAreBoundedBeforeMemoryIsTaken) {
     return test::square_error(
         "{\"buffer\":0,\"byteLength\":48}",
         "{\"buffer\":0,\"byteLength\":48,\"extensions\":{\"EXT_meshopt_compression\":"
-        "{\"buffer\":0,\"byteLength\":48," + extension + "}}}");
+        "{\"buffer\":0,\"byteLength\":48," +
+            extension + "}}}");
   };
   EXPECT_THAT(error_with("\"byteStride\":12,\"count\":9000000000,\"mode\":\"ATTRIBUTES\""),
               HasSubstr("count: 9000000000 elements cannot come from 48 bytes"));

@@ -5,6 +5,7 @@
 
 #include "files/gltf/surfaces.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/files/write_surface.h"
 
 namespace planish {
 namespace {
@@ -43,9 +44,14 @@ void write_samples(const std::filesystem::path& folder) {
     write_gltf(folder / (name + "_meshopt.gltf"), surface, packed);
   };
   write_packed("charts", charts);
+  for (const FileFormat format : {FileFormat::Stl, FileFormat::Usda, FileFormat::Obj})
+    write_surface(folder / ("charts." + std::string(name_of(format))), format, charts);
   packed.fields.clear();
-  write_packed("waves", test::wavy_grid(80, 50));
-  write_packed("many waves", test::wavy_grid(300, 300));
+  const SurfaceMesh waves = test::wavy_grid(80, 50);
+  write_packed("waves", waves);
+  for (const FileFormat format : {FileFormat::Stl, FileFormat::Usda, FileFormat::Obj})
+    write_surface(folder / ("waves." + std::string(name_of(format))), format, waves);
+  write_packed("many waves", test::wavy_grid(260, 260));
   GltfOptions everything;
   everything.name = "\xC3\xA4 \"quoted\"";
   everything.double_sided = true;

@@ -148,7 +148,7 @@ constexpr std::array kWordSettings{
                   s.up = parse(kUpAxes, value, where);
                 }},
     WordSetting{"attributes", "error,deviation,fold,curvature", "",
-                "figures of each vertex, written into glTF and PLY", false, set_attributes},
+                "figures of each vertex, written into glTF, PLY and USD", false, set_attributes},
     WordSetting{
         "compress", "none|quantize|meshopt", "none",
         "smaller glTF within the tolerance: quantize has 16-bit numbers, meshopt packs them "

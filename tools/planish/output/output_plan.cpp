@@ -101,9 +101,11 @@ std::string PathClaims::refusal(const fs::path& path) const {
 
 void require_attribute_formats(const std::vector<PlannedOutput>& outputs) {
   for (const PlannedOutput& output : outputs) {
-    const bool carries = info_of(output.format).is_gltf || output.format == FileFormat::Ply;
+    const bool carries = info_of(output.format).is_gltf || output.format == FileFormat::Ply ||
+                         output.format == FileFormat::Usda;
     if (output.kind == OutputKind::Cage || carries) continue;
-    refuse("--attributes", output.path.string() + " cannot hold them; .glb, .gltf and .ply can");
+    refuse("--attributes",
+           output.path.string() + " cannot hold them; .glb, .gltf, .ply and .usda can");
   }
 }
 

@@ -59,6 +59,25 @@ void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& ta
   written.as_written_error = distance / options.diagonal;
 }
 
+// The first positions as the format holds them.
+std::vector<glm::dvec3> as_read(std::span<const glm::dvec3> positions, FileFormat format,
+                                std::size_t count) {
+  std::vector<glm::dvec3> read(positions.begin(),
+                               positions.begin() + static_cast<std::ptrdiff_t>(count));
+  if (!info_of(format).keeps_doubles)
+    for (glm::dvec3& position : read) position = glm::dvec3(glm::vec3(position));
+  return read;
+}
+
+// How USD is to draw the cage; it knows no Doo-Sabin.
+CageSubdivision subdivision_of(const Settings& settings) {
+  CageSubdivision subdivision;
+  if (settings.scheme == Scheme::CatmullClark) subdivision.scheme = "catmullClark";
+  if (settings.scheme == Scheme::Loop) subdivision.scheme = "loop";
+  subdivision.has_sharp_boundary_corners = settings.boundary == BoundaryRule::EdgeAndCorner;
+  return subdivision;
+}
+
 // The control points of a fair cage as they are written.
 LevelOne state_of(const PolygonMesh& cage, const FairFit& fair) {
   LevelOne written{cage.positions, {}};
@@ -105,8 +124,9 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   }
   write_surface(target, planned.format, surface.whole(), header, options.gltf.fields);
   note_file(written, target);
-  // Text and PLY carry doubles that read back as the same bits.
-  written.as_written_error = largest_distance(surface.whole().positions, given) / options.diagonal;
+  written.as_written_error =
+      largest_distance(as_read(surface.whole().positions, planned.format, given.size()), given) /
+      options.diagonal;
   return written;
 }
 
@@ -114,9 +134,11 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
                                 const Fit& fitted, const PolygonMesh& input,
                                 const JobReport& report) {
   const Settings& settings = report.settings;
-  const PolygonMesh cage = control_cage(input, fitted, settings.sharp());
+  PolygonMesh cage = control_cage(input, fitted, settings.sharp());
+  cage.positions = as_read(cage.positions, planned.format, cage.positions.size());
   write_mesh(target, planned.format, cage,
-             {.header = cage_header_lines(settings, report.method, report.input.path)});
+             {.header = cage_header_lines(settings, report.method, report.input.path),
+              .subdivision = subdivision_of(settings)});
   WrittenOutput written;
   written.path = planned.path.string();
   written.kind = planned.kind;

@@ -81,7 +81,10 @@ ShortGrid short_grid(const GltfDocument& document, double error) {
 class Packer {
  public:
   Packer(const GltfContents& plain, const GltfVertices& vertices, const GltfOptions& options)
-      : plain_(plain), vertices_(vertices), options_(options), packed_(plain.document.arrays.size()) {}
+      : plain_(plain),
+        vertices_(vertices),
+        options_(options),
+        packed_(plain.document.arrays.size()) {}
 
   GltfContents operator()() {
     document_ = plain_.document;
@@ -102,9 +105,7 @@ class Packer {
   }
 
  private:
-  [[nodiscard]] bool is_meshopt() const {
-    return options_.compression == GltfCompression::Meshopt;
-  }
+  [[nodiscard]] bool is_meshopt() const { return options_.compression == GltfCompression::Meshopt; }
   [[nodiscard]] std::int64_t row_count() const {
     std::int64_t count = vertices_.kept_rows;
     for (const std::int32_t row : vertices_.rows) count = std::max<std::int64_t>(count, row + 1);
@@ -239,7 +240,7 @@ void Packer::compress(const std::string& name, std::span<const std::byte> bytes,
     packed.bytes = encode_vertices(values, values.size() / array.count);
   };
   const auto numbers = values_in<float>(bytes);
-  const double error = name == "POSITION" ? options_.position_error
+  const double error = name == "POSITION"     ? options_.position_error
                        : name == "TEXCOORD_0" ? kUvError
                                               : 0;
   if (name == "NORMAL") {
@@ -283,8 +284,7 @@ void Packer::note_decoded(PackedArray& packed, const GltfPart& part,
         vertices_.row_of(part.first_vertex + static_cast<std::int64_t>(i)));
     if (row >= decoded_.size()) continue;
     const glm::vec3& position = positions[order.empty() ? i : order[i]];
-    decoded_[row] =
-        stored.unturn(document_.translation + document_.scale * glm::dvec3(position));
+    decoded_[row] = stored.unturn(document_.translation + document_.scale * glm::dvec3(position));
   }
 }
 

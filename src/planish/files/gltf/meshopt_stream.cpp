@@ -47,8 +47,7 @@ RawVector<std::byte> decode_attributes(const JsonPlace& extension, const Stream&
                                        std::span<const std::byte> stream) {
   constexpr std::int64_t kMostStride = 256;
   if (wanted.stride % 4 != 0 || wanted.stride > kMostStride)
-    extension["byteStride"].fail(std::to_string(wanted.stride) +
-                                 " is no multiple of 4 up to 256");
+    extension["byteStride"].fail(std::to_string(wanted.stride) + " is no multiple of 4 up to 256");
   const auto size = static_cast<std::int64_t>(stream.size());
   require_size(extension, wanted, size * kMostPerByte / wanted.stride, stream);
   RawVector<std::byte> values(static_cast<std::size_t>(wanted.count * wanted.stride));
@@ -71,20 +70,17 @@ RawVector<std::byte> decode_indices(const JsonPlace& extension, const Stream& wa
   RawVector<std::byte> values(static_cast<std::size_t>(wanted.count * wanted.stride));
   const auto count = static_cast<std::size_t>(wanted.count);
   const auto index_size = static_cast<std::size_t>(wanted.stride);
-  const int failed = is_triangles
-                         ? meshopt_decodeIndexBuffer(values.data(), count, index_size,
-                                                     unsigned_of(stream), stream.size())
-                         : meshopt_decodeIndexSequence(values.data(), count, index_size,
-                                                       unsigned_of(stream), stream.size());
-  if (failed != 0)
-    extension.fail("the stream is no meshopt stream of indices");
+  const int failed = is_triangles ? meshopt_decodeIndexBuffer(values.data(), count, index_size,
+                                                              unsigned_of(stream), stream.size())
+                                  : meshopt_decodeIndexSequence(values.data(), count, index_size,
+                                                                unsigned_of(stream), stream.size());
+  if (failed != 0) extension.fail("the stream is no meshopt stream of indices");
   return values;
 }
 
 }  // namespace
 
-RawVector<std::byte> decode_meshopt(const JsonPlace& extension,
-                                    std::span<const std::byte> stream) {
+RawVector<std::byte> decode_meshopt(const JsonPlace& extension, std::span<const std::byte> stream) {
   const Stream wanted{extension["count"].integer(1), extension["byteStride"].integer(1)};
   const std::string& mode = extension["mode"].text();
   if (mode == "ATTRIBUTES") return decode_attributes(extension, wanted, stream);

@@ -26,7 +26,8 @@ std::optional<int> grid_exponent(std::span<const float> numbers, double error) {
   if (!(step > std::ldexp(1.0, kLeastExponent))) return std::nullopt;
   const int exponent = std::min(std::ilogb(step), kMostExponent);
   double largest = 0;
-  for (const float number : numbers) largest = std::max(largest, std::abs(static_cast<double>(number)));
+  for (const float number : numbers)
+    largest = std::max(largest, std::abs(static_cast<double>(number)));
   const double most = std::ldexp(1.0, kMantissaBits) - 1;
   if (largest / std::ldexp(1.0, exponent) > most) return std::nullopt;
   return exponent;
@@ -63,8 +64,8 @@ RawVector<std::int16_t> short_normals(std::span<const glm::vec3> normals) {
   parallel_for(normals.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
-        packed[4 * i + axis] =
-            static_cast<std::int16_t>(std::lround(std::clamp(normals[i][axis], -1.0f, 1.0f) * 32767));
+        packed[4 * i + axis] = static_cast<std::int16_t>(
+            std::lround(std::clamp(normals[i][axis], -1.0f, 1.0f) * 32767));
       }
       packed[4 * i + 3] = 0;
     }
@@ -76,7 +77,8 @@ RawVector<std::uint16_t> unit_shorts(std::span<const float> numbers) {
   RawVector<std::uint16_t> packed(numbers.size());
   parallel_for(numbers.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      packed[i] = static_cast<std::uint16_t>(std::lround(std::clamp(numbers[i], 0.0f, 1.0f) * 65535));
+      packed[i] =
+          static_cast<std::uint16_t>(std::lround(std::clamp(numbers[i], 0.0f, 1.0f) * 65535));
   });
   return packed;
 }

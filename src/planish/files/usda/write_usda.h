@@ -1,0 +1,14 @@
+#pragma once
+
+#include "planish/files/shared/file_buffer.h"
+#include "planish/files/write_polygons.h"
+
+namespace planish {
+
+/// USD as text: one Mesh with normals, colours (displayColor, displayOpacity), texture coordinates
+/// (st), fields (primvars) and a GeomSubset for each group. Numbers are shortest round-trip text of
+/// the float32 that the format has. A view with a subdivision is written as the cage of its scheme
+/// with creases, corners and holes, so that readers draw the limit surface themselves.
+void write_usda(FileBuffer& out, const PolygonView& view);
+
+}  // namespace planish
