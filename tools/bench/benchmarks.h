@@ -23,6 +23,10 @@ namespace planish::bench {
 [[nodiscard]] std::vector<Row> bench_patches(const Options& options);
 /// From the bytes of a file to the bytes of a file.
 [[nodiscard]] std::vector<Row> bench_job(const Options& options);
+#ifdef PLANISH_HAS_VULKAN
+/// From displaced points to a host's vertices on the best Vulkan device; nothing without one.
+[[nodiscard]] std::vector<Row> bench_frame(const Options& options);
+#endif
 /// Catmull-Clark stencils that make a level 2.
 [[nodiscard]] std::vector<Row> bench_osd(const Options& options);
 

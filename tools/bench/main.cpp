@@ -17,6 +17,9 @@ using namespace planish::bench;
 const std::vector<std::pair<std::string, std::vector<Row> (*)(const Options&)>> kGroups = {
     {"update", bench_update},   {"solve", bench_solve},     {"masks", bench_masks},
     {"surface", bench_surface}, {"patches", bench_patches}, {"job", bench_job},
+#ifdef PLANISH_HAS_VULKAN
+    {"frame", bench_frame},
+#endif
     {"osd", bench_osd},         {"fair", bench_fair}};
 
 // Google Benchmark takes its --benchmark_* flags and leaves the rest.

@@ -1,58 +1,60 @@
-#include "planish/vulkan/evaluate/gpu_evaluation.h"
+#include "bench/table_evaluation.h"
 
 #include <algorithm>
 
 #include "planish/vulkan/device/commands.h"
 
-namespace planish::vulkan {
+namespace planish::bench {
+
+using namespace vulkan;
 
 namespace {
 
-constexpr std::uint32_t kVectorFloats = 3;
+constexpr std::uint32_t kWrittenFloats = 3;
 
 // The host's vertices as far as they are written.
-FloatElements elements_of(const VertexLayout& layout) {
+FloatElements written_elements(const VertexLayout& layout) {
   const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
   return {layout.buffer, layout.offset / sizeof(float),
-          static_cast<std::uint32_t>(last / sizeof(float)) + kVectorFloats,
+          static_cast<std::uint32_t>(last / sizeof(float)) + kWrittenFloats,
           static_cast<std::uint32_t>(layout.stride / sizeof(float))};
 }
 
 }  // namespace
 
-GpuEvaluation::GpuEvaluation(Context& context, std::span<const DeviceTable> refinement,
-                             const DeviceTable& limit, const Buffer& control_points,
-                             const VertexLayout& layout)
+TableEvaluation::TableEvaluation(Context& context, std::span<const DeviceTable> refinement,
+                                 const DeviceTable& limit, VkBuffer control_points,
+                                 const VertexLayout& layout)
     : context_(context), limit_(limit), layout_(layout) {
   constexpr std::uint32_t kFloats = shared::kPointFloats;
-  const Buffer* source = &control_points;
+  VkBuffer source = control_points;
   states_.reserve(refinement.size());
   for (const DeviceTable& table : refinement) {
-    const Buffer& target =
-        states_.emplace_back(context, std::uint64_t(table.row_count()) * kFloats * sizeof(float),
-                             MemoryUse::Device, "planish refined points");
+    const Buffer& target = states_.emplace_back(
+        context, std::uint64_t(table.row_count()) * kFloats * sizeof(float), MemoryUse::Device);
     refinement_.push_back({context,
                            table,
-                           {source->handle(), 0, 3, kFloats},
+                           {source, 0, 3, kFloats},
                            {target.handle(), 0, 3, kFloats},
                            {0, table.row_count()}});
-    source = &target;
+    source = target.handle();
   }
   std::vector<BoundKernel> bound;
   for (const DeviceTable::Slice& slice : limit.slices()) {
     const ElementWindow window =
-        element_window(elements_of(layout), slice.rows.first_row, slice.rows.row_count);
+        element_window(written_elements(layout), slice.rows.first_row, slice.rows.row_count);
     first_targets_.push_back(window.shift +
                              static_cast<std::uint32_t>(layout.position_offset / sizeof(float)));
-    bound.push_back({Kernel::ApplyLimit,
-                     {whole(slice.entries), whole(slice.chunks),
-                      point_range(*source, slice.rows.first_source, slice.rows.source_count),
-                      window.range, whole(slice.derivatives)}});
+    bound.push_back(
+        {Kernel::ApplyLimit,
+         {whole(slice.entries), whole(slice.chunks),
+          point_range(states_.back(), slice.rows.first_source, slice.rows.source_count),
+          window.range, whole(slice.derivatives)}});
   }
   sets_ = DescriptorSets(context, bound);
 }
 
-void GpuEvaluation::record(VkCommandBuffer commands) const noexcept {
+void TableEvaluation::record(VkCommandBuffer commands) const noexcept {
   for (const StencilPass& pass : refinement_) {
     pass.record(commands);
     record_barrier(context_, commands, kKernelScope, kKernelScope);
@@ -61,7 +63,6 @@ void GpuEvaluation::record(VkCommandBuffer commands) const noexcept {
     shared::TableParameters parameters = limit_.parameters(i);
     parameters.first_target = first_targets_[i];
     parameters.target_stride = layout_.stride / sizeof(float);
-    // May be negative: the kernel's sum wraps around.
     parameters.normal_offset =
         layout_.normal_offset / sizeof(float) - layout_.position_offset / sizeof(float);
     limit_.record_dispatch(commands, Kernel::ApplyLimit, sets_[i], i, parameters);
@@ -70,4 +71,4 @@ void GpuEvaluation::record(VkCommandBuffer commands) const noexcept {
   }
 }
 
-}  // namespace planish::vulkan
+}  // namespace planish::bench

@@ -8,27 +8,29 @@
 #include "planish/vulkan/tables/device_table.h"
 #include "planish/vulkan/tables/stencil_pass.h"
 
-namespace planish::vulkan {
+namespace planish::bench {
 
-/// States of the refinement levels and descriptor sets that take control points to limit points and
-/// normals in a host's layout. Externally synchronised; tables and control points outlive it.
-class GpuEvaluation {
+/// What corner patches replaced in a host's frame: stencil tables on the device that take control
+/// points from level to level, and to limit points and normals in a host's layout. Tables and
+/// control points outlive it.
+class TableEvaluation {
  public:
-  /// `refinement` and `limit` are a System's tables, the last made with derivatives and a target
-  /// stride of at least the layout's.
-  GpuEvaluation(Context& context, std::span<const DeviceTable> refinement, const DeviceTable& limit,
-                const Buffer& control_points, const VertexLayout& layout);
+  /// `limit` was made with derivatives and a target stride of at least the layout's; `refinement`
+  /// has a step at least.
+  TableEvaluation(vulkan::Context& context, std::span<const vulkan::DeviceTable> refinement,
+                  const vulkan::DeviceTable& limit, VkBuffer control_points,
+                  const vulkan::VertexLayout& layout);
 
   void record(VkCommandBuffer commands) const noexcept;
 
  private:
-  Context& context_;
-  const DeviceTable& limit_;
-  VertexLayout layout_;
-  std::vector<Buffer> states_;
-  std::vector<StencilPass> refinement_;
+  vulkan::Context& context_;
+  const vulkan::DeviceTable& limit_;
+  vulkan::VertexLayout layout_;
+  std::vector<vulkan::Buffer> states_;
+  std::vector<vulkan::StencilPass> refinement_;
   std::vector<std::uint32_t> first_targets_;  // per slice of the limit table
-  DescriptorSets sets_;                       // per slice of the limit table
+  vulkan::DescriptorSets sets_;               // per slice of the limit table
 };
 
-}  // namespace planish::vulkan
+}  // namespace planish::bench

@@ -1,0 +1,154 @@
+// The second half of a host's frame: from displaced points to vertices on the device.
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "bench/agreement.h"
+#include "bench/bench_meshes.h"
+#include "bench/benchmarks.h"
+#include "bench/table_evaluation.h"
+#include "planish/doosabin/surface_stencils.h"
+#include "planish/patches/patch_numbering.h"
+#include "planish/patches/split_rows.h"
+#include "planish/vulkan/backend/vulkan_machine.h"
+#include "planish/vulkan/embed.h"
+#include "planish/vulkan/vulkan_backend.h"
+
+namespace planish::bench {
+
+namespace {
+
+using namespace vulkan;
+
+constexpr int kFrameLevel = 2;
+constexpr std::uint32_t kVertexBytes = 24;
+
+std::string megabytes(std::uint64_t bytes) {
+  return std::to_string((bytes + 50'000) / 100'000 / 10) + "." +
+         std::to_string((bytes + 50'000) / 100'000 % 10) + " MB";
+}
+
+// Everything that a host has for one instance.
+struct Frame {
+  Frame(VulkanMachine& machine, const PolygonMesh& mesh)
+      : system(mesh, {.level = kFrameLevel}),
+        device(machine.context, system),
+        points(machine.context, mesh.positions.size() * sizeof(glm::vec3), MemoryUse::Device),
+        vertices(machine.context, std::uint64_t(system.vertex_count()) * kVertexBytes,
+                 MemoryUse::Device),
+        solve(machine.context, device,
+              {.given = {points.handle()}, .vertices = {vertices.handle()}}) {
+    Buffer staging(machine.context, device.upload_bytes(), MemoryUse::Upload);
+    device.write_upload(system, staging.mapped().first(device.upload_bytes()));
+    staging.flush();
+    std::vector<glm::vec3> rounded(mesh.positions.begin(), mesh.positions.end());
+    machine.submitter.upload({points.handle(), 0, points.size()}, std::as_bytes(std::span(rounded)));
+    machine.submitter.run([&](VkCommandBuffer commands) {
+      device.record_upload(commands, staging.handle(), 0);
+      solve.record_solve(commands, {.iterations = 8});
+    });
+  }
+
+  System system;
+  DeviceSystem device;
+  Buffer points, vertices;
+  vulkan::Solve solve;
+};
+
+// The same surface from the same control points by tables.
+struct FrameTables {
+  FrameTables(VulkanMachine& machine, const PolygonMesh& mesh, const Frame& frame,
+              const Buffer& vertices) {
+    QuadSplit split(mesh);
+    split.refine(kFrameLevel);
+    const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
+    const Subdivision subdivision(split, features, Weights::DooSabin);
+    const auto add = [&](const StencilTable<double>& table) {
+      refinement.emplace_back(machine.context, table.view(), nullptr, DeviceTableOptions{});
+      machine.upload_table(refinement.back(), table.view(), nullptr);
+    };
+    for (int l = 1; l <= kFrameLevel; ++l) {
+      const RowRange rows{0, subdivision.state_layout(l).size};
+      add(l == 1 ? first_step_table(mesh, subdivision, rows)
+                 : refinement_table(subdivision, l - 1, rows));
+    }
+    const MeshTopology topology(mesh);
+    const PatchMesh patches(topology, features);
+    const PatchNumbering numbering(patches, kFrameLevel);
+    const LimitRows limits(subdivision, kFrameLevel, split.counts(kFrameLevel).vertices);
+    const LimitStencilTable<double> table = limit_table(
+        subdivision, kFrameLevel, limits, limits_of_rows(topology, numbering, split, limits));
+    const LimitStencilView<double> view = table.view();
+    DeviceTableOptions options;
+    options.target_stride = kVertexBytes;
+    limit.emplace(machine.context, view, &view, options);
+    machine.upload_table(*limit, view, &view);
+    evaluation.emplace(machine.context, refinement, *limit, frame.solve.control_points(),
+                       VertexLayout{vertices.handle()});
+  }
+
+  [[nodiscard]] std::uint64_t device_bytes() const {
+    std::uint64_t bytes = 0;
+    const auto add = [&](const DeviceTable& table) {
+      for (const DeviceTable::Slice& slice : table.slices())
+        bytes += slice.entries.size() + slice.chunks.size() + slice.derivatives.size();
+    };
+    for (const DeviceTable& table : refinement) add(table);
+    add(*limit);
+    return bytes;
+  }
+
+  std::vector<DeviceTable> refinement;
+  std::optional<DeviceTable> limit;
+  std::optional<TableEvaluation> evaluation;
+};
+
+// Not normals: those of the tables lose digits to points far from the origin.
+std::vector<glm::dvec3> positions_of(VulkanMachine& machine, const Buffer& vertices) {
+  std::vector<glm::dvec3> result;
+  machine.submitter.download(
+      {vertices.handle(), 0, vertices.size()},
+      [&](std::uint64_t, std::span<const std::byte> piece) {
+        for (std::size_t at = 0; at < piece.size(); at += kVertexBytes) {
+          glm::vec3 value;
+          std::memcpy(&value, &piece[at], sizeof value);
+          result.emplace_back(value);
+        }
+      });
+  return result;
+}
+
+}  // namespace
+
+std::vector<Row> bench_frame(const Options& options) {
+  if (list_vulkan_devices().best < 0) return {};
+  const PolygonMesh mesh = torus_grid(options.quad_count);
+  VulkanMachine machine({}, {});
+  const Frame frame(machine, mesh);
+  const Buffer by_tables(machine.context, frame.vertices.size(), MemoryUse::Device);
+  const FrameTables tables(machine, mesh, frame, by_tables);
+  const auto evaluate_patches = [&] {
+    machine.submitter.run([&](VkCommandBuffer commands) { frame.solve.record_evaluate(commands); });
+  };
+  const auto evaluate_tables = [&] {
+    machine.submitter.run([&](VkCommandBuffer commands) { tables.evaluation->record(commands); });
+  };
+  evaluate_patches();
+  evaluate_tables();
+  require_agreement("patches", positions_of(machine, frame.vertices),
+                    positions_of(machine, by_tables));
+
+  Group group;
+  group.name = "frame";
+  group.size = std::to_string(mesh.face_count()) + " quads, " +
+               std::to_string(frame.system.vertex_count()) + " vertices; vulkan on " +
+               machine.device.capabilities().name + "; tables " +
+               megabytes(tables.device_bytes()) + ", System's whole " +
+               megabytes(frame.device.device_bytes());
+  group.baseline = "planish-tables";
+  group.peers.push_back({"planish-tables", evaluate_tables});
+  group.peers.push_back({"planish-patches", evaluate_patches});
+  return run_group(group, options.repetitions);
+}
+
+}  // namespace planish::bench
