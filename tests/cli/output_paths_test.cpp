@@ -72,7 +72,7 @@ TEST_F(OutputPaths, WhatTheDiskRefusesIsAnOutputErrorWhateverItIs) {
 }
 
 TEST_F(OutputPaths, FormatsOfOthersAreToldHowToGetThere) {
-  expect_refused({"-o", path("a.stl")}, 2, "from a .glb \"assimp export ");
+  expect_refused({"-o", path("a.fbx")}, 2, "from a .glb \"assimp export ");
   expect_refused({"-o", path("a.usdz")}, 2, "Blender converts it");
 }
 

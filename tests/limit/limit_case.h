@@ -42,8 +42,8 @@ inline std::vector<NamedMesh> limit_meshes() {
   std::vector<NamedMesh> meshes = all_meshes();
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const std::string name = std::to_string(seed);
-    meshes.push_back({"closed " + name,
-                      with_random_creases(random_closed_mesh(seed), 0.1 * seed, seed)});
+    meshes.push_back(
+        {"closed " + name, with_random_creases(random_closed_mesh(seed), 0.1 * seed, seed)});
     meshes.push_back({"open " + name, with_random_creases(random_open_mesh(seed), 0.15, seed)});
   }
   return meshes;

@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <oneapi/tbb/global_control.h>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <oneapi/tbb/global_control.h>
 
 #include "limit/limit_case.h"
 #include "support/expect_error.h"
@@ -64,9 +64,11 @@ TEST(LimitSurface, DerivativesAreByTheFacesParameters) {
       if (std::min({in.u, in.v, 1 - in.u, 1 - in.v}) < 0.05) continue;
       const SurfacePoint p = c.limit.evaluate(at);
       const glm::dvec3 du = (c.limit.evaluate({at.face, at.u + h, at.v}).position -
-                             c.limit.evaluate({at.face, at.u - h, at.v}).position) / (2 * h);
+                             c.limit.evaluate({at.face, at.u - h, at.v}).position) /
+                            (2 * h);
       const glm::dvec3 dv = (c.limit.evaluate({at.face, at.u, at.v + h}).position -
-                             c.limit.evaluate({at.face, at.u, at.v - h}).position) / (2 * h);
+                             c.limit.evaluate({at.face, at.u, at.v - h}).position) /
+                            (2 * h);
       const double size = c.surface->placement().diagonal;
       ASSERT_LT(glm::length(du - p.du), 1e-3 * size) << at.face << " " << at.u << " " << at.v;
       ASSERT_LT(glm::length(dv - p.dv), 1e-3 * size) << at.face << " " << at.u << " " << at.v;
@@ -124,8 +126,7 @@ TEST(LimitSurface, StencilsGiveTheSamePoint) {
       const SurfacePoint point = c.limit.evaluate(at);
       glm::dvec3 position(0.0), du(0.0), dv(0.0);
       for (std::size_t k = 0; k < stencil.points.size(); ++k) {
-        const glm::dvec3 p =
-            c.surface->state()[static_cast<std::size_t>(stencil.points[k])];
+        const glm::dvec3 p = c.surface->state()[static_cast<std::size_t>(stencil.points[k])];
         position += stencil.position[k] * p;
         du += stencil.du[k] * p;
         dv += stencil.dv[k] * p;
@@ -146,8 +147,8 @@ TEST(LimitSurface, ManyAtOnceAreTheSameBitsForEveryThreadCount) {
   for (int i = 0; i < 3000; ++i) places.push_back(c.any_place(random));
   std::vector<SurfacePoint> one(places.size()), many(places.size());
   {
-    const oneapi::tbb::global_control control(
-        oneapi::tbb::global_control::max_allowed_parallelism, 1);
+    const oneapi::tbb::global_control control(oneapi::tbb::global_control::max_allowed_parallelism,
+                                              1);
     c.limit.evaluate(places, one);
   }
   c.limit.evaluate(places, many);

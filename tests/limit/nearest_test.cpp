@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <oneapi/tbb/global_control.h>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <oneapi/tbb/global_control.h>
 
 #include "limit/limit_case.h"
 #include "planish/limit/surface_queries.h"
@@ -46,8 +46,8 @@ double brute_force(const LimitCase& c, const std::vector<std::vector<SurfacePara
     double u = in.u, v = in.v, step = 1.0 / 16, here = distance(u, v);
     while (step > 1e-9) {
       bool better = false;
-      for (const auto& [du, dv] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1},
-                                   {1, -1}, {-1, 1}}) {
+      for (const auto& [du, dv] :
+           {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}) {
         const double nu = std::clamp(u + step * du, 0.0, 1.0);
         const double nv = std::clamp(v + step * dv, 0.0, 1.0);
         const double there = distance(nu, nv);
@@ -159,8 +159,8 @@ TEST(ClosestPoint, ManyAtOnceAreTheSameBitsForEveryThreadCount) {
     points.push_back(1.1 * c.limit.evaluate(c.any_place(random)).position);
   std::vector<ClosestPoint> one(points.size()), many(points.size());
   {
-    const oneapi::tbb::global_control control(
-        oneapi::tbb::global_control::max_allowed_parallelism, 1);
+    const oneapi::tbb::global_control control(oneapi::tbb::global_control::max_allowed_parallelism,
+                                              1);
     queries.closest(points, one);
   }
   queries.closest(points, many);
@@ -173,12 +173,12 @@ TEST(ClosestPoint, ManyAtOnceAreTheSameBitsForEveryThreadCount) {
 TEST(SurfaceQueries, BadQuestionsAreRefused) {
   const LimitCase c(cube());
   const SurfaceQueries queries(c.limit);
-  const auto message = [](const auto& ask) {
-    return message_of(ErrorCode::InvalidArgument, ask);
-  };
+  const auto message = [](const auto& ask) { return message_of(ErrorCode::InvalidArgument, ask); };
   const double nan = std::nan("");
   EXPECT_THAT(message([&] { (void)queries.closest({0, nan, 0}); }), HasSubstr("not finite"));
-  EXPECT_THAT(message([&] { (void)queries.first_hit({{0, 0, 0}, {0, 0, 0}}); }),
+  EXPECT_THAT(message([&] {
+                (void)queries.first_hit({{0, 0, 0}, {0, 0, 0}});
+              }),
               HasSubstr("no direction"));
   PolygonMesh holes = cube();
   holes.hole_faces = {0, 1, 2, 3, 4, 5};

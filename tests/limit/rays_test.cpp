@@ -60,8 +60,8 @@ TEST(SurfaceRays, HitsLieOnTheSurfaceAndOnTheRay) {
 TEST(SurfaceRays, EnterClosedSurfacesAsOftenAsTheyLeave) {
   std::mt19937 random(22);
   int tangent = 0, rays = 0;
-  for (const auto& mesh : {cube(), torus(8, 6, 2, 1), icosphere(1), random_closed_mesh(2),
-                           random_closed_mesh(7)}) {
+  for (const auto& mesh :
+       {cube(), torus(8, 6, 2, 1), icosphere(1), random_closed_mesh(2), random_closed_mesh(7)}) {
     const LimitCase c(mesh);
     const SurfaceQueries queries(c.limit);
     const double size = c.surface->placement().diagonal;
@@ -90,7 +90,8 @@ TEST(SurfaceRays, BordersOfPatchesAreHitOnce) {
     const SurfaceQueries queries(c.limit);
     const double size = c.surface->placement().diagonal;
     for (std::int32_t corner = 0; corner < c.limit.topology().corner_count(); ++corner) {
-      for (const auto& [u, v] : {std::pair{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {0.5, 0.0}, {0.5, 0.5}}) {
+      for (const auto& [u, v] :
+           {std::pair{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {0.5, 0.0}, {0.5, 0.5}}) {
         const SurfacePoint on =
             c.limit.evaluate(surface_parameter(c.limit.topology(), corner, u, v));
         const SurfaceRay ray{on.position + 0.01 * size * on.normal, -on.normal, 0, 0.02 * size};

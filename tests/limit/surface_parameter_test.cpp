@@ -46,8 +46,7 @@ TEST(SurfaceParameter, ComesBackFromCorners) {
     const MeshTopology topology(single_polygon(m));
     for (int i = 0; i < m; ++i) {
       const double u = within(random), v = within(random);
-      const CornerParameter back =
-          corner_parameter(topology, surface_parameter(topology, i, u, v));
+      const CornerParameter back = corner_parameter(topology, surface_parameter(topology, i, u, v));
       EXPECT_EQ(back.corner, i);
       EXPECT_NEAR(back.u, u, 1e-14);
       EXPECT_NEAR(back.v, v, 1e-14);
@@ -58,8 +57,7 @@ TEST(SurfaceParameter, ComesBackFromCorners) {
 TEST(SurfaceParameter, PlacesOutsideAreRefused) {
   const MeshTopology quad(single_polygon(4)), triangle(single_polygon(3));
   const auto message = [](const MeshTopology& topology, const SurfaceParameter& at) {
-    return message_of(ErrorCode::InvalidArgument,
-                      [&] { (void)corner_parameter(topology, at); });
+    return message_of(ErrorCode::InvalidArgument, [&] { (void)corner_parameter(topology, at); });
   };
   EXPECT_THAT(message(quad, {1, 0, 0}), HasSubstr("the mesh has 1 faces"));
   EXPECT_THAT(message(quad, {0, 1.1, 0}), HasSubstr("face 0 at (1.1, 0): lies outside the face"));

@@ -48,8 +48,8 @@ std::vector<NamedMesh> form_meshes() {
     PolygonMesh closed = with_random_creases(random_closed_mesh(seed), 0.1 * seed, seed);
     for (std::int32_t v = 0; v < closed.vertex_count(); v += 7) closed.corners.push_back({v, 10});
     meshes.push_back({"closed " + std::to_string(seed), std::move(closed)});
-    meshes.push_back({"open " + std::to_string(seed),
-                      with_random_creases(random_open_mesh(seed), 0.15, seed)});
+    meshes.push_back(
+        {"open " + std::to_string(seed), with_random_creases(random_open_mesh(seed), 0.15, seed)});
   }
   return meshes;
 }
@@ -92,7 +92,8 @@ TEST(PatchForm, AgreesWithTheTemplates) {
         const PatchPoint got = patch_point(c.form_of(corner), points, {a / n, b / n}, c.scratch);
         ASSERT_LT(glm::length(got.position - wanted.position), kHere) << corner << " " << i;
         const glm::dvec3 normal = glm::cross(wanted.du, wanted.dv);
-        const double condition = glm::length(normal) / (glm::length(wanted.du) * glm::length(wanted.dv));
+        const double condition =
+            glm::length(normal) / (glm::length(wanted.du) * glm::length(wanted.dv));
         if (!(condition > 1e-3)) continue;
         ASSERT_GT(glm::dot(got.normal, normal), 0.0) << corner << " " << i;
         ASSERT_LT(sine_between(got.normal, normal), 1e-9) << corner << " " << i;
@@ -110,9 +111,7 @@ TEST(PatchForm, DerivativesAreThoseOfThePositions) {
       const double u = within(random), v = within(random);
       const PatchPoint p = c.at(corner, {u, v});
       // Seen from the place itself, the polynomial goes on beyond its border.
-      const auto at = [&](double du, double dv) {
-        return c.at(corner, {u + du, v + dv, u, v});
-      };
+      const auto at = [&](double du, double dv) { return c.at(corner, {u + du, v + dv, u, v}); };
       const PatchPoint pu = at(h, 0), mu = at(-h, 0), pv = at(0, h), mv = at(0, -h);
       const double scale = 1 + 100 * (glm::length(p.du) + glm::length(p.duu) + glm::length(p.dvv));
       ASSERT_LT(glm::length((pu.position - mu.position) / (2 * h) - p.du), 1e-10 * scale);

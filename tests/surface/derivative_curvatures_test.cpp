@@ -29,8 +29,8 @@ struct Tessellated {
   SurfaceMesh tessellation;
 };
 
-// One quadratic polynomial everywhere: z = (a x^2 + b y^2) / 2 over a grid of units, whose B-spline has
-// exactly those second derivatives.
+// One quadratic polynomial everywhere: z = (a x^2 + b y^2) / 2 over a grid of units, whose B-spline
+// has exactly those second derivatives.
 TEST(DerivativeCurvatures, AreThoseOfAParaboloid) {
   constexpr double kA = 0.3, kB = -0.2;
   constexpr int kSize = 8;

@@ -10,11 +10,12 @@ namespace planish {
 namespace {
 
 constexpr int kMostSteps = 100;
-constexpr double kSmallStep = 1e-14;  // in u and v
+constexpr double kSmallStep = 1e-14;     // in u and v
 constexpr double kSmallestShare = 1e-7;  // of a step
-constexpr double kBorder = 1e-12;     // in u and v: on the border
+constexpr double kBorder = 1e-12;        // in u and v: on the border
 
-// What a step of Newton's method is made of: the square distance, and half its gradient and Hessian.
+// What a step of Newton's method is made of: the square distance, and half its gradient and
+// Hessian.
 struct Descent {
   double value = 0, gu = 0, gv = 0, huu = 0, huv = 0, hvv = 0;
   double least = 0;  // what second derivatives count for at least
@@ -78,7 +79,9 @@ void NearestSearch::descend(double u, double v, const glm::dvec3& point) {
       dv = here.step_v();
     }
     // At a border, along it where the step would leave.
-    const auto leaves = [](double t, double dt) { return (t <= 0 && dt < 0) || (t >= 1 && dt > 0); };
+    const auto leaves = [](double t, double dt) {
+      return (t <= 0 && dt < 0) || (t >= 1 && dt > 0);
+    };
     const bool leaves_u = leaves(u, du), leaves_v = leaves(v, dv);
     if (leaves_u) du = 0;
     if (leaves_v) dv = 0;
@@ -133,10 +136,8 @@ NearestPlace NearestSearch::run(const glm::dvec3& point) {
       continue;
     }
     Waiting left{next.node + 1, 0}, right{node.right, 0};
-    left.square_distance =
-        nodes[static_cast<std::size_t>(left.node)].box.square_distance(point);
-    right.square_distance =
-        nodes[static_cast<std::size_t>(right.node)].box.square_distance(point);
+    left.square_distance = nodes[static_cast<std::size_t>(left.node)].box.square_distance(point);
+    right.square_distance = nodes[static_cast<std::size_t>(right.node)].box.square_distance(point);
     // The nearer one is looked at first.
     if (left.square_distance < right.square_distance) std::swap(left, right);
     waiting_.push_back(left);

@@ -68,7 +68,8 @@ glm::dvec3 LimitSurface::normal_beside(const CornerParameter& at) const {
     sum += corner.at({aside(u), aside(v)}).normal;
   };
   if (at.u == 0 && at.v == 0) {
-    for (const std::int32_t c : topology().corners_at(topology().vertex_of(at.corner))) add(c, 0, 0);
+    for (const std::int32_t c : topology().corners_at(topology().vertex_of(at.corner)))
+      add(c, 0, 0);
   } else {
     add(at.corner, at.u, at.v);
   }
@@ -104,9 +105,9 @@ SurfacePoint LimitSurface::evaluate(const SurfaceParameter& at) const {
 void LimitSurface::evaluate(std::span<const SurfaceParameter> places,
                             std::span<SurfacePoint> points) const {
   if (places.size() != points.size()) {
-    throw Error(ErrorCode::InvalidArgument,
-                "evaluate: there are " + std::to_string(places.size()) + " places, and room for " +
-                    std::to_string(points.size()) + " points");
+    throw Error(ErrorCode::InvalidArgument, "evaluate: there are " + std::to_string(places.size()) +
+                                                " places, and room for " +
+                                                std::to_string(points.size()) + " points");
   }
   parallel_for(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     Corner corner(*this);
@@ -118,8 +119,7 @@ void LimitSurface::evaluate(std::span<const SurfaceParameter> places,
 SurfaceStencil LimitSurface::stencil(const SurfaceParameter& at) const {
   const CornerParameter place = corner_parameter(topology(), at);
   const PatchPlace patch = surface_->patches().corner_patch(place.corner);
-  const PatchForm& form =
-      *form_list_[form_of_corner_[static_cast<std::size_t>(place.corner)]];
+  const PatchForm& form = *form_list_[form_of_corner_[static_cast<std::size_t>(place.corner)]];
   const auto count = static_cast<std::size_t>(form.column_count);
   SurfaceStencil result;
   result.points.resize(count);

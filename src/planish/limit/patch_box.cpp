@@ -9,7 +9,7 @@
 namespace planish {
 namespace {
 
-constexpr int kSamples = 16;     // along a patch, for the largest sum of weights
+constexpr int kSamples = 16;      // along a patch, for the largest sum of weights
 constexpr double kMargin = 1.02;  // between samples, where there are negative weights
 
 PatchBox empty_box() {

@@ -154,8 +154,8 @@ bool RaySearch::solve(const Net& net, const PieceFrame& frame) {
     const double moved = glm::length(next - at);
     at = next;
     if (moved > 1e-13) continue;
-    const bool inside = at.x >= -kOverlap && at.x <= 1 + kOverlap && at.y >= -kOverlap &&
-                        at.y <= 1 + kOverlap;
+    const bool inside =
+        at.x >= -kOverlap && at.x <= 1 + kOverlap && at.y >= -kOverlap && at.y <= 1 + kOverlap;
     if (inside) add(frame, at, false, false);
     return inside;
   }
@@ -252,7 +252,8 @@ const std::vector<RayPlace>& RaySearch::run(const glm::dvec3& origin, const glm:
   // What is found from both sides of a border is entered or left on both.
   const auto is_same = [&](const RayPlace& a, const RayPlace& b) {
     const double near = a.is_singular || b.is_singular ? kSameSingularPlace : kSamePlace;
-    const bool same_way = (glm::dot(a.normal, direction) > 0) == (glm::dot(b.normal, direction) > 0);
+    const bool same_way =
+        (glm::dot(a.normal, direction) > 0) == (glm::dot(b.normal, direction) > 0);
     return b.t - a.t <= near && (same_way || a.is_tangent || b.is_tangent);
   };
   const auto last = std::unique(places_.begin(), places_.end(), is_same);

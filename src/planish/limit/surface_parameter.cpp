@@ -19,9 +19,9 @@ std::int32_t tiles_across(std::int32_t m) {
 }
 
 [[noreturn]] void refuse(const SurfaceParameter& at, const std::string& what) {
-  throw Error(ErrorCode::InvalidArgument,
-              "face " + std::to_string(at.face) + " at (" + shortest(at.u) + ", " +
-                  shortest(at.v) + "): " + what);
+  throw Error(ErrorCode::InvalidArgument, "face " + std::to_string(at.face) + " at (" +
+                                              shortest(at.u) + ", " + shortest(at.v) +
+                                              "): " + what);
 }
 
 double inside(double value, double largest, const SurfaceParameter& at) {

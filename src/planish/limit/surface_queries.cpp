@@ -20,8 +20,7 @@ bool is_finite(const glm::dvec3& p) {
 
 void require_finite(const glm::dvec3& point, std::size_t index) {
   if (is_finite(point)) return;
-  throw Error(ErrorCode::InvalidArgument,
-              "point " + std::to_string(index) + " is not finite");
+  throw Error(ErrorCode::InvalidArgument, "point " + std::to_string(index) + " is not finite");
 }
 
 ClosestPoint closest_point(NearestSearch& search, const LimitSurface& surface,
@@ -87,9 +86,9 @@ ClosestPoint SurfaceQueries::closest(const glm::dvec3& point) const {
 void SurfaceQueries::closest(std::span<const glm::dvec3> points,
                              std::span<ClosestPoint> result) const {
   if (points.size() != result.size()) {
-    throw Error(ErrorCode::InvalidArgument,
-                "closest: there are " + std::to_string(points.size()) + " points, and room for " +
-                    std::to_string(result.size()) + " answers");
+    throw Error(ErrorCode::InvalidArgument, "closest: there are " + std::to_string(points.size()) +
+                                                " points, and room for " +
+                                                std::to_string(result.size()) + " answers");
   }
   parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     NearestSearch search(tree_);
@@ -119,9 +118,8 @@ double SurfaceQueries::signed_distance(const glm::dvec3& point) const {
   // At a sharp edge the nearest side's own normal can point the wrong way.
   const DooSabinSurface& surface = this->surface().surface();
   const bool is_closed = surface.patches().features().sharp_edge_count == 0;
-  const bool inside = is_closed
-                          ? glm::dot(point - nearest.position, nearest.normal) < 0
-                          : is_inside(point);
+  const bool inside =
+      is_closed ? glm::dot(point - nearest.position, nearest.normal) < 0 : is_inside(point);
   return inside ? -nearest.distance : nearest.distance;
 }
 

@@ -36,7 +36,8 @@ PointCurvature curvature_of(const PatchPoint& point) {
   const double b = -glm::dot(point.dv, along) * a * d;  // across = b du + d dv
   const double uu = -glm::dot(point.duu, normal), uv = -glm::dot(point.duv, normal);
   const double vv = -glm::dot(point.dvv, normal);
-  const double xx = a * a * uu, xy = a * (b * uu + d * uv), yy = b * b * uu + 2 * b * d * uv + d * d * vv;
+  const double xx = a * a * uu, xy = a * (b * uu + d * uv),
+               yy = b * b * uu + 2 * b * d * uv + d * d * vv;
   result.mean = 0.5 * (xx + yy);
   result.gaussian = xx * yy - xy * xy;
   const double half = 0.5 * (xx - yy), root = std::hypot(half, xy);

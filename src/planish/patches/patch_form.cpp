@@ -90,7 +90,9 @@ std::vector<double> net_of(const PatchClass& patch) {
 // Value, first and second derivative of the uniform quadratic B-splines at t.
 using Basis = std::array<std::array<double, 3>, 3>;
 Basis basis_at(double t) {
-  return {{{0.5 * (1 - t) * (1 - t), 0.5 + t * (1 - t), 0.5 * t * t}, {t - 1, 1 - 2 * t, t}, {1, -2, 1}}};
+  return {{{0.5 * (1 - t) * (1 - t), 0.5 + t * (1 - t), 0.5 * t * t},
+           {t - 1, 1 - 2 * t, t},
+           {1, -2, 1}}};
 }
 
 PatchPoint polynomial_point(const PatchForm& form, const glm::dvec3* points, double u, double v) {
@@ -177,8 +179,10 @@ std::vector<double> weights_down(const PatchForm& form, double u, double v, int 
   const auto count = static_cast<std::size_t>(form.column_count);
   if (form.is_polynomial()) return product(net_rows(u, v), form.net, 9, count);
   if ((u == 0 && v == 0 && form.is_singular_at_vertex()) || halvings == 0) {
-    std::vector<double> rows(form.corner.begin(), form.corner.begin() + static_cast<std::ptrdiff_t>(count));
-    rows.insert(rows.end(), form.corner.begin() + static_cast<std::ptrdiff_t>(3 * count), form.corner.end());
+    std::vector<double> rows(form.corner.begin(),
+                             form.corner.begin() + static_cast<std::ptrdiff_t>(count));
+    rows.insert(rows.end(), form.corner.begin() + static_cast<std::ptrdiff_t>(3 * count),
+                form.corner.end());
     return rows;
   }
   const int quarter = quarter_of(u, v);
@@ -227,7 +231,8 @@ const PatchForm& PatchForms::of(const PatchClass& patch) {
 }
 
 // Closed forms for smooth vertices and centres with Doo and Sabin's weights: the first Fourier pair
-// of the ring, at the directions of the two edges. Elsewhere the derivatives that far halvings have.
+// of the ring, at the directions of the two edges. Elsewhere the derivatives that far halvings
+// have.
 void PatchForms::make_corner(PatchForm& form) const {
   const auto count = static_cast<std::size_t>(form.column_count);
   form.corner = PatchRings(form.patch).limit(0);
@@ -262,8 +267,8 @@ void quarter_points(const PatchForm& form, int quarter, std::span<const glm::dve
   }
 }
 
-PatchPoint patch_point(const PatchForm& form, std::span<const glm::dvec3> points,
-                       PatchParameter at, PatchScratch& scratch) {
+PatchPoint patch_point(const PatchForm& form, std::span<const glm::dvec3> points, PatchParameter at,
+                       PatchScratch& scratch) {
   PLANISH_ASSERT(points.size() == static_cast<std::size_t>(form.column_count));
   const PatchForm* inner = &form;
   std::span<const glm::dvec3> current = points;

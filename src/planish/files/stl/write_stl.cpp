@@ -14,7 +14,8 @@ namespace {
 void write_vector(FileBuffer& out, const glm::vec3& v) { out.binary(v.x).binary(v.y).binary(v.z); }
 
 void write_triangle(FileBuffer& out, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-  const glm::dvec3 across = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
+  const glm::dvec3 across =
+      glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
   const double length = glm::length(across);
   write_vector(out, length > 0 ? glm::vec3(across / length) : glm::vec3(0.0f));
   for (const glm::vec3& corner : {a, b, c}) write_vector(out, corner);

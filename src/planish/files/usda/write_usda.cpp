@@ -108,7 +108,8 @@ void write_sharp_features(FileBuffer& out, const PolygonView& view) {
   }
   if (!view.corners.empty()) {
     out.text("    int[] cornerIndices = ");
-    write_list(out, view.corners.size(), [&](std::size_t i) { out.number(view.corners[i].vertex); });
+    write_list(out, view.corners.size(),
+               [&](std::size_t i) { out.number(view.corners[i].vertex); });
     out.text("\n    float[] cornerSharpnesses = ");
     write_list(out, view.corners.size(),
                [&](std::size_t i) { out.number(sharpness_of(view.corners[i].sharpness)); });
@@ -149,7 +150,8 @@ void write_usda(FileBuffer& out, const PolygonView& view) {
   out.text("#usda 1.0\n(\n    defaultPrim = \"surface\"\n    metersPerUnit = 1\n");
   out.text("    upAxis = \"Y\"\n)\n\n");
   for (const std::string& line : view.header) out.text("# ").text(line).text("\n");
-  out.text("def Xform \"surface\"\n{\ndef Mesh \"mesh\"\n{\n    uniform token subdivisionScheme = \"");
+  out.text(
+      "def Xform \"surface\"\n{\ndef Mesh \"mesh\"\n{\n    uniform token subdivisionScheme = \"");
   out.text(view.subdivision.scheme).text("\"\n");
   if (view.subdivision.scheme != "none") {
     out.text("    uniform token interpolateBoundary = \"");

@@ -54,14 +54,12 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
     const auto link_count = static_cast<std::int64_t>(tables.links.size() / link_bytes);
     const std::int64_t first_link = std::min(slice.points.first, link_count - 1) / 64 * 64;
     const IndexWindow links{
-        first_link,
-        std::min(slice.points.first + slice.points.count, link_count) - first_link};
-    bound.push_back({Kernel::CornerPatches,
-                     {whole(tables.groups), whole(tables.words),
-                      window_range(tables.links, links, link_bytes),
-                      window_range(state, slice.points, kPointBytes),
-                      window_range(given, slice.vertices, kPointBytes), whole(tables.weights),
-                      target.range}});
+        first_link, std::min(slice.points.first + slice.points.count, link_count) - first_link};
+    bound.push_back(
+        {Kernel::CornerPatches,
+         {whole(tables.groups), whole(tables.words), window_range(tables.links, links, link_bytes),
+          window_range(state, slice.points, kPointBytes),
+          window_range(given, slice.vertices, kPointBytes), whole(tables.weights), target.range}});
   }
   sets_ = DescriptorSets(context, bound);
 }

@@ -107,7 +107,8 @@ class Packer {
     return static_cast<std::uint64_t>(rows.count) * limits_.row_stride + kRowSlack;
   }
   [[nodiscard]] bool fits(const PatchSlice& slice) const {
-    return fits(slice.points) && fits(slice.vertices) && row_bytes(slice.rows) <= limits_.max_range &&
+    return fits(slice.points) && fits(slice.vertices) &&
+           row_bytes(slice.rows) <= limits_.max_range &&
            std::uint64_t(slice.group_count) * slice.chunk_count <= limits_.max_units;
   }
   [[noreturn]] void refuse(const PatchSlice& slice) const;
@@ -236,8 +237,8 @@ void Packer::add_lanes(const PatchTile& tile, std::uint32_t gather, std::span<co
   for (std::size_t i = 0; i < items.size(); ++i) {
     const PatchPlace& place = items[i].place;
     // An edge's point is the next corner's.
-    corners[i] = word(gather == shared::kGatherEdge ? mesh_.topology().prev(place.corner)
-                                                    : place.corner);
+    corners[i] =
+        word(gather == shared::kGatherEdge ? mesh_.topology().prev(place.corner) : place.corner);
     rows[i] = word(tile.first_row + items[i].target);
     lanes[i] = word(static_cast<std::int64_t>(i));
   }
@@ -299,8 +300,8 @@ void Packer::refuse(const PatchSlice& slice) const {
               "a patch spans " + std::to_string(largest) +
                   " bytes of one binding, but maxStorageBufferRange is " +
                   std::to_string(limits_.max_range) + ", maxTexelBufferElements " +
-                  std::to_string(limits_.max_elements) +
-                  " and work groups allow " + std::to_string(limits_.max_units) +
+                  std::to_string(limits_.max_elements) + " and work groups allow " +
+                  std::to_string(limits_.max_units) +
                   " chunks; use --device cpu, a lower level or a smaller mesh");
 }
 

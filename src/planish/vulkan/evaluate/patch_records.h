@@ -47,7 +47,7 @@ struct PatchRecords {
   using Link = std::array<std::uint32_t, 2>;
   using Weight = std::array<float, 4>;
 
-  std::vector<Link> links;                ///< per corner: ccw, shared::kNone at boundaries; next
+  std::vector<Link> links;  ///< per corner: ccw, shared::kNone at boundaries; next
   std::vector<shared::PatchGroup> groups;
   std::vector<std::uint32_t> words;
   std::vector<Weight> weights;  ///< of point, du, dv; a float unused

@@ -15,12 +15,11 @@ Buffer make_patch_buffer(Context& context, const Items& items, std::uint64_t tex
                          const char* name) {
   const std::uint64_t bytes = std::as_bytes(std::span(items)).size();
   if (bytes / texel_bytes > context.max_texel_elements())
-    throw Error(ErrorCode::OutOfMemory,
-                context.capabilities().name + ": " + name + " have " +
-                    std::to_string(bytes / texel_bytes) +
-                    " texels, but maxTexelBufferElements is " +
-                    std::to_string(context.max_texel_elements()) +
-                    "; use --device cpu, a lower level or a smaller mesh");
+    throw Error(ErrorCode::OutOfMemory, context.capabilities().name + ": " + name + " have " +
+                                            std::to_string(bytes / texel_bytes) +
+                                            " texels, but maxTexelBufferElements is " +
+                                            std::to_string(context.max_texel_elements()) +
+                                            "; use --device cpu, a lower level or a smaller mesh");
   return make_bindable(context, bytes, name);
 }
 
@@ -36,8 +35,7 @@ PatchLimits patch_limits(const Context& context, std::uint32_t row_stride) {
   PatchLimits limits;
   limits.max_range = context.max_storage_range();
   limits.max_elements = context.max_texel_elements();
-  limits.max_units =
-      std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
+  limits.max_units = std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
   limits.row_stride = row_stride;
   return limits;
 }
@@ -48,8 +46,8 @@ PatchTables::PatchTables(Context& context, const PatchRecords& records, std::int
       links(make_windowed(context, records.links, "planish corner links")),
       groups(make_patch_buffer(context, records.groups, 4 * sizeof(std::uint32_t),
                                "planish patch groups")),
-      words(make_patch_buffer(context, records.words, sizeof(std::uint32_t),
-                              "planish patch words")),
+      words(
+          make_patch_buffer(context, records.words, sizeof(std::uint32_t), "planish patch words")),
       weights(make_patch_buffer(context, records.weights, sizeof(PatchRecords::Weight),
                                 "planish patch weights")) {}
 
@@ -57,8 +55,8 @@ StepTables::StepTables(Context& context, const StepRecords& records)
     : slices(records.slices),
       first_sharp_word(records.first_sharp_word),
       vertices(make_windowed(context, records.vertices, "planish corner vertices")),
-      words(make_patch_buffer(context, records.words, sizeof(std::uint32_t),
-                              "planish step words")) {}
+      words(
+          make_patch_buffer(context, records.words, sizeof(std::uint32_t), "planish step words")) {}
 
 BufferRange window_range(const Buffer& items, const IndexWindow& window, std::uint64_t item_bytes) {
   return {items.handle(), static_cast<std::uint64_t>(window.first) * item_bytes,

@@ -14,7 +14,9 @@ namespace {
 constexpr std::int64_t kLanes = 64;
 constexpr std::uint64_t kStepPointBytes = shared::kPointFloats * sizeof(float);
 
-std::uint32_t bits(double weight) { return std::bit_cast<std::uint32_t>(static_cast<float>(weight)); }
+std::uint32_t bits(double weight) {
+  return std::bit_cast<std::uint32_t>(static_cast<float>(weight));
+}
 
 IndexWindow from_a_multiple(const IndexWindow& window) {
   const std::int64_t shift = window.first % kLanes;
