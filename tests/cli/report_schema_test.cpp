@@ -103,6 +103,9 @@ TEST_F(ReportSchema, HoldsForPoints) {
 TEST_F(ReportSchema, HoldsForWhatOtherCommandsPrint) {
   (void)fitted({plate_, "--cage", path("c.ply")});
   expect_valid(printed({"verify", path("c.ply"), plate_, "--json"}), "verify");
+  const std::string probes = write("probes.xyz", "0.1 0.2 5\n9 9 9\n");
+  expect_valid(printed({"query", plate_, "--points", probes}), "query");
+  expect_valid(printed({"query", plate_, "--points", probes, "--rays", "0,0,-1"}), "query");
   expect_valid(printed({"inspect", plate_, "--json"}), "inspect");
   expect_valid(printed({"inspect", PLANISH_SCENES "/bad/non_manifold_edge.obj", "--json"}),
                "inspect");

@@ -27,6 +27,8 @@ namespace planish::bench {
 /// From displaced points to a host's vertices on the best Vulkan device; nothing without one.
 [[nodiscard]] std::vector<Row> bench_frame(const Options& options);
 #endif
+/// Places of a limit surface, closest points and rays; Bfr's Catmull-Clark beside them.
+[[nodiscard]] std::vector<Row> bench_query(const Options& options);
 /// Catmull-Clark stencils that make a level 2.
 [[nodiscard]] std::vector<Row> bench_osd(const Options& options);
 

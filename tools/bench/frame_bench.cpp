@@ -42,7 +42,8 @@ struct Frame {
     device.write_upload(system, staging.mapped().first(device.upload_bytes()));
     staging.flush();
     std::vector<glm::vec3> rounded(mesh.positions.begin(), mesh.positions.end());
-    machine.submitter.upload({points.handle(), 0, points.size()}, std::as_bytes(std::span(rounded)));
+    machine.submitter.upload({points.handle(), 0, points.size()},
+                             std::as_bytes(std::span(rounded)));
     machine.submitter.run([&](VkCommandBuffer commands) {
       device.record_upload(commands, staging.handle(), 0);
       solve.record_solve(commands, {.iterations = 8});
@@ -106,15 +107,14 @@ struct FrameTables {
 // Not normals: those of the tables lose digits to points far from the origin.
 std::vector<glm::dvec3> positions_of(VulkanMachine& machine, const Buffer& vertices) {
   std::vector<glm::dvec3> result;
-  machine.submitter.download(
-      {vertices.handle(), 0, vertices.size()},
-      [&](std::uint64_t, std::span<const std::byte> piece) {
-        for (std::size_t at = 0; at < piece.size(); at += kVertexBytes) {
-          glm::vec3 value;
-          std::memcpy(&value, &piece[at], sizeof value);
-          result.emplace_back(value);
-        }
-      });
+  machine.submitter.download({vertices.handle(), 0, vertices.size()},
+                             [&](std::uint64_t, std::span<const std::byte> piece) {
+                               for (std::size_t at = 0; at < piece.size(); at += kVertexBytes) {
+                                 glm::vec3 value;
+                                 std::memcpy(&value, &piece[at], sizeof value);
+                                 result.emplace_back(value);
+                               }
+                             });
   return result;
 }
 
@@ -142,9 +142,8 @@ std::vector<Row> bench_frame(const Options& options) {
   group.name = "frame";
   group.size = std::to_string(mesh.face_count()) + " quads, " +
                std::to_string(frame.system.vertex_count()) + " vertices; vulkan on " +
-               machine.device.capabilities().name + "; tables " +
-               megabytes(tables.device_bytes()) + ", System's whole " +
-               megabytes(frame.device.device_bytes());
+               machine.device.capabilities().name + "; tables " + megabytes(tables.device_bytes()) +
+               ", System's whole " + megabytes(frame.device.device_bytes());
   group.baseline = "planish-tables";
   group.peers.push_back({"planish-tables", evaluate_tables});
   group.peers.push_back({"planish-patches", evaluate_patches});

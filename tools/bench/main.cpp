@@ -20,7 +20,7 @@ const std::vector<std::pair<std::string, std::vector<Row> (*)(const Options&)>> 
 #ifdef PLANISH_HAS_VULKAN
     {"frame", bench_frame},
 #endif
-    {"osd", bench_osd},         {"fair", bench_fair}};
+    {"query", bench_query},     {"osd", bench_osd},         {"fair", bench_fair}};
 
 // Google Benchmark takes its --benchmark_* flags and leaves the rest.
 void initialize_benchmark(int& argc, char** argv) {

@@ -45,11 +45,10 @@ TableEvaluation::TableEvaluation(Context& context, std::span<const DeviceTable> 
         element_window(written_elements(layout), slice.rows.first_row, slice.rows.row_count);
     first_targets_.push_back(window.shift +
                              static_cast<std::uint32_t>(layout.position_offset / sizeof(float)));
-    bound.push_back(
-        {Kernel::ApplyLimit,
-         {whole(slice.entries), whole(slice.chunks),
-          point_range(states_.back(), slice.rows.first_source, slice.rows.source_count),
-          window.range, whole(slice.derivatives)}});
+    bound.push_back({Kernel::ApplyLimit,
+                     {whole(slice.entries), whole(slice.chunks),
+                      point_range(states_.back(), slice.rows.first_source, slice.rows.source_count),
+                      window.range, whole(slice.derivatives)}});
   }
   sets_ = DescriptorSets(context, bound);
 }

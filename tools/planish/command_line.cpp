@@ -35,6 +35,7 @@ void add_commands(CLI::App& app, Invocation& invocation) {
   add_run_command(app, invocation);
   add_reconstruct_command(app, invocation);
   add_verify_command(app, invocation);
+  add_query_command(app, invocation);
   add_inspect_command(app, invocation);
   add_devices_command(app, invocation);
   add_help_commands(app, invocation);

@@ -1,0 +1,142 @@
+#include <opensubdiv/bfr/refinerSurfaceFactory.h>
+#include <opensubdiv/far/topologyDescriptor.h>
+
+#include <algorithm>
+#include <memory>
+#include <random>
+
+#include "bench/bench_meshes.h"
+#include "bench/benchmarks.h"
+#include "planish/core/parallel.h"
+#include "planish/limit/surface_queries.h"
+
+namespace planish::bench {
+
+namespace {
+
+namespace Bfr = OpenSubdiv::Bfr;
+namespace Far = OpenSubdiv::Far;
+
+using Factory = Bfr::RefinerSurfaceFactory<>;
+using Surface = Bfr::Surface<double>;
+
+// Catmull-Clark by OpenSubdiv's Bfr, over the same mesh.
+class BfrSurface {
+ public:
+  explicit BfrSurface(const PolygonMesh& mesh) : mesh_(mesh) {
+    std::vector<int> sizes;
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+      sizes.push_back(static_cast<int>(mesh.face(f).size()));
+    Far::TopologyDescriptor descriptor;
+    descriptor.numVertices = mesh.vertex_count();
+    descriptor.numFaces = mesh.face_count();
+    descriptor.numVertsPerFace = sizes.data();
+    descriptor.vertIndicesPerFace = mesh.face_vertices.data();
+    using Refiners = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
+    refiner_.reset(Refiners::Create(
+        descriptor, Refiners::Options(OpenSubdiv::Sdc::SCHEME_CATMARK, OpenSubdiv::Sdc::Options())));
+    factory_ = std::make_unique<Factory>(*refiner_, Factory::Options());
+  }
+
+  // One place in each corner's quarter of each face, with second derivatives.
+  void evaluate(std::vector<SurfacePoint>& points) const {
+    const double* const positions = &mesh_.positions[0].x;
+    parallel_for(static_cast<std::size_t>(mesh_.face_count()), 256,
+                 [&](std::size_t begin, std::size_t end) {
+                   Surface surface;
+                   std::vector<double> patch;
+                   for (std::size_t f = begin; f < end; ++f) {
+                     factory_->InitVertexSurface(static_cast<int>(f), &surface);
+                     patch.resize(static_cast<std::size_t>(3 * surface.GetNumPatchPoints()));
+                     surface.PreparePatchPoints(positions, 3, patch.data(), 3);
+                     const int corner = mesh_.face_offsets[f];
+                     const auto size = static_cast<int>(mesh_.face(static_cast<int>(f)).size());
+                     for (int i = 0; i < size; ++i) {
+                       double uv[2];
+                       surface.GetParameterization().GetVertexCoord(i, uv);
+                       uv[0] += uv[0] > 0.5 && size == 4 ? -0.2 : 0.2;
+                       uv[1] += uv[1] > 0.5 && size == 4 ? -0.2 : 0.2;
+                       SurfacePoint& p = points[static_cast<std::size_t>(corner + i)];
+                       surface.Evaluate(uv, patch.data(), 3, &p.position.x, &p.du.x, &p.dv.x,
+                                        &p.duu.x, &p.duv.x, &p.dvv.x);
+                     }
+                   }
+                 });
+  }
+
+ private:
+  const PolygonMesh& mesh_;
+  std::unique_ptr<Far::TopologyRefiner> refiner_;
+  std::unique_ptr<Factory> factory_;
+};
+
+void add_rows(std::vector<Row>& rows, const Group& group, int repetitions) {
+  const std::vector<Row> measured = run_group(group, repetitions);
+  rows.insert(rows.end(), measured.begin(), measured.end());
+}
+
+void bench_mesh(const PolygonMesh& mesh, const std::string& name, const Options& options,
+                std::vector<Row>& rows) {
+  const auto base = std::make_shared<const DooSabinSurface>(mesh, EvaluateOptions{});
+  const LimitSurface surface(base);
+  const MeshTopology& topology = surface.topology();
+  std::vector<SurfaceParameter> places;
+  for (std::int32_t c = 0; c < topology.corner_count(); ++c)
+    places.push_back(surface_parameter(topology, c, 0.4, 0.4));
+  std::vector<SurfaceParameter> shuffled = places;
+  std::ranges::shuffle(shuffled, std::mt19937(1));
+  std::vector<SurfacePoint> points(places.size());
+  const BfrSurface bfr(mesh);
+  const std::string size = name + ", " + std::to_string(places.size()) + " places";
+  add_rows(rows,
+           {"query-evaluate",
+            size,
+            "bfr-catmull-clark",
+            {{"bfr-catmull-clark", [&] { bfr.evaluate(points); }},
+             {"planish", [&] { surface.evaluate(places, points); }},
+             {"planish-any-order", [&] { surface.evaluate(shuffled, points); }}}},
+           options.repetitions);
+
+  const SurfaceQueries queries(surface);
+  constexpr std::size_t kQuestions = 2'000;
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  const auto beside = [&](double off) {
+    std::vector<glm::dvec3> result;
+    for (std::size_t i = 0; i < kQuestions; ++i) {
+      const SurfacePoint on = surface.evaluate(shuffled[i % shuffled.size()]);
+      result.push_back(on.position + off * base->placement().diagonal * normal(random) * on.normal);
+    }
+    return result;
+  };
+  const std::vector<glm::dvec3> near = beside(1e-4), far = beside(1e-2);
+  std::vector<ClosestPoint> answers(kQuestions);
+  const auto first_hits = [&](const std::vector<glm::dvec3>& from) {
+    parallel_for(from.size(), 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto hit = queries.first_hit({from[i], base->placement().centre - from[i]});
+        answers[i].distance = hit ? hit->t : -1;
+      }
+    });
+  };
+  add_rows(rows,
+           {"query-closest",
+            name + ", " + std::to_string(kQuestions) + " points",
+            "closest-1e-4",
+            {{"closest-1e-4", [&] { queries.closest(near, answers); }},
+             {"closest-1e-2", [&] { queries.closest(far, answers); }},
+             {"first-hit", [&] { first_hits(far); }},
+             {"make-tree", [&] { (void)CornerTree(surface); }}}},
+           options.repetitions);
+}
+
+}  // namespace
+
+std::vector<Row> bench_query(const Options& options) {
+  std::vector<Row> rows;
+  bench_mesh(torus_grid(options.quad_count), "torus", options, rows);
+  bench_mesh(rough_icosphere(options.sphere_level), "icosphere", options, rows);
+  return rows;
+}
+
+}  // namespace planish::bench
