@@ -93,13 +93,14 @@ TEST(LimitSurface, CurvatureIsThatOfAParaboloid) {
       continue;
     ++inside;
     const double zx = kA * p.position.x, zy = kB * p.position.y, w = 1 + zx * zx + zy * zy;
-    ASSERT_TRUE(p.curvature.is_known);
-    ASSERT_NEAR(p.curvature.gaussian, kA * kB / (w * w), 1e-12);
+    const PointCurvature curvature = p.curvature();
+    ASSERT_TRUE(curvature.is_known);
+    ASSERT_NEAR(curvature.gaussian, kA * kB / (w * w), 1e-12);
     const double mean = -0.5 * ((1 + zy * zy) * kA + (1 + zx * zx) * kB) / std::pow(w, 1.5);
-    ASSERT_NEAR(p.curvature.mean, p.normal.z > 0 ? mean : -mean, 1e-12);
-    ASSERT_NEAR(p.curvature.largest * p.curvature.smallest, p.curvature.gaussian, 1e-12);
-    ASSERT_NEAR(glm::dot(p.curvature.largest_direction, p.normal), 0, 1e-12);
-    ASSERT_NEAR(glm::dot(p.curvature.largest_direction, p.curvature.smallest_direction), 0, 1e-12);
+    ASSERT_NEAR(curvature.mean, p.normal.z > 0 ? mean : -mean, 1e-12);
+    ASSERT_NEAR(curvature.largest * curvature.smallest, curvature.gaussian, 1e-12);
+    ASSERT_NEAR(glm::dot(curvature.largest_direction, p.normal), 0, 1e-12);
+    ASSERT_NEAR(glm::dot(curvature.largest_direction, curvature.smallest_direction), 0, 1e-12);
   }
   EXPECT_GT(inside, 50);
 }
@@ -108,7 +109,7 @@ TEST(LimitSurface, SaysWhereSecondDerivativesHaveNoLimit) {
   const LimitCase c(cube());
   const SurfacePoint vertex = c.limit.evaluate({0, 0, 0});
   EXPECT_FALSE(vertex.has_second);
-  EXPECT_FALSE(vertex.curvature.is_known);
+  EXPECT_FALSE(vertex.curvature().is_known);
   EXPECT_EQ(vertex.duu, glm::dvec3(0.0));
   EXPECT_TRUE(c.limit.evaluate({0, 0.25, 0.25}).has_second);
   EXPECT_TRUE(c.limit.evaluate({0, 0.5, 0.5}).has_second);  // a face of four

@@ -33,8 +33,8 @@ class BfrSurface {
     descriptor.numVertsPerFace = sizes.data();
     descriptor.vertIndicesPerFace = mesh.face_vertices.data();
     using Refiners = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-    refiner_.reset(Refiners::Create(
-        descriptor, Refiners::Options(OpenSubdiv::Sdc::SCHEME_CATMARK, OpenSubdiv::Sdc::Options())));
+    refiner_.reset(Refiners::Create(descriptor, Refiners::Options(OpenSubdiv::Sdc::SCHEME_CATMARK,
+                                                                  OpenSubdiv::Sdc::Options())));
     factory_ = std::make_unique<Factory>(*refiner_, Factory::Options());
   }
 

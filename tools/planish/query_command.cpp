@@ -20,8 +20,8 @@
 #include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_points.h"
-#include "planish/mesh/check.h"
 #include "planish/limit/surface_queries.h"
+#include "planish/mesh/check.h"
 #include "report/report.h"
 #include "terminal/faults.h"
 #include "terminal/interrupt.h"
@@ -84,7 +84,7 @@ nlohmann::ordered_json closest_answers(const SurfaceQueries& queries,
   queries.closest(points, closest);
   nlohmann::ordered_json answers = nlohmann::ordered_json::array();
   for (const ClosestPoint& found : closest) {
-    const PointCurvature curvature = queries.surface().evaluate(found.at).curvature;
+    const PointCurvature curvature = queries.surface().evaluate(found.at).curvature();
     nlohmann::ordered_json answer = {{"distance", found.distance},
                                      {"position", json_of(found.position)},
                                      {"normal", json_of(found.normal)},
@@ -149,9 +149,10 @@ void write_answers(const QueryFlags& flags, const nlohmann::ordered_json& json) 
 std::vector<glm::dvec3> read_questions(const std::string& path) {
   PointCloud cloud = read_points(std::filesystem::path(path));
   if (cloud.missing_count > 0) {
-    throw Error(ErrorCode::UnreadableInput,
-                visible(path) + ": " + std::to_string(cloud.missing_count) +
-                    " of its points are not finite, and there is one answer a point; leave them out");
+    throw Error(
+        ErrorCode::UnreadableInput,
+        visible(path) + ": " + std::to_string(cloud.missing_count) +
+            " of its points are not finite, and there is one answer a point; leave them out");
   }
   for (glm::dvec3& point : cloud.points) point += cloud.origin;
   return std::move(cloud.points);
@@ -188,8 +189,7 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   const std::vector<glm::dvec3> points = read_questions(flags.points);
   const LimitSurface surface(fitted_surface(
       mesh, fitted, {.weights = job.settings.weights, .sharp = job.settings.sharp()}));
-  const nlohmann::ordered_json answers =
-      to_json(flags, made, SurfaceQueries(surface), points);
+  const nlohmann::ordered_json answers = to_json(flags, made, SurfaceQueries(surface), points);
   all.finish();
   write_answers(flags, answers);
   return report.exit_code;
@@ -209,8 +209,8 @@ void add_query_command(CLI::App& app, Invocation& invocation) {
     return command->add_option(name, target, help)->type_name(type)->group(group);
   };
   option("--points", flags->points,
-         "what to ask for, one answer a point (" + extensions_of(FormatUse::ReadPoints) + ")", "FILE",
-         "Question")
+         "what to ask for, one answer a point (" + extensions_of(FormatUse::ReadPoints) + ")",
+         "FILE", "Question")
       ->required();
   option("--rays", flags->direction,
          "not the closest point, but what a ray from each point along X,Y,Z meets first", "X,Y,Z",

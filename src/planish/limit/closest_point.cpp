@@ -1,6 +1,7 @@
 #include "planish/limit/closest_point.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -109,11 +110,23 @@ void NearestSearch::descend(double u, double v, const glm::dvec3& point) {
   }
 }
 
+// A start in each quarter that comes near enough: a patch can have a nearest place of its own in
+// each.
 void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& point) {
   corner_.move_to(corner);
-  // A start in each quarter: a patch can have a nearest place of its own in each.
-  for (const double v : {0.25, 0.75}) {
-    for (const double u : {0.25, 0.75}) descend(u, v, point);
+  struct Start {
+    double square_distance, u, v;
+  };
+  std::array<Start, 4> starts{{{0, 0.25, 0.25}, {0, 0.75, 0.25}, {0, 0.75, 0.75}, {0, 0.25, 0.75}}};
+  const auto boxes =
+      quarter_boxes(corner_.form(), corner_.points(), tree_.reaches(), quarter_points_);
+  const glm::dvec3 off = point - corner_.own();
+  for (std::size_t q = 0; q < 4; ++q) starts[q].square_distance = boxes[q].square_distance(off);
+  std::ranges::sort(starts, {}, &Start::square_distance);
+  for (const Start& start : starts) {
+    // Boxes are exact but for rounding.
+    if (start.square_distance > best_.square_distance * (1 + 1e-12)) break;
+    descend(start.u, start.v, point);
   }
   if (best_.corner == -2) best_.corner = corner;
 }

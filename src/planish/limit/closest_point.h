@@ -33,6 +33,7 @@ class NearestSearch {
     double square_distance;
   };
   std::vector<Waiting> waiting_;
+  std::vector<glm::dvec3> quarter_points_;
   NearestPlace best_;
 };
 

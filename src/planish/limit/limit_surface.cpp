@@ -24,6 +24,17 @@ glm::dvec3 unit_or_zero(const PatchPoint& point) {
 
 }  // namespace
 
+PointCurvature SurfacePoint::curvature() const {
+  PatchPoint point;
+  point.du = du;
+  point.dv = dv;
+  point.duu = duu;
+  point.duv = duv;
+  point.dvv = dvv;
+  point.has_second = has_second;
+  return curvature_of(point);
+}
+
 LimitSurface::LimitSurface(std::shared_ptr<const DooSabinSurface> surface)
     : surface_(std::move(surface)), forms_(surface_->weights()) {
   const std::int32_t count = topology().corner_count();
@@ -93,7 +104,6 @@ SurfacePoint LimitSurface::point_of(Corner& corner, const CornerParameter& at) c
   result.dvv = placement.diagonal * point.dvv;
   result.normal = normal;
   result.has_second = point.has_second;
-  result.curvature = curvature_of(point).in_unit(placement.diagonal);
   return result;
 }
 

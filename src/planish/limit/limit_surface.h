@@ -23,7 +23,9 @@ struct SurfacePoint {
   /// have no limit, and du and dv depend on the direction: they are those along the edges of the
   /// corner that was asked for).
   bool has_second = true;
-  PointCurvature curvature;  ///< in one over the model's unit
+
+  /// In one over the model's unit.
+  [[nodiscard]] PointCurvature curvature() const;
 };
 
 /// How a point follows from the surface's control points, for those who move them.

@@ -41,6 +41,15 @@ void PatchBox::add(const glm::dvec3& point) {
   }
 }
 
+double PatchBox::square_distance(const glm::dvec3& point) const {
+  double sum = 0;
+  for (int d = 0; d < 3; ++d) {
+    const double off = std::max({low[d] - point[d], point[d] - high[d], 0.0});
+    sum += off * off;
+  }
+  return sum;
+}
+
 double patch_reach(const PatchForm& form) {
   const auto count = static_cast<std::size_t>(form.column_count);
   double most = 1;
@@ -64,12 +73,7 @@ void PatchReaches::add(const PatchForm& form) {
 
 void bezier_points(const PatchForm& form, std::span<const glm::dvec3> points,
                    std::span<glm::dvec3, 9> bezier) {
-  const std::size_t count = points.size();
-  for (std::size_t i = 0; i < 9; ++i) {
-    glm::dvec3 sum(0.0);
-    for (std::size_t k = 0; k < count; ++k) sum += form.net[i * count + k] * points[k];
-    bezier[i] = sum;
-  }
+  for (std::size_t i = 0; i < 9; ++i) bezier[i] = form.net.combine(i, points.data());
   // B-spline to Bezier along u, then along v: midpoints at the ends.
   const auto convert = [&](std::size_t first, std::size_t step) {
     const glm::dvec3 middle = bezier[first + step];
@@ -80,6 +84,43 @@ void bezier_points(const PatchForm& form, std::span<const glm::dvec3> points,
   for (std::size_t i = 0; i < 3; ++i) convert(i, 3);
 }
 
+// De Casteljau's halves of three points that are `step` apart.
+void halve(std::span<glm::dvec3, 9> net, std::size_t first, std::size_t step, bool upper) {
+  const glm::dvec3 a = net[first], b = net[first + step], c = net[first + 2 * step];
+  const glm::dvec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), middle = 0.5 * (ab + bc);
+  net[first] = upper ? middle : a;
+  net[first + step] = upper ? bc : ab;
+  net[first + 2 * step] = upper ? c : middle;
+}
+
+void bezier_quarter(std::span<glm::dvec3, 9> net, bool upper_u, bool upper_v) {
+  for (std::size_t j = 0; j < 3; ++j) halve(net, 3 * j, 1, upper_u);
+  for (std::size_t i = 0; i < 3; ++i) halve(net, i, 3, upper_v);
+}
+
+std::array<PatchBox, 4> quarter_boxes(const PatchForm& form, std::span<const glm::dvec3> points,
+                                      const PatchReaches& reaches,
+                                      std::vector<glm::dvec3>& scratch) {
+  std::array<PatchBox, 4> boxes;
+  boxes.fill(empty_box());
+  if (form.is_polynomial()) {
+    std::array<glm::dvec3, 9> whole;
+    bezier_points(form, points, whole);
+    for (int q = 0; q < 4; ++q) {
+      std::array<glm::dvec3, 9> part = whole;
+      bezier_quarter(part, q == 1 || q == 2, q >= 2);
+      for (const glm::dvec3& p : part) boxes[q].add(p);
+    }
+    return boxes;
+  }
+  for (int q = 0; q < 4; ++q) {
+    const PatchForm& quarter = *form.quarters[q];
+    quarter_points(form, q, points, scratch);
+    add_form(quarter, scratch, quarter.is_polynomial() ? 1 : reaches.of(quarter), boxes[q]);
+  }
+  return boxes;
+}
+
 PatchBox patch_box(const PatchForm& form, std::span<const glm::dvec3> points,
                    const PatchReaches& reaches) {
   PatchBox box = empty_box();
@@ -87,11 +128,10 @@ PatchBox patch_box(const PatchForm& form, std::span<const glm::dvec3> points,
     add_form(form, points, 1, box);
     return box;
   }
-  std::vector<glm::dvec3> inner;
-  for (int q = 0; q < 4; ++q) {
-    const PatchForm& quarter = *form.quarters[q];
-    quarter_points(form, q, points, inner);
-    add_form(quarter, inner, quarter.is_polynomial() ? 1 : reaches.of(quarter), box);
+  std::vector<glm::dvec3> scratch;
+  for (const PatchBox& quarter : quarter_boxes(form, points, reaches, scratch)) {
+    box.add(quarter.low);
+    box.add(quarter.high);
   }
   return box;
 }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <glm/vec3.hpp>
 #include <map>
 #include <span>
+#include <vector>
 
 #include "planish/patches/patch_form.h"
 
@@ -12,6 +14,8 @@ struct PatchBox {
   glm::dvec3 low, high;
 
   void add(const glm::dvec3& point);
+  /// 0 inside.
+  [[nodiscard]] double square_distance(const glm::dvec3& point) const;
 };
 
 /// How far patches of a form may leave the box of their control points: the box times this, about
@@ -34,8 +38,17 @@ class PatchReaches {
 [[nodiscard]] PatchBox patch_box(const PatchForm& form, std::span<const glm::dvec3> points,
                                  const PatchReaches& reaches);
 
+/// Boxes around a patch's quarters, at V, E1, F and E2.
+[[nodiscard]] std::array<PatchBox, 4> quarter_boxes(const PatchForm& form,
+                                                    std::span<const glm::dvec3> points,
+                                                    const PatchReaches& reaches,
+                                                    std::vector<glm::dvec3>& scratch);
+
 /// The nine Bezier points of a patch that is one polynomial, (i, j) at i + 3 j.
 void bezier_points(const PatchForm& form, std::span<const glm::dvec3> points,
                    std::span<glm::dvec3, 9> bezier);
+
+/// A quarter's Bezier points in their place.
+void bezier_quarter(std::span<glm::dvec3, 9> bezier, bool upper_u, bool upper_v);
 
 }  // namespace planish

@@ -61,15 +61,6 @@ NetPoint net_point(const std::array<glm::dvec3, 9>& net, double u, double v) {
   return result;
 }
 
-// De Casteljau's halves of three points that are `step` apart.
-void halve(std::array<glm::dvec3, 9>& net, std::size_t first, std::size_t step, bool upper) {
-  const glm::dvec3 a = net[first], b = net[first + step], c = net[first + 2 * step];
-  const glm::dvec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), middle = 0.5 * (ab + bc);
-  net[first] = upper ? middle : a;
-  net[first + step] = upper ? bc : ab;
-  net[first + 2 * step] = upper ? c : middle;
-}
-
 }  // namespace
 
 RaySearch::PieceFrame RaySearch::PieceFrame::quarter(int q) const {
@@ -172,8 +163,7 @@ void RaySearch::search_net(const Net& net, const PieceFrame& frame) {
   for (const bool upper_v : {false, true}) {
     for (const bool upper_u : {false, true}) {
       Net part = net;
-      for (std::size_t j = 0; j < 3; ++j) halve(part, 3 * j, 1, upper_u);
-      for (std::size_t i = 0; i < 3; ++i) halve(part, i, 3, upper_v);
+      bezier_quarter(part, upper_u, upper_v);
       search_net(part, frame.half(upper_u, upper_v));
     }
   }

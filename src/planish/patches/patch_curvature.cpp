@@ -1,6 +1,5 @@
 #include "planish/patches/patch_curvature.h"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -12,15 +11,6 @@ namespace {
 constexpr double kParallel = 1e-6;
 
 }  // namespace
-
-PointCurvature PointCurvature::in_unit(double length) const {
-  PointCurvature result = *this;
-  result.mean /= length;
-  result.gaussian /= length * length;
-  result.largest /= length;
-  result.smallest /= length;
-  return result;
-}
 
 PointCurvature curvature_of(const PatchPoint& point) {
   PointCurvature result;

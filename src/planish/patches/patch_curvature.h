@@ -15,9 +15,6 @@ struct PointCurvature {
   /// Unit tangents along which they are; any two where both are the same.
   glm::dvec3 largest_direction{}, smallest_direction{};
   bool is_known = false;  ///< second derivatives exist, and du and dv are not parallel
-
-  /// The same where a unit of the position is `length` others.
-  [[nodiscard]] PointCurvature in_unit(double length) const;
 };
 
 [[nodiscard]] PointCurvature curvature_of(const PatchPoint& point);

@@ -37,16 +37,15 @@ std::pair<double, double> in_quarter(int quarter, double u, double v) {
 
 // The net of a patch that is one polynomial. Across a curve lie its points mirrored at the curve's
 // points, whose curve is then the B-spline's own border. Empty for other classes.
-std::vector<double> net_of(const PatchClass& patch) {
+PatchRows net_of(const PatchClass& patch) {
   if (patch.face_size != 4) return {};
   const bool smooth = patch.kind == PatchKind::Smooth && patch.ring_size == 4;
   const bool crease = patch.kind == PatchKind::Crease && patch.ring_size == 2;
   const bool corner = patch.kind == PatchKind::Convex && patch.ring_size == 1;
   if (!smooth && !crease && !corner) return {};
-  const auto count = static_cast<std::size_t>(patch.column_count());
-  std::vector<double> net(9 * count, 0.0);
+  std::array<std::vector<std::pair<std::int32_t, double>>, 9> rows;
   const auto put = [&](int i, int j, std::int32_t column, double weight = 1) {
-    net[static_cast<std::size_t>(i + 3 * j) * count + static_cast<std::size_t>(column)] += weight;
+    rows[static_cast<std::size_t>(i + 3 * j)].emplace_back(column, weight);
   };
   const auto mirror = [&](int i, int j, std::int32_t column, std::int32_t curve) {
     put(i, j, curve, 2);
@@ -84,6 +83,11 @@ std::vector<double> net_of(const PatchClass& patch) {
     put(0, 0, patch.curve_column(1), -2);
     put(0, 0, 0, 1);
   }
+  PatchRows net;
+  for (const auto& row : rows) {
+    for (const auto& [column, weight] : row) net.add(column, weight);
+    net.end_row();
+  }
   return net;
 }
 
@@ -96,17 +100,12 @@ Basis basis_at(double t) {
 }
 
 PatchPoint polynomial_point(const PatchForm& form, const glm::dvec3* points, double u, double v) {
-  const auto count = static_cast<std::size_t>(form.column_count);
   const Basis bu = basis_at(u), bv = basis_at(v);
   PatchPoint result;
-  const double* row = form.net.data();
   for (std::size_t j = 0; j < 3; ++j) {
     std::array<glm::dvec3, 3> along{};  // the row's value and derivatives by u
-    for (std::size_t i = 0; i < 3; ++i, row += count) {
-      glm::dvec3 point(0.0);
-      for (std::size_t k = 0; k < count; ++k) {
-        if (row[k] != 0) point += row[k] * points[k];
-      }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const glm::dvec3 point = form.net.combine(i + 3 * j, points);
       for (std::size_t d = 0; d < 3; ++d) along[d] += bu[d][i] * point;
     }
     result.position += bv[0][j] * along[0];
@@ -126,6 +125,16 @@ glm::dvec3 combine(const double* row, std::span<const glm::dvec3> points) {
   return sum;
 }
 
+PatchRows sparse(const std::vector<double>& dense, std::int32_t columns) {
+  PatchRows rows;
+  for (std::size_t i = 0; i < dense.size(); ++i) {
+    const auto column = static_cast<std::int32_t>(i % static_cast<std::size_t>(columns));
+    if (dense[i] != 0) rows.add(column, dense[i]);
+    if (column == columns - 1) rows.end_row();
+  }
+  return rows;
+}
+
 PatchPoint corner_point(const PatchForm& form, std::span<const glm::dvec3> points) {
   const auto row = [&](std::size_t i) {
     return combine(form.corner.data() + i * points.size(), points);
@@ -139,16 +148,16 @@ PatchPoint corner_point(const PatchForm& form, std::span<const glm::dvec3> point
   return result;
 }
 
-// rows (count x inner) times matrix (inner x columns).
-std::vector<double> product(const std::vector<double>& rows, const std::vector<double>& matrix,
-                            std::size_t inner, std::size_t columns) {
+// Rows over the points that `map` makes, as rows over those that it takes.
+std::vector<double> product(const std::vector<double>& rows, const PatchRows& map,
+                            std::size_t columns) {
+  const std::size_t inner = map.row_count();
   std::vector<double> result(rows.size() / inner * columns, 0.0);
   for (std::size_t r = 0; r * inner < rows.size(); ++r) {
     for (std::size_t k = 0; k < inner; ++k) {
-      const double weight = rows[r * inner + k];
-      if (weight == 0) continue;
-      for (std::size_t c = 0; c < columns; ++c)
-        result[r * columns + c] += weight * matrix[k * columns + c];
+      for (auto i = map.offsets[k]; i < map.offsets[k + 1]; ++i)
+        result[r * columns + static_cast<std::size_t>(map.columns[i])] +=
+            rows[r * inner + k] * map.weights[i];
     }
   }
   return result;
@@ -177,7 +186,7 @@ void turn_rows(std::vector<double>& rows, std::size_t count, int c, int s) {
 
 std::vector<double> weights_down(const PatchForm& form, double u, double v, int halvings) {
   const auto count = static_cast<std::size_t>(form.column_count);
-  if (form.is_polynomial()) return product(net_rows(u, v), form.net, 9, count);
+  if (form.is_polynomial()) return product(net_rows(u, v), form.net, count);
   if ((u == 0 && v == 0 && form.is_singular_at_vertex()) || halvings == 0) {
     std::vector<double> rows(form.corner.begin(),
                              form.corner.begin() + static_cast<std::ptrdiff_t>(count));
@@ -187,10 +196,8 @@ std::vector<double> weights_down(const PatchForm& form, double u, double v, int 
   }
   const int quarter = quarter_of(u, v);
   const auto [qu, qv] = in_quarter(quarter, u, v);
-  const PatchForm& inside = *form.quarters[quarter];
-  const auto inner = static_cast<std::size_t>(inside.column_count);
-  std::vector<double> rows =
-      product(weights_down(inside, qu, qv, halvings - 1), form.steps[quarter], inner, count);
+  std::vector<double> rows = product(weights_down(*form.quarters[quarter], qu, qv, halvings - 1),
+                                     form.steps[quarter], count);
   turn_rows(rows, count, kTurns[quarter][0], kTurns[quarter][1]);
   return rows;
 }
@@ -223,7 +230,7 @@ const PatchForm& PatchForms::of(const PatchClass& patch) {
   if (form.is_polynomial()) return form;
   const PatchRings rings(patch);
   for (int q = 0; q < 4; ++q) {
-    form.steps[q] = rings.quarter_points(q, weights_);
+    form.steps[q] = sparse(rings.quarter_points(q, weights_), patch.column_count());
     form.quarters[q] = &of(rings.quarter_class(q));
   }
   make_corner(form);
@@ -257,14 +264,16 @@ void PatchForms::make_corner(PatchForm& form) const {
   }
 }
 
+void PatchRows::add(std::int32_t column, double weight) {
+  columns.push_back(column);
+  weights.push_back(weight);
+}
+
 void quarter_points(const PatchForm& form, int quarter, std::span<const glm::dvec3> points,
                     std::vector<glm::dvec3>& result) {
-  const double* row = form.steps[quarter].data();
-  result.resize(static_cast<std::size_t>(form.quarters[quarter]->column_count));
-  for (glm::dvec3& point : result) {
-    point = combine(row, points);
-    row += points.size();
-  }
+  const PatchRows& step = form.steps[quarter];
+  result.resize(step.row_count());
+  for (std::size_t k = 0; k < result.size(); ++k) result[k] = step.combine(k, points.data());
 }
 
 PatchPoint patch_point(const PatchForm& form, std::span<const glm::dvec3> points, PatchParameter at,

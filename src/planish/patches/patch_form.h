@@ -28,6 +28,25 @@ struct PatchPoint {
   [[nodiscard]] PatchPoint turned(int c, int s, double factor) const;
 };
 
+/// Rows of weights that are mostly zeros: how points follow from a patch's control points.
+struct PatchRows {
+  std::vector<std::int32_t> offsets{0};  ///< row_count + 1
+  std::vector<std::int32_t> columns;
+  std::vector<double> weights;
+
+  [[nodiscard]] bool empty() const { return columns.empty(); }
+  [[nodiscard]] std::size_t row_count() const { return offsets.size() - 1; }
+  void end_row() { offsets.push_back(static_cast<std::int32_t>(columns.size())); }
+  void add(std::int32_t column, double weight);
+  [[nodiscard]] glm::dvec3 combine(std::size_t row, const glm::dvec3* points) const {
+    glm::dvec3 sum(0.0);
+    for (auto i = static_cast<std::size_t>(offsets[row]);
+         i < static_cast<std::size_t>(offsets[row + 1]); ++i)
+      sum += weights[i] * points[columns[i]];
+    return sum;
+  }
+};
+
 /// What a class's patches are as functions of (u, v): biquadratic where all rings are regular, else
 /// quarters, each a patch of a class with control points of its own after a step. See PatchClass.
 /// A quarter is seen from its own corner: (u, v) become (2u, 2v), (2v, 2 - 2u), (2 - 2u, 2 - 2v)
@@ -35,12 +54,12 @@ struct PatchPoint {
 struct PatchForm {
   PatchClass patch;
   std::int32_t column_count = 0;  ///< K
-  /// 9 x K: the points (i, j) of the B-spline's net at i + 3 j, i along u. Empty where the patch is
-  /// not one polynomial.
-  std::vector<double> net;
-  /// Else the forms of the quarters, and the maps to their points, each quarter's K x K.
+  /// The points (i, j) of the B-spline's net, row i + 3 j, i along u. Empty where the patch is not
+  /// one polynomial.
+  PatchRows net;
+  /// Else the forms of the quarters, and the maps to their points.
   std::array<const PatchForm*, 4> quarters{};
-  std::array<std::vector<double>, 4> steps;
+  std::array<PatchRows, 4> steps;
   /// At V: the limit point, tangents that span its plane, and the derivatives along the leading and
   /// the trailing edge; 5 x K, where the patch is not one polynomial.
   std::vector<double> corner;
