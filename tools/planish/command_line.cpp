@@ -1,8 +1,6 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <exception>
-#include <filesystem>
 #include <new>
 
 #include "commands.h"

@@ -10,7 +10,7 @@
 namespace planish {
 namespace {
 
-constexpr int kMostSteps = 100;
+constexpr int kMostDescents = 100;
 constexpr double kSmallStep = 1e-14;     // in u and v
 constexpr double kSmallestShare = 1e-7;  // of a step
 constexpr double kBorder = 1e-12;        // in u and v: on the border
@@ -67,7 +67,7 @@ double on_border(double t) {
 // falls outwards.
 void NearestSearch::descend(double u, double v, const glm::dvec3& point) {
   Descent here(corner_.at({u, v}), point);
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostDescents; ++step) {
     const bool fixed_u = is_blocked(u, here.gu), fixed_v = is_blocked(v, here.gv);
     double du = 0, dv = 0;
     if (!fixed_u && !fixed_v) {

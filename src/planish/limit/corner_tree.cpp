@@ -6,7 +6,6 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <limits>
-#include <numeric>
 
 #include "planish/core/parallel.h"
 #include "planish/core/stop.h"
@@ -16,7 +15,7 @@ namespace planish {
 namespace {
 
 constexpr std::int32_t kLeaf = 2;
-constexpr std::size_t kGrain = 512;
+constexpr std::size_t kBoxGrain = 512;
 constexpr std::int32_t kSerial = 4096;  // corners below which a subtree is made by one thread
 
 // Nodes of a subtree over so many corners.
@@ -69,7 +68,7 @@ CornerTree::CornerTree(const LimitSurface& surface) : surface_(surface) {
   if (corners_.empty()) return;
   for (const PatchForm* form : surface.forms()) reaches_.add(*form);
   RawVector<CornerBox> box_of(static_cast<std::size_t>(topology.corner_count()));
-  parallel_for(corners_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(corners_.size(), kBoxGrain, [&](std::size_t begin, std::size_t end) {
     LimitSurface::Corner corner(surface);
     for (std::size_t i = begin; i < end; ++i) {
       corner.move_to(corners_[i]);

@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <memory>
-#include <vector>
 
 #include "planish/core/raw_vector.h"
 #include "planish/limit/limit_surface.h"

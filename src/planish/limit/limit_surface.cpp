@@ -11,7 +11,7 @@
 namespace planish {
 namespace {
 
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kPlaceGrain = 256;
 
 // Where tangents are parallel at a point, its normal is that of places so far beside it.
 constexpr double kAside = 1.0 / 1024;
@@ -119,7 +119,7 @@ void LimitSurface::evaluate(std::span<const SurfaceParameter> places,
                                                 " places, and room for " +
                                                 std::to_string(points.size()) + " points");
   }
-  parallel_for(places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(places.size(), kPlaceGrain, [&](std::size_t begin, std::size_t end) {
     Corner corner(*this);
     for (std::size_t i = begin; i < end; ++i)
       points[i] = point_of(corner, corner_parameter(topology(), places[i]));

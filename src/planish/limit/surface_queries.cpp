@@ -12,7 +12,7 @@
 namespace planish {
 namespace {
 
-constexpr std::size_t kGrain = 16;
+constexpr std::size_t kQuestionGrain = 16;
 
 bool is_finite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -90,7 +90,7 @@ void SurfaceQueries::closest(std::span<const glm::dvec3> points,
                                                 " points, and room for " +
                                                 std::to_string(result.size()) + " answers");
   }
-  parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(points.size(), kQuestionGrain, [&](std::size_t begin, std::size_t end) {
     NearestSearch search(tree_);
     for (std::size_t i = begin; i < end; ++i) {
       require_finite(points[i], i);

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "files/gltf/read_square.h"

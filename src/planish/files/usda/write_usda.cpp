@@ -24,7 +24,7 @@ void write_interpolation(FileBuffer& out, const char* name) {
   out.text(" (\n        interpolation = \"").text(name).text("\"\n    )\n");
 }
 
-void write_vector(FileBuffer& out, const glm::vec3& v) {
+void write_triple(FileBuffer& out, const glm::vec3& v) {
   out.text("(").number(v.x).text(", ").number(v.y).text(", ").number(v.z).text(")");
 }
 
@@ -46,11 +46,11 @@ void write_shape(FileBuffer& out, const PolygonView& view) {
   write_integers(out, "faceVertexIndices", view.face_vertices);
   out.text("    point3f[] points = ");
   write_list(out, view.positions.size(),
-             [&](std::size_t i) { write_vector(out, glm::vec3(view.positions[i])); });
+             [&](std::size_t i) { write_triple(out, glm::vec3(view.positions[i])); });
   out.text("\n");
   if (view.normals.empty()) return;
   out.text("    normal3f[] normals = ");
-  write_list(out, view.normals.size(), [&](std::size_t i) { write_vector(out, view.normals[i]); });
+  write_list(out, view.normals.size(), [&](std::size_t i) { write_triple(out, view.normals[i]); });
   write_interpolation(out, "vertex");
 }
 
@@ -58,7 +58,7 @@ void write_colors(FileBuffer& out, const PolygonView& view) {
   if (view.colors.empty()) return;
   out.text("    color3f[] primvars:displayColor = ");
   write_list(out, view.colors.size(),
-             [&](std::size_t i) { write_vector(out, glm::vec3(view.colors[i])); });
+             [&](std::size_t i) { write_triple(out, glm::vec3(view.colors[i])); });
   write_interpolation(out, "vertex");
   if (std::ranges::all_of(view.colors, [](const glm::vec4& color) { return color.a == 1; })) return;
   out.text("    float[] primvars:displayOpacity = ");
