@@ -1,15 +1,19 @@
 #include "planish/files/write_surface.h"
-#include "planish/files/read_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <glm/geometric.hpp>
 
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
+#include "planish/files/read_file.h"
+#include "planish/surface/doo_sabin_surface.h"
+#include "support/meshes.h"
 #include "support/temporary_folder.h"
 
 namespace planish {
@@ -49,6 +53,59 @@ TEST(WriteSurface, PlyCarriesFieldsBehindEverythingElse) {
     float value = 0;
     std::memcpy(&value, text.data() + header + (v + 1) * kVertex - 4, 4);
     EXPECT_EQ(value, values[v]);
+  }
+}
+
+// Groups, seams, colours and more faces than a piece has.
+TEST(WriteSurface, BlocksGiveTheBytesOfTheWhole) {
+  PolygonMesh mesh = test::torus(12, 8, 1, 0.4);
+  for (std::size_t c = 0; c < mesh.face_vertices.size(); ++c)
+    mesh.face_uvs.push_back(static_cast<std::int32_t>(c % mesh.positions.size()));
+  mesh.uvs.assign(mesh.positions.size(), glm::dvec2(0.25, 0.75));
+  mesh.colors.assign(mesh.positions.size(), glm::vec4(0.5f, 0.25f, 1, 1));
+  mesh.groups = {{"a", "x"}, {"", "y"}, {"b", ""}};
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) mesh.face_groups.push_back(f / 7 % 3);
+  const DooSabinSurface base(mesh, {});
+  for (const int level : {0, 1, 5}) {
+    const auto blocks = base.level(level);
+    const SurfaceMesh surface = collect(*blocks, {});
+    const std::vector<float> values(surface.positions.size(), 0.5f);
+    const std::vector<NamedField> fields{{"error", values}};
+    for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Off}) {
+      SCOPED_TRACE(std::string(name_of(format)) + " level " + std::to_string(level));
+      const test::TemporaryFolder folder;
+      write_surface(folder.path() / "whole", format, surface, {"a line"}, fields);
+      RawVector<std::byte> observed;
+      const std::uint64_t bytes = write_surface(
+          folder.path() / "blocks", format, *blocks,
+          {.header = {"a line"}, .fields = fields, .observe = [&](std::span<const std::byte> some) {
+             observed.insert(observed.end(), some.begin(), some.end());
+           },
+           .callbacks = {}});
+      const auto whole = read_file(folder.path() / "whole");
+      EXPECT_TRUE(whole == read_file(folder.path() / "blocks"));
+      EXPECT_TRUE(whole == observed);
+      EXPECT_EQ(bytes, whole.size());
+    }
+  }
+}
+
+TEST(WriteSurface, TheFirstNumberThatIsNotFiniteIsNamed) {
+  SurfaceMesh surface;
+  surface.level = 1;
+  surface.positions.assign(40000, glm::dvec3(1));
+  surface.normals.assign(40000, glm::vec3(0, 0, 1));
+  surface.face_vertices = {0, 1, 2, 3};
+  surface.positions[39000].y = surface.positions[17001].x = std::nan("");
+  const test::TemporaryFolder folder;
+  for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Off}) {
+    try {
+      write_surface(folder.path() / "s", format, surface);
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.element(), 17001);
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   }
 }
 

@@ -4,6 +4,8 @@
 #include <oneapi/tbb/global_control.h>
 #include <opensubdiv/far/primvarRefiner.h>
 
+#include <algorithm>
+#include <atomic>
 #include <glm/geometric.hpp>
 #include <set>
 
@@ -12,6 +14,8 @@
 #include "planish/files/mesh_file.h"
 #include "planish/patches/split_rows.h"
 #include "planish/surface/doo_sabin_surface.h"
+#include "planish/surface/kept_rows.h"
+#include "planish/surface/quad_cut.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -102,6 +106,103 @@ TEST(SurfaceBlocks, PiecesAreThoseOfTheWhole) {
         expect_pieces_equal(*blocks, surface, size);
         expect_pieces_equal(*blocks_of(surface, mesh), surface, size);
       }
+    }
+  }
+}
+
+// What the pass sees, in order.
+struct Visited {
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::vec3> normals;
+};
+
+void expect_kept(const SurfaceBlocks& blocks, const SurfaceBlocks& kept, const Visited& visited) {
+  const SurfaceInfo& info = blocks.info();
+  const auto rows = static_cast<std::size_t>(info.row_count);
+  const glm::dvec3 origin(0.5, -1, 2);
+  std::vector<glm::vec3> stored[2], normals[2];
+  std::vector<glm::dvec3> positions[2];
+  for (const int k : {0, 1}) {
+    stored[k].resize(rows), normals[k].resize(rows), positions[k].resize(rows);
+    RowTarget target;
+    target.stored = stored[k];
+    target.normals = normals[k];
+    target.positions = positions[k];
+    target.origin = origin;
+    (void)(k == 0 ? blocks : kept).rows({0, info.row_count}, target);
+  }
+  EXPECT_EQ(stored[0], stored[1]);
+  EXPECT_EQ(normals[0], normals[1]);
+  EXPECT_EQ(positions[0], positions[1]);
+  if (info.level == 0) return;
+  const auto faces = static_cast<std::size_t>(info.face_count);
+  std::vector<std::uint8_t> cuts(faces);
+  kept.cuts({0, info.face_count}, cuts);
+  ASSERT_EQ(visited.positions.size(), 4 * faces);
+  Visited wanted{std::vector<glm::dvec3>(4 * faces), std::vector<glm::vec3>(4 * faces)};
+  blocks.corners({0, info.face_count}, wanted.positions, wanted.normals);
+  for (std::size_t i = 0; i < 4 * faces; ++i) {
+    ASSERT_LT(glm::length(visited.positions[i] - wanted.positions[i]), 1e-14);
+    ASSERT_LT(glm::length(visited.normals[i] - wanted.normals[i]), 1e-6f);
+  }
+  for (std::size_t f = 0; f < faces; ++f) {
+    const glm::dvec3* p = visited.positions.data() + 4 * f;
+    ASSERT_EQ(cuts[f] != 0, is_cut_from_1(p[0], p[1], p[2], p[3]));
+  }
+}
+
+TEST(SurfaceBlocks, KeptRowsAreThoseMadeAnew) {
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    PolygonMesh mesh = laden_mesh(seed);
+    if (seed > 2) mesh.hole_faces.clear();
+    const DooSabinSurface base(mesh, {});
+    for (int level = 0; level <= 4; ++level) {
+      for (const std::uint64_t row_bytes : {std::uint64_t{0}, std::uint64_t{1} << 30}) {
+        SCOPED_TRACE(level);
+        const auto blocks = base.level(level);
+        const auto corners = static_cast<std::size_t>(4 * blocks->info().face_count);
+        Visited visited{std::vector<glm::dvec3>(corners), std::vector<glm::vec3>(corners)};
+        std::atomic<std::int64_t> seen{0};
+        const auto visit = [&](RowRange faces, std::span<const glm::dvec3> positions,
+                               std::span<const glm::vec3> normals) {
+          std::copy(positions.begin(), positions.end(),
+                    visited.positions.begin() + 4 * faces.first);
+          std::copy(normals.begin(), normals.end(), visited.normals.begin() + 4 * faces.first);
+          seen += faces.count;
+        };
+        const auto kept = keep_rows(
+            *blocks, {.origin = glm::dvec3(0.5, -1, 2), .visit = visit, .row_bytes = row_bytes});
+        EXPECT_EQ(seen, level == 0 ? 0 : blocks->info().face_count);
+        expect_kept(*blocks, *kept, visited);
+      }
+    }
+  }
+}
+
+// A vertex with two opposite faces alone has no tangents.
+TEST(SurfaceBlocks, KeptRowsTellOfDegenerateNormalsOnce) {
+  const PolygonMesh mesh =
+      read_mesh(std::filesystem::path(PLANISH_SCENES) / "cube_with_windows.obj").mesh;
+  PolygonMesh flat = mesh;
+  for (glm::dvec3& p : flat.positions) p = {p.x + p.y + p.z, 0, 0};
+  flat.hole_faces.clear();
+  const DooSabinSurface base(flat, {});
+  for (int level = 0; level <= 3; ++level) {
+    SCOPED_TRACE(level);
+    std::vector<std::int64_t> collected, told;
+    const auto counting = [](std::vector<std::int64_t>& counts) {
+      Callbacks callbacks;
+      callbacks.warning = [&counts](const Warning& warning) { counts.push_back(warning.count); };
+      return callbacks;
+    };
+    const auto blocks = base.level(level);
+    (void)collect(*blocks, counting(collected));
+    for (const std::uint64_t row_bytes : {std::uint64_t{0}, std::uint64_t{1} << 30}) {
+      told.clear();
+      (void)collect(*keep_rows(*blocks, {.row_bytes = row_bytes, .callbacks = counting(told)}),
+                    counting(told));
+      EXPECT_EQ(collected.size(), 1u);
+      EXPECT_EQ(told, collected);
     }
   }
 }

@@ -4,10 +4,9 @@
 #include "bench/agreement.h"
 #include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
-#include "planish/backend/cpu_backend.h"
+#include "bench/table_chain.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/surface/doo_sabin_surface.h"
 
 namespace planish::bench {
@@ -85,39 +84,10 @@ void write_faces(const SurfaceBlocks& blocks, Output& output) {
   });
 }
 
-// What stood in place of patches: a chain of tables, made and applied in slices.
-void apply_tables(const PolygonMesh& mesh, Output& output) {
-  constexpr std::int64_t kSlice = 1 << 17;
-  const auto backend = make_cpu_backend();
-  QuadSplit split(mesh);
-  split.refine(kPatchLevel);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-  const Subdivision subdivision(split, features, Weights::DooSabin);
-  auto points = backend->upload(mesh.positions);
-  for (int l = 1; l <= kPatchLevel; ++l) {
-    const std::int64_t size = subdivision.state_layout(l).size;
-    auto next = backend->allocate(static_cast<std::int32_t>(size));
-    for (const RowRange rows : ranges_of(size, kSlice)) {
-      const auto table = l == 1 ? first_step_table(mesh, subdivision, rows)
-                                : refinement_table(subdivision, l - 1, rows);
-      backend->apply(table.view(), *points, *next, static_cast<std::int32_t>(rows.first));
-    }
-    points = std::move(next);
-  }
-  const LimitRows limits(subdivision, kPatchLevel, split.counts(kPatchLevel).vertices);
-  for (const RowRange rows : ranges_of(limits.count(), kSlice)) {
-    const auto first = static_cast<std::size_t>(rows.first);
-    const auto count = static_cast<std::size_t>(rows.count);
-    backend->apply_limit(limit_table(subdivision, kPatchLevel, limits, rows).view(), *points,
-                         std::span(output.positions).subspan(first, count),
-                         std::span(output.normals).subspan(first, count));
-  }
-}
-
 void require_same(const PolygonMesh& mesh, const PatchSurface& kept, const DooSabinSurface& base) {
   Output patches(kept.numbering().row_count(), 0), tables(kept.numbering().row_count(), 0);
   evaluate_rows(base, kept, patches);
-  apply_tables(mesh, tables);
+  apply_table_chain(mesh, kPatchLevel, tables.positions, tables.normals);
   // The rows of level 1 are numbered alike.
   const auto count =
       static_cast<std::size_t>(kept.numbering().first_row(PatchNumbering::Part::Corners));
@@ -171,7 +141,9 @@ std::vector<Row> bench_patches(const Options& options) {
   std::vector<Row> rows = run_group(group, options.repetitions);
   Group tables = group;
   tables.peers = {{"store", [&] { store(output); }},
-                  {"planish-tables", [&] { apply_tables(mesh, output); }}};
+                  {"planish-tables", [&] {
+                     apply_table_chain(mesh, kPatchLevel, output.positions, output.normals);
+                   }}};
   for (Row& row : run_group(tables, std::min(options.repetitions, 3))) {
     if (row.peer == "planish-tables") rows.push_back(std::move(row));
   }

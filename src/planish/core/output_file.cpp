@@ -28,16 +28,11 @@ OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)) {
     temporary_.clear();
     fail("create");
   }
-  file_ = ::fdopen(descriptor, "wb");
-  if (!file_) {
-    ::close(descriptor);
-    ::unlink(temporary_.c_str());
-    fail("open");
-  }
+  file_ = descriptor;
 }
 
 OutputFile::~OutputFile() {
-  if (file_) std::fclose(file_);
+  if (file_ >= 0) ::close(file_);
   if (!temporary_.empty()) {
     std::error_code ignored;
     std::filesystem::remove(temporary_, ignored);
@@ -51,8 +46,12 @@ void OutputFile::fail(std::string_view action) {
 
 void OutputFile::write(std::span<const std::byte> bytes) {
   check_stop();
-  if (bytes.empty()) return;
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("write");
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file_, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail("write");
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
 }
 
 void OutputFile::write(std::string_view text) {
@@ -60,9 +59,9 @@ void OutputFile::write(std::string_view text) {
 }
 
 void OutputFile::commit() {
-  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail("write");
-  const int closed = std::fclose(file_);
-  file_ = nullptr;
+  // close() is where network and quota errors come to light.
+  const int closed = ::close(file_);
+  file_ = -1;
   if (closed != 0) fail("close");
   if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("rename the finished file to");
   temporary_.clear();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 #include <span>
 #include <string_view>
@@ -8,7 +7,9 @@
 namespace planish {
 
 /// A file that appears whole or not at all: bytes go to a temporary beside `path`, commit()
-/// renames it. Without commit the temporary is removed and an old file stays as it was.
+/// renames it. Without commit the temporary is removed and an old file stays as it was. Bytes are
+/// the system's once written, not yet the disk's: who ends the process loses nothing, who cuts the
+/// power may have to make the file again.
 /// Every member throws Error{UnwritableOutput} naming the path and the system's reason.
 class OutputFile {
  public:
@@ -19,7 +20,7 @@ class OutputFile {
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);
-  /// Flushes to disk, closes and renames.
+  /// Closes and renames.
   void commit();
 
  private:
@@ -27,7 +28,7 @@ class OutputFile {
 
   std::filesystem::path path_;
   std::filesystem::path temporary_;
-  std::FILE* file_ = nullptr;
+  int file_ = -1;  // descriptor
 };
 
 }  // namespace planish

@@ -43,7 +43,8 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .name = "obj",
                                          .title = "Wavefront OBJ",
                                          .read_mesh = from_bytes<read_obj>,
-                                         .write_polygons = write_obj,
+                                         .write_piece = write_obj,
+                                         .polygon_parts = is_obj_part,
                                          .keeps_doubles = true,
                                          .keeps_sharp_edges = true},
                               FormatInfo{.format = FileFormat::Ply,
@@ -51,13 +52,15 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .title = "Stanford PLY",
                                          .read_mesh = from_bytes<read_ply>,
                                          .read_points = from_bytes<read_ply_points>,
-                                         .write_polygons = write_ply,
+                                         .write_piece = write_ply,
+                                         .polygon_parts = is_ply_part,
                                          .keeps_doubles = true},
                               FormatInfo{.format = FileFormat::Off,
                                          .name = "off",
                                          .title = "Object File Format",
                                          .read_mesh = from_bytes<read_off>,
-                                         .write_polygons = write_off,
+                                         .write_piece = write_off,
+                                         .polygon_parts = is_off_part,
                                          .keeps_doubles = true},
                               FormatInfo{.format = FileFormat::Stl,
                                          .name = "stl",
@@ -119,9 +122,9 @@ bool serves(FileFormat format, FormatUse use) {
     case FormatUse::ReadPoints:
       return info.read_points;
     case FormatUse::WriteSurface:
-      return info.is_gltf || info.write_polygons;
+      return info.is_gltf || info.write_piece || info.write_polygons;
     case FormatUse::WriteCage:
-      return info.write_polygons && info.has_polygons;
+      return (info.write_piece || info.write_polygons) && info.has_polygons;
   }
   return false;
 }

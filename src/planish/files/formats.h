@@ -13,6 +13,8 @@ namespace planish {
 class FileBuffer;
 struct MeshFile;
 struct PointCloud;
+enum class PolygonPart : std::uint8_t;
+struct PolygonPiece;
 struct PolygonView;
 
 /// A format's place in formats().
@@ -33,7 +35,11 @@ struct FormatInfo {
   std::string_view title;  ///< "Wavefront OBJ"
   MeshFile (*read_mesh)(const FileBytes&) = nullptr;
   PointCloud (*read_points)(const FileBytes&) = nullptr;
-  /// Polygons of any size, for cages and surfaces. glTF is written by write_gltf().
+  /// Polygons of any size, for cages and surfaces, in pieces of the parts that the format has.
+  /// glTF is written by write_gltf().
+  void (*write_piece)(FileBuffer&, const PolygonPiece&) = nullptr;
+  bool (*polygon_parts)(PolygonPart) = nullptr;
+  /// Of formats whose parts cannot be made each for itself.
   void (*write_polygons)(FileBuffer&, const PolygonView&) = nullptr;
   bool is_gltf = false;
   bool has_polygons = true;        ///< false: only triangles

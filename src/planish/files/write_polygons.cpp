@@ -1,64 +1,264 @@
 #include "planish/files/write_polygons.h"
 
+#include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "planish/core/error.h"
+#include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/shared/file_buffer.h"
+#include "planish/surface/surface_blocks.h"
 
 namespace planish {
 namespace {
 
+constexpr std::int64_t kWrittenRows = std::int64_t{1} << 13;
+
+constexpr std::array kPolygonParts = {
+    PolygonPart::Head,    PolygonPart::Positions, PolygonPart::Vertices, PolygonPart::Uvs,
+    PolygonPart::Normals, PolygonPart::Faces,     PolygonPart::Tail};
+
+bool finite(const glm::dvec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
 bool fits_float(const glm::dvec3& p) {
   constexpr double kMost = std::numeric_limits<float>::max();
   return std::abs(p.x) <= kMost && std::abs(p.y) <= kMost && std::abs(p.z) <= kMost;
 }
+bool finite(const glm::dvec2& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
+bool finite(const glm::vec4& c) {
+  return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b) && std::isfinite(c.a);
+}
 
-void require_writable(const std::string& name, const FormatInfo& info, const PolygonView& view) {
-  for (const std::string& line : view.header)
+template <class Vector>
+bool all_finite(std::span<const Vector> values) {
+  return std::all_of(values.begin(), values.end(), [](const Vector& v) { return finite(v); });
+}
+
+bool is_finite_piece(const PolygonView& view) {
+  return all_finite(view.positions) && all_finite(view.uvs) && all_finite(view.colors);
+}
+
+template <class Vector>
+void require_finite(std::span<const Vector> values, std::int64_t first, const std::string& what,
+                    const std::string& name) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (finite(values[i])) continue;
+    const std::int64_t element = first + static_cast<std::int64_t>(i);
+    throw Error(ErrorCode::InvalidArgument,
+                name + ": " + what + " " + std::to_string(element) + " is not finite", element);
+  }
+}
+
+void require_finite(const PolygonView& view, std::int64_t first, const std::string& name) {
+  require_finite(view.positions, first, "vertex", name);
+  require_finite(view.uvs, first, "texture coordinate", name);
+  require_finite(view.colors, first, "the colour of vertex", name);
+}
+
+void require_floats(const PolygonView& view, const std::string& name) {
+  const auto wild = std::ranges::find_if_not(view.positions, fits_float);
+  if (wild == view.positions.end()) return;
+  const auto vertex = static_cast<std::int64_t>(wild - view.positions.begin());
+  throw Error(ErrorCode::InvalidArgument,
+              name + ": vertex " + std::to_string(vertex) +
+                  " has a coordinate that float32 cannot hold; scale the model down",
+              vertex);
+}
+
+// The first of a part that is not finite, in order.
+void refuse_part(const PolygonSource& source, PolygonPart part, const std::string& name) {
+  for (const RowRange& range : source.ranges(part)) {
+    source.visit(part, range,
+                 [&](const PolygonPiece& piece) { require_finite(piece.view, range.first, name); });
+  }
+}
+
+void require_lines(std::span<const std::string> header, const std::string& name) {
+  for (const std::string& line : header)
     if (line.find_first_of("\r\n") != std::string::npos)
       throw Error(ErrorCode::InvalidArgument, name + ": a header line holds a line break");
-  for (std::size_t i = 0; i < view.positions.size(); ++i) {
-    const glm::dvec3& p = view.positions[i];
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      throw Error(ErrorCode::InvalidArgument,
-                  name + ": vertex " + std::to_string(i) + " is not finite",
-                  static_cast<std::int64_t>(i));
-    if (!info.keeps_doubles && !fits_float(p))
-      throw Error(ErrorCode::InvalidArgument,
-                  name + ": vertex " + std::to_string(i) +
-                      " has a coordinate that float32 cannot hold; scale the model down",
-                  static_cast<std::int64_t>(i));
+}
+
+// Polygons in memory.
+class ViewSource final : public PolygonSource {
+ public:
+  explicit ViewSource(const PolygonView& view) : view_(view) {
+    totals_.row_count = static_cast<std::int64_t>(view.positions.size());
+    totals_.uv_count = static_cast<std::int64_t>(view.uvs.size());
+    totals_.face_count = static_cast<std::int64_t>(view.face_count());
+    totals_.has_normals = !view.normals.empty();
+    totals_.has_colors = !view.colors.empty();
+    for (std::size_t face = 0; face < view.face_count(); ++face)
+      totals_.largest_face = std::max(totals_.largest_face, view.face(face).size());
   }
-  for (std::size_t i = 0; i < view.uvs.size(); ++i) {
-    if (!std::isfinite(view.uvs[i].x) || !std::isfinite(view.uvs[i].y))
-      throw Error(ErrorCode::InvalidArgument,
-                  name + ": texture coordinate " + std::to_string(i) + " is not finite",
-                  static_cast<std::int64_t>(i));
+
+  [[nodiscard]] const PolygonTotals& totals() const override { return totals_; }
+  [[nodiscard]] std::vector<RowRange> ranges(PolygonPart part) const override {
+    switch (part) {
+      case PolygonPart::Head:
+      case PolygonPart::Tail:
+        return {{0, 1}};
+      case PolygonPart::Uvs:
+        return ranges_of(totals_.uv_count, kWrittenRows);
+      case PolygonPart::Normals:
+        if (!totals_.has_normals) return {};
+        [[fallthrough]];
+      case PolygonPart::Positions:
+      case PolygonPart::Vertices:
+        return ranges_of(totals_.row_count, kWrittenRows);
+      case PolygonPart::Faces:
+        return ranges_of(totals_.face_count, kWrittenRows);
+    }
+    return {};
   }
-  for (std::size_t i = 0; i < view.colors.size(); ++i) {
-    const glm::vec4& c = view.colors[i];
-    if (!std::isfinite(c.r) || !std::isfinite(c.g) || !std::isfinite(c.b) || !std::isfinite(c.a))
-      throw Error(ErrorCode::InvalidArgument,
-                  name + ": the colour of vertex " + std::to_string(i) + " is not finite",
-                  static_cast<std::int64_t>(i));
+  void visit(PolygonPart part, RowRange range,
+             const std::function<void(const PolygonPiece&)>& use) const override {
+    PolygonPiece piece{.part = part, .totals = totals_, .view = {}, .before = {}};
+    PolygonView& view = piece.view;
+    std::vector<std::int32_t> offsets;
+    std::vector<NamedField> fields;
+    const auto some = [&](const auto& values) {
+      return values.empty() ? values
+                            : values.subspan(static_cast<std::size_t>(range.first),
+                                             static_cast<std::size_t>(range.count));
+    };
+    switch (part) {
+      case PolygonPart::Head:
+      case PolygonPart::Tail:
+        view.header = view_.header;
+        view.fields = view_.fields;
+        view.creases = view_.creases;
+        view.corners = view_.corners;
+        view.hole_faces = view_.hole_faces;
+        break;
+      case PolygonPart::Uvs:
+        view.uvs = some(view_.uvs);
+        break;
+      case PolygonPart::Vertices:
+        for (const NamedField& field : view_.fields)
+          fields.push_back({field.name, some(field.values)});
+        view.fields = fields;
+        [[fallthrough]];
+      case PolygonPart::Positions:
+        view.positions = some(view_.positions);
+        view.colors = some(view_.colors);
+        if (part == PolygonPart::Positions) break;
+        [[fallthrough]];
+      case PolygonPart::Normals:
+        view.normals = some(view_.normals);
+        break;
+      case PolygonPart::Faces:
+        take_faces(range, piece, offsets);
+        break;
+    }
+    use(piece);
   }
+
+ private:
+  void take_faces(RowRange range, PolygonPiece& piece, std::vector<std::int32_t>& offsets) const {
+    const auto corner = [&](std::int64_t face) {
+      return view_.face_offsets.empty() ? static_cast<std::size_t>(4 * face)
+                                        : static_cast<std::size_t>(view_.face_offsets[face]);
+    };
+    const std::size_t first = corner(range.first),
+                      count = corner(range.first + range.count) - first;
+    PolygonView& view = piece.view;
+    view.face_vertices = view_.face_vertices.subspan(first, count);
+    if (!view_.face_uvs.empty()) view.face_uvs = view_.face_uvs.subspan(first, count);
+    if (!view_.face_offsets.empty()) {
+      for (std::int64_t f = range.first; f <= range.first + range.count; ++f)
+        offsets.push_back(static_cast<std::int32_t>(corner(f) - first));
+      view.face_offsets = offsets;
+    }
+    if (view_.face_groups.empty()) return;
+    view.groups = view_.groups;
+    view.face_groups = view_.face_groups.subspan(static_cast<std::size_t>(range.first),
+                                                 static_cast<std::size_t>(range.count));
+    if (range.first > 0) piece.before = view_.groups[view_.face_groups[range.first - 1]];
+  }
+
+  const PolygonView& view_;
+  PolygonTotals totals_;
+};
+
+// A file, who watches it, and how much of it there is.
+class CountedFile {
+ public:
+  CountedFile(const std::filesystem::path& path, const ByteSink& observe) : file_(path) {
+    sinks_.push_back([this](std::span<const std::byte> bytes) {
+      file_.write(bytes);
+      byte_count_ += bytes.size();
+    });
+    if (observe) sinks_.push_back(observe);
+  }
+  [[nodiscard]] std::span<const ByteSink> sinks() const { return sinks_; }
+  std::uint64_t commit() {
+    file_.commit();
+    return byte_count_;
+  }
+
+ private:
+  OutputFile file_;
+  std::uint64_t byte_count_ = 0;
+  std::vector<ByteSink> sinks_;
+};
+
+std::uint64_t write_whole(const std::filesystem::path& path, const FormatInfo& info,
+                          const PolygonView& view, const ByteSink& observe) {
+  const std::string name = visible(path);
+  require_lines(view.header, name);
+  require_finite(view, 0, name);
+  if (!info.keeps_doubles) require_floats(view, name);
+  CountedFile file(path, observe);
+  RawVector<std::byte> bytes;
+  FileBuffer out(bytes, [&](std::span<const std::byte> some) {
+    for (const ByteSink& sink : file.sinks()) sink(some);
+  });
+  info.write_polygons(out, view);
+  out.finish();
+  return file.commit();
 }
 
 }  // namespace
 
-void write_polygons(const std::filesystem::path& path, FileFormat format, const PolygonView& view) {
+std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
+                             const PolygonSource& source, std::span<const std::string> header,
+                             const ByteSink& observe) {
   const FormatInfo& info = info_of(format);
-  if (!info.write_polygons)
-    throw Error(ErrorCode::InvalidArgument, visible(path) + ": polygons are written as " +
+  const std::string name = visible(path);
+  if (!info.write_piece)
+    throw Error(ErrorCode::InvalidArgument, name + ": polygons are written as " +
                                                 extensions_in_words(FormatUse::WriteCage) +
                                                 ", not as ." + std::string(info.name));
-  require_writable(visible(path), info, view);
-  OutputFile file(path);
-  FileBuffer out(file);
-  info.write_polygons(out, view);
-  out.finish();
+  require_lines(header, name);
+  CountedFile file(path, observe);
+  for (const PolygonPart part : kPolygonParts) {
+    if (!info.polygon_parts(part)) continue;
+    std::atomic<bool> is_finite{true};
+    stream(
+        source.ranges(part),
+        [&](RowRange range, RawVector<std::byte>& bytes) {
+          source.visit(part, range, [&](const PolygonPiece& piece) {
+            if (!is_finite_piece(piece.view)) is_finite = false;
+            FileBuffer out(bytes);
+            info.write_piece(out, piece);
+            out.finish();
+          });
+        },
+        file.sinks());
+    if (!is_finite) refuse_part(source, part, name);
+  }
+  return file.commit();
+}
+
+std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
+                             const PolygonView& view, const ByteSink& observe) {
+  if (info_of(format).write_polygons) return write_whole(path, info_of(format), view, observe);
+  return write_polygons(path, format, ViewSource(view), view.header, observe);
 }
 
 }  // namespace planish

@@ -3,14 +3,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "planish/files/formats.h"
+#include "planish/files/shared/ordered_stream.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/vertex_fields.h"
 
@@ -50,10 +53,55 @@ struct PolygonView {
   }
 };
 
+/// What is known of a file of polygons before any of them is made.
+struct PolygonTotals {
+  std::int64_t row_count = 0, uv_count = 0, face_count = 0;
+  std::size_t largest_face = 0;
+  bool has_normals = false, has_colors = false;
+};
+
+/// Parts of a file, in their order. A format has some of them, each vertex and face for itself, so
+/// that pieces of a part are made on several threads.
+enum class PolygonPart : std::uint8_t {
+  Head,       ///< the view holds what belongs to no vertex or face alone: header, names of fields
+  Positions,  ///< with colours
+  Vertices,   ///< all of them
+  Uvs,
+  Normals,
+  Faces,
+  Tail,  ///< creases, corners, holes
+};
+
+/// Some of a part.
+struct PolygonPiece {
+  PolygonPart part = PolygonPart::Head;
+  const PolygonTotals& totals;
+  PolygonView view;  ///< of the piece, offsets from its own first corner
+  FaceGroup before;  ///< that of the face before the first
+};
+
+/// Polygons that are written, in pieces that any thread may ask for.
+class PolygonSource {
+ public:
+  virtual ~PolygonSource() = default;
+  [[nodiscard]] virtual const PolygonTotals& totals() const = 0;
+  /// Head and Tail have one range.
+  [[nodiscard]] virtual std::vector<RowRange> ranges(PolygonPart part) const = 0;
+  /// Calls use(piece) with a range of a part.
+  virtual void visit(PolygonPart part, RowRange range,
+                     const std::function<void(const PolygonPiece&)>& use) const = 0;
+};
+
 /// Writes the polygons through OutputFile as the format's own writer does (obj/write_obj.h,
-/// ply/write_ply.h, off/write_off.h).
+/// ply/write_ply.h, off/write_off.h), formatted on all threads; the same bytes whatever their
+/// number. `observe`, if any, gets all bytes in order. Returns their number.
 /// Throws Error{UnwritableOutput}; Error{InvalidArgument} for formats that are not written, for
 /// numbers that are not finite and for header lines that hold a line break.
-void write_polygons(const std::filesystem::path& path, FileFormat format, const PolygonView& view);
+std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
+                             const PolygonView& view, const ByteSink& observe = {});
+/// The same of polygons that are made as they are written.
+std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
+                             const PolygonSource& source, std::span<const std::string> header,
+                             const ByteSink& observe = {});
 
 }  // namespace planish

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "planish/core/callbacks.h"
 #include "planish/files/mesh_file.h"
+#include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_mesh.h"
 #include "planish/surface/vertex_fields.h"
 
@@ -18,5 +22,18 @@ namespace planish {
 void write_surface(const std::filesystem::path& path, FileFormat format, const SurfaceMesh& surface,
                    const std::vector<std::string>& header = {},
                    std::span<const NamedField> fields = {});
+
+struct SurfaceWriteOptions {
+  std::vector<std::string> header;
+  std::span<const NamedField> fields;
+  /// Gets all bytes in order while they are written: for a digest.
+  std::function<void(std::span<const std::byte>)> observe;
+  Callbacks callbacks;  ///< warning "degenerate-normals"
+};
+
+/// The same of a surface that is made as it is written, which nobody holds: the same bytes, in the
+/// memory of a few pieces but for STL and USD, which need all of it. Returns their number.
+std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format,
+                            const SurfaceBlocks& surface, const SurfaceWriteOptions& options);
 
 }  // namespace planish

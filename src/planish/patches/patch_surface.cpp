@@ -172,12 +172,14 @@ DegenerateRows PatchSurface::rows(std::span<const glm::dvec3> state, const Place
   return degenerate;
 }
 
-void PatchSurface::grids(std::span<const glm::dvec3> state, const Placement& placement,
-                         std::span<const std::int32_t> corners, const PatchTarget& target) const {
-  if (corners.empty()) return;
+DegenerateRows PatchSurface::grids(std::span<const glm::dvec3> state, const Placement& placement,
+                                   std::span<const std::int32_t> corners,
+                                   const PatchTarget& target) const {
+  DegenerateRows owned;
+  if (corners.empty()) return owned;
   PatchPlan& plan = scratch().plan;
   planner_.plan_grids(corners, plan);
-  if (!run_plan(plan, output_at(placement, target, 0), &state[0].x)) return;
+  if (!run_plan(plan, output_at(placement, target, 0), &state[0].x)) return owned;
   const PatchSamples& samples = numbering_.samples();
   for (std::size_t i = 0; i < corners.size(); ++i) {
     for (std::int32_t b = 0; b <= samples.side(); ++b) {
@@ -186,10 +188,13 @@ void PatchSurface::grids(std::span<const glm::dvec3> state, const Placement& pla
         if (normal != glm::vec3(0.0f)) continue;
         PatchTarget one;
         one.normals = std::span(&normal, 1);
-        (void)rows(state, placement, {numbering_.row(corners[i], a, b), 1}, one);
+        const DegenerateRows found =
+            rows(state, placement, {numbering_.row(corners[i], a, b), 1}, one);
+        if (samples.index(a, b) < samples.owned_count()) owned.add(found);
       }
     }
   }
+  return owned;
 }
 
 }  // namespace planish

@@ -61,9 +61,9 @@ class PatchSurface {
                       const PatchTarget& target) const;
 
   /// All samples of some visible corners, one corner after another, each in the order of
-  /// PatchSamples.
-  void grids(std::span<const glm::dvec3> state, const Placement& placement,
-             std::span<const std::int32_t> corners, const PatchTarget& target) const;
+  /// PatchSamples. Returns the degenerate ones of their own samples.
+  DegenerateRows grids(std::span<const glm::dvec3> state, const Placement& placement,
+                       std::span<const std::int32_t> corners, const PatchTarget& target) const;
 
  private:
   bool run_plan(const PatchPlan& plan, const PatchOutput& output, const double* state) const;

@@ -7,17 +7,14 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
 #include "planish/mesh/area_vector.h"
+#include "planish/surface/kept_rows.h"
 #include "planish/surface/quad_figures.h"
 
 namespace planish {
 
-namespace {
-
-constexpr std::int64_t kMeasuredFaces = std::int64_t{1} << 14;
-constexpr double kDegrees = 180 / std::numbers::pi;
-
-struct Sums {
+struct BlockQuality::Sums {
   double area = 0, folded = 0, folded_elsewhere = 0, squares = 0, largest = 0, bending = 0;
 
   void add(const Sums& other) {
@@ -30,20 +27,25 @@ struct Sums {
   }
 };
 
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+using Sums = BlockQuality::Sums;
+
 // Measures one range of quads after another; keeps its memory.
 class QuadMeter {
  public:
-  QuadMeter(const SurfaceBlocks& surface, const PolygonMesh& input,
-            std::span<const std::uint8_t> is_beside_folds)
-      : surface_(surface), input_(input), is_beside_folds_(is_beside_folds) {}
-
-  Sums operator()(RowRange faces) {
+  Sums operator()(const PolygonMesh& input, std::span<const std::uint8_t> is_beside_folds,
+                  const SurfaceBlocks& surface, RowRange faces,
+                  std::span<const glm::dvec3> positions, std::span<const glm::vec3> normals) {
+    input_ = &input;
+    is_beside_folds_ = is_beside_folds;
+    positions_ = positions;
+    normals_ = normals;
     const auto count = static_cast<std::size_t>(faces.count);
-    positions_.resize(4 * count);
-    normals_.resize(4 * count);
     ancestors_.resize(count);
-    surface_.corners(faces, positions_, normals_);
-    surface_.ancestors(faces, ancestors_);
+    surface.ancestors(faces, ancestors_);
     ancestor_ = -1;
     Sums sums;
     for (std::size_t first = 0; first < count; first += kQuadLanes) {
@@ -75,7 +77,7 @@ class QuadMeter {
 
   void take_ancestor(std::int32_t face) {
     ancestor_ = face;
-    const glm::dvec3 area = area_vector(input_.positions, input_.face(face));
+    const glm::dvec3 area = area_vector(input_->positions, input_->face(face));
     const double length = glm::length(area);
     has_normal_ = length > 0;
     if (has_normal_) wanted_ = area / length;
@@ -91,11 +93,10 @@ class QuadMeter {
     sums.bending += figures_.bending[i];
   }
 
-  const SurfaceBlocks& surface_;
-  const PolygonMesh& input_;
+  const PolygonMesh* input_ = nullptr;
   std::span<const std::uint8_t> is_beside_folds_;
-  RawVector<glm::dvec3> positions_;
-  RawVector<glm::vec3> normals_;
+  std::span<const glm::dvec3> positions_;
+  std::span<const glm::vec3> normals_;
   RawVector<std::int32_t> ancestors_;
   std::int32_t ancestor_ = -1;
   bool has_normal_ = false;
@@ -106,22 +107,27 @@ class QuadMeter {
 
 }  // namespace
 
-SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& input,
-                               std::span<const std::uint8_t> is_beside_folds,
-                               const Callbacks& callbacks) {
-  const SurfaceInfo& info = surface.info();
-  PLANISH_ASSERT(info.level >= 1 && info.corners_per_face == 4);
-  const std::vector<RowRange> pieces = ranges_of(info.face_count, kMeasuredFaces);
-  std::vector<Sums> sums(pieces.size());
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    QuadMeter measure(surface, input, is_beside_folds);
-    for (std::size_t i = begin; i < end; ++i) {
-      callbacks.check_cancelled();
-      sums[i] = measure(pieces[i]);
-    }
-  });
+BlockQuality::BlockQuality(const SurfaceBlocks& surface, const PolygonMesh& input,
+                           std::span<const std::uint8_t> is_beside_folds)
+    : surface_(surface), input_(input), is_beside_folds_(is_beside_folds) {
+  PLANISH_ASSERT(surface.info().level >= 1 && surface.info().corners_per_face == 4);
+  const std::vector<RowRange> pieces = swept_pieces(surface.info());
+  if (!pieces.empty()) piece_size_ = pieces.front().count;
+  of_pieces_.resize(pieces.size());
+}
+
+BlockQuality::~BlockQuality() = default;
+
+void BlockQuality::add(RowRange piece, std::span<const glm::dvec3> positions,
+                       std::span<const glm::vec3> normals) {
+  thread_local QuadMeter measure;
+  of_pieces_[static_cast<std::size_t>(piece.first / piece_size_)] =
+      measure(input_, is_beside_folds_, surface_, piece, positions, normals);
+}
+
+SurfaceQuality BlockQuality::result() const {
   Sums all;
-  for (const Sums& part : sums) all.add(part);
+  for (const Sums& part : of_pieces_) all.add(part);
   SurfaceQuality quality;
   quality.max_normal_deviation = all.largest * kDegrees;
   quality.bending = all.bending;
@@ -131,6 +137,25 @@ SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& 
     quality.rms_normal_deviation = std::sqrt(all.squares / all.area) * kDegrees;
   }
   return quality;
+}
+
+SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& input,
+                               std::span<const std::uint8_t> is_beside_folds,
+                               const Callbacks& callbacks) {
+  BlockQuality quality(surface, input, is_beside_folds);
+  const std::vector<RowRange> pieces = swept_pieces(surface.info());
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    RawVector<glm::dvec3> positions;
+    RawVector<glm::vec3> normals;
+    for (std::size_t i = begin; i < end; ++i) {
+      callbacks.check_cancelled();
+      positions.resize(static_cast<std::size_t>(4 * pieces[i].count));
+      normals.resize(positions.size());
+      surface.corners(pieces[i], positions, normals);
+      quality.add(pieces[i], positions, normals);
+    }
+  });
+  return quality.result();
 }
 
 }  // namespace planish

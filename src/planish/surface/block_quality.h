@@ -1,10 +1,41 @@
 #pragma once
 
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_quality.h"
 
 namespace planish {
+
+/// surface_quality() of a surface that passes by once, for whatever else it is made: add() is a
+/// QuadVisit. All of it must outlive the figures.
+class BlockQuality {
+ public:
+  struct Sums;
+
+  BlockQuality(const SurfaceBlocks& surface, const PolygonMesh& input,
+               std::span<const std::uint8_t> is_beside_folds);
+  ~BlockQuality();
+  BlockQuality(const BlockQuality&) = delete;
+  BlockQuality& operator=(const BlockQuality&) = delete;
+
+  /// One of swept_pieces(), on any thread.
+  void add(RowRange piece, std::span<const glm::dvec3> positions,
+           std::span<const glm::vec3> normals);
+  /// Of all pieces that were added, whatever their order.
+  [[nodiscard]] SurfaceQuality result() const;
+
+ private:
+  const SurfaceBlocks& surface_;
+  const PolygonMesh& input_;
+  std::span<const std::uint8_t> is_beside_folds_;
+  std::int64_t piece_size_ = 1;
+  std::vector<Sums> of_pieces_;
+};
 
 /// surface_quality() against the faces of the mesh that was fitted, of a surface of level 1 or more
 /// that is made piece by piece on all threads; the same bits whatever their number. Angles are

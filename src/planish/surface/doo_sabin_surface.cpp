@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
 #include "planish/patches/first_step.h"
 #include "planish/surface/memory_need.h"
 #include "planish/surface/patch_attributes.h"
@@ -47,6 +48,12 @@ class DooSabinBlocks final : public SurfaceBlocks {
         surface_(base.patches(),
                  {.level = level, .weights = base.weights(), .hidden = base.hidden()}),
         cells_(std::max(level, 1)) {
+    const PatchSamples& samples = surface_.numbering().samples();
+    for (std::int32_t b = 0; b <= samples.side(); ++b) {
+      for (std::int32_t a = 0; a <= samples.side(); ++a) {
+        sample_of_place_.push_back(samples.index(a, b));
+      }
+    }
     const PolygonMesh& mesh = base.mesh();
     info_.level = level;
     info_.row_count = surface_.numbering().row_count();
@@ -79,9 +86,28 @@ class DooSabinBlocks final : public SurfaceBlocks {
   }
   void uvs(RowRange range, std::span<glm::dvec2> values) const override;
   void corners(RowRange faces, std::span<glm::dvec3> positions,
-               std::span<glm::vec3> normals) const override;
+               std::span<glm::vec3> normals) const override {
+    if (level() == 0) return polygon_corners(faces, positions, normals);
+    (void)quad_corners(faces, positions, normals, {});
+  }
+  [[nodiscard]] RowRange rows_of_faces() const override {
+    const PatchNumbering& numbering = surface_.numbering();
+    // Beside hidden faces there are rows that no visible one makes.
+    if (level() < 2 || numbering.has_hidden()) return {0, 0};
+    const std::int64_t first = numbering.first_row(PatchNumbering::Part::Corners);
+    return {first, numbering.end_row(PatchNumbering::Part::Corners) - first};
+  }
+  DegenerateRows corners_and_rows(RowRange faces, std::span<glm::dvec3> positions,
+                                  std::span<glm::vec3> normals,
+                                  const FaceRows& along) const override {
+    return quad_corners(faces, positions, normals, along);
+  }
 
  private:
+  void polygon_corners(RowRange faces, std::span<glm::dvec3> positions,
+                       std::span<glm::vec3> normals) const;
+  DegenerateRows quad_corners(RowRange faces, std::span<glm::dvec3> positions,
+                              std::span<glm::vec3> normals, const FaceRows& along) const;
   void take_base_vertices();
   void count_faces();
   [[nodiscard]] int level() const { return info_.level; }
@@ -104,6 +130,7 @@ class DooSabinBlocks final : public SurfaceBlocks {
   const MeshTopology& topology_;
   PatchSurface surface_;
   PatchCells cells_;
+  std::vector<std::int32_t> sample_of_place_;
   std::vector<std::int32_t> visible_;  // level 0: faces, else corners; empty: all
   std::optional<CornerUvs> uvs_;
   std::optional<PatchNumbering> uv_numbering_;
@@ -246,33 +273,50 @@ void DooSabinBlocks::write_faces(const PatchNumbering& numbering, RowRange faces
   }
 }
 
-void DooSabinBlocks::corners(RowRange faces, std::span<glm::dvec3> positions,
-                             std::span<glm::vec3> normals) const {
-  if (level() > 0) {
-    const std::int64_t cells = cell_count(), first = faces.first / cells,
-                       last = (faces.first + faces.count + cells - 1) / cells;
-    const PatchSamples& samples = surface_.numbering().samples();
-    std::vector<std::int32_t> of(static_cast<std::size_t>(last - first));
-    for (std::int64_t i = first; i < last; ++i) of[i - first] = visible_corner(i);
-    std::vector<glm::dvec3> grid_positions(of.size() * samples.count());
-    std::vector<glm::vec3> grid_normals(grid_positions.size());
-    PatchTarget target;
-    target.positions = grid_positions;
-    target.normals = grid_normals;
-    surface_.grids(base_.state(), base_.placement(), of, target);
-    const std::int32_t side = samples.side() + 1;
-    std::size_t to = 0;
-    for (std::int64_t f = faces.first; f < faces.first + faces.count; ++f) {
-      const auto corner = static_cast<std::size_t>(f / cells - first);
-      for (const std::int32_t place : cells_.of(topology_, of[corner])[f % cells]) {
-        const auto sample = corner * static_cast<std::size_t>(samples.count()) +
-                            static_cast<std::size_t>(samples.index(place % side, place / side));
-        positions[to] = grid_positions[sample];
-        normals[to++] = grid_normals[sample];
+DegenerateRows DooSabinBlocks::quad_corners(RowRange faces, std::span<glm::dvec3> positions,
+                                            std::span<glm::vec3> normals,
+                                            const FaceRows& along) const {
+  thread_local std::vector<std::int32_t> of;
+  thread_local RawVector<glm::dvec3> grid_positions;
+  thread_local RawVector<glm::vec3> grid_normals;
+  const std::int64_t cells = cell_count(), first = faces.first / cells,
+                     last = (faces.first + faces.count + cells - 1) / cells;
+  const PatchNumbering& numbering = surface_.numbering();
+  const auto count = static_cast<std::size_t>(numbering.samples().count());
+  of.resize(static_cast<std::size_t>(last - first));
+  for (std::int64_t i = first; i < last; ++i) of[i - first] = visible_corner(i);
+  grid_positions.resize(of.size() * count);
+  grid_normals.resize(grid_positions.size());
+  PatchTarget target;
+  target.positions = grid_positions;
+  target.normals = grid_normals;
+  const DegenerateRows owned = surface_.grids(base_.state(), base_.placement(), of, target);
+  std::size_t to = 0;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    const glm::dvec3* p = grid_positions.data() + i * count;
+    const glm::vec3* n = grid_normals.data() + i * count;
+    const std::int64_t before = (first + static_cast<std::int64_t>(i)) * cells;
+    const auto begin = static_cast<std::size_t>(std::max(faces.first - before, std::int64_t{0}));
+    const auto end = static_cast<std::size_t>(std::min(faces.first + faces.count - before, cells));
+    for (const auto& cell : cells_.of(topology_, of[i]).subspan(begin, end - begin)) {
+      for (const std::int32_t place : cell) {
+        const std::int32_t sample = sample_of_place_[place];
+        positions[to] = p[sample];
+        normals[to++] = n[sample];
       }
     }
-    return;
+    if (along.stored.empty()) continue;
+    const std::int64_t row = numbering.corner_row(of[i]);
+    for (std::int32_t s = 0; s < numbering.samples().owned_count(); ++s) {
+      FaceRows::at(along.stored, row + s) = glm::vec3(p[s] - along.origin);
+      FaceRows::at(along.normals, row + s) = n[s];
+    }
   }
+  return owned;
+}
+
+void DooSabinBlocks::polygon_corners(RowRange faces, std::span<glm::dvec3> positions,
+                                     std::span<glm::vec3> normals) const {
   // Polygons name rows from all over.
   std::call_once(all_made_, [&] {
     all_positions_.resize(static_cast<std::size_t>(info_.row_count));

@@ -4,7 +4,8 @@
 #include <mutex>
 #include <string>
 
-#include "planish/core/parallel.h"
+#include "planish/surface/piece_loop.h"
+#include "planish/surface/quad_cut.h"
 
 namespace planish {
 
@@ -12,23 +13,6 @@ namespace {
 
 // Rows and faces of a piece: those of several tiles, still within a core's cache.
 constexpr std::int64_t kPieceRows = 1 << 14;
-// Pieces between two looks at the callbacks.
-constexpr std::size_t kPiecesAtOnce = 256;
-
-template <class Body>
-void for_pieces(std::span<const RowRange> pieces, const Callbacks& callbacks, double from,
-                double share, const Body& body) {
-  for (std::size_t first = 0; first < pieces.size(); first += kPiecesAtOnce) {
-    callbacks.check_cancelled();
-    const auto some = pieces.subspan(first, std::min(kPiecesAtOnce, pieces.size() - first));
-    parallel_for(some.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) body(some[i]);
-    });
-    callbacks.report("evaluate", from + share * static_cast<double>(first + some.size()) /
-                                            static_cast<double>(pieces.size()));
-  }
-}
-
 template <class T>
 std::span<T> part_of(RawVector<T>& values, std::int64_t first, std::int64_t count) {
   return std::span(values).subspan(static_cast<std::size_t>(first),
@@ -36,6 +20,16 @@ std::span<T> part_of(RawVector<T>& values, std::int64_t first, std::int64_t coun
 }
 
 }  // namespace
+
+void SurfaceBlocks::cuts(RowRange faces, std::span<std::uint8_t> from_1) const {
+  RawVector<glm::dvec3> positions(static_cast<std::size_t>(4 * faces.count));
+  RawVector<glm::vec3> normals(positions.size());
+  corners(faces, positions, normals);
+  for (std::size_t f = 0; f < from_1.size(); ++f) {
+    const glm::dvec3* p = positions.data() + 4 * f;
+    from_1[f] = is_cut_from_1(p[0], p[1], p[2], p[3]) ? 1 : 0;
+  }
+}
 
 std::vector<RowRange> ranges_of(std::int64_t count, std::int64_t size) {
   std::vector<RowRange> ranges;

@@ -47,6 +47,19 @@ struct RowTarget : PatchTarget {
   std::span<glm::vec4> colors;
 };
 
+/// Where rows are written that faces make along with them, of all rows of the surface in pieces of
+/// kPieceRows, or nowhere.
+struct FaceRows {
+  static constexpr std::int64_t kPieceRows = std::int64_t{1} << 17;
+
+  std::span<glm::vec3*const> stored, normals;
+  glm::dvec3 origin{0.0};  ///< of `stored`
+
+  [[nodiscard]] static glm::vec3& at(std::span<glm::vec3* const> pieces, std::int64_t row) {
+    return pieces[static_cast<std::size_t>(row / kPieceRows)][row % kPieceRows];
+  }
+};
+
 /// A tessellation that is made piece by piece, as SurfaceMesh holds it whole: any range of its rows
 /// (vertices) or faces, at any time, as often as wanted, from any number of threads at once.
 /// Results do not depend on ranges or threads. Nobody holds the surface but who keeps what it gets.
@@ -75,6 +88,18 @@ class SurfaceBlocks {
   /// neighbours. Ranges are cheapest that begin and end at first faces of mesh faces.
   virtual void corners(RowRange faces, std::span<glm::dvec3> positions,
                        std::span<glm::vec3> normals) const = 0;
+  /// Rows that corners_and_rows() makes, of level 2 or more.
+  [[nodiscard]] virtual RowRange rows_of_faces() const { return {0, 0}; }
+  /// corners() and, at little further cost, those of rows_of_faces() that lie on these faces. Faces
+  /// of one patch must come together.
+  virtual DegenerateRows corners_and_rows(RowRange faces, std::span<glm::dvec3> positions,
+                                          std::span<glm::vec3> normals,
+                                          [[maybe_unused]] const FaceRows& along) const {
+    corners(faces, positions, normals);
+    return {};
+  }
+  /// Which quads are cut from corner 1 to 3: see is_cut_from_1(). Of surfaces of quads alone.
+  virtual void cuts(RowRange faces, std::span<std::uint8_t> from_1) const;
 
  protected:
   SurfaceInfo info_;

@@ -9,8 +9,13 @@ namespace planish::command {
 JobLevel::JobLevel(std::unique_ptr<const SurfaceMesh> whole, const PolygonMesh& mesh)
     : whole_(std::move(whole)), blocks_(blocks_of(*whole_, mesh)) {}
 
+void JobLevel::keep(const glm::dvec3& origin, QuadVisit visit) {
+  kept_ =
+      keep_rows(*blocks_, {.origin = origin, .visit = std::move(visit), .callbacks = callbacks_});
+}
+
 const SurfaceMesh& JobLevel::whole() {
-  if (!whole_) whole_ = std::make_unique<const SurfaceMesh>(collect(*blocks_, callbacks_));
+  if (!whole_) whole_ = std::make_unique<const SurfaceMesh>(collect(blocks(), callbacks_));
   return *whole_;
 }
 

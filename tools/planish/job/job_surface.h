@@ -6,6 +6,7 @@
 #include "planish/backend/backend.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/doo_sabin_surface.h"
+#include "planish/surface/kept_rows.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish::command {
@@ -19,15 +20,18 @@ class JobLevel {
   /// Of the schemes that make it whole; `mesh` is what was fitted.
   JobLevel(std::unique_ptr<const SurfaceMesh> whole, const PolygonMesh& mesh);
 
-  [[nodiscard]] int level() const { return blocks_->info().level; }
-  [[nodiscard]] const SurfaceBlocks& blocks() const { return *blocks_; }
+  [[nodiscard]] int level() const { return blocks().info().level; }
+  [[nodiscard]] const SurfaceBlocks& blocks() const { return kept_ ? *kept_ : *blocks_; }
   [[nodiscard]] bool is_whole() const { return whole_ != nullptr; }
+  /// Makes rows and quads once for all who read them from now on: see keep_rows().
+  void keep(const glm::dvec3& origin, QuadVisit visit);
+  [[nodiscard]] bool is_kept() const { return kept_ != nullptr; }
   /// All of it in memory, for those who need neighbours; collected when first asked for.
   [[nodiscard]] const SurfaceMesh& whole();
 
  private:
   std::unique_ptr<const SurfaceMesh> whole_;
-  std::unique_ptr<SurfaceBlocks> blocks_;
+  std::unique_ptr<SurfaceBlocks> blocks_, kept_;  // kept_ reads blocks_
   Callbacks callbacks_;
 };
 

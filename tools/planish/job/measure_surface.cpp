@@ -4,6 +4,7 @@
 #include "planish/reconstruct/compare_source.h"
 #include "planish/reconstruct/triangle_edges.h"
 #include "planish/surface/block_quality.h"
+#include "planish/surface/kept_rows.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -28,17 +29,29 @@ std::vector<Triangle> triangles_of(const SurfaceMesh& surface) {
   return triangles;
 }
 
-void note_quality(const JobInput& made, const Fit& fitted, JobLevel& surface, JobReport& report,
+// In the pass that keeps the rows where they are written afterwards, or are few.
+SurfaceQuality quality_of(const JobInput& made, JobLevel& surface,
+                          const std::optional<glm::dvec3>& stored_about,
+                          const Callbacks& callbacks) {
+  const PolygonMesh& mesh = made.input.file.mesh;
+  if (surface.is_whole()) return surface_quality(surface.whole(), mesh);
+  const auto is_beside = folded_edges(mesh, *made.prepared->topology).is_beside;
+  if (!stored_about && surface.level() > 1)
+    return surface_quality(surface.blocks(), mesh, is_beside, callbacks);
+  BlockQuality quality(surface.blocks(), mesh, is_beside);
+  surface.keep(stored_about.value_or(glm::dvec3(0.0)),
+               [&](RowRange faces, std::span<const glm::dvec3> positions,
+                   std::span<const glm::vec3> normals) { quality.add(faces, positions, normals); });
+  return quality.result();
+}
+
+void note_quality(const JobInput& made, const Fit& fitted, JobLevel& surface,
+                  const std::optional<glm::dvec3>& stored_about, JobReport& report,
                   const Callbacks& callbacks) {
   MeasuredSurface& measured = report.surface.emplace();
   measured.level = surface.level();
   if (!made.source) {
-    const PolygonMesh& mesh = made.input.file.mesh;
-    measured.quality =
-        surface.is_whole()
-            ? surface_quality(surface.whole(), mesh)
-            : surface_quality(surface.blocks(), mesh,
-                              folded_edges(mesh, *made.prepared->topology).is_beside, callbacks);
+    measured.quality = quality_of(made, surface, stored_about, callbacks);
     return;
   }
   const SourceComparison comparison = compare_with_source(surface.whole(), made.source->file.mesh);
@@ -65,10 +78,11 @@ void warn_of_folds(JobReport& report, Console& console) {
 
 }  // namespace
 
-void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface, JobReport& report,
+void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
+                     const std::optional<glm::dvec3>& stored_about, JobReport& report,
                      const JobContext& context) {
   if (surface.level() >= 1 && !report.surface) {
-    note_quality(made, fitted, surface, report, callbacks_for(report, context));
+    note_quality(made, fitted, surface, stored_about, report, callbacks_for(report, context));
     warn_of_folds(report, context.console);
   }
   if (surface.level() >= kPointDistanceLevel && !made.points.empty() && !report.point_distances) {
@@ -77,6 +91,7 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
         relative(measure_distances(made.points, whole.positions, triangles_of(whole)),
                  fitted.placement.diagonal);
   }
+  if (stored_about && !surface.is_whole() && !surface.is_kept()) surface.keep(*stored_about, {});
 }
 
 }  // namespace planish::command

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <glm/vec3.hpp>
+#include <optional>
+
 #include "job/job_input.h"
 #include "job/job_surface.h"
 #include "planish/pipeline/fit.h"
@@ -14,7 +17,10 @@ inline constexpr int kPointDistanceLevel = 2;
 /// Notes in the report how good a level of the surface is, unless a level before it has: against
 /// the source where there is one, else the input; the distances of a cloud's points from
 /// kPointDistanceLevel on. Nothing of it can be seen at level 0. Warns "folded-area".
-void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface, JobReport& report,
+/// `stored_about`: the origin of rows where a file is made of them next; in the same pass they are
+/// kept for it.
+void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
+                     const std::optional<glm::dvec3>& stored_about, JobReport& report,
                      const JobContext& context);
 
 }  // namespace planish::command

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "job/job_surface.h"
 #include "job/measure_surface.h"
@@ -9,6 +10,7 @@
 #include "output/surface_output.h"
 #include "page/page_job.h"
 #include "planish/core/version.h"
+#include "planish/files/formats.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
 
@@ -72,11 +74,25 @@ void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& 
                1, -1});
 }
 
-JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level) {
+// The origin of the rows of a level where a glTF file shows it.
+std::optional<glm::dvec3> stored_about(const FittedJob& work, int level,
+                                       const SurfaceOutputOptions& options) {
+  for (const PlannedOutput& planned : work.outputs) {
+    if (planned.kind == OutputKind::Surface && planned.level == level &&
+        (planned.to_stdout || info_of(planned.format).is_gltf)) {
+      return options.gltf.origin;
+    }
+  }
+  return std::nullopt;
+}
+
+JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level,
+                        const SurfaceOutputOptions& options) {
   return timed(work.report.timing.evaluate, [&] {
     JobLevel made = surface.level(level);
     work.context.progress.update("measure", 0);
-    measure_surface(work.made, work.fitted, made, work.report, work.context);
+    measure_surface(work.made, work.fitted, made, stored_about(work, level, options), work.report,
+                    work.context);
     return made;
   });
 }
@@ -147,7 +163,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
           ? page_level(work.made.input.file.mesh, work.job.settings.scheme, work.context.page)
           : -1;
   for (const int level : levels) {
-    JobLevel surface = measured_level(work, all, level);
+    JobLevel surface = measured_level(work, all, level, common);
     VertexFields fields;
     SurfaceOutputOptions options = common;
     add_attributes(work, all, surface, fields, options.gltf);
@@ -162,15 +178,16 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   }
   // What is seen on the page is what is measured.
   if (scene_level >= 0 && work.scene.empty()) {
-    JobLevel surface = measured_level(work, all, scene_level);
+    JobLevel surface = measured_level(work, all, scene_level, common);
     make_scene(work, all, surface.whole());
   }
   // What cannot be seen on the cage or at level 0.
   const bool asks_for_result =
       !work.outputs.empty() || !work.job.report.empty() || work.context.wants_page(work.job);
   const bool lacks_distances = !work.made.points.empty() && !work.report.point_distances;
-  if (asks_for_result && lacks_distances) (void)measured_level(work, all, kPointDistanceLevel);
-  if (asks_for_result && !work.report.surface) (void)measured_level(work, all, 1);
+  if (asks_for_result && lacks_distances)
+    (void)measured_level(work, all, kPointDistanceLevel, common);
+  if (asks_for_result && !work.report.surface) (void)measured_level(work, all, 1, common);
   return stdout_bytes;
 }
 

@@ -6,6 +6,7 @@
 
 #include "output/cage_header.h"
 #include "output/digest.h"
+#include "planish/core/parallel.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/write_surface.h"
 
@@ -59,14 +60,28 @@ void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& ta
   written.as_written_error = distance / options.diagonal;
 }
 
-// The first positions as the format holds them.
-std::vector<glm::dvec3> as_read(std::span<const glm::dvec3> positions, FileFormat format,
-                                std::size_t count) {
-  std::vector<glm::dvec3> read(positions.begin(),
-                               positions.begin() + static_cast<std::ptrdiff_t>(count));
-  if (!info_of(format).keeps_doubles)
-    for (glm::dvec3& position : read) position = glm::dvec3(glm::vec3(position));
-  return read;
+// As the format holds them.
+void round_for(FileFormat format, std::span<glm::dvec3> positions) {
+  if (info_of(format).keeps_doubles) return;
+  for (glm::dvec3& position : positions) position = glm::dvec3(glm::vec3(position));
+}
+
+std::vector<glm::dvec3> first_positions(const SurfaceBlocks& surface, FileFormat format,
+                                        std::size_t count) {
+  constexpr std::int64_t kPiece = 1 << 14;
+  std::vector<glm::dvec3> positions(
+      std::min(count, static_cast<std::size_t>(surface.info().row_count)));
+  const auto pieces = ranges_of(static_cast<std::int64_t>(positions.size()), kPiece);
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      RowTarget target;
+      target.positions = std::span(positions).subspan(static_cast<std::size_t>(pieces[i].first),
+                                                      static_cast<std::size_t>(pieces[i].count));
+      (void)surface.rows(pieces[i], target);
+    }
+  });
+  round_for(format, positions);
+  return positions;
 }
 
 // How USD is to draw the cage; it knows no Doo-Sabin.
@@ -117,15 +132,20 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
     write_as_gltf(planned, target, surface.blocks(), options, given, written, stdout_bytes);
     return written;
   }
-  std::vector<std::string> header;
+  Sha256 digest;
+  SurfaceWriteOptions polygons{
+      .header = {},
+      .fields = options.gltf.fields,
+      .observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); },
+      .callbacks = options.gltf.callbacks};
   for (const auto& [key, value] : options.gltf.extras) {
     if (key == "curvature_from")
-      header.push_back("planish curvature_from=" + std::get<std::string>(value));
+      polygons.header.push_back("planish curvature_from=" + std::get<std::string>(value));
   }
-  write_surface(target, planned.format, surface.whole(), header, options.gltf.fields);
-  note_file(written, target);
+  written.bytes = write_surface(target, planned.format, surface.blocks(), polygons);
+  written.sha256 = digest.finish();
   written.as_written_error =
-      largest_distance(as_read(surface.whole().positions, planned.format, given.size()), given) /
+      largest_distance(first_positions(surface.blocks(), planned.format, given.size()), given) /
       options.diagonal;
   return written;
 }
@@ -135,7 +155,7 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
                                 const JobReport& report) {
   const Settings& settings = report.settings;
   PolygonMesh cage = control_cage(input, fitted, settings.sharp());
-  cage.positions = as_read(cage.positions, planned.format, cage.positions.size());
+  round_for(planned.format, cage.positions);
   write_mesh(target, planned.format, cage,
              {.header = cage_header_lines(settings, report.method, report.input.path),
               .subdivision = subdivision_of(settings)});

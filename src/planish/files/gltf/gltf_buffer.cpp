@@ -261,6 +261,10 @@ class FaceWriter {
     take_corners(faces, static_cast<std::size_t>(first), static_cast<std::size_t>(last - first));
     const auto triangles = static_cast<std::size_t>(last - first - 2 * faces.count);
     Index* to = values_of<Index>(bytes, 3 * triangles).data();
+    if (info.face_offsets.empty() && info.corners_per_face == 4) return quads(faces, to);
+    positions_.resize(corners_.size());
+    normals_.resize(corners_.size());
+    surface_.corners(faces, positions_, normals_);
     for (std::int64_t f = faces.first; f < faces.first + faces.count; ++f) {
       const auto begin = static_cast<std::size_t>(info.first_corner(f) - first);
       const auto end = static_cast<std::size_t>(info.first_corner(f + 1) - first);
@@ -270,9 +274,6 @@ class FaceWriter {
 
  private:
   void take_corners(RowRange faces, std::size_t first, std::size_t count) {
-    positions_.resize(count);
-    normals_.resize(count);
-    surface_.corners(faces, positions_, normals_);
     if (!vertices_.corners.empty()) {
       corners_ = std::span(vertices_.corners).subspan(first, count);
       return;
@@ -280,6 +281,19 @@ class FaceWriter {
     rows_.resize(count);
     surface_.face_vertices(faces, rows_);
     corners_ = rows_;
+  }
+
+  void quads(RowRange faces, Index* to) {
+    cuts_.resize(static_cast<std::size_t>(faces.count));
+    surface_.cuts(faces, cuts_);
+    const std::int32_t* c = corners_.data();
+    for (const std::uint8_t from_1 : cuts_) {
+      const Index a = static_cast<Index>(c[0]), b = static_cast<Index>(c[1]);
+      const Index d = static_cast<Index>(c[2]), e = static_cast<Index>(c[3]);
+      to[0] = a, to[1] = b, to[2] = from_1 != 0 ? e : d;
+      to[3] = from_1 != 0 ? b : a, to[4] = d, to[5] = e;
+      c += 4, to += 6;
+    }
   }
 
   Index* quad(std::size_t at, Index* to) const {
@@ -304,6 +318,7 @@ class FaceWriter {
   RawVector<glm::dvec3> positions_;
   RawVector<glm::vec3> normals_;
   RawVector<std::int32_t> rows_;
+  RawVector<std::uint8_t> cuts_;
   std::span<const std::int32_t> corners_;
   std::vector<std::int32_t> numbers_;
   std::vector<std::uint32_t> triangles_;

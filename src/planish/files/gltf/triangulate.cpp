@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planish/core/assert.h"
+#include "planish/surface/quad_cut.h"
 
 namespace planish {
 namespace {
@@ -100,16 +101,7 @@ class Ears {
 
 std::array<std::uint8_t, 6> split_quad(const glm::dvec3& corner0, const glm::dvec3& corner1,
                                        const glm::dvec3& corner2, const glm::dvec3& corner3) {
-  const glm::dvec3 from0 = corner2 - corner0, from1 = corner3 - corner1;
-  const double squared0 = glm::dot(from0, from0), squared1 = glm::dot(from1, from1);
-  // Facing of the two triangles at each diagonal, up to a positive factor.
-  const double agree0 =
-      glm::dot(glm::cross(corner1 - corner0, from0), glm::cross(from0, corner3 - corner0));
-  const double agree1 =
-      glm::dot(glm::cross(corner2 - corner1, from1), glm::cross(from1, corner0 - corner1));
-  const bool shorter_is_1 = squared1 < squared0 * (1.0 - kDiagonalTie);
-  const bool take_1 = shorter_is_1 ? !(agree1 < 0 && agree0 > 0) : agree0 < 0 && agree1 > 0;
-  return take_1 ? kSplitFrom1 : kSplitFrom0;
+  return is_cut_from_1(corner0, corner1, corner2, corner3) ? kSplitFrom1 : kSplitFrom0;
 }
 
 void triangulate(std::span<const std::int32_t> corners, std::span<const glm::dvec3> positions,

@@ -21,12 +21,13 @@ void write_colored_position(FileBuffer& out, const glm::dvec3& position, const g
   out.text("\n");
 }
 
-void write_corner(FileBuffer& out, const PolygonView& view, std::size_t corner) {
+void write_corner(FileBuffer& out, const PolygonPiece& piece, std::size_t corner) {
+  const PolygonView& view = piece.view;
   const std::int64_t vertex = std::int64_t{view.face_vertices[corner]} + 1;
   const std::int64_t uv = view.face_uvs.empty() ? 0 : std::int64_t{view.face_uvs[corner]} + 1;
   out.text(" ").number(vertex);
   if (uv > 0) out.text("/").number(uv);
-  if (!view.normals.empty()) out.text(uv > 0 ? "/" : "//").number(vertex);
+  if (piece.totals.has_normals) out.text(uv > 0 ? "/" : "//").number(vertex);
 }
 
 // A name as OBJ can hold it: a reader takes a word with `#` for a comment and a backslash at the
@@ -49,18 +50,29 @@ void write_group_change(FileBuffer& out, const FaceGroup& from, const FaceGroup&
     out.text("usemtl").text(to.material.empty() ? "" : line_name(to.material)).text("\n");
 }
 
-void write_obj_faces(FileBuffer& out, const PolygonView& view) {
-  FaceGroup group;
+void write_obj_positions(FileBuffer& out, const PolygonView& view) {
+  for (std::size_t i = 0; i < view.positions.size(); ++i) {
+    if (view.colors.empty()) {
+      write_position(out.text("v "), view.positions[i]);
+    } else {
+      write_colored_position(out, view.positions[i], view.colors[i]);
+    }
+  }
+}
+
+void write_obj_faces(FileBuffer& out, const PolygonPiece& piece) {
+  const PolygonView& view = piece.view;
+  const FaceGroup* group = &piece.before;
   std::size_t corner = 0;
   for (std::size_t face = 0; face < view.face_count(); ++face) {
     if (!view.face_groups.empty()) {
       const FaceGroup& next = view.groups[view.face_groups[face]];
-      write_group_change(out, group, next);
-      group = next;
+      write_group_change(out, *group, next);
+      group = &next;
     }
     out.text("f");
     for (const std::size_t end = corner + view.face(face).size(); corner < end; ++corner)
-      write_corner(out, view, corner);
+      write_corner(out, piece, corner);
     out.text("\n");
   }
 }
@@ -85,22 +97,34 @@ void write_obj_tags(FileBuffer& out, const PolygonView& view) {
 
 }  // namespace
 
-void write_obj(FileBuffer& out, const PolygonView& view) {
-  for (const std::string& line : view.header) out.text("# ").text(line).text("\n");
-  for (std::size_t i = 0; i < view.positions.size(); ++i) {
-    if (view.colors.empty()) {
-      write_position(out.text("v "), view.positions[i]);
-    } else {
-      write_colored_position(out, view.positions[i], view.colors[i]);
-    }
+bool is_obj_part(PolygonPart part) { return part != PolygonPart::Vertices; }
+
+void write_obj(FileBuffer& out, const PolygonPiece& piece) {
+  const PolygonView& view = piece.view;
+  switch (piece.part) {
+    case PolygonPart::Head:
+      for (const std::string& line : view.header) out.text("# ").text(line).text("\n");
+      break;
+    case PolygonPart::Positions:
+      write_obj_positions(out, view);
+      break;
+    case PolygonPart::Uvs:
+      for (const glm::dvec2& uv : view.uvs)
+        out.text("vt ").number(uv.x).text(" ").number(uv.y).text("\n");
+      break;
+    case PolygonPart::Normals:
+      for (const glm::vec3& n : view.normals)
+        out.text("vn ").number(n.x).text(" ").number(n.y).text(" ").number(n.z).text("\n");
+      break;
+    case PolygonPart::Faces:
+      write_obj_faces(out, piece);
+      break;
+    case PolygonPart::Tail:
+      write_obj_tags(out, view);
+      break;
+    case PolygonPart::Vertices:
+      break;
   }
-  for (const glm::dvec2& uv : view.uvs)
-    out.text("vt ").number(uv.x).text(" ").number(uv.y).text("\n");
-  for (const glm::vec3& normal : view.normals)
-    out.text("vn ").number(normal.x).text(" ").number(normal.y).text(" ").number(normal.z).text(
-        "\n");
-  write_obj_faces(out, view);
-  write_obj_tags(out, view);
 }
 
 }  // namespace planish

@@ -4,10 +4,17 @@
 
 namespace planish {
 
-void write_off(FileBuffer& out, const PolygonView& view) {
-  out.text("OFF\n");
-  for (const std::string& line : view.header) out.text("# ").text(line).text("\n");
-  out.number(view.positions.size()).text(" ").number(view.face_count()).text(" 0\n");
+bool is_off_part(PolygonPart part) {
+  return part == PolygonPart::Head || part == PolygonPart::Positions || part == PolygonPart::Faces;
+}
+
+void write_off(FileBuffer& out, const PolygonPiece& piece) {
+  const PolygonView& view = piece.view;
+  if (piece.part == PolygonPart::Head) {
+    out.text("OFF\n");
+    for (const std::string& line : view.header) out.text("# ").text(line).text("\n");
+    out.number(piece.totals.row_count).text(" ").number(piece.totals.face_count).text(" 0\n");
+  }
   for (const glm::dvec3& position : view.positions) write_position(out, position);
   for (std::size_t face = 0; face < view.face_count(); ++face) {
     const auto corners = view.face(face);

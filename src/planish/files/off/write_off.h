@@ -6,6 +6,7 @@
 namespace planish {
 
 /// OFF: positions and faces.
-void write_off(FileBuffer& out, const PolygonView& view);
+void write_off(FileBuffer& out, const PolygonPiece& piece);
+[[nodiscard]] bool is_off_part(PolygonPart part);
 
 }  // namespace planish

@@ -1,70 +1,76 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <concepts>
 #include <cstddef>
 #include <cstring>
+#include <span>
 #include <string_view>
-#include <vector>
+#include <utility>
 
-#include "planish/core/output_file.h"
+#include "planish/core/raw_vector.h"
+#include "planish/files/shared/ordered_stream.h"
 
 namespace planish {
 
-/// Collects numbers and text for an OutputFile in large pieces. finish() must come last: it hands
-/// over what is left and commits.
+/// Appends numbers and text to the bytes of a piece of a file, whose memory is used again. They are
+/// complete after finish(). With a sink it is a whole file that is handed over now and then.
 class FileBuffer {
  public:
-  explicit FileBuffer(OutputFile& file) : file_(file), bytes_(kBytes) {}
+  explicit FileBuffer(RawVector<std::byte>& bytes, ByteSink sink = {})
+      : bytes_(bytes), sink_(std::move(sink)) {
+    bytes_.resize(std::max(bytes_.capacity(), kRoom));
+  }
 
   FileBuffer& text(std::string_view text) {
-    for (; text.size() > kRoom; text.remove_prefix(kRoom)) put(text.substr(0, kRoom));
-    put(text);
+    make_room(text.size());
+    std::memcpy(place(), text.data(), text.size());
+    used_ += text.size();
     return *this;
   }
   /// Shortest round-trip text.
   template <class Number>
   requires std::integral<Number> || std::floating_point<Number> FileBuffer& number(Number value) {
-    make_room();
-    const auto end = std::to_chars(bytes_.data() + used_, bytes_.data() + kBytes, value);
-    used_ = static_cast<std::size_t>(end.ptr - bytes_.data());
+    make_room(kRoom);
+    const auto end = std::to_chars(place(), place() + kRoom, value);
+    used_ += static_cast<std::size_t>(end.ptr - place());
     return *this;
   }
   /// The bytes of a number, little endian.
   template <class Number>
   FileBuffer& binary(Number value) {
     static_assert(std::endian::native == std::endian::little);
-    make_room();
-    std::memcpy(bytes_.data() + used_, &value, sizeof(value));
+    make_room(sizeof(value));
+    std::memcpy(place(), &value, sizeof(value));
     used_ += sizeof(value);
     return *this;
   }
 
   void finish() {
-    flush();
-    file_.commit();
+    if (sink_) hand_over();
+    bytes_.resize(used_);
   }
 
  private:
-  static constexpr std::size_t kBytes = std::size_t{1} << 20;
   static constexpr std::size_t kRoom = 64;  // the longest double has 24 characters
 
-  void put(std::string_view text) {
-    make_room();
-    std::memcpy(bytes_.data() + used_, text.data(), text.size());
-    used_ += text.size();
+  [[nodiscard]] char* place() { return reinterpret_cast<char*>(bytes_.data()) + used_; }
+  void make_room(std::size_t size) {
+    if (sink_ && used_ >= kHandedOver) hand_over();
+    if (used_ + size > bytes_.size()) bytes_.resize(2 * bytes_.size() + size);
   }
-  void make_room() {
-    if (used_ + kRoom > kBytes) flush();
-  }
-  void flush() {
-    file_.write(std::string_view(bytes_.data(), used_));
+
+  void hand_over() {
+    sink_(std::span<const std::byte>(bytes_).first(used_));
     used_ = 0;
   }
 
-  OutputFile& file_;
-  std::vector<char> bytes_;
+  static constexpr std::size_t kHandedOver = std::size_t{1} << 20;
+
+  RawVector<std::byte>& bytes_;
+  ByteSink sink_;
   std::size_t used_ = 0;
 };
 
