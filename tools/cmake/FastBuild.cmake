@@ -47,6 +47,7 @@ endfunction()
 # planish_optimise_less(TARGET): for what parses flags and writes JSON, and has no loop to speed up.
 function(planish_optimise_less target)
   if(PLANISH_FAST_BUILD)
-    target_compile_options(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
+    # Finite loops: that those which do nothing go, the destructors of large arrays among them.
+    target_compile_options(${target} PRIVATE "$<$<NOT:$<CONFIG:Debug>>:-O1;-ffinite-loops>")
   endif()
 endfunction()

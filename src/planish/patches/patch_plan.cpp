@@ -46,6 +46,25 @@ PatchPlace place_of(const PatchMesh& mesh, const PatchNumbering& numbering, Part
   return {};
 }
 
+// Where a table of smooth classes by ring and face size has an item's; -1 where that takes more
+// than a look.
+std::int32_t smooth_place(const PatchMesh& mesh, Part part, std::int32_t corner,
+                          std::int32_t table_size) {
+  const MeshTopology& topology = mesh.topology();
+  std::int32_t ring = table_size, face = 0;
+  if (part == Part::Vertices || part == Part::Corners) {
+    const std::int32_t vertex = topology.vertex_of(corner);
+    if (mesh.features().vertex_kinds[vertex] != VertexKind::Smooth) return -1;
+    ring = static_cast<std::int32_t>(topology.corners_at(vertex).size());
+    if (part == Part::Corners) face = topology.face_size(topology.face_of(corner));
+  } else if (part == Part::Faces) {
+    ring = topology.face_size(topology.face_of(corner));
+  } else if (part == Part::Edges && !mesh.is_sharp(corner)) {
+    ring = 4;
+  }
+  return ring < table_size && face < table_size ? ring * table_size + face : -1;
+}
+
 // Adds an item to its bucket, which it makes if there is none.
 void add_item(const PatchPlace& place, std::int32_t class_index, std::int32_t first_sample,
               std::int32_t sample_count, Results results, std::int64_t target, PatchPlan& plan) {
@@ -76,13 +95,24 @@ PatchClasses::PatchClasses(const PatchNumbering& numbering, const PatchMesh& mes
     if (part == Part::Corners && numbering.level() == 1) count = mesh.topology().corner_count();
     parallel_for(count, 1 << 14, [&](std::size_t begin, std::size_t end) {
       std::set<PatchClass> here;
+      std::array<bool, kTableSize * kTableSize> smooth{};
       PatchClass last{};
       for (std::size_t i = begin; i < end; ++i) {
-        const PatchClass patch =
-            place_of(mesh, numbering, part, static_cast<std::int64_t>(i)).patch;
+        const auto item = static_cast<std::int64_t>(i);
+        const std::int32_t known =
+            smooth_place(mesh, part, numbering.item_corner(part, item), kTableSize);
+        if (known >= 0) {
+          smooth[static_cast<std::size_t>(known)] = true;
+          continue;
+        }
+        const PatchClass patch = place_of(mesh, numbering, part, item).patch;
         if (patch == last) continue;
         here.insert(patch);
         last = patch;
+      }
+      for (std::int32_t k = 0; k < kTableSize * kTableSize; ++k) {
+        if (smooth[static_cast<std::size_t>(k)])
+          here.insert({PatchKind::Smooth, k / kTableSize, 0, k % kTableSize});
       }
       const std::lock_guard lock(mutex);
       found.merge(here);

@@ -2,6 +2,8 @@
 // each is seen from its own corner: so the rules of the rings are all there is to know.
 #include "planish/patches/patch_rings.h"
 
+#include <algorithm>
+
 #include "planish/doosabin/sector_rules.h"
 #include "planish/stencil/stencil_builder.h"
 
@@ -56,10 +58,9 @@ VertexRing crease_ring(std::int32_t first, std::int32_t second, std::int32_t cur
   return ring;
 }
 
-void append_row(const StencilRow& row, std::size_t column_count, PatchRowsOfWeights& rows) {
-  const std::size_t first = rows.size();
-  rows.resize(first + column_count, 0.0);
-  for (const StencilRow::Entry& entry : row.entries()) rows[first + entry.index] += entry.weight;
+void spread(const StencilRow& row, PatchRowsOfWeights& dense) {
+  std::fill(dense.begin(), dense.end(), 0.0);
+  for (const StencilRow::Entry& entry : row.entries()) dense[entry.index] += entry.weight;
 }
 
 }  // namespace
@@ -108,17 +109,21 @@ PatchClass PatchRings::quarter_class(int quarter) const {
           4};
 }
 
-PatchRowsOfWeights PatchRings::quarter_points(int quarter, const FaceWeights& weights) const {
+void PatchRings::visit_quarter_points(
+    int quarter, const FaceWeights& weights,
+    const std::function<void(std::span<const double> row)>& use) const {
   const PatchClass quarter_class = this->quarter_class(quarter);
-  const auto column_count = static_cast<std::size_t>(class_.column_count());
   std::vector<double> scratch;
-  PatchRowsOfWeights rows;
-  rows.reserve(column_count * static_cast<std::size_t>(quarter_class.column_count()));
+  PatchRowsOfWeights dense(static_cast<std::size_t>(class_.column_count()));
   StencilRow row;
+  const auto hand_over = [&] {
+    spread(row, dense);
+    use(dense);
+  };
   const auto add_face = [&](int corner, std::int32_t offset) {
     row.clear();
     add_refined_face(weights, rings_[corner], place(corner, offset), 1.0, scratch, row);
-    append_row(row, column_count, rows);
+    hand_over();
   };
   // The one before a ring's sector or behind it; a dart has one.
   const auto add_curve = [&](int corner, bool behind) {
@@ -129,7 +134,7 @@ PatchRowsOfWeights PatchRings::quarter_points(int quarter, const FaceWeights& we
     }
     row.clear();
     add_refined_curve_point(weights, rings_[corner], own, scratch, row);
-    append_row(row, column_count, rows);
+    hand_over();
   };
 
   const int next = (quarter + 1) % 4, previous = (quarter + 3) % 4;
@@ -142,7 +147,7 @@ PatchRowsOfWeights PatchRings::quarter_points(int quarter, const FaceWeights& we
   if (quarter_class.has_vertex()) {
     row.clear();
     row.add(ring.corner_point, 1.0);
-    append_row(row, column_count, rows);
+    hand_over();
   }
   for (int j = 1; j < 4; ++j) add_face((quarter + j) % 4, 0);
   if (sharp_[quarter]) {
@@ -155,7 +160,6 @@ PatchRowsOfWeights PatchRings::quarter_points(int quarter, const FaceWeights& we
   } else {
     add_face(previous, -1);
   }
-  return rows;
 }
 
 }  // namespace planish

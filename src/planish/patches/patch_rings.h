@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "planish/doosabin/face_rule.h"
@@ -26,8 +28,10 @@ class PatchRings {
   /// The class of quarter 0 to 3 of the patch (at V, E1, F, E2), turned so that the quarter's
   /// corner is its V.
   [[nodiscard]] PatchClass quarter_class(int quarter) const;
-  /// That class's points after one step: a row for each.
-  [[nodiscard]] PatchRowsOfWeights quarter_points(int quarter, const FaceWeights& weights) const;
+  /// That class's points after one step: use(row) for each in the order of its columns. All of them
+  /// together would be the square of a face's corners.
+  void visit_quarter_points(int quarter, const FaceWeights& weights,
+                            const std::function<void(std::span<const double> row)>& use) const;
 
  private:
   [[nodiscard]] std::int32_t place(int corner, std::int32_t offset) const;

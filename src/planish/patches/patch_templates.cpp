@@ -1,7 +1,6 @@
 #include "planish/patches/patch_templates.h"
 
 #include <algorithm>
-#include <array>
 
 #include "planish/core/parallel.h"
 #include "planish/patches/patch_rings.h"
@@ -31,17 +30,32 @@ QuarterPlace in_quarter(Place sample, std::int32_t n) {
   return {2, {n - a, n - b}};
 }
 
-// rows (count x inner) times matrix (inner x columns), added in the order of `inner`.
-void multiply(const double* rows, std::size_t count, std::size_t inner, const double* matrix,
-              std::size_t columns, double* result) {
-  for (std::size_t r = 0; r < count; ++r, rows += inner, result += columns) {
-    std::fill(result, result + columns, 0.0);
-    for (std::size_t k = 0; k < inner; ++k) {
-      const double weight = rows[k];
-      if (weight == 0) continue;
-      const double* row = matrix + k * columns;
-      for (std::size_t j = 0; j < columns; ++j) result[j] += weight * row[j];
+// A quarter's sample and its place in the whole patch.
+struct QuarterSample {
+  std::size_t of_quarter, of_patch;
+};
+
+std::vector<QuarterSample> samples_of(int quarter, std::int32_t n) {
+  std::vector<QuarterSample> samples;
+  for (std::int32_t b = 0; b <= n; ++b) {
+    for (std::int32_t a = 0; a <= n; ++a) {
+      const auto [q, place] = in_quarter({a, b}, n);
+      if (q != quarter) continue;
+      samples.push_back({static_cast<std::size_t>(place.b * (n / 2 + 1) + place.a),
+                         static_cast<std::size_t>(b * (n + 1) + a)});
     }
+  }
+  return samples;
+}
+
+// result (columns) += weights times some rows, added in their order.
+void add_rows(std::span<const double> weights, const double* rows, std::size_t columns,
+              double* result) {
+  for (const double weight : weights) {
+    if (weight != 0) {
+      for (std::size_t j = 0; j < columns; ++j) result[j] += weight * rows[j];
+    }
+    rows += columns;
   }
 }
 
@@ -62,27 +76,39 @@ const PatchTemplates::Grid& PatchTemplates::grid(const PatchClass& patch, int le
   } else {
     const std::int32_t n = PatchSamples(level).side();
     result->resize(static_cast<std::size_t>((n + 1) * (n + 1)) * 3 * columns);
-    std::array<PatchRowsOfWeights, 4> points;
-    std::array<const Grid*, 4> quarters;
-    std::array<std::size_t, 4> inner;
-    for (int q = 0; q < 4; ++q) {
-      points[q] = rings.quarter_points(q, weights_);
-      quarters[q] = &grid(rings.quarter_class(q), level - 1);
-      inner[q] = static_cast<std::size_t>(rings.quarter_class(q).column_count());
-    }
-    parallel_for(static_cast<std::size_t>(n + 1), 4, [&](std::size_t begin, std::size_t end) {
-      for (auto b = static_cast<std::int32_t>(begin); b < static_cast<std::int32_t>(end); ++b) {
-        for (std::int32_t a = 0; a <= n; ++a) {
-          const auto [q, place] = in_quarter({a, b}, n);
-          const auto sample = static_cast<std::size_t>(place.b * (n / 2 + 1) + place.a);
-          multiply(quarters[q]->data() + sample * 3 * inner[q], 3, inner[q], points[q].data(),
-                   columns,
-                   result->data() + static_cast<std::size_t>(b * (n + 1) + a) * 3 * columns);
+    for (int q = 0; q < 4; ++q) add_quarter(rings, q, level, columns, *result);
+  }
+  return *(grids_[{patch, level}] = std::move(result));
+}
+
+// The quarter's template times its points, some of them at a time.
+void PatchTemplates::add_quarter(const PatchRings& rings, int quarter, int level,
+                                 std::size_t columns, Grid& result) {
+  constexpr std::size_t kPointsAtOnce = 64;
+  const Grid& weights = grid(rings.quarter_class(quarter), level - 1);
+  const auto inner = static_cast<std::size_t>(rings.quarter_class(quarter).column_count());
+  const std::vector<QuarterSample> samples = samples_of(quarter, PatchSamples(level).side());
+  std::vector<double> points;
+  std::size_t first = 0;
+  const auto add_points = [&] {
+    const std::size_t count = points.size() / columns;
+    parallel_for(samples.size(), 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) {
+        for (std::size_t r = 0; r < 3; ++r) {
+          const std::size_t row = samples[s].of_quarter * 3 + r;
+          add_rows({weights.data() + row * inner + first, count}, points.data(), columns,
+                   result.data() + (samples[s].of_patch * 3 + r) * columns);
         }
       }
     });
-  }
-  return *(grids_[{patch, level}] = std::move(result));
+    first += count;
+    points.clear();
+  };
+  rings.visit_quarter_points(quarter, weights_, [&](std::span<const double> row) {
+    points.insert(points.end(), row.begin(), row.end());
+    if (points.size() == kPointsAtOnce * columns) add_points();
+  });
+  add_points();
 }
 
 PatchTemplate PatchTemplates::make(const PatchClass& patch, int level) {

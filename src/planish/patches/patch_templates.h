@@ -12,6 +12,8 @@
 
 namespace planish {
 
+class PatchRings;
+
 /// The samples (a, b), 0 <= a, b <= N = 2^(level - 1), of a patch at u = a/N, v = b/N. First those
 /// that a corner owns, in the order of its rows: (1..N-1, 0), then for b = 1..N-1 (1..N, b). Then
 /// (0, 1..N-1), which it owns where its trailing edge is sharp; then the rest.
@@ -65,6 +67,8 @@ class PatchTemplates {
   // All samples, row b (N + 1) + a, three rows of K weights each.
   using Grid = std::vector<double>;
   const Grid& grid(const PatchClass& patch, int level);
+  void add_quarter(const PatchRings& rings, int quarter, int level, std::size_t columns,
+                   Grid& result);
 
   FaceWeights weights_;
   std::map<std::pair<PatchClass, int>, std::unique_ptr<Grid>> grids_;

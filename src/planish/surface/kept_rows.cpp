@@ -149,7 +149,7 @@ void KeptRows::make_rows(const Callbacks& callbacks) {
 }
 
 void KeptRows::sweep(const KeepOptions& options) {
-  RawVector<std::uint8_t> cuts(static_cast<std::size_t>(info_.face_count));
+  RawVector<std::uint8_t> cuts(options.cuts ? static_cast<std::size_t>(info_.face_count) : 0);
   const std::vector<RowRange> pieces = swept_pieces(info_);
   FaceRows along;
   along.origin = origin_;
@@ -166,7 +166,7 @@ void KeptRows::sweep(const KeepOptions& options) {
       const DegenerateRows found = surface_.corners_and_rows(faces, positions, normals, along);
       if (keeps_rows_) add(found);
     }
-    for (std::int64_t f = 0; f < faces.count; ++f) {
+    for (std::int64_t f = 0; options.cuts && f < faces.count; ++f) {
       const glm::dvec3* p = positions.data() + 4 * f;
       cuts[faces.first + f] = is_cut_from_1(p[0], p[1], p[2], p[3]) ? 1 : 0;
     }

@@ -23,8 +23,8 @@ class JobLevel {
   [[nodiscard]] int level() const { return blocks().info().level; }
   [[nodiscard]] const SurfaceBlocks& blocks() const { return kept_ ? *kept_ : *blocks_; }
   [[nodiscard]] bool is_whole() const { return whole_ != nullptr; }
-  /// Makes rows and quads once for all who read them from now on: see keep_rows().
-  void keep(const glm::dvec3& origin, QuadVisit visit);
+  /// Makes rows and quads once for all who read them from now on: see KeepOptions.
+  void keep(const glm::dvec3& origin, bool cuts, QuadVisit visit);
   [[nodiscard]] bool is_kept() const { return kept_ != nullptr; }
   /// All of it in memory, for those who need neighbours; collected when first asked for.
   [[nodiscard]] const SurfaceMesh& whole();

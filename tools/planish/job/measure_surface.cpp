@@ -39,7 +39,7 @@ SurfaceQuality quality_of(const JobInput& made, JobLevel& surface,
   if (!stored_about && surface.level() > 1)
     return surface_quality(surface.blocks(), mesh, is_beside, callbacks);
   BlockQuality quality(surface.blocks(), mesh, is_beside);
-  surface.keep(stored_about.value_or(glm::dvec3(0.0)),
+  surface.keep(stored_about.value_or(glm::dvec3(0.0)), stored_about.has_value(),
                [&](RowRange faces, std::span<const glm::dvec3> positions,
                    std::span<const glm::vec3> normals) { quality.add(faces, positions, normals); });
   return quality.result();
@@ -91,7 +91,8 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
         relative(measure_distances(made.points, whole.positions, triangles_of(whole)),
                  fitted.placement.diagonal);
   }
-  if (stored_about && !surface.is_whole() && !surface.is_kept()) surface.keep(*stored_about, {});
+  if (stored_about && !surface.is_whole() && !surface.is_kept())
+    surface.keep(*stored_about, true, {});
 }
 
 }  // namespace planish::command

@@ -103,14 +103,19 @@ LevelOne state_of(const PolygonMesh& cage, const FairFit& fair) {
 }  // namespace
 
 double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
-  double largest = 0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    const glm::dvec3 d = a[i] - b[i];
-    const double distance = std::hypot(d.x, d.y, d.z);
-    if (!std::isfinite(distance)) return std::numeric_limits<double>::infinity();
-    largest = std::max(largest, distance);
-  }
-  return largest;
+  constexpr std::size_t kPiece = 1 << 14;
+  const std::size_t count = std::min(a.size(), b.size());
+  std::vector<double> largest((count + kPiece - 1) / kPiece, 0);
+  parallel_for(largest.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * kPiece; i < std::min(end * kPiece, count); ++i) {
+      const glm::dvec3 d = a[i] - b[i];
+      const double distance = std::hypot(d.x, d.y, d.z);
+      double& so_far = largest[i / kPiece];
+      so_far = std::isfinite(distance) ? std::max(so_far, distance)
+                                       : std::numeric_limits<double>::infinity();
+    }
+  });
+  return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
 }
 
 WrittenOutput write_surface_output(const PlannedOutput& planned,
