@@ -162,4 +162,12 @@ void PatchRings::visit_quarter_points(
   }
 }
 
+PatchRowsOfWeights PatchRings::quarter_points(int quarter, const FaceWeights& weights) const {
+  PatchRowsOfWeights rows;
+  visit_quarter_points(quarter, weights, [&](std::span<const double> row) {
+    rows.insert(rows.end(), row.begin(), row.end());
+  });
+  return rows;
+}
+
 }  // namespace planish

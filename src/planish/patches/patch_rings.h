@@ -29,9 +29,10 @@ class PatchRings {
   /// corner is its V.
   [[nodiscard]] PatchClass quarter_class(int quarter) const;
   /// That class's points after one step: use(row) for each in the order of its columns. All of them
-  /// together would be the square of a face's corners.
+  /// together are the square of a face's corners.
   void visit_quarter_points(int quarter, const FaceWeights& weights,
                             const std::function<void(std::span<const double> row)>& use) const;
+  [[nodiscard]] PatchRowsOfWeights quarter_points(int quarter, const FaceWeights& weights) const;
 
  private:
   [[nodiscard]] std::int32_t place(int corner, std::int32_t offset) const;
