@@ -129,12 +129,14 @@ PLANISH_SHARED_CONSTANT kHasNormals = 16u;
 // are: 4^n - 1.
 PLANISH_SHARED_CONSTANT kSampleChunk = 3u;
 
-// Push constants of corner_patches. Windows begin with the state's first_state, given's
-// first_vertex and the target's first_row.
+// Push constants of corner_patches. Windows begin with first_word, first_weight, the state's
+// first_state, given's first_vertex and the target's first_row.
 struct CornerPatchParameters {
   uint unit_count;  // groups times chunks of samples
   uint chunk_count;
   uint first_group;
+  uint first_word;
+  uint first_weight;
   uint first_state;
   uint first_vertex;
   uint first_row;

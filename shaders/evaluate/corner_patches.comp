@@ -51,7 +51,9 @@ void add(vec3 vertex, vec4 point) {
   precise vec3 x = vertex + (point.xyz - own.xyz);
   for (uint s = 0u; s < kSamples; ++s) {
     vec3 weight = weights_at(next_weight + s).xyz;
-    position[s] += weight.x * x;
+    // Both sides of a cut get the same bits, whatever kernel makes them.
+    precise vec3 sum = position[s] + weight.x * x;
+    position[s] = sum;
     du[s] += weight.y * x;
     dv[s] += weight.z * x;
   }
@@ -127,8 +129,8 @@ void write_rows(uint row, uint flags) {
   for (uint s = 0u; s < kSamples; ++s) {
     uint place = (row + s - parameters.first_row) * parameters.target_stride +
                  parameters.first_target;
-    if ((flags & kHasPositions) != 0u)
-      write_vector(place, own_vertex + (own.xyz + position[s]));
+    precise vec3 limit = own_vertex + (own.xyz + position[s]);
+    if ((flags & kHasPositions) != 0u) write_vector(place, limit);
     if ((flags & kHasNormals) != 0u)
       write_vector(place + parameters.normal_offset, unit_normal(du[s], dv[s]));
   }
@@ -142,7 +144,7 @@ void main() {
     uint chunk = unit % parameters.chunk_count;
     PatchGroup group = group_of(parameters.first_group + unit / parameters.chunk_count);
     if (lane >= group.lane_count) continue;
-    uint word = group.first_word + lane;
+    uint word = group.first_word - parameters.first_word + lane;
     uint corner = group.corner + lane * group.corner_step;
     if ((group.flags & kCornersAreWords) != 0u) {
       corner = words_at(word);
@@ -155,7 +157,8 @@ void main() {
       row = words_at(word);
       word += kPatchLanes;
     }
-    next_weight = group.first_weight + chunk * group.columns * kSamples;
+    next_weight = group.first_weight - parameters.first_weight +
+                  chunk * group.columns * kSamples;
     if (kGather == kGatherCorner) {
       gather_corner(corner, group);
     } else if (kGather == kGatherVertex) {

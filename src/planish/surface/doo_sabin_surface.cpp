@@ -42,7 +42,7 @@ struct CornerUvs {
 
 class DooSabinBlocks final : public SurfaceBlocks {
  public:
-  DooSabinBlocks(const DooSabinSurface& base, int level)
+  DooSabinBlocks(const DooSabinSurface& base, int level, PatchEvaluator* evaluator)
       : base_(base),
         topology_(base.topology()),
         surface_(base.patches(),
@@ -62,6 +62,10 @@ class DooSabinBlocks final : public SurfaceBlocks {
     if (info_.has_groups) info_.groups = mesh.groups;
     take_base_vertices();
     count_faces();
+    if (evaluator != nullptr) {
+      device_rows_.resize(static_cast<std::size_t>(info_.row_count));
+      evaluator->evaluate_patches(surface_, base.state(), device_rows_);
+    }
     if (mesh.face_uvs.empty()) return;
     uvs_.emplace(mesh);
     uv_numbering_.emplace(topology_, uvs_->indices, uvs_->count, level, base.hidden());
@@ -87,13 +91,14 @@ class DooSabinBlocks final : public SurfaceBlocks {
   void uvs(RowRange range, std::span<glm::dvec2> values) const override;
   void corners(RowRange faces, std::span<glm::dvec3> positions,
                std::span<glm::vec3> normals) const override {
+    if (!device_rows_.empty()) return corners_from_device(faces, positions, normals);
     if (level() == 0) return polygon_corners(faces, positions, normals);
     (void)quad_corners(faces, positions, normals, {});
   }
   [[nodiscard]] RowRange rows_of_faces() const override {
     const PatchNumbering& numbering = surface_.numbering();
-    // Beside hidden faces there are rows that no visible one makes.
-    if (level() < 2 || numbering.has_hidden()) return {0, 0};
+    // Beside hidden faces there are rows that no visible one makes; a device has made them all.
+    if (level() < 2 || numbering.has_hidden() || !device_rows_.empty()) return {0, 0};
     const std::int64_t first = numbering.first_row(PatchNumbering::Part::Corners);
     return {first, numbering.end_row(PatchNumbering::Part::Corners) - first};
   }
@@ -110,6 +115,9 @@ class DooSabinBlocks final : public SurfaceBlocks {
                               std::span<glm::vec3> normals, const FaceRows& along) const;
   void take_base_vertices();
   void count_faces();
+  DegenerateRows rows_from_device(RowRange range, const PatchTarget& target) const;
+  void corners_from_device(RowRange faces, std::span<glm::dvec3> positions,
+                           std::span<glm::vec3> normals) const;
   [[nodiscard]] int level() const { return info_.level; }
   // Cells of a corner's patch.
   [[nodiscard]] std::int64_t cell_count() const {
@@ -134,6 +142,7 @@ class DooSabinBlocks final : public SurfaceBlocks {
   std::vector<std::int32_t> visible_;  // level 0: faces, else corners; empty: all
   std::optional<CornerUvs> uvs_;
   std::optional<PatchNumbering> uv_numbering_;
+  RawVector<PatchEvaluator::Row> device_rows_;  // all of them, or none
   // Of level 0, once corners() was asked for.
   mutable std::once_flag all_made_;
   mutable std::vector<glm::dvec3> all_positions_;
@@ -207,7 +216,9 @@ std::vector<RowRange> DooSabinBlocks::row_blocks(std::int64_t row_count) const {
 DegenerateRows DooSabinBlocks::rows(RowRange range, const RowTarget& target) const {
   DegenerateRows degenerate;
   if (!target.positions.empty() || !target.stored.empty() || !target.normals.empty()) {
-    degenerate = surface_.rows(base_.state(), base_.placement(), range, target);
+    degenerate = device_rows_.empty()
+                     ? surface_.rows(base_.state(), base_.placement(), range, target)
+                     : rows_from_device(range, target);
   }
   if (target.colors.empty()) return degenerate;
   const PatchNumbering& numbering = surface_.numbering();
@@ -225,6 +236,37 @@ DegenerateRows DooSabinBlocks::rows(RowRange range, const RowTarget& target) con
         target.colors[row - range.first] = glm::vec4(color);
       });
   return degenerate;
+}
+
+DegenerateRows DooSabinBlocks::rows_from_device(RowRange range, const PatchTarget& target) const {
+  DegenerateRows degenerate;
+  for (std::int64_t i = 0; i < range.count; ++i) {
+    const PatchEvaluator::Row& row = device_rows_[range.first + i];
+    const glm::dvec3 position = base_.placement().to_model(row.position);
+    if (!target.positions.empty()) target.positions[i] = position;
+    if (!target.stored.empty()) target.stored[i] = glm::vec3(position - target.origin);
+    if (target.normals.empty()) continue;
+    target.normals[i] = row.normal;
+    if (row.normal != glm::vec3(0.0f)) continue;
+    // The host knows the facets around it.
+    PatchTarget one;
+    one.normals = target.normals.subspan(static_cast<std::size_t>(i), 1);
+    (void)surface_.rows(base_.state(), base_.placement(), {range.first + i, 1}, one);
+    degenerate.add({1, range.first + i});
+  }
+  return degenerate;
+}
+
+void DooSabinBlocks::corners_from_device(RowRange faces, std::span<glm::dvec3> positions,
+                                         std::span<glm::vec3> normals) const {
+  std::vector<std::int32_t> vertices(positions.size());
+  face_vertices(faces, vertices);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    PatchTarget one;
+    one.positions = positions.subspan(i, 1);
+    one.normals = normals.subspan(i, 1);
+    (void)rows_from_device({vertices[i], 1}, one);
+  }
 }
 
 void DooSabinBlocks::uvs(RowRange range, std::span<glm::dvec2> values) const {
@@ -367,14 +409,16 @@ DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const LevelOne& level_
   state_ = level_one.state;
 }
 
-std::unique_ptr<SurfaceBlocks> DooSabinSurface::level(int level,
-                                                      std::uint64_t memory_limit_bytes) const {
+std::unique_ptr<SurfaceBlocks> DooSabinSurface::level(int level, std::uint64_t memory_limit_bytes,
+                                                      PatchEvaluator* evaluator) const {
   require_level(level);
   const std::vector<LevelCounts> counts =
       split_counts({topology().vertex_count(), topology().edge_count(), topology().face_count()},
                    topology().corner_count(), level);
-  require_memory(counts, LastLevel::None, RefinedAttributes::of(used_.mesh), memory_limit_bytes);
-  return std::make_unique<DooSabinBlocks>(*this, level);
+  RefinedAttributes attributes = RefinedAttributes::of(used_.mesh);
+  attributes.device_rows = evaluator != nullptr;
+  require_memory(counts, LastLevel::None, attributes, memory_limit_bytes);
+  return std::make_unique<DooSabinBlocks>(*this, level, evaluator);
 }
 
 }  // namespace planish

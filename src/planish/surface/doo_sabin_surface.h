@@ -9,6 +9,7 @@
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/prepared_mesh.h"
+#include "planish/patches/patch_evaluator.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one.h"
@@ -32,10 +33,12 @@ class DooSabinSurface {
   DooSabinSurface& operator=(const DooSabinSurface&) = delete;
 
   /// One level of it, 0 to kMaxLevel, which this must outlive. `memory_limit_bytes` is for the
-  /// whole SurfaceMesh (0: what the machine has free). Throws Error{InvalidArgument},
-  /// Error{OutOfMemory}.
+  /// whole SurfaceMesh (0: what the machine has free). With an evaluator all rows are made on its
+  /// device at once, in its precision, and kept. Throws Error{InvalidArgument},
+  /// Error{OutOfMemory}, Error{DeviceLost}.
   [[nodiscard]] std::unique_ptr<SurfaceBlocks> level(int level,
-                                                     std::uint64_t memory_limit_bytes = 0) const;
+                                                     std::uint64_t memory_limit_bytes = 0,
+                                                     PatchEvaluator* evaluator = nullptr) const;
 
   [[nodiscard]] const PolygonMesh& mesh() const { return used_.mesh; }
   [[nodiscard]] const UsedPart& used() const { return used_; }

@@ -32,6 +32,8 @@ constexpr std::uint64_t kGroupFaceBytes = 4;
 // Values of a surface alone.
 constexpr std::uint64_t kPatchUvBytes = 16;
 constexpr std::uint64_t kPatchColorBytes = 16;
+// Position and normal in float, beside the surface's own.
+constexpr std::uint64_t kDeviceRowBytes = 24;
 // Stencil slices on their way.
 constexpr std::uint64_t kFixedBytes = 256u << 20;
 // Of a surface of patches: what a corner of the mesh takes with its share of vertices (the mesh
@@ -64,6 +66,7 @@ std::uint64_t patch_bytes(std::span<const LevelCounts> levels,
   if (attributes.uvs) bytes += kPatchUvBytes * vertices + kUvFaceBytes * faces;
   if (attributes.colors) bytes += kPatchColorBytes * vertices;
   if (attributes.groups) bytes += kGroupFaceBytes * faces;
+  if (attributes.device_rows) bytes += kDeviceRowBytes * vertices;
   return bytes;
 }
 

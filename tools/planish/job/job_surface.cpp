@@ -36,7 +36,9 @@ JobLevel JobSurface::level(int level) {
             mesh_};
   }
   if (!doo_sabin_) doo_sabin_ = fitted_surface(mesh_, fitted_, options_);
-  return JobLevel(doo_sabin_->level(level), options_.callbacks);
+  auto* const evaluator = dynamic_cast<PatchEvaluator*>(&backend_);
+  return JobLevel(doo_sabin_->level(level, options_.memory_limit_bytes, evaluator),
+                  options_.callbacks);
 }
 
 }  // namespace planish::command

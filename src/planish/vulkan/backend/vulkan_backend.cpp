@@ -8,6 +8,7 @@
 #include "planish/core/error.h"
 #include "planish/vulkan/backend/vulkan_fair.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
+#include "planish/vulkan/backend/vulkan_patches.h"
 #include "planish/vulkan/backend/vulkan_solve.h"
 #include "planish/vulkan/tables/stencil_pass.h"
 
@@ -53,7 +54,7 @@ const VulkanPoints& vulkan_points(const DevicePoints& points) {
   return *result;
 }
 
-class VulkanBackend final : public Backend, public FairBuilder {
+class VulkanBackend final : public Backend, public FairBuilder, public PatchEvaluator {
  public:
   explicit VulkanBackend(std::shared_ptr<VulkanMachine> machine) : machine_(std::move(machine)) {}
 
@@ -84,6 +85,10 @@ class VulkanBackend final : public Backend, public FairBuilder {
                                        std::span<const glm::dvec3> given,
                                        const FairOptions& options) override {
     return vulkan::build_fair_net(*machine_, topology, given, options);
+  }
+  void evaluate_patches(const PatchSurface& surface, std::span<const glm::dvec3> state,
+                        std::span<Row> rows) override {
+    vulkan::evaluate_patches(*machine_, surface, state, rows);
   }
   [[nodiscard]] std::uint64_t peak_device_bytes() const override {
     return machine_->context.memory().peak_bytes();

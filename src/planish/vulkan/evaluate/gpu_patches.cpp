@@ -39,6 +39,8 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
     parameters.unit_count = slice.group_count * slice.chunk_count;
     parameters.chunk_count = slice.chunk_count;
     parameters.first_group = slice.first_group;
+    parameters.first_word = static_cast<std::uint32_t>(slice.words.first);
+    parameters.first_weight = static_cast<std::uint32_t>(slice.weights.first);
     parameters.first_state = static_cast<std::uint32_t>(slice.points.first);
     parameters.first_vertex = static_cast<std::uint32_t>(slice.vertices.first);
     parameters.first_row = static_cast<std::uint32_t>(slice.rows.first);
@@ -57,9 +59,12 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
         first_link, std::min(slice.points.first + slice.points.count, link_count) - first_link};
     bound.push_back(
         {Kernel::CornerPatches,
-         {whole(tables.groups), whole(tables.words), window_range(tables.links, links, link_bytes),
+         {whole(tables.groups), window_range(tables.words, slice.words, sizeof(std::uint32_t)),
+          window_range(tables.links, links, link_bytes),
           window_range(state, slice.points, kPointBytes),
-          window_range(given, slice.vertices, kPointBytes), whole(tables.weights), target.range}});
+          window_range(given, slice.vertices, kPointBytes),
+          window_range(tables.weights, slice.weights, sizeof(PatchRecords::Weight)),
+          target.range}});
   }
   sets_ = DescriptorSets(context, bound);
 }

@@ -11,17 +11,17 @@ namespace planish::vulkan {
 
 namespace {
 
-using Item = PatchPlan::Item;
-using Bucket = PatchPlan::Bucket;
+using PatchItem = PatchPlan::Item;
+using PatchBucket = PatchPlan::Bucket;
 
 constexpr std::int64_t kWindowStep = 64;
 constexpr std::uint64_t kWidestPoint = shared::kPointFloats * sizeof(float);
 // A window of rows begins where a binding may.
 constexpr std::uint64_t kRowSlack = 256;
 
-std::uint32_t word(std::int64_t value) { return static_cast<std::uint32_t>(value); }
+std::uint32_t as_word(std::int64_t value) { return static_cast<std::uint32_t>(value); }
 
-IndexWindow aligned(const IndexWindow& window) {
+IndexWindow aligned_window(const IndexWindow& window) {
   const std::int64_t shift = window.first % kWindowStep;
   return {window.first - shift, window.count + shift};
 }
@@ -71,14 +71,15 @@ class Packer {
   PatchRecords pack() {
     add_links();
     PatchPlan plan;
-    std::vector<Item> items;
     for (const PatchTile& tile : surface_.tiles()) {
       surface_.planner().list(tile, plan);
-      for (std::size_t b = 0; b < plan.buckets.size(); ++b) {
-        items.clear();
-        for (const Item& item : plan.items)
-          if (item.bucket == static_cast<std::int32_t>(b)) items.push_back(item);
-        add_bucket(tile, plan.buckets[b], items);
+      std::stable_sort(plan.items.begin(), plan.items.end(),
+                       [](const PatchItem& x, const PatchItem& y) { return x.bucket < y.bucket; });
+      std::size_t first = 0;
+      for (const PatchBucket& bucket : plan.buckets) {
+        const auto count = static_cast<std::size_t>(bucket.item_count);
+        add_bucket(tile, bucket, std::span(plan.items).subspan(first, count));
+        first += count;
       }
     }
     join_passes();
@@ -87,27 +88,31 @@ class Packer {
 
  private:
   void add_links();
-  void add_bucket(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items);
-  void add_group(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items,
+  void add_bucket(const PatchTile& tile, const PatchBucket& bucket,
+                  std::span<const PatchItem> items);
+  void add_group(const PatchTile& tile, const PatchBucket& bucket, std::span<const PatchItem> items,
                  Pass& pass, PatchSlice extent);
-  [[nodiscard]] shared::PatchGroup group_of(const PatchTile& tile, const Bucket& bucket,
-                                            const PatchSlice& extent, std::span<const Item> items);
-  void add_lanes(const PatchTile& tile, std::uint32_t gather, std::span<const Item> items,
+  [[nodiscard]] shared::PatchGroup group_of(const PatchTile& tile, const PatchBucket& bucket,
+                                            const PatchSlice& extent,
+                                            std::span<const PatchItem> items);
+  void add_lanes(const PatchTile& tile, std::uint32_t gather, std::span<const PatchItem> items,
                  shared::PatchGroup& group);
-  [[nodiscard]] std::uint32_t first_weight(const Bucket& bucket, std::uint32_t samples);
-  void measure(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items,
+  [[nodiscard]] std::uint32_t first_weight(const PatchBucket& bucket, std::uint32_t samples);
+  void measure(const PatchTile& tile, const PatchBucket& bucket, std::span<const PatchItem> items,
                PatchSlice& extent);
   void join_passes();
 
   [[nodiscard]] bool fits(const IndexWindow& window) const {
-    const auto count = static_cast<std::uint64_t>(aligned(window).count);
+    const auto count = static_cast<std::uint64_t>(aligned_window(window).count);
     return count * kWidestPoint <= limits_.max_range && count <= limits_.max_elements;
   }
   [[nodiscard]] std::uint64_t row_bytes(const IndexWindow& rows) const {
     return static_cast<std::uint64_t>(rows.count) * limits_.row_stride + kRowSlack;
   }
   [[nodiscard]] bool fits(const PatchSlice& slice) const {
-    return fits(slice.points) && fits(slice.vertices) &&
+    const auto words = static_cast<std::uint64_t>(slice.words.count);
+    return words * sizeof(std::uint32_t) <= limits_.max_range && words <= limits_.max_elements &&
+           fits(slice.weights) && fits(slice.points) && fits(slice.vertices) &&
            row_bytes(slice.rows) <= limits_.max_range &&
            std::uint64_t(slice.group_count) * slice.chunk_count <= limits_.max_units;
   }
@@ -130,10 +135,11 @@ void Packer::add_links() {
   records_.links.resize(static_cast<std::size_t>(topology.corner_count()));
   for (std::int32_t c = 0; c < topology.corner_count(); ++c)
     // -1 is kNone.
-    records_.links[c] = {word(topology.ccw(c)), word(topology.next(c))};
+    records_.links[c] = {as_word(topology.ccw(c)), as_word(topology.next(c))};
 }
 
-void Packer::add_bucket(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items) {
+void Packer::add_bucket(const PatchTile& tile, const PatchBucket& bucket,
+                        std::span<const PatchItem> items) {
   const auto count = static_cast<std::uint32_t>(bucket.sample_count);
   PatchSlice extent;
   extent.samples = count % shared::kSampleChunk == 0 ? shared::kSampleChunk : 1;
@@ -152,10 +158,10 @@ void Packer::add_bucket(const PatchTile& tile, const Bucket& bucket, std::span<c
 }
 
 // What a group's patches read and write.
-void Packer::measure(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items,
-                     PatchSlice& extent) {
+void Packer::measure(const PatchTile& tile, const PatchBucket& bucket,
+                     std::span<const PatchItem> items, PatchSlice& extent) {
   extent.points = extent.vertices = extent.rows = {};
-  for (const Item& item : items)
+  for (const PatchItem& item : items)
     extent.rows =
         extent.rows.joined({tile.first_row + item.target, std::int64_t{bucket.sample_count}});
   if (!windows_matter_) {
@@ -163,7 +169,7 @@ void Packer::measure(const PatchTile& tile, const Bucket& bucket, std::span<cons
     extent.vertices = all_vertices_;
     return;
   }
-  for (const Item& item : items) {
+  for (const PatchItem& item : items) {
     gathered_.resize(static_cast<std::size_t>(item.place.patch.column_count()));
     mesh_.gather(item.place, gathered_.data(), 1);
     for (const std::int32_t point : gathered_) {
@@ -171,12 +177,12 @@ void Packer::measure(const PatchTile& tile, const Bucket& bucket, std::span<cons
       extent.vertices.take(owners_[point]);
     }
   }
-  extent.points = aligned(extent.points);
-  extent.vertices = aligned(extent.vertices);
+  extent.points = aligned_window(extent.points);
+  extent.vertices = aligned_window(extent.vertices);
 }
 
-void Packer::add_group(const PatchTile& tile, const Bucket& bucket, std::span<const Item> items,
-                       Pass& pass, PatchSlice extent) {
+void Packer::add_group(const PatchTile& tile, const PatchBucket& bucket,
+                       std::span<const PatchItem> items, Pass& pass, PatchSlice extent) {
   measure(tile, bucket, items, extent);
   if (!fits(extent)) {
     if (items.size() == 1) refuse(extent);
@@ -187,10 +193,17 @@ void Packer::add_group(const PatchTile& tile, const Bucket& bucket, std::span<co
   }
   const shared::PatchGroup group = group_of(tile, bucket, extent, items);
   extent.first_group = static_cast<std::uint32_t>(pass.groups.size());
+  extent.words = aligned_window(
+      {group.first_word, std::ssize(records_.words) - std::int64_t{group.first_word}});
+  extent.weights = aligned_window(
+      {group.first_weight, std::int64_t{group.columns} * extent.samples * extent.chunk_count});
+  if (!fits(extent)) refuse(extent);
   pass.groups.push_back(group);
   if (!pass.slices.empty()) {
     PatchSlice longer = pass.slices.back();
     ++longer.group_count;
+    longer.words = longer.words.joined(extent.words);
+    longer.weights = longer.weights.joined(extent.weights);
     longer.points = longer.points.joined(extent.points);
     longer.vertices = longer.vertices.joined(extent.vertices);
     longer.rows = longer.rows.joined(extent.rows);
@@ -202,16 +215,16 @@ void Packer::add_group(const PatchTile& tile, const Bucket& bucket, std::span<co
   pass.slices.push_back(extent);
 }
 
-shared::PatchGroup Packer::group_of(const PatchTile& tile, const Bucket& bucket,
-                                    const PatchSlice& extent, std::span<const Item> items) {
+shared::PatchGroup Packer::group_of(const PatchTile& tile, const PatchBucket& bucket,
+                                    const PatchSlice& extent, std::span<const PatchItem> items) {
   const PatchClass& patch = items.front().place.patch;
   shared::PatchGroup group{};
-  group.first_word = word(std::ssize(records_.words));
-  group.lane_count = word(std::ssize(items));
+  group.first_word = as_word(std::ssize(records_.words));
+  group.lane_count = as_word(std::ssize(items));
   group.first_weight = first_weight(bucket, extent.samples);
-  group.columns = word(patch.column_count() - 1);
-  group.ring = word(patch.ring_size);
-  group.face = word(extent.gather == shared::kGatherFace ? patch.ring_size : patch.face_size);
+  group.columns = as_word(patch.column_count() - 1);
+  group.ring = as_word(patch.ring_size);
+  group.face = as_word(extent.gather == shared::kGatherFace ? patch.ring_size : patch.face_size);
   if (bucket.results != PatchPlan::Results::Normals) group.flags |= shared::kHasPositions;
   if (bucket.results != PatchPlan::Results::Positions) group.flags |= shared::kHasNormals;
   add_lanes(tile, extent.gather, items, group);
@@ -222,14 +235,14 @@ shared::PatchGroup Packer::group_of(const PatchTile& tile, const Bucket& bucket,
   for (std::size_t i = 0; i < items.size(); ++i) {
     mesh_.gather(items[i].place, gathered_.data(), 1);
     for (std::size_t k = 0; k < gathered_.size(); ++k)
-      records_.words[first + k * shared::kPatchLanes + i] = word(gathered_[k]);
+      records_.words[first + k * shared::kPatchLanes + i] = as_word(gathered_[k]);
   }
   return group;
 }
 
 // Corners and rows of the lanes: as steps where they are even, else as words.
-void Packer::add_lanes(const PatchTile& tile, std::uint32_t gather, std::span<const Item> items,
-                       shared::PatchGroup& group) {
+void Packer::add_lanes(const PatchTile& tile, std::uint32_t gather,
+                       std::span<const PatchItem> items, shared::PatchGroup& group) {
   std::array<std::uint32_t, shared::kPatchLanes> all_corners{}, all_rows{}, all_lanes{};
   const auto corners = std::span(all_corners).first(items.size());
   const auto rows = std::span(all_rows).first(items.size());
@@ -238,9 +251,9 @@ void Packer::add_lanes(const PatchTile& tile, std::uint32_t gather, std::span<co
     const PatchPlace& place = items[i].place;
     // An edge's point is the next corner's.
     corners[i] =
-        word(gather == shared::kGatherEdge ? mesh_.topology().prev(place.corner) : place.corner);
-    rows[i] = word(tile.first_row + items[i].target);
-    lanes[i] = word(static_cast<std::int64_t>(i));
+        as_word(gather == shared::kGatherEdge ? mesh_.topology().prev(place.corner) : place.corner);
+    rows[i] = as_word(tile.first_row + items[i].target);
+    lanes[i] = as_word(static_cast<std::int64_t>(i));
   }
   group.corner = corners[0];
   group.row = rows[0];
@@ -263,10 +276,10 @@ void Packer::add_lanes(const PatchTile& tile, std::uint32_t gather, std::span<co
 }
 
 // The weights of a bucket's samples: chunk by chunk, column by column, sample by sample.
-std::uint32_t Packer::first_weight(const Bucket& bucket, std::uint32_t samples) {
+std::uint32_t Packer::first_weight(const PatchBucket& bucket, std::uint32_t samples) {
   const auto [place, is_new] =
       weights_.try_emplace({bucket.class_index, bucket.first_sample, bucket.sample_count},
-                           word(std::ssize(records_.weights)));
+                           as_word(std::ssize(records_.weights)));
   if (!is_new) return place->second;
   const PatchTemplate& weights = surface_.classes().weights(bucket.class_index);
   const auto columns = static_cast<std::size_t>(weights.column_count);
@@ -283,7 +296,7 @@ std::uint32_t Packer::first_weight(const Bucket& bucket, std::uint32_t samples) 
 
 void Packer::join_passes() {
   for (auto& [key, pass] : passes_) {
-    const auto first = word(std::ssize(records_.groups));
+    const auto first = as_word(std::ssize(records_.groups));
     records_.groups.insert(records_.groups.end(), pass.groups.begin(), pass.groups.end());
     for (PatchSlice& slice : pass.slices) {
       slice.first_group += first;
@@ -294,6 +307,7 @@ void Packer::join_passes() {
 
 void Packer::refuse(const PatchSlice& slice) const {
   const auto largest = std::max({static_cast<std::uint64_t>(slice.points.count) * kWidestPoint,
+                                 static_cast<std::uint64_t>(slice.weights.count) * kWidestPoint,
                                  static_cast<std::uint64_t>(slice.vertices.count) * kWidestPoint,
                                  row_bytes(slice.rows)});
   throw Error(ErrorCode::OutOfMemory,

@@ -19,13 +19,14 @@ struct IndexWindow {
   void take(std::int64_t index) { *this = joined({index, 1}); }
 };
 
-/// Patches that one dispatch does, with what its bindings must span. Windows of points and vertices
+/// Patches that one dispatch does, with what its bindings must span. Windows but that of rows
 /// begin at multiples of 64.
 struct PatchSlice {
   std::uint32_t gather = 0;   ///< shared::kGatherCorner, ...
   std::uint32_t samples = 1;  ///< that a lane evaluates at once, chunk_count times
   std::uint32_t chunk_count = 1;
   std::uint32_t first_group = 0, group_count = 0;
+  IndexWindow words, weights;
   IndexWindow points;    ///< of the state of level 1
   IndexWindow vertices;  ///< of the mesh
   IndexWindow rows;      ///< of the output

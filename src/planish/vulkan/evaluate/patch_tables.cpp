@@ -1,6 +1,5 @@
 #include "planish/vulkan/evaluate/patch_tables.h"
 
-#include <algorithm>
 #include <string>
 
 #include "planish/core/error.h"
@@ -46,10 +45,8 @@ PatchTables::PatchTables(Context& context, const PatchRecords& records, std::int
       links(make_windowed(context, records.links, "planish corner links")),
       groups(make_patch_buffer(context, records.groups, 4 * sizeof(std::uint32_t),
                                "planish patch groups")),
-      words(
-          make_patch_buffer(context, records.words, sizeof(std::uint32_t), "planish patch words")),
-      weights(make_patch_buffer(context, records.weights, sizeof(PatchRecords::Weight),
-                                "planish patch weights")) {}
+      words(make_windowed(context, records.words, "planish patch words")),
+      weights(make_windowed(context, records.weights, "planish patch weights")) {}
 
 StepTables::StepTables(Context& context, const StepRecords& records)
     : slices(records.slices),
@@ -59,8 +56,9 @@ StepTables::StepTables(Context& context, const StepRecords& records)
           make_patch_buffer(context, records.words, sizeof(std::uint32_t), "planish step words")) {}
 
 BufferRange window_range(const Buffer& items, const IndexWindow& window, std::uint64_t item_bytes) {
+  if (window.count == 0) return {items.handle(), 0, item_bytes};
   return {items.handle(), static_cast<std::uint64_t>(window.first) * item_bytes,
-          static_cast<std::uint64_t>(std::max<std::int64_t>(window.count, 1)) * item_bytes};
+          static_cast<std::uint64_t>(window.count) * item_bytes};
 }
 
 }  // namespace planish::vulkan

@@ -11,15 +11,15 @@ namespace planish::vulkan {
 
 namespace {
 
-constexpr std::int64_t kLanes = 64;
+constexpr std::int64_t kSliceLanes = 64;
 constexpr std::uint64_t kStepPointBytes = shared::kPointFloats * sizeof(float);
 
-std::uint32_t bits(double weight) {
+std::uint32_t float_bits(double weight) {
   return std::bit_cast<std::uint32_t>(static_cast<float>(weight));
 }
 
 IndexWindow from_a_multiple(const IndexWindow& window) {
-  const std::int64_t shift = window.first % kLanes;
+  const std::int64_t shift = window.first % kSliceLanes;
   return {window.first - shift, window.count + shift};
 }
 
@@ -32,7 +32,7 @@ void add_weights(const MeshTopology& topology, Weights weights, std::vector<std:
   words.resize(static_cast<std::size_t>(*sizes.rbegin()) + 1);
   for (const std::int32_t size : sizes) {
     words[size] = static_cast<std::uint32_t>(words.size());
-    for (const double weight : rule.of(size, scratch)) words.push_back(bits(weight));
+    for (const double weight : rule.of(size, scratch)) words.push_back(float_bits(weight));
   }
 }
 
@@ -50,22 +50,23 @@ void add_sharp(const StencilView<double>& rows, std::span<const std::int32_t> ow
   for (std::int32_t row = 0; row < rows.row_count(); ++row)
     for (std::int32_t k = rows.offsets[row]; k < rows.offsets[row] + rows.sizes[row]; ++k) {
       words.push_back(static_cast<std::uint32_t>(rows.indices[k]));
-      words.push_back(bits(rows.weights[k]));
+      words.push_back(float_bits(rows.weights[k]));
     }
 }
 
-bool fits(const StepSlice& slice, const PatchLimits& limits) {
+bool slice_fits(const StepSlice& slice, const PatchLimits& limits) {
   for (const IndexWindow& window : {slice.points, slice.corners, slice.vertices}) {
     const auto count = static_cast<std::uint64_t>(from_a_multiple(window).count);
     if (count * kStepPointBytes > limits.max_range || count > limits.max_elements) return false;
   }
-  return static_cast<std::uint64_t>((slice.points.count + kLanes - 1) / kLanes) <= limits.max_units;
+  return static_cast<std::uint64_t>((slice.points.count + kSliceLanes - 1) / kSliceLanes) <=
+         limits.max_units;
 }
 
 void require_fit(const StepSlice& slice, const PatchLimits& limits) {
-  if (fits(slice, limits)) return;
+  if (slice_fits(slice, limits)) return;
   const std::int64_t most =
-      std::max({slice.points.count, slice.corners.count, slice.vertices.count}) + kLanes;
+      std::max({slice.points.count, slice.corners.count, slice.vertices.count}) + kSliceLanes;
   throw Error(ErrorCode::OutOfMemory,
               std::string(slice.is_sharp ? "the points beside sharp edges" : "a face's points") +
                   " span " + std::to_string(most * static_cast<std::int64_t>(kStepPointBytes)) +
@@ -84,7 +85,7 @@ void cut_faces(const MeshTopology& topology, const PatchLimits& limits,
     StepSlice longer = slice;
     longer.points = longer.corners = slice.points.joined(face.points);
     longer.vertices = slice.vertices.joined(face.vertices);
-    if (slice.points.count > 0 && !fits(longer, limits)) {
+    if (slice.points.count > 0 && !slice_fits(longer, limits)) {
       slices.push_back(slice);
       longer = face;
       longer.corners = face.points;

@@ -1,0 +1,246 @@
+// Surfaces by corner patches in single precision on a device, against the same in double.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
+#include <iostream>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/mesh/placement.h"
+#include "planish/patches/first_step.h"
+#include "planish/surface/evaluate.h"
+#include "planish/vulkan/backend/vulkan_machine.h"
+#include "planish/vulkan/evaluate/gpu_first_step.h"
+#include "planish/vulkan/host/surface_records.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+#include "vulkan/embedding_fixture.h"
+#include "vulkan/tables.h"
+
+namespace planish::testing {
+namespace {
+
+using namespace vulkan;
+
+class VulkanPatches : public VulkanTest {};
+
+/// As a device is given them. (GCC 12 at -O2 leaves out a conversion to float and back that does
+/// not pass through memory.)
+std::vector<glm::dvec3> through_floats(const std::vector<glm::dvec3>& points) {
+  const std::vector<glm::vec3> floats(points.begin(), points.end());
+  return {floats.begin(), floats.end()};
+}
+
+/// Largest differences, positions in parts of the diagonal, normals in radians.
+struct Off {
+  double position = 0, normal = 0;
+};
+
+Off off_by(const SurfaceMesh& a, const SurfaceMesh& b, double diagonal) {
+  Off result;
+  if (a.positions.size() != b.positions.size() || a.face_vertices != b.face_vertices)
+    return {HUGE_VAL, HUGE_VAL};
+  const auto grow = [](double& largest, double value) {
+    if (!(value <= largest)) largest = value;
+  };
+  for (std::size_t i = 0; i < a.positions.size(); ++i) {
+    grow(result.position, glm::distance(a.positions[i], b.positions[i]) / diagonal);
+    grow(result.normal, glm::distance(a.normals[i], b.normals[i]));
+  }
+  return result;
+}
+
+/// Every kind of patch: valences 3 to 8, faces of 3 to 9 corners, boundaries, creases, darts,
+/// corners of all sectors, tagged vertices, holes.
+std::vector<test::NamedMesh> meshes_of_all_kinds() {
+  std::vector<test::NamedMesh> meshes = {{"cube", test::cube()},
+                                         {"icosphere", test::icosphere(2)},
+                                         {"torus", test::torus(12, 7, 2, 0.7)}};
+  for (std::uint32_t seed = 1; seed < 5; ++seed) {
+    const std::string name = std::to_string(seed);
+    meshes.push_back({"closed " + name, test::random_closed_mesh(seed)});
+    meshes.push_back(
+        {"creases " + name, test::with_random_creases(test::random_closed_mesh(seed), 0.2, seed)});
+    meshes.push_back(
+        {"open " + name, test::with_random_creases(test::random_open_mesh(seed), 0.1, seed)});
+    PolygonMesh holed = meshes.back().mesh;
+    holed.hole_faces = {2, 5, holed.face_count() - 1};
+    meshes.push_back({"holes " + name, holed});
+  }
+  return meshes;
+}
+
+TEST_F(VulkanPatches, SurfacesAreTheCpus) {
+  const auto cpu = make_cpu_backend();
+  for (const VulkanReads reads : {VulkanReads::TexelBuffers, VulkanReads::StorageBuffers}) {
+    VulkanBackendOptions device;
+    device.reads = reads;
+    const auto vulkan = make_backend(device);
+    for (const test::NamedMesh& mesh : meshes_of_all_kinds())
+      for (const Weights weights : {Weights::DooSabin, Weights::Averaged})
+        for (int level = 0; level < 5; ++level) {
+          const EvaluateOptions options{.level = level, .weights = weights};
+          const Off found =
+              off_by(evaluate(mesh.mesh, *vulkan, options), evaluate(mesh.mesh, *cpu, options),
+                     placement_of(mesh.mesh).diagonal);
+          EXPECT_LT(found.position, 1e-7) << mesh.name << " " << level;
+          EXPECT_LT(found.normal, 2e-5) << mesh.name << " " << level;
+        }
+  }
+}
+
+TEST_F(VulkanPatches, SlicesChangeNothing) {
+  VulkanBackendOptions by_range, by_groups;
+  by_range.max_storage_bytes = 1 << 16;
+  by_groups.max_work_groups = 4;
+  for (const test::NamedMesh& mesh : meshes_of_all_kinds())
+    for (const int level : {0, 2, 3}) {
+      const EvaluateOptions options{.level = level};
+      const SurfaceMesh expected = evaluate(mesh.mesh, *make_backend(), options);
+      for (const VulkanBackendOptions& low : {by_range, by_groups}) {
+        const SurfaceMesh sliced = evaluate(mesh.mesh, *make_backend(low), options);
+        EXPECT_EQ(sliced.positions, expected.positions) << mesh.name << " " << level;
+        EXPECT_EQ(sliced.normals, expected.normals) << mesh.name << " " << level;
+      }
+    }
+}
+
+TEST_F(VulkanPatches, BothSidesOfACutLieAtOnePlace) {
+  const PolygonMesh mesh = test::with_random_creases(test::random_closed_mesh(2), 0.3, 2);
+  const SurfaceMesh surface = evaluate(mesh, *make_backend(), {.level = 3});
+  SystemOptions options;
+  options.level = 3;
+  const System system(mesh, options);
+  const auto copied = system.copied_vertices();
+  ASSERT_EQ(copied.size(), surface.positions.size());
+  int copies = 0;
+  for (std::size_t i = 0; i < copied.size(); ++i) {
+    if (static_cast<std::size_t>(copied[i]) == i) continue;
+    ++copies;
+    EXPECT_EQ(surface.positions[i], surface.positions[copied[i]]) << i;
+  }
+  EXPECT_GT(copies, 20);
+}
+
+class EmbedPatches : public Embedding {
+ protected:
+  /// One frame of a System against the CPU's surface of the same points, in units of the model.
+  Off frame_against_cpu(const PolygonMesh& mesh, const SystemOptions& options) {
+    HostTopology topology(*context_, mesh, options);
+    topology.upload(*submitter_);
+    HostFrame frame(*context_, topology);
+    const std::vector<Vertex> found = run(frame, mesh, iterations(60)),
+                              expected = surface_by_cpu(mesh, mesh, options);
+    if (found.size() != expected.size()) return {HUGE_VAL, HUGE_VAL};
+    Off result;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      result.position =
+          std::max<double>(result.position, glm::distance(found[i].position, expected[i].position));
+      if (found[i].normal == glm::vec3(0.0f)) continue;  // the CPU has a facet's
+      result.normal =
+          std::max<double>(result.normal, glm::distance(found[i].normal, expected[i].normal));
+    }
+    return result;
+  }
+};
+
+TEST_F(EmbedPatches, AllLevelsAndWeights) {
+  const PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(5), 0.15, 6);
+  for (const Weights weights : {Weights::DooSabin, Weights::Averaged})
+    for (int level = 0; level < 6; ++level) {
+      SystemOptions options;
+      options.level = level;
+      options.weights = weights;
+      const Off found = frame_against_cpu(mesh, options);
+      EXPECT_LT(found.position, 4e-6) << level;
+      EXPECT_LT(found.normal, 1e-4) << level;
+    }
+}
+
+TEST_F(EmbedPatches, NormalsKeepTheirDigitsFarFromTheOrigin) {
+  PolygonMesh mesh = test::icosphere(4);
+  for (glm::dvec3& p : mesh.positions) p += glm::dvec3(10, -20, 30);
+  mesh.positions = through_floats(mesh.positions);
+  HostTopology topology(*context_, mesh);
+  topology.upload(*submitter_);
+  HostFrame frame(*context_, topology);
+  // Of the given points as a cage, so that no solve blurs what is compared.
+  const std::vector<Vertex> found = run(frame, mesh, iterations(0));
+  const SurfaceMesh expected = evaluate(mesh, *make_cpu_backend(), {.level = 2});
+  ASSERT_EQ(found.size(), expected.positions.size());
+  double position = 0, normal = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    position =
+        std::max(position, glm::distance(glm::dvec3(found[i].position), expected.positions[i]));
+    normal = std::max<double>(normal, glm::distance(found[i].normal, expected.normals[i]));
+  }
+  EXPECT_LT(position, 4e-6);  // rounded once
+  // Edges are 0.07 long: points of level 1 rounded to 2e-6 would turn normals by 1e-4.
+  EXPECT_LT(normal, 2e-6);
+}
+
+TEST_F(EmbedPatches, FirstStepsAreTheCpus) {
+  for (const test::NamedMesh& named : meshes_of_all_kinds()) {
+    PolygonMesh mesh = named.mesh;
+    mesh.hole_faces.clear();
+    const Placement placement = placement_of(mesh);
+    for (glm::dvec3& p : mesh.positions) p = placement.to_unit(p) + glm::dvec3(30);
+    mesh.positions = through_floats(mesh.positions);
+    const System system(mesh);
+    const SurfaceRecords& surface = system.surface_records();
+    VulkanMachine machine(device_options(), {});
+    const PatchLimits limits = patch_limits(machine.context, 24);
+    const PatchRecords patches = patch_records(surface.patches, limits);
+    const StepRecords step =
+        step_records(surface.patch_mesh, surface.weights, surface.sharp_rows->view(), limits);
+    const PatchTables patch_tables(machine.context, patches, surface.patch_mesh.state_size());
+    const StepTables step_tables(machine.context, step);
+    const auto upload = [&](const Buffer& buffer, std::span<const std::byte> bytes) {
+      machine.submitter.upload({buffer.handle(), 0, bytes.size()}, bytes);
+    };
+    patch_tables.for_each(patches, upload);
+    step_tables.for_each(step, upload);
+    const std::vector<glm::dvec3> moved = through_floats(random_points(mesh.vertex_count()));
+    std::vector<glm::vec4> given_texels, moved_texels;
+    for (std::size_t v = 0; v < moved.size(); ++v) {
+      given_texels.emplace_back(glm::vec3(mesh.positions[v]), 0);
+      moved_texels.emplace_back(glm::vec3(moved[v]), 0);
+    }
+    const std::size_t bytes = moved.size() * sizeof(glm::vec4);
+    const Buffer given_buffer(machine.context, bytes, MemoryUse::Device);
+    const Buffer moved_buffer(machine.context, bytes, MemoryUse::Device);
+    upload(given_buffer, std::as_bytes(std::span(given_texels)));
+    upload(moved_buffer, std::as_bytes(std::span(moved_texels)));
+    const GpuFirstStep gpu(machine.context, patch_tables, step_tables, given_buffer, moved_buffer);
+    machine.submitter.run([&](VkCommandBuffer commands) { gpu.record(commands); });
+    const std::vector<glm::dvec3> found = machine.download_points(
+        gpu.state(), static_cast<std::size_t>(surface.patch_mesh.state_size()));
+
+    std::vector<glm::dvec3> cage = mesh.positions;
+    for (std::size_t v = 0; v < moved.size(); ++v) cage[v] += moved[v];
+    const auto expected = first_step(surface.patch_mesh, surface.weights, cage);
+    const std::vector<std::int32_t> owners = state_owners(surface.patch_mesh);
+    double largest = 0;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      largest = std::max(largest, glm::distance(found[i], expected[i] - mesh.positions[owners[i]]));
+    // Points are 30 from the origin, of which single precision keeps 2e-6.
+    EXPECT_LT(largest, 2e-7) << named.name;
+  }
+}
+
+TEST_F(EmbedPatches, TablesAreSmall) {
+  for (const PolygonMesh& mesh : {test::torus(259, 25, 2, 0.7), test::icosphere(5)}) {
+    const System system(mesh);
+    const DeviceSystem device(*context_, system);
+    const double share = 6475.0 / double(mesh.positions.size());
+    EXPECT_LT(double(device.device_bytes()) * share, 1.5e6) << mesh.positions.size();
+    std::cout << "  " << mesh.positions.size() << " points, level 2: " << device.device_bytes()
+              << " bytes\n";
+  }
+}
+
+}  // namespace
+}  // namespace planish::testing
