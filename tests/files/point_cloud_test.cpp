@@ -1,4 +1,5 @@
 #include "planish/mesh/point_cloud.h"
+#include "planish/files/mesh_file.h"
 #include "planish/files/read_points.h"
 
 #include <gmock/gmock.h>
@@ -7,6 +8,7 @@
 #include <bit>
 #include <random>
 
+#include "files/gltf/glb_bytes.h"
 #include "mesh/test_meshes.h"
 #include "support/expect_error.h"
 
@@ -18,7 +20,7 @@ using testing::ElementsAre;
 TEST(PointCloud, KnowsFormatsByExtension) {
   EXPECT_EQ(format_of("a/b.PCD"), FileFormat::Pcd);
   EXPECT_EQ(format_of("b.pts"), FileFormat::Pts);
-  EXPECT_FALSE(serves(format_of("b.obj").value(), FormatUse::ReadPoints));
+  EXPECT_FALSE(serves(format_of("b.stl").value(), FormatUse::ReadPoints));
   EXPECT_EQ(name_of(FileFormat::Xyz), "xyz");
 }
 
@@ -28,6 +30,62 @@ TEST(PointCloud, ReadsPlyWithoutFaces) {
       "property double z\nproperty float nx\nend_header\n0.1 2 3 0\n4 5 6 1\n";
   EXPECT_THAT(read_points(test::bytes_of(text), "a.ply", FileFormat::Ply).points,
               ElementsAre(glm::dvec3(0.1, 2, 3), glm::dvec3(4, 5, 6)));
+}
+
+TEST(PointCloud, ReadsTheVerticesOfMeshFormats) {
+  EXPECT_THAT(
+      read_points(test::bytes_of("v 0.1 2 3\nv 4 5 6 0.5 0.5 0.5\n"), "a.obj", FileFormat::Obj)
+          .points,
+      ElementsAre(glm::dvec3(0.1, 2, 3), glm::dvec3(4, 5, 6)));
+  EXPECT_THAT(
+      read_points(test::bytes_of("OFF\n2 0 0\n0.1 2 3\n4 5 6\n"), "a.off", FileFormat::Off).points,
+      ElementsAre(glm::dvec3(0.1, 2, 3), glm::dvec3(4, 5, 6)));
+}
+
+TEST(PointCloud, ReadsPrimitivesOfPointsWhereNothingElseIs) {
+  using namespace test;
+  const auto points_of = [](const std::string& primitive) {
+    const std::string json =
+        replaced(square_json(), "{\"attributes\":{\"POSITION\":0},\"indices\":1}", primitive);
+    return read_mesh(
+        bytes_of(glb_of(replaced(json, "{\"mesh\":0}", "{\"mesh\":0,\"translation\":[0,0,5]}"),
+                        square_chunk())),
+        "a.glb", FileFormat::Glb);
+  };
+  const MeshFile points = points_of("{\"attributes\":{\"POSITION\":0},\"mode\":0}");
+  EXPECT_THAT(points.mesh.positions, ElementsAre(glm::dvec3(0, 0, 5), glm::dvec3(1, 0, 5),
+                                                 glm::dvec3(1, 1, 5), glm::dvec3(0, 1, 5)));
+  EXPECT_EQ(points.mesh.face_count(), 0);
+  const MeshFile both = points_of(
+      "{\"attributes\":{\"POSITION\":0},\"mode\":0},"
+      "{\"attributes\":{\"POSITION\":0},\"indices\":1}");
+  EXPECT_EQ(both.mesh.positions.size(), 4u);
+  EXPECT_EQ(both.mesh.face_count(), 2);
+  EXPECT_EQ(both.dropped_element_count, 1);
+}
+
+TEST(TextEncoding, Utf8MarksAreSkippedAndUtf16IsRefusedByName) {
+  const std::string mark = "\xEF\xBB\xBF";
+  for (const auto& [text, format] :
+       {std::pair("v 1 2 3\n", FileFormat::Obj), std::pair("OFF\n1 0 0\n1 2 3\n", FileFormat::Off),
+        std::pair("1 2 3\n", FileFormat::Xyz), std::pair("1\n1 2 3\n", FileFormat::Pts)}) {
+    EXPECT_THAT(read_points(test::bytes_of(mark + text), "a", format).points,
+                ElementsAre(glm::dvec3(1, 2, 3)));
+    std::string little, big;
+    for (const char c : std::string(text)) {
+      little += {c, '\0'};
+      big += {'\0', c};
+    }
+    for (const std::string& wide : {"\xFF\xFE" + little, "\xFE\xFF" + big, little, big}) {
+      EXPECT_THAT(test::message_of(ErrorCode::UnreadableInput,
+                                   [&] { (void)read_points(test::bytes_of(wide), "a", format); }),
+                  testing::HasSubstr("a: is text of UTF-16; save it as UTF-8"));
+    }
+  }
+  EXPECT_EQ(read_mesh(test::bytes_of(mark + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "a.obj",
+                      FileFormat::Obj)
+                .mesh.face_count(),
+            1);
 }
 
 TEST(PointCloud, RefusesCoordinatesThatOverflowWhenSquared) {

@@ -1,69 +1,61 @@
 #include "render_mesh.h"
 
-#include <tiny_gltf.h>
-
-#include <cstring>
+#include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "planish/core/error.h"
-#include "planish/files/mesh_file.h"
+#include "planish/files/gltf/glb_parts.h"
+#include "planish/files/gltf/gltf_accessor.h"
 #include "planish/files/read_file.h"
 
 namespace planish::render {
 namespace {
 
-template <class Value>
-std::vector<Value> values_of(const tinygltf::Model& model, const tinygltf::Accessor& accessor) {
-  const auto& view = model.bufferViews.at(accessor.bufferView);
-  const auto& bytes = model.buffers.at(view.buffer).data;
-  const std::size_t size = accessor.count * sizeof(Value);
-  if (accessor.byteOffset != 0 || view.byteLength < size || view.byteOffset > bytes.size() ||
-      bytes.size() - view.byteOffset < size) {
-    throw std::out_of_range("accessor");
+// Appends a primitive of triangles.
+void add_primitive(const JsonPlace& root, const JsonPlace& primitive, GltfSource& source,
+                   RenderMesh& mesh) {
+  const auto accessor = [&](const JsonPlace& place, GltfAccessor::Use use) {
+    return GltfAccessor(root, place.integer(), use, source);
+  };
+  const JsonPlace attributes = primitive["attributes"];
+  const GltfAccessor positions = accessor(attributes["POSITION"], GltfAccessor::Use::Positions);
+  // Vectors of three as well.
+  const GltfAccessor normals = accessor(attributes["NORMAL"], GltfAccessor::Use::Positions);
+  const GltfAccessor indices = accessor(primitive["indices"], GltfAccessor::Use::Indices);
+  if (normals.count() != positions.count())
+    attributes["NORMAL"].fail(std::to_string(normals.count()) + " normals for " +
+                              std::to_string(positions.count()) + " vertices");
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (std::int64_t i = 0; i < positions.count(); ++i) {
+    mesh.positions.emplace_back(positions.position(i));
+    mesh.normals.push_back(glm::normalize(glm::vec3(normals.position(i))));
   }
-  std::vector<Value> values(accessor.count);
-  std::memcpy(values.data(), bytes.data() + view.byteOffset, size);
-  return values;
-}
-
-RenderMesh mesh_of(const tinygltf::Model& model) {
-  const auto& primitive = model.meshes.at(0).primitives.at(0);
-  RenderMesh mesh;
-  mesh.positions =
-      values_of<glm::vec3>(model, model.accessors.at(primitive.attributes.at("POSITION")));
-  mesh.normals = values_of<glm::vec3>(model, model.accessors.at(primitive.attributes.at("NORMAL")));
-  const auto& indices = model.accessors.at(primitive.indices);
-  if (indices.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
-    const auto narrow = values_of<std::uint16_t>(model, indices);
-    mesh.indices.assign(narrow.begin(), narrow.end());
-  } else {
-    mesh.indices = values_of<std::uint32_t>(model, indices);
+  for (std::int64_t i = 0; i < indices.count(); ++i) {
+    if (indices.index(i) >= positions.count())
+      primitive["indices"].fail("entry " + std::to_string(i) + " names no vertex");
+    mesh.indices.push_back(first + indices.index(i));
   }
-  for (const std::uint32_t index : mesh.indices) (void)mesh.positions.at(index);
-  if (mesh.normals.size() != mesh.positions.size() || mesh.indices.empty()) {
-    throw std::out_of_range("mesh");
-  }
-  return mesh;
 }
 
 }  // namespace
 
 RenderMesh read_glb(const std::filesystem::path& path) {
   const RawVector<std::byte> bytes = read_file(path);
-  tinygltf::Model model;
-  std::string error, warning;
-  const bool read = tinygltf::TinyGLTF().LoadBinaryFromMemory(
-      &model, &error, &warning, reinterpret_cast<const unsigned char*>(bytes.data()),
-      static_cast<unsigned>(bytes.size()));
-  if (!read) throw Error(ErrorCode::UnreadableInput, path.string() + ": " + error);
-  try {
-    return mesh_of(model);
-  } catch (const std::out_of_range&) {
-    throw Error(ErrorCode::UnreadableInput,
-                path.string() + ": not laid out as planish writes surfaces; run planish fit");
-  }
+  const std::string name = path.string();
+  const GlbParts parts = split_glb(bytes, name);
+  const nlohmann::json document = parse_json(parts.json, name);
+  const JsonPlace root(document, name, "");
+  GltfSource source(root, parts.chunk, std::nullopt);
+  RenderMesh mesh;
+  const JsonPlace primitives = root["meshes"][0]["primitives"];
+  for (std::int64_t i = 0; i < primitives.array_size(); ++i)
+    add_primitive(root, primitives[i], source, mesh);
+  if (mesh.indices.empty()) primitives.fail("holds no triangles");
+  return mesh;
 }
 
 std::vector<float> curvature_of(const RenderMesh& mesh) {

@@ -13,7 +13,8 @@ struct RenderMesh {
   std::vector<std::uint32_t> indices;
 };
 
-/// The first mesh of a GLB that planish wrote. Throws Error{UnreadableInput} for anything else.
+/// The first mesh of a GLB that planish wrote, compressed or not, in the coordinates of its
+/// accessors. Throws Error{UnreadableInput} for anything else.
 [[nodiscard]] RenderMesh read_glb(const std::filesystem::path& path);
 
 /// How fast the normal turns at each vertex, in radians over the bounding-box diagonal: the mean

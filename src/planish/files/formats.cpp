@@ -29,20 +29,32 @@ auto from_bytes(const FileBytes& file) {
   return read(file.bytes, file.name);
 }
 
+// The vertices of what a reader of meshes finds.
+template <auto read>
+PointCloud vertices_of(const FileBytes& file) {
+  MeshFile found = read(file);
+  PointCloud cloud = cloud_of(std::move(found.mesh.positions), file.name);
+  cloud.warnings = std::move(found.warnings);
+  return cloud;
+}
+
 constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .name = "glb",
                                          .title = "binary glTF 2.0",
                                          .read_mesh = read_gltf,
+                                         .read_points = vertices_of<read_gltf>,
                                          .is_gltf = true},
                               FormatInfo{.format = FileFormat::Gltf,
                                          .name = "gltf",
                                          .title = "glTF 2.0",
                                          .read_mesh = read_gltf,
+                                         .read_points = vertices_of<read_gltf>,
                                          .is_gltf = true},
                               FormatInfo{.format = FileFormat::Obj,
                                          .name = "obj",
                                          .title = "Wavefront OBJ",
                                          .read_mesh = from_bytes<read_obj>,
+                                         .read_points = vertices_of<from_bytes<read_obj>>,
                                          .write_piece = write_obj,
                                          .polygon_parts = is_obj_part,
                                          .keeps_doubles = true,
@@ -59,6 +71,7 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .name = "off",
                                          .title = "Object File Format",
                                          .read_mesh = from_bytes<read_off>,
+                                         .read_points = vertices_of<from_bytes<read_off>>,
                                          .write_piece = write_off,
                                          .polygon_parts = is_off_part,
                                          .keeps_doubles = true},

@@ -3,6 +3,7 @@
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
+#include "planish/files/sniff_format.h"
 #include "planish/files/write_polygons.h"
 
 namespace planish {
@@ -17,7 +18,7 @@ MeshFile read_mesh(const FileBytes& file, FileFormat format) {
                                                 std::string(info.name) +
                                                 " holds points, and a polygon mesh is wanted");
   }
-  return info.read_mesh(file);
+  return info.read_mesh(utf8_file(file, format));
 }
 
 MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, FileFormat format) {

@@ -3,18 +3,24 @@
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
+#include "planish/files/sniff_format.h"
 
 namespace planish {
 
-PointCloud read_points(std::span<const std::byte> bytes, std::string_view name, FileFormat format) {
+PointCloud read_points(const FileBytes& file, FileFormat format) {
   const FormatInfo& info = info_of(format);
   if (!info.read_points) {
-    throw Error(ErrorCode::InvalidArgument, std::string(name) + ": ." + std::string(info.name) +
-                                                " holds no points by themselves");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        std::string(file.name) + ": ." + std::string(info.name) + " holds no points by themselves");
   }
-  PointCloud cloud = info.read_points({.bytes = bytes, .name = name, .path = {}});
+  PointCloud cloud = info.read_points(utf8_file(file, format));
   recentre(cloud);
   return cloud;
+}
+
+PointCloud read_points(std::span<const std::byte> bytes, std::string_view name, FileFormat format) {
+  return read_points(FileBytes{.bytes = bytes, .name = name, .path = {}}, format);
 }
 
 PointCloud read_points(const std::filesystem::path& path) {
@@ -24,7 +30,9 @@ PointCloud read_points(const std::filesystem::path& path) {
                                                 ": the extension names no format of points (" +
                                                 names_of(FormatUse::ReadPoints) + ")");
   }
-  return read_points(read_file(path), visible(path), *format);
+  const RawVector<std::byte> bytes = read_file(path);
+  const std::string name = visible(path);
+  return read_points(FileBytes{.bytes = bytes, .name = name, .path = path}, *format);
 }
 
 }  // namespace planish

@@ -12,10 +12,14 @@ namespace planish {
 
 /// Reads points from memory; `name` stands in messages. Positions are finite and at most
 /// kMaxCoordinate in what is returned; colours, normals and whatever else stands there are passed
-/// over. A .ply may hold a mesh as well. Throws Error{UnreadableInput}: `name:line: what, value` or
+/// over. Of formats that hold meshes too, these are the vertices, of glTF those of its primitives
+/// of points where it has no triangles. Throws Error{UnreadableInput}: `name:line: what, value` or
 /// `name: point 12 of 345: ...`; Error{InvalidArgument} for a format without points.
 [[nodiscard]] PointCloud read_points(std::span<const std::byte> bytes, std::string_view name,
                                      FileFormat format);
+
+/// The same, with what a glTF names beside it where `file` has a path.
+[[nodiscard]] PointCloud read_points(const FileBytes& file, FileFormat format);
 
 /// Reads a file by its extension. Throws as above.
 [[nodiscard]] PointCloud read_points(const std::filesystem::path& path);

@@ -4,13 +4,16 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <string_view>
 
+#include "planish/core/error.h"
 #include "planish/core/number_text.h"
 
 namespace planish {
 namespace {
 
+constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
 constexpr std::string_view kBlanks = " \t\r\n\f\v";
 
 std::string_view trimmed(std::string_view text) {
@@ -77,7 +80,7 @@ std::optional<FileFormat> sniff_format(std::span<const std::byte> bytes) {
                         std::min(bytes.size(), kLooked));
   if (text.starts_with("glTF")) return FileFormat::Glb;
   if (is_binary_stl(bytes)) return FileFormat::Stl;
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (text.starts_with(kUtf8Mark)) text.remove_prefix(kUtf8Mark.size());
   const std::string_view line = first_line(text);
   if (line.empty()) return std::nullopt;
   const std::string_view word = first_word(line);
@@ -88,6 +91,30 @@ std::optional<FileFormat> sniff_format(std::span<const std::byte> bytes) {
   if (is_off_word(word)) return FileFormat::Off;
   if (is_obj_word(word)) return FileFormat::Obj;
   return numbers_format(line);
+}
+
+void refuse_utf16(std::span<const std::byte> bytes, std::string_view name) {
+  if (bytes.size() < 4 || is_binary_stl(bytes)) return;
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned>(bytes[i]); };
+  const auto is_text = [&](std::size_t i) { return byte(i) >= 9 && byte(i) < 127; };
+  const bool has_mark =
+      (byte(0) == 0xff && byte(1) == 0xfe) || (byte(0) == 0xfe && byte(1) == 0xff);
+  const bool has_zeros = (is_text(0) && is_text(2) && byte(1) == 0 && byte(3) == 0) ||
+                         (is_text(1) && is_text(3) && byte(0) == 0 && byte(2) == 0);
+  if (has_mark || has_zeros)
+    throw Error(ErrorCode::UnreadableInput, std::string(name) +
+                                                ": is text of UTF-16; save it as UTF-8 (iconv -f "
+                                                "UTF-16 -t UTF-8)");
+}
+
+FileBytes utf8_file(const FileBytes& file, FileFormat format) {
+  if (format == FileFormat::Stl && is_binary_stl(file.bytes)) return file;
+  refuse_utf16(file.bytes, file.name);
+  FileBytes text = file;
+  const std::string_view start(reinterpret_cast<const char*>(file.bytes.data()),
+                               std::min(file.bytes.size(), kUtf8Mark.size()));
+  if (start == kUtf8Mark) text.bytes = file.bytes.subspan(kUtf8Mark.size());
+  return text;
 }
 
 }  // namespace planish

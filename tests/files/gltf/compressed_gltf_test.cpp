@@ -10,9 +10,11 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "files/gltf/read_square.h"
 #include "files/gltf/surfaces.h"
+#include "planish/core/error.h"
 #include "planish/files/gltf/packed_numbers.h"
 #include "planish/files/gltf/strip_order.h"
 #include "planish/files/gltf/write_gltf.h"
@@ -236,6 +238,27 @@ TEST(ReadMeshopt, SizesAreBoundedBeforeMemoryIsTaken) {
               HasSubstr("3 is neither 2 nor 4"));
   EXPECT_THAT(error_with("\"byteStride\":12,\"count\":4,\"mode\":\"LINES\""),
               HasSubstr("`LINES` is not ATTRIBUTES, TRIANGLES or INDICES"));
+}
+
+TEST(ReadMeshopt, DamagedFilesAreReadOrRefused) {
+  SurfaceMesh surface = test::two_charts();
+  surface.colors.assign(surface.positions.size(), glm::vec4(0.5f));
+  const auto good = encode_glb(surface, with(GltfCompression::Meshopt, 1e-4));
+  std::mt19937 random(5);
+  int refused = 0;
+  for (int round = 0; round < 20000; ++round) {
+    auto bytes = good;
+    for (unsigned i = random() % 3; i < 3; ++i)
+      bytes[12 + random() % (bytes.size() - 12)] = static_cast<std::byte>(random());
+    try {
+      const PolygonMesh mesh = read_back(bytes);
+      for (const std::int32_t vertex : mesh.face_vertices) ASSERT_LT(vertex, mesh.vertex_count());
+    } catch (const Error& error) {
+      ASSERT_EQ(error.code(), ErrorCode::UnreadableInput);
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 1000);
 }
 
 }  // namespace

@@ -42,6 +42,7 @@ RawVector<std::byte> read_stdin() {
 FileFormat settled_format(const InputFile& file, std::optional<FileFormat> format) {
   if (format) return *format;
   if (const auto named = format_of(file.path)) return *named;
+  refuse_utf16(file.bytes, file.name);
   if (const auto sniffed = sniff_format(file.bytes)) return *sniffed;
   throw Error(ErrorCode::UnreadableInput,
               file.name + ": neither name nor content is that of a format that is read (" +

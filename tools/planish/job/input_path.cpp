@@ -131,7 +131,9 @@ void require_input(const std::string& path, std::optional<FileFormat> format) {
   if (::access(path.c_str(), R_OK) != 0)
     throw Error(ErrorCode::UnreadableInput, shown + ": cannot read: " + std::strerror(errno));
   const std::string converter = conversion_to_readable(path);
-  if (!format && !format_of(path) && !converter.empty())
+  const auto named = format_of(path);
+  const bool is_read = named && serves(*named, FormatUse::Read);
+  if (!format && !is_read && !converter.empty())
     throw Error(ErrorCode::InvalidArgument,
                 shown + ": " + std::string(foreign_format(path)->title) + " is not read (" +
                     names_of(FormatUse::Read) + " are); " + converter);

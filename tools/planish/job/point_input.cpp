@@ -27,14 +27,16 @@ PointInput points_of(const InputFile& file) {
                                                 " is no format of points (" +
                                                 names_of(FormatUse::ReadPoints) + " are)");
   return {.name = file.name,
-          .cloud = read_points(file.bytes, file.name, file.format),
+          .cloud = read_points(FileBytes{.bytes = file.bytes, .name = file.name, .path = file.path},
+                               file.format),
           .sha256 = file.sha256(),
           .format = file.format};
 }
 
 std::optional<PointInput> points_of(const Input& input) {
   const PolygonMesh& mesh = input.file.mesh;
-  if (input.file.format != FileFormat::Ply || mesh.face_count() > 0 || mesh.positions.empty())
+  if (!serves(input.file.format, FormatUse::ReadPoints) || mesh.face_count() > 0 ||
+      mesh.positions.empty())
     return std::nullopt;
   return PointInput{
       .name = input.name, .cloud = cloud_of(mesh.positions, input.name), .sha256 = input.sha256};

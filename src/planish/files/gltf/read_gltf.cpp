@@ -11,12 +11,12 @@
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
+#include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/gltf_accessor.h"
 #include "planish/files/gltf/gltf_nodes.h"
 #include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/json_place.h"
 #include "planish/files/shared/attribute_collector.h"
-#include "planish/files/shared/bytes.h"
 #include "planish/files/shared/weld.h"
 
 namespace planish {
@@ -33,55 +33,8 @@ constexpr std::array<std::string_view, 6> kHarmlessExtensions = {
     "KHR_materials_", "KHR_texture_",          "EXT_texture_",
     "KHR_lights_",    "KHR_mesh_quantization", "EXT_meshopt_compression"};
 
-struct GltfFileParts {
-  std::string_view json;
-  std::span<const std::byte> chunk;
-  FileFormat format = FileFormat::Gltf;
-};
-
 bool is_finite(const glm::dvec3& position) {
   return std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
-}
-
-std::string_view text_of(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-GltfFileParts split_glb(std::span<const std::byte> bytes, std::string_view name) {
-  constexpr std::size_t kHeader = 12, kChunkHeader = 8;
-  constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
-  const auto fail = [&](const std::string& what) {
-    throw Error(ErrorCode::UnreadableInput, std::string(name) + ": " + what);
-  };
-  if (!text_of(bytes).starts_with("glTF")) {
-    // After blanks, or a byte order mark.
-    const std::size_t first = text_of(bytes).find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-    if (first == std::string_view::npos || text_of(bytes)[first] != '{')
-      fail("is no glTF: it starts neither with glTF nor with {");
-    return {.json = text_of(bytes), .chunk = {}};
-  }
-  if (bytes.size() < kHeader + kChunkHeader)
-    fail("a GLB begins with 20 bytes, but the file has " + std::to_string(bytes.size()));
-  const auto version = load<std::uint32_t>(bytes.subspan(4));
-  if (version != 2) fail("GLB version " + std::to_string(version) + " is not 2");
-  const auto length = load<std::uint32_t>(bytes.subspan(8));
-  if (length > bytes.size() || length < kHeader)
-    fail("header promises " + std::to_string(length) + " bytes, but the file has " +
-         std::to_string(bytes.size()));
-  GltfFileParts parts{.json = {}, .chunk = {}, .format = FileFormat::Glb};
-  std::span<const std::byte> left = bytes.subspan(kHeader, length - kHeader);
-  for (int index = 0; left.size() >= kChunkHeader; ++index) {
-    const auto size = load<std::uint32_t>(left);
-    const auto type = load<std::uint32_t>(left.subspan(4));
-    if (size > left.size() - kChunkHeader)
-      fail("chunk " + std::to_string(index) + " promises " + std::to_string(size) +
-           " bytes, but only " + std::to_string(left.size() - kChunkHeader) + " follow");
-    if (index == 0 && type != kJson) fail("the first chunk is not JSON");
-    if (index == 0) parts.json = text_of(left.subspan(kChunkHeader, size));
-    if (index == 1 && type == kBinary) parts.chunk = left.subspan(kChunkHeader, size);
-    left = left.subspan(kChunkHeader + size);
-  }
-  return parts;
 }
 
 class SceneReader {
@@ -93,6 +46,11 @@ class SceneReader {
     for (const GltfInstance& instance : gltf_instances(root_)) read_instance(instance);
     file_.format = format;
     triangles_.finish(welder_, file_);
+    if (file_.mesh.face_count() == 0 && !points_.empty()) {
+      file_.mesh.positions = std::move(points_);
+    } else {
+      file_.dropped_element_count += point_primitive_count_;
+    }
     attributes_.finish(std::move(uvs_), file_.mesh);
     if (deformed_count_ > 0)
       file_.warnings.push_back({.code = "ignored-deformation",
@@ -106,6 +64,7 @@ class SceneReader {
   void require_version();
   void read_instance(const GltfInstance& instance);
   void read_primitive(const JsonPlace& primitive, const GltfInstance& instance);
+  void read_point_primitive(const JsonPlace& primitive, const GltfInstance& instance);
   void read_attributes(const JsonPlace& primitive, std::int64_t vertex_count);
   void color_vertices(const JsonPlace& attribute, const std::vector<std::int32_t>& vertices,
                       const std::vector<std::int32_t>& corners);
@@ -120,10 +79,12 @@ class SceneReader {
   Welder welder_;
   TriangleCollector triangles_;
   AttributeCollector attributes_;
+  std::vector<glm::dvec3> points_;  // of primitives of points
   std::vector<glm::dvec2> uvs_;
   std::int64_t first_uv_ = -1;  // of the current primitive; -1: it has none
   MeshFile file_;
-  std::int64_t deformed_count_ = 0, primitive_count_ = 0, corner_count_ = 0;
+  std::int64_t deformed_count_ = 0, point_primitive_count_ = 0, primitive_count_ = 0,
+               corner_count_ = 0;
   // By vertex of the current primitive: its welded vertex, valid where the stamp is the current.
   std::vector<std::int32_t> welded_vertices_;
   std::vector<std::int64_t> stamps_;
@@ -156,10 +117,11 @@ void SceneReader::read_instance(const GltfInstance& instance) {
 }
 
 void SceneReader::read_primitive(const JsonPlace& primitive, const GltfInstance& instance) {
-  constexpr std::int64_t kTriangles = 4, kFan = 6;
+  constexpr std::int64_t kPoints = 0, kTriangles = 4, kFan = 6;
   const std::int64_t mode = primitive.integer_or("mode", kTriangles);
   if (mode > kFan) primitive["mode"].fail(std::to_string(mode) + " is no mode of primitives");
   const auto position = primitive["attributes"].find("POSITION");
+  if (mode == kPoints && position) return read_point_primitive(primitive, instance);
   if (mode < kTriangles || !position) {
     ++file_.dropped_element_count;
     return;
@@ -248,20 +210,39 @@ void SceneReader::color_vertices(const JsonPlace& attribute,
   }
 }
 
+// A vertex in the world.
+glm::dvec3 placed(const GltfAccessor& positions, std::int64_t vertex, const JsonPlace& primitive,
+                  const GltfInstance& instance) {
+  const glm::dvec3 stored = positions.position(vertex);
+  const glm::dvec3 position(instance.to_world * glm::dvec4(stored, 1.0));
+  if (!is_finite(position)) {
+    const glm::dvec3& shown = is_finite(stored) ? position : stored;
+    primitive["attributes"]["POSITION"].fail("vertex " + std::to_string(vertex) + " is at (" +
+                                             shortest(shown.x) + ", " + shortest(shown.y) + ", " +
+                                             shortest(shown.z) + ")");
+  }
+  return position;
+}
+
+// All vertices: indices would only leave some out, or name some twice.
+void SceneReader::read_point_primitive(const JsonPlace& primitive, const GltfInstance& instance) {
+  const GltfAccessor positions(root_, primitive["attributes"]["POSITION"].integer(),
+                               GltfAccessor::Use::Positions, source_);
+  ++point_primitive_count_;
+  corner_count_ += positions.count();
+  if (corner_count_ > kMaxCorners)
+    primitive.fail("the scene has more than " + std::to_string(kMaxCorners) +
+                   " triangle corners and points");
+  for (std::int64_t i = 0; i < positions.count(); ++i)
+    points_.push_back(placed(positions, i, primitive, instance));
+}
+
 std::int32_t SceneReader::welded(const GltfAccessor& positions, std::int64_t vertex,
                                  const JsonPlace& primitive, const GltfInstance& instance) {
   const auto slot = static_cast<std::size_t>(vertex);
   if (stamps_[slot] != stamp_) {
-    const glm::dvec3 stored = positions.position(vertex);
-    const glm::dvec3 position(instance.to_world * glm::dvec4(stored, 1.0));
-    if (!is_finite(position)) {
-      const glm::dvec3& shown = is_finite(stored) ? position : stored;
-      primitive["attributes"]["POSITION"].fail("vertex " + std::to_string(vertex) + " is at (" +
-                                               shortest(shown.x) + ", " + shortest(shown.y) + ", " +
-                                               shortest(shown.z) + ")");
-    }
     stamps_[slot] = stamp_;
-    welded_vertices_[slot] = welder_.insert(position);
+    welded_vertices_[slot] = welder_.insert(placed(positions, vertex, primitive, instance));
   }
   return welded_vertices_[slot];
 }
@@ -298,7 +279,7 @@ void SceneReader::add_triangles(const JsonPlace& primitive, std::int64_t mode,
 }  // namespace
 
 MeshFile read_gltf(const FileBytes& file) {
-  const GltfFileParts parts = split_glb(file.bytes, file.name);
+  const GlbParts parts = split_glb(file.bytes, file.name);
   const nlohmann::json document = parse_json(parts.json, file.name);
   const JsonPlace root(document, file.name, "");
   std::optional<std::filesystem::path> folder;
