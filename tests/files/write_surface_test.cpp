@@ -75,12 +75,15 @@ TEST(WriteSurface, BlocksGiveTheBytesOfTheWhole) {
       const test::TemporaryFolder folder;
       write_surface(folder.path() / "whole", format, surface, {"a line"}, fields);
       RawVector<std::byte> observed;
-      const std::uint64_t bytes = write_surface(
-          folder.path() / "blocks", format, *blocks,
-          {.header = {"a line"}, .fields = fields, .observe = [&](std::span<const std::byte> some) {
-             observed.insert(observed.end(), some.begin(), some.end());
-           },
-           .callbacks = {}});
+      const std::uint64_t bytes =
+          write_surface(folder.path() / "blocks", format, *blocks,
+                        {.header = {"a line"},
+                         .fields = fields,
+                         .observe =
+                             [&](std::span<const std::byte> some) {
+                               observed.insert(observed.end(), some.begin(), some.end());
+                             },
+                         .callbacks = {}});
       const auto whole = read_file(folder.path() / "whole");
       EXPECT_TRUE(whole == read_file(folder.path() / "blocks"));
       EXPECT_TRUE(whole == observed);

@@ -1,0 +1,234 @@
+#include "planish/surface/doo_sabin_blocks.h"
+
+#include <algorithm>
+
+namespace planish {
+
+void DooSabinBlocks::take_base_vertices() {
+  const PatchNumbering& numbering = surface_.numbering();
+  const auto count = static_cast<std::size_t>(numbering.item_count(PatchNumbering::Part::Vertices));
+  info_.base_vertices.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t vertex = topology_.vertex_of(
+        numbering.item_corner(PatchNumbering::Part::Vertices, static_cast<std::int64_t>(i)));
+    info_.base_vertices[i] = base_.used().vertices[vertex];
+  }
+}
+
+void DooSabinBlocks::count_faces() {
+  const auto hidden = base_.hidden();
+  if (level() == 0) {
+    info_.face_offsets.push_back(0);
+    for (std::int32_t f = 0; f < topology_.face_count(); ++f) {
+      if (!hidden.empty() && hidden[f] != 0) continue;
+      if (!hidden.empty()) visible_.push_back(f);
+      info_.face_offsets.push_back(info_.face_offsets.back() + topology_.face_size(f));
+    }
+    info_.face_count = static_cast<std::int64_t>(info_.face_offsets.size()) - 1;
+    info_.corner_count = info_.face_offsets.back();
+    return;
+  }
+  std::int64_t corners = topology_.corner_count();
+  if (!hidden.empty()) {
+    for (std::int32_t c = 0; c < topology_.corner_count(); ++c) {
+      if (hidden[topology_.face_of(c)] == 0) visible_.push_back(c);
+    }
+    corners = static_cast<std::int64_t>(visible_.size());
+  }
+  info_.face_count = corners * cell_count();
+  info_.corner_count = 4 * info_.face_count;
+}
+
+// Tiles joined up to the wanted size, those of all parts side by side: rows of neighbours read the
+// same control points.
+std::vector<RowRange> DooSabinBlocks::row_blocks(std::int64_t row_count) const {
+  struct Block {
+    RowRange rows;
+    PatchNumbering::Part part;
+    double place;  // in its part, 0 to 1
+  };
+  std::vector<Block> blocks;
+  for (const PatchTile& tile : surface_.tiles()) {
+    if (!blocks.empty() && blocks.back().part == tile.part &&
+        blocks.back().rows.count + tile.row_count <= row_count) {
+      blocks.back().rows.count += tile.row_count;
+      continue;
+    }
+    const PatchNumbering& numbering = surface_.numbering();
+    const double place =
+        static_cast<double>(tile.first_row - numbering.first_row(tile.part)) /
+        static_cast<double>(numbering.end_row(tile.part) - numbering.first_row(tile.part));
+    blocks.push_back({{tile.first_row, tile.row_count}, tile.part, place});
+  }
+  std::stable_sort(blocks.begin(), blocks.end(),
+                   [](const Block& a, const Block& b) { return a.place < b.place; });
+  std::vector<RowRange> ranges;
+  ranges.reserve(blocks.size());
+  for (const Block& block : blocks) ranges.push_back(block.rows);
+  return ranges;
+}
+
+DegenerateRows DooSabinBlocks::rows(RowRange range, const RowTarget& target) const {
+  DegenerateRows degenerate;
+  if (!target.positions.empty() || !target.stored.empty() || !target.normals.empty()) {
+    degenerate = device_rows_.empty()
+                     ? surface_.rows(base_.state(), base_.placement(), range, target)
+                     : rows_from_device(range, target);
+  }
+  if (target.colors.empty()) return degenerate;
+  const PatchNumbering& numbering = surface_.numbering();
+  const PolygonMesh& mesh = base_.mesh();
+  const auto at = [&](std::int32_t corner) {
+    return glm::dvec4(mesh.colors[topology_.vertex_of(corner)]);
+  };
+  const std::int64_t vertices = numbering.end_row(PatchNumbering::Part::Vertices);
+  for (std::int64_t row = range.first; row < std::min(range.first + range.count, vertices); ++row) {
+    const std::int32_t corner = numbering.item_corner(PatchNumbering::Part::Vertices, row);
+    target.colors[row - range.first] = mesh.colors[topology_.vertex_of(corner)];
+  }
+  BilinearRows<glm::dvec4, decltype(at)>(topology_, numbering, at)
+      .write(range, [&](std::int64_t row, const glm::dvec4& color) {
+        target.colors[row - range.first] = glm::vec4(color);
+      });
+  return degenerate;
+}
+
+DegenerateRows DooSabinBlocks::rows_from_device(RowRange range, const PatchTarget& target) const {
+  DegenerateRows degenerate;
+  for (std::int64_t i = 0; i < range.count; ++i) {
+    const PatchEvaluator::Row& row = device_rows_[range.first + i];
+    const glm::dvec3 position = base_.placement().to_model(row.position);
+    if (!target.positions.empty()) target.positions[i] = position;
+    if (!target.stored.empty()) target.stored[i] = glm::vec3(position - target.origin);
+    if (target.normals.empty()) continue;
+    target.normals[i] = row.normal;
+    if (row.normal != glm::vec3(0.0f)) continue;
+    // The host knows the facets around it.
+    PatchTarget one;
+    one.normals = target.normals.subspan(static_cast<std::size_t>(i), 1);
+    (void)surface_.rows(base_.state(), base_.placement(), {range.first + i, 1}, one);
+    degenerate.add({1, range.first + i});
+  }
+  return degenerate;
+}
+
+void DooSabinBlocks::corners_from_device(RowRange faces, std::span<glm::dvec3> positions,
+                                         std::span<glm::vec3> normals) const {
+  std::vector<std::int32_t> vertices(positions.size());
+  face_vertices(faces, vertices);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    PatchTarget one;
+    one.positions = positions.subspan(i, 1);
+    one.normals = normals.subspan(i, 1);
+    (void)rows_from_device({vertices[i], 1}, one);
+  }
+}
+
+void DooSabinBlocks::uvs(RowRange range, std::span<glm::dvec2> values) const {
+  const PolygonMesh& mesh = base_.mesh();
+  const auto value = [&](std::size_t uv) {
+    return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
+  };
+  const auto at = [&](std::int32_t corner) {
+    return value(static_cast<std::size_t>(uvs_->indices[corner]));
+  };
+  for (std::int64_t row = range.first;
+       row < std::min(range.first + range.count, std::int64_t{uvs_->count}); ++row) {
+    values[row - range.first] = value(static_cast<std::size_t>(row));
+  }
+  BilinearRows<glm::dvec2, decltype(at)>(topology_, *uv_numbering_, at)
+      .write(range,
+             [&](std::int64_t row, const glm::dvec2& uv) { values[row - range.first] = uv; });
+}
+
+void DooSabinBlocks::write_faces(const PatchNumbering& numbering, RowRange faces,
+                                 std::span<std::int32_t> rows) const {
+  std::int32_t* to = rows.data();
+  if (level() == 0) {
+    for (std::int64_t f = faces.first; f < faces.first + faces.count; ++f) {
+      const std::int32_t face = visible_corner(f), first = topology_.first_corner(face);
+      for (std::int32_t i = 0; i < topology_.face_size(face); ++i) {
+        *to++ = numbering.vertex_row(first + i);
+      }
+    }
+    return;
+  }
+  const std::int64_t per_corner = cell_count();
+  const std::int32_t side = numbering.samples().side() + 1;
+  std::vector<std::int32_t> grid(static_cast<std::size_t>(side * side));
+  const std::int64_t end = faces.first + faces.count;
+  for (std::int64_t face = faces.first; face < end;) {
+    const std::int32_t corner = visible_corner(face / per_corner);
+    const std::int64_t first = face % per_corner;
+    const std::int64_t count = std::min(per_corner - first, end - face);
+    numbering.grid(corner, grid.data());
+    const auto cells = cells_.of(topology_, corner);
+    for (std::int64_t i = first; i < first + count; ++i, to += 4) {
+      for (int k = 0; k < 4; ++k) to[k] = grid[cells[i][k]];
+    }
+    face += count;
+  }
+}
+
+DegenerateRows DooSabinBlocks::quad_corners(RowRange faces, std::span<glm::dvec3> positions,
+                                            std::span<glm::vec3> normals,
+                                            const FaceRows& along) const {
+  thread_local std::vector<std::int32_t> of;
+  thread_local RawVector<glm::dvec3> grid_positions;
+  thread_local RawVector<glm::vec3> grid_normals;
+  const std::int64_t cells = cell_count(), first = faces.first / cells,
+                     last = (faces.first + faces.count + cells - 1) / cells;
+  const PatchNumbering& numbering = surface_.numbering();
+  const auto count = static_cast<std::size_t>(numbering.samples().count());
+  of.resize(static_cast<std::size_t>(last - first));
+  for (std::int64_t i = first; i < last; ++i) of[i - first] = visible_corner(i);
+  grid_positions.resize(of.size() * count);
+  grid_normals.resize(grid_positions.size());
+  PatchTarget target;
+  target.positions = grid_positions;
+  target.normals = grid_normals;
+  const DegenerateRows owned = surface_.grids(base_.state(), base_.placement(), of, target);
+  std::size_t to = 0;
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    const glm::dvec3* p = grid_positions.data() + i * count;
+    const glm::vec3* n = grid_normals.data() + i * count;
+    const std::int64_t before = (first + static_cast<std::int64_t>(i)) * cells;
+    const auto begin = static_cast<std::size_t>(std::max(faces.first - before, std::int64_t{0}));
+    const auto end = static_cast<std::size_t>(std::min(faces.first + faces.count - before, cells));
+    for (const auto& cell : cells_.of(topology_, of[i]).subspan(begin, end - begin)) {
+      for (const std::int32_t place : cell) {
+        const std::int32_t sample = sample_of_place_[place];
+        positions[to] = p[sample];
+        normals[to++] = n[sample];
+      }
+    }
+    if (along.stored.empty()) continue;
+    const std::int64_t row = numbering.corner_row(of[i]);
+    for (std::int32_t s = 0; s < numbering.samples().owned_count(); ++s) {
+      FaceRows::at(along.stored, row + s) = glm::vec3(p[s] - along.origin);
+      FaceRows::at(along.normals, row + s) = n[s];
+    }
+  }
+  return owned;
+}
+
+void DooSabinBlocks::polygon_corners(RowRange faces, std::span<glm::dvec3> positions,
+                                     std::span<glm::vec3> normals) const {
+  // Polygons name rows from all over.
+  std::call_once(all_made_, [&] {
+    all_positions_.resize(static_cast<std::size_t>(info_.row_count));
+    all_normals_.resize(all_positions_.size());
+    RowTarget target;
+    target.positions = all_positions_;
+    target.normals = all_normals_;
+    (void)this->rows({0, info_.row_count}, target);
+  });
+  std::vector<std::int32_t> rows(positions.size());
+  face_vertices(faces, rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    positions[i] = all_positions_[rows[i]];
+    normals[i] = all_normals_[rows[i]];
+  }
+}
+
+}  // namespace planish

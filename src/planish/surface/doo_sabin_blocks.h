@@ -1,0 +1,140 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "planish/core/raw_vector.h"
+#include "planish/patches/patch_numbering.h"
+#include "planish/surface/doo_sabin_surface.h"
+#include "planish/surface/patch_attributes.h"
+
+namespace planish {
+
+/// Corners name values one past the given ones where the mesh has none.
+struct CornerUvs {
+  explicit CornerUvs(const PolygonMesh& mesh)
+      : indices(mesh.face_uvs), count(static_cast<std::int32_t>(mesh.uvs.size())) {
+    bool missing = false;
+    for (std::int32_t& uv : indices) {
+      if (uv < 0) uv = static_cast<std::int32_t>(mesh.uvs.size()), missing = true;
+    }
+    if (missing) ++count;
+  }
+  std::vector<std::int32_t> indices;
+  std::int32_t count;
+};
+
+/// One level of a surface, made piece by piece by patches, or whole by a device.
+class DooSabinBlocks final : public SurfaceBlocks {
+ public:
+  DooSabinBlocks(const DooSabinSurface& base, int level, PatchEvaluator* evaluator)
+      : base_(base),
+        topology_(base.topology()),
+        surface_(base.patches(),
+                 {.level = level, .weights = base.weights(), .hidden = base.hidden()}),
+        cells_(std::max(level, 1)) {
+    const PatchSamples& samples = surface_.numbering().samples();
+    for (std::int32_t b = 0; b <= samples.side(); ++b) {
+      for (std::int32_t a = 0; a <= samples.side(); ++a) {
+        sample_of_place_.push_back(samples.index(a, b));
+      }
+    }
+    const PolygonMesh& mesh = base.mesh();
+    info_.level = level;
+    info_.row_count = surface_.numbering().row_count();
+    info_.has_colors = !mesh.colors.empty();
+    info_.has_groups = !mesh.face_groups.empty();
+    if (info_.has_groups) info_.groups = mesh.groups;
+    take_base_vertices();
+    count_faces();
+    if (evaluator != nullptr) {
+      device_rows_.resize(static_cast<std::size_t>(info_.row_count));
+      evaluator->evaluate_patches(surface_, base.state(), device_rows_);
+    }
+    if (mesh.face_uvs.empty()) return;
+    uvs_.emplace(mesh);
+    uv_numbering_.emplace(topology_, uvs_->indices, uvs_->count, level, base.hidden());
+    info_.uv_count = uv_numbering_->row_count();
+  }
+
+  [[nodiscard]] std::vector<RowRange> row_blocks(std::int64_t row_count) const override;
+  DegenerateRows rows(RowRange range, const RowTarget& target) const override;
+  void face_vertices(RowRange faces, std::span<std::int32_t> rows) const override {
+    write_faces(surface_.numbering(), faces, rows);
+  }
+  void face_uvs(RowRange faces, std::span<std::int32_t> uvs) const override {
+    write_faces(*uv_numbering_, faces, uvs);
+  }
+  void face_groups(RowRange faces, std::span<std::int32_t> groups) const override {
+    for (std::int64_t i = 0; i < faces.count; ++i) {
+      groups[i] = base_.mesh().face_groups[mesh_face(faces.first + i)];
+    }
+  }
+  void ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const override {
+    for (std::int64_t i = 0; i < faces.count; ++i) mesh_faces[i] = mesh_face(faces.first + i);
+  }
+  void uvs(RowRange range, std::span<glm::dvec2> values) const override;
+  void corners(RowRange faces, std::span<glm::dvec3> positions,
+               std::span<glm::vec3> normals) const override {
+    if (!device_rows_.empty()) return corners_from_device(faces, positions, normals);
+    if (level() == 0) return polygon_corners(faces, positions, normals);
+    (void)quad_corners(faces, positions, normals, {});
+  }
+  [[nodiscard]] RowRange rows_of_faces() const override {
+    const PatchNumbering& numbering = surface_.numbering();
+    // Beside hidden faces there are rows that no visible one makes; a device has made them all.
+    if (level() < 2 || numbering.has_hidden() || !device_rows_.empty()) return {0, 0};
+    const std::int64_t first = numbering.first_row(PatchNumbering::Part::Corners);
+    return {first, numbering.end_row(PatchNumbering::Part::Corners) - first};
+  }
+  DegenerateRows corners_and_rows(RowRange faces, std::span<glm::dvec3> positions,
+                                  std::span<glm::vec3> normals,
+                                  const FaceRows& along) const override {
+    return quad_corners(faces, positions, normals, along);
+  }
+
+ private:
+  void polygon_corners(RowRange faces, std::span<glm::dvec3> positions,
+                       std::span<glm::vec3> normals) const;
+  DegenerateRows quad_corners(RowRange faces, std::span<glm::dvec3> positions,
+                              std::span<glm::vec3> normals, const FaceRows& along) const;
+  void take_base_vertices();
+  void count_faces();
+  DegenerateRows rows_from_device(RowRange range, const PatchTarget& target) const;
+  void corners_from_device(RowRange faces, std::span<glm::dvec3> positions,
+                           std::span<glm::vec3> normals) const;
+  [[nodiscard]] int level() const { return info_.level; }
+  // Cells of a corner's patch.
+  [[nodiscard]] std::int64_t cell_count() const {
+    const std::int64_t n = surface_.numbering().samples().side();
+    return n * n;
+  }
+  [[nodiscard]] std::int32_t visible_corner(std::int64_t i) const {
+    return visible_.empty() ? static_cast<std::int32_t>(i) : visible_[i];
+  }
+  [[nodiscard]] std::int32_t mesh_face(std::int64_t face) const {
+    if (level() == 0) return visible_corner(face);
+    return topology_.face_of(visible_corner(face / cell_count()));
+  }
+  void write_faces(const PatchNumbering& numbering, RowRange faces,
+                   std::span<std::int32_t> rows) const;
+
+  const DooSabinSurface& base_;
+  const MeshTopology& topology_;
+  PatchSurface surface_;
+  PatchCells cells_;
+  std::vector<std::int32_t> sample_of_place_;
+  std::vector<std::int32_t> visible_;  // level 0: faces, else corners; empty: all
+  std::optional<CornerUvs> uvs_;
+  std::optional<PatchNumbering> uv_numbering_;
+  RawVector<PatchEvaluator::Row> device_rows_;  // all of them, or none
+  // Of level 0, once corners() was asked for.
+  mutable std::once_flag all_made_;
+  mutable std::vector<glm::dvec3> all_positions_;
+  mutable std::vector<glm::vec3> all_normals_;
+};
+
+}  // namespace planish
