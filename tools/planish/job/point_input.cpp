@@ -35,8 +35,10 @@ PointInput points_of(const InputFile& file) {
 
 std::optional<PointInput> points_of(const Input& input) {
   const PolygonMesh& mesh = input.file.mesh;
+  // Fewer make no surface: such a file of another format is a mesh that lacks its faces.
+  const std::size_t least = input.file.format == FileFormat::Ply ? 1 : 4;
   if (!serves(input.file.format, FormatUse::ReadPoints) || mesh.face_count() > 0 ||
-      mesh.positions.empty())
+      mesh.positions.size() < least)
     return std::nullopt;
   return PointInput{
       .name = input.name, .cloud = cloud_of(mesh.positions, input.name), .sha256 = input.sha256};

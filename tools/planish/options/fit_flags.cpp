@@ -65,6 +65,15 @@ void add_word(CLI::App& command, FitFlags& flags, const Setting& setting, const 
       ->group(group);
 }
 
+// Of formats that hold nothing else.
+std::string point_extensions() {
+  std::string text;
+  for (const FormatInfo& info : formats())
+    if (holds_points_only(info.format))
+      text += (text.empty() ? "." : " .") + std::string(info.name);
+  return text;
+}
+
 void add_file_flags(CLI::App& command, FitFlags& flags) {
   const auto option = [&](const char* name, auto& target, const std::string& help,
                           const std::string& type) {
@@ -73,7 +82,7 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
   command
       .add_option("INPUT", flags.inputs,
                   "meshes (" + extensions_of(FormatUse::ReadMesh) + ") or points (" +
-                      extensions_of(FormatUse::ReadPoints) + "), folders of them, or - for stdin")
+                      point_extensions() + ", or those without faces), folders, or - for stdin")
       ->type_name("INPUT...")
       ->required();
   option("-o,--output", flags.outputs,
