@@ -49,6 +49,18 @@ TEST(Check, NoFaces) {
   EXPECT_THAT(messages(no_offsets), ElementsAre("no-faces -1: the mesh has no faces"));
 }
 
+// Vertices that no face names do not count.
+TEST(Check, NoExtent) {
+  PolygonMesh mesh = cube();
+  for (glm::dvec3& position : mesh.positions) position = {3, 0.5, -1};
+  mesh.positions.emplace_back(9, 9, 9);
+  EXPECT_THAT(messages(mesh),
+              ElementsAre("no-extent -1: all vertices of the faces are at (3, 0.5, -1): there is "
+                          "no surface to make"));
+  mesh.positions[4].z = -2;
+  EXPECT_THAT(messages(mesh), IsEmpty());
+}
+
 TEST(Check, NonFinitePosition) {
   PolygonMesh mesh = cube();
   mesh.positions[2].y = std::numeric_limits<double>::quiet_NaN();
@@ -160,6 +172,7 @@ TEST(Check, UnknownCornerVertex) {
 PolygonMesh fan(std::int32_t faces) {
   PolygonMesh mesh;
   mesh.positions.resize(faces + 1, glm::dvec3(0.0));
+  mesh.positions[0].x = 1;
   for (std::int32_t i = 0; i < faces; ++i)
     mesh.add_face(std::vector{0, 1 + i, 1 + (i + 1) % faces});
   return mesh;
@@ -182,6 +195,7 @@ TEST(Check, ValenceTooHighAtAVertex) {
 PolygonMesh polygon(std::int32_t corners) {
   PolygonMesh mesh;
   mesh.positions.resize(corners, glm::dvec3(0.0));
+  mesh.positions[0].x = 1;
   std::vector<std::int32_t> face(corners);
   for (std::int32_t i = 0; i < corners; ++i) face[i] = i;
   mesh.add_face(face);
@@ -267,7 +281,7 @@ TEST(RequireUsable, NamesTheFirstTenOfMany) {
 
 TEST(MeshProblemNames, AreDistinct) {
   std::vector<std::string_view> names;
-  for (int kind = 0; kind <= static_cast<int>(Kind::TooLarge); ++kind)
+  for (int kind = 0; kind <= static_cast<int>(Kind::NoExtent); ++kind)
     names.push_back(name_of(static_cast<Kind>(kind)));
   std::ranges::sort(names);
   EXPECT_EQ(std::ranges::adjacent_find(names), names.end());

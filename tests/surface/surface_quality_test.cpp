@@ -74,6 +74,16 @@ TEST(SurfaceQuality, TellsFoldsOfTheInputFromOthers) {
   const SurfaceQuality quality = surface_quality(surface_of(mesh, normals), mesh);
   EXPECT_DOUBLE_EQ(quality.folded_area_elsewhere, 0.25 / 4);
   EXPECT_GT(quality.folded_area, 0.25 / 4 + 0.2 / 4);
+  // Those that the input is not to blame for are named first.
+  ASSERT_EQ(quality.folded_places.size(), 1u);
+  EXPECT_EQ(quality.folded_places[0].face, 0);
+  EXPECT_EQ(quality.folded_places[0].position, mesh.positions[0]);
+  normals[0] = glm::vec3(0, 0, 1);
+  const SurfaceQuality beside = surface_quality(surface_of(mesh, normals), mesh);
+  EXPECT_EQ(beside.folded_area_elsewhere, 0.0);
+  ASSERT_EQ(beside.folded_places.size(), 2u);
+  EXPECT_EQ(beside.folded_places[0].face, 2);
+  EXPECT_EQ(beside.folded_places[1].face, 3);
   const std::vector<std::uint8_t> expected = {0, 0, 1, 1};
   EXPECT_EQ(beside_folds(surface_of(mesh, normals), mesh), expected);
 }

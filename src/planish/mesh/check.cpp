@@ -8,6 +8,7 @@
 #include "planish/core/number_text.h"
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/edge_groups.h"
+#include "planish/mesh/placement.h"
 #include "planish/mesh/sound_topology.h"
 
 namespace planish {
@@ -44,6 +45,7 @@ class Inspection {
     check_vertices(edges);
     check_tags(edges);
     check_size();
+    check_extent();
     std::ranges::stable_sort(problems_, [](const MeshProblem& a, const MeshProblem& b) {
       return a.kind != b.kind ? a.kind < b.kind : a.element < b.element;
     });
@@ -65,6 +67,7 @@ class Inspection {
   void check_vertices(const EdgeGroups& edges);
   void check_tags(const EdgeGroups& edges);
   void check_size();
+  void check_extent();
 
   const PolygonMesh& mesh_;
   std::vector<MeshProblem> problems_;
@@ -293,6 +296,13 @@ void Inspection::check_size() {
           text_of(mesh_.face_size(largest)) + " corners");
 }
 
+void Inspection::check_extent() {
+  if (std::ranges::find(sound_, 0) != sound_.end() || has_extent(mesh_)) return;
+  add(Kind::NoExtent, -1,
+      "all vertices of the faces are at " + text_of(mesh_.positions[mesh_.face_vertices.front()]) +
+          ": there is no surface to make");
+}
+
 }  // namespace
 
 std::string_view name_of(MeshProblemKind kind) {
@@ -323,6 +333,8 @@ std::string_view name_of(MeshProblemKind kind) {
       return "valence-too-high";
     case Kind::TooLarge:
       return "too-large";
+    case Kind::NoExtent:
+      return "no-extent";
   }
   return "unknown";
 }

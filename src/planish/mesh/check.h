@@ -23,6 +23,7 @@ enum class MeshProblemKind {
   UnknownCornerVertex,  ///< element: index of a corner that is no used vertex
   ValenceTooHigh,       ///< element: vertex or face above OpenSubdiv's limit of 65535
   TooLarge,             ///< element: the largest face; more stencil entries than fit 32 bits
+  NoExtent,             ///< all vertices that faces name coincide
 };
 
 /// Largest magnitude of a coordinate: a product of two must stay finite.

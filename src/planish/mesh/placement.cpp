@@ -58,6 +58,13 @@ Placement placement_of(const PolygonMesh& mesh) {
   }));
 }
 
+bool has_extent(const PolygonMesh& mesh) {
+  if (mesh.face_vertices.empty()) return false;
+  const glm::dvec3& first = mesh.positions[mesh.face_vertices.front()];
+  return std::ranges::any_of(mesh.face_vertices,
+                             [&](std::int32_t v) { return mesh.positions[v] != first; });
+}
+
 Placement placement_of(std::span<const glm::dvec3> positions) {
   if (positions.empty()) return {};
   return placement_of(

@@ -25,6 +25,9 @@ struct Placement {
 /// vertices coincide gets diagonal 1.
 [[nodiscard]] Placement placement_of(const PolygonMesh& mesh);
 
+/// Whether two of the vertices that faces name differ; the bounding box of others has no diagonal.
+[[nodiscard]] bool has_extent(const PolygonMesh& mesh);
+
 /// The placement of all these positions.
 [[nodiscard]] Placement placement_of(std::span<const glm::dvec3> positions);
 

@@ -324,6 +324,7 @@ void require_sound_data(const std::vector<MeshProblem>& problems) {
       case MeshProblemKind::NonFinitePosition:
       case MeshProblemKind::IndexOutOfRange:
       case MeshProblemKind::TooLarge:
+      case MeshProblemKind::NoExtent:
         throw Error(ErrorCode::UnusableMesh, problem.message, problem.element);
       default:
         break;

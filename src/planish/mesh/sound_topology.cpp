@@ -13,6 +13,7 @@
 
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
+#include "planish/mesh/placement.h"
 
 namespace planish {
 namespace {
@@ -162,7 +163,8 @@ bool positions_are_finite(const PolygonMesh& mesh) {
 
 std::optional<MeshTopology> sound_topology(const PolygonMesh& mesh) {
   RawVector<std::int32_t> lowest;
-  if (!counts_fit(mesh) || !positions_are_finite(mesh) || !faces_are_sound(mesh, lowest))
+  if (!counts_fit(mesh) || !positions_are_finite(mesh) || !faces_are_sound(mesh, lowest) ||
+      !has_extent(mesh))
     return std::nullopt;
   std::optional<MeshTopology> topology = MeshTopology::if_manifold(mesh);
   if (!topology || !vertices_are_sound(*topology, lowest) || !tags_are_known(mesh, *topology))

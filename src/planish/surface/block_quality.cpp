@@ -9,6 +9,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/area_vector.h"
+#include "planish/surface/folded_places.h"
 #include "planish/surface/kept_rows.h"
 #include "planish/surface/quad_figures.h"
 
@@ -16,6 +17,7 @@ namespace planish {
 
 struct BlockQuality::Sums {
   double area = 0, folded = 0, folded_elsewhere = 0, squares = 0, largest = 0, bending = 0;
+  FoldedPlaces places;
 
   void add(const Sums& other) {
     area += other.area;
@@ -24,6 +26,7 @@ struct BlockQuality::Sums {
     squares += other.squares;
     largest = std::max(largest, other.largest);
     bending += other.bending;
+    places.add(other.places);
   }
 };
 
@@ -83,11 +86,19 @@ class QuadMeter {
     if (has_normal_) wanted_ = area / length;
   }
 
+  void add_fold(std::size_t face, double area, Sums& sums) const {
+    const std::int32_t ancestor = ancestors_[face];
+    const bool is_elsewhere = is_beside_folds_.empty() || is_beside_folds_[ancestor] == 0;
+    sums.folded += area;
+    if (is_elsewhere) sums.folded_elsewhere += area;
+    const glm::dvec3* const corners = positions_.data() + 4 * face;
+    sums.places.add({ancestor, 0.25 * (corners[0] + corners[1] + corners[2] + corners[3])},
+                    is_elsewhere);
+  }
+
   void add(std::size_t face, int i, Sums& sums) const {
     sums.area += figures_.area[i];
-    sums.folded += figures_.folded[i];
-    if (is_beside_folds_.empty() || is_beside_folds_[ancestors_[face]] == 0)
-      sums.folded_elsewhere += figures_.folded[i];
+    if (figures_.folded[i] > 0) add_fold(face, figures_.folded[i], sums);
     sums.squares += figures_.squares[i];
     sums.largest = std::max(sums.largest, figures_.largest[i]);
     sums.bending += figures_.bending[i];
@@ -134,6 +145,7 @@ SurfaceQuality BlockQuality::result() const {
   if (all.area > 0) {
     quality.folded_area = all.folded / all.area;
     quality.folded_area_elsewhere = all.folded_elsewhere / all.area;
+    quality.folded_places = all.places.take();
     quality.rms_normal_deviation = std::sqrt(all.squares / all.area) * kDegrees;
   }
   return quality;

@@ -13,6 +13,7 @@
 #include "planish/core/stop.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/folded_edges.h"
+#include "planish/surface/folded_places.h"
 #include "planish/surface/level_faces.h"
 
 namespace planish {
@@ -59,11 +60,12 @@ double face_bending(const SurfaceMesh& surface, std::span<const std::int32_t> fa
   return sum;
 }
 
-}  // namespace
-
-SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal& reference,
-                               std::span<const std::uint8_t> is_beside_folds) {
+// `ancestor`: one per face, or empty: no places are wanted.
+SurfaceQuality measured_quality(const SurfaceMesh& surface, const ReferenceNormal& reference,
+                                std::span<const std::uint8_t> is_beside_folds,
+                                std::span<const std::int32_t> ancestor) {
   SurfaceQuality quality;
+  FoldedPlaces places;
   double whole = 0, sum_of_squares = 0;
   StopCheck stop;
   for (std::int64_t f = 0; f < surface.face_count(); ++f) {
@@ -80,10 +82,11 @@ SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal
           std::numbers::pi;
       whole += share;
       if (glm::dot(normal, wanted) < 0) {
+        const bool is_elsewhere = is_beside_folds.empty() || is_beside_folds[f] == 0;
         quality.folded_area += share;
-        if (is_beside_folds.empty() || is_beside_folds[f] == 0) {
-          quality.folded_area_elsewhere += share;
-        }
+        if (is_elsewhere) quality.folded_area_elsewhere += share;
+        if (!ancestor.empty())
+          places.add({ancestor[f], surface.positions[vertices[i]]}, is_elsewhere);
       }
       sum_of_squares += share * angle * angle;
       quality.max_normal_deviation = std::max(quality.max_normal_deviation, angle);
@@ -95,7 +98,15 @@ SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal
     quality.folded_area_elsewhere /= whole;
     quality.rms_normal_deviation = std::sqrt(sum_of_squares / whole);
   }
+  quality.folded_places = places.take();
   return quality;
+}
+
+}  // namespace
+
+SurfaceQuality surface_quality(const SurfaceMesh& surface, const ReferenceNormal& reference,
+                               std::span<const std::uint8_t> is_beside_folds) {
+  return measured_quality(surface, reference, is_beside_folds, {});
 }
 
 std::vector<std::uint8_t> beside_folds(const SurfaceMesh& surface, const PolygonMesh& input) {
@@ -110,13 +121,13 @@ std::vector<std::uint8_t> beside_folds(const SurfaceMesh& surface, const Polygon
 SurfaceQuality surface_quality(const SurfaceMesh& surface, const PolygonMesh& input) {
   const std::vector<std::int32_t> ancestor = ancestor_faces(surface, input);
   glm::dvec3 normal(0.0);
-  return surface_quality(
+  return measured_quality(
       surface,
       [&](std::int64_t face, std::int32_t corner) {
         if (corner == 0) normal = area_vector(input.positions, input.face(ancestor[face]));
         return normal;
       },
-      beside_folds(surface, input));
+      beside_folds(surface, input), ancestor);
 }
 
 }  // namespace planish

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -11,6 +12,15 @@
 
 namespace planish {
 
+/// Where a surface is folded: a face of the input, and a point of the surface over it.
+struct FoldedPlace {
+  std::int32_t face = -1;
+  glm::dvec3 position{0.0};
+};
+
+/// As many as SurfaceQuality names.
+inline constexpr std::size_t kNamedFolds = 3;
+
 /// How well the normals of a surface follow a reference. Angles in degrees, weighted by area, each
 /// face's area shared among its corners.
 struct SurfaceQuality {
@@ -18,6 +28,9 @@ struct SurfaceQuality {
   /// The part of it that the input is not to blame for: without what descends from faces at folded
   /// edges (see mesh/folded_edges.h). Also a share of the whole area.
   double folded_area_elsewhere = 0;
+  /// The first places, one a face of the input: of folded_area_elsewhere where there are such, else
+  /// of folded_area. None where the reference is not the input.
+  std::vector<FoldedPlace> folded_places;
   double rms_normal_deviation = 0;
   double max_normal_deviation = 0;
   /// The integral of |dn|^2, the sum of both squared principal curvatures, whatever the size: 8 pi
