@@ -79,6 +79,23 @@ TEST_F(BrokenInput, AMeshWithoutASurfaceExitsFourAndNamesFileAndElements) {
 
 TEST_F(BrokenInput, NoFacesExitsFour) { EXPECT_EQ(fit("a.obj", "v 0 0 0\n").exit_code, 4); }
 
+TEST_F(BrokenInput, CoincidentVerticesExitFour) {
+  const std::string input = write("a.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n");
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"fit", input, "-o", path("out.glb")},
+        {"fit", input, "-o", path("out.glb"), "--interpolation", "fair", "--repair", "none"},
+        {"inspect", input}}) {
+    const ProcessResult result = run_planish(command);
+    EXPECT_EQ(result.exit_code, 4) << command[0];
+    EXPECT_THAT(result.out + result.err, HasSubstr("all vertices of the faces are at (1, 2, 3)"));
+  }
+  write("scene.json", R"({"version":1,"jobs":[{"input":"a.obj","outputs":[{"path":"out.glb"}]}]})");
+  const ProcessResult run = run_planish({"run", path("scene.json")});
+  EXPECT_EQ(run.exit_code, 8);
+  EXPECT_THAT(run.err, HasSubstr("all vertices of the faces are at (1, 2, 3)"));
+  EXPECT_THAT(names(), ElementsAre("a.obj", "scene.json"));
+}
+
 TEST_F(BrokenInput, MoreThanTheMachineHasExitsSix) {
   // 562,500 quads are 2.3e9 at level 6, more than 32-bit indices reach.
   const ProcessResult result = [&] {

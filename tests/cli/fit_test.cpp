@@ -84,8 +84,9 @@ TEST_F(FitCommand, AClosedPipeLeavesNoFile) {
 }
 
 TEST_F(FitCommand, NotConvergingWritesFlaggedFilesAndExitsFive) {
-  const ProcessResult result = run_planish(
-      {"fit", plate_, "-o", path("p.gltf"), "--report", path("r.json"), "--max-iterations", "1"});
+  const ProcessResult result =
+      run_planish({"fit", plate_, "-o", path("p.gltf"), "--report", path("r.json"),
+                   "--max-iterations", "1", "--interpolation", "progressive"});
   EXPECT_EQ(result.exit_code, 5);
   EXPECT_THAT(result.err, HasSubstr("not converged (iteration-limit)"));
   EXPECT_EQ(read_json("p.gltf")["asset"]["extras"]["converged"], false);

@@ -87,7 +87,8 @@ TEST_F(Forecasts, ARunThatNeedsMoreMemoryThanThereIsNamesTheLevelThatFits) {
 
 TEST_F(Forecasts, VerboseSaysMoreThanTheDefault) {
   write("torus.obj", torus_obj(12));
-  const std::string text = fit({"torus.obj", "-o", "a.glb", "-v"}).err;
+  const std::string text =
+      fit({"torus.obj", "-o", "a.glb", "-v", "--interpolation", "progressive"}).err;
   for (const char* part : {"threads ", "bound ", "errors ", "memory "})
     EXPECT_THAT(text, HasSubstr(part));
   EXPECT_THAT(fit({"torus.obj", "-o", "b.glb"}).err, Not(HasSubstr("bound ")));
@@ -99,8 +100,12 @@ TEST_F(Forecasts, FlagsWithoutEffectAreTold) {
                                 "cg", "--spacing", "even"})
                                .err;
   EXPECT_THAT(text, HasSubstr("warning: torus.obj: without effect here: --solver, --spacing"));
-  EXPECT_THAT(fit({"torus.obj", "-o", "b.glb", "--solver", "cg"}).err,
-              Not(HasSubstr("without effect")));
+  EXPECT_THAT(
+      fit({"torus.obj", "-o", "b.glb", "--solver", "cg", "--interpolation", "progressive"}).err,
+      Not(HasSubstr("without effect")));
+  // Told by what is chosen.
+  EXPECT_THAT(fit({"torus.obj", "-o", "c.glb", "--solver", "cg"}).err,
+              HasSubstr("without effect here: --solver (the input is a mesh, the method fair)"));
 }
 
 TEST_F(Forecasts, ATerminalIsToldTheNextStep) {

@@ -65,10 +65,13 @@ TEST_F(PageFile, OnlyTimesDifferFromRunToRun) {
 }
 
 TEST_F(PageFile, AgreesWithTheReportAndDoesNotChangeIt) {
-  ASSERT_EQ(fit({"-o", path("p.glb"), "--report", path("alone.json")}).exit_code, 0);
-  ASSERT_EQ(fit({"-o", path("p.glb"), "--report", path("r.json"), "--page", path("p.html"), "-f"})
-                .exit_code,
-            0);
+  // Fair surfaces have errors of rounding only, which depend on where they are taken.
+  std::vector<std::string> flags = {"--interpolation", "progressive", "-o",
+                                    path("p.glb"),     "--report",    path("alone.json")};
+  ASSERT_EQ(fit(flags).exit_code, 0);
+  flags.back() = path("r.json");
+  flags.insert(flags.end(), {"--page", path("p.html"), "-f"});
+  ASSERT_EQ(fit(flags).exit_code, 0);
   nlohmann::json alone = read_json("alone.json"), report = read_json("r.json");
   for (const char* key : {"solve", "surface", "outputs", "input"})
     EXPECT_EQ(alone[key], report[key]) << key;
@@ -114,7 +117,8 @@ TEST_F(PageFile, KeepsToItsLimit) {
 }
 
 TEST_F(PageFile, ShowsWhatHasNotConverged) {
-  const ProcessResult result = fit({"--page", path("p.html"), "--max-iterations", "0"});
+  const ProcessResult result =
+      fit({"--page", path("p.html"), "--max-iterations", "0", "--interpolation", "progressive"});
   EXPECT_EQ(result.exit_code, 5);
   EXPECT_THAT(read("p.html"), HasSubstr("not converged: iteration-limit"));
   EXPECT_THAT(read("p.html"), HasSubstr("It misses them by up to"));

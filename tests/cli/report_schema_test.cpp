@@ -63,7 +63,10 @@ TEST_F(ReportSchema, HoldsForEveryMethodSchemeAndSolver) {
 }
 
 TEST_F(ReportSchema, HoldsForWhatDidNotConvergeOrNeededRepair) {
-  expect_valid(fitted({plate_, "-o", path("p.obj"), "--max-iterations", "1"}, 5), "fit");
+  expect_valid(fitted({plate_, "-o", path("p.obj"), "--max-iterations", "1", "--interpolation",
+                       "progressive"},
+                      5),
+               "fit");
   const json report = fitted({PLANISH_SCENES "/bad/inconsistent_winding.obj"});
   EXPECT_FALSE(report["warnings"].empty());
   expect_valid(report, "fit");

@@ -25,7 +25,8 @@ std::vector<std::string> keys_of(const nlohmann::ordered_json& object) {
 class Report : public FolderTest {
  protected:
   nlohmann::ordered_json fit(std::vector<std::string> flags) {
-    flags.insert(flags.begin(), {"fit", plate_, "--report", path("r.json"), "-f"});
+    flags.insert(flags.begin(), {"fit", plate_, "--report", path("r.json"), "-f", "--interpolation",
+                                 "progressive"});
     const ProcessResult result = run_planish(flags);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return nlohmann::ordered_json::parse(read("r.json"));
@@ -41,26 +42,27 @@ TEST_F(Report, HasTheKeysThatItPromises) {
                           "surface", "outputs", "timing_ms", "memory", "warnings"));
   EXPECT_EQ(report["schema"], "planish.report/1");
   EXPECT_THAT(keys_of(report["tool"]), ElementsAre("name", "version", "git"));
-  EXPECT_THAT(keys_of(report["input"]),
-              ElementsAre("path", "sha256", "format", "vertices", "faces", "face_sizes",
-                          "boundary_loops", "components", "genus", "sharp_edges", "corners",
-                          "welded", "dropped", "changed_faces", "file_vertices", "file_faces"));
+  EXPECT_THAT(
+      keys_of(report["input"]),
+      ElementsAre("path", "sha256", "format", "vertices", "faces", "face_sizes", "boundary_loops",
+                  "components", "genus", "sharp_edges", "corners", "folded_edges", "welded",
+                  "dropped", "changed_faces", "file_vertices", "file_faces"));
   EXPECT_THAT(keys_of(report["device"]), ElementsAre("kind", "name", "uuid", "driver", "api"));
   EXPECT_THAT(keys_of(report["solve"]),
-              ElementsAre("method", "scheme", "weights", "solver", "boundary", "creases", "repair",
-                          "tolerance", "converged", "stop_reason", "iterations", "spectral_bound",
-                          "error", "history", "fair"));
+              ElementsAre("method", "choice", "scheme", "weights", "solver", "boundary", "creases",
+                          "repair", "tolerance", "converged", "stop_reason", "iterations",
+                          "spectral_bound", "error", "history", "fair"));
   EXPECT_THAT(keys_of(report["solve"]["error"]), ElementsAre("max", "rms", "worst_vertex"));
   EXPECT_THAT(keys_of(report["solve"]["history"][0]), ElementsAre("iteration", "max", "rms"));
   EXPECT_THAT(keys_of(report["surface"]),
-              ElementsAre("level", "reference", "folded_area", "rms_normal_deviation",
-                          "max_normal_deviation", "bending"));
+              ElementsAre("level", "reference", "folded_area", "folded_area_elsewhere",
+                          "rms_normal_deviation", "max_normal_deviation", "bending"));
   EXPECT_THAT(keys_of(report["outputs"][0]),
               ElementsAre("path", "what", "bytes", "sha256", "level", "vertices", "quads",
                           "triangles", "as_written_error"));
   EXPECT_THAT(keys_of(report["timing_ms"]),
-              ElementsAre("read", "check", "topology", "stencils", "upload", "solve", "evaluate",
-                          "write", "total"));
+              ElementsAre("read", "check", "topology", "stencils", "upload", "solve", "choose",
+                          "evaluate", "write", "total"));
   EXPECT_THAT(keys_of(report["memory"]), ElementsAre("host_peak_bytes", "device_bytes"));
 }
 

@@ -23,7 +23,7 @@ class RunCommand : public FolderTest {
 };
 
 constexpr const char* kTwoJobs =
-    R"({"name":"ring","input":"torus.obj","outputs":[{"path":"out/ring.glb","levels":[1,2]}],
+    R"({"name":"ring","input":"torus.obj","interpolation":"progressive","outputs":[{"path":"out/ring.glb","levels":[1,2]}],
         "report":"out/ring.json"},
        {"name":"sheet","input":"plate.obj","solve":{"preset":"paper"}})";
 
@@ -61,8 +61,8 @@ TEST_F(RunCommand, AFailedJobDoesNotStopTheOthersAndExitsEight) {
 }
 
 TEST_F(RunCommand, AJobThatDoesNotConvergeCountsAsFailed) {
-  const ProcessResult result =
-      run_planish({"run", scene(R"({"input":"plate.obj","max_iterations":1})")});
+  const ProcessResult result = run_planish(
+      {"run", scene(R"({"input":"plate.obj","max_iterations":1,"interpolation":"progressive"})")});
   EXPECT_EQ(result.exit_code, 8);
   EXPECT_THAT(result.out, HasSubstr("(not converged)"));
 }

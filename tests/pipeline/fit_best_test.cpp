@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
+
 #include "planish/backend/cpu_backend.h"
 #include "support/delaunay_sphere.h"
 #include "support/meshes.h"
@@ -18,7 +20,8 @@ TEST(FitBest, TakesFairWhereProgressiveFolds) {
   EXPECT_EQ(best.method, InterpolationMethod::Fair);
   ASSERT_TRUE(best.fit.fair.has_value());
   EXPECT_GT(best.progressive.folded_area_elsewhere, 1e-4);
-  EXPECT_LT(best.fair.folded_area_elsewhere, 1e-5);
+  ASSERT_TRUE(best.fair.has_value());
+  EXPECT_LT(best.fair->folded_area_elsewhere, 1e-5);
   EXPECT_THAT(best.reason, HasSubstr("fair: progressive folds"));
 }
 
@@ -30,18 +33,80 @@ TEST(FitBest, TakesFairWhereBothAreAlike) {
   EXPECT_THAT(best.reason, HasSubstr("not clearly less"));
 }
 
-// The figures that decide are those of the surfaces themselves.
+// Flat triangles of a coarse ellipsoid, which itself tells that fair is farther off by far.
+TEST(FitBest, TakesProgressiveWhereItIsClearlyBetter) {
+  const auto backend = make_cpu_backend();
+  const PolygonMesh coarse = icosphere(0);
+  const glm::dvec3 axis =
+      glm::normalize(coarse.positions[coarse.face(0)[0]] + coarse.positions[coarse.face(0)[1]]);
+  PolygonMesh mesh = icosphere(1);
+  for (glm::dvec3& p : mesh.positions) p -= 0.7 * glm::dot(p, axis) * axis;
+  const BestFit best = fit_best(mesh, *backend);
+  EXPECT_EQ(best.method, InterpolationMethod::Progressive);
+  EXPECT_FALSE(best.fair_mesh.has_value());
+  EXPECT_FALSE(best.fit.fair.has_value());
+  EXPECT_LT(best.progressive.rms_normal_deviation,
+            kClearlyBetter * best.fair->rms_normal_deviation);
+  EXPECT_THAT(best.reason, HasSubstr("progressive: it does not fold, and its normals are off by"));
+}
+
+TEST(FitBest, SparesTheFairFitWhereFacesAreFollowedClosely) {
+  const auto backend = make_cpu_backend();
+  int made = 0;
+  const BestFit best = fit_best(icosphere(5), *backend, {}, [&] {
+    ++made;
+    return FairMesh{};
+  });
+  EXPECT_EQ(best.method, InterpolationMethod::Progressive);
+  EXPECT_LT(best.progressive.rms_normal_deviation, kCloseDegrees);
+  EXPECT_FALSE(best.fair.has_value());
+  EXPECT_EQ(made, 0);
+}
+
+TEST(FitBest, TakesFairWhereProgressiveDoesNotConverge) {
+  const auto backend = make_cpu_backend();
+  FitOptions options;
+  options.max_iterations = 0;
+  const BestFit best = fit_best(icosphere(5), *backend, options);
+  EXPECT_EQ(best.method, InterpolationMethod::Fair);
+  EXPECT_TRUE(best.fit.interpolation.converged);
+  EXPECT_THAT(best.reason, HasSubstr("progressive did not converge"));
+}
+
+// The figures that decide are those of the surfaces themselves, and the mesh is the caller's.
 TEST(FitBest, ItsFiguresAreThoseOfBothSurfaces) {
   const auto backend = make_cpu_backend();
   const PolygonMesh mesh = icosphere(2);
-  const BestFit best = fit_best(mesh, *backend);
-  const SurfaceQuality expected = surface_quality(
-      evaluate(mesh, fit(mesh, *backend), *backend, EvaluateOptions{.level = 1}), mesh);
-  EXPECT_EQ(best.progressive.rms_normal_deviation, expected.rms_normal_deviation);
-  const bool progressive =
-      best.progressive.rms_normal_deviation < 0.9 * best.fair.rms_normal_deviation;
-  EXPECT_EQ(best.method == InterpolationMethod::Progressive, progressive);
-  EXPECT_EQ(best.fit.fair.has_value(), !progressive);
+  int made = 0;
+  const BestFit best = fit_best(mesh, *backend, {}, [&] {
+    ++made;
+    return FairMesh{mesh, nullptr};
+  });
+  EXPECT_EQ(made, 1);
+  const auto quality_of = [&](InterpolationMethod method) {
+    FitOptions options;
+    options.method = method;
+    return surface_quality(evaluate(mesh, fit(mesh, *backend, options), *backend, {.level = 1}),
+                           mesh);
+  };
+  EXPECT_NEAR(best.progressive.rms_normal_deviation,
+              quality_of(InterpolationMethod::Progressive).rms_normal_deviation, 1e-6);
+  EXPECT_NEAR(best.fair->rms_normal_deviation,
+              quality_of(InterpolationMethod::Fair).rms_normal_deviation, 1e-6);
+  EXPECT_EQ(best.mesh(mesh).face_vertices, mesh.face_vertices);
+}
+
+// A fit that is not taken has nothing to warn of.
+TEST(FitBest, GivesOnlyTheWarningsOfTheFitThatIsTaken) {
+  const auto backend = make_cpu_backend();
+  PolygonMesh mesh = torus(8, 4, 1, 0.4);
+  mesh.creases = {{mesh.face(0)[0], mesh.face(0)[1], 1}};  // semi-sharp: both fits warn
+  FitOptions options;
+  std::vector<std::string> codes;
+  options.callbacks.warning = [&](const Warning& warning) { codes.push_back(warning.code); };
+  const BestFit best = fit_best(mesh, *backend, options);
+  ASSERT_TRUE(best.fair.has_value());
+  EXPECT_EQ(codes, std::vector<std::string>{"semi-sharp-creases"});
 }
 
 }  // namespace

@@ -131,6 +131,20 @@ Case simplified_part(const std::string& name, bool creases) {
   return made;
 }
 
+// In triangles within a fraction of the diagonal, compared with the shape's own smooth surface.
+Case decimated(const std::string& name, const PolygonMesh& shape, double tolerance) {
+  Case made{name};
+  made.source = fine_polygons(shape);
+  const SimplifiedMesh simplified =
+      simplify(shape.positions, quads_as_triangles(shape.face_vertices),
+               {.tolerance = tolerance * placement_of(shape).diagonal});
+  PolygonMesh mesh = polygons_of(simplified.triangles);
+  mesh.positions = shape.positions;
+  made.mesh = without_unused_vertices(mesh).mesh;
+  made.has_smooth_source = true;
+  return made;
+}
+
 Case of(const std::string& name, PolygonMesh mesh, Truth truth, bool is_held_out = false) {
   Case made{name, std::move(mesh), std::move(truth)};
   made.is_held_out = is_held_out;
@@ -226,6 +240,62 @@ std::vector<NamedCase> second_held_out_cases() {
   add("Delaunay sphere 700", sphere, [] { return random_sphere(700, 11, false); });
   add("flat ellipsoid, paired", true_flat_ellipsoid(),
       [] { return flattened(random_sphere(700, 12, true)); });
+  return cases;
+}
+
+std::vector<NamedCase> dense_cases() {
+  std::vector<NamedCase> cases;
+  const auto add = [&](const std::string& name, std::int64_t density, const Truth& truth,
+                       bool is_held_out, const std::function<PolygonMesh()>& make) {
+    const std::string full = name + ", " + std::to_string(density);
+    cases.push_back({full, [=] { return of(full, make(), truth, is_held_out); }});
+  };
+  for (const std::int32_t n : {8, 16, 40, 96}) {
+    const shapes::TorusOptions ring{.ring_count = n, .tube_count = n / 2};
+    const Truth torus = true_torus(ring.radius, ring.tube_radius);
+    add("torus, quads", n, torus, false, [=] { return shapes::torus(ring); });
+    add("torus, triangles", n, torus, false, [=] { return cut_quads(shapes::torus(ring), false); });
+    add("torus, cut by lot", n, torus, true, [=] { return cut_quads(shapes::torus(ring), true); });
+    add("cube sphere", n, true_sphere(1), false, [=] { return cube_sphere(n); });
+    add("cube sphere, flat", n, true_flat_ellipsoid(), false,
+        [=] { return flattened(cube_sphere(n)); });
+    add("pole sphere", n, true_sphere(1), true, [=] { return shapes::pole_sphere(2 * n, n); });
+  }
+  for (const std::int32_t n : {1, 2, 4, 5}) {
+    add("icosphere", n, true_sphere(1), false, [=] { return shapes::icosphere(n); });
+    add("icosphere, flat", n, true_flat_ellipsoid(), true,
+        [=] { return flattened(shapes::icosphere(n)); });
+    add("dual of icosphere", n, true_sphere(1), true, [=] {
+      PolygonMesh mesh = shapes::dual(shapes::icosphere(n));
+      for (glm::dvec3& p : mesh.positions) p = glm::normalize(p);
+      return mesh;
+    });
+  }
+  for (const std::int32_t n : {100, 2000, 8000}) {
+    add("random sphere", n, true_sphere(1), false, [=] { return random_sphere(n, 21, false); });
+    add("random ellipsoid, paired", n, true_flat_ellipsoid(), true,
+        [=] { return flattened(random_sphere(n, 22, true)); });
+  }
+  return cases;
+}
+
+std::vector<NamedCase> decimated_cases() {
+  std::vector<NamedCase> cases;
+  for (const double tolerance : {2e-4, 1e-3, 4e-3}) {
+    const std::string density = ", " + std::to_string(tolerance).substr(0, 6);
+    cases.push_back({"arm, decimated" + density, [=] {
+                       Case made =
+                           decimated("arm, decimated" + density, shapes::rocker_arm(), tolerance);
+                       made.truth = true_zero_set(shapes::rocker_arm_field);
+                       return made;
+                     }});
+    cases.push_back({"bust, decimated" + density, [=] {
+                       return decimated("bust, decimated" + density, shapes::bust(), tolerance);
+                     }});
+    cases.push_back({"goblet, decimated" + density, [=] {
+                       return decimated("goblet, decimated" + density, shapes::goblet(), tolerance);
+                     }});
+  }
   return cases;
 }
 

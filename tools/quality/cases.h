@@ -21,6 +21,12 @@ struct NamedCase {
 /// Further such shapes, of which none was looked at before the method was finished.
 [[nodiscard]] std::vector<NamedCase> second_held_out_cases();
 
+/// Spheres, tori and ellipsoids in quads, triangles and polygons, each at several densities.
+[[nodiscard]] std::vector<NamedCase> dense_cases();
+
+/// Arm, bust and goblet in few triangles, at several tolerances.
+[[nodiscard]] std::vector<NamedCase> decimated_cases();
+
 /// The scenes' rocker arm and others, sampled and meshed by `mesher`, and creased parts.
 [[nodiscard]] std::vector<NamedCase> scanned_cases(const Mesher& mesher);
 

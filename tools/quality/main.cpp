@@ -9,6 +9,7 @@
 #include "planish/reconstruct/mesher_process.h"
 #include "quality/animation.h"
 #include "quality/cases.h"
+#include "quality/choice_table.h"
 #include "quality/figures.h"
 #include "quality/verdict.h"
 #include "quality/wild_cases.h"
@@ -21,7 +22,7 @@ using namespace planish::quality;
 
 struct Arguments {
   std::vector<std::string> only;
-  bool list = false, smoke = false, animation = false, check = false, wild = false;
+  bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false;
 };
 
 void print_head() {
@@ -56,7 +57,13 @@ std::vector<NamedCase> all_cases(const Arguments& arguments) {
   if (arguments.wild) return wild_cases();
   std::vector<NamedCase> cases = analytic_cases();
   for (NamedCase& held_out : second_held_out_cases()) cases.push_back(std::move(held_out));
+  if (arguments.choice)
+    for (NamedCase& dense : dense_cases()) cases.push_back(std::move(dense));
   if (arguments.smoke) return cases;
+  if (arguments.choice) {
+    for (NamedCase& decimated : decimated_cases()) cases.push_back(std::move(decimated));
+    return cases;
+  }
   if (const auto program = find_mesher_program()) {
     for (NamedCase& scanned : scanned_cases(mesher_process(*program))) {
       cases.push_back(std::move(scanned));
@@ -77,6 +84,7 @@ std::vector<std::string> print_tables(const std::vector<NamedCase>& cases,
                                       const Arguments& arguments) {
   if (cases.empty()) return {};
   if (arguments.wild) return print_wild_table(cases);
+  if (arguments.choice) return print_choice_table(cases);
   print_head();
   std::vector<std::string> wrong;
   for (const NamedCase& named : cases) {
@@ -110,6 +118,8 @@ int main(int argc, char** argv) {
   app.add_flag("--smoke", arguments.smoke, "the small cases only");
   app.add_flag("--wild", arguments.wild,
                "meshes as other people's files hold them, and their folds");
+  app.add_flag("--choice", arguments.choice,
+               "which surface is taken by measurement, and which is nearer to the shape");
   app.add_flag("--check", arguments.check, "exit code 1 where the fair method falls short");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -51,6 +51,7 @@ struct FitTiming {
 struct FairFit {
   LevelOne level_one;
   std::int64_t shrunk_vertices = 0, reversed_vertices = 0;  ///< see FairNet
+  std::int64_t cured_vertices = 0;
   std::int64_t flagged_edges = 0, flagged_faces = 0;
   FairDecisions decisions;
 };

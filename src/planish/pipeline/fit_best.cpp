@@ -2,69 +2,116 @@
 
 #include <cstdio>
 #include <utility>
+#include <vector>
 
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
+#include "planish/mesh/folded_edges.h"
+#include "planish/surface/block_quality.h"
 
 namespace planish {
 
 namespace {
 
-constexpr double kFoldedArea = 1e-5;
-constexpr double kClearlyBetter = 0.9;
+// A fit that is not given out yet.
+struct Candidate {
+  Fit fit;
+  SurfaceQuality quality;
+  std::vector<Warning> warnings;
 
-SurfaceQuality measured(const PolygonMesh& mesh, const Fit& fit, Backend& backend,
-                        const FitOptions& options) {
+  [[nodiscard]] bool folds() const { return quality.folded_area_elsewhere >= kSoundFoldedArea; }
+  [[nodiscard]] bool is_sound() const { return fit.interpolation.converged && !folds(); }
+};
+
+SurfaceQuality measured(const PolygonMesh& mesh, const Fit& fit, const FitOptions& options) {
   EvaluateOptions evaluation;
-  evaluation.level = 1;
   evaluation.weights = options.weights;
   evaluation.sharp = options.sharp;
   evaluation.callbacks = options.callbacks;
-  return surface_quality(evaluate(mesh, fit, backend, evaluation), mesh);
+  const auto surface = fitted_surface(mesh, fit, evaluation);
+  return surface_quality(*surface->level(1), mesh,
+                         folded_edges(mesh, *fit.prepared->topology).is_beside, options.callbacks);
 }
 
-std::string reason_of(const BestFit& best) {
+Candidate candidate(const PolygonMesh& mesh, Backend& backend, FitOptions options,
+                    InterpolationMethod method) {
+  Candidate result;
+  options.method = method;
+  options.callbacks.warning = [&](const Warning& warning) { result.warnings.push_back(warning); };
+  result.fit = fit(mesh, backend, options);
+  result.quality = measured(mesh, result.fit, options);
+  return result;
+}
+
+std::string text_of(const char* format, double first, double second) {
   char text[200];
-  if (best.method == InterpolationMethod::Progressive) {
-    std::snprintf(text, sizeof text,
-                  "progressive: it does not fold, and its normals are off by %.3g degrees rms, "
-                  "fair's by %.3g",
-                  best.progressive.rms_normal_deviation, best.fair.rms_normal_deviation);
-  } else if (best.progressive.folded_area_elsewhere >= kFoldedArea) {
-    std::snprintf(text, sizeof text, "fair: progressive folds %.2g %% of the area, fair %.2g %%",
-                  100 * best.progressive.folded_area_elsewhere,
-                  100 * best.fair.folded_area_elsewhere);
-  } else {
-    std::snprintf(text, sizeof text,
-                  "fair: its normals are off by %.3g degrees rms, progressive's by %.3g, not "
-                  "clearly less",
-                  best.fair.rms_normal_deviation, best.progressive.rms_normal_deviation);
-  }
+  std::snprintf(text, sizeof text, format, first, second);
   return text;
+}
+
+// Takes the fair surface, or leaves the progressive one.
+void choose(const Candidate& progressive, const Candidate& fair, BestFit& best) {
+  const double rms = progressive.quality.rms_normal_deviation;
+  const double fair_rms = fair.quality.rms_normal_deviation;
+  const double folded = 100 * progressive.quality.folded_area_elsewhere;
+  const double fair_folded = 100 * fair.quality.folded_area_elsewhere;
+  best.method = InterpolationMethod::Fair;
+  if (!progressive.fit.interpolation.converged) {
+    best.reason = "fair: progressive did not converge";
+  } else if (!fair.fit.interpolation.converged) {
+    best.method = InterpolationMethod::Progressive;
+    best.reason = "progressive: fair misses the tolerance";
+  } else if (fair.folds() && fair_folded > folded) {
+    best.method = InterpolationMethod::Progressive;
+    best.reason =
+        text_of("progressive: it folds %.2g %% of the area, fair %.2g %%", folded, fair_folded);
+  } else if (progressive.folds()) {
+    best.reason =
+        text_of("fair: progressive folds %.2g %% of the area, fair %.2g %%", folded, fair_folded);
+  } else if (rms < kClearlyBetter * fair_rms) {
+    best.method = InterpolationMethod::Progressive;
+    best.reason = text_of(
+        "progressive: it does not fold, and its normals are off by %.3g degrees rms, fair's by "
+        "%.3g",
+        rms, fair_rms);
+  } else {
+    best.reason = text_of(
+        "fair: its normals are off by %.3g degrees rms, progressive's by %.3g, not clearly less",
+        fair_rms, rms);
+  }
+}
+
+void give_out(Candidate&& taken, BestFit& best, const Callbacks& callbacks) {
+  best.fit = std::move(taken.fit);
+  for (const Warning& warning : taken.warnings) callbacks.warn(warning);
 }
 
 }  // namespace
 
-BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
-  FitOptions progressive = options, fair = options;
-  progressive.method = InterpolationMethod::Progressive;
-  fair.method = InterpolationMethod::Fair;
+BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
+                 const std::function<FairMesh()>& make_fair_mesh) {
   BestFit best;
-  best.mesh = with_cusp_corners(with_convex_faces(mesh).mesh);
-  best.fit = fit(best.mesh, backend, fair);
-  best.fair = measured(best.mesh, best.fit, backend, fair);
-  best.method = InterpolationMethod::Fair;
-  Fit other = fit(mesh, backend, progressive);
-  best.progressive = measured(mesh, other, backend, progressive);
-  const bool sound = best.progressive.folded_area_elsewhere < kFoldedArea;
-  const bool clearly_better =
-      best.progressive.rms_normal_deviation < kClearlyBetter * best.fair.rms_normal_deviation;
-  if (sound && clearly_better && other.interpolation.converged) {
-    best.method = InterpolationMethod::Progressive;
-    best.mesh = mesh;
-    best.fit = std::move(other);
+  Candidate progressive = candidate(mesh, backend, options, InterpolationMethod::Progressive);
+  best.progressive = progressive.quality;
+  if (progressive.is_sound() && best.progressive.rms_normal_deviation < kCloseDegrees) {
+    best.reason = text_of(
+        "progressive: it does not fold, and its normals are within %.3g degrees rms of the "
+        "faces'",
+        best.progressive.rms_normal_deviation, 0);
+    give_out(std::move(progressive), best, options.callbacks);
+    return best;
   }
-  best.reason = reason_of(best);
+  FairMesh made = make_fair_mesh
+                      ? make_fair_mesh()
+                      : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr};
+  FitOptions fair_options = options;
+  fair_options.prepared = made.prepared;
+  Candidate fair = candidate(made.mesh, backend, fair_options, InterpolationMethod::Fair);
+  best.fair = fair.quality;
+  choose(progressive, fair, best);
+  const bool is_fair = best.method == InterpolationMethod::Fair;
+  give_out(std::move(is_fair ? fair : progressive), best, options.callbacks);
+  if (is_fair) best.fair_mesh = std::move(made.mesh);
   return best;
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "planish/pipeline/fit.h"
@@ -7,21 +10,45 @@
 
 namespace planish {
 
-/// The better of the two surfaces through a mesh's vertices, and why.
-struct BestFit {
-  PolygonMesh mesh;  ///< that `fit` is of: for a fair one with convex faces and cusp corners
-  Fit fit;
-  InterpolationMethod method = InterpolationMethod::Progressive;
-  SurfaceQuality progressive, fair;  ///< at level 1, against the faces of each one's mesh
-  std::string reason;                ///< in a line, for people
+/// The mesh that a fair surface is made of, and its connectivity where that is at hand.
+struct FairMesh {
+  PolygonMesh mesh;
+  std::shared_ptr<const PreparedMesh> prepared;
 };
 
-/// Fits by both methods, whatever the options' method is, and measures both at level 1: fair,
-/// unless the progressive surface does not fold (less than 1e-5 of its area, where the input does
-/// not itself) and its normals are off by less than 0.9 of what fair's are. That much because
-/// normals are measured against the mesh's own faces, which the progressive method follows more
-/// closely even where it is no nearer to the shape. Two fits at most. Throws as fit().
+/// The better of the two surfaces through a mesh's vertices, and why.
+struct BestFit {
+  Fit fit;
+  InterpolationMethod method = InterpolationMethod::Progressive;
+  /// That `fit` is of, where it is fair; else it is of the given mesh.
+  std::optional<PolygonMesh> fair_mesh;
+  SurfaceQuality progressive;          ///< at level 1, against the mesh's faces
+  std::optional<SurfaceQuality> fair;  ///< the same; empty: not tried
+  std::string reason;                  ///< in a line, for people
+
+  /// The mesh that `fit` is of.
+  [[nodiscard]] const PolygonMesh& mesh(const PolygonMesh& given) const {
+    return fair_mesh ? *fair_mesh : given;
+  }
+};
+
+/// What decides, of surfaces at level 1 against the mesh's faces; see pipeline/README.md.
+inline constexpr double kSoundFoldedArea = 1e-5;  ///< folds of less are none
+inline constexpr double kCloseDegrees = 1;        ///< normals nearer to the faces' need no rival
+inline constexpr double kClearlyBetter = 0.96;    ///< of the other's deviation
+
+/// Fits by the progressive method and measures the surface at level 1; where it converges, does not
+/// fold (but where the input does itself) and its normals are within kCloseDegrees rms of the
+/// faces', that is all. Else fits by the fair method too and takes that, unless the progressive
+/// surface does not fold and its normals are off by less than kClearlyBetter of what fair's are, or
+/// fair folds more. That much because normals are measured against the mesh's own faces, which the
+/// progressive method follows more closely even where it is no nearer to the shape.
+///
+/// `make_fair_mesh` is called at most once, for the mesh that the fair surface is of: without it
+/// with_cusp_corners() of with_convex_faces(). Only warnings of the fit that is taken are given.
+/// Throws as fit(), whatever options.method is.
 [[nodiscard]] BestFit fit_best(const PolygonMesh& mesh, Backend& backend,
-                               const FitOptions& options = {});
+                               const FitOptions& options = {},
+                               const std::function<FairMesh()>& make_fair_mesh = {});
 
 }  // namespace planish

@@ -83,6 +83,7 @@ void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivi
   fair.level_one = {std::move(net.state), result.placement};
   fair.shrunk_vertices = net.shrunk_vertices;
   fair.reversed_vertices = net.reversed_vertices;
+  fair.cured_vertices = net.cured_vertices;
   fair.flagged_edges = net.flagged_edges;
   fair.flagged_faces = net.flagged_faces;
   fair.decisions = std::move(net.decisions);

@@ -2,6 +2,7 @@
 
 #include "job/forecast.h"
 #include "job/input.h"
+#include "job/job_input.h"
 #include "job/point_input.h"
 #include "job/prepare.h"
 #include "planish/core/error.h"
@@ -62,6 +63,13 @@ std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
   return text;
 }
 
+std::string solve_text(const Settings& settings, const std::vector<PlannedOutput>& outputs) {
+  if (settings.interpolation == InterpolationChoice::Fair) return "fair";
+  const std::string solver(name_of(settings.solver));
+  return chooses_by_measurement(settings, outputs) ? solver + ", or fair where that is better"
+                                                   : solver;
+}
+
 std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDescription& device,
                           const PathClaims& claims) {
   const Settings& settings = planned.job.settings;
@@ -78,9 +86,8 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   std::string text = "would fit " + input.name + ": " +
                      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count()) + "\n" +
                      device_line(device) + "  solve        " +
-                     (method == InterpolationMethod::Fair ? std::string("fair")
-                                                          : std::string(name_of(settings.solver))) +
-                     ", " + subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
+                     solve_text(settings, planned.outputs) + ", " +
+                     subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
                      short_number(settings.tolerance) + "\n";
   text += outputs_text(planned, mesh, forecast, claims);
   return text + "  memory       at most about " + byte_size(forecast.peak_bytes) +

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <thread>
 
+#include "job/job_input.h"
 #include "planish/core/error.h"
 #include "planish/surface/memory_need.h"
 #include "terminal/text.h"
@@ -108,8 +109,9 @@ Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
   }
   forecast.peak_bytes = peak_bytes(mesh, levels, settings.scheme);
   const double threads = std::max(1u, std::thread::hardware_concurrency());
+  const double fits = chooses_by_measurement(settings, outputs) ? 2 : 1;
   forecast.seconds = (kSecondsPerMillionPoints * points +
-                      kSecondsPerMillionVertices * static_cast<double>(levels[0].vertices)) *
+                      kSecondsPerMillionVertices * fits * static_cast<double>(levels[0].vertices)) *
                      1e-6 / threads;
   return forecast;
 }

@@ -57,6 +57,8 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
                  {{"clean", 5}, {"smooth", 0.5}, {"mesh", 40}, {"repair", 2}, {"simplify", 60}});
   }
   steps.insert(steps.end(), {{"stencils", 2}, {"solve", 3}});
+  if (chooses_by_measurement(job.settings, outputs))
+    steps.insert(steps.end(), {{"stencils", 2}, {"solve", 3}});
   std::vector<int> levels;
   for (const PlannedOutput& output : outputs) {
     const bool is_new = std::ranges::find(levels, output.level) == levels.end();
@@ -90,13 +92,15 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     context.progress.update("read", 0);
     JobInput made = timed(report.timing.read, [&] { return read_job_input(job, report, context); });
     timed(report.timing.check, [&] {
-      prepare_input(made, report, context.console);
-      warn_of_unused_settings(job, made, report, context.console);
+      prepare_input(made, outputs, report, context.console);
+      if (!made.unprepared) warn_of_unused_settings(job, made, report, context.console);
       const PolygonMesh& mesh = made.input.file.mesh;
       if (!made.prepared) require_usable(mesh, made.input.name);
       require_memory_for(mesh, *made.prepared, job.settings, outputs);
     });
+    const bool was_open = made.unprepared.has_value();
     const Fit result = fit_input(made, backend, report, context);
+    if (was_open) warn_of_unused_settings(job, made, report, context.console);
     stdout_bytes = write_outputs(
         {job, outputs, backend, context, made, result, report, staged, page.payloads});
   });

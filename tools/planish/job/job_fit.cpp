@@ -2,16 +2,16 @@
 
 #include <algorithm>
 
+#include "job/prepare.h"
 #include "job/timed.h"
 #include "planish/mesh/check.h"
+#include "planish/pipeline/fit_best.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
 
-Fit run_fit(const JobInput& made, Backend& backend, const JobReport& report,
-            const Callbacks& callbacks) {
-  const Input& input = made.input;
+FitOptions options_of(const JobInput& made, const JobReport& report, const Callbacks& callbacks) {
   const Settings& settings = report.settings;
   FitOptions options;
   options.prepared = made.prepared;
@@ -24,13 +24,41 @@ Fit run_fit(const JobInput& made, Backend& backend, const JobReport& report,
   options.max_iterations = settings.max_iterations;
   options.sharp = settings.sharp();
   options.callbacks = callbacks;
+  return options;
+}
+
+double sum_of(const FitTiming& timing) {
+  return timing.check + timing.topology + timing.stencils + timing.upload + timing.solve;
+}
+
+Fit choose_fit(JobInput& made, Backend& backend, JobReport& report, const JobContext& context) {
+  const FitOptions options = options_of(made, report, callbacks_for(report, context));
+  ReadyMesh ready;
+  const auto make_fair_mesh = [&] {
+    ready = prepare(std::move(*made.unprepared), report.settings, InterpolationMethod::Fair);
+    return FairMesh{std::move(ready.mesh), ready.prepared};
+  };
+  BestFit best = timed(report.timing.choose, [&] {
+    return fit_best(made.input.file.mesh, backend, options, make_fair_mesh);
+  });
+  report.timing.choose -= sum_of(best.fit.timing);
+  report.choice = MethodChoice{best.reason, best.progressive, best.fair};
+  if (best.fair_mesh)
+    take_fair_mesh(made, std::move(*best.fair_mesh), std::move(ready), report, context.console);
+  made.unprepared.reset();
+  return std::move(best.fit);
+}
+
+Fit run_fit(JobInput& made, Backend& backend, JobReport& report, const JobContext& context) {
   try {
-    return fit(input.file.mesh, backend, options);
+    if (made.unprepared) return choose_fit(made, backend, report, context);
+    return fit(made.input.file.mesh, backend,
+               options_of(made, report, callbacks_for(report, context)));
   } catch (const Error& error) {
     // fit() knows no file name: say it again with the name.
     if (error.code() != ErrorCode::UnusableMesh) throw;
-    require_usable(input.file.mesh, input.name);
-    throw Error(error.code(), input.name + ": " + error.what(), error.element());
+    require_usable(made.input.file.mesh, made.input.name);
+    throw Error(error.code(), made.input.name + ": " + error.what(), error.element());
   }
 }
 
@@ -45,7 +73,8 @@ void note_fit(JobReport& report, Fit& result) {
   report.timing.solve += result.timing.solve;
   if (result.fair) {
     report.fair = FairFigures{result.fair->shrunk_vertices, result.fair->reversed_vertices,
-                              result.fair->flagged_edges, result.fair->flagged_faces};
+                              result.fair->cured_vertices, result.fair->flagged_edges,
+                              result.fair->flagged_faces};
   }
   report.interpolation = std::move(result.interpolation);
   report.interpolation.displacement.clear();
@@ -96,11 +125,14 @@ void warn_of_unused(JobReport& report, const PreparedMesh& mesh, Console& consol
 
 }  // namespace
 
-Fit fit_input(const JobInput& made, Backend& backend, JobReport& report,
-              const JobContext& context) {
-  Fit result = run_fit(made, backend, report, callbacks_for(report, context));
-  report.input.statistics =
-      timed(report.timing.check, [&] { return statistics(*result.prepared); });
+Fit fit_input(JobInput& made, Backend& backend, JobReport& report, const JobContext& context) {
+  Fit result = run_fit(made, backend, report, context);
+  timed(report.timing.check, [&] {
+    report.input.statistics = statistics(*result.prepared);
+    made.folds = folded_edges(made.input.file.mesh, *result.prepared->topology);
+  });
+  report.input.folded_edges = made.folds.count;
+  report.input.folded_edge_area = made.folds.area;
   note_fit(report, result);
   warn_of_unused(report, *result.prepared, context.console);
   warn_of_the_solve(report, context.console);

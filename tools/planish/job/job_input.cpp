@@ -68,13 +68,28 @@ Input read_source(const std::string& path) {
   return source;
 }
 
-// Auto: points are meshed unevenly, which folds progressive surfaces; a mesh is taken as the paper
-// takes it. Other schemes than Doo-Sabin have no fair method.
+// Auto: points are meshed unevenly, which folds progressive surfaces. Of a mesh it starts with the
+// progressive one. Other schemes than Doo-Sabin have no fair method.
 InterpolationMethod method_for(const Settings& settings, const JobInput& made) {
   const bool fair = settings.interpolation == InterpolationChoice::Fair ||
                     (settings.interpolation == InterpolationChoice::Auto && !made.points.empty() &&
                      settings.scheme == Scheme::DooSabin);
   return fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
+}
+
+bool is_left_open(const Settings& settings) {
+  return settings.interpolation == InterpolationChoice::Auto && settings.scheme == Scheme::DooSabin;
+}
+
+void note_preparation(JobInput& made, ReadyMesh& ready, JobReport& report, Console& console) {
+  for (Warning change : ready.changes) {
+    change.message = made.input.name + ": " + change.message;
+    add_warning(report, console, change);
+  }
+  report.input.changed_faces = std::move(ready.changed_faces);
+  made.file_vertices = std::move(ready.source_vertices);
+  made.file_faces = std::move(ready.source_faces);
+  made.prepared = std::move(ready.prepared);
 }
 
 }  // namespace
@@ -108,23 +123,37 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
   return made;
 }
 
-void prepare_input(JobInput& made, JobReport& report, Console& console) {
+bool chooses_by_measurement(const Settings& settings, const std::vector<PlannedOutput>& outputs) {
+  return is_left_open(settings) && std::ranges::none_of(outputs, [](const PlannedOutput& output) {
+           return output.kind == OutputKind::Cage;
+         });
+}
+
+void prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs, JobReport& report,
+                   Console& console) {
   Input& input = made.input;
   report.method = method_for(report.settings, made);
+  if (made.points.empty() && is_left_open(report.settings)) {
+    report.choice.emplace().reason =
+        "progressive: the control cage keeps the input's faces, as that of --interpolation fair "
+        "does not";
+    if (chooses_by_measurement(report.settings, outputs)) made.unprepared = input.file.mesh;
+  }
   try {
-    ReadyMesh prepared = prepare(std::move(input.file.mesh), report.settings, report.method);
-    for (Warning change : prepared.changes) {
-      change.message = input.name + ": " + change.message;
-      add_warning(report, console, change);
-    }
-    report.input.changed_faces = std::move(prepared.changed_faces);
-    made.file_vertices = std::move(prepared.source_vertices);
-    input.file.mesh = std::move(prepared.mesh);
-    made.prepared = std::move(prepared.prepared);
+    ReadyMesh ready = prepare(std::move(input.file.mesh), report.settings, report.method);
+    note_preparation(made, ready, report, console);
+    input.file.mesh = std::move(ready.mesh);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::UnusableMesh) require_usable(input.file.mesh, input.name);
     throw;
   }
+}
+
+void take_fair_mesh(JobInput& made, PolygonMesh&& mesh, ReadyMesh&& ready, JobReport& report,
+                    Console& console) {
+  report.method = InterpolationMethod::Fair;
+  note_preparation(made, ready, report, console);
+  made.input.file.mesh = std::move(mesh);
 }
 
 void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,

@@ -1,6 +1,5 @@
 #include "job/measure_surface.h"
 
-#include "planish/mesh/folded_edges.h"
 #include "planish/reconstruct/compare_source.h"
 #include "planish/reconstruct/triangle_edges.h"
 #include "planish/surface/block_quality.h"
@@ -35,7 +34,7 @@ SurfaceQuality quality_of(const JobInput& made, JobLevel& surface,
                           const Callbacks& callbacks) {
   const PolygonMesh& mesh = made.input.file.mesh;
   if (surface.is_whole()) return surface_quality(surface.whole(), mesh);
-  const auto is_beside = folded_edges(mesh, *made.prepared->topology).is_beside;
+  const std::vector<std::uint8_t>& is_beside = made.folds.is_beside;
   if (!stored_about && surface.level() > 1)
     return surface_quality(surface.blocks(), mesh, is_beside, callbacks);
   BlockQuality quality(surface.blocks(), mesh, is_beside);
@@ -60,20 +59,49 @@ void note_quality(const JobInput& made, const Fit& fitted, JobLevel& surface,
   measured.source_distances = relative(comparison.distances, fitted.placement.diagonal);
 }
 
-void warn_of_folds(JobReport& report, Console& console) {
-  const double folded = report.surface->quality.folded_area;
-  if (folded <= kFoldedAreaLimit) return;
-  const bool is_fair = report.method == InterpolationMethod::Fair;
-  add_warning(report, console,
-              {"folded-area",
-               short_number(folded * 100) +
-                   " % of the surface is folded (turned by more than 90 degrees from " +
-                   (report.surface->reference.empty() ? "its face" : "the source") + "); " +
-                   (is_fair ? "the input itself is folded or sharp there, --creases auto may help"
-                    : report.settings.scheme == Scheme::DooSabin
-                        ? "--interpolation fair is made for such meshes"
-                        : "--scheme doo-sabin --interpolation fair is made for such meshes"),
-               1, -1});
+std::int64_t file_face(const FoldedPlace& place, const JobInput& made) {
+  return made.file_faces.empty() ? place.face : made.file_faces[place.face];
+}
+
+// "; first at face 12 near (1, 2, 0.5), face 14 near (1, 2, 0.7)", as the file counts faces.
+std::string places_text(const std::vector<FoldedPlace>& places, const JobInput& made) {
+  std::string text;
+  for (const FoldedPlace& place : places) {
+    const glm::dvec3& p = place.position;
+    text += (text.empty() ? "; first at face " : ", face ") +
+            std::to_string(file_face(place, made)) + " near (" + short_number(p.x) + ", " +
+            short_number(p.y) + ", " + short_number(p.z) + ")";
+  }
+  return text;
+}
+
+std::string remedy_for_folds(const JobReport& report, bool only_the_input_is) {
+  if (report.method == InterpolationMethod::Fair) {
+    return only_the_input_is ? "the input itself is folded there"
+                             : "the input is sharp there, --creases auto may help";
+  }
+  return report.settings.scheme == Scheme::DooSabin
+             ? "--interpolation fair is made for such meshes"
+             : "--scheme doo-sabin --interpolation fair is made for such meshes";
+}
+
+void warn_of_folds(const JobInput& made, JobReport& report, Console& console) {
+  const SurfaceQuality& quality = report.surface->quality;
+  if (quality.folded_area <= kFoldedAreaLimit) return;
+  const bool against_input = report.surface->reference.empty();
+  const bool some_is_the_inputs = quality.folded_area_elsewhere < quality.folded_area;
+  add_warning(
+      report, console,
+      {"folded-area",
+       short_number(quality.folded_area * 100) +
+           " % of the surface is folded (turned by more than 90 degrees from " +
+           (against_input ? "its face" : "the source") + ")" +
+           (some_is_the_inputs ? ", " + short_number(quality.folded_area_elsewhere * 100) +
+                                     " % where the input is not"
+                               : "") +
+           places_text(quality.folded_places, made) + "; " +
+           remedy_for_folds(report, quality.folded_area_elsewhere <= kFoldedAreaLimit),
+       1, quality.folded_places.empty() ? -1 : file_face(quality.folded_places.front(), made)});
 }
 
 }  // namespace
@@ -83,7 +111,7 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
                      const JobContext& context) {
   if (surface.level() >= 1 && !report.surface) {
     note_quality(made, fitted, surface, stored_about, report, callbacks_for(report, context));
-    warn_of_folds(report, context.console);
+    warn_of_folds(made, report, context.console);
   }
   if (surface.level() >= kPointDistanceLevel && !made.points.empty() && !report.point_distances) {
     const SurfaceMesh& whole = surface.whole();

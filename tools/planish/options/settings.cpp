@@ -103,8 +103,8 @@ constexpr std::array kWordSettings{
                 }},
     WordSetting{
         "interpolation", "auto|progressive|fair", "auto",
-        "progressive: as in the paper; fair: without folds on uneven meshes; auto: fair for "
-        "points, progressive for meshes",
+        "progressive: as in the paper; fair: without folds on uneven meshes; auto: the better of "
+        "both by measurement, fair for points, progressive for --cage",
         true,
         [](Settings& s, std::string_view value, std::string_view where) {
           s.interpolation = parse(kInterpolations, value, where);

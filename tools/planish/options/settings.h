@@ -19,7 +19,8 @@ namespace planish::command {
 enum class PrecisionChoice { Auto, Float, Double };
 enum class UpAxis { Y, Z };
 enum class RepairChoice { None, Safe };
-/// Auto: fair for point clouds, progressive for meshes.
+/// Auto: fair for point clouds; of meshes the better one by measurement, and progressive where a
+/// cage is wanted.
 enum class InterpolationChoice { Auto, Progressive, Fair };
 
 /// Which edges and vertices are sharp besides boundaries.

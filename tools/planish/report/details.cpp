@@ -30,7 +30,8 @@ std::string details(const JobReport& report) {
   if (report.fair) {
     text +=
         line("drawn in", counted(report.fair->shrunk_vertices, "vertex") + ", " +
-                             counted(report.fair->reversed_vertices, "vertex") + " turned back");
+                             counted(report.fair->reversed_vertices, "vertex") + " turned back, " +
+                             with_separators(report.fair->cured_vertices) + " cured of folds");
     text += line("flagged", counted(report.fair->flagged_edges, "edge") + ", " +
                                 counted(report.fair->flagged_faces, "face"));
   } else {

@@ -65,6 +65,13 @@ std::string statistics_text(const MeshStatistics& statistics) {
          line("genus", with_separators(statistics.genus));
 }
 
+std::string folds_line(const FoldedEdges& folds) {
+  return line("folded edges",
+              with_separators(folds.count) + " turn by more than 120 degrees, beside " +
+                  short_number(100 * folds.area) + " % of the area; first at face " +
+                  std::to_string(folds.first_face));
+}
+
 std::string problems_text(const std::vector<MeshProblem>& problems) {
   constexpr std::size_t kShown = 10;
   std::string text =
@@ -83,6 +90,7 @@ std::string mesh_text(const Inspection& inspection) {
   if (inspection.statistics) {
     text += statistics_text(*inspection.statistics);
     text += line("diagonal", short_number(inspection.diagonal));
+    if (inspection.folds->count > 0) text += folds_line(*inspection.folds);
   }
   const auto count = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
   text += line("crease edges", with_separators(count(file.mesh.creases)));
@@ -116,6 +124,9 @@ void add_mesh(const Inspection& inspection, nlohmann::ordered_json& json) {
     json["boundary_loops"] = statistics->boundary_loop_count;
     json["components"] = statistics->component_count;
     json["genus"] = statistics->genus;
+    json["folded_edges"] = {{"count", inspection.folds->count},
+                            {"area", inspection.folds->area},
+                            {"first_face", inspection.folds->first_face}};
   }
   json["header"] = file.header;
 }
@@ -150,6 +161,7 @@ Inspection inspect(const std::string& path, std::optional<FileFormat> requested)
   inspection.problems = check(mesh);
   if (inspection.problems.empty()) {
     inspection.statistics = statistics(mesh);
+    inspection.folds = folded_edges(mesh);
     inspection.diagonal = placement_of(mesh).diagonal;
   }
   return inspection;

@@ -7,6 +7,7 @@
 
 #include "job/point_input.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
 
 namespace planish::command {
@@ -17,6 +18,7 @@ struct Inspection {
   FileFormat format = FileFormat::Obj;
   std::vector<MeshProblem> problems;         ///< of a mesh
   std::optional<MeshStatistics> statistics;  ///< of a mesh without problems
+  std::optional<FoldedEdges> folds;          ///< the same
   std::optional<PointInput> points;          ///< of a file without faces
   double diagonal = 0;
   double spacing = 0;  ///< median distance of a point to its nearest neighbour

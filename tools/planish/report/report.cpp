@@ -28,6 +28,7 @@ OrderedJson input_json(const InputFacts& input) {
   json["genus"] = input.statistics.genus;
   json["sharp_edges"] = input.sharp_edges;
   json["corners"] = input.corners;
+  json["folded_edges"] = {{"count", input.folded_edges}, {"area", input.folded_edge_area}};
   json["welded"] = input.welded;
   json["dropped"] = input.dropped;
   json["changed_faces"] = input.changed_faces;
@@ -36,11 +37,24 @@ OrderedJson input_json(const InputFacts& input) {
   return json;
 }
 
+OrderedJson choice_json(const std::optional<MethodChoice>& choice) {
+  if (!choice) return nullptr;
+  const auto figures = [](const std::optional<SurfaceQuality>& quality) -> OrderedJson {
+    if (!quality) return nullptr;
+    return {{"folded_area_elsewhere", quality->folded_area_elsewhere},
+            {"rms_normal_deviation", quality->rms_normal_deviation}};
+  };
+  return {{"reason", choice->reason},
+          {"progressive", figures(choice->progressive)},
+          {"fair", figures(choice->fair)}};
+}
+
 OrderedJson solve_json(const JobReport& report) {
   const Interpolation& result = report.interpolation;
   const bool iterates = report.method == InterpolationMethod::Progressive;
   OrderedJson json;
   json["method"] = name_of(report.method);
+  json["choice"] = choice_json(report.choice);
   json["scheme"] = name_of(report.settings.scheme);
   const bool has_weights = report.settings.scheme == Scheme::DooSabin;
   json["weights"] = has_weights ? OrderedJson(name_of(report.settings.weights)) : OrderedJson();
@@ -66,6 +80,7 @@ OrderedJson solve_json(const JobReport& report) {
     json["fair"] = {{"polish", report.settings.polish_steps},
                     {"shrunk_vertices", report.fair->shrunk_vertices},
                     {"reversed_vertices", report.fair->reversed_vertices},
+                    {"cured_vertices", report.fair->cured_vertices},
                     {"flagged_edges", report.fair->flagged_edges},
                     {"flagged_faces", report.fair->flagged_faces}};
   }
@@ -79,6 +94,7 @@ OrderedJson surface_json(const JobReport& report) {
   json["level"] = surface.level;
   json["reference"] = surface.reference.empty() ? "input" : surface.reference;
   json["folded_area"] = surface.quality.folded_area;
+  json["folded_area_elsewhere"] = surface.quality.folded_area_elsewhere;
   json["rms_normal_deviation"] = surface.quality.rms_normal_deviation;
   json["max_normal_deviation"] = surface.quality.max_normal_deviation;
   json["bending"] = surface.quality.bending;
@@ -112,9 +128,11 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
 }
 
 OrderedJson timing_json(const JobTiming& timing) {
-  return {{"read", timing.read},         {"check", timing.check},   {"topology", timing.topology},
-          {"stencils", timing.stencils}, {"upload", timing.upload}, {"solve", timing.solve},
-          {"evaluate", timing.evaluate}, {"write", timing.write},   {"total", timing.total}};
+  return {{"read", timing.read},         {"check", timing.check},
+          {"topology", timing.topology}, {"stencils", timing.stencils},
+          {"upload", timing.upload},     {"solve", timing.solve},
+          {"choose", timing.choose},     {"evaluate", timing.evaluate},
+          {"write", timing.write},       {"total", timing.total}};
 }
 
 OrderedJson warnings_json(const std::vector<Warning>& warnings) {

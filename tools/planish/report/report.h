@@ -41,15 +41,24 @@ struct InputFacts {
   std::string path, sha256, format;
   MeshStatistics statistics{};
   std::int32_t sharp_edges = 0, corners = 0;
+  std::int64_t folded_edges = 0;  ///< see FoldedEdges, as the area
+  double folded_edge_area = 0;
   std::vector<std::int32_t> changed_faces;  ///< by repair; the file's indices
   std::int64_t welded = 0, dropped = 0;
   /// The file's own, or the reconstruction's, before mending; `statistics` has those after it.
   std::int64_t file_vertices = 0, file_faces = 0;
 };
 
+/// Which method was taken where the settings leave it open, and why; see fit_best().
+struct MethodChoice {
+  std::string reason;                               ///< in a line
+  std::optional<SurfaceQuality> progressive, fair;  ///< at level 1; empty: not measured
+};
+
 /// The fair method's own figures, see FairNet.
 struct FairFigures {
-  std::int64_t shrunk_vertices = 0, reversed_vertices = 0, flagged_edges = 0, flagged_faces = 0;
+  std::int64_t shrunk_vertices = 0, reversed_vertices = 0, cured_vertices = 0, flagged_edges = 0,
+               flagged_faces = 0;
 };
 
 /// How good the surface is, measured on one of its levels.
@@ -61,10 +70,11 @@ struct MeasuredSurface {
   std::optional<PointDistances> source_distances;
 };
 
-/// Wall-clock milliseconds; topology is OpenSubdiv's refiner.
+/// Wall-clock milliseconds; topology is OpenSubdiv's refiner, choose what measuring and a fit that
+/// was not taken cost.
 struct JobTiming {
-  double read = 0, check = 0, topology = 0, stencils = 0, upload = 0, solve = 0, evaluate = 0,
-         write = 0;
+  double read = 0, check = 0, topology = 0, stencils = 0, upload = 0, solve = 0, choose = 0,
+         evaluate = 0, write = 0;
   double total = 0;
 };
 
@@ -77,6 +87,7 @@ struct JobReport {
   DeviceDescription device;
   Settings settings;
   InterpolationMethod method = InterpolationMethod::Progressive;
+  std::optional<MethodChoice> choice;
   std::optional<FairFigures> fair;
   Interpolation interpolation;  ///< displacement left empty
   double spectral_bound = 0;

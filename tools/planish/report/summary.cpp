@@ -20,9 +20,9 @@ std::string shape_of(const MeshStatistics& statistics) {
 std::string timing_line(const JobTiming& timing) {
   std::string line = duration(timing.total) + " (";
   const std::pair<const char*, double> parts[] = {
-      {"read", timing.read},         {"check", timing.check},   {"topology", timing.topology},
-      {"stencils", timing.stencils}, {"upload", timing.upload}, {"solve", timing.solve},
-      {"evaluate", timing.evaluate}, {"write", timing.write}};
+      {"read", timing.read},         {"check", timing.check},       {"topology", timing.topology},
+      {"stencils", timing.stencils}, {"upload", timing.upload},     {"solve", timing.solve},
+      {"choose", timing.choose},     {"evaluate", timing.evaluate}, {"write", timing.write}};
   const char* separator = "";
   for (const auto& [name, milliseconds] : parts) {
     if (milliseconds < 0.05) continue;
@@ -67,10 +67,22 @@ std::string angle_text(double degrees) {
   return degrees < kNoise ? "0" : short_number(degrees);
 }
 
+std::string input_folds_line(const InputFacts& input) {
+  if (input.folded_edges == 0) return "";
+  return "  folds       " + counted(input.folded_edges, "edge") +
+         " of the input turn by more than 120 degrees, beside " +
+         short_number(input.folded_edge_area * 100) + " % of its area\n";
+}
+
 std::string quality_line(const MeasuredSurface& surface) {
   const SurfaceQuality& quality = surface.quality;
-  return "  surface     " + short_number(quality.folded_area * 100) + " % folded, normals off by " +
-         angle_text(quality.rms_normal_deviation) + " degrees rms from " +
+  std::string folds = short_number(quality.folded_area * 100) + " % folded";
+  if (quality.folded_area_elsewhere < quality.folded_area) {
+    folds +=
+        " (" + short_number(quality.folded_area_elsewhere * 100) + " % where the input is not)";
+  }
+  return "  surface     " + folds + ", normals off by " + angle_text(quality.rms_normal_deviation) +
+         " degrees rms from " +
          (surface.reference.empty() ? "the input's faces" : surface.reference);
 }
 
@@ -94,12 +106,14 @@ std::string summary(const JobReport& report) {
                      counts_text(report.input.file_vertices, report.input.file_faces,
                                  statistics.vertex_count, statistics.face_count) +
                      " (" + shape_of(statistics) + ")\n";
+  text += input_folds_line(report.input);
   text += report.reconstruction_summary;
   if (report.point_distances)
     text += "  points      farthest " + short_number(report.point_distances->max) + ", rms " +
             short_number(report.point_distances->rms) + " of the diagonal from the surface\n";
   text += "  device      " + report.device.kind + ", " + report.device.name + "\n";
   text += method_line(report) + "\n";
+  if (report.choice) text += "  chosen      " + report.choice->reason + "\n";
   text += "  max error   " + short_number(result.error.max) + " of the diagonal (tolerance " +
           short_number(report.settings.tolerance) + ")\n";
   if (report.surface) text += quality_line(*report.surface) + "\n";
