@@ -19,6 +19,17 @@ using glm::dvec3;
 namespace {
 
 constexpr double kHalfOfCurve = 0.5;
+// Of the best cosine that a sector's normal across the curve can have with all its faces: what it
+// must have to be left as it is.
+constexpr double kSeenShareOfSector = 0.2;
+constexpr int kSectorSteps = 60;
+constexpr int kSectorTiltSteps = 8;
+// A corner's sector that leaves less of a full turn than this on either side of the gap between its
+// sharp edges, and of its outer faces less than a third, has them drawn apart.
+constexpr double kLeastGap = 5 * std::numbers::pi / 180;
+constexpr double kGapShare = 1.0 / 3;
+// From here on a corner's sector is reflex, as doosabin/sharp_features.cpp has it.
+constexpr double kReflexAngle = 7 * std::numbers::pi / 6;
 // Of the highest that the edges reach across the curve: what they are balanced about.
 constexpr double kAcrossShare = 0.5;
 // 1 + cosine of the angle at a corner below which its control point moves away no farther.
@@ -61,6 +72,54 @@ double balance_along(PerpendicularScratch& scratch) {
 struct SectorPlane {
   dvec3 along, across;
 };
+
+// The face of a sector that is seen worst from a direction.
+struct WorstOfSector {
+  double cosine = 2;
+  dvec3 normal{0.0};
+};
+
+WorstOfSector worst_of_sector(const CurveSite& site, const FairTopology::Sector& sector,
+                              const dvec3& direction) {
+  WorstOfSector worst;
+  for (std::int32_t i = sector.first; i < sector.first + sector.count; ++i) {
+    const dvec3& normal =
+        site.face_normals[site.topology.corner_faces[site.topology.ring_corners[i]]];
+    const double cosine = glm::dot(direction, normal);
+    if (cosine < worst.cosine) worst = {cosine, normal};
+  }
+  return worst;
+}
+
+// As tilted_normal(), among directions at right angles to the curve.
+dvec3 tilted_sector_normal(const CurveSite& site, const FairTopology::Sector& sector,
+                           const dvec3& weighted, const dvec3& along) {
+  const auto turned = [&](const dvec3& vector, const dvec3& otherwise) {
+    const dvec3 across = unit(vector - glm::dot(vector, along) * along);
+    return across == dvec3(0.0) ? otherwise : across;
+  };
+  const dvec3 own = turned(weighted, weighted);
+  dvec3 direction = own, best = own;
+  double most = -2;
+  for (int step = 0; step < kSectorSteps; ++step) {
+    const WorstOfSector worst = worst_of_sector(site, sector, direction);
+    if (worst.cosine > most) {
+      most = worst.cosine;
+      best = direction;
+    }
+    direction = turned(direction + (worst.normal - direction) / (2.0 + step), direction);
+  }
+  const auto is_seen = [&](const dvec3& normal) {
+    return worst_of_sector(site, sector, normal).cosine >= kSeenShareOfSector * most;
+  };
+  if (most <= 0 || is_seen(own)) return own;
+  double least = 0, enough = 1;
+  for (int step = 0; step < kSectorTiltSteps; ++step) {
+    const double middle = (least + enough) / 2;
+    (is_seen(turned((1 - middle) * own + middle * best, best)) ? enough : least) = middle;
+  }
+  return turned((1 - enough) * own + enough * best, best);
+}
 
 // Fills the chain of a sector for a handle of length 1; returns how far it is to be used.
 double shape_sector(const CurveSite& site, const FairTopology::Sector& sector,
@@ -125,12 +184,17 @@ void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scr
   const std::int32_t curve0 = sectors[0].curve0, curve1 = sectors[0].curve1;
   const dvec3 direction = unit(site.offsets[curve0]);
   const double size = perpendicular_size(topology, site.given, site.vertex);
+  if (!(size > 0) || direction == dvec3(0.0)) {
+    scale_curve_vertex(site, kHalfOfCurve);
+    return;
+  }
   double farthest = 1;  // of all control points, for a handle of length 1
-  double usable = size > 0 && direction != dvec3(0.0) ? 1 : 0;
+  double usable = 1;
   const auto plane_of = [&](const FairTopology::Sector& sector) {
-    const dvec3 normal = angle_weighted_normal(topology, site.given, site.face_normals, site.vertex,
-                                               sector.first, sector.count);
     const dvec3 along = sector.curve0 == curve0 ? direction : -direction;
+    const dvec3 weighted = angle_weighted_normal(topology, site.given, site.face_normals,
+                                                 site.vertex, sector.first, sector.count);
+    const dvec3 normal = tilted_sector_normal(site, sector, weighted, along);
     return SectorPlane{along, unit(glm::cross(normal, along))};
   };
   for (const FairTopology::Sector& sector : sectors) {
@@ -140,21 +204,95 @@ void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scr
       farthest = std::max(farthest, glm::length(scratch.points[i]));
     }
   }
-  scale_curve_vertex(site, kHalfOfCurve * (1 - usable));
-  if (!(usable > 0)) return;
-  const double length = usable * size / farthest;
+  // As far as no chain does, the points of a half circle: its sides cross no edges at right angles,
+  // but the limit normal is the plane's.
+  const double chain = chain_share(usable);
+  const double length = chain * size / farthest, radius = (1 - chain) * size;
   for (const FairTopology::Sector& sector : sectors) {
     const SectorPlane plane = plane_of(sector);
-    (void)shape_sector(site, sector, plane, scratch);
+    if (chain > 0) (void)shape_sector(site, sector, plane, scratch);
     for (std::int32_t i = 0; i < sector.count; ++i) {
-      const dvec2 point = length * scratch.points[i];
-      site.offsets[topology.ring_corners[sector.first + i]] +=
+      const double angle = std::numbers::pi * (2 * i + 1) / (2.0 * sector.count);
+      dvec2 point = radius * dvec2(std::cos(angle), std::sin(angle));
+      if (chain > 0) point += length * scratch.points[i];
+      site.offsets[topology.ring_corners[sector.first + i]] =
           point.x * plane.along + point.y * plane.across;
     }
   }
-  site.offsets[curve0] += length * direction;
-  site.offsets[curve1] -= length * direction;
+  site.offsets[curve0] = (length + radius) * direction;
+  site.offsets[curve1] = -site.offsets[curve0];
 }
+
+namespace {
+
+double angle_of(const dvec3& a, const dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+// How many faces of a reflex sector see its limit normal from behind.
+std::int32_t turned_faces(const CurveSite& site, const FairTopology::Sector& sector) {
+  const dvec3 normal = glm::cross(site.offsets[sector.curve1], site.offsets[sector.curve0]);
+  std::int32_t count = 0;
+  for (std::int32_t i = sector.first; i < sector.first + sector.count; ++i) {
+    const std::int32_t face = site.topology.corner_faces[site.topology.ring_corners[i]];
+    count += glm::dot(normal, site.face_normals[face]) > 0 ? 0 : 1;
+  }
+  return count;
+}
+
+// Where the sharp edges on both sides of a corner's reflex sector meet or cross, as at the tips of
+// slits, the surface's sector would turn over: draws their curve points apart in its plane, unless
+// that turns no face back.
+void open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
+  const FairTopology& topology = site.topology;
+  const std::int32_t last = sector.first + sector.count - 1;
+  const auto face_angle = [&](std::int32_t place) {
+    return angle_of(edge_at(site, topology.ring_next, place),
+                    edge_at(site, topology.ring_previous, place));
+  };
+  double sum = 0;
+  for (std::int32_t i = sector.first; i <= last; ++i) sum += face_angle(i);
+  if (!(sum > kReflexAngle)) return;
+  const dvec3 normal = angle_weighted_normal(topology, site.given, site.face_normals, site.vertex,
+                                             sector.first, sector.count);
+  const auto in_plane = [&](const dvec3& vector) {
+    return unit(vector - glm::dot(vector, normal) * normal);
+  };
+  const dvec3 a = in_plane(site.offsets[sector.curve0]), b = in_plane(site.offsets[sector.curve1]);
+  const dvec3 middle = unit(a + b), side = glm::cross(normal, middle);
+  if (middle == dvec3(0.0)) return;
+  const dvec3 own0 = site.offsets[sector.curve0], own1 = site.offsets[sector.curve1];
+  const std::int32_t own_count = turned_faces(site, sector);
+  const auto draw = [&](std::int32_t curve, const dvec3& direction, std::int32_t place,
+                        double sign) {
+    const double least = std::min(kLeastGap, kGapShare * face_angle(place));
+    if (sign * std::atan2(glm::dot(direction, side), glm::dot(direction, middle)) >= least) return;
+    site.offsets[curve] = glm::length(site.offsets[curve]) *
+                          (std::cos(least) * middle + sign * std::sin(least) * side);
+  };
+  draw(sector.curve0, a, sector.first, 1);
+  draw(sector.curve1, b, last, -1);
+  if (turned_faces(site, sector) < own_count) return;
+  site.offsets[sector.curve0] = own0;
+  site.offsets[sector.curve1] = own1;
+}
+
+// Calls `use` with every sector between two curve points around a corner.
+template <class Use>
+void for_corner_sectors(const FairTopology& topology, std::int32_t vertex, const Use& use) {
+  const std::int32_t first = topology.ring_offsets[vertex], end = topology.ring_offsets[vertex + 1];
+  for (std::int32_t begin = first; begin < end;) {
+    std::int32_t last = begin;
+    const auto after = [&] { return topology.corner_ccw[topology.ring_corners[last]]; };
+    while (last + 1 < end && after() < topology.corner_count) ++last;
+    const std::int32_t before = topology.corner_cw[topology.ring_corners[begin]];
+    if (before < topology.corner_count || after() < topology.corner_count) return;  // a cone
+    use(FairTopology::Sector{vertex, begin, last + 1 - begin, before, after()});
+    begin = last + 1;
+  }
+}
+
+}  // namespace
 
 void build_perpendicular_corner(const CurveSite& site) {
   const FairTopology& topology = site.topology;
@@ -175,6 +313,8 @@ void build_perpendicular_corner(const CurveSite& site) {
       site.offsets[topology.corner_ccw[corner]] = radius * previous;
     }
   }
+  for_corner_sectors(topology, site.vertex,
+                     [&](const FairTopology::Sector& sector) { open_sector(site, sector); });
 }
 
 double least_sector_cosine(const FairTopology& topology, std::span<const dvec3> face_normals,
@@ -214,26 +354,19 @@ double part_of_wedge(const dvec3& point, const dvec3& next, const dvec3& previou
 
 double farthest_fan_point(const FairTopology& topology, std::span<const dvec3> given,
                           std::span<const dvec3> offsets, std::int32_t vertex) {
-  const std::int32_t first = topology.ring_offsets[vertex], end = topology.ring_offsets[vertex + 1];
   double farthest = 0;
-  for (std::int32_t begin = first; begin < end;) {
-    std::int32_t last = begin;
-    const auto after = [&] { return topology.corner_ccw[topology.ring_corners[last]]; };
-    while (last + 1 < end && after() < topology.corner_count) ++last;
-    const std::int32_t before = topology.corner_cw[topology.ring_corners[begin]];
-    if (before < topology.corner_count || after() < topology.corner_count) return 0;  // a cone
-    for (std::int32_t i = begin; i <= last; ++i) {
+  for_corner_sectors(topology, vertex, [&](const FairTopology::Sector& sector) {
+    for (std::int32_t i = sector.first; i < sector.first + sector.count; ++i) {
       // The convex corner's fan; wider ones reach no farther.
-      const double t = (i - begin + 0.5) / (last + 1 - begin) * std::numbers::pi / 2;
-      const dvec3 fan =
-          std::numbers::sqrt2 * (std::cos(t) * offsets[before] + std::sin(t) * offsets[after()]);
+      const double t = (i - sector.first + 0.5) / sector.count * std::numbers::pi / 2;
+      const dvec3 fan = std::numbers::sqrt2 * (std::cos(t) * offsets[sector.curve0] +
+                                               std::sin(t) * offsets[sector.curve1]);
       const dvec3 point = (fan + offsets[topology.ring_corners[i]]) / 4.0;
       const dvec3 next = given[topology.ring_next[i]] - given[vertex];
       const dvec3 previous = given[topology.ring_previous[i]] - given[vertex];
       farthest = std::max(farthest, part_of_wedge(point, next, previous));
     }
-    begin = last + 1;
-  }
+  });
   return farthest;
 }
 

@@ -22,10 +22,13 @@ struct CurveSite {
 /// one curve point to the other whose parts are at right angles to the edges that they cross, the
 /// sharp ones included. The curve keeps its direction there and takes the length that fits; the
 /// sector's limit normal does not turn over where the curve turns by less than a right angle to
-/// either side. Where a sector's edges all lie to one side the vertex's polygon is halved instead.
+/// either side. Where a sector's edges all lie to one side the points of a half circle stand in.
+/// The sector's plane is tilted, about the curve, so that it sees all faces if any does.
 void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scratch);
 
-/// The same at a corner, where every face has its own plane: the polygon around a circle.
+/// The same at a corner, where every face has its own plane: the polygon around a circle. Where the
+/// sharp edges on both sides of a sector meet or cross, as at the tip of a slit, they are drawn
+/// apart.
 void build_perpendicular_corner(const CurveSite& site);
 
 /// Scales all control points of the vertex, those on its curves too.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "planish/fair/balanced_weights.h"
 #include "planish/fair/vertex_frame.h"
@@ -18,7 +19,8 @@ namespace {
 
 // Of the least height of the faces around: a polygon of half of it stays off their other sides.
 constexpr double kSize = 0.5;
-constexpr double kHalf = 0.5;
+// Of how far the weights are to be used: from here on they are all there is.
+constexpr double kFullChain = 0.05;
 
 // The height of a face over its longest side; polygons count half, as they narrow towards it.
 double least_height(const FairTopology& topology, std::span<const dvec3> given, std::int32_t face) {
@@ -54,7 +56,36 @@ double set_points(PerpendicularScratch& scratch) {
   return farthest;
 }
 
+// As complex numbers.
+dvec2 rotated(const dvec2& point, const dvec2& by) {
+  return {point.x * by.x - point.y * by.y, point.x * by.y + point.y * by.x};
+}
+
+// Half way from one direction to another, counter-clockwise.
+dvec2 between(const dvec2& from, const dvec2& to) {
+  constexpr double kNoTurn = -1e-9;  // the same direction, rounded
+  double angle = std::atan2(from.x * to.y - from.y * to.x, glm::dot(from, to));
+  if (angle < kNoTurn) angle += 2 * std::numbers::pi;
+  return rotated(from, {std::cos(angle / 2), std::sin(angle / 2)});
+}
+
+// Where on the circle the first of evenly spread points lies that stand nearest to the bisectors of
+// their faces.
+dvec2 circle_start(std::span<const dvec2> edges) {
+  const double step = 2 * std::numbers::pi / static_cast<double>(edges.size());
+  dvec2 sum(0.0);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const double back = -step * static_cast<double>(i);
+    sum +=
+        rotated(between(edges[i], edges[(i + 1) % edges.size()]), {std::cos(back), std::sin(back)});
+  }
+  const double length = glm::length(sum);
+  return length > 0 ? sum / length : dvec2(0.0);
+}
+
 }  // namespace
+
+double chain_share(double usable) { return std::min(1.0, usable / kFullChain); }
 
 double perpendicular_size(const FairTopology& topology, std::span<const dvec3> given,
                           std::int32_t vertex) {
@@ -80,16 +111,18 @@ void build_perpendicular_polygon(const FairTopology& topology, std::span<const d
     const double length = glm::length(edge);
     scratch.edges[i] = length > 0 ? edge / length : dvec2(0.0);
   }
-  double usable = balance(scratch.edges, scratch.weights);
+  const double usable = balance(scratch.edges, scratch.weights);
   const double size = perpendicular_size(topology, given, vertex);
   const double farthest = usable > 0 ? set_points(scratch) : 0;
-  if (!(farthest > 0) || !(size > 0)) usable = 0;
+  const double chain = farthest > 0 ? chain_share(usable) : 0;
+  // As far as the edges do not surround the vertex, the points of a circle: its sides cross no
+  // edges at right angles, but the limit normal is the plane's.
+  const dvec2 start = chain < 1 ? circle_start(scratch.edges) : dvec2(0.0);
+  const auto circle = topology.unit_circle.of(n);
   for (std::int32_t i = 0; i < n; ++i) {
-    dvec3& offset = offsets[topology.ring_corners[first + i]];
-    offset *= kHalf * (1 - usable);
-    if (!(usable > 0)) continue;
-    const dvec2 point = usable * size / farthest * scratch.points[i];
-    offset += point.x * frame.tangent1 + point.y * frame.tangent2;
+    dvec2 point = (1 - chain) * size * rotated(start, circle[i]);
+    if (chain > 0) point += chain * size / farthest * scratch.points[i];
+    offsets[topology.ring_corners[first + i]] = point.x * frame.tangent1 + point.y * frame.tangent2;
   }
 }
 

@@ -25,9 +25,13 @@ struct PerpendicularScratch {
 /// of `normal` (unit) whose sides are at right angles to the edges that they cross, its mean 0:
 /// neither edges nor faces fold beside polygons of this kind that are small enough, nor does the
 /// vertex itself (see README.md). Where the edges do not surround the vertex in the plane there is
-/// none, and the polygon is halved instead; in between both are blended.
+/// none, and evenly spread points on a circle stand in; in between both are blended.
 void build_perpendicular_polygon(const FairTopology& topology, std::span<const glm::dvec3> given,
                                  std::int32_t vertex, const glm::dvec3& normal,
                                  PerpendicularScratch& scratch, std::span<glm::dvec3> offsets);
+
+/// How much of balanced weights is taken where they are usable so far (balanced_weights.h); the
+/// rest of a polygon is that of a circle. 1 but for a short ramp.
+[[nodiscard]] double chain_share(double usable);
 
 }  // namespace planish

@@ -9,10 +9,15 @@
 #include "planish/core/error.h"
 #include "planish/fair/fair_builder.h"
 #include "planish/mesh/convex_faces.h"
+#include "planish/pipeline/deep_folds.h"
 
 namespace planish {
 
 namespace {
+
+constexpr int kDeepRounds = 6;
+// Shares of the area below this are left. Of a single place: at coarser levels it counts for more.
+constexpr double kNoFoldedArea = 1e-8;
 
 // The error of the finished net: nothing that built it is taken at its word.
 Interpolation measured(const Subdivision& subdivision, std::span<const glm::dvec3> state,
@@ -73,11 +78,44 @@ FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   return builder->build_fair_net(make_fair_topology(mesh, subdivision), given, fair);
 }
 
+// Folds between the places that the construction looks at shrink with the polygons around: those of
+// the vertices beside them are cured once more, in a net of the same decisions otherwise. Not
+// every round helps: the best net counts.
+FairNet deeply_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
+                         std::span<const glm::dvec3> given, Backend& backend,
+                         const FitOptions& options) {
+  FairNet net = make_net(mesh, subdivision, given, backend, options);
+  const bool cures = options.cures_folds && options.fair_decisions == nullptr &&
+                     net.decisions.cures.size() == given.size();
+  if (!cures) return net;
+  const auto folds_of = [&](FairNet& of) {
+    LevelOne level_one{std::move(of.state), result.placement};
+    DeepFolds folds = deep_folds(mesh, result.prepared->topology, level_one, options);
+    of.state = std::move(level_one.state);
+    return folds;
+  };
+  DeepFolds folds = folds_of(net);
+  double least = folds.area;
+  FairDecisions decisions = net.decisions;
+  for (int round = 0; round < kDeepRounds && folds.area > kNoFoldedArea; ++round) {
+    options.callbacks.check_cancelled();
+    for (std::size_t v = 0; v < given.size(); ++v) decisions.cures[v] += folds.at_vertex[v];
+    FitOptions decided = options;
+    decided.fair_decisions = &decisions;
+    FairNet next = make_net(mesh, subdivision, given, backend, decided);
+    folds = folds_of(next);
+    if (folds.area >= least) continue;
+    least = folds.area;
+    net = std::move(next);
+  }
+  return net;
+}
+
 }  // namespace
 
 void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
-  FairNet net = make_net(mesh, subdivision, given, backend, options);
+  FairNet net = deeply_cured_net(result, mesh, subdivision, given, backend, options);
   result.interpolation = measured(subdivision, net.state, given, options.tolerance);
   FairFit& fair = result.fair.emplace();
   fair.level_one = {std::move(net.state), result.placement};

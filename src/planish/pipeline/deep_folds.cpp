@@ -1,0 +1,151 @@
+#include "planish/pipeline/deep_folds.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "planish/core/parallel.h"
+#include "planish/mesh/area_vector.h"
+#include "planish/mesh/folded_edges.h"
+
+namespace planish {
+
+namespace {
+
+constexpr std::size_t kDeepGrain = 512;
+constexpr int kDeepLevel = 3;
+constexpr std::int64_t kCells = 16;  // quads of that level over a corner of a face
+// Cosine of a vertex's normal with all its faces from which the fair construction's own places
+// speak for all others, as in fair/fold_cure.cpp.
+constexpr double kEvenCosine = 0.9;
+
+std::vector<glm::dvec3> unit_normals(const PolygonMesh& mesh) {
+  std::vector<glm::dvec3> normals(static_cast<std::size_t>(mesh.face_count()));
+  parallel_for(normals.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const glm::dvec3 area = area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f)));
+      const double length = glm::length(area);
+      normals[f] = length > 0 ? area / length : glm::dvec3(0.0);
+    }
+  });
+  return normals;
+}
+
+// Faces of any size speak alike.
+bool is_even(const MeshTopology& topology, std::span<const glm::dvec3> normals,
+             std::int32_t vertex) {
+  glm::dvec3 sum(0.0);
+  for (const std::int32_t c : topology.corners_at(vertex)) sum += normals[topology.face_of(c)];
+  const double least = kEvenCosine * glm::length(sum);
+  return std::ranges::all_of(topology.corners_at(vertex), [&](std::int32_t c) {
+    return glm::dot(sum, normals[topology.face_of(c)]) >= least;
+  });
+}
+
+std::vector<std::uint8_t> uneven_vertices(const PolygonMesh& mesh, const MeshTopology& topology,
+                                          std::span<const glm::dvec3> normals,
+                                          const SharpFeatureOptions& sharp) {
+  std::vector<std::uint8_t> uneven(mesh.positions.size(), 0);
+  parallel_for(uneven.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const auto vertex = static_cast<std::int32_t>(v);
+      uneven[v] = topology.is_boundary_vertex(vertex) || !is_even(topology, normals, vertex);
+    }
+  });
+  if (!sharp.use_tags) return uneven;
+  for (const CreaseEdge& crease : mesh.creases) {
+    if (crease.sharpness >= kInfiniteSharpness) uneven[crease.v0] = uneven[crease.v1] = 1;
+  }
+  for (const CornerVertex& corner : mesh.corners) uneven[corner.vertex] = 1;
+  return uneven;
+}
+
+// The quads over the corners of one face after another.
+class CornerMeter {
+ public:
+  CornerMeter(const SurfaceBlocks& blocks, std::span<const glm::dvec3> normals)
+      : blocks_(blocks), normals_(normals), positions_(4 * kCells), corner_normals_(4 * kCells) {}
+
+  // The folded area over a corner of the face.
+  double operator()(std::int32_t corner, std::int32_t face) {
+    blocks_.corners({kCells * corner, kCells}, positions_, corner_normals_);
+    double folded = 0;
+    for (std::size_t q = 0; q < positions_.size(); q += 4) {
+      const double share = glm::length(glm::cross(positions_[q + 2] - positions_[q],
+                                                  positions_[q + 3] - positions_[q + 1])) /
+                           8;
+      for (std::size_t k = q; k < q + 4; ++k) {
+        if (glm::dot(glm::dvec3(corner_normals_[k]), normals_[face]) < 0) folded += share;
+      }
+    }
+    return folded;
+  }
+
+ private:
+  const SurfaceBlocks& blocks_;
+  std::span<const glm::dvec3> normals_;
+  std::vector<glm::dvec3> positions_;
+  std::vector<glm::vec3> corner_normals_;
+};
+
+std::shared_ptr<const PreparedMesh> prepared_of_used(
+    const PolygonMesh& mesh, const std::shared_ptr<const MeshTopology>& topology) {
+  auto prepared = std::make_shared<PreparedMesh>();
+  prepared->given_vertex_count = mesh.vertex_count();
+  prepared->vertices.resize(mesh.positions.size());
+  std::iota(prepared->vertices.begin(), prepared->vertices.end(), 0);
+  prepared->topology = topology;
+  return prepared;
+}
+
+}  // namespace
+
+DeepFolds deep_folds(const PolygonMesh& mesh,
+                     const std::shared_ptr<const MeshTopology>& topology_of,
+                     const LevelOne& level_one, const FitOptions& options) {
+  const MeshTopology& topology = *topology_of;
+  DeepFolds result;
+  if (topology.corner_count() > std::numeric_limits<std::int32_t>::max() / (4 * kCells))
+    return result;  // that level's corners cannot be numbered
+  const std::vector<glm::dvec3> normals = unit_normals(mesh);
+  const std::vector<std::uint8_t> uneven = uneven_vertices(mesh, topology, normals, options.sharp);
+  if (std::ranges::find(uneven, 1) == uneven.end()) return result;
+
+  // Holes shape the surface like all other faces.
+  std::optional<PolygonMesh> without_holes;
+  if (!mesh.hole_faces.empty()) without_holes.emplace(mesh).hole_faces.clear();
+  const PolygonMesh& whole = without_holes ? *without_holes : mesh;
+  EvaluateOptions evaluation;
+  evaluation.weights = options.weights;
+  evaluation.sharp = options.sharp;
+  evaluation.rest_positions = whole.positions;
+  evaluation.prepared = prepared_of_used(whole, topology_of);
+  const DooSabinSurface surface(whole, level_one, evaluation);
+  const auto blocks = surface.level(kDeepLevel, std::numeric_limits<std::uint64_t>::max());
+  const FoldedEdges folds = folded_edges(whole, topology);
+  result.at_vertex.assign(mesh.positions.size(), 0);
+  std::vector<double> areas(mesh.positions.size(), 0);
+  parallel_for(areas.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
+    CornerMeter measure(*blocks, normals);
+    for (std::size_t v = begin; v < end; ++v) {
+      if (!uneven[v]) continue;
+      for (const std::int32_t c : topology.corners_at(static_cast<std::int32_t>(v))) {
+        const std::int32_t face = topology.face_of(c);
+        if (!folds.is_beside[face]) areas[v] += measure(c, face);
+      }
+      result.at_vertex[v] = areas[v] > 0;
+    }
+  });
+  double all = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    all += glm::length(area_vector(mesh.positions, mesh.face(f)));
+  }
+  for (const double area : areas) result.area += area;
+  if (all > 0) result.area /= all;
+  return result;
+}
+
+}  // namespace planish

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/pipeline/fit.h"
+
+namespace planish {
+
+/// Where a surface of control points of level 1 is folded at level 3, beyond the places that the
+/// fair construction looks at.
+struct DeepFolds {
+  std::vector<std::uint8_t> at_vertex;  ///< one per vertex: 1 where its part of a face has folds
+  double area = 0;                      ///< of these, a share of the mesh's
+};
+
+/// Looks at the vertices where there may be any: those with sharp edges, and those whose faces turn
+/// by more than about 25 degrees from their normal. Faces at folded edges (mesh/folded_edges.h) do
+/// not count. `mesh`: without unused vertices; `topology` is its. `level_one` in any coordinates;
+/// the options' weights and sharp features are those of the fit. Empty where no vertex is to be
+/// looked at.
+[[nodiscard]] DeepFolds deep_folds(const PolygonMesh& mesh,
+                                   const std::shared_ptr<const MeshTopology>& topology,
+                                   const LevelOne& level_one, const FitOptions& options);
+
+}  // namespace planish
