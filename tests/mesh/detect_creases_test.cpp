@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numbers>
 
 #include "mesh/test_meshes.h"
@@ -92,11 +93,11 @@ TEST(DetectCreases, TagsSharpTurnsAsCorners) {
   EXPECT_FALSE(result.creases.empty());
 }
 
-// A needle that is turned about its length by 45 degrees in flat surroundings: both long edges are
+// A needle that is turned about its length by 60 degrees in flat surroundings: both long edges are
 // sharp and meet at its tip, vertex 0.
 PolygonMesh turned_needle() {
   PolygonMesh mesh;
-  mesh.positions = {{0, 0, 0}, {5, -6, 0}, {10, -0.3, -0.3}, {10, 0.3, 0.3}, {5, 6, 0}, {-5, 0, 0}};
+  mesh.positions = {{0, 0, 0}, {5, -6, 0}, {10, -0.21, -0.37}, {10, 0.21, 0.37}, {5, 6, 0}, {-5, 0, 0}};
   for (int i = 1; i <= 5; ++i) mesh.add_face(std::array{0, i, i % 5 + 1});
   return mesh;
 }
@@ -118,6 +119,98 @@ TEST(DetectCreases, KeepsTheEdgesOfASpike) {
   }
   for (int i = 1; i <= 5; ++i) mesh.add_face(std::array{0, i, i % 5 + 1});
   EXPECT_EQ(with_detected_creases(mesh).creases.size(), 5u);
+}
+
+// A cylinder of so many strips, its caps as single polygons.
+PolygonMesh prism(int n, double height) {
+  PolygonMesh mesh;
+  std::vector<std::int32_t> bottom, top;
+  for (const double z : {0.0, height}) {
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n;
+      mesh.positions.emplace_back(std::cos(angle), std::sin(angle), z);
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    mesh.add_face(std::array{i, next, n + next});
+    mesh.add_face(std::array{i, n + next, n + i});
+    bottom.push_back(n - 1 - i);
+    top.push_back(n + i);
+  }
+  mesh.add_face(bottom);
+  mesh.add_face(top);
+  return mesh;
+}
+
+// The strips of eight turn by 45 degrees, all alike; those of a block do not go on like that.
+TEST(DetectCreases, TellsRimsFromTheStripsOfACoarseCylinder) {
+  const PolygonMesh mesh = with_detected_creases(prism(8, 3));
+  EXPECT_EQ(mesh.creases.size(), 16u);
+  for (const CreaseEdge& crease : mesh.creases) {
+    EXPECT_EQ(mesh.positions[crease.v0].z, mesh.positions[crease.v1].z);
+  }
+  EXPECT_EQ(with_detected_creases(prism(4, 3)).creases.size(), 12u);
+}
+
+// A sheet of n x n cells, z = height(x, y).
+template <class Height>
+PolygonMesh sheet(int n, const Height& height) {
+  PolygonMesh mesh;
+  for (int y = 0; y <= n; ++y) {
+    for (int x = 0; x <= n; ++x) mesh.positions.emplace_back(x, y, height(x, y));
+  }
+  for (int y = 0; y < n; ++y) {
+    for (int x = 0; x < n; ++x) {
+      const int a = y * (n + 1) + x;
+      mesh.add_face(std::array{a, a + 1, a + n + 2});
+      mesh.add_face(std::array{a, a + n + 2, a + n + 1});
+    }
+  }
+  return mesh;
+}
+
+double slope(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
+
+// A roof of 36 degrees: noise on a curved shape, a line between flat sides.
+TEST(DetectCreases, KeepsFlatLinesOfPartsAndDropsThoseOfCurvedShapes) {
+  const auto roof = [](double x) { return -slope(18) * std::abs(x - 4); };
+  EXPECT_EQ(with_detected_creases(sheet(8, [&](int x, int) { return roof(x); })).creases.size(),
+            8u);
+  const auto curved = [&](int x, int y) { return roof(x) - 0.05 * (y - 4) * (y - 4); };
+  EXPECT_TRUE(with_detected_creases(sheet(8, curved)).creases.empty());
+  // Of 60 degrees it is a line there too.
+  const auto sharp = [&](int x, int y) {
+    return -slope(30) * std::abs(x - 4) - 0.05 * (y - 4) * (y - 4);
+  };
+  EXPECT_EQ(with_detected_creases(sheet(8, sharp)).creases.size(), 8u);
+}
+
+// Every edge of an icosahedron turns by 42 degrees: it is a coarse sphere.
+TEST(DetectCreases, FindsNothingWhereAllEdgesAreAlike) {
+  PolygonMesh mesh;
+  const double g = (1 + std::sqrt(5.0)) / 2;
+  for (const double a : {-1.0, 1.0}) {
+    for (const double b : {-g, g}) mesh.positions.emplace_back(0, a, b);
+    for (const double b : {-g, g}) mesh.positions.emplace_back(a, b, 0);
+    for (const double b : {-g, g}) mesh.positions.emplace_back(b, 0, a);
+  }
+  for (int a = 0; a < 12; ++a) {
+    for (int b = a + 1; b < 12; ++b) {
+      for (int c = b + 1; c < 12; ++c) {
+        const auto near = [&](int i, int j) {
+          return glm::distance(mesh.positions[i], mesh.positions[j]) < 2.1;
+        };
+        if (!near(a, b) || !near(b, c) || !near(a, c)) continue;
+        const glm::dvec3& p = mesh.positions[a];
+        const bool outward =
+            glm::dot(glm::cross(mesh.positions[b] - p, mesh.positions[c] - p), p) > 0;
+        mesh.add_face(std::array{a, outward ? b : c, outward ? c : b});
+      }
+    }
+  }
+  ASSERT_EQ(mesh.face_count(), 20);
+  EXPECT_TRUE(with_detected_creases(mesh).creases.empty());
 }
 
 }  // namespace

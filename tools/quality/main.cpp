@@ -10,6 +10,7 @@
 #include "quality/animation.h"
 #include "quality/cases.h"
 #include "quality/choice_table.h"
+#include "quality/crease_table.h"
 #include "quality/figures.h"
 #include "quality/verdict.h"
 #include "quality/wild_cases.h"
@@ -22,7 +23,8 @@ using namespace planish::quality;
 
 struct Arguments {
   std::vector<std::string> only;
-  bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false;
+  bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false,
+       creases = false;
 };
 
 void print_head() {
@@ -94,13 +96,15 @@ std::vector<std::string> print_tables(const std::vector<NamedCase>& cases,
 }
 
 int run(const Arguments& arguments) {
-  std::vector<NamedCase> cases = all_cases(arguments);
+  std::vector<NamedCase> cases;
+  if (!arguments.creases) cases = all_cases(arguments);
   if (arguments.list) {
     for (const NamedCase& named : cases) std::printf("%s\n", named.name.c_str());
     return 0;
   }
   std::erase_if(cases, [&](const NamedCase& named) { return !is_wanted(named, arguments); });
-  const std::vector<std::string> wrong = print_tables(cases, arguments);
+  const std::vector<std::string> wrong =
+      arguments.creases ? print_crease_table() : print_tables(cases, arguments);
   if (arguments.animation) print_animation(arguments.smoke ? 8 : kFrames);
   if (!wrong.empty()) std::printf("\n");
   for (const std::string& text : wrong) std::printf("short of the aim: %s\n", text.c_str());
@@ -120,6 +124,7 @@ int main(int argc, char** argv) {
                "meshes as other people's files hold them, and their folds");
   app.add_flag("--choice", arguments.choice,
                "which surface is taken by measurement, and which is nearer to the shape");
+  app.add_flag("--creases", arguments.creases, "which edges are found to be sharp");
   app.add_flag("--check", arguments.check, "exit code 1 where the fair method falls short");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -16,6 +16,8 @@
 #include "planish/core/prefix_sum.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/area_vector.h"
+#include "planish/mesh/coherent_edges.h"
+#include "planish/mesh/disjoint_sets.h"
 
 namespace planish {
 
@@ -28,10 +30,17 @@ constexpr double kRightAngle = std::numbers::pi / 2;
 // Two edges of a line that enclose less than this fold it back on itself: on needles both long
 // edges are sharp, and neither is a feature.
 constexpr double kFoldBackDegrees = 15;
+// A line goes on straight where it turns by less.
+constexpr double kStraightDegrees = 30;
+// What the sharpest edge of a line has to turn by where none is beyond doubt.
+constexpr double kLineDegrees = 50;
+
 struct Edge {
   std::int32_t v0, v1;
-  bool given;    // tagged as sharp by the mesh, or a boundary: stays
-  double angle;  // between its faces, radians
+  bool given;       // tagged as sharp by the mesh, or a boundary: stays
+  double angle;     // between its faces, radians
+  bool stands_out;  // from its surroundings
+  bool is_clear;    // by far
 };
 
 void require_angle(double degrees, const char* name) {
@@ -105,13 +114,19 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
       kinds[e] = !is_flatter(a, b, slope) && angle_between(a, b) > dihedral ? Found : Smooth;
     }
   });
+  const EdgeTurns turns(mesh, topology, normals);
   const auto is_sharp = [&](std::size_t e) { return kinds[e] != Smooth; };
   const SelectedBlocks blocks = count_selected(kinds.size(), is_sharp);
   std::vector<Edge> edges(static_cast<std::size_t>(blocks.total));
   for_selected(kinds.size(), blocks, is_sharp, [&](std::size_t e, std::int32_t number) {
     const auto edge = static_cast<std::int32_t>(e);
     const auto [lower, higher] = ends_of(edge);
-    edges[number] = {lower, higher, kinds[e] == Given, angle_at(edge)};
+    edges[number] = {lower,
+                     higher,
+                     kinds[e] == Given,
+                     angle_at(edge),
+                     kinds[e] == Given || turns.stands_out(edge),
+                     kinds[e] == Given || turns.is_clear(edge)};
   });
   std::ranges::sort(edges, {}, [](const Edge& edge) { return VertexPair(edge.v0, edge.v1); });
   return edges;
@@ -146,6 +161,51 @@ EdgesOfVertices edges_of_vertices(const PolygonMesh& mesh, const std::vector<Edg
 
 glm::dvec3 along(const PolygonMesh& mesh, const Edge& edge, std::int32_t from) {
   return mesh.positions[edge.v0 == from ? edge.v1 : edge.v0] - mesh.positions[from];
+}
+
+// Edges that do not stand out stay only where they carry a line on that does.
+void drop_incoherent(const PolygonMesh& mesh, std::vector<Edge>& edges) {
+  const EdgesOfVertices sharp = edges_of_vertices(mesh, edges);
+  std::vector<std::int32_t> reached;
+  std::vector<std::uint8_t> stays(edges.size(), 0);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (!edges[e].stands_out) continue;
+    stays[e] = 1;
+    reached.push_back(static_cast<std::int32_t>(e));
+  }
+  while (!reached.empty()) {
+    const std::int32_t e = reached.back();
+    reached.pop_back();
+    for (const std::int32_t vertex : {edges[e].v0, edges[e].v1}) {
+      for (const std::int32_t other : sharp.at(vertex)) {
+        if (stays[other]) continue;
+        const double turn =
+            angle_between(-along(mesh, edges[e], vertex), along(mesh, edges[other], vertex));
+        if (turn > kStraightDegrees * kRadians) continue;
+        stays[other] = 1;
+        reached.push_back(other);
+      }
+    }
+  }
+  std::size_t next = 0;
+  std::erase_if(edges, [&](const Edge&) { return stays[next++] == 0; });
+}
+
+// Lines of found edges of which none is sharp beyond doubt are noise.
+void drop_weak_lines(const PolygonMesh& mesh, std::vector<Edge>& edges) {
+  DisjointSets lines(static_cast<std::int32_t>(mesh.positions.size()));
+  for (const Edge& edge : edges) {
+    if (!edge.given) lines.unite(edge.v0, edge.v1);
+  }
+  std::vector<double> sharpest(mesh.positions.size(), 0);
+  for (const Edge& edge : edges) {
+    if (edge.given) continue;
+    double& largest = sharpest[lines.find(edge.v0)];
+    largest = std::max(largest, edge.is_clear ? std::numbers::pi : edge.angle);
+  }
+  std::erase_if(edges, [&](const Edge& edge) {
+    return !edge.given && sharpest[lines.find(edge.v0)] < kLineDegrees * kRadians;
+  });
 }
 
 // Of every two edges that fold a line back, the flatter one that was found goes; flattest first, so
@@ -195,7 +255,9 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
   require_angle(options.dihedral_degrees, "crease");
   require_angle(options.corner_degrees, "corner");
   std::vector<Edge> edges = sharp_edges(mesh, topology, options.dihedral_degrees * kRadians);
+  drop_incoherent(mesh, edges);
   drop_fold_backs(mesh, edges);
+  drop_weak_lines(mesh, edges);
 
   std::vector<std::int32_t> degree(mesh.positions.size(), 0);
   const auto count = [&](const Edge& edge, int by) {

@@ -11,12 +11,17 @@ struct CreaseDetectionOptions {
 };
 
 /// Adds creases and corners that the shape suggests to those the mesh has: every edge whose two
-/// faces' normals differ by more than `dihedral_degrees`, except lines of a single edge that touch
-/// no other crease and no boundary, and the flatter of two edges that fold a line back on itself,
-/// by less than 15 degrees, as both long edges of a needle do; and as corners the vertices where a
-/// line of two sharp edges turns by more than `corner_degrees` (three or more sharp edges make a
-/// corner by themselves). A lower sharpness of an edge that is found sharp is replaced. The mesh
-/// must pass check(). Throws Error{InvalidArgument} for angles outside 0 to 180.
+/// faces' normals differ by more than `dihedral_degrees`, except
+///   - what does not stand out from its surroundings (coherent_edges.h) nor carries a line on
+///     straight that does;
+///   - lines of which no edge turns by 50 degrees or has flat faces around;
+///   - the flatter of two edges that fold a line back on itself, by less than 15 degrees, as both
+///     long edges of a needle do;
+///   - lines of a single edge that touch no other crease and no boundary;
+/// and as corners the vertices where a line of two sharp edges turns by more than `corner_degrees`
+/// (three or more sharp edges make a corner by themselves). A lower sharpness of an edge that is
+/// found sharp is replaced. The mesh must pass check(). Throws Error{InvalidArgument} for angles
+/// outside 0 to 180.
 [[nodiscard]] PolygonMesh with_detected_creases(const PolygonMesh& mesh,
                                                 const CreaseDetectionOptions& options = {});
 

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/mesh/mesh_topology.h"
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish {
+
+/// How far the two faces of an edge turn, told from what its surroundings do.
+class EdgeTurns {
+ public:
+  /// `face_normals`: of any length, zero where a face has no area. All must outlive it.
+  EdgeTurns(const PolygonMesh& mesh, const MeshTopology& topology,
+            std::span<const glm::dvec3> face_normals)
+      : mesh_(mesh), topology_(topology), normals_(face_normals) {}
+
+  /// In radians; 0 at boundaries and faces without area.
+  [[nodiscard]] double turn(std::int32_t edge) const;
+  /// Above 0 at ridges, below at valleys.
+  [[nodiscard]] double signed_turn(std::int32_t edge) const;
+
+  /// Whether an edge is a line of the shape rather than part of an even curvature or of noise: it
+  /// turns by a right angle's two thirds; or by twice as much as the third sharpest edge at one of
+  /// its ends, where two are the line's own, and is no strip of a coarse cylinder, whose edges
+  /// beyond both its faces turn alike.
+  [[nodiscard]] bool stands_out(std::int32_t edge) const;
+  /// Whether one of its ends is flat but for two edges: a line of a part, however little it turns.
+  [[nodiscard]] bool is_clear(std::int32_t edge) const;
+
+ private:
+  [[nodiscard]] double third_turn(std::int32_t vertex) const;
+  [[nodiscard]] bool goes_on_beyond(std::int32_t edge, std::int32_t face) const;
+  [[nodiscard]] glm::dvec3 along(std::int32_t edge) const;
+
+  const PolygonMesh& mesh_;
+  const MeshTopology& topology_;
+  std::span<const glm::dvec3> normals_;
+};
+
+}  // namespace planish
