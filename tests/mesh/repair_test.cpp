@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <set>
 
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
+#include "planish/mesh/area_vector.h"
 #include "planish/mesh/check.h"
 
 namespace planish {
@@ -57,6 +59,45 @@ TEST(Repair, RemovesRepeatedCornersAndDropsWhatIsNoFace) {
   EXPECT_EQ(repaired.changes[0].count, 3);
 }
 
+// A square of 4 by 4 with a square hole of 2 by 2, its outline joined to the hole's by a bridge
+// that runs forth and back; beside it a face at the bridge's end.
+TEST(Repair, CutsKeyholedPolygons) {
+  PolygonMesh mesh;
+  mesh.positions = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {1, 1, 0},
+                    {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {2, -2, 0}};
+  mesh.add_face(std::array{0, 1, 2, 3, 0, 4, 5, 6, 7, 4});
+  mesh.add_face(std::array{1, 0, 8});
+  mesh.uvs.resize(13);
+  for (int c = 0; c < 13; ++c) mesh.face_uvs.push_back(c);
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+  EXPECT_THAT(codes(repaired), ElementsAre("keyholed-faces"));
+  EXPECT_EQ(repaired.changes[0].count, 1);
+  EXPECT_THAT(repaired.changed_faces, ElementsAre(0));
+  ASSERT_EQ(repaired.mesh.face_count(), 9);
+  double area = 0;
+  for (int f = 0; f < 8; ++f) {
+    EXPECT_EQ(repaired.source_faces[f], 0);
+    const glm::dvec3 own = area_vector(repaired.mesh.positions, repaired.mesh.face(f));
+    EXPECT_GT(own.z, 0.0);
+    area += own.z;
+  }
+  EXPECT_DOUBLE_EQ(area, 4 * 4 - 2 * 2);
+  // Corners keep what rides on them.
+  for (int c = 0; c < 24; ++c) {
+    EXPECT_EQ(mesh.face_vertices[repaired.mesh.face_uvs[c]], repaired.mesh.face_vertices[c]);
+  }
+}
+
+TEST(Repair, DropsPolygonsThatCrossThemselves) {
+  PolygonMesh mesh = test::tetrahedron();
+  mesh.positions.insert(mesh.positions.end(),
+                        {{10, 0, 0}, {11, 0, 0}, {10, 1, 0}, {11, 1, 0}, {10.2, 0.1, 0}});
+  mesh.add_face(std::array{4, 7, 6, 5, 8, 4, 5});
+  const RepairedMesh repaired = repair(mesh);
+  expect_sound(mesh, repaired);
+}
+
 TEST(Repair, DropsDuplicates) {
   PolygonMesh mesh = test::tetrahedron();
   mesh.add_face(std::vector{2, 1, 0});
@@ -81,7 +122,7 @@ TEST(Repair, TurnsTheMinorityRound) {
 }
 
 TEST(Repair, SeparatesThreeSheetsAlongTheirEdges) {
-  // Three quads around the line 0-1-2, two quads long: the ends become corners, the middle not.
+  // Three quads around the line 0-1-2, two quads long: all three become corners.
   const PolygonMesh mesh = test::mesh_of(
       12, {{0, 1, 4, 3}, {1, 2, 5, 4}, {1, 0, 6, 7}, {2, 1, 7, 8}, {0, 1, 10, 9}, {1, 2, 11, 10}});
   const RepairedMesh repaired = repair(mesh);
@@ -93,7 +134,7 @@ TEST(Repair, SeparatesThreeSheetsAlongTheirEdges) {
   for (const CornerVertex& corner : repaired.mesh.corners) {
     corners.insert(repaired.source_vertices[corner.vertex]);
   }
-  EXPECT_THAT(corners, ElementsAre(0, 0, 0, 2, 2, 2));
+  EXPECT_THAT(corners, ElementsAre(0, 0, 0, 1, 1, 1, 2, 2, 2));
 }
 
 TEST(Repair, GivesEachFanAVertex) {

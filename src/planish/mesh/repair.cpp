@@ -1,8 +1,10 @@
 #include "planish/mesh/repair.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include "planish/mesh/check.h"
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/edge_groups.h"
+#include "planish/mesh/split_keyhole.h"
 
 namespace planish {
 
@@ -39,11 +42,13 @@ class Repair {
 
  private:
   void drop_degenerate_faces();
+  bool add_parts(std::int32_t face, std::span<const std::int32_t> corners,
+                 std::span<const std::int32_t> sources);
   void drop_duplicate_faces();
   void orient();
   void separate();
   void copy_fans(DisjointSets& fans);
-  void tag_ends_of_cuts();
+  void tag_cuts();
   void map_tags();
   void drop_unknown_tags();
   void carry_attributes();
@@ -74,7 +79,7 @@ void Repair::drop_degenerate_faces() {
   result_.source_vertices.resize(mesh_.positions.size());
   for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) result_.source_vertices[v] = v;
 
-  std::int64_t count = 0, first = -1;
+  std::int64_t count = 0, first = -1, split_count = 0, first_split = -1;
   std::vector<std::int32_t> corners, sources, sorted;
   for (std::int32_t f = 0; f < input_.face_count(); ++f) {
     corners.clear();
@@ -90,7 +95,12 @@ void Repair::drop_degenerate_faces() {
     }
     sorted = corners;
     std::ranges::sort(sorted);
-    const bool dropped = corners.size() < 3 || std::ranges::adjacent_find(sorted) != sorted.end();
+    const bool repeats = std::ranges::adjacent_find(sorted) != sorted.end();
+    if (repeats && add_parts(f, corners, sources)) {
+      if (split_count++ == 0) first_split = f;
+      continue;
+    }
+    const bool dropped = corners.size() < 3 || repeats;
     if (dropped || corners.size() != input_.face(f).size()) {
       if (count++ == 0) first = f;
       result_.changed_faces.push_back(f);
@@ -103,8 +113,23 @@ void Repair::drop_degenerate_faces() {
   if (mesh_.face_count() == 0) {
     throw Error(ErrorCode::UnusableMesh, "no face with three different vertices is left");
   }
+  report("keyholed-faces", "faces that name a vertex twice, as around a hole, cut in triangles",
+         split_count, first_split);
   report("degenerate-faces", "faces that name a vertex twice, dropped or short of that corner now",
          count, first);
+}
+
+// The triangles of a keyholed polygon; false where it cannot be cut.
+bool Repair::add_parts(std::int32_t face, std::span<const std::int32_t> corners,
+                       std::span<const std::int32_t> sources) {
+  const auto triangles = split_keyhole(mesh_.positions, corners);
+  for (const auto& [a, b, c] : triangles) {
+    mesh_.add_face(std::array{corners[a], corners[b], corners[c]});
+    for (const std::int32_t place : {a, b, c}) source_corners_.push_back(sources[place]);
+    result_.source_faces.push_back(face);
+  }
+  if (!triangles.empty()) result_.changed_faces.push_back(face);
+  return !triangles.empty();
 }
 
 void Repair::drop_duplicate_faces() {
@@ -202,7 +227,7 @@ void Repair::separate() {
          cut_count, first_cut);
   copy_fans(fans);
   map_tags();
-  tag_ends_of_cuts();
+  tag_cuts();
 }
 
 void Repair::copy_fans(DisjointSets& fans) {
@@ -267,19 +292,16 @@ void Repair::map_tags() {
   }
 }
 
-// Along a cut the boundary curves of all sheets are the same B-spline, as long as it runs on.
-void Repair::tag_ends_of_cuts() {
-  std::map<std::int32_t, int> cut_degree;
-  for (const auto& [a, b] : cut_edges_) {
-    ++cut_degree[a];
-    ++cut_degree[b];
-  }
-  if (cut_degree.empty()) return;
+// Each sheet's boundary curve would go its own way, as the faces beside it want it: between corners
+// all are the same straight edges.
+void Repair::tag_cuts() {
+  std::set<std::int32_t> on_cuts;
+  for (const auto& [a, b] : cut_edges_) on_cuts.insert({a, b});
+  if (on_cuts.empty()) return;
   std::set<std::int32_t> tagged;
   for (const CornerVertex& corner : mesh_.corners) tagged.insert(corner.vertex);
   for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
-    const auto degree = cut_degree.find(result_.source_vertices[v]);
-    if (degree == cut_degree.end() || degree->second == 2 || tagged.contains(v)) continue;
+    if (!on_cuts.contains(result_.source_vertices[v]) || tagged.contains(v)) continue;
     mesh_.corners.push_back({v, kInfiniteSharpness});
   }
 }

@@ -21,15 +21,16 @@ struct RepairedMesh {
 };
 
 /// Makes any mesh with indices in range and finite positions pass check(), moving no vertex:
-///   - corners that repeat their predecessor are removed; faces with fewer than three corners left
-///     or with a vertex twice are dropped ("degenerate-faces"), as is the later of two faces with
-///     the same vertices ("duplicate-faces");
+///   - corners that repeat their predecessor are removed; faces that still name a vertex twice, as
+///     polygons with a bridge to their hole do, are cut in triangles ("keyholed-faces"); where that
+///     cannot be, or fewer than three corners are left, they are dropped ("degenerate-faces"), as
+///     is the later of two faces with the same vertices ("duplicate-faces");
 ///   - faces are turned round so that neighbours agree, each edge-connected component in the
 ///     direction that most of its faces have ("turned-faces");
 ///   - along edges with three or more faces, or whose faces cannot be made to agree (a Moebius
 ///     strip), the faces are separated: each side gets vertices of its own, a boundary there
-///     ("non-manifold-edges"); where such lines end or branch the copies become corners, so that
-///     the sheets keep touching;
+///     ("non-manifold-edges"); all vertices there become corners, so that the sheets touch along
+///     the straight edges;
 ///   - vertices with several fans of faces get one copy for each ("non-manifold-vertices");
 ///   - tags that name no edge or used vertex are dropped ("unknown-tags").
 /// A mesh without problems comes back as it was. Throws Error{UnusableMesh} when an index is out
