@@ -122,6 +122,11 @@ TEST_F(Fair, AutoSparesTheSecondFitOfSmoothMeshes) {
   EXPECT_LT(solve["choice"]["progressive"]["rms_normal_deviation"], 1.0);
   EXPECT_EQ(solve["choice"]["fair"], nullptr);
   EXPECT_THAT(messages_, HasSubstr("chosen      progressive: it does not fold"));
+  // At level 0 what was measured for the choice is what the surface is reported with.
+  const nlohmann::json chosen = fit(plate, {"-o", path("p.ply"), "--levels", "0"});
+  const nlohmann::json asked =
+      fit(plate, {"-o", path("p.ply"), "--levels", "0", "--interpolation", "progressive"});
+  EXPECT_EQ(chosen["surface"], asked["surface"]);
 }
 
 // A strip of three squares, the last turned back under the second.

@@ -97,7 +97,8 @@ TEST(DetectCreases, TagsSharpTurnsAsCorners) {
 // sharp and meet at its tip, vertex 0.
 PolygonMesh turned_needle() {
   PolygonMesh mesh;
-  mesh.positions = {{0, 0, 0}, {5, -6, 0}, {10, -0.21, -0.37}, {10, 0.21, 0.37}, {5, 6, 0}, {-5, 0, 0}};
+  mesh.positions = {{0, 0, 0},        {5, -6, 0}, {10, -0.21, -0.37},
+                    {10, 0.21, 0.37}, {5, 6, 0},  {-5, 0, 0}};
   for (int i = 1; i <= 5; ++i) mesh.add_face(std::array{0, i, i % 5 + 1});
   return mesh;
 }

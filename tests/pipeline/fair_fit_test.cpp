@@ -170,8 +170,7 @@ TEST(FairFit, SeparatedSheetsStayTogether) {
     const auto first = static_cast<std::int32_t>(mesh.positions.size());
     for (int i = 0; i <= kCells; ++i) {
       const double width = 0.2 + 0.3 * sheet + 0.1 * (i % 3);
-      mesh.positions.push_back(line(i) +
-                               width * glm::dvec3(0.1, std::cos(angle), std::sin(angle)));
+      mesh.positions.push_back(line(i) + width * glm::dvec3(0.1, std::cos(angle), std::sin(angle)));
     }
     for (int i = 0; i < kCells; ++i) mesh.add_face(std::array{i, i + 1, first + i + 1, first + i});
   }

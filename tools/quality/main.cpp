@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 
-#include "planish/mesh/statistics.h"
+#include "planish/files/mesh_file.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "quality/animation.h"
 #include "quality/cases.h"
@@ -23,6 +24,7 @@ using namespace planish::quality;
 
 struct Arguments {
   std::vector<std::string> only;
+  std::string folder;  // where meshes are written instead of being measured
   bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false,
        creases = false;
 };
@@ -39,6 +41,16 @@ void print_row(const std::string& label, const Method& method, const Figures& f)
               method.name.c_str(), 100 * f.folded_area, f.rms_normal, f.max_normal, f.bending,
               f.max_distance, f.rms_distance, f.interpolation_error);
   std::fflush(stdout);
+}
+
+// As OBJ, named after the case with underscores.
+void write_meshes(const std::vector<NamedCase>& cases, const std::filesystem::path& folder) {
+  for (const NamedCase& named : cases) {
+    std::string file = named.name;
+    std::erase(file, ',');
+    std::ranges::replace(file, ' ', '_');
+    write_mesh(folder / (file + ".obj"), FileFormat::Obj, named.make().mesh);
+  }
 }
 
 // Returns what falls short.
@@ -103,6 +115,10 @@ int run(const Arguments& arguments) {
     return 0;
   }
   std::erase_if(cases, [&](const NamedCase& named) { return !is_wanted(named, arguments); });
+  if (!arguments.folder.empty()) {
+    write_meshes(cases, arguments.folder);
+    return 0;
+  }
   const std::vector<std::string> wrong =
       arguments.creases ? print_crease_table() : print_tables(cases, arguments);
   if (arguments.animation) print_animation(arguments.smoke ? 8 : kFrames);
@@ -125,6 +141,7 @@ int main(int argc, char** argv) {
   app.add_flag("--choice", arguments.choice,
                "which surface is taken by measurement, and which is nearer to the shape");
   app.add_flag("--creases", arguments.creases, "which edges are found to be sharp");
+  app.add_option("--write", arguments.folder, "write the cases' meshes into this folder instead");
   app.add_flag("--check", arguments.check, "exit code 1 where the fair method falls short");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -123,4 +123,16 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
     surface.keep(*stored_about, true, {});
 }
 
+bool note_chosen_surface(const JobInput& made, JobReport& report, const JobContext& context) {
+  if (!report.choice || made.source) return false;
+  const auto& measured =
+      report.method == InterpolationMethod::Fair ? report.choice->fair : report.choice->progressive;
+  if (!measured) return false;
+  MeasuredSurface& surface = report.surface.emplace();
+  surface.level = 1;
+  surface.quality = *measured;
+  warn_of_folds(made, report, context.console);
+  return true;
+}
+
 }  // namespace planish::command

@@ -23,4 +23,9 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
                      const std::optional<glm::dvec3>& stored_about, JobReport& report,
                      const JobContext& context);
 
+/// What the choice of the method measured at level 1, as the figures of the surface where no other
+/// level has any; false where there is none, or the source is what counts.
+[[nodiscard]] bool note_chosen_surface(const JobInput& made, JobReport& report,
+                                       const JobContext& context);
+
 }  // namespace planish::command

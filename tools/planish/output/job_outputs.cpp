@@ -187,7 +187,9 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   const bool lacks_distances = !work.made.points.empty() && !work.report.point_distances;
   if (asks_for_result && lacks_distances)
     (void)measured_level(work, all, kPointDistanceLevel, common);
-  if (asks_for_result && !work.report.surface) (void)measured_level(work, all, 1, common);
+  if (asks_for_result && !work.report.surface &&
+      !note_chosen_surface(work.made, work.report, work.context))
+    (void)measured_level(work, all, 1, common);
   return stdout_bytes;
 }
 
