@@ -180,7 +180,7 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   JobReport report;
   report.settings = job.settings;
   JobInput made = read_job_input(job, report, context);
-  prepare_input(made, report, console);
+  prepare_input(made, {}, report, console);
   const PolygonMesh& mesh = made.input.file.mesh;
   if (!made.prepared) require_usable(mesh, made.input.name);
   const auto backend =

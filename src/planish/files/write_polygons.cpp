@@ -1,7 +1,6 @@
 #include "planish/files/write_polygons.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -10,16 +9,13 @@
 #include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/shared/file_buffer.h"
+#include "planish/files/shared/ordered_stream.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
 namespace {
 
 constexpr std::int64_t kWrittenRows = std::int64_t{1} << 13;
-
-constexpr std::array kPolygonParts = {
-    PolygonPart::Head,    PolygonPart::Positions, PolygonPart::Vertices, PolygonPart::Uvs,
-    PolygonPart::Normals, PolygonPart::Faces,     PolygonPart::Tail};
 
 bool finite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -188,7 +184,7 @@ class ViewSource final : public PolygonSource {
 // A file, who watches it, and how much of it there is.
 class CountedFile {
  public:
-  CountedFile(const std::filesystem::path& path, const ByteSink& observe) : file_(path) {
+  CountedFile(const std::filesystem::path& path, const ByteObserver& observe) : file_(path) {
     sinks_.push_back([this](std::span<const std::byte> bytes) {
       file_.write(bytes);
       byte_count_ += bytes.size();
@@ -208,7 +204,7 @@ class CountedFile {
 };
 
 std::uint64_t write_whole(const std::filesystem::path& path, const FormatInfo& info,
-                          const PolygonView& view, const ByteSink& observe) {
+                          const PolygonView& view, const ByteObserver& observe) {
   const std::string name = visible(path);
   require_lines(view.header, name);
   require_finite(view, 0, name);
@@ -227,7 +223,7 @@ std::uint64_t write_whole(const std::filesystem::path& path, const FormatInfo& i
 
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonSource& source, std::span<const std::string> header,
-                             const ByteSink& observe) {
+                             const ByteObserver& observe) {
   const FormatInfo& info = info_of(format);
   const std::string name = visible(path);
   if (!info.write_piece)
@@ -256,7 +252,7 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
 }
 
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
-                             const PolygonView& view, const ByteSink& observe) {
+                             const PolygonView& view, const ByteObserver& observe) {
   if (info_of(format).write_polygons) return write_whole(path, info_of(format), view, observe);
   return write_polygons(path, format, ViewSource(view), view.header, observe);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -13,8 +14,8 @@
 #include <vector>
 
 #include "planish/files/formats.h"
-#include "planish/files/shared/ordered_stream.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/stencil/stencil_builder.h"
 #include "planish/surface/vertex_fields.h"
 
 namespace planish {
@@ -24,6 +25,9 @@ struct CageSubdivision {
   std::string_view scheme = "none";  ///< "catmullClark", "loop"; "none" draws the polygons
   bool has_sharp_boundary_corners = false;
 };
+
+/// Gets the bytes of a file in order while they are written: for a digest.
+using ByteObserver = std::function<void(std::span<const std::byte>)>;
 
 /// What the writers see of a polygon mesh or a tessellated surface.
 struct PolygonView {
@@ -72,6 +76,10 @@ enum class PolygonPart : std::uint8_t {
   Tail,  ///< creases, corners, holes
 };
 
+inline constexpr std::array kPolygonParts = {
+    PolygonPart::Head,    PolygonPart::Positions, PolygonPart::Vertices, PolygonPart::Uvs,
+    PolygonPart::Normals, PolygonPart::Faces,     PolygonPart::Tail};
+
 /// Some of a part.
 struct PolygonPiece {
   PolygonPart part = PolygonPart::Head;
@@ -98,10 +106,10 @@ class PolygonSource {
 /// Throws Error{UnwritableOutput}; Error{InvalidArgument} for formats that are not written, for
 /// numbers that are not finite and for header lines that hold a line break.
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
-                             const PolygonView& view, const ByteSink& observe = {});
+                             const PolygonView& view, const ByteObserver& observe = {});
 /// The same of polygons that are made as they are written.
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonSource& source, std::span<const std::string> header,
-                             const ByteSink& observe = {});
+                             const ByteObserver& observe = {});
 
 }  // namespace planish

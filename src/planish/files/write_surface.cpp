@@ -166,8 +166,14 @@ std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format
                           options.observe);
   }
   const BlockSource source(surface, options.header, options.fields);
-  const std::uint64_t byte_count =
-      write_polygons(path, format, source, options.header, options.observe);
+  std::size_t pieces = 0, written = 0;
+  for (const PolygonPart part : kPolygonParts)
+    if (info_of(format).polygon_parts(part)) pieces += source.ranges(part).size();
+  const auto observe = [&](std::span<const std::byte> bytes) {
+    if (options.observe) options.observe(bytes);
+    options.callbacks.report("write", static_cast<double>(++written) / static_cast<double>(pieces));
+  };
+  const std::uint64_t byte_count = write_polygons(path, format, source, options.header, observe);
   warn_of(source.degenerate(), options.callbacks);
   return byte_count;
 }

@@ -28,7 +28,7 @@ struct SurfaceWriteOptions {
   std::span<const NamedField> fields;
   /// Gets all bytes in order while they are written: for a digest.
   std::function<void(std::span<const std::byte>)> observe;
-  Callbacks callbacks;  ///< warning "degenerate-normals"
+  Callbacks callbacks;  ///< step "write", warning "degenerate-normals"
 };
 
 /// The same of a surface that is made as it is written, which nobody holds: the same bytes, in the

@@ -65,15 +65,6 @@ void add_word(CLI::App& command, FitFlags& flags, const Setting& setting, const 
       ->group(group);
 }
 
-// Of formats that hold nothing else.
-std::string point_extensions() {
-  std::string text;
-  for (const FormatInfo& info : formats())
-    if (holds_points_only(info.format))
-      text += (text.empty() ? "." : " .") + std::string(info.name);
-  return text;
-}
-
 void add_file_flags(CLI::App& command, FitFlags& flags) {
   const auto option = [&](const char* name, auto& target, const std::string& help,
                           const std::string& type) {
@@ -81,8 +72,8 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
   };
   command
       .add_option("INPUT", flags.inputs,
-                  "meshes (" + extensions_of(FormatUse::ReadMesh) + ") or points (" +
-                      point_extensions() + ", or those without faces), folders, or - for stdin")
+                  "meshes or points (" + extensions_of(FormatUse::Read) +
+                      "), folders of them, or - for stdin")
       ->type_name("INPUT...")
       ->required();
   option("-o,--output", flags.outputs,
