@@ -69,7 +69,7 @@ def make_pages(planish, scenes, folder):
     hostile = folder / f"{HOSTILE}.obj"
     hostile.write_bytes((scenes / "cube.obj").read_bytes())
     run("fit", str(scenes / "mixed_polygons.obj"), "--page", "one.html", "--report", "one.json",
-        "--device", "cpu", "-f")
+        "--interpolation", "progressive", "--device", "cpu", "-f")
     run("fit", hostile.name, "--page", "hostile.html", "--device", "cpu", "-f")
     jobs = [{"name": name, "input": str(scenes / "bearing_block.obj"), "interpolation": name,
              "levels": [1]} for name in ["progressive", "fair"]]

@@ -56,9 +56,9 @@ TEST(Evaluate, LeavesUnusedVerticesOut) {
 }
 
 TEST(Evaluate, ReplacesNormalsWhereTangentsAreParallel) {
-  // All vertices in one point: no tangent anywhere.
+  // All vertices on one line: no normal anywhere.
   PolygonMesh cage = test::cube();
-  for (auto& p : cage.positions) p = glm::dvec3(1, 2, 3);
+  for (auto& p : cage.positions) p = glm::dvec3(p.x, 2, 3);
   std::vector<Warning> warnings;
   EvaluateOptions options{.level = 1};
   options.callbacks.warning = [&](const Warning& w) { warnings.push_back(w); };

@@ -1,6 +1,5 @@
 // The second half of a host's frame: from displaced points to vertices on the device.
 #include <cstring>
-#include <memory>
 #include <optional>
 
 #include "bench/agreement.h"

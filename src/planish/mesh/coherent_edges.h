@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
-#include <vector>
 
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"

@@ -12,6 +12,7 @@
 #include "options/point_settings.h"
 #include "options/refuse.h"
 #include "options/scene_values.h"
+#include "options/strict_json.h"
 #include "page/page_job.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
@@ -227,47 +228,6 @@ class JobParser {
   Settings defaults_;
   std::filesystem::path folder_;
 };
-
-// Refuses what the parser itself lets pass: deep nesting, which is copied and taken down
-// recursively later, and keys that stand twice, of which the first would be ignored.
-class StrictParse {
- public:
-  explicit StrictParse(std::string name) : name_(std::move(name)) {}
-
-  bool operator()(int depth, Json::parse_event_t event, const Json& parsed) {
-    constexpr int kDeepest = 16;  // a scene needs 5
-    if (depth > kDeepest) refuse(name_, "is nested too deeply to be a scene");
-    if (event == Json::parse_event_t::object_start) keys_.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys_.pop_back();
-    if (event == Json::parse_event_t::key) {
-      const std::string& key = parsed.get_ref<const std::string&>();
-      if (!keys_.back().insert(key).second) {
-        refuse(name_, "the key \"" + visible(key) + "\" stands twice in an object");
-      }
-    }
-    return true;
-  }
-
- private:
-  std::string name_;
-  std::vector<std::set<std::string>> keys_;  // of the objects that are open
-};
-
-Json parse_json(std::string_view text, const std::string& name) {
-  StrictParse strict(name);
-  const auto check = [&](int depth, Json::parse_event_t event, Json& parsed) {
-    return strict(depth, event, parsed);
-  };
-  try {
-    return Json::parse(text, check);
-  } catch (const Json::parse_error& error) {
-    const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
-    const auto line = std::ranges::count(before, '\n') + 1;
-    refuse(name + ":" + std::to_string(line), "no valid JSON here");
-  } catch (const Json::exception& error) {
-    refuse(name, std::string("no valid JSON: ") + error.what());
-  }
-}
 
 }  // namespace
 

@@ -69,7 +69,6 @@ class PlyReader {
                    std::int64_t index);
   static std::int64_t read_count(Body& body, const PlyProperty& property, const PlyElement& element,
                                  std::int64_t index);
-
   Body body_;
   const PlyHeader& header_;
   std::size_t part_bytes_;
@@ -379,8 +378,7 @@ std::int64_t PlyReader<Body>::read_count(Body& body, const PlyProperty& property
 }  // namespace
 
 MeshFile read_ply(std::span<const std::byte> bytes, std::string_view name) {
-  constexpr std::size_t kPartBytes = std::size_t{1} << 20;
-  return read_ply_in_parts(bytes, name, kPartBytes);
+  return read_ply_in_parts(bytes, name, std::size_t{1} << 20);
 }
 
 MeshFile read_ply_in_parts(std::span<const std::byte> bytes, std::string_view name,
