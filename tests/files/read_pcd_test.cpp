@@ -27,7 +27,7 @@ void append(std::string& text, Value value) {
   text.append(raw.data(), raw.size());
 }
 
-std::string header(const std::string& fields, int points, const std::string& data) {
+std::string pcd_header(const std::string& fields, int points, const std::string& data) {
   return "# .PCD v0.7\nVERSION 0.7\n" + fields + "WIDTH " + std::to_string(points) +
          "\nHEIGHT 1\nVIEWPOINT 5 5 5 1 0 0 0\nPOINTS " + std::to_string(points) + "\nDATA " +
          data + "\n";
@@ -36,15 +36,16 @@ const std::string kXyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
 const std::string kMixed = "FIELDS rgb z _ x y\nSIZE 4 8 1 4 2\nTYPE U F U F I\nCOUNT 1 1 3 1 1\n";
 
 TEST(ReadPcd, ReadsText) {
-  const PointCloud cloud = pcd_of(header(kXyz, 3, "ascii") + "1 2 3\nnan nan nan\n0.1 -5 6e1\n");
+  const PointCloud cloud =
+      pcd_of(pcd_header(kXyz, 3, "ascii") + "1 2 3\nnan nan nan\n0.1 -5 6e1\n");
   EXPECT_THAT(cloud.points, ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(0.1, -5, 60)));
   EXPECT_EQ(cloud.missing_count, 1);
 }
 
 TEST(ReadPcd, FindsAxesAmongOtherFields) {
-  EXPECT_THAT(pcd_of(header(kMixed, 1, "ascii") + "77 3 9 9 9 1 2\n").points,
+  EXPECT_THAT(pcd_of(pcd_header(kMixed, 1, "ascii") + "77 3 9 9 9 1 2\n").points,
               ElementsAre(glm::dvec3(1, 2, 3)));
-  std::string text = header(kMixed, 2, "binary");
+  std::string text = pcd_header(kMixed, 2, "binary");
   for (int i = 0; i < 2; ++i) {
     append(text, std::uint32_t{77});
     append(text, 0.1 + i);
@@ -59,7 +60,7 @@ TEST(ReadPcd, FindsAxesAmongOtherFields) {
 std::string compressed_file() {
   std::string data;
   for (const float value : {1.0f, 4.0f, 2.0f, 5.0f, 3.0f, 6.0f}) append(data, value);
-  std::string text = header(kXyz, 2, "binary_compressed");
+  std::string text = pcd_header(kXyz, 2, "binary_compressed");
   append(text, static_cast<std::uint32_t>(data.size() + 1));
   append(text, static_cast<std::uint32_t>(data.size()));
   return text + static_cast<char>(data.size() - 1) + data;
@@ -77,13 +78,15 @@ TEST(ReadPcd, NamesWhatIsWrong) {
               HasSubstr("no `z`"));
   EXPECT_THAT(pcd_error("FIELDS x y z\nSIZE 4 3 4\n"), HasSubstr("a.pcd:2: SIZE `3`"));
   EXPECT_THAT(pcd_error("FIELDS x y z\nSIZE 4 4\n"), HasSubstr("fewer values"));
-  EXPECT_THAT(pcd_error(header(kXyz, 2, "ascii") + "1 2 3\n"), HasSubstr("promises 2"));
-  EXPECT_THAT(pcd_error(header(kXyz, 2, "ascii") + "1 2 3\n# long enough\n"),
+  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "ascii") + "1 2 3\n"), HasSubstr("promises 2"));
+  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "ascii") + "1 2 3\n# long enough\n"),
               HasSubstr("ends at point 1 of 2"));
-  EXPECT_THAT(pcd_error(header(kXyz, 1, "ascii") + "1 2 x5\n"), HasSubstr("`x5`"));
-  EXPECT_THAT(pcd_error(header(kXyz, 2, "binary") + "12 bytes ..."), HasSubstr("2 points of 12"));
-  EXPECT_THAT(pcd_error(header(kXyz, 2, "zip")), HasSubstr("`zip`"));
-  EXPECT_THAT(pcd_error(header(kXyz, 2, "binary_compressed") + "abc"), HasSubstr("ends inside"));
+  EXPECT_THAT(pcd_error(pcd_header(kXyz, 1, "ascii") + "1 2 x5\n"), HasSubstr("`x5`"));
+  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "binary") + "12 bytes ..."),
+              HasSubstr("2 points of 12"));
+  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "zip")), HasSubstr("`zip`"));
+  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "binary_compressed") + "abc"),
+              HasSubstr("ends inside"));
   std::string damaged = compressed_file();
   damaged[damaged.size() - 25] = '\x7f';
   EXPECT_THAT(pcd_error(damaged), HasSubstr("damaged"));
@@ -93,9 +96,9 @@ TEST(ReadPcd, NamesWhatIsWrong) {
 
 // Whatever the bytes, it is points or an error, never a crash or a wild allocation.
 TEST(ReadPcd, SurvivesMutations) {
-  std::string binary = header(kMixed, 2, "binary");
+  std::string binary = pcd_header(kMixed, 2, "binary");
   binary.append(2 * 21, '\x3f');
-  const std::array<std::string, 3> seeds = {header(kXyz, 1, "ascii") + "1 2 3\n", binary,
+  const std::array<std::string, 3> seeds = {pcd_header(kXyz, 1, "ascii") + "1 2 3\n", binary,
                                             compressed_file()};
   std::mt19937 random(7);
   for (int round = 0; round < 30000; ++round) {

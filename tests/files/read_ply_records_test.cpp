@@ -19,7 +19,7 @@ std::int32_t size_of(std::int32_t face) { return 3 + face % 7 % 4; }
 std::int32_t corner(std::int32_t face, std::int32_t i) { return (7 * face + i) % kVertices; }
 double coordinate(std::int32_t vertex, int axis) { return vertex * 0.25 + axis; }
 
-std::string header(const std::string& format, const std::string& face_properties) {
+std::string record_header(const std::string& format, const std::string& face_properties) {
   return "ply\nformat " + format + " 1.0\nelement vertex " + std::to_string(kVertices) +
          "\nproperty float x\nproperty uchar red\nproperty double y\nproperty uchar green\n"
          "property float z\nproperty uchar blue\nelement face " +
@@ -28,10 +28,10 @@ std::string header(const std::string& format, const std::string& face_properties
 
 // With a number before and after each list, and with a second list where `further` says so.
 std::string binary(bool further, std::endian order = std::endian::little) {
-  std::string bytes =
-      header(order == std::endian::little ? "binary_little_endian" : "binary_big_endian",
-             std::string("property short flags\nproperty list ushort int vertex_indices\n") +
-                 (further ? "property list uchar float weights\n" : "property float quality\n"));
+  std::string bytes = record_header(
+      order == std::endian::little ? "binary_little_endian" : "binary_big_endian",
+      std::string("property short flags\nproperty list ushort int vertex_indices\n") +
+          (further ? "property list uchar float weights\n" : "property float quality\n"));
   for (std::int32_t v = 0; v < kVertices; ++v) {
     test::append<float>(bytes, static_cast<float>(coordinate(v, 0)), order);
     test::append<std::uint8_t>(bytes, static_cast<std::uint8_t>(v % 256), order);
@@ -52,10 +52,10 @@ std::string binary(bool further, std::endian order = std::endian::little) {
 }
 
 std::string text() {
-  std::string text = header("ascii",
-                            "property short flags\n"
-                            "property list ushort int vertex_indices\n"
-                            "property float quality\n");
+  std::string text = record_header("ascii",
+                                   "property short flags\n"
+                                   "property list ushort int vertex_indices\n"
+                                   "property float quality\n");
   for (std::int32_t v = 0; v < kVertices; ++v)
     text += std::to_string(coordinate(v, 0)) + " " + std::to_string(v % 256) + " " +
             std::to_string(coordinate(v, 1)) + " 10 " + std::to_string(coordinate(v, 2)) + " 20\n";
