@@ -67,19 +67,6 @@ std::string nothing_to_write(const FitPlan& plan) {
          "  (or --cage FILE, --page FILE, --report FILE)";
 }
 
-void claim_files(PlannedJob& planned, PathClaims& claims, Faults& faults) {
-  for (const OutputRequest& request : planned.job.outputs) {
-    faults.note([&] {
-      for (PlannedOutput& output : plan_output(request, claims))
-        planned.outputs.push_back(std::move(output));
-    });
-  }
-  if (planned.job.settings.attributes.any())
-    faults.note([&] { require_attribute_formats(planned.outputs); });
-  if (planned.job.settings.compression != GltfCompression::None)
-    faults.note([&] { require_compressible(planned.outputs); });
-}
-
 std::optional<FileFormat> requested_format(const FitFlags& flags, Faults& faults) {
   try {
     return input_format_of(flags);
@@ -122,7 +109,7 @@ FitPlan plan_fit(const FitFlags& flags) {
   for (const std::string& path : plan.inputs.paths) {
     PlannedJob planned;
     faults.note([&] { planned.job = job_of(flags, settings, path, is_batch(plan)); });
-    claim_files(planned, claims, faults);
+    claim_outputs(planned, claims, faults);
     plan.jobs.push_back(std::move(planned));
   }
   if (!flags.report.empty()) faults.note([&] { claims.add_report(flags.report, "--report"); });

@@ -3,7 +3,6 @@
 #include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -13,8 +12,8 @@
 #include "job/job_fit.h"
 #include "job/job_input.h"
 #include "options/input_list.h"
-#include "options/point_settings.h"
 #include "options/refuse.h"
+#include "options/word_flags.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
 #include "planish/core/output_file.h"
@@ -31,7 +30,7 @@ namespace {
 
 struct QueryFlags {
   std::string input, points, direction, output = "-";
-  std::map<std::string_view, std::string> words;  // by name of the setting
+  SettingWords words;  // by name of the setting
   bool force = false;
   MessageFlags messages;
 };
@@ -46,11 +45,7 @@ bool shapes_surface(const WordSetting& setting) {
 Settings settings_of_query(const QueryFlags& flags) {
   Settings settings;
   settings.device = "cpu";
-  for (const WordSetting& setting : word_settings()) {
-    const auto given = flags.words.find(setting.name);
-    if (given != flags.words.end() && !given->second.empty())
-      setting.set(settings, given->second, flag_of(setting.name));
-  }
+  apply_words(flags.words, word_settings(), settings);
   if (settings.scheme != Scheme::DooSabin) refuse("--preset", "only Doo-Sabin surfaces answer");
   return settings;
 }
@@ -218,11 +213,7 @@ void add_query_command(CLI::App& app, Invocation& invocation) {
   option("-o,--output", flags->output, "JSON [- for stdout]", "FILE", "Files");
   command->add_flag("-f,--force", flags->force, "overwrite an existing file")->group("Files");
   for (const WordSetting& setting : word_settings()) {
-    if (!shapes_surface(setting)) continue;
-    std::string help(setting.help);
-    if (!setting.initial.empty()) help += " [" + std::string(setting.initial) + "]";
-    option(flag_of(setting.name).c_str(), flags->words[setting.name], help,
-           std::string(setting.choices), "Surface");
+    if (shapes_surface(setting)) add_word_flag(*command, flags->words, setting, "Surface");
   }
   flags->messages.add_to(*command, true);
   invocation.texts["query"] = {

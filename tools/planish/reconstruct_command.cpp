@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -8,6 +7,7 @@
 #include "job/point_input.h"
 #include "options/input_list.h"
 #include "options/point_settings.h"
+#include "options/word_flags.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
@@ -24,7 +24,7 @@ namespace {
 struct ReconstructFlags {
   std::string input, input_format, report;
   std::vector<std::string> outputs;
-  std::map<std::string_view, std::string> words;  ///< by name of the setting
+  SettingWords words;  ///< by name of the setting
   bool force = false;
   MessageFlags messages;
 };
@@ -71,11 +71,7 @@ void write_report(const ReconstructFlags& flags, const std::vector<std::string>&
 ReconstructOptions options_of(const ReconstructFlags& flags) {
   ReconstructOptions options;
   options.measure_noise = true;
-  for (const PointSetting& setting : point_settings()) {
-    const auto given = flags.words.find(setting.name);
-    if (given != flags.words.end() && !given->second.empty())
-      setting.set(options, given->second, flag_of(setting.name));
-  }
+  apply_words(flags.words, point_settings(), options);
   return options;
 }
 
@@ -166,13 +162,8 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
       ->type_name(names_of(FormatUse::ReadPoints, "|"))
       ->group(group);
   command->add_flag("-f,--force", flags->force, "overwrite existing files")->group(group);
-  for (const PointSetting& setting : point_settings()) {
-    std::string help(setting.help);
-    if (!setting.initial.empty()) help += " [" + std::string(setting.initial) + "]";
-    command->add_option(flag_of(setting.name), flags->words[setting.name], help)
-        ->type_name(std::string(setting.choices))
-        ->group("Points");
-  }
+  for (const PointSetting& setting : point_settings())
+    add_word_flag(*command, flags->words, setting, "Points");
   flags->messages.add_to(*command, true);
   invocation.texts["reconstruct"] = {
       .examples =

@@ -58,16 +58,7 @@ void claim_files(const RunFlags& flags, std::vector<PlannedJob>& jobs, PathClaim
   }
   for (PlannedJob& planned : jobs) {
     const Job& job = planned.job;
-    for (const OutputRequest& request : job.outputs) {
-      faults.note([&] {
-        for (PlannedOutput& output : plan_output(request, claims))
-          planned.outputs.push_back(std::move(output));
-      });
-    }
-    if (job.settings.attributes.any())
-      faults.note([&] { require_attribute_formats(planned.outputs); });
-    if (job.settings.compression != GltfCompression::None)
-      faults.note([&] { require_compressible(planned.outputs); });
+    claim_outputs(planned, claims, faults);
     if (!job.report.empty())
       faults.note([&] { claims.add_report(job.report, "report of job " + job.name); });
     if (!job.page.empty())

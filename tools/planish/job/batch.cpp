@@ -91,6 +91,19 @@ std::vector<std::string> failed_row(const Job& job) {
 
 }  // namespace
 
+void claim_outputs(PlannedJob& planned, PathClaims& claims, Faults& faults) {
+  for (const OutputRequest& request : planned.job.outputs) {
+    faults.note([&] {
+      for (PlannedOutput& output : plan_output(request, claims))
+        planned.outputs.push_back(std::move(output));
+    });
+  }
+  if (planned.job.settings.attributes.any())
+    faults.note([&] { require_attribute_formats(planned.outputs); });
+  if (planned.job.settings.compression != GltfCompression::None)
+    faults.note([&] { require_compressible(planned.outputs); });
+}
+
 DeviceList settle_devices(std::vector<PlannedJob>& jobs) {
   DeviceScope scope = DeviceScope::CpuOnly;
   for (const PlannedJob& planned : jobs) scope = std::max(scope, scope_of(planned.job.settings));

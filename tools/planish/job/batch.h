@@ -7,6 +7,7 @@
 
 #include "devices.h"
 #include "job/job.h"
+#include "terminal/faults.h"
 
 namespace planish::command {
 
@@ -16,6 +17,10 @@ struct PlannedJob {
   std::vector<PlannedOutput> outputs;
   std::size_t device = 0;  ///< position in the list of devices
 };
+
+/// The files that a job writes, claimed, and tested for what they are to hold; what is wrong goes
+/// to `faults`.
+void claim_outputs(PlannedJob& planned, PathClaims& claims, Faults& faults);
 
 struct BatchOptions {
   int workers = 1;  ///< jobs at once

@@ -56,15 +56,6 @@ std::string output_path(const std::string& path, const std::string& input, FileF
                    std::string(flag) + " " + visible(std::filesystem::path(path).stem()) + "/");
 }
 
-template <class Setting>
-void add_word(CLI::App& command, FitFlags& flags, const Setting& setting, const char* group) {
-  std::string help(setting.help);
-  if (!setting.initial.empty()) help += " [" + std::string(setting.initial) + "]";
-  command.add_option(flag_of(setting.name), flags.words[setting.name], help)
-      ->type_name(std::string(setting.choices))
-      ->group(group);
-}
-
 void add_file_flags(CLI::App& command, FitFlags& flags) {
   const auto option = [&](const char* name, auto& target, const std::string& help,
                           const std::string& type) {
@@ -107,7 +98,8 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
 void add_fit_flags(CLI::App& command, FitFlags& flags) {
   add_file_flags(command, flags);
   add_page_flags(command, {flags.page, flags.page_limit, flags.page_no_times});
-  for (const WordSetting& setting : word_settings()) add_word(command, flags, setting, kSurface);
+  for (const WordSetting& setting : word_settings())
+    add_word_flag(command, flags.words, setting, kSurface);
   const auto number = [&](const char* name, std::string& target, const char* help,
                           const char* type) {
     command.add_option(name, target, help)->type_name(type)->group(kSurface);
@@ -116,7 +108,8 @@ void add_fit_flags(CLI::App& command, FitFlags& flags) {
          "largest vertex error, relative to the bounding-box diagonal [1e-6]", "T");
   number("--max-iterations", flags.max_iterations, "give up after so many [200]", "N");
   number("--polish", flags.polish, "steps that even out the curvature of a fair surface [8]", "N");
-  for (const PointSetting& setting : point_settings()) add_word(command, flags, setting, kPoints);
+  for (const PointSetting& setting : point_settings())
+    add_word_flag(command, flags.words, setting, kPoints);
 }
 
 std::optional<FileFormat> input_format_of(const FitFlags& flags) {
@@ -126,18 +119,8 @@ std::optional<FileFormat> input_format_of(const FitFlags& flags) {
 
 Settings settings_of(const FitFlags& flags) {
   Settings settings;
-  for (const WordSetting& setting : word_settings()) {
-    const auto given = flags.words.find(setting.name);
-    if (given != flags.words.end() && !given->second.empty()) {
-      setting.set(settings, given->second, flag_of(setting.name));
-    }
-  }
-  for (const PointSetting& setting : point_settings()) {
-    const auto given = flags.words.find(setting.name);
-    if (given != flags.words.end() && !given->second.empty()) {
-      setting.set(settings.points, given->second, flag_of(setting.name));
-    }
-  }
+  apply_words(flags.words, word_settings(), settings);
+  apply_words(flags.words, point_settings(), settings.points);
   const auto whole = [&](const std::string& text, const char* flag, auto set) {
     if (!text.empty()) set(settings, parse_whole(text, flag), flag);
   };

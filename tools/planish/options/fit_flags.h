@@ -1,14 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "commands.h"
 #include "job/job.h"
+#include "options/word_flags.h"
 
 namespace planish::command {
 
@@ -17,7 +16,7 @@ struct FitFlags {
   std::vector<std::string> inputs, outputs;
   std::string input_format, output_format, cage, source, report, levels;
   std::string tolerance, max_iterations, polish, workers, page, page_limit;
-  std::map<std::string_view, std::string> words;  ///< by name of the setting
+  SettingWords words;  ///< by name of the setting
   bool force = false, dry_run = false, page_no_times = false;
   MessageFlags messages;
 };
