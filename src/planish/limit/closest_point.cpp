@@ -121,7 +121,7 @@ void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& point) 
   const auto boxes =
       quarter_boxes(corner_.form(), corner_.points(), tree_.reaches(), quarter_points_);
   const glm::dvec3 off = point - corner_.own();
-  for (std::size_t q = 0; q < 4; ++q) starts[q].square_distance = boxes[q].square_distance(off);
+  for (std::size_t q = 0; q < 4; ++q) starts[q].square_distance = square_distance(boxes[q], off);
   std::ranges::sort(starts, {}, &Start::square_distance);
   for (const Start& start : starts) {
     // Boxes are exact but for rounding.
@@ -134,7 +134,7 @@ void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& point) 
 NearestPlace NearestSearch::run(const glm::dvec3& point) {
   best_ = {.corner = -1, .square_distance = std::numeric_limits<double>::infinity()};
   const auto& nodes = tree_.nodes();
-  waiting_.assign(1, {0, nodes[0].box.square_distance(point)});
+  waiting_.assign(1, {0, square_distance(nodes[0].box, point)});
   while (!waiting_.empty()) {
     const Waiting next = waiting_.back();
     waiting_.pop_back();
@@ -143,14 +143,14 @@ NearestPlace NearestSearch::run(const glm::dvec3& point) {
     if (node.count > 0) {
       for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
         const auto at = static_cast<std::size_t>(i);
-        if (tree_.boxes()[at].square_distance(point) < best_.square_distance)
+        if (square_distance(tree_.boxes()[at], point) < best_.square_distance)
           search_corner(tree_.corners()[at], point);
       }
       continue;
     }
     Waiting left{next.node + 1, 0}, right{node.right, 0};
-    left.square_distance = nodes[static_cast<std::size_t>(left.node)].box.square_distance(point);
-    right.square_distance = nodes[static_cast<std::size_t>(right.node)].box.square_distance(point);
+    left.square_distance = square_distance(nodes[static_cast<std::size_t>(left.node)].box, point);
+    right.square_distance = square_distance(nodes[static_cast<std::size_t>(right.node)].box, point);
     // The nearer one is looked at first.
     if (left.square_distance < right.square_distance) std::swap(left, right);
     waiting_.push_back(left);

@@ -49,15 +49,6 @@ CornerBox united(const CornerBox& a, const CornerBox& b) {
 
 }  // namespace
 
-double CornerBox::square_distance(const glm::dvec3& point) const {
-  double sum = 0;
-  for (int d = 0; d < 3; ++d) {
-    const double off = std::max({low[d] - point[d], point[d] - high[d], 0.0});
-    sum += off * off;
-  }
-  return sum;
-}
-
 CornerTree::CornerTree(const LimitSurface& surface) : surface_(surface) {
   const MeshTopology& topology = surface.topology();
   const std::span<const std::uint8_t> hidden = surface.surface().hidden();

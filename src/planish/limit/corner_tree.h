@@ -12,9 +12,6 @@ namespace planish {
 /// An axis-aligned box in unit coordinates, rounded outwards to float.
 struct CornerBox {
   glm::vec3 low, high;
-
-  /// 0 inside.
-  [[nodiscard]] double square_distance(const glm::dvec3& point) const;
 };
 
 /// Boxes around the pieces of a limit surface, one a corner, in a binary tree: what closest points

@@ -41,15 +41,6 @@ void PatchBox::add(const glm::dvec3& point) {
   }
 }
 
-double PatchBox::square_distance(const glm::dvec3& point) const {
-  double sum = 0;
-  for (int d = 0; d < 3; ++d) {
-    const double off = std::max({low[d] - point[d], point[d] - high[d], 0.0});
-    sum += off * off;
-  }
-  return sum;
-}
-
 double patch_reach(const PatchForm& form) {
   const auto count = static_cast<std::size_t>(form.column_count);
   double most = 1;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <glm/vec3.hpp>
 #include <map>
@@ -14,9 +15,18 @@ struct PatchBox {
   glm::dvec3 low, high;
 
   void add(const glm::dvec3& point);
-  /// 0 inside.
-  [[nodiscard]] double square_distance(const glm::dvec3& point) const;
 };
+
+/// Of a point from a box with `low` and `high`; 0 inside.
+template <class Box>
+[[nodiscard]] double square_distance(const Box& box, const glm::dvec3& point) {
+  double sum = 0;
+  for (int d = 0; d < 3; ++d) {
+    const double off = std::max({box.low[d] - point[d], point[d] - box.high[d], 0.0});
+    sum += off * off;
+  }
+  return sum;
+}
 
 /// How far patches of a form may leave the box of their control points: the box times this, about
 /// its middle, holds them. 1 where no weight is negative.

@@ -117,9 +117,9 @@ double SurfaceQueries::signed_distance(const glm::dvec3& point) const {
   const ClosestPoint nearest = closest(point);
   // At a sharp edge the nearest side's own normal can point the wrong way.
   const DooSabinSurface& surface = this->surface().surface();
-  const bool is_closed = surface.patches().features().sharp_edge_count == 0;
+  const bool is_smooth = surface.patches().features().sharp_edge_count == 0;
   const bool inside =
-      is_closed ? glm::dot(point - nearest.position, nearest.normal) < 0 : is_inside(point);
+      is_smooth ? glm::dot(point - nearest.position, nearest.normal) < 0 : is_inside(point);
   return inside ? -nearest.distance : nearest.distance;
 }
 

@@ -50,7 +50,7 @@ class SurfaceQueries {
   /// On all threads; the same bits for every thread count. Throws as above with the point's index,
   /// and for spans of different lengths.
   void closest(std::span<const glm::dvec3> points, std::span<ClosestPoint> result) const;
-  /// The distance, negative inside. For closed surfaces; elsewhere the sign is that of the side.
+  /// The distance, negative inside. For closed surfaces; elsewhere the sign says little.
   [[nodiscard]] double signed_distance(const glm::dvec3& point) const;
 
   /// Throws Error{InvalidArgument} for a ray that is not finite or has no direction.
