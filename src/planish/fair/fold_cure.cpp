@@ -19,7 +19,7 @@ using glm::dvec3;
 namespace {
 
 constexpr std::size_t kGrain = 1024;
-constexpr int kRounds = 6;
+constexpr int kCureRounds = 6;
 // A limit normal is bad where its least cosine with its faces is below this part of the best that
 // any normal there can have.
 constexpr double kPartOfBest = 0.5;
@@ -40,11 +40,6 @@ constexpr double kFarthestFan = 0.5;
 constexpr double kFlatCosine = 0.9;
 // What a polygon that is bad again is scaled by.
 constexpr double kQuarter = 0.25;
-
-double cosine_of(const dvec3& normal, const dvec3& reference) {
-  const double length = glm::length(normal);
-  return length > 0 ? glm::dot(normal, reference) / length : -1;
-}
 
 using Flags = std::vector<std::uint8_t>;
 
@@ -223,7 +218,7 @@ FoldCount Cure::count() {
 FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures) {
   Cure cure{input};
   cure.changed.assign(cures.size(), 1);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kCureRounds; ++round) {
     cure.bad.assign(cures.size(), 0);
     cure.touched.assign(cures.size(), 0);
     cure.test_edges(false);

@@ -14,7 +14,7 @@ using glm::dvec3;
 namespace {
 
 constexpr std::size_t kRepairGrain = 8192;
-constexpr int kRounds = 3;
+constexpr int kRepairRounds = 3;
 // Cosine between the limit normal of a face or edge and the mesh's below which it counts as folded.
 // At edges it is a part of the cosine of half their own turn: less is asked of sharp ones.
 constexpr double kLeastCosine = 0.5;
@@ -126,7 +126,7 @@ FoldCount repair_folds(const FairTopology& topology, std::span<const dvec3> give
   for (int round = 0;; ++round) {
     VertexFlags flags(topology.vertex_count);
     const FoldCount folds = find_folds(test, flags);
-    if (round == kRounds || folds.edges + folds.faces == 0) return folds;
+    if (round == kRepairRounds || folds.edges + folds.faces == 0) return folds;
     for (std::size_t v = 0; v < halvings.size(); ++v) {
       // Corner points and the curves that end there are where they must be.
       const bool halve =

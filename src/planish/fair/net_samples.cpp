@@ -29,6 +29,11 @@ dvec3 stepped_quad(const dvec3& own, const dvec3& beside, const dvec3& opposite,
 
 }  // namespace
 
+double cosine_of(const dvec3& normal, const dvec3& reference) {
+  const double length = glm::length(normal);
+  return length > 0 ? glm::dot(normal, reference) / length : -1;
+}
+
 dvec3 NetSamples::at_edge(const FairTopology::Edge& edge) const {
   return glm::cross(point(edge.corners[2]) - point(edge.corners[0]),
                     point(edge.corners[3]) - point(edge.corners[1]));
@@ -86,11 +91,6 @@ struct Surroundings {
                         samples.point(beside(other, 1)), samples.point(other));
   }
 };
-
-double cosine_of(const dvec3& normal, const dvec3& reference) {
-  const double length = glm::length(normal);
-  return length > 0 ? glm::dot(normal, reference) / length : -1;
-}
 
 }  // namespace
 

@@ -29,4 +29,7 @@ struct NetSamples {
                                            std::span<const glm::dvec3> face_normals) const;
 };
 
+/// Between a normal of any length and a unit vector; -1 where the normal is zero.
+[[nodiscard]] double cosine_of(const glm::dvec3& normal, const glm::dvec3& reference);
+
 }  // namespace planish

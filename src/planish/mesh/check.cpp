@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
@@ -15,8 +14,6 @@ namespace planish {
 namespace {
 
 using Kind = MeshProblemKind;
-
-constexpr std::int64_t kMaxInt32 = std::numeric_limits<std::int32_t>::max();
 
 std::string text_of(std::int64_t value) { return std::to_string(value); }
 

@@ -17,9 +17,10 @@ namespace {
 constexpr std::size_t kFoldGrain = 1 << 13;
 
 // The vector areas of all faces, and which pairs of them turn too far.
-class Faces {
+class FaceAreas {
  public:
-  explicit Faces(const PolygonMesh& mesh) : areas_(static_cast<std::size_t>(mesh.face_count())) {
+  explicit FaceAreas(const PolygonMesh& mesh)
+      : areas_(static_cast<std::size_t>(mesh.face_count())) {
     parallel_for(areas_.size(), kFoldGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
         areas_[f] = area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f)));
@@ -56,7 +57,7 @@ class Faces {
 }  // namespace
 
 FoldedEdges folded_edges(const PolygonMesh& mesh) {
-  const Faces faces(mesh);
+  const FaceAreas faces(mesh);
   FoldedEdges result;
   result.is_beside.assign(faces.count(), 0);
   const std::vector<std::uint8_t> all(faces.count(), 1);
@@ -70,7 +71,7 @@ FoldedEdges folded_edges(const PolygonMesh& mesh) {
 }
 
 FoldedEdges folded_edges(const PolygonMesh& mesh, const MeshTopology& topology) {
-  const Faces faces(mesh);
+  const FaceAreas faces(mesh);
   FoldedEdges result;
   result.is_beside.assign(faces.count(), 0);
   // Each face looks at its own edges; each edge counts from one side.

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,7 +18,6 @@ namespace planish {
 namespace {
 
 constexpr std::size_t kSoundGrain = 4096;
-constexpr std::int64_t kMaxInt32 = std::numeric_limits<std::int32_t>::max();
 
 // Whether test(begin, end) holds on all pieces; further pieces are left out once one fails.
 template <class Test>
@@ -78,10 +76,10 @@ bool faces_are_sound(const PolygonMesh& mesh, RawVector<std::int32_t>& lowest) {
   return sound && entries.load() <= kMaxInt32;
 }
 
-using Faces = std::vector<std::pair<std::uint64_t, std::int32_t>>;  // sum of squares, face
+using SummedFaces = std::vector<std::pair<std::uint64_t, std::int32_t>>;  // sum of squares, face
 
 // Whether two of the faces have the same vertices.
-bool have_duplicates(const MeshTopology& topology, Faces& faces) {
+bool have_duplicates(const MeshTopology& topology, SummedFaces& faces) {
   std::ranges::sort(faces);
   std::vector<std::vector<std::int32_t>> alike;
   for (std::size_t begin = 0, end; begin < faces.size(); begin = end) {
@@ -103,7 +101,7 @@ bool have_duplicates(const MeshTopology& topology, Faces& faces) {
 bool vertices_are_sound(const MeshTopology& topology, std::span<const std::int32_t> lowest) {
   const auto count = static_cast<std::size_t>(topology.vertex_count());
   return holds_everywhere(count, [&](std::size_t begin, std::size_t end) {
-    Faces faces;
+    SummedFaces faces;
     for (std::size_t v = begin; v < end; ++v) {
       const auto vertex = static_cast<std::int32_t>(v);
       if (topology.valence(vertex) > kMaxValence) return false;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -8,6 +10,9 @@
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
+
+/// Most vertices, faces, face entries and table entries that are addressed.
+inline constexpr std::int64_t kMaxInt32 = std::numeric_limits<std::int32_t>::max();
 
 /// The connectivity of a mesh in which check() would find no problem, in which offsets and indices
 /// may hold anything: tested on the way, on all threads. Nothing where there is a problem, and in

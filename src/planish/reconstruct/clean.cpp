@@ -16,7 +16,7 @@ namespace {
 constexpr std::int32_t kMaxNeighbours = 100;
 constexpr std::size_t kSpacingNeighbours = 6;
 constexpr std::size_t kCleanGrain = 1024;
-constexpr std::size_t kSlice = 1 << 16;  // between tests for cancelling
+constexpr std::size_t kCleanSlice = 1 << 16;  // between tests for cancelling
 
 std::uint64_t hash_of(const glm::dvec3& point) {
   std::uint64_t hash = 0;
@@ -77,10 +77,10 @@ Distances measure(std::span<const glm::dvec3> points, const CleanOptions& option
   Distances distances{std::vector<double>(points.size()), std::vector<double>(points.size())};
   const std::size_t wide =
       options.outliers == OutlierRule::Off ? 0 : static_cast<std::size_t>(options.neighbour_count);
-  for (std::size_t first = 0; first < points.size(); first += kSlice) {
+  for (std::size_t first = 0; first < points.size(); first += kCleanSlice) {
     options.callbacks.check_cancelled();
     options.callbacks.report("clean", static_cast<double>(first) / points.size());
-    parallel_for(std::min(kSlice, points.size() - first), kCleanGrain,
+    parallel_for(std::min(kCleanSlice, points.size() - first), kCleanGrain,
                  [&](std::size_t begin, std::size_t end) {
                    std::array<Neighbour, kMaxNeighbours + 1> nearest;
                    for (std::size_t i = first + begin; i < first + end; ++i) {

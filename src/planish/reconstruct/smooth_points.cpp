@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kTerms = 6;  // 1, x, y, x^2, xy, y^2
 constexpr std::size_t kSmoothGrain = 256;
-constexpr std::size_t kSlice = 1 << 15;  // between tests for cancelling
+constexpr std::size_t kSmoothSlice = 1 << 15;  // between tests for cancelling
 
 using Terms = std::array<double, kTerms>;
 
@@ -137,10 +137,10 @@ std::vector<glm::dvec3> smooth_points(std::span<const glm::dvec3> points, std::i
   std::vector<glm::dvec3> next(current);
   for (std::int32_t round = 0; round < rounds && !points.empty(); ++round) {
     const PointTree tree(current);
-    for (std::size_t first = 0; first < current.size(); first += kSlice) {
+    for (std::size_t first = 0; first < current.size(); first += kSmoothSlice) {
       callbacks.check_cancelled();
       callbacks.report("smooth", (round + static_cast<double>(first) / current.size()) / rounds);
-      parallel_for(std::min(kSlice, current.size() - first), kSmoothGrain,
+      parallel_for(std::min(kSmoothSlice, current.size() - first), kSmoothGrain,
                    [&](std::size_t begin, std::size_t end) {
                      for (std::size_t i = first + begin; i < first + end; ++i) {
                        const LocalFit fit = fit_at(static_cast<std::int32_t>(i), current, tree);

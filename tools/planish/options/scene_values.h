@@ -7,7 +7,8 @@
 
 namespace planish::command {
 
-using Json = nlohmann::json;
+/// Keys in the order of the file, as in reports: one type of JSON is enough to compile.
+using Json = nlohmann::ordered_json;
 
 // Values of a scene file. Each refuses what it is not: `where: what is wanted, not what is`.
 
