@@ -35,10 +35,10 @@ void shuffle(std::vector<T>& items, Random& random) {
   for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random.below(i)]);
 }
 
-using Edge = std::pair<int32_t, int32_t>;
+using VertexPair = std::pair<int32_t, int32_t>;
 
-std::map<Edge, int> half_edge_faces(const FaceList& faces) {
-  std::map<Edge, int> result;
+std::map<VertexPair, int> half_edge_faces(const FaceList& faces) {
+  std::map<VertexPair, int> result;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     for (std::size_t i = 0; i < faces[f].size(); ++i) {
       result[{faces[f][i], faces[f][(i + 1) % faces[f].size()]}] = int(f);

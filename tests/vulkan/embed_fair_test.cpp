@@ -22,9 +22,9 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 // Coordinates of a few units in single precision.
-constexpr double kRounding = 2e-6;
+constexpr double kDeviceRounding = 2e-6;
 // Root mean square angle between normals, in degrees; as in fair_net_test.cpp.
-constexpr double kNormals = 0.5;
+constexpr double kDegreesOff = 0.5;
 
 class EmbedFair : public Embedding {
  protected:
@@ -99,8 +99,9 @@ TEST_F(EmbedFair, SurfaceEqualsTheCpus) {
       const PolygonMesh pose = posed(mesh.mesh, 1);
       const std::vector<Vertex> vertices = run(frame, pose, {});
       const std::vector<Vertex> expected = surface_by_cpu(pose, mesh.mesh, options);
-      EXPECT_LT(worst_limit_point(vertices, pose, topology->system.used_vertices()), kRounding);
-      EXPECT_LT(rms_degrees(vertices, expected), kNormals);
+      EXPECT_LT(worst_limit_point(vertices, pose, topology->system.used_vertices()),
+                kDeviceRounding);
+      EXPECT_LT(rms_degrees(vertices, expected), kDegreesOff);
       EXPECT_LT(rms_distance(vertices, expected), 1e-3);
       EXPECT_EQ(frame.status().iterations, 0u);
       EXPECT_EQ(frame.status().state, SolveState::Stepped);
@@ -192,11 +193,11 @@ TEST_F(EmbedFair, KeepsTheRestPosesDecisions) {
   for (int i = 0; i < 3; ++i) {
     const PolygonMesh pose = posed(mesh, i);
     const std::vector<Vertex> vertices = run(kept_frame, pose, {});
-    EXPECT_LT(rms_degrees(vertices, surface_by_cpu(pose, mesh, options)), kNormals);
-    EXPECT_LT(worst_limit_point(vertices, pose, kept->system.used_vertices()), kRounding);
+    EXPECT_LT(rms_degrees(vertices, surface_by_cpu(pose, mesh, options)), kDegreesOff);
+    EXPECT_LT(worst_limit_point(vertices, pose, kept->system.used_vertices()), kDeviceRounding);
     most = std::max(most, rms_degrees(vertices, run(free_frame, pose, {})));
   }
-  EXPECT_GT(most, 2 * kNormals);  // poses of their own mind are elsewhere
+  EXPECT_GT(most, 2 * kDegreesOff);  // poses of their own mind are elsewhere
 }
 
 TEST_F(EmbedFair, TwoFramesInFlight) {
@@ -214,7 +215,7 @@ TEST_F(EmbedFair, TwoFramesInFlight) {
     const PolygonMesh pose = posed(mesh, number);
     EXPECT_LT(
         worst_limit_point(frames[number % 2]->vertices(), pose, topology->system.used_vertices()),
-        kRounding)
+        kDeviceRounding)
         << number;
   };
   for (int number = 0; number < 6; ++number) {

@@ -7,6 +7,9 @@
 
 namespace planish::bench {
 
+/// A tolerance that no step reaches.
+inline constexpr double kNoStop = -1;
+
 // Each prepares its meshes and tables, throws when peers disagree, then measures.
 
 /// One application of the limit masks.

@@ -18,7 +18,6 @@ namespace planish::bench {
 
 namespace {
 
-constexpr double kNoStop = -1;
 constexpr std::int32_t kPolishSteps = 8;
 
 PolygonMesh triangulated(const PolygonMesh& quads) {

@@ -37,7 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // A run takes seconds: its share of noise is small and fewer runs do.
-constexpr int kRuns = 3;
+constexpr int kJobRuns = 3;
 constexpr int kJobLevel = 2;
 
 // The files of a job, removed with the bench.
@@ -203,7 +203,7 @@ std::vector<Row> bench_job(const Options& options) {
   } else {
     std::fprintf(stderr, "job: gltfpack is not installed and left out\n");
   }
-  return run_group(group, std::min(options.repetitions, kRuns));
+  return run_group(group, std::min(options.repetitions, kJobRuns));
 }
 
 }  // namespace planish::bench

@@ -10,7 +10,7 @@ namespace planish::bench {
 
 namespace {
 
-std::vector<Row> bench_mesh(const std::string& name, PolygonMesh mesh, int repetitions) {
+std::vector<Row> bench_masks_of(const std::string& name, PolygonMesh mesh, int repetitions) {
   const PreparedMesh prepared(std::move(mesh));
   // The surface's own tables reach the same limit points by another way: one Doo-Sabin step, then
   // the mean of the points around each vertex.
@@ -40,9 +40,9 @@ std::vector<Row> bench_mesh(const std::string& name, PolygonMesh mesh, int repet
 
 std::vector<Row> bench_masks(const Options& options) {
   std::vector<Row> rows =
-      bench_mesh("masks-torus", torus_grid(options.quad_count), options.repetitions);
+      bench_masks_of("masks-torus", torus_grid(options.quad_count), options.repetitions);
   const std::vector<Row> sphere =
-      bench_mesh("masks-sphere", rough_icosphere(options.sphere_level), options.repetitions);
+      bench_masks_of("masks-sphere", rough_icosphere(options.sphere_level), options.repetitions);
   rows.insert(rows.end(), sphere.begin(), sphere.end());
   return rows;
 }

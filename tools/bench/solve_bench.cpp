@@ -107,7 +107,7 @@ Peer conjugate_gradient_peer(const PreparedMesh& prepared, const SymmetricSystem
   throw std::runtime_error("solve: Eigen's conjugate gradients do not converge");
 }
 
-std::vector<Row> bench_mesh(const std::string& name, PolygonMesh mesh, int repetitions) {
+std::vector<Row> bench_solves_of(const std::string& name, PolygonMesh mesh, int repetitions) {
   const PreparedMesh prepared(std::move(mesh));
   const SymmetricSystem system(prepared);
   const auto factored = std::make_shared<Cholesky>(system.matrix);
@@ -145,10 +145,10 @@ constexpr std::int32_t kMostQuads = 100'000;
 }  // namespace
 
 std::vector<Row> bench_solve(const Options& options) {
-  std::vector<Row> rows = bench_mesh(
+  std::vector<Row> rows = bench_solves_of(
       "solve-torus", torus_grid(std::min(options.quad_count, kMostQuads)), options.repetitions);
   const std::vector<Row> sphere =
-      bench_mesh("solve-sphere", rough_icosphere(options.sphere_level), options.repetitions);
+      bench_solves_of("solve-sphere", rough_icosphere(options.sphere_level), options.repetitions);
   rows.insert(rows.end(), sphere.begin(), sphere.end());
   return rows;
 }

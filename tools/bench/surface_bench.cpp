@@ -12,7 +12,7 @@ namespace planish::bench {
 namespace {
 
 // A run takes seconds: its share of noise is small and fewer runs do.
-constexpr int kRuns = 3;
+constexpr int kSurfaceRuns = 3;
 
 }  // namespace
 
@@ -37,7 +37,7 @@ std::vector<Row> bench_surface(const Options& options) {
   group.baseline = "level-1";
   group.peers = {{"level-1", [&] { (void)surface_of(1); }},
                  {"level-2", [&] { (void)surface_of(2); }}};
-  return run_group(group, std::min(options.repetitions, kRuns));
+  return run_group(group, std::min(options.repetitions, kSurfaceRuns));
 }
 
 }  // namespace planish::bench

@@ -23,7 +23,6 @@ namespace Osd = OpenSubdiv::Osd;
 using Points = std::vector<glm::dvec3>;
 
 // Never reached, so that no update is left out.
-constexpr double kNoStop = -1;
 constexpr StepCoefficients kPlainStep{0.0, 1.0};
 
 StencilTable<float> in_float(const StencilView<double>& view) {

@@ -10,6 +10,8 @@ import re
 import subprocess
 import sys
 
+from unity_names import met_names
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # Names of which at least one stands in a source that uses the header.
@@ -168,7 +170,8 @@ def main():
              for name in files("src/*.h", "src/*.cpp", "tools/*.h", "tools/*.cpp", "tests/*.h",
                                "tests/*.cpp", "shaders/*.h")}
     own = {name: text for name, text in texts.items() if not name.startswith("tests/package/")}
-    checks = [repeated_types, repeated_headers, repeated_functions, dead_headers, unused_includes]
+    checks = [repeated_types, repeated_headers, repeated_functions, met_names, dead_headers,
+              unused_includes]
     findings = [line for check in checks for line in check(own)]
     print("\n".join(findings) if findings else f"{len(own)} files: nothing found")
     return 1 if findings else 0

@@ -67,9 +67,9 @@ glm::dvec3 parse_direction(const std::string& text) {
   return direction;
 }
 
-nlohmann::ordered_json json_of(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+nlohmann::ordered_json point_json(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
-nlohmann::ordered_json json_of(const SurfaceParameter& at) {
+nlohmann::ordered_json place_json(const SurfaceParameter& at) {
   return {{"face", at.face}, {"u", at.u}, {"v", at.v}};
 }
 
@@ -81,9 +81,9 @@ nlohmann::ordered_json closest_answers(const SurfaceQueries& queries,
   for (const ClosestPoint& found : closest) {
     const PointCurvature curvature = queries.surface().evaluate(found.at).curvature();
     nlohmann::ordered_json answer = {{"distance", found.distance},
-                                     {"position", json_of(found.position)},
-                                     {"normal", json_of(found.normal)},
-                                     {"at", json_of(found.at)}};
+                                     {"position", point_json(found.position)},
+                                     {"normal", point_json(found.normal)},
+                                     {"at", place_json(found.at)}};
     answer["mean_curvature"] =
         curvature.is_known ? nlohmann::ordered_json(curvature.mean) : nullptr;
     answer["gaussian_curvature"] =
@@ -104,9 +104,9 @@ nlohmann::ordered_json ray_answers(const SurfaceQueries& queries,
       continue;
     }
     answers.push_back({{"t", hit->t},
-                       {"position", json_of(hit->position)},
-                       {"normal", json_of(hit->normal)},
-                       {"at", json_of(hit->at)}});
+                       {"position", point_json(hit->position)},
+                       {"normal", point_json(hit->normal)},
+                       {"at", place_json(hit->at)}});
   }
   return answers;
 }

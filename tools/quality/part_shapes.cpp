@@ -13,7 +13,7 @@ namespace {
 
 using glm::dvec2;
 
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kFullTurn = 2 * std::numbers::pi;
 
 double area_of(const dvec2& a, const dvec2& b, const dvec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -103,7 +103,7 @@ Loop arc(const dvec2& centre, double radius, double from, double to, std::int32_
 }  // namespace
 
 Loop circle(const dvec2& centre, double radius, std::int32_t count) {
-  Loop points = arc(centre, radius, 0, kTurn, count);
+  Loop points = arc(centre, radius, 0, kFullTurn, count);
   points.pop_back();
   return points;
 }
@@ -159,7 +159,7 @@ PolygonMesh l_part(const PartSize& size) {
   const double leg = 4 * size.length, width = 1, fillet = 0.6;
   Profile profile;
   profile.outline = {{0, 0}, {leg, 0}, {leg, width}};
-  const Loop bend = arc({width + fillet, width + fillet}, fillet, 0.75 * kTurn, 0.5 * kTurn,
+  const Loop bend = arc({width + fillet, width + fillet}, fillet, 0.75 * kFullTurn, 0.5 * kFullTurn,
                         std::max(2, size.segments / 4));
   profile.outline.insert(profile.outline.end(), bend.begin(), bend.end());
   profile.outline.insert(profile.outline.end(), {{width, leg}, {0, leg}});
@@ -185,7 +185,7 @@ PolygonMesh gear(const PartSize& size, std::int32_t teeth) {
   for (std::int32_t i = 0; i < teeth; ++i) {
     for (const auto& [part, radius] :
          {std::pair(0.0, 1.0), {0.15, 1.25}, {0.4, 1.25}, {0.55, 1.0}}) {
-      const double angle = kTurn * (i + part) / teeth;
+      const double angle = kFullTurn * (i + part) / teeth;
       profile.outline.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
     }
   }

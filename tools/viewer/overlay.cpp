@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kFontPixels = 13;
 
-OwnedDescriptorPool make_pool(VkDevice device) {
+OwnedDescriptorPool make_imgui_pool(VkDevice device) {
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
   VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   info.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
@@ -31,7 +31,7 @@ Overlay::ImguiContext::ImguiContext() {
 Overlay::ImguiContext::~ImguiContext() { ImGui::DestroyContext(); }
 
 Overlay::Overlay(const Device& device, VkRenderPass pass, int scale)
-    : device_(device), pool_(make_pool(device)) {
+    : device_(device), pool_(make_imgui_pool(device)) {
   ImFontConfig font;
   font.SizePixels = kFontPixels * static_cast<float>(scale);
   ImGui::GetIO().Fonts->AddFontDefault(&font);

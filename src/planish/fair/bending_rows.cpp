@@ -19,7 +19,7 @@ using glm::vec3;
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kRowGrain = 4096;
 // A part of a line below this of the whole measures noise. Much lower than it might be: lines left
 // out at 0.02 cost a scan's thin triangles twice the bending.
 constexpr float kShortestPart = 0.001f;
@@ -248,7 +248,7 @@ Lanes RowBuilder::write_products(std::span<const std::int32_t> firsts, std::int3
 RawVector<float> make_preconditioner(const FairTopology& topology,
                                      std::span<const float> diagonals) {
   RawVector<float> result(static_cast<std::size_t>(topology.vertex_count));
-  parallel_for(result.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(result.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const auto vertex = static_cast<std::int32_t>(v);
       float sum = 0;

@@ -18,7 +18,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kCureGrain = 1024;
 constexpr int kCureRounds = 6;
 // A limit normal is bad where its least cosine with its faces is below this part of the best that
 // any normal there can have.
@@ -95,7 +95,7 @@ bool Cure::vertex_is_bad(std::int32_t vertex) const {
 
 std::int64_t Cure::test_edges(bool count) {
   std::atomic<std::int64_t> folded = 0;
-  parallel_for(topology.edges.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(topology.edges.size(), kCureGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
       const FairTopology::Edge& edge = topology.edges[e];
       const std::int32_t v = topology.corner_vertices[edge.corners[0]];
@@ -120,7 +120,7 @@ std::int64_t Cure::test_edges(bool count) {
 std::int64_t Cure::test_faces(bool count) {
   std::atomic<std::int64_t> folded = 0;
   parallel_for(
-      static_cast<std::size_t>(topology.face_count), kGrain,
+      static_cast<std::size_t>(topology.face_count), kCureGrain,
       [&](std::size_t begin, std::size_t end) {
         for (auto f = static_cast<std::int32_t>(begin); f < static_cast<std::int32_t>(end); ++f) {
           const auto corners =
@@ -146,7 +146,7 @@ void Cure::test_sharp_edges() {
   const std::int32_t count = topology.corner_count;
   if (topology.curve_points.empty()) return;
   parallel_for(
-      static_cast<std::size_t>(topology.face_count), kGrain,
+      static_cast<std::size_t>(topology.face_count), kCureGrain,
       [&](std::size_t begin, std::size_t end) {
         for (auto f = static_cast<std::int32_t>(begin); f < static_cast<std::int32_t>(end); ++f) {
           for (std::int32_t c = topology.face_offsets[f]; c < topology.face_offsets[f + 1]; ++c) {
@@ -173,7 +173,7 @@ void Cure::test_sharp_edges() {
 }
 
 void Cure::test_vertices(std::span<const std::uint8_t> cures) {
-  parallel_for(bad.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(bad.size(), kCureGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const auto vertex = static_cast<std::int32_t>(v);
       if (!touched[v] || bad[v]) continue;
@@ -226,7 +226,7 @@ FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures) {
     cure.test_sharp_edges();
     cure.test_vertices(cures);
     std::atomic<bool> any = false;
-    parallel_for(cures.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_for(cures.size(), kCureGrain, [&](std::size_t begin, std::size_t end) {
       PerpendicularScratch scratch;
       for (std::size_t v = begin; v < end; ++v) {
         const auto vertex = static_cast<std::int32_t>(v);
@@ -244,7 +244,7 @@ FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures) {
 
 FoldCount repeat_cure(const CureInput& input, std::span<const std::uint8_t> cures) {
   Cure cure{input};
-  parallel_for(cures.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(cures.size(), kCureGrain, [&](std::size_t begin, std::size_t end) {
     PerpendicularScratch scratch;
     for (std::size_t v = begin; v < end; ++v) {
       if (cures[v] > 0) cure.change(static_cast<std::int32_t>(v), cures[v], true, scratch);

@@ -17,7 +17,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kPolishGrain = 4096;
 constexpr double kFarthestMove = 0.3;
 // Of the first residual's square: single precision reaches no lower.
 constexpr double kConverged = 1e-12;
@@ -47,7 +47,7 @@ Polisher::Polisher(const FairTopology& net_topology, BendingRows&& rows)
   const std::size_t count = bending.rows.size();
   for (auto* vector : {&heights, &residual, &direction}) vector->resize(count);
   direction.resize(static_cast<std::size_t>(topology.state_size), 0.0f);
-  parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(count, kPolishGrain, [&](std::size_t begin, std::size_t end) {
     for (auto* vector : {&heights, &residual, &direction}) {
       std::fill(&(*vector)[begin], &(*vector)[begin] + (end - begin), 0.0f);
     }
@@ -117,7 +117,7 @@ void Polisher::turn(std::int32_t vertex, float step, float momentum) {
 // The last step's part of turn().
 void Polisher::climb_all(double step) {
   const auto length = static_cast<float>(step);
-  parallel_for(heights.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(heights.size(), kPolishGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       heights[i] += length * direction[topology.ring_corners[i]];
     }
@@ -140,11 +140,13 @@ double Polisher::descend_all(double step) {
 }
 
 void Polisher::turn_all(double step, double momentum) {
-  parallel_for(bending.preconditioner.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      turn(static_cast<std::int32_t>(v), static_cast<float>(step), static_cast<float>(momentum));
-    }
-  });
+  parallel_for(bending.preconditioner.size(), kPolishGrain,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t v = begin; v < end; ++v) {
+                   turn(static_cast<std::int32_t>(v), static_cast<float>(step),
+                        static_cast<float>(momentum));
+                 }
+               });
 }
 
 void Polisher::run(std::int32_t steps) {
@@ -168,7 +170,7 @@ void Polisher::run(std::int32_t steps) {
 std::vector<dvec3> polish_directions(const FairTopology& topology, std::span<const dvec3> normals,
                                      std::span<const double> shares) {
   std::vector<dvec3> directions(normals.size(), dvec3(0.0));
-  parallel_for(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(normals.size(), kPolishGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       if (!topology.has_polygon(static_cast<std::int32_t>(v))) continue;
       directions[v] = (topology.is_near_curve[v] ? 1 - shares[v] : 1.0) * normals[v];
@@ -186,7 +188,7 @@ RawVector<float> polish_heights(const FairTopology& topology, BendingRows&& bend
 
 void apply_heights(const FairTopology& topology, std::span<const dvec3> directions,
                    std::span<const float> heights, std::span<dvec3> offsets) {
-  parallel_for(directions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(directions.size(), kPolishGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const double size = glm::length(directions[v]);
       if (!(size > 0)) continue;

@@ -10,7 +10,7 @@
 namespace planish {
 namespace {
 
-constexpr std::int32_t kLeafSize = 12;
+constexpr std::int32_t kPointsOfLeaf = 12;
 
 }  // namespace
 
@@ -40,7 +40,7 @@ PointTree::PointTree(std::span<const glm::dvec3> points)
 
 // While the tree is built, points_ still has the order of the input.
 void PointTree::build(std::int32_t begin, std::int32_t end) {
-  if (end - begin <= kLeafSize) return;
+  if (end - begin <= kPointsOfLeaf) return;
   glm::dvec3 low = points_[indices_[begin]], high = low;
   for (std::int32_t i = begin + 1; i < end; ++i) {
     low = glm::min(low, points_[indices_[i]]);
@@ -65,7 +65,7 @@ void PointTree::search(std::int32_t begin, std::int32_t end, Search& state) cons
     const glm::dvec3 difference = points_[at] - state.query;
     state.offer(glm::dot(difference, difference), indices_[at]);
   };
-  if (end - begin <= kLeafSize) {
+  if (end - begin <= kPointsOfLeaf) {
     for (std::int32_t at = begin; at < end; ++at) offer(at);
     return;
   }

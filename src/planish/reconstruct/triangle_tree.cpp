@@ -14,7 +14,7 @@
 namespace planish {
 namespace {
 
-constexpr std::int32_t kLeafSize = 4;
+constexpr std::int32_t kTrianglesOfLeaf = 4;
 constexpr std::size_t kTreeGrain = 512;
 
 double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
@@ -58,7 +58,7 @@ void TriangleTree::build(std::int32_t begin, std::int32_t end,
     high = glm::max(high, centres[order_[i]]);
   }
   nodes_.push_back(node);
-  if (end - begin <= kLeafSize) return;
+  if (end - begin <= kTrianglesOfLeaf) return;
   const glm::dvec3 extent = high - low;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
   const std::int32_t middle = begin + (end - begin) / 2;

@@ -21,8 +21,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kTangentOfEighth = 0.41421356237309503;  // tan(pi / 8)
-// As surface_quality.cpp.
-constexpr double kThinTriangle = 1e-6;
 
 // Of 0 to 1, within 3e-9.
 PLANISH_IN_LINE double arc_tangent(double t) {

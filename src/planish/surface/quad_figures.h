@@ -6,6 +6,10 @@ namespace planish {
 /// Quads that are measured side by side.
 inline constexpr int kQuadLanes = 64;
 
+/// Triangles thinner than this (area by squared perimeter) have angles that rounding decides; they
+/// arise where a boundary runs straight through the corner of a quad.
+inline constexpr double kThinTriangle = 1e-6;
+
 /// Corners of quads, one array a coordinate, and the unit normal that each quad should have.
 struct QuadBatch {
   double position[4][3][kQuadLanes];

@@ -15,14 +15,11 @@
 #include "planish/mesh/folded_edges.h"
 #include "planish/surface/folded_places.h"
 #include "planish/surface/level_faces.h"
+#include "planish/surface/quad_figures.h"
 
 namespace planish {
 
 namespace {
-
-// Triangles thinner than this (area by squared perimeter) have angles that rounding decides; they
-// arise where a boundary runs straight through the corner of a quad.
-constexpr double kThinTriangle = 1e-6;
 
 double triangle_bending(const SurfaceMesh& surface, const std::array<std::int32_t, 3>& corners) {
   std::array<glm::dvec3, 3> edge, turn;  // each opposite to its corner

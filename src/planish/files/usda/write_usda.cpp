@@ -29,7 +29,7 @@ void write_triple(FileBuffer& out, const glm::vec3& v) {
 }
 
 // Sharpness of at least 10 is infinite here as there.
-float sharpness_of(float sharpness) {
+float usd_sharpness(float sharpness) {
   return std::isfinite(sharpness) ? sharpness : kInfiniteSharpness;
 }
 
@@ -103,7 +103,7 @@ void write_sharp_features(FileBuffer& out, const PolygonView& view) {
     write_list(out, count, [&](std::size_t) { out.number(2); });
     out.text("\n    float[] creaseSharpnesses = ");
     write_list(out, count,
-               [&](std::size_t i) { out.number(sharpness_of(view.creases[i].sharpness)); });
+               [&](std::size_t i) { out.number(usd_sharpness(view.creases[i].sharpness)); });
     out.text("\n");
   }
   if (!view.corners.empty()) {
@@ -112,7 +112,7 @@ void write_sharp_features(FileBuffer& out, const PolygonView& view) {
                [&](std::size_t i) { out.number(view.corners[i].vertex); });
     out.text("\n    float[] cornerSharpnesses = ");
     write_list(out, view.corners.size(),
-               [&](std::size_t i) { out.number(sharpness_of(view.corners[i].sharpness)); });
+               [&](std::size_t i) { out.number(usd_sharpness(view.corners[i].sharpness)); });
     out.text("\n");
   }
   if (!view.hole_faces.empty()) write_integers(out, "holeIndices", view.hole_faces);
