@@ -26,7 +26,7 @@ PLANISH_INLINE Mask unit_normals(const Vector (&du)[3], const Vector (&dv)[3],
   return keep;
 }
 
-// Column and sample counts above 0 are known when compiling: those of regular patches.
+// Column and sample counts above 0 are known when compiling.
 template <int kColumns, int kSamples>
 PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output, int lane) {
   const int column_count = kColumns > 0 ? kColumns : batch.column_count;
@@ -42,14 +42,18 @@ PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output
     for (int d = 0; d < 3; ++d) points[d * column_count + k] = p[d] - own[d];
   }
   const double* weights = batch.weights;
+  // Rows that nobody takes are not made.
+  const bool wanted[3] = {output.positions != nullptr || output.stored != nullptr,
+                          output.normals != nullptr, output.normals != nullptr};
   Mask kept = ~Mask{};
   Vector sums[kSamples > 0 ? kSamples : 1][3][3];  // of a row, of a coordinate
   const auto add_up = [&](const double* rows, Vector(&sum)[3][3], const Vector* x, int d)
                           PLANISH_INLINE_LAMBDA {
 #pragma GCC unroll 3
                             for (int r = 0; r < 3; ++r) {
+                              if (!wanted[r]) continue;
                               Vector total{};
-#pragma GCC unroll 8
+#pragma GCC unroll 12
                               for (int k = 0; k < column_count; ++k)
                                 total += rows[r * column_count + k] * x[k];
                               sum[r][d] = total;
@@ -72,7 +76,7 @@ PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output
     const auto& sum = sums[kSamples > 0 ? s : 0];
     Vector position[3];
     const auto &du = sum[1], &dv = sum[2];
-    for (int d = 0; d < 3; ++d) {
+    for (int d = 0; wanted[0] && d < 3; ++d) {
       position[d] = output.centre[d] + output.diagonal * (sum[0][d] + own[d]);
     }
     if (output.positions) store_doubles(output.positions, targets, s, position);
@@ -92,15 +96,27 @@ PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output
   return degenerate;
 }
 
+// The sizes that have code of their own: patches of 4 to 8 triangles around a vertex, or 4 quads;
+// their own samples at level 2; limit points of 3 to 7 corners.
+template <int kSamples, int kFirst, int... kMore>
+PLANISH_INLINE bool run_known(const PatchBatch& batch, const PatchOutput& output, int lane) {
+  if (batch.column_count == kFirst) return run_lanes<kFirst, kSamples>(batch, output, lane);
+  if constexpr (sizeof...(kMore) > 0) {
+    return run_known<kSamples, kMore...>(batch, output, lane);
+  } else {
+    return run_lanes<0, 0>(batch, output, lane);
+  }
+}
+
 inline bool run_batch(const PatchBatch& batch, const PatchOutput& output) {
   bool degenerate = false;
   for (int lane = 0; lane < batch.lane_count; lane += kLanes) {
-    if (batch.column_count == 8 && batch.sample_count == 3) {
-      degenerate |= run_lanes<8, 3>(batch, output, lane);
-    } else if (batch.column_count == 3 && batch.sample_count == 1) {
-      degenerate |= run_lanes<3, 1>(batch, output, lane);
+    if (batch.sample_count == 3) {
+      degenerate |= run_known<3, 8, 9, 7, 10, 11>(batch, output, lane);
+    } else if (batch.sample_count == 1) {
+      degenerate |= run_known<1, 3, 5, 2, 4, 6>(batch, output, lane);
     } else {
-      degenerate |= run_lanes<0, 0>(batch, output, lane);
+      degenerate |= run_known<0, 8, 9, 7, 10>(batch, output, lane);
     }
   }
   return degenerate;

@@ -139,12 +139,9 @@ PatchClasses::PatchClasses(const PatchNumbering& numbering, const PatchMesh& mes
 }
 
 std::int32_t PatchClasses::index_of(const PatchClass& patch) const {
-  if (patch.kind == PatchKind::Smooth && patch.ring_size < kTableSize &&
-      patch.face_size < kTableSize) {
-    const std::int32_t index = table_[patch.ring_size * kTableSize + patch.face_size];
-    PLANISH_ASSERT(index >= 0);
-    return index;
-  }
+  const std::int32_t known =
+      patch.kind == PatchKind::Smooth ? smooth_index(patch.ring_size, patch.face_size) : -1;
+  if (known >= 0) return known;
   const auto place = std::lower_bound(classes_.begin(), classes_.end(), patch);
   PLANISH_ASSERT(place != classes_.end() && *place == patch);
   return static_cast<std::int32_t>(place - classes_.begin());
@@ -222,18 +219,6 @@ void PatchPlanner::list(const PatchTile& tile, PatchPlan& plan) const {
 
 void PatchPlanner::plan(const PatchTile& tile, PatchPlan& plan) const {
   list(tile, plan);
-  gather_items(plan);
-}
-
-void PatchPlanner::plan_grids(std::span<const std::int32_t> corners, PatchPlan& plan) const {
-  plan.buckets.clear();
-  plan.items.clear();
-  const std::int32_t count = numbering_.samples().count();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const PatchPlace place = mesh_.corner_patch(corners[i]);
-    add_item(place, classes_.index_of(place.patch), 0, count, Results::All,
-             static_cast<std::int64_t>(i) * count, plan);
-  }
   gather_items(plan);
 }
 

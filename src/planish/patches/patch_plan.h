@@ -55,6 +55,12 @@ class PatchClasses {
   [[nodiscard]] const PatchClass& patch(std::int32_t index) const { return classes_[index]; }
   [[nodiscard]] const PatchTemplate& weights(std::int32_t index) const { return templates_[index]; }
   [[nodiscard]] std::int32_t index_of(const PatchClass& patch) const;
+  /// Of the smooth class with a ring and a face of few corners; -1 where there is none of them.
+  [[nodiscard]] std::int32_t smooth_index(std::int32_t ring_size, std::int32_t face_size) const {
+    return ring_size < kTableSize && face_size < kTableSize
+               ? table_[static_cast<std::size_t>(ring_size * kTableSize + face_size)]
+               : -1;
+  }
   /// The largest K.
   [[nodiscard]] std::int32_t max_column_count() const { return max_column_count_; }
 
@@ -80,9 +86,6 @@ class PatchPlanner {
   void plan(const PatchTile& tile, PatchPlan& plan) const;
   /// Its buckets and items only, with nothing gathered.
   void list(const PatchTile& tile, PatchPlan& plan) const;
-  /// The same for all samples of some corners, in the order of PatchSamples one corner after
-  /// another.
-  void plan_grids(std::span<const std::int32_t> corners, PatchPlan& plan) const;
 
  private:
   void take_items(const PatchTile& tile, PatchPlan& plan) const;

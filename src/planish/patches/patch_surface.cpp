@@ -56,6 +56,7 @@ PatchSurface::PatchSurface(const PatchMesh& mesh, const PatchSurfaceOptions& opt
       classes_(numbering_, mesh, options.weights),
       planner_(mesh_, numbering_, classes_),
       kernel_(patch_kernel(options.instructions)),
+      runner_(mesh_, numbering_, classes_, kernel_),
       tiles_(planner_.tiles()) {
   if (!options.keep_plans) return;
   plans_.resize(tiles_.size());
@@ -102,8 +103,11 @@ DegenerateRows PatchSurface::run_tile(std::size_t index, const PatchOutput& outp
                                       RowRange wanted) const {
   const PatchTile& tile = tiles_[index];
   Scratch& local = scratch();
-  if (plans_.empty()) planner_.plan(tile, local.plan);
-  const bool degenerate = run_plan(plans_.empty() ? local.plan : plans_[index], output, state);
+  const bool at_once = plans_.empty() && runner_.runs(tile.part);
+  if (plans_.empty() && !at_once) planner_.plan(tile, local.plan);
+  const bool degenerate =
+      at_once ? runner_.run_tile(tile, output, state)
+              : run_plan(plans_.empty() ? local.plan : plans_[index], output, state);
   DegenerateRows found;
   if (!degenerate) return found;
   const FacetNormals facets(mesh_, numbering_, classes_, state, placement);
@@ -177,9 +181,7 @@ DegenerateRows PatchSurface::grids(std::span<const glm::dvec3> state, const Plac
                                    const PatchTarget& target) const {
   DegenerateRows owned;
   if (corners.empty()) return owned;
-  PatchPlan& plan = scratch().plan;
-  planner_.plan_grids(corners, plan);
-  if (!run_plan(plan, output_at(placement, target, 0), &state[0].x)) return owned;
+  if (!runner_.run_grids(corners, output_at(placement, target, 0), &state[0].x)) return owned;
   const PatchSamples& samples = numbering_.samples();
   for (std::size_t i = 0; i < corners.size(); ++i) {
     for (std::int32_t b = 0; b <= samples.side(); ++b) {
@@ -195,6 +197,21 @@ DegenerateRows PatchSurface::grids(std::span<const glm::dvec3> state, const Plac
     }
   }
   return owned;
+}
+
+DegenerateRows PatchSurface::points(std::span<const glm::dvec3> state, const Placement& placement,
+                                    std::span<const std::int32_t> rows,
+                                    const PatchTarget& target) const {
+  DegenerateRows degenerate;
+  if (rows.empty() || !runner_.run_points(rows, output_at(placement, target, 0), &state[0].x))
+    return degenerate;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (target.normals[i] != glm::vec3(0.0f)) continue;
+    PatchTarget one;
+    one.normals = target.normals.subspan(i, 1);
+    degenerate.add(this->rows(state, placement, {rows[i], 1}, one));
+  }
+  return degenerate;
 }
 
 }  // namespace planish

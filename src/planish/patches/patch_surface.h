@@ -10,6 +10,7 @@
 #include "planish/patches/patch_mesh.h"
 #include "planish/patches/patch_numbering.h"
 #include "planish/patches/patch_plan.h"
+#include "planish/patches/patch_runner.h"
 #include "planish/patches/patch_templates.h"
 #include "planish/stencil/stencil_builder.h"
 
@@ -65,6 +66,11 @@ class PatchSurface {
   DegenerateRows grids(std::span<const glm::dvec3> state, const Placement& placement,
                        std::span<const std::int32_t> corners, const PatchTarget& target) const;
 
+  /// Some rows of vertices, faces, edges and their further sectors, in any order: as rows() gives
+  /// them. Returns the degenerate ones, as often as they come.
+  DegenerateRows points(std::span<const glm::dvec3> state, const Placement& placement,
+                        std::span<const std::int32_t> rows, const PatchTarget& target) const;
+
  private:
   bool run_plan(const PatchPlan& plan, const PatchOutput& output, const double* state) const;
   DegenerateRows run_tile(std::size_t index, const PatchOutput& output, const double* state,
@@ -78,6 +84,7 @@ class PatchSurface {
   PatchClasses classes_;
   PatchPlanner planner_;
   PatchKernel kernel_;
+  PatchRunner runner_;
   std::vector<PatchTile> tiles_;
   std::vector<PatchPlan> plans_;  // of all tiles, or none
 };
