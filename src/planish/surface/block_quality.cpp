@@ -63,18 +63,21 @@ class QuadMeter {
  private:
   // Unused lanes repeat the first.
   void load(std::size_t first, int lanes) {
+    constexpr std::size_t kNumbers = 12;  // of a quad
+    double* const position = &batch_.position[0][0][0];
+    double* const normal = &batch_.normal[0][0][0];
     for (int i = 0; i < kQuadLanes; ++i) {
       const std::size_t face = first + static_cast<std::size_t>(i < lanes ? i : 0);
       if (ancestors_[face] != ancestor_) take_ancestor(ancestors_[face]);
-      for (int axis = 0; axis < 3; ++axis) {
-        for (std::size_t k = 0; k < 4; ++k) {
-          batch_.position[k][axis][i] = positions_[4 * face + k][axis];
-          batch_.normal[k][axis][i] = normals_[4 * face + k][axis];
-        }
-        // A face without an area has no normal to deviate from.
-        batch_.wanted[axis][i] =
-            has_normal_ ? wanted_[axis] : static_cast<double>(normals_[4 * face][axis]);
+      const double* const p = &positions_[4 * face].x;
+      const float* const n = &normals_[4 * face].x;
+      for (std::size_t j = 0; j < kNumbers; ++j) {
+        position[j * kQuadLanes + static_cast<std::size_t>(i)] = p[j];
+        normal[j * kQuadLanes + static_cast<std::size_t>(i)] = static_cast<double>(n[j]);
       }
+      // A face without an area has no normal to deviate from.
+      for (int axis = 0; axis < 3; ++axis)
+        batch_.wanted[axis][i] = has_normal_ ? wanted_[axis] : static_cast<double>(n[axis]);
     }
   }
 

@@ -1,6 +1,9 @@
 #include "planish/surface/doo_sabin_blocks.h"
 
 #include <algorithm>
+#include <numeric>
+
+#include "planish/core/parallel.h"
 
 namespace planish {
 
@@ -8,11 +11,13 @@ void DooSabinBlocks::take_base_vertices() {
   const PatchNumbering& numbering = surface_.numbering();
   const auto count = static_cast<std::size_t>(numbering.item_count(PatchNumbering::Part::Vertices));
   info_.base_vertices.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::int32_t vertex = topology_.vertex_of(
-        numbering.item_corner(PatchNumbering::Part::Vertices, static_cast<std::int64_t>(i)));
-    info_.base_vertices[i] = base_.used().vertices[vertex];
-  }
+  parallel_for(count, 1 << 14, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::int32_t vertex = topology_.vertex_of(
+          numbering.item_corner(PatchNumbering::Part::Vertices, static_cast<std::int64_t>(i)));
+      info_.base_vertices[i] = base_.used().vertices[vertex];
+    }
+  });
 }
 
 void DooSabinBlocks::count_faces() {
@@ -212,22 +217,53 @@ DegenerateRows DooSabinBlocks::quad_corners(RowRange faces, std::span<glm::dvec3
   return owned;
 }
 
-void DooSabinBlocks::polygon_corners(RowRange faces, std::span<glm::dvec3> positions,
-                                     std::span<glm::vec3> normals) const {
-  // Polygons name rows from all over.
-  std::call_once(all_made_, [&] {
-    all_positions_.resize(static_cast<std::size_t>(info_.row_count));
-    all_normals_.resize(all_positions_.size());
-    RowTarget target;
-    target.positions = all_positions_;
-    target.normals = all_normals_;
-    (void)this->rows({0, info_.row_count}, target);
-  });
-  std::vector<std::int32_t> rows(positions.size());
-  face_vertices(faces, rows);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    positions[i] = all_positions_[rows[i]];
-    normals[i] = all_normals_[rows[i]];
+// At levels 0 and 1 every corner is a row of a vertex, a face or an edge. Those of a mesh's face
+// are made once for all of its quads.
+void DooSabinBlocks::point_corners(RowRange faces, std::span<glm::dvec3> positions,
+                                   std::span<glm::vec3> normals) const {
+  thread_local RawVector<std::int32_t> rows, of_corner;
+  thread_local RawVector<glm::dvec3> made_positions;
+  thread_local RawVector<glm::vec3> made_normals;
+  const PatchNumbering& numbering = surface_.numbering();
+  rows.clear();
+  of_corner.resize(positions.size());
+  if (level() == 0) {
+    rows.resize(positions.size());
+    face_vertices(faces, rows);
+    std::iota(of_corner.begin(), of_corner.end(), 0);
+  } else {
+    std::int32_t mesh_face = -1, first_row = 0;
+    for (std::int64_t i = 0; i < faces.count; ++i) {
+      const std::int32_t corner = visible_corner(faces.first + i);
+      const std::int32_t face = topology_.face_of(corner), first = topology_.first_corner(face),
+                         size = topology_.face_size(face);
+      if (face != mesh_face) {
+        mesh_face = face;
+        first_row = static_cast<std::int32_t>(rows.size());
+        rows.push_back(numbering.face_row(face));
+        for (std::int32_t c = first; c < first + size; ++c) {
+          rows.push_back(numbering.vertex_row(c));
+          rows.push_back(numbering.edge_row(c));
+        }
+      }
+      const auto vertex = [&](std::int32_t c) { return first_row + 1 + 2 * (c - first); };
+      // By places: (0, 0), (1, 0), (0, 1), (1, 1).
+      const std::int32_t made[4] = {vertex(corner), vertex(corner) + 1,
+                                    vertex(topology_.prev(corner)) + 1, first_row};
+      const auto& cell = cells_.of(topology_, corner).front();
+      for (std::size_t k = 0; k < 4; ++k)
+        of_corner[4 * static_cast<std::size_t>(i) + k] = made[cell[k]];
+    }
+  }
+  made_positions.resize(rows.size());
+  made_normals.resize(rows.size());
+  PatchTarget target;
+  target.positions = made_positions;
+  target.normals = made_normals;
+  (void)surface_.points(base_.state(), base_.placement(), rows, target);
+  for (std::size_t i = 0; i < of_corner.size(); ++i) {
+    positions[i] = made_positions[static_cast<std::size_t>(of_corner[i])];
+    normals[i] = made_normals[static_cast<std::size_t>(of_corner[i])];
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -80,7 +79,7 @@ class DooSabinBlocks final : public SurfaceBlocks {
   void corners(RowRange faces, std::span<glm::dvec3> positions,
                std::span<glm::vec3> normals) const override {
     if (!device_rows_.empty()) return corners_from_device(faces, positions, normals);
-    if (level() == 0) return polygon_corners(faces, positions, normals);
+    if (level() <= 1) return point_corners(faces, positions, normals);
     (void)quad_corners(faces, positions, normals, {});
   }
   [[nodiscard]] RowRange rows_of_faces() const override {
@@ -93,12 +92,16 @@ class DooSabinBlocks final : public SurfaceBlocks {
   DegenerateRows corners_and_rows(RowRange faces, std::span<glm::dvec3> positions,
                                   std::span<glm::vec3> normals,
                                   const FaceRows& along) const override {
+    if (level() <= 1) {
+      corners(faces, positions, normals);
+      return {};
+    }
     return quad_corners(faces, positions, normals, along);
   }
 
  private:
-  void polygon_corners(RowRange faces, std::span<glm::dvec3> positions,
-                       std::span<glm::vec3> normals) const;
+  void point_corners(RowRange faces, std::span<glm::dvec3> positions,
+                     std::span<glm::vec3> normals) const;
   DegenerateRows quad_corners(RowRange faces, std::span<glm::dvec3> positions,
                               std::span<glm::vec3> normals, const FaceRows& along) const;
   void take_base_vertices();
@@ -131,10 +134,6 @@ class DooSabinBlocks final : public SurfaceBlocks {
   std::optional<CornerUvs> uvs_;
   std::optional<PatchNumbering> uv_numbering_;
   RawVector<PatchEvaluator::Row> device_rows_;  // all of them, or none
-  // Of level 0, once corners() was asked for.
-  mutable std::once_flag all_made_;
-  mutable std::vector<glm::dvec3> all_positions_;
-  mutable std::vector<glm::vec3> all_normals_;
 };
 
 }  // namespace planish

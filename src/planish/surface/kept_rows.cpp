@@ -64,10 +64,12 @@ class KeptRows final : public SurfaceBlocks {
       : surface_(surface), origin_(options.origin) {
     info_ = surface.info();
     // Few rows name each other's from all over: their doubles serve as corners too.
-    keeps_doubles_ = info_.level <= 1;
     const std::int64_t count = info_.row_count;
-    keeps_rows_ = keeps_doubles_ ||
-                  static_cast<std::uint64_t>(count) * 2 * sizeof(glm::vec3) <= options.row_bytes;
+    const auto fits = [&](std::size_t bytes) {
+      return static_cast<std::uint64_t>(count) * bytes <= options.row_bytes;
+    };
+    keeps_doubles_ = info_.level <= 1 && fits(sizeof(glm::dvec3) + sizeof(glm::vec3));
+    keeps_rows_ = keeps_doubles_ || fits(2 * sizeof(glm::vec3));
     if (keeps_rows_) normals_.resize(count);
     if (keeps_doubles_) positions_.resize(count);
     if (keeps_rows_ && !keeps_doubles_) stored_.resize(count);
@@ -149,7 +151,7 @@ void KeptRows::make_rows(const Callbacks& callbacks) {
 }
 
 void KeptRows::sweep(const KeepOptions& options) {
-  RawVector<std::uint8_t> cuts(options.cuts ? static_cast<std::size_t>(info_.face_count) : 0);
+  RawVector<std::uint8_t> cuts(static_cast<std::size_t>(info_.face_count));
   const std::vector<RowRange> pieces = swept_pieces(info_);
   FaceRows along;
   along.origin = origin_;
@@ -166,7 +168,7 @@ void KeptRows::sweep(const KeepOptions& options) {
       const DegenerateRows found = surface_.corners_and_rows(faces, positions, normals, along);
       if (keeps_rows_) add(found);
     }
-    for (std::int64_t f = 0; options.cuts && f < faces.count; ++f) {
+    for (std::int64_t f = 0; f < faces.count; ++f) {
       const glm::dvec3* p = positions.data() + 4 * f;
       cuts[faces.first + f] = is_cut_from_1(p[0], p[1], p[2], p[3]) ? 1 : 0;
     }

@@ -22,7 +22,6 @@ using QuadVisit = std::function<void(RowRange faces, std::span<const glm::dvec3>
 struct KeepOptions {
   glm::dvec3 origin{0.0};  ///< that rows will be stored about
   QuadVisit visit;         ///< from level 1 on; may be empty
-  bool cuts = true;        ///< are kept too; false where no file of triangles follows
   /// Rows that take more are not kept but made anew each time.
   std::uint64_t row_bytes = std::uint64_t{1} << 30;
   Callbacks callbacks{};  ///< step "evaluate", warning "degenerate-normals"

@@ -24,7 +24,7 @@ class JobLevel {
   [[nodiscard]] const SurfaceBlocks& blocks() const { return kept_ ? *kept_ : *blocks_; }
   [[nodiscard]] bool is_whole() const { return whole_ != nullptr; }
   /// Makes rows and quads once for all who read them from now on: see KeepOptions.
-  void keep(const glm::dvec3& origin, bool cuts, QuadVisit visit);
+  void keep(const glm::dvec3& origin, QuadVisit visit);
   [[nodiscard]] bool is_kept() const { return kept_ != nullptr; }
   /// All of it in memory, for those who need neighbours; collected when first asked for.
   [[nodiscard]] const SurfaceMesh& whole();

@@ -28,17 +28,16 @@ std::vector<Triangle> triangles_of(const SurfaceMesh& surface) {
   return triangles;
 }
 
-// In the pass that keeps the rows where they are written afterwards, or are few.
+// In the pass that keeps the rows where they are written afterwards.
 SurfaceQuality quality_of(const JobInput& made, JobLevel& surface,
                           const std::optional<glm::dvec3>& stored_about,
                           const Callbacks& callbacks) {
   const PolygonMesh& mesh = made.input.file.mesh;
   if (surface.is_whole()) return surface_quality(surface.whole(), mesh);
   const std::vector<std::uint8_t>& is_beside = made.folds.is_beside;
-  if (!stored_about && surface.level() > 1)
-    return surface_quality(surface.blocks(), mesh, is_beside, callbacks);
+  if (!stored_about) return surface_quality(surface.blocks(), mesh, is_beside, callbacks);
   BlockQuality quality(surface.blocks(), mesh, is_beside);
-  surface.keep(stored_about.value_or(glm::dvec3(0.0)), stored_about.has_value(),
+  surface.keep(*stored_about,
                [&](RowRange faces, std::span<const glm::dvec3> positions,
                    std::span<const glm::vec3> normals) { quality.add(faces, positions, normals); });
   return quality.result();
@@ -119,8 +118,7 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
         relative(measure_distances(made.points, whole.positions, triangles_of(whole)),
                  fitted.placement.diagonal);
   }
-  if (stored_about && !surface.is_whole() && !surface.is_kept())
-    surface.keep(*stored_about, true, {});
+  if (stored_about && !surface.is_whole() && !surface.is_kept()) surface.keep(*stored_about, {});
 }
 
 bool note_chosen_surface(const JobInput& made, JobReport& report, const JobContext& context) {
