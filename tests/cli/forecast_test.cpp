@@ -75,13 +75,32 @@ TEST_F(Forecasts, AMeshThatCannotBeUsedIsTold) {
 }
 
 TEST_F(Forecasts, ARunThatNeedsMoreMemoryThanThereIsNamesTheLevelThatFits) {
-  // 250,000 quads are 1.0e9 at level 6.
-  write("large.obj", torus_obj(500));
-  const ProcessResult result = fit({"large.obj", "-o", "a.glb", "--levels", "6"});
+  // 100,489 quads are 4.1e8 at level 6; values of vertices need the whole surface.
+  write("large.obj", torus_obj(317));
+  const ProcessResult result =
+      fit({"large.obj", "-o", "a.glb", "--levels", "6", "--attributes", "error"});
   EXPECT_EQ(result.exit_code, 6);
   EXPECT_THAT(result.err, testing::ContainsRegex(
                               "level 6 needs about .* of memory where .* are free; --levels [0-5] "
                               "fits"));
+  EXPECT_EQ(names(), std::vector<std::string>{"large.obj"});
+}
+
+TEST_F(Forecasts, WhatFitsByBlocksIsNotRefused) {
+  // Its surface as a whole would take 21 GB.
+  write("large.obj", torus_obj(317));
+  const ProcessResult result = fit({"large.obj", "-o", "a.gltf", "--levels", "6", "--dry-run"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out,
+              testing::ContainsRegex("memory       at most about [0-9.]+ (MiB|[12]\\.[0-9] GiB)"));
+}
+
+TEST_F(Forecasts, MoreCornersThanIndicesReachAreRefusedFirst) {
+  // 250,000 quads are 1.0e9 at level 6.
+  write("large.obj", torus_obj(500));
+  const ProcessResult result = fit({"large.obj", "-o", "a.gltf", "--levels", "6"});
+  EXPECT_EQ(result.exit_code, 6);
+  EXPECT_THAT(result.err, HasSubstr("more than 32-bit indices reach; take fewer levels"));
   EXPECT_EQ(names(), std::vector<std::string>{"large.obj"});
 }
 

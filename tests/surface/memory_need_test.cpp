@@ -7,6 +7,7 @@
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/subdivided_mesh.h"
 #include "support/meshes.h"
@@ -92,6 +93,17 @@ TEST(MemoryNeed, AttributesCountAgainstTheLimit) {
   for (const glm::dvec3& p : mesh.positions) mesh.uvs.emplace_back(p.x, p.y);
   mesh.face_uvs = mesh.face_vertices;
   EXPECT_THROW(SubdividedMesh(mesh, {.level = 4, .memory_limit_bytes = limit}), Error);
+}
+
+// What a writer of files holds does not grow with the level.
+TEST(MemoryNeed, OfBlocksIsBoundedAndOfAWholeSurfaceIsNot) {
+  const PolygonMesh mesh = test::torus(400, 400, 1.0, 0.4);
+  const DooSabinSurface surface(mesh, {});
+  constexpr std::uint64_t kLimit = std::uint64_t{2} << 30;
+  EXPECT_NO_THROW((void)surface.level(5, kLimit));
+  EXPECT_NO_THROW(surface.require_whole(3, kLimit, nullptr));
+  EXPECT_THROW(surface.require_whole(5, kLimit, nullptr), Error);
+  EXPECT_THROW((void)surface.level(5, 1u << 20), Error);
 }
 
 TEST(MemoryNeed, TheMachineHasSome) { EXPECT_GT(available_memory_bytes(), 1ull << 20); }

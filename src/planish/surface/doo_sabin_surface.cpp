@@ -4,7 +4,6 @@
 #include "planish/core/raw_vector.h"
 #include "planish/patches/first_step.h"
 #include "planish/surface/doo_sabin_blocks.h"
-#include "planish/surface/memory_need.h"
 #include "planish/surface/subdivided_mesh.h"
 
 namespace planish {
@@ -55,15 +54,25 @@ DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const LevelOne& level_
   state_ = level_one.state;
 }
 
-std::unique_ptr<SurfaceBlocks> DooSabinSurface::level(int level, std::uint64_t memory_limit_bytes,
-                                                      PatchEvaluator* evaluator) const {
+void DooSabinSurface::require(LastLevel what, int level, std::uint64_t limit_bytes,
+                              bool has_evaluator) const {
   require_level(level);
   const std::vector<LevelCounts> counts =
       split_counts({topology().vertex_count(), topology().edge_count(), topology().face_count()},
                    topology().corner_count(), level);
   RefinedAttributes attributes = RefinedAttributes::of(used_.mesh);
-  attributes.device_rows = evaluator != nullptr;
-  require_memory(counts, LastLevel::None, attributes, memory_limit_bytes);
+  attributes.device_rows = has_evaluator;
+  require_memory(counts, what, attributes, limit_bytes);
+}
+
+void DooSabinSurface::require_whole(int level, std::uint64_t memory_limit_bytes,
+                                    const PatchEvaluator* evaluator) const {
+  require(LastLevel::None, level, memory_limit_bytes, evaluator != nullptr);
+}
+
+std::unique_ptr<SurfaceBlocks> DooSabinSurface::level(int level, std::uint64_t memory_limit_bytes,
+                                                      PatchEvaluator* evaluator) const {
+  require(LastLevel::Blocks, level, memory_limit_bytes, evaluator != nullptr);
   return std::make_unique<DooSabinBlocks>(*this, level, evaluator);
 }
 

@@ -13,6 +13,7 @@
 #include "planish/patches/patch_mesh.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/level_one.h"
+#include "planish/surface/memory_need.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
@@ -32,13 +33,17 @@ class DooSabinSurface {
   DooSabinSurface(const DooSabinSurface&) = delete;
   DooSabinSurface& operator=(const DooSabinSurface&) = delete;
 
-  /// One level of it, 0 to kMaxLevel, which this must outlive. `memory_limit_bytes` is for the
-  /// whole SurfaceMesh (0: what the machine has free). With an evaluator all rows are made on its
+  /// One level of it, 0 to kMaxLevel, which this must outlive. `memory_limit_bytes` is for who
+  /// takes it by blocks (0: what the machine has free). With an evaluator all rows are made on its
   /// device at once, in its precision, and kept. Throws Error{InvalidArgument},
   /// Error{OutOfMemory}, Error{DeviceLost}.
   [[nodiscard]] std::unique_ptr<SurfaceBlocks> level(int level,
                                                      std::uint64_t memory_limit_bytes = 0,
                                                      PatchEvaluator* evaluator = nullptr) const;
+
+  /// Throws Error{OutOfMemory} where a SurfaceMesh of that level does not fit as well.
+  void require_whole(int level, std::uint64_t memory_limit_bytes,
+                     const PatchEvaluator* evaluator) const;
 
   [[nodiscard]] const PolygonMesh& mesh() const { return used_.mesh; }
   [[nodiscard]] const UsedPart& used() const { return used_; }
@@ -53,6 +58,7 @@ class DooSabinSurface {
  private:
   struct Begin {};
   DooSabinSurface(const PolygonMesh& mesh, const EvaluateOptions& options, Begin);
+  void require(LastLevel what, int level, std::uint64_t limit_bytes, bool has_evaluator) const;
 
   UsedPart used_;
   SharpFeatures features_;

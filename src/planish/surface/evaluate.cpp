@@ -156,8 +156,9 @@ SurfaceMesh doo_sabin_surface(const PolygonMesh& mesh, const LevelOne* level_one
   backend.run_on_host([&] {
     const DooSabinSurface base = level_one != nullptr ? DooSabinSurface(mesh, *level_one, options)
                                                       : DooSabinSurface(mesh, options);
-    surface = collect(*base.level(options.level, options.memory_limit_bytes,
-                                  dynamic_cast<PatchEvaluator*>(&backend)),
+    auto* const evaluator = dynamic_cast<PatchEvaluator*>(&backend);
+    base.require_whole(options.level, options.memory_limit_bytes, evaluator);
+    surface = collect(*base.level(options.level, options.memory_limit_bytes, evaluator),
                       options.callbacks);
   });
   return surface;

@@ -41,11 +41,23 @@ constexpr std::uint64_t kFixedBytes = 256u << 20;
 // threads.
 constexpr std::uint64_t kPatchCornerBytes = 100;
 constexpr std::uint64_t kPatchFixedBytes = 32u << 20;
+// What is kept of a surface while it is written (kept_rows.h): rows up to a bound, the cut of each
+// quad; texture coordinates and groups make a vertex of each corner beside the values.
+constexpr std::uint64_t kKeptRowBytes = 36;
+constexpr std::uint64_t kMostKeptBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kCutBytes = 1;
+constexpr std::uint64_t kSplitFaceBytes = 32, kSplitVertexBytes = 24;
 
 std::string gibibytes(std::uint64_t bytes) {
   const std::string tenths = std::to_string(bytes * 10 / (std::uint64_t{1} << 30));
   return tenths.size() == 1 ? "0." + tenths + " GiB"
                             : tenths.substr(0, tenths.size() - 1) + "." + tenths.back() + " GiB";
+}
+
+std::string counts_text(std::span<const LevelCounts> levels) {
+  return "level " + std::to_string(levels.size() - 1) + " has " +
+         std::to_string(levels.back().vertices) + " vertices and " +
+         std::to_string(levels.back().faces) + " faces";
 }
 
 std::uint64_t read_number(const char* path) {
@@ -54,7 +66,7 @@ std::uint64_t read_number(const char* path) {
   return file >> value ? value : std::numeric_limits<std::uint64_t>::max();
 }
 
-std::uint64_t patch_bytes(std::span<const LevelCounts> levels,
+std::uint64_t patch_bytes(std::span<const LevelCounts> levels, LastLevel last,
                           const RefinedAttributes& attributes) {
   // The faces of level 1 are the corners; at least three a face.
   const auto corners =
@@ -62,11 +74,17 @@ std::uint64_t patch_bytes(std::span<const LevelCounts> levels,
   const auto faces = static_cast<std::uint64_t>(levels.back().faces);
   const auto vertices = static_cast<std::uint64_t>(levels.back().vertices);
   std::uint64_t bytes = kPatchFixedBytes + kPatchCornerBytes * corners;
+  if (attributes.device_rows) bytes += kDeviceRowBytes * vertices;
+  if (last == LastLevel::Blocks) {
+    bytes += std::min(kKeptRowBytes * vertices, kMostKeptBytes) + kCutBytes * faces;
+    if (attributes.uvs || attributes.groups)
+      bytes += kSplitVertexBytes * vertices + kSplitFaceBytes * faces;
+    return bytes;
+  }
   bytes += kSurfaceVertexBytes * vertices + kSurfaceFaceBytes * faces;
   if (attributes.uvs) bytes += kPatchUvBytes * vertices + kUvFaceBytes * faces;
   if (attributes.colors) bytes += kPatchColorBytes * vertices;
   if (attributes.groups) bytes += kGroupFaceBytes * faces;
-  if (attributes.device_rows) bytes += kDeviceRowBytes * vertices;
   return bytes;
 }
 
@@ -81,7 +99,8 @@ RefinedAttributes RefinedAttributes::of(const PolygonMesh& mesh) {
 
 std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last,
                                  const RefinedAttributes& attributes) {
-  if (last == LastLevel::None) return patch_bytes(levels, attributes);
+  if (last == LastLevel::None || last == LastLevel::Blocks)
+    return patch_bytes(levels, last, attributes);
   std::uint64_t bytes = kFixedBytes;
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
     bytes += kFullTopologyBytes * static_cast<std::uint64_t>(levels[l].faces);
@@ -119,21 +138,21 @@ std::uint64_t available_memory_bytes() {
   return available;
 }
 
+void require_indices(std::span<const LevelCounts> levels) {
+  // Four corners a face are indexed by int32.
+  if (levels.back().edges * 2 > std::numeric_limits<std::int32_t>::max()) {
+    throw Error(ErrorCode::OutOfMemory,
+                counts_text(levels) + ", more than 32-bit indices reach; take fewer levels");
+  }
+}
+
 void require_memory(std::span<const LevelCounts> levels, LastLevel last,
                     const RefinedAttributes& attributes, std::uint64_t limit_bytes) {
-  const LevelCounts& counts = levels.back();
-  const std::string what = "level " + std::to_string(levels.size() - 1) + " has " +
-                           std::to_string(counts.vertices) + " vertices and " +
-                           std::to_string(counts.faces) + " faces";
-  // Four corners a face are indexed by int32.
-  if (counts.edges * 2 > std::numeric_limits<std::int32_t>::max()) {
-    throw Error(ErrorCode::OutOfMemory,
-                what + ", more than 32-bit indices reach; take fewer levels");
-  }
+  require_indices(levels);
   const std::uint64_t need = tessellation_bytes(levels, last, attributes);
   const std::uint64_t limit = limit_bytes > 0 ? limit_bytes : available_memory_bytes();
   if (need > limit) {
-    throw Error(ErrorCode::OutOfMemory, what + " and needs " + gibibytes(need) +
+    throw Error(ErrorCode::OutOfMemory, counts_text(levels) + " and needs " + gibibytes(need) +
                                             " of memory where " + gibibytes(limit) +
                                             " are free; take fewer levels");
   }

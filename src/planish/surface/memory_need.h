@@ -10,7 +10,8 @@ namespace planish {
 
 /// How much of the last level's topology a scheme keeps.
 enum class LastLevel {
-  None,  ///< nor any other: surfaces of patches
+  None,    ///< nor any other: surfaces of patches
+  Blocks,  ///< nor the surface: patches for who takes it piece by piece and keeps rows at most
   FacesOnly,
   Full,
 };
@@ -25,13 +26,17 @@ struct RefinedAttributes {
 };
 
 /// Peak of host memory that tessellating takes, in bytes: an upper estimate. `levels` holds the
-/// element counts of level 0 to the one whose points give the limit.
+/// element counts of level 0 to the one whose points give the limit. By blocks, what keep_rows()
+/// and the writers of files hold is in it.
 [[nodiscard]] std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last,
                                                const RefinedAttributes& attributes = {});
 
 /// Memory that the machine can still give, in bytes: the least of what the kernel calls available
 /// and what control groups leave; the largest value where neither can be read.
 [[nodiscard]] std::uint64_t available_memory_bytes();
+
+/// Throws Error{OutOfMemory} where 32-bit indices do not reach all corners of the last level.
+void require_indices(std::span<const LevelCounts> levels);
 
 /// Throws Error{OutOfMemory} naming counts, need and limit when tessellating exceeds `limit_bytes`
 /// (0: what is available) or 32-bit indices.

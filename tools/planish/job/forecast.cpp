@@ -72,13 +72,23 @@ std::uint64_t surface_bytes(const PolygonMesh& mesh, const LevelCounts& counts, 
 constexpr double kSecondsPerMillionPoints = 1.6;
 constexpr double kSecondsPerMillionVertices = 8;
 
+// What a job holds at its peak. Doo-Sabin surfaces go by blocks to who writes them, but for those
+// who need neighbours: values of vertices.
 std::uint64_t peak_bytes(const PolygonMesh& mesh, const std::vector<LevelCounts>& levels,
-                         Scheme scheme) {
+                         const Settings& settings) {
   // The mesh, its stencils and the solve's vectors take about this for a vertex.
   constexpr std::uint64_t kSolveBytes = 1200;
   const std::uint64_t solve = kSolveBytes * static_cast<std::uint64_t>(levels[0].vertices);
-  const LastLevel last = scheme == Scheme::DooSabin ? LastLevel::None : LastLevel::Full;
-  return std::max(solve, tessellation_bytes(levels, last, RefinedAttributes::of(mesh)) + solve / 4);
+  const LastLevel last = settings.scheme != Scheme::DooSabin ? LastLevel::Full
+                         : settings.attributes.any()         ? LastLevel::None
+                                                             : LastLevel::Blocks;
+  std::uint64_t surface = tessellation_bytes(levels, last, RefinedAttributes::of(mesh));
+  // Packing takes the file's plain bytes, and those of its result.
+  constexpr std::uint64_t kPackedVertexBytes = 48, kPackedFaceBytes = 48;
+  if (settings.compression != GltfCompression::None)
+    surface += kPackedVertexBytes * static_cast<std::uint64_t>(levels.back().vertices) +
+               kPackedFaceBytes * static_cast<std::uint64_t>(levels.back().faces);
+  return std::max(solve, surface + solve / 4);
 }
 
 int highest_level(const std::vector<PlannedOutput>& outputs) {
@@ -107,7 +117,7 @@ Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
         surface_bytes(mesh, at, level > 0 && !triangles, corners, output));
     points += static_cast<double>(at.vertices);
   }
-  forecast.peak_bytes = peak_bytes(mesh, levels, settings.scheme);
+  forecast.peak_bytes = peak_bytes(mesh, levels, settings);
   const double threads = std::max(1u, std::thread::hardware_concurrency());
   const double fits = chooses_by_measurement(settings, outputs) ? 2 : 1;
   forecast.seconds = (kSecondsPerMillionPoints * points +
@@ -121,8 +131,9 @@ void require_memory_for(const PolygonMesh& mesh, const PreparedMesh& prepared,
   const int wanted = highest_level(outputs);
   const MeshCounts counts = counts_of(prepared);
   const std::uint64_t free = available_memory_bytes();
+  require_indices(levels_to(counts, settings.scheme, wanted));
   const auto need = [&](int level) {
-    return peak_bytes(mesh, levels_to(counts, settings.scheme, level), settings.scheme);
+    return peak_bytes(mesh, levels_to(counts, settings.scheme, level), settings);
   };
   const std::uint64_t needed = need(wanted);
   if (needed <= free) return;
