@@ -70,7 +70,8 @@ TEST(WriteSurface, BlocksGiveTheBytesOfTheWhole) {
     const SurfaceMesh surface = collect(*blocks, {});
     const std::vector<float> values(surface.positions.size(), 0.5f);
     const std::vector<NamedField> fields{{"error", values}};
-    for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Off}) {
+    for (const FileFormat format :
+         {FileFormat::Obj, FileFormat::Ply, FileFormat::Off, FileFormat::Stl, FileFormat::Usda}) {
       SCOPED_TRACE(std::string(name_of(format)) + " level " + std::to_string(level));
       const test::TemporaryFolder folder;
       write_surface(folder.path() / "whole", format, surface, {"a line"}, fields);

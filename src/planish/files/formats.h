@@ -15,7 +15,7 @@ struct MeshFile;
 struct PointCloud;
 enum class PolygonPart : std::uint8_t;
 struct PolygonPiece;
-struct PolygonView;
+class PolygonStream;
 
 /// A format's place in formats().
 enum class FileFormat : std::uint8_t { Glb, Gltf, Obj, Ply, Off, Stl, Xyz, Pts, Pcd, Usda };
@@ -39,8 +39,8 @@ struct FormatInfo {
   /// glTF is written by write_gltf().
   void (*write_piece)(FileBuffer&, const PolygonPiece&) = nullptr;
   bool (*polygon_parts)(PolygonPart) = nullptr;
-  /// Of formats whose parts cannot be made each for itself.
-  void (*write_polygons)(FileBuffer&, const PolygonView&) = nullptr;
+  /// Of formats that have parts in an order of their own.
+  void (*write_polygons)(const PolygonStream&) = nullptr;
   bool is_gltf = false;
   bool has_polygons = true;        ///< false: only triangles
   bool keeps_doubles = false;      ///< positions come back to the last bit; else as float32

@@ -1,13 +1,14 @@
 #include "planish/files/write_polygons.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/gltf/triangulate.h"
+#include "planish/files/polygon_stream.h"
 #include "planish/files/shared/file_buffer.h"
 #include "planish/files/shared/ordered_stream.h"
 #include "planish/surface/surface_blocks.h"
@@ -55,22 +56,14 @@ void require_finite(const PolygonView& view, std::int64_t first, const std::stri
   require_finite(view.colors, first, "the colour of vertex", name);
 }
 
-void require_floats(const PolygonView& view, const std::string& name) {
+void require_floats(const PolygonView& view, std::int64_t first, const std::string& name) {
   const auto wild = std::ranges::find_if_not(view.positions, fits_float);
   if (wild == view.positions.end()) return;
-  const auto vertex = static_cast<std::int64_t>(wild - view.positions.begin());
+  const std::int64_t vertex = first + (wild - view.positions.begin());
   throw Error(ErrorCode::InvalidArgument,
               name + ": vertex " + std::to_string(vertex) +
                   " has a coordinate that float32 cannot hold; scale the model down",
               vertex);
-}
-
-// The first of a part that is not finite, in order.
-void refuse_part(const PolygonSource& source, PolygonPart part, const std::string& name) {
-  for (const RowRange& range : source.ranges(part)) {
-    source.visit(part, range,
-                 [&](const PolygonPiece& piece) { require_finite(piece.view, range.first, name); });
-  }
 }
 
 void require_lines(std::span<const std::string> header, const std::string& name) {
@@ -86,8 +79,11 @@ class ViewSource final : public PolygonSource {
     totals_.row_count = static_cast<std::int64_t>(view.positions.size());
     totals_.uv_count = static_cast<std::int64_t>(view.uvs.size());
     totals_.face_count = static_cast<std::int64_t>(view.face_count());
+    totals_.corner_count = static_cast<std::int64_t>(view.face_vertices.size());
     totals_.has_normals = !view.normals.empty();
     totals_.has_colors = !view.colors.empty();
+    totals_.has_uvs = !view.face_uvs.empty();
+    totals_.has_groups = !view.face_groups.empty();
     for (std::size_t face = 0; face < view.face_count(); ++face)
       totals_.largest_face = std::max(totals_.largest_face, view.face(face).size());
   }
@@ -105,8 +101,11 @@ class ViewSource final : public PolygonSource {
         [[fallthrough]];
       case PolygonPart::Positions:
       case PolygonPart::Vertices:
+      case PolygonPart::Colors:
+      case PolygonPart::Fields:
         return ranges_of(totals_.row_count, kWrittenRows);
       case PolygonPart::Faces:
+      case PolygonPart::Triangles:
         return ranges_of(totals_.face_count, kWrittenRows);
     }
     return {};
@@ -117,6 +116,7 @@ class ViewSource final : public PolygonSource {
     PolygonView& view = piece.view;
     std::vector<std::int32_t> offsets;
     std::vector<NamedField> fields;
+    std::vector<glm::dvec3> triangles;
     const auto some = [&](const auto& values) {
       return values.empty() ? values
                             : values.subspan(static_cast<std::size_t>(range.first),
@@ -130,14 +130,20 @@ class ViewSource final : public PolygonSource {
         view.creases = view_.creases;
         view.corners = view_.corners;
         view.hole_faces = view_.hole_faces;
+        view.subdivision = view_.subdivision;
         break;
       case PolygonPart::Uvs:
         view.uvs = some(view_.uvs);
         break;
+      case PolygonPart::Colors:
+        view.colors = some(view_.colors);
+        break;
       case PolygonPart::Vertices:
+      case PolygonPart::Fields:
         for (const NamedField& field : view_.fields)
           fields.push_back({field.name, some(field.values)});
         view.fields = fields;
+        if (part == PolygonPart::Fields) break;
         [[fallthrough]];
       case PolygonPart::Positions:
         view.positions = some(view_.positions);
@@ -150,11 +156,31 @@ class ViewSource final : public PolygonSource {
       case PolygonPart::Faces:
         take_faces(range, piece, offsets);
         break;
+      case PolygonPart::Triangles:
+        take_triangles(range, triangles);
+        view.positions = triangles;
+        break;
     }
     use(piece);
   }
 
  private:
+  void take_triangles(RowRange range, std::vector<glm::dvec3>& positions) const {
+    std::vector<std::uint32_t> triangles;
+    for (std::int64_t face = range.first; face < range.first + range.count; ++face) {
+      const auto corners = view_.face(static_cast<std::size_t>(face));
+      triangles.resize(3 * (corners.size() - 2));
+      if (corners.size() == 4) {
+        const auto split = split_quad(view_.positions[corners[0]], view_.positions[corners[1]],
+                                      view_.positions[corners[2]], view_.positions[corners[3]]);
+        for (std::size_t i = 0; i < split.size(); ++i)
+          triangles[i] = static_cast<std::uint32_t>(corners[split[i]]);
+      } else {
+        triangulate(corners, view_.positions, triangles);
+      }
+      for (const std::uint32_t vertex : triangles) positions.push_back(view_.positions[vertex]);
+    }
+  }
   void take_faces(RowRange range, PolygonPiece& piece, std::vector<std::int32_t>& offsets) const {
     const auto corner = [&](std::int64_t face) {
       return view_.face_offsets.empty() ? static_cast<std::size_t>(4 * face)
@@ -203,57 +229,53 @@ class CountedFile {
   std::vector<ByteSink> sinks_;
 };
 
-std::uint64_t write_whole(const std::filesystem::path& path, const FormatInfo& info,
-                          const PolygonView& view, const ByteObserver& observe) {
-  const std::string name = visible(path);
-  require_lines(view.header, name);
-  require_finite(view, 0, name);
-  if (!info.keeps_doubles) require_floats(view, name);
-  CountedFile file(path, observe);
-  RawVector<std::byte> bytes;
-  FileBuffer out(bytes, [&](std::span<const std::byte> some) {
-    for (const ByteSink& sink : file.sinks()) sink(some);
-  });
-  info.write_polygons(out, view);
-  out.finish();
-  return file.commit();
+}  // namespace
+
+bool PolygonStream::can_write(const PolygonView& view) const {
+  return is_finite_piece(view) &&
+         (format_.keeps_doubles || std::ranges::all_of(view.positions, fits_float));
 }
 
-}  // namespace
+// The first fault in order.
+void PolygonStream::refuse(PolygonPart part) const {
+  // Triangles do not know the vertices' numbers.
+  const PolygonPart looked = part == PolygonPart::Triangles ? PolygonPart::Positions : part;
+  for (const RowRange& range : source_.ranges(looked)) {
+    source_.visit(looked, range, [&](const PolygonPiece& piece) {
+      require_finite(piece.view, range.first, name_);
+      if (!format_.keeps_doubles) require_floats(piece.view, range.first, name_);
+    });
+  }
+  throw Error(ErrorCode::InvalidArgument, name_ + ": a number is not finite");
+}
 
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonSource& source, std::span<const std::string> header,
                              const ByteObserver& observe) {
   const FormatInfo& info = info_of(format);
   const std::string name = visible(path);
-  if (!info.write_piece)
+  if (!info.write_piece && !info.write_polygons)
     throw Error(ErrorCode::InvalidArgument, name + ": polygons are written as " +
                                                 extensions_in_words(FormatUse::WriteCage) +
                                                 ", not as ." + std::string(info.name));
   require_lines(header, name);
   CountedFile file(path, observe);
+  const PolygonStream out(source, file.sinks(), info, name);
+  if (info.write_polygons) {
+    info.write_polygons(out);
+    return file.commit();
+  }
   for (const PolygonPart part : kPolygonParts) {
     if (!info.polygon_parts(part)) continue;
-    std::atomic<bool> is_finite{true};
-    stream(
-        source.ranges(part),
-        [&](RowRange range, RawVector<std::byte>& bytes) {
-          source.visit(part, range, [&](const PolygonPiece& piece) {
-            if (!is_finite_piece(piece.view)) is_finite = false;
-            FileBuffer out(bytes);
-            info.write_piece(out, piece);
-            out.finish();
-          });
-        },
-        file.sinks());
-    if (!is_finite) refuse_part(source, part, name);
+    out.part(part, [&](FileBuffer& bytes, const PolygonPiece& piece, RowRange) {
+      info.write_piece(bytes, piece);
+    });
   }
   return file.commit();
 }
 
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonView& view, const ByteObserver& observe) {
-  if (info_of(format).write_polygons) return write_whole(path, info_of(format), view, observe);
   return write_polygons(path, format, ViewSource(view), view.header, observe);
 }
 

@@ -59,9 +59,9 @@ struct PolygonView {
 
 /// What is known of a file of polygons before any of them is made.
 struct PolygonTotals {
-  std::int64_t row_count = 0, uv_count = 0, face_count = 0;
+  std::int64_t row_count = 0, uv_count = 0, face_count = 0, corner_count = 0;
   std::size_t largest_face = 0;
-  bool has_normals = false, has_colors = false;
+  bool has_normals = false, has_colors = false, has_uvs = false, has_groups = false;
 };
 
 /// Parts of a file, in their order. A format has some of them, each vertex and face for itself, so
@@ -74,6 +74,10 @@ enum class PolygonPart : std::uint8_t {
   Normals,
   Faces,
   Tail,  ///< creases, corners, holes
+  // What PolygonStream may ask for besides.
+  Colors,     ///< of all vertices, alone
+  Fields,     ///< likewise
+  Triangles,  ///< that faces are cut into, as glTF has them: the view has three positions each
 };
 
 inline constexpr std::array kPolygonParts = {
@@ -95,6 +99,8 @@ class PolygonSource {
   [[nodiscard]] virtual const PolygonTotals& totals() const = 0;
   /// Head and Tail have one range.
   [[nodiscard]] virtual std::vector<RowRange> ranges(PolygonPart part) const = 0;
+  /// Called before a part is visited, by one thread.
+  virtual void prepare(PolygonPart /*part*/) const {}
   /// Calls use(piece) with a range of a part.
   virtual void visit(PolygonPart part, RowRange range,
                      const std::function<void(const PolygonPiece&)>& use) const = 0;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <mutex>
 
+#include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
+#include "planish/files/gltf/gltf_face_writer.h"
 #include "planish/files/write_polygons.h"
 
 namespace planish {
@@ -21,7 +23,10 @@ class BlockSource final : public PolygonSource {
     totals_.uv_count = info_.uv_count;
     totals_.face_count = info_.face_count;
     totals_.has_normals = true;
+    totals_.corner_count = info_.corner_count;
     totals_.has_colors = info_.has_colors;
+    totals_.has_uvs = info_.uv_count > 0;
+    totals_.has_groups = info_.has_groups;
     totals_.largest_face = static_cast<std::size_t>(info_.corners_per_face);
     for (std::size_t f = 0; f + 1 < info_.face_offsets.size(); ++f) {
       totals_.largest_face =
@@ -34,9 +39,11 @@ class BlockSource final : public PolygonSource {
   [[nodiscard]] std::vector<RowRange> ranges(PolygonPart part) const override {
     if (part == PolygonPart::Head || part == PolygonPart::Tail) return {{0, 1}};
     if (part == PolygonPart::Uvs) return ranges_of(info_.uv_count, kTextRows);
-    if (part == PolygonPart::Faces) return ranges_of(info_.face_count, kTextRows);
+    if (part == PolygonPart::Faces || part == PolygonPart::Triangles)
+      return ranges_of(info_.face_count, kTextRows);
     return sorted(surface_.row_blocks(kTextRows));
   }
+  void prepare(PolygonPart part) const override;
   /// Of the rows that were visited.
   [[nodiscard]] const DegenerateRows& degenerate() const { return degenerate_; }
   void visit(PolygonPart part, RowRange range,
@@ -54,6 +61,7 @@ class BlockSource final : public PolygonSource {
       return use(piece);
     }
     if (part == PolygonPart::Faces) return visit_faces(range, piece, use);
+    if (part == PolygonPart::Triangles) return visit_triangles(range, piece, use);
     visit_rows(range, piece, use);
   }
 
@@ -62,12 +70,15 @@ class BlockSource final : public PolygonSource {
                   const std::function<void(const PolygonPiece&)>& use) const;
   void visit_faces(RowRange range, PolygonPiece& piece,
                    const std::function<void(const PolygonPiece&)>& use) const;
+  void visit_triangles(RowRange range, PolygonPiece& piece,
+                       const std::function<void(const PolygonPiece&)>& use) const;
 
   const SurfaceBlocks& surface_;
   const SurfaceInfo& info_;
   std::span<const std::string> header_;
   std::span<const NamedField> fields_;
   PolygonTotals totals_;
+  mutable RawVector<glm::vec3> stored_;  // all rows, for triangles
   mutable std::mutex mutex_;
   mutable DegenerateRows degenerate_;
 };
@@ -76,14 +87,14 @@ void BlockSource::visit_rows(RowRange range, PolygonPiece& piece,
                              const std::function<void(const PolygonPiece&)>& use) const {
   const auto count = static_cast<std::size_t>(range.count);
   const bool all = piece.part == PolygonPart::Vertices;
+  const bool has_colors =
+      all || piece.part == PolygonPart::Positions || piece.part == PolygonPart::Colors;
   RawVector<glm::dvec3> positions;
   RawVector<glm::vec3> normals;
   RawVector<glm::vec4> colors;
   std::vector<NamedField> fields;
-  if (all || piece.part == PolygonPart::Positions) {
-    positions.resize(count);
-    if (info_.has_colors) colors.resize(count);
-  }
+  if (all || piece.part == PolygonPart::Positions) positions.resize(count);
+  if (has_colors && info_.has_colors) colors.resize(count);
   if (all || piece.part == PolygonPart::Normals) normals.resize(count);
   RowTarget target;
   target.positions = positions;
@@ -100,7 +111,7 @@ void BlockSource::visit_rows(RowRange range, PolygonPiece& piece,
   piece.view.positions = positions;
   piece.view.normals = normals;
   piece.view.colors = colors;
-  if (all) piece.view.fields = fields;
+  if (all || piece.part == PolygonPart::Fields) piece.view.fields = fields;
   use(piece);
 }
 
@@ -134,6 +145,35 @@ void BlockSource::visit_faces(RowRange range, PolygonPiece& piece,
   use(piece);
 }
 
+// The corners of a triangle are rows from all over, and neighbours' must be the same to the last
+// bit: their positions are kept as the file has them.
+void BlockSource::prepare(PolygonPart part) const {
+  if (part != PolygonPart::Triangles || !stored_.empty()) return;
+  stored_.resize(static_cast<std::size_t>(info_.row_count));
+  const std::vector<RowRange> pieces = surface_.row_blocks(kTextRows);
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      RowTarget target;
+      target.stored = std::span(stored_).subspan(static_cast<std::size_t>(pieces[i].first),
+                                                 static_cast<std::size_t>(pieces[i].count));
+      (void)surface_.rows(pieces[i], target);
+    }
+  });
+}
+
+void BlockSource::visit_triangles(RowRange range, PolygonPiece& piece,
+                                  const std::function<void(const PolygonPiece&)>& use) const {
+  static const GltfVertices kRows;
+  RawVector<std::byte> bytes;
+  FaceWriter<std::uint32_t>(surface_, kRows)(range, bytes);
+  const std::span<const std::uint32_t> rows(reinterpret_cast<const std::uint32_t*>(bytes.data()),
+                                            bytes.size() / sizeof(std::uint32_t));
+  RawVector<glm::dvec3> positions(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) positions[i] = glm::dvec3(stored_[rows[i]]);
+  piece.view.positions = positions;
+  use(piece);
+}
+
 PolygonView view_of(const SurfaceMesh& surface, std::span<const std::string> header,
                     std::span<const NamedField> fields) {
   PolygonView view;
@@ -160,18 +200,16 @@ void write_surface(const std::filesystem::path& path, FileFormat format, const S
 
 std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format,
                             const SurfaceBlocks& surface, const SurfaceWriteOptions& options) {
-  if (info_of(format).write_polygons) {
-    const SurfaceMesh whole = collect(surface, options.callbacks);
-    return write_polygons(path, format, view_of(whole, options.header, options.fields),
-                          options.observe);
-  }
   const BlockSource source(surface, options.header, options.fields);
   std::size_t pieces = 0, written = 0;
+  const FormatInfo& info = info_of(format);
   for (const PolygonPart part : kPolygonParts)
-    if (info_of(format).polygon_parts(part)) pieces += source.ranges(part).size();
+    if (!info.write_piece || info.polygon_parts(part)) pieces += source.ranges(part).size();
   const auto observe = [&](std::span<const std::byte> bytes) {
     if (options.observe) options.observe(bytes);
-    options.callbacks.report("write", static_cast<double>(++written) / static_cast<double>(pieces));
+    ++written;
+    options.callbacks.report(
+        "write", std::min(1.0, static_cast<double>(written) / static_cast<double>(pieces)));
   };
   const std::uint64_t byte_count = write_polygons(path, format, source, options.header, observe);
   warn_of(source.degenerate(), options.callbacks);

@@ -32,7 +32,7 @@ struct SurfaceWriteOptions {
 };
 
 /// The same of a surface that is made as it is written, which nobody holds: the same bytes, in the
-/// memory of a few pieces but for STL and USD, which need all of it. Returns their number.
+/// memory of a few pieces, and 12 bytes a row for STL. Returns their number.
 std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format,
                             const SurfaceBlocks& surface, const SurfaceWriteOptions& options);
 

@@ -122,7 +122,7 @@ void write_obj(FileBuffer& out, const PolygonPiece& piece) {
     case PolygonPart::Tail:
       write_obj_tags(out, view);
       break;
-    case PolygonPart::Vertices:
+    default:
       break;
   }
 }

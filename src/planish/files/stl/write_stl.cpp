@@ -2,11 +2,10 @@
 
 #include <glm/geometric.hpp>
 #include <limits>
+#include <span>
 #include <string>
-#include <vector>
 
 #include "planish/core/error.h"
-#include "planish/files/gltf/triangulate.h"
 
 namespace planish {
 namespace {
@@ -24,34 +23,25 @@ void write_triangle(FileBuffer& out, const glm::vec3& a, const glm::vec3& b, con
 
 }  // namespace
 
-void write_stl(FileBuffer& out, const PolygonView& view) {
+void write_stl(const PolygonStream& stream) {
   constexpr std::size_t kHeaderBytes = 80;
   // A reader takes a file that begins with `solid` for text.
   std::string header = "binary STL by planish";
   header.resize(kHeaderBytes, ' ');
-  out.text(header.substr(0, kHeaderBytes / 2)).text(header.substr(kHeaderBytes / 2));
-  const std::size_t count = view.face_vertices.size() - 2 * view.face_count();
+  const std::int64_t count = stream.totals().corner_count - 2 * stream.totals().face_count;
   if (count > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ErrorCode::InvalidArgument, std::to_string(count) +
+    throw Error(ErrorCode::InvalidArgument, stream.name() + ": " + std::to_string(count) +
                                                 " triangles are more than an STL file can hold; "
                                                 "use fewer levels");
-  out.binary(static_cast<std::uint32_t>(count));
-  std::vector<std::uint32_t> triangles;
-  for (std::size_t face = 0; face < view.face_count(); ++face) {
-    const auto corners = view.face(face);
-    triangles.resize(3 * (corners.size() - 2));
-    if (corners.size() == 4) {
-      const auto split = split_quad(view.positions[corners[0]], view.positions[corners[1]],
-                                    view.positions[corners[2]], view.positions[corners[3]]);
-      for (std::size_t i = 0; i < split.size(); ++i)
-        triangles[i] = static_cast<std::uint32_t>(corners[split[i]]);
-    } else {
-      triangulate(corners, view.positions, triangles);
-    }
-    for (std::size_t i = 0; i < triangles.size(); i += 3)
-      write_triangle(out, view.positions[triangles[i]], view.positions[triangles[i + 1]],
-                     view.positions[triangles[i + 2]]);
-  }
+  stream.part(PolygonPart::Head, [&](FileBuffer& out, const PolygonPiece&, RowRange) {
+    out.text(header).binary(static_cast<std::uint32_t>(count));
+  });
+  stream.part(PolygonPart::Triangles, [](FileBuffer& out, const PolygonPiece& piece, RowRange) {
+    const std::span<const glm::dvec3> positions = piece.view.positions;
+    for (std::size_t i = 0; i < positions.size(); i += 3)
+      write_triangle(out, glm::vec3(positions[i]), glm::vec3(positions[i + 1]),
+                     glm::vec3(positions[i + 2]));
+  });
 }
 
 }  // namespace planish

@@ -2,9 +2,15 @@
 #include "planish/files/usda/write_usda.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <mutex>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "planish/surface/surface_blocks.h"
 
 namespace planish {
 namespace {
@@ -20,8 +26,24 @@ void write_list(FileBuffer& out, std::size_t count, const Write& element) {
   out.text("]");
 }
 
-void write_interpolation(FileBuffer& out, const char* name) {
-  out.text(" (\n        interpolation = \"").text(name).text("\"\n    )\n");
+// The same of a part that comes in pieces: values(view) is what a piece has, write(out, value) one.
+template <class Values, class Write>
+void stream_list(const PolygonStream& stream, const std::string& name, PolygonPart part,
+                 const Values& values, const Write& write) {
+  stream.text("    " + name + " = [");
+  stream.part(part, [&](FileBuffer& out, const PolygonPiece& piece, RowRange range) {
+    bool is_first = range.first == 0;
+    for (const auto& value : values(piece.view)) {
+      if (!is_first) out.text(", ");
+      is_first = false;
+      write(out, value);
+    }
+  });
+  stream.text("]");
+}
+
+std::string interpolation(const char* name) {
+  return std::string(" (\n        interpolation = \"") + name + "\"\n    )\n";
 }
 
 void write_triple(FileBuffer& out, const glm::vec3& v) {
@@ -39,55 +61,88 @@ void write_integers(FileBuffer& out, const char* name, std::span<const std::int3
   out.text("\n");
 }
 
-void write_shape(FileBuffer& out, const PolygonView& view) {
-  out.text("    int[] faceVertexCounts = ");
-  write_list(out, view.face_count(), [&](std::size_t f) { out.number(view.face(f).size()); });
-  out.text("\n");
-  write_integers(out, "faceVertexIndices", view.face_vertices);
-  out.text("    point3f[] points = ");
-  write_list(out, view.positions.size(),
-             [&](std::size_t i) { write_triple(out, glm::vec3(view.positions[i])); });
-  out.text("\n");
-  if (view.normals.empty()) return;
-  out.text("    normal3f[] normals = ");
-  write_list(out, view.normals.size(), [&](std::size_t i) { write_triple(out, view.normals[i]); });
-  write_interpolation(out, "vertex");
-}
+void write_number(FileBuffer& out, float value) { out.number(value); }
 
-void write_colors(FileBuffer& out, const PolygonView& view) {
-  if (view.colors.empty()) return;
-  out.text("    color3f[] primvars:displayColor = ");
-  write_list(out, view.colors.size(),
-             [&](std::size_t i) { write_triple(out, glm::vec3(view.colors[i])); });
-  write_interpolation(out, "vertex");
-  if (std::ranges::all_of(view.colors, [](const glm::vec4& color) { return color.a == 1; })) return;
-  out.text("    float[] primvars:displayOpacity = ");
-  write_list(out, view.colors.size(), [&](std::size_t i) { out.number(view.colors[i].a); });
-  write_interpolation(out, "vertex");
-}
-
-void write_texture_coordinates(FileBuffer& out, const PolygonView& view) {
-  if (view.face_uvs.empty()) return;
-  const bool has_gaps = std::ranges::any_of(view.face_uvs, [](std::int32_t uv) { return uv < 0; });
-  out.text("    texCoord2f[] primvars:st = ");
-  write_list(out, view.uvs.size() + (has_gaps ? 1 : 0), [&](std::size_t i) {
-    const glm::vec2 uv = i < view.uvs.size() ? glm::vec2(view.uvs[i]) : glm::vec2(0.0f);
-    out.text("(").number(uv.x).text(", ").number(uv.y).text(")");
+void write_shape(const PolygonStream& stream) {
+  stream.text("    int[] faceVertexCounts = [");
+  stream.part(PolygonPart::Faces, [](FileBuffer& out, const PolygonPiece& piece, RowRange range) {
+    for (std::size_t f = 0; f < piece.view.face_count(); ++f) {
+      if (range.first > 0 || f > 0) out.text(", ");
+      out.number(piece.view.face(f).size());
+    }
   });
-  write_interpolation(out, "faceVarying");
-  out.text("    int[] primvars:st:indices = ");
-  write_list(out, view.face_uvs.size(), [&](std::size_t i) {
-    const std::int32_t uv = view.face_uvs[i];
-    out.number(uv < 0 ? view.uvs.size() : static_cast<std::size_t>(uv));
-  });
-  out.text("\n");
+  stream.text("]\n");
+  stream_list(
+      stream, "int[] faceVertexIndices", PolygonPart::Faces,
+      [](const PolygonView& view) { return view.face_vertices; },
+      [](FileBuffer& out, std::int32_t vertex) { out.number(vertex); });
+  stream.text("\n");
+  stream_list(
+      stream, "point3f[] points", PolygonPart::Positions,
+      [](const PolygonView& view) { return view.positions; },
+      [](FileBuffer& out, const glm::dvec3& p) { write_triple(out, glm::vec3(p)); });
+  stream.text("\n");
+  if (!stream.totals().has_normals) return;
+  stream_list(
+      stream, "normal3f[] normals", PolygonPart::Normals,
+      [](const PolygonView& view) { return view.normals; }, write_triple);
+  stream.text(interpolation("vertex"));
 }
 
-void write_fields(FileBuffer& out, const PolygonView& view) {
-  for (const NamedField& field : view.fields) {
-    out.text("    float[] primvars:").text(field.name).text(" = ");
-    write_list(out, field.values.size(), [&](std::size_t i) { out.number(field.values[i]); });
-    write_interpolation(out, "vertex");
+void write_colors(const PolygonStream& stream) {
+  if (!stream.totals().has_colors) return;
+  const auto colors = [](const PolygonView& view) { return view.colors; };
+  stream_list(stream, "color3f[] primvars:displayColor", PolygonPart::Colors, colors,
+              [](FileBuffer& out, const glm::vec4& color) { write_triple(out, glm::vec3(color)); });
+  stream.text(interpolation("vertex"));
+  std::atomic<bool> is_opaque{true};
+  stream.look(PolygonPart::Colors, [&](const PolygonPiece& piece, RowRange) {
+    if (!std::ranges::all_of(piece.view.colors, [](const glm::vec4& c) { return c.a == 1; }))
+      is_opaque = false;
+  });
+  if (is_opaque) return;
+  stream_list(stream, "float[] primvars:displayOpacity", PolygonPart::Colors, colors,
+              [](FileBuffer& out, const glm::vec4& color) { out.number(color.a); });
+  stream.text(interpolation("vertex"));
+}
+
+void write_texture_coordinates(const PolygonStream& stream) {
+  if (!stream.totals().has_uvs) return;
+  const auto uvs = static_cast<std::size_t>(stream.totals().uv_count);
+  std::atomic<bool> has_gaps{false};
+  stream.look(PolygonPart::Faces, [&](const PolygonPiece& piece, RowRange) {
+    if (std::ranges::any_of(piece.view.face_uvs, [](std::int32_t uv) { return uv < 0; }))
+      has_gaps = true;
+  });
+  stream.text("    texCoord2f[] primvars:st = [");
+  stream.part(PolygonPart::Uvs, [](FileBuffer& out, const PolygonPiece& piece, RowRange range) {
+    for (std::size_t i = 0; i < piece.view.uvs.size(); ++i) {
+      const glm::vec2 uv(piece.view.uvs[i]);
+      out.text(range.first > 0 || i > 0 ? ", (" : "(").number(uv.x).text(", ").number(uv.y);
+      out.text(")");
+    }
+  });
+  if (has_gaps) stream.text(uvs > 0 ? ", (0, 0)" : "(0, 0)");
+  stream.text("]" + interpolation("faceVarying"));
+  stream_list(
+      stream, "int[] primvars:st:indices", PolygonPart::Faces,
+      [](const PolygonView& view) { return view.face_uvs; },
+      [&](FileBuffer& out, std::int32_t uv) {
+        out.number(uv < 0 ? uvs : static_cast<std::size_t>(uv));
+      });
+  stream.text("\n");
+}
+
+void write_fields(const PolygonStream& stream) {
+  std::vector<std::string> names;
+  stream.look(PolygonPart::Head, [&](const PolygonPiece& piece, RowRange) {
+    for (const NamedField& field : piece.view.fields) names.emplace_back(field.name);
+  });
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    stream_list(
+        stream, "float[] primvars:" + names[k], PolygonPart::Fields,
+        [k](const PolygonView& view) { return view.fields[k].values; }, write_number);
+    stream.text(interpolation("vertex"));
   }
 }
 
@@ -115,7 +170,11 @@ void write_sharp_features(FileBuffer& out, const PolygonView& view) {
                [&](std::size_t i) { out.number(usd_sharpness(view.corners[i].sharpness)); });
     out.text("\n");
   }
-  if (!view.hole_faces.empty()) write_integers(out, "holeIndices", view.hole_faces);
+  if (!view.hole_faces.empty()) {
+    out.text("    int[] holeIndices = ");
+    write_list(out, view.hole_faces.size(), [&](std::size_t i) { out.number(view.hole_faces[i]); });
+    out.text("\n");
+  }
 }
 
 // Names of prims are identifiers; the number keeps them apart.
@@ -128,25 +187,56 @@ std::string prim_name(const FaceGroup& group, std::size_t index) {
   return "group_" + std::to_string(index) + (name.size() > 1 ? name : "");
 }
 
-void write_groups(FileBuffer& out, const PolygonView& view) {
-  if (view.face_groups.empty()) return;
-  std::vector<std::vector<std::int32_t>> faces(view.groups.size());
-  for (std::size_t f = 0; f < view.face_groups.size(); ++f)
-    faces[static_cast<std::size_t>(view.face_groups[f])].push_back(static_cast<std::int32_t>(f));
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (faces[i].empty()) continue;
-    out.text("    def GeomSubset \"").text(prim_name(view.groups[i], i)).text("\"\n    {\n");
-    out.text("        uniform token elementType = \"face\"\n");
-    out.text("        uniform token familyName = \"planish\"\n    ");
-    write_integers(out, "indices", faces[i]);
-    out.text("    }\n");
+// Where the faces of a group are.
+struct GroupPlaces {
+  FaceGroup group;
+  std::vector<RowRange> ranges;  // those with any
+  std::int64_t first = -1;
+};
+
+std::vector<GroupPlaces> places_of_groups(const PolygonStream& stream) {
+  std::vector<GroupPlaces> places;
+  std::mutex mutex;
+  stream.look(PolygonPart::Faces, [&](const PolygonPiece& piece, RowRange range) {
+    std::vector<std::int64_t> first(piece.view.groups.size(), -1);
+    for (std::size_t f = piece.view.face_groups.size(); f-- > 0;)
+      first[static_cast<std::size_t>(piece.view.face_groups[f])] =
+          range.first + static_cast<std::int64_t>(f);
+    const std::lock_guard lock(mutex);
+    places.resize(first.size());
+    for (std::size_t g = 0; g < first.size(); ++g) {
+      places[g].group = piece.view.groups[g];
+      if (first[g] < 0) continue;
+      places[g].ranges.push_back(range);
+      if (places[g].first < 0 || first[g] < places[g].first) places[g].first = first[g];
+    }
+  });
+  for (GroupPlaces& group : places) group.ranges = sorted(std::move(group.ranges));
+  return places;
+}
+
+void write_groups(const PolygonStream& stream) {
+  if (!stream.totals().has_groups) return;
+  const std::vector<GroupPlaces> places = places_of_groups(stream);
+  for (std::size_t g = 0; g < places.size(); ++g) {
+    if (places[g].ranges.empty()) continue;
+    stream.text("    def GeomSubset \"" + prim_name(places[g].group, g) + "\"\n    {\n");
+    stream.text("        uniform token elementType = \"face\"\n");
+    stream.text("        uniform token familyName = \"planish\"\n        int[] indices = [");
+    stream.pieces(PolygonPart::Faces, places[g].ranges,
+                  [&](FileBuffer& out, const PolygonPiece& piece, RowRange range) {
+                    for (std::size_t f = 0; f < piece.view.face_groups.size(); ++f) {
+                      if (piece.view.face_groups[f] != static_cast<std::int32_t>(g)) continue;
+                      const std::int64_t face = range.first + static_cast<std::int64_t>(f);
+                      if (face > places[g].first) out.text(", ");
+                      out.number(face);
+                    }
+                  });
+    stream.text("]\n    }\n");
   }
 }
 
-}  // namespace
-
-// A Mesh within an Xform: some readers look for meshes nowhere else.
-void write_usda(FileBuffer& out, const PolygonView& view) {
+void write_head(FileBuffer& out, const PolygonView& view) {
   out.text("#usda 1.0\n(\n    defaultPrim = \"surface\"\n    metersPerUnit = 1\n");
   out.text("    upAxis = \"Y\"\n)\n\n");
   for (const std::string& line : view.header) out.text("# ").text(line).text("\n");
@@ -158,13 +248,25 @@ void write_usda(FileBuffer& out, const PolygonView& view) {
     out.text(view.subdivision.has_sharp_boundary_corners ? "edgeAndCorner" : "edgeOnly");
     out.text("\"\n");
   }
-  write_shape(out, view);
-  write_colors(out, view);
-  write_texture_coordinates(out, view);
-  write_fields(out, view);
-  write_sharp_features(out, view);
-  write_groups(out, view);
-  out.text("}\n}\n");
+}
+
+}  // namespace
+
+// A Mesh within an Xform: some readers look for meshes nowhere else.
+void write_usda(const PolygonStream& stream) {
+  const auto of_view = [&](PolygonPart part, const auto& write) {
+    stream.part(part, [&](FileBuffer& out, const PolygonPiece& piece, RowRange) {
+      write(out, piece.view);
+    });
+  };
+  of_view(PolygonPart::Head, write_head);
+  write_shape(stream);
+  write_colors(stream);
+  write_texture_coordinates(stream);
+  write_fields(stream);
+  of_view(PolygonPart::Tail, write_sharp_features);
+  write_groups(stream);
+  stream.text("}\n}\n");
 }
 
 }  // namespace planish

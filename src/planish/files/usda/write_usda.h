@@ -1,7 +1,6 @@
 #pragma once
 
-#include "planish/files/shared/file_buffer.h"
-#include "planish/files/write_polygons.h"
+#include "planish/files/polygon_stream.h"
 
 namespace planish {
 
@@ -9,6 +8,6 @@ namespace planish {
 /// (st), fields (primvars) and a GeomSubset for each group. Numbers are shortest round-trip text of
 /// the float32 that the format has. A view with a subdivision is written as the cage of its scheme
 /// with creases, corners and holes, so that readers draw the limit surface themselves.
-void write_usda(FileBuffer& out, const PolygonView& view);
+void write_usda(const PolygonStream& stream);
 
 }  // namespace planish
