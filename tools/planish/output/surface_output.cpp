@@ -24,28 +24,66 @@ void note_file(WrittenOutput& written, const std::filesystem::path& file) {
   written.sha256 = digest.sha256;
 }
 
-// What the first positions of the surface should be.
-std::vector<glm::dvec3> given_points(const SurfaceInfo& surface,
-                                     std::span<const glm::dvec3> positions) {
-  std::vector<glm::dvec3> points;
-  points.reserve(surface.base_vertices.size());
-  for (const std::int32_t vertex : surface.base_vertices) points.push_back(positions[vertex]);
-  return points;
+// Of points that come as pairs, apart(i) of [0, count); infinite where one is not a number.
+template <class Apart>
+double largest_of(std::size_t count, const Apart& apart) {
+  double largest = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::dvec3 d = apart(i);
+    const double distance = std::hypot(d.x, d.y, d.z);
+    largest = std::isfinite(distance) ? std::max(largest, distance)
+                                      : std::numeric_limits<double>::infinity();
+    if (std::isinf(largest)) break;
+  }
+  return largest;
+}
+
+// The same on all threads: of_piece(range) of the ranges of [0, count).
+template <class OfPiece>
+double largest_of_pieces(std::int64_t count, const OfPiece& of_piece) {
+  constexpr std::int64_t kPiece = 1 << 14;
+  const std::vector<RowRange> pieces = ranges_of(count, kPiece);
+  std::vector<double> largest(pieces.size(), 0);
+  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) largest[i] = of_piece(pieces[i]);
+  });
+  return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
+}
+
+// How far the surface's rows of given vertices are from these; write(rows, positions) gives them as
+// they are written. Nobody holds all of them.
+template <class Write>
+double largest_error(const SurfaceInfo& info, std::span<const glm::dvec3> given,
+                     const Write& write) {
+  const auto count = std::min(static_cast<std::int64_t>(info.base_vertices.size()), info.row_count);
+  return largest_of_pieces(count, [&](RowRange rows) {
+    thread_local std::vector<glm::dvec3> positions;
+    positions.resize(static_cast<std::size_t>(rows.count));
+    write(rows, positions);
+    const std::int32_t* vertices = info.base_vertices.data() + rows.first;
+    return largest_of(positions.size(),
+                      [&](std::size_t i) { return positions[i] - given[vertices[i]]; });
+  });
 }
 
 void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& target,
                    const SurfaceBlocks& surface, const SurfaceOutputOptions& options,
-                   const std::vector<glm::dvec3>& given, WrittenOutput& written,
-                   std::vector<std::byte>& stdout_bytes) {
+                   WrittenOutput& written, std::vector<std::byte>& stdout_bytes) {
   // Little of what the tolerance leaves to compression is kept for rounding.
   constexpr double kShare = 0.99;
   GltfOptions gltf = options.gltf;
-  double distance = largest_distance(written_positions(surface, gltf, given.size()), given);
+  const SurfaceInfo& info = surface.info();
+  double distance =
+      largest_error(info, options.given, [&](RowRange rows, std::span<glm::dvec3> positions) {
+        written_positions(surface, gltf, rows, positions);
+      });
   if (gltf.compression != GltfCompression::None) {
     gltf.position_error = std::max(0.0, kShare * (options.tolerance * options.diagonal - distance));
-    gltf.decoded_rows = static_cast<std::int64_t>(given.size());
-    gltf.decoded = [&](std::span<const glm::dvec3> positions) {
-      distance = largest_distance(positions, given);
+    gltf.decoded_rows = static_cast<std::int64_t>(info.base_vertices.size());
+    gltf.decoded = [&](std::span<const glm::dvec3> decoded) {
+      distance = largest_error(info, options.given, [&](RowRange rows, std::span<glm::dvec3> some) {
+        std::copy_n(decoded.begin() + rows.first, rows.count, some.begin());
+      });
     };
   }
   if (planned.to_stdout) {
@@ -64,24 +102,6 @@ void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& ta
 void round_for(FileFormat format, std::span<glm::dvec3> positions) {
   if (info_of(format).keeps_doubles) return;
   for (glm::dvec3& position : positions) position = glm::dvec3(glm::vec3(position));
-}
-
-std::vector<glm::dvec3> first_positions(const SurfaceBlocks& surface, FileFormat format,
-                                        std::size_t count) {
-  constexpr std::int64_t kPiece = 1 << 14;
-  std::vector<glm::dvec3> positions(
-      std::min(count, static_cast<std::size_t>(surface.info().row_count)));
-  const auto pieces = ranges_of(static_cast<std::int64_t>(positions.size()), kPiece);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      RowTarget target;
-      target.positions = std::span(positions).subspan(static_cast<std::size_t>(pieces[i].first),
-                                                      static_cast<std::size_t>(pieces[i].count));
-      (void)surface.rows(pieces[i], target);
-    }
-  });
-  round_for(format, positions);
-  return positions;
 }
 
 // How USD is to draw the cage; it knows no Doo-Sabin.
@@ -103,19 +123,12 @@ LevelOne state_of(const PolygonMesh& cage, const FairFit& fair) {
 }  // namespace
 
 double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
-  constexpr std::size_t kPiece = 1 << 14;
-  const std::size_t count = std::min(a.size(), b.size());
-  std::vector<double> largest((count + kPiece - 1) / kPiece, 0);
-  parallel_for(largest.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin * kPiece; i < std::min(end * kPiece, count); ++i) {
-      const glm::dvec3 d = a[i] - b[i];
-      const double distance = std::hypot(d.x, d.y, d.z);
-      double& so_far = largest[i / kPiece];
-      so_far = std::isfinite(distance) ? std::max(so_far, distance)
-                                       : std::numeric_limits<double>::infinity();
-    }
+  const auto count = static_cast<std::int64_t>(std::min(a.size(), b.size()));
+  return largest_of_pieces(count, [&](RowRange rows) {
+    const auto first = static_cast<std::size_t>(rows.first);
+    return largest_of(static_cast<std::size_t>(rows.count),
+                      [&](std::size_t i) { return a[first + i] - b[first + i]; });
   });
-  return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
 }
 
 WrittenOutput write_surface_output(const PlannedOutput& planned,
@@ -132,9 +145,8 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   written.quads = info.face_offsets.empty() ? info.face_count : 0;
   written.triangles = info.corner_count - 2 * info.face_count;
   const bool is_gltf = info_of(planned.format).is_gltf;
-  const std::vector<glm::dvec3> given = given_points(info, options.given);
   if (is_gltf) {
-    write_as_gltf(planned, target, surface.blocks(), options, given, written, stdout_bytes);
+    write_as_gltf(planned, target, surface.blocks(), options, written, stdout_bytes);
     return written;
   }
   Sha256 digest;
@@ -149,9 +161,14 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   }
   written.bytes = write_surface(target, planned.format, surface.blocks(), polygons);
   written.sha256 = digest.finish();
-  written.as_written_error =
-      largest_distance(first_positions(surface.blocks(), planned.format, given.size()), given) /
-      options.diagonal;
+  written.as_written_error = largest_error(info, options.given,
+                                           [&](RowRange rows, std::span<glm::dvec3> positions) {
+                                             RowTarget to;
+                                             to.positions = positions;
+                                             (void)surface.blocks().rows(rows, to);
+                                             round_for(planned.format, positions);
+                                           }) /
+                             options.diagonal;
   return written;
 }
 

@@ -190,34 +190,23 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surfac
   return write_gltf(path, *blocks_of(surface, {}), options);
 }
 
-std::vector<glm::dvec3> written_positions(const SurfaceBlocks& surface, const GltfOptions& options,
-                                          std::size_t count) {
-  constexpr std::int64_t kPieceRows = 1 << 14;
+void written_positions(const SurfaceBlocks& surface, const GltfOptions& options, RowRange rows,
+                       std::span<glm::dvec3> positions) {
   const StoredPosition stored(options);
-  std::vector<glm::dvec3> written(
-      std::min(count, static_cast<std::size_t>(surface.info().row_count)));
-  const std::vector<RowRange> pieces =
-      ranges_of(static_cast<std::int64_t>(written.size()), kPieceRows);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<glm::vec3> positions;
-    for (std::size_t i = begin; i < end; ++i) {
-      positions.resize(static_cast<std::size_t>(pieces[i].count));
-      RowTarget target;
-      target.stored = positions;
-      target.origin = options.origin;
-      (void)surface.rows(pieces[i], target);
-      for (std::size_t k = 0; k < positions.size(); ++k) {
-        written[static_cast<std::size_t>(pieces[i].first) + k] =
-            stored.load(stored.turn(positions[k]));
-      }
-    }
-  });
-  return written;
+  std::vector<glm::vec3> made(positions.size());
+  RowTarget target;
+  target.stored = made;
+  target.origin = options.origin;
+  (void)surface.rows(rows, target);
+  for (std::size_t i = 0; i < made.size(); ++i) positions[i] = stored.load(stored.turn(made[i]));
 }
 
 std::vector<glm::dvec3> written_positions(const SurfaceMesh& surface, const GltfOptions& options,
                                           std::size_t count) {
-  return written_positions(*blocks_of(surface, {}), options, count);
+  std::vector<glm::dvec3> written(std::min(count, surface.positions.size()));
+  written_positions(*blocks_of(surface, {}), options,
+                    {0, static_cast<std::int64_t>(written.size())}, written);
+  return written;
 }
 
 }  // namespace planish

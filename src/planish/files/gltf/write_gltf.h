@@ -92,8 +92,8 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
                                                         const GltfOptions& options,
                                                         std::size_t count);
 
-[[nodiscard]] std::vector<glm::dvec3> written_positions(const SurfaceBlocks& surface,
-                                                        const GltfOptions& options,
-                                                        std::size_t count);
+/// The same of some rows of a surface that nobody holds, on the calling thread.
+void written_positions(const SurfaceBlocks& surface, const GltfOptions& options, RowRange rows,
+                       std::span<glm::dvec3> positions);
 
 }  // namespace planish
