@@ -16,6 +16,7 @@
 #include "planish/mesh/detect_creases.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/repair.h"
+#include "planish/mesh/weld_vertices.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/surface_quality.h"

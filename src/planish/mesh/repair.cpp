@@ -34,6 +34,7 @@ class Repair {
     separate();
     drop_unknown_tags();
     carry_attributes();
+    result_.separated_edges.assign(cut_edges_.begin(), cut_edges_.end());
     std::ranges::sort(result_.changed_faces);
     std::vector<std::int32_t>& faces = result_.changed_faces;
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "planish/core/callbacks.h"
@@ -17,7 +18,10 @@ struct RepairedMesh {
   std::vector<std::int32_t> source_faces;   ///< for each face of `mesh` the input's
   std::vector<std::int32_t> changed_faces;  ///< input's faces that lost corners, were turned round,
                                             ///< name copies, or were dropped; ascending
-  std::vector<Warning> changes;             ///< one for each kind of repair made
+  /// Edges of the input along which sheets were separated, as its vertices, the lower one first;
+  /// ascending.
+  std::vector<std::pair<std::int32_t, std::int32_t>> separated_edges;
+  std::vector<Warning> changes;  ///< one for each kind of repair made
 };
 
 /// Makes any mesh with indices in range and finite positions pass check(), moving no vertex:
