@@ -63,6 +63,20 @@ std::vector<std::uint8_t> uneven_vertices(const PolygonMesh& mesh, const MeshTop
   return uneven;
 }
 
+// The vertices of faces at flagged ones, but those that were looked at: polygons of neighbours that
+// stay large may reach past a polygon that was made small.
+std::vector<std::uint8_t> neighbours_of(const MeshTopology& topology,
+                                        std::span<const std::uint8_t> flagged,
+                                        std::span<const std::uint8_t> looked_at) {
+  std::vector<std::uint8_t> result(flagged.size(), 0);
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    const auto face = topology.face(f);
+    if (std::ranges::none_of(face, [&](std::int32_t v) { return flagged[v] != 0; })) continue;
+    for (const std::int32_t v : face) result[v] = looked_at[v] == 0;
+  }
+  return result;
+}
+
 // The quads over the corners of one face after another.
 class CornerMeter {
  public:
@@ -128,17 +142,23 @@ DeepFolds deep_folds(const PolygonMesh& mesh,
   const FoldedEdges folds = folded_edges(whole, topology);
   result.at_vertex.assign(mesh.positions.size(), 0);
   std::vector<double> areas(mesh.positions.size(), 0);
-  parallel_for(areas.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
-    CornerMeter measure(*blocks, normals);
-    for (std::size_t v = begin; v < end; ++v) {
-      if (!uneven[v]) continue;
-      for (const std::int32_t c : topology.corners_at(static_cast<std::int32_t>(v))) {
-        const std::int32_t face = topology.face_of(c);
-        if (!folds.is_beside[face]) areas[v] += measure(c, face);
+  const auto look_at = [&](std::span<const std::uint8_t> wanted) {
+    parallel_for(areas.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
+      CornerMeter measure(*blocks, normals);
+      for (std::size_t v = begin; v < end; ++v) {
+        if (!wanted[v]) continue;
+        areas[v] = 0;
+        for (const std::int32_t c : topology.corners_at(static_cast<std::int32_t>(v))) {
+          const std::int32_t face = topology.face_of(c);
+          if (!folds.is_beside[face]) areas[v] += measure(c, face);
+        }
+        result.at_vertex[v] = areas[v] > 0;
       }
-      result.at_vertex[v] = areas[v] > 0;
-    }
-  });
+    });
+  };
+  look_at(uneven);
+  if (std::ranges::find(result.at_vertex, 1) == result.at_vertex.end()) return result;
+  look_at(neighbours_of(topology, result.at_vertex, uneven));
   double all = 0;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     all += glm::length(area_vector(mesh.positions, mesh.face(f)));

@@ -15,11 +15,14 @@ struct DeepFolds {
   double area = 0;                      ///< of these, a share of the mesh's
 };
 
-/// Looks at the vertices where there may be any: those with sharp edges, and those whose faces turn
-/// by more than about 25 degrees from their normal. Faces at folded edges (mesh/folded_edges.h) do
-/// not count. `mesh`: without unused vertices; `topology` is its. `level_one` in any coordinates;
-/// the options' weights and sharp features are those of the fit. Empty where no vertex is to be
-/// looked at.
+/// Shares of the area below this are none. Of a single place: at coarser levels it counts for more.
+inline constexpr double kNoDeepFolds = 1e-8;
+
+/// Looks at the vertices where there may be any: those with sharp edges, those whose faces turn by
+/// more than about 25 degrees from their normal and, where there are folds, those around. Faces at
+/// folded edges (mesh/folded_edges.h) do not count. `mesh`: without unused vertices; `topology` is
+/// its. `level_one` in any coordinates; the options' weights and sharp features are those of the
+/// fit. Empty where no vertex is to be looked at.
 [[nodiscard]] DeepFolds deep_folds(const PolygonMesh& mesh,
                                    const std::shared_ptr<const MeshTopology>& topology,
                                    const LevelOne& level_one, const FitOptions& options);

@@ -16,8 +16,6 @@ namespace planish {
 namespace {
 
 constexpr int kDeepRounds = 6;
-// Shares of the area below this are left. Of a single place: at coarser levels it counts for more.
-constexpr double kNoFoldedArea = 1e-8;
 
 // The error of the finished net: nothing that built it is taken at its word.
 Interpolation measured(const Subdivision& subdivision, std::span<const glm::dvec3> state,
@@ -97,7 +95,7 @@ FairNet deeply_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdi
   DeepFolds folds = folds_of(net);
   double least = folds.area;
   FairDecisions decisions = net.decisions;
-  for (int round = 0; round < kDeepRounds && folds.area > kNoFoldedArea; ++round) {
+  for (int round = 0; round < kDeepRounds && folds.area > kNoDeepFolds; ++round) {
     options.callbacks.check_cancelled();
     for (std::size_t v = 0; v < given.size(); ++v) decisions.cures[v] += folds.at_vertex[v];
     FitOptions decided = options;
