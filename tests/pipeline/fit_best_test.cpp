@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "planish/backend/cpu_backend.h"
 #include "support/delaunay_sphere.h"
@@ -48,6 +51,35 @@ TEST(FitBest, TakesProgressiveWhereItIsClearlyBetter) {
   EXPECT_LT(best.progressive.rms_normal_deviation,
             kClearlyBetter * best.fair->rms_normal_deviation);
   EXPECT_THAT(best.reason, HasSubstr("progressive: it does not fold, and its normals are off by"));
+}
+
+// A flat disc of needles around hubs beside its middle: at level 1 the progressive surface looks
+// clearly better and whole, at level 2 it is folded.
+TEST(FitBest, LooksBetweenThePlacesOfLevelOne) {
+  constexpr int kSides = 40;
+  PolygonMesh mesh;
+  for (const double z : {-0.04, 0.04}) {
+    for (int i = 0; i < kSides; ++i) {
+      const double angle = 2 * std::numbers::pi * (i + 0.3 * std::sin(5.3 * i * i)) / kSides;
+      mesh.positions.emplace_back(std::cos(angle), std::sin(angle), z);
+    }
+  }
+  mesh.positions.emplace_back(0.55, -0.3, -0.04);
+  mesh.positions.emplace_back(0.165, -0.5, 0.04);
+  for (int i = 0; i < kSides; ++i) {
+    const int next = (i + 1) % kSides;
+    mesh.add_face(std::array{i, next, kSides + next});
+    mesh.add_face(std::array{i, kSides + next, kSides + i});
+    mesh.add_face(std::array{2 * kSides, next, i});
+    mesh.add_face(std::array{2 * kSides + 1, kSides + i, kSides + next});
+  }
+  const auto backend = make_cpu_backend({Precision::Double});
+  const BestFit best = fit_best(mesh, *backend);
+  EXPECT_LT(best.progressive.folded_area_elsewhere, kSoundFoldedArea);
+  EXPECT_LT(best.progressive.rms_normal_deviation,
+            kClearlyBetter * best.fair->rms_normal_deviation);
+  EXPECT_EQ(best.method, InterpolationMethod::Fair);
+  EXPECT_THAT(best.reason, HasSubstr("of the area at level 2"));
 }
 
 TEST(FitBest, SparesTheFairFitWhereFacesAreFollowedClosely) {

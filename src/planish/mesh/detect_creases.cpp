@@ -234,15 +234,17 @@ void drop_fold_backs(const PolygonMesh& mesh, std::vector<Edge>& edges) {
 }
 
 // Where a line of two edges turns too far.
-void tag_corners(PolygonMesh& mesh, const std::vector<Edge>& edges, double degrees) {
+void tag_corners(PolygonMesh& mesh, const std::vector<Edge>& edges,
+                 const CreaseDetectionOptions& options) {
   std::set<std::int32_t> tagged;
   for (const CornerVertex& corner : mesh.corners) tagged.insert(corner.vertex);
   const EdgesOfVertices sharp = edges_of_vertices(mesh, edges);
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     const auto at = sharp.at(v);
     if (at.size() != 2 || tagged.contains(v)) continue;
+    if (!options.smooth_vertices.empty() && options.smooth_vertices[v]) continue;
     const glm::dvec3 in = -along(mesh, edges[at[0]], v), out = along(mesh, edges[at[1]], v);
-    if (angle_between(in, out) > degrees * kRadians) {
+    if (angle_between(in, out) > options.corner_degrees * kRadians) {
       mesh.corners.push_back({v, kInfiniteSharpness});
     }
   }
@@ -258,6 +260,11 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
   drop_incoherent(mesh, edges);
   drop_fold_backs(mesh, edges);
   drop_weak_lines(mesh, edges);
+  if (!options.smooth_vertices.empty()) {
+    std::erase_if(edges, [&](const Edge& edge) {
+      return !edge.given && (options.smooth_vertices[edge.v0] || options.smooth_vertices[edge.v1]);
+    });
+  }
 
   std::vector<std::int32_t> degree(mesh.positions.size(), 0);
   const auto count = [&](const Edge& edge, int by) {
@@ -284,7 +291,7 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
   for (const Edge& edge : edges) {
     if (!edge.given) mesh.creases.push_back({edge.v0, edge.v1, kInfiniteSharpness});
   }
-  tag_corners(mesh, edges, options.corner_degrees);
+  tag_corners(mesh, edges, options);
 }
 
 PolygonMesh with_detected_creases(const PolygonMesh& mesh, const CreaseDetectionOptions& options) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 
@@ -8,6 +11,9 @@ namespace planish {
 struct CreaseDetectionOptions {
   double dihedral_degrees = 30;  ///< edges whose faces turn by more become creases
   double corner_degrees = 60;    ///< vertices where a crease line turns by more become corners
+  /// One flag a vertex, or none: edges with an end at one of these are left smooth and the vertex
+  /// no corner, unless tagged.
+  std::span<const std::uint8_t> smooth_vertices{};
 };
 
 /// Adds creases and corners that the shape suggests to those the mesh has: every edge whose two

@@ -1,6 +1,7 @@
 #include "planish/pipeline/fit_best.h"
 
 #include <cstdio>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -23,36 +24,74 @@ struct Candidate {
   [[nodiscard]] bool is_sound() const { return fit.interpolation.converged && !folds(); }
 };
 
-SurfaceQuality measured(const PolygonMesh& mesh, const Fit& fit, const FitOptions& options) {
+SurfaceQuality measured(const PolygonMesh& mesh, const Fit& fit, const FitOptions& options,
+                        int level = 1) {
   EvaluateOptions evaluation;
   evaluation.weights = options.weights;
   evaluation.sharp = options.sharp;
   evaluation.callbacks = options.callbacks;
   const auto surface = fitted_surface(mesh, fit, evaluation);
-  return surface_quality(*surface->level(1), mesh,
+  return surface_quality(*surface->level(level), mesh,
                          folded_edges(mesh, *fit.prepared->topology).is_beside, options.callbacks);
 }
 
-Candidate candidate(const PolygonMesh& mesh, Backend& backend, FitOptions options,
-                    InterpolationMethod method) {
+Candidate candidate(const PolygonMesh& mesh, Backend& backend, FitOptions options) {
   Candidate result;
-  options.method = method;
+  options.method = InterpolationMethod::Progressive;
   options.callbacks.warning = [&](const Warning& warning) { result.warnings.push_back(warning); };
   result.fit = fit(mesh, backend, options);
   result.quality = measured(mesh, result.fit, options);
   return result;
 }
 
-std::string text_of(const char* format, double first, double second) {
+Candidate fair_candidate(FairMesh& made, Backend& backend, FitOptions options, BestFit& best) {
+  Candidate result;
+  options.method = InterpolationMethod::Fair;
+  options.prepared = made.prepared;
+  options.callbacks.warning = [&](const Warning& warning) { result.warnings.push_back(warning); };
+  if (made.found) {
+    CreasedFit creased = fit_with_found_creases(made.mesh, *made.found, backend, options);
+    result.fit = std::move(creased.fit);
+    best.smoothed_vertices = std::move(creased.smoothed_vertices);
+  } else {
+    result.fit = fit(made.mesh, backend, options);
+  }
+  result.quality = measured(made.mesh, result.fit, options);
+  return result;
+}
+
+std::string text_of(const char* format, double first, double second = 0) {
   char text[200];
   std::snprintf(text, sizeof text, format, first, second);
   return text;
 }
 
-// Takes the fair surface, or leaves the progressive one.
-void choose(const Candidate& progressive, const Candidate& fair, BestFit& best) {
+// `folded_at_two`: of the progressive surface at level 2, which tells needles and hubs that look
+// whole between the places of level 1.
+void choose_by_normals(const Candidate& progressive, const Candidate& fair,
+                       const std::function<double()>& folded_at_two, BestFit& best) {
   const double rms = progressive.quality.rms_normal_deviation;
   const double fair_rms = fair.quality.rms_normal_deviation;
+  if (rms >= kClearlyBetter * fair_rms) {
+    best.reason = text_of(
+        "fair: its normals are off by %.3g degrees rms, progressive's by %.3g, not clearly less",
+        fair_rms, rms);
+    return;
+  }
+  const double folded = folded_at_two();
+  if (folded >= kSoundFoldedArea) {
+    best.reason = text_of("fair: progressive folds %.2g %% of the area at level 2", 100 * folded);
+    return;
+  }
+  best.method = InterpolationMethod::Progressive;
+  best.reason = text_of(
+      "progressive: it does not fold, and its normals are off by %.3g degrees rms, fair's by %.3g",
+      rms, fair_rms);
+}
+
+// Takes the fair surface, or leaves the progressive one.
+void choose(const Candidate& progressive, const Candidate& fair,
+            const std::function<double()>& folded_at_two, BestFit& best) {
   const double folded = 100 * progressive.quality.folded_area_elsewhere;
   const double fair_folded = 100 * fair.quality.folded_area_elsewhere;
   best.method = InterpolationMethod::Fair;
@@ -68,16 +107,8 @@ void choose(const Candidate& progressive, const Candidate& fair, BestFit& best) 
   } else if (progressive.folds()) {
     best.reason =
         text_of("fair: progressive folds %.2g %% of the area, fair %.2g %%", folded, fair_folded);
-  } else if (rms < kClearlyBetter * fair_rms) {
-    best.method = InterpolationMethod::Progressive;
-    best.reason = text_of(
-        "progressive: it does not fold, and its normals are off by %.3g degrees rms, fair's by "
-        "%.3g",
-        rms, fair_rms);
   } else {
-    best.reason = text_of(
-        "fair: its normals are off by %.3g degrees rms, progressive's by %.3g, not clearly less",
-        fair_rms, rms);
+    choose_by_normals(progressive, fair, folded_at_two, best);
   }
 }
 
@@ -91,7 +122,7 @@ void give_out(Candidate&& taken, BestFit& best, const Callbacks& callbacks) {
 BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
                  const std::function<FairMesh()>& make_fair_mesh) {
   BestFit best;
-  Candidate progressive = candidate(mesh, backend, options, InterpolationMethod::Progressive);
+  Candidate progressive = candidate(mesh, backend, options);
   best.progressive = progressive.quality;
   if (progressive.is_sound() && best.progressive.rms_normal_deviation < kCloseDegrees) {
     best.reason = text_of(
@@ -103,15 +134,19 @@ BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& op
   }
   FairMesh made = make_fair_mesh
                       ? make_fair_mesh()
-                      : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr};
-  FitOptions fair_options = options;
-  fair_options.prepared = made.prepared;
-  Candidate fair = candidate(made.mesh, backend, fair_options, InterpolationMethod::Fair);
+                      : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}};
+  Candidate fair = fair_candidate(made, backend, options, best);
   best.fair = fair.quality;
-  choose(progressive, fair, best);
+  choose(
+      progressive, fair,
+      [&] { return measured(mesh, progressive.fit, options, 2).folded_area_elsewhere; }, best);
   const bool is_fair = best.method == InterpolationMethod::Fair;
   give_out(std::move(is_fair ? fair : progressive), best, options.callbacks);
-  if (is_fair) best.fair_mesh = std::move(made.mesh);
+  if (is_fair) {
+    best.fair_mesh = std::move(made.mesh);
+  } else {
+    best.smoothed_vertices.clear();
+  }
   return best;
 }
 

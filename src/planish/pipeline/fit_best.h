@@ -4,8 +4,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "planish/pipeline/fit.h"
+#include "planish/pipeline/found_creases.h"
 #include "planish/surface/surface_quality.h"
 
 namespace planish {
@@ -14,6 +16,7 @@ namespace planish {
 struct FairMesh {
   PolygonMesh mesh;
   std::shared_ptr<const PreparedMesh> prepared;
+  std::optional<FoundCreases> found;  ///< where creases were: for fit_with_found_creases()
 };
 
 /// The better of the two surfaces through a mesh's vertices, and why.
@@ -22,9 +25,10 @@ struct BestFit {
   InterpolationMethod method = InterpolationMethod::Progressive;
   /// That `fit` is of, where it is fair; else it is of the given mesh.
   std::optional<PolygonMesh> fair_mesh;
-  SurfaceQuality progressive;          ///< at level 1, against the mesh's faces
-  std::optional<SurfaceQuality> fair;  ///< the same; empty: not tried
-  std::string reason;                  ///< in a line, for people
+  std::vector<std::int32_t> smoothed_vertices;  ///< of fair_mesh, see CreasedFit
+  SurfaceQuality progressive;                   ///< at level 1, against the mesh's faces
+  std::optional<SurfaceQuality> fair;           ///< the same; empty: not tried
+  std::string reason;                           ///< in a line, for people
 
   /// The mesh that `fit` is of.
   [[nodiscard]] const PolygonMesh& mesh(const PolygonMesh& given) const {
@@ -40,9 +44,10 @@ inline constexpr double kClearlyBetter = 0.96;    ///< of the other's deviation
 /// Fits by the progressive method and measures the surface at level 1; where it converges, does not
 /// fold (but where the input does itself) and its normals are within kCloseDegrees rms of the
 /// faces', that is all. Else fits by the fair method too and takes that, unless the progressive
-/// surface does not fold and its normals are off by less than kClearlyBetter of what fair's are, or
-/// fair folds more. That much because normals are measured against the mesh's own faces, which the
-/// progressive method follows more closely even where it is no nearer to the shape.
+/// surface does not fold, at level 2 either, and its normals are off by less than kClearlyBetter of
+/// what fair's are, or fair folds more. That much because normals are measured against the mesh's
+/// own faces, which the progressive method follows more closely even where it is no nearer to the
+/// shape.
 ///
 /// `make_fair_mesh` is called at most once, for the mesh that the fair surface is of: without it
 /// with_cusp_corners() of with_convex_faces(). Only warnings of the fit that is taken are given.

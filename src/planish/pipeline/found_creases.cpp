@@ -1,0 +1,143 @@
+#include "planish/pipeline/found_creases.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "planish/mesh/folded_edges.h"
+#include "planish/pipeline/deep_folds.h"
+#include "planish/surface/block_quality.h"
+
+namespace planish {
+
+namespace {
+
+constexpr int kRounds = 4;
+
+// A fit that is not given out yet, with its tags.
+struct CreasedCandidate {
+  Fit fit;
+  std::vector<CreaseEdge> creases;
+  std::vector<CornerVertex> corners;
+  std::vector<Warning> warnings;
+  std::vector<std::uint8_t> folded;  // by used vertex
+  double area = 0;                   // folded of levels 1 to 3, the largest share
+};
+
+double folded_area(const PolygonMesh& mesh, const Fit& fitted, const FitOptions& options) {
+  EvaluateOptions evaluation;
+  evaluation.weights = options.weights;
+  evaluation.sharp = options.sharp;
+  const auto surface = fitted_surface(mesh, fitted, evaluation);
+  const FoldedEdges folds = folded_edges(mesh, *fitted.prepared->topology);
+  double area = 0;
+  for (int level = 1; level <= 3; ++level) {
+    const SurfaceQuality quality =
+        surface_quality(*surface->level(level), mesh, folds.is_beside, options.callbacks);
+    area = std::max(area, quality.folded_area_elsewhere);
+  }
+  return area;
+}
+
+CreasedCandidate creased_candidate(const PolygonMesh& mesh, Backend& backend, FitOptions options) {
+  CreasedCandidate result;
+  options.method = InterpolationMethod::Fair;
+  options.callbacks.warning = [&](const Warning& warning) { result.warnings.push_back(warning); };
+  result.fit = fit(mesh, backend, options);
+  result.creases = mesh.creases;
+  result.corners = mesh.corners;
+  const UsedPart used = used_part(mesh, result.fit.prepared);
+  DeepFolds folds =
+      deep_folds(used.mesh, used.prepared->topology, result.fit.fair->level_one, options);
+  result.folded = std::move(folds.at_vertex);
+  // A place of a coarser level counts for more of the area.
+  if (folds.area > 0) result.area = folded_area(mesh, result.fit, options);
+  return result;
+}
+
+void find(PolygonMesh& mesh, const PreparedMesh& prepared, const CreaseDetectionOptions& options) {
+  if (prepared.uses_all()) {
+    detect_creases(mesh, *prepared.topology, options);
+  } else {
+    mesh = with_detected_creases(mesh, options);
+  }
+}
+
+std::vector<std::int32_t> numbers_of(std::span<const std::uint8_t> flags) {
+  std::vector<std::int32_t> numbers;
+  for (std::size_t v = 0; v < flags.size(); ++v)
+    if (flags[v] != 0) numbers.push_back(static_cast<std::int32_t>(v));
+  return numbers;
+}
+
+// Adds the vertices that are folded, and from the second round on the faces around all of them:
+// what folds a vertex may run past it.
+void spread(std::vector<std::uint8_t>& smooth, const CreasedCandidate& folded,
+            const PolygonMesh& mesh, bool widens) {
+  const PreparedMesh& prepared = *folded.fit.prepared;
+  for (std::size_t v = 0; v < folded.folded.size(); ++v)
+    if (folded.folded[v] != 0) smooth[prepared.vertices[v]] = 1;
+  if (!widens) return;
+  const std::vector<std::uint8_t> before = smooth;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(f);
+    if (std::ranges::any_of(face, [&](std::int32_t v) { return before[v] != 0; }))
+      for (const std::int32_t v : face) smooth[v] = 1;
+  }
+}
+
+}  // namespace
+
+FoundCreases add_found_creases(PolygonMesh& mesh, const PreparedMesh& prepared,
+                               const CreaseDetectionOptions& options) {
+  FoundCreases found{options, mesh.creases, mesh.corners};
+  found.options.smooth_vertices = {};
+  find(mesh, prepared, options);
+  return found;
+}
+
+void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCreases& found,
+                  std::span<const std::int32_t> smoothed_vertices) {
+  std::vector<std::uint8_t> smooth(mesh.positions.size(), 0);
+  for (const std::int32_t v : smoothed_vertices)
+    if (v >= 0 && v < mesh.vertex_count()) smooth[v] = 1;
+  mesh.creases = found.creases;
+  mesh.corners = found.corners;
+  CreaseDetectionOptions options = found.options;
+  options.smooth_vertices = smooth;
+  find(mesh, prepared, options);
+}
+
+CreasedFit fit_with_found_creases(PolygonMesh& mesh, const FoundCreases& found, Backend& backend,
+                                  const FitOptions& options) {
+  CreasedFit result;
+  CreasedCandidate best = creased_candidate(mesh, backend, options);
+  FitOptions prepared = options;
+  prepared.prepared = best.fit.prepared;
+  std::vector<std::uint8_t> smooth(mesh.positions.size(), 0);
+  const auto try_smooth = [&] {
+    std::vector<std::int32_t> smoothed = numbers_of(smooth);
+    const std::size_t before = mesh.creases.size() + mesh.corners.size();
+    leave_smooth(mesh, *prepared.prepared, found, smoothed);
+    if (mesh.creases.size() + mesh.corners.size() == before) return;
+    CreasedCandidate next = creased_candidate(mesh, backend, prepared);
+    const bool is_better = next.area < best.area;
+    if (is_better) result.smoothed_vertices = std::move(smoothed);
+    if (is_better) best = std::move(next);
+  };
+  for (int round = 0; round < kRounds && best.area > 0; ++round) {
+    spread(smooth, best, mesh, round > 0);
+    try_smooth();
+  }
+  if (best.area > 0) {
+    std::ranges::fill(smooth, 1);
+    try_smooth();
+  }
+  mesh.creases = std::move(best.creases);
+  mesh.corners = std::move(best.corners);
+  for (const Warning& warning : best.warnings) options.callbacks.warn(warning);
+  result.fit = std::move(best.fit);
+  return result;
+}
+
+}  // namespace planish

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/backend/backend.h"
+#include "planish/mesh/detect_creases.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/prepared_mesh.h"
+#include "planish/pipeline/fit.h"
+
+namespace planish {
+
+/// How a mesh's creases were found, and the tags that it had before.
+struct FoundCreases {
+  CreaseDetectionOptions options;
+  std::vector<CreaseEdge> creases;
+  std::vector<CornerVertex> corners;
+};
+
+/// Tags the creases and corners that the shape suggests, as with_detected_creases(). `prepared` is
+/// the mesh's, and stays so.
+[[nodiscard]] FoundCreases add_found_creases(PolygonMesh& mesh, const PreparedMesh& prepared,
+                                             const CreaseDetectionOptions& options);
+
+/// Finds them anew, but neither creases that end at one of these vertices nor corners there.
+void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCreases& found,
+                  std::span<const std::int32_t> smoothed_vertices);
+
+/// A fair surface whose creases only help.
+struct CreasedFit {
+  Fit fit;
+  /// Ascending: found creases with an end at one of them were taken back, and corners there.
+  std::vector<std::int32_t> smoothed_vertices;
+};
+
+/// Fits by the fair method a mesh whose creases were found. Where the surface is folded at level 3
+/// (see deep_folds()), found creases around are taken back, four rounds at most; where folds
+/// remain, all of them if that folds less, by the worst of levels 1 to 3. `mesh` has the tags of
+/// what is given out then. A mesh that does not fold costs a look at its folds. options.prepared is
+/// the mesh's, or null. Warnings are those of the fit that is given out; throws as fit().
+[[nodiscard]] CreasedFit fit_with_found_creases(PolygonMesh& mesh, const FoundCreases& found,
+                                                Backend& backend, const FitOptions& options);
+
+}  // namespace planish

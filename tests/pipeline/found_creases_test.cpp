@@ -1,0 +1,98 @@
+#include "planish/pipeline/found_creases.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/surface/surface_quality.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish {
+namespace {
+
+double folds_of(const PolygonMesh& mesh, const Fit& fitted, Backend& backend) {
+  double area = 0;
+  for (const int level : {1, 2, 3}) {
+    const SurfaceMesh surface = evaluate(mesh, fitted, backend, {.level = level});
+    area = std::max(area, surface_quality(surface, mesh).folded_area_elsewhere);
+  }
+  return area;
+}
+
+double fair_folds(const PolygonMesh& mesh, Backend& backend) {
+  FitOptions options;
+  options.method = InterpolationMethod::Fair;
+  return folds_of(mesh, fit(mesh, backend, options), backend);
+}
+
+std::vector<std::pair<std::int32_t, std::int32_t>> edges_of(const PolygonMesh& mesh) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> edges;
+  for (const CreaseEdge& crease : mesh.creases) edges.emplace_back(crease.v0, crease.v1);
+  return edges;
+}
+
+TEST(FoundCreases, AreTakenBackWhereTheyFoldTheSurface) {
+  const auto backend = make_cpu_backend({Precision::Double});
+  int taken_back = 0;
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    const PolygonMesh given = test::jittered(test::icosphere(2), 0.25, seed);
+    PolygonMesh mesh = given;
+    const auto prepared = prepare_mesh(mesh, "ball");
+    const FoundCreases found = add_found_creases(mesh, *prepared, {});
+    const PolygonMesh all = mesh;
+    const CreasedFit creased = fit_with_found_creases(mesh, found, *backend, {});
+    const double area = folds_of(mesh, creased.fit, *backend);
+    EXPECT_LE(area, fair_folds(given, *backend)) << seed;
+    EXPECT_LE(area, fair_folds(all, *backend)) << seed;
+    EXPECT_EQ(creased.smoothed_vertices.empty(), edges_of(mesh) == edges_of(all)) << seed;
+    taken_back += !creased.smoothed_vertices.empty();
+    // The list alone says which they are.
+    PolygonMesh again = all;
+    leave_smooth(again, *prepared, found, creased.smoothed_vertices);
+    EXPECT_EQ(edges_of(again), edges_of(mesh));
+    EXPECT_EQ(again.corners.size(), mesh.corners.size());
+  }
+  EXPECT_GT(taken_back, 0);
+}
+
+TEST(FoundCreases, StayWhereNothingFolds) {
+  const auto backend = make_cpu_backend({Precision::Double});
+  PolygonMesh mesh = test::cube();
+  const FoundCreases found = add_found_creases(mesh, *prepare_mesh(mesh, "cube"), {});
+  const CreasedFit creased = fit_with_found_creases(mesh, found, *backend, {});
+  EXPECT_EQ(mesh.creases.size(), 12u);
+  EXPECT_TRUE(creased.smoothed_vertices.empty());
+  EXPECT_EQ(creased.fit.sharp_edge_count, 12);
+}
+
+TEST(FoundCreases, LeaveGivenTagsAlone) {
+  PolygonMesh mesh = test::cube();
+  mesh.creases = {{0, 1}};
+  const auto prepared = prepare_mesh(mesh, "cube");
+  const FoundCreases found = add_found_creases(mesh, *prepared, {});
+  EXPECT_EQ(mesh.creases.size(), 12u);
+  const std::vector<std::int32_t> smooth{0};
+  leave_smooth(mesh, *prepared, found, smooth);
+  EXPECT_EQ(mesh.creases.size(), 10u) << "of three at the vertex one is the file's";
+}
+
+TEST(FoundCreases, GiveTheWarningsOfTheFitThatIsTaken) {
+  const auto backend = make_cpu_backend({Precision::Double});
+  PolygonMesh mesh = test::jittered(test::icosphere(2), 0.5, 1);
+  const FoundCreases found = add_found_creases(mesh, *prepare_mesh(mesh, "ball"), {});
+  std::vector<Warning> warnings;
+  FitOptions options;
+  options.callbacks.warning = [&](const Warning& warning) { warnings.push_back(warning); };
+  const CreasedFit creased = fit_with_found_creases(mesh, found, *backend, options);
+  const std::int64_t left = creased.fit.fair->flagged_edges + creased.fit.fair->flagged_faces;
+  ASSERT_EQ(warnings.size(), left > 0 ? 1u : 0u);
+  if (left > 0) {
+    EXPECT_EQ(warnings[0].count, left);
+  }
+}
+
+}  // namespace
+}  // namespace planish
