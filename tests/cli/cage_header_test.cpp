@@ -14,8 +14,10 @@ TEST(CageHeader, ReadsBackWhatItWrites) {
   settings.creases = {true, 32.5};
   settings.repair = RepairChoice::None;
   settings.tolerance = 1.0 / 3.0 * 1e-7;
+  settings.weld = 1.0 / 3.0 * 1e-5;
+  const std::vector<std::int32_t> smoothed{0, 17, 2147483647};
   std::vector<std::string> lines =
-      cage_header_lines(settings, InterpolationMethod::Fair, "some/where/goblet.obj");
+      cage_header_lines(settings, InterpolationMethod::Fair, "some/where/goblet.obj", smoothed);
   for (std::string& line : lines) EXPECT_EQ(line.substr(0, 8), "planish ");
   const CageHeader header = parse_cage_header(lines, "cage.obj");
   EXPECT_EQ(header.interpolation, InterpolationMethod::Fair);
@@ -26,6 +28,8 @@ TEST(CageHeader, ReadsBackWhatItWrites) {
   EXPECT_EQ(header.repair, RepairChoice::None);
   EXPECT_EQ(header.tolerance, settings.tolerance);  // to the last bit
   EXPECT_EQ(header.source, "goblet.obj");
+  EXPECT_EQ(header.weld, settings.weld);
+  EXPECT_EQ(header.smoothed_vertices, smoothed);
 }
 
 TEST(CageHeader, ASourceCannotBreakTheLine) {
@@ -38,7 +42,8 @@ TEST(CageHeader, ASourceCannotBreakTheLine) {
 TEST(CageHeader, SaysNothingWhereNothingStands) {
   const CageHeader header = parse_cage_header({}, "cage.obj");
   EXPECT_FALSE(header.interpolation || header.weights || header.boundary || header.creases ||
-               header.repair || header.tolerance || header.source);
+               header.repair || header.tolerance || header.source || header.weld);
+  EXPECT_TRUE(header.smoothed_vertices.empty());
 }
 
 TEST(CageHeader, KeysOfNewerVersionsAreLeftToThem) {
@@ -49,7 +54,9 @@ TEST(CageHeader, KeysOfNewerVersionsAreLeftToThem) {
 TEST(CageHeader, WrongValuesAreNamed) {
   for (const char* line :
        {"planish weights=heavy", "planish tolerance=small", "planish tolerance=-1",
-        "planish tolerance=1e-6x", "planish scheme=kobbelt",
+        "planish tolerance=1e-6x", "planish scheme=kobbelt", "planish weld=0.1", "planish weld=nan",
+        "planish smoothed_vertices=1 x", "planish smoothed_vertices=-1",
+        "planish smoothed_vertices=2147483648",
         "planish boundary=", "planish interpolation=auto"}) {
     const std::vector<std::string> lines{line};
     try {

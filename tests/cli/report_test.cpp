@@ -46,17 +46,17 @@ TEST_F(Report, HasTheKeysThatItPromises) {
       keys_of(report["input"]),
       ElementsAre("path", "sha256", "format", "vertices", "faces", "face_sizes", "boundary_loops",
                   "components", "genus", "sharp_edges", "corners", "folded_edges", "welded",
-                  "dropped", "changed_faces", "file_vertices", "file_faces"));
+                  "dropped", "separated_edges", "changed_faces", "file_vertices", "file_faces"));
   EXPECT_THAT(keys_of(report["device"]), ElementsAre("kind", "name", "uuid", "driver", "api"));
   EXPECT_THAT(keys_of(report["solve"]),
               ElementsAre("method", "choice", "scheme", "weights", "solver", "boundary", "creases",
-                          "repair", "tolerance", "converged", "stop_reason", "iterations",
+                          "repair", "weld", "tolerance", "converged", "stop_reason", "iterations",
                           "spectral_bound", "error", "history", "fair"));
   EXPECT_THAT(keys_of(report["solve"]["error"]), ElementsAre("max", "rms", "worst_vertex"));
   EXPECT_THAT(keys_of(report["solve"]["history"][0]), ElementsAre("iteration", "max", "rms"));
   EXPECT_THAT(keys_of(report["surface"]),
               ElementsAre("level", "reference", "folded_area", "folded_area_elsewhere",
-                          "rms_normal_deviation", "max_normal_deviation", "bending"));
+                          "rms_normal_deviation", "max_normal_deviation", "bending", "sheet_gap"));
   EXPECT_THAT(keys_of(report["outputs"][0]),
               ElementsAre("path", "what", "bytes", "sha256", "level", "vertices", "quads",
                           "triangles", "as_written_error"));

@@ -15,7 +15,7 @@ namespace {
 
 struct VerifyFlags {
   std::string cage, input, interpolation, scheme, weights, boundary, creases, repair;
-  std::string tolerance;
+  std::string tolerance, weld;
   bool json = false;
 };
 
@@ -29,6 +29,8 @@ VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
   options.creases = header.creases.value_or(options.creases);
   options.repair = header.repair.value_or(options.repair);
   options.tolerance = header.tolerance.value_or(options.tolerance);
+  options.weld = header.weld;
+  options.smoothed_vertices = header.smoothed_vertices;
   if (!flags.interpolation.empty()) {
     options.interpolation = parse_method(flags.interpolation, "--interpolation");
   }
@@ -37,6 +39,11 @@ VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
   if (!flags.boundary.empty()) options.boundary = parse_boundary(flags.boundary, "--boundary");
   if (!flags.creases.empty()) options.creases = parse_creases(flags.creases, "--creases");
   if (!flags.repair.empty()) options.repair = parse_repair(flags.repair, "--repair");
+  if (!flags.weld.empty()) {
+    Settings checked;
+    set_weld(checked, std::string_view(flags.weld), "--weld");
+    options.weld = checked.weld;
+  }
   if (!flags.tolerance.empty()) {
     Settings checked;
     set_tolerance(checked, std::string_view(flags.tolerance), "--tolerance");
@@ -58,6 +65,7 @@ std::string to_json_text(const Verification& result, const VerifyOptions& option
   json["boundary"] = name_of(options.boundary);
   json["creases"] = name_of(options.creases);
   json["repair"] = name_of(options.repair);
+  json["weld"] = options.weld ? nlohmann::ordered_json(*options.weld) : nullptr;
   json["tolerance"] = options.tolerance;
   json["vertices"] = result.vertex_count;
   json["error"] = {
@@ -128,6 +136,9 @@ void add_verify_command(CLI::App& app, Invocation& invocation) {
       ->group(group);
   command->add_option("--repair", flags->repair, "how the mesh was mended")
       ->type_name("safe|none")
+      ->group(group);
+  command->add_option("--weld", flags->weld, "within what fraction vertices were welded")
+      ->type_name("T")
       ->group(group);
   command->add_option("--tolerance", flags->tolerance, "largest error that is confirmed")
       ->type_name("T")

@@ -36,13 +36,14 @@ Fit choose_fit(JobInput& made, Backend& backend, JobReport& report, const JobCon
   ReadyMesh ready;
   const auto make_fair_mesh = [&] {
     ready = prepare(std::move(*made.unprepared), report.settings, InterpolationMethod::Fair);
-    return FairMesh{std::move(ready.mesh), ready.prepared};
+    return FairMesh{std::move(ready.mesh), ready.prepared, std::move(ready.found)};
   };
   BestFit best = timed(report.timing.choose, [&] {
     return fit_best(made.input.file.mesh, backend, options, make_fair_mesh);
   });
   report.timing.choose -= sum_of(best.fit.timing);
   report.choice = MethodChoice{best.reason, best.progressive, best.fair};
+  report.smoothed_vertices = std::move(best.smoothed_vertices);
   if (best.fair_mesh)
     take_fair_mesh(made, std::move(*best.fair_mesh), std::move(ready), report, context.console);
   made.unprepared.reset();
@@ -52,8 +53,12 @@ Fit choose_fit(JobInput& made, Backend& backend, JobReport& report, const JobCon
 Fit run_fit(JobInput& made, Backend& backend, JobReport& report, const JobContext& context) {
   try {
     if (made.unprepared) return choose_fit(made, backend, report, context);
-    return fit(made.input.file.mesh, backend,
-               options_of(made, report, callbacks_for(report, context)));
+    const FitOptions options = options_of(made, report, callbacks_for(report, context));
+    if (!made.found) return fit(made.input.file.mesh, backend, options);
+    CreasedFit creased =
+        fit_with_found_creases(made.input.file.mesh, *made.found, backend, options);
+    report.smoothed_vertices = std::move(creased.smoothed_vertices);
+    return std::move(creased.fit);
   } catch (const Error& error) {
     // fit() knows no file name: say it again with the name.
     if (error.code() != ErrorCode::UnusableMesh) throw;

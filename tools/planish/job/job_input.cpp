@@ -87,6 +87,10 @@ void note_preparation(JobInput& made, ReadyMesh& ready, JobReport& report, Conso
     add_warning(report, console, change);
   }
   report.input.changed_faces = std::move(ready.changed_faces);
+  report.input.welded = made.input.file.welded_vertex_count + ready.welded_count;
+  report.input.separated_edges = std::ssize(ready.separated_edges);
+  made.separated_edges = std::move(ready.separated_edges);
+  made.found = std::move(ready.found);
   made.file_vertices = std::move(ready.source_vertices);
   made.file_faces = std::move(ready.source_faces);
   made.prepared = std::move(ready.prepared);
@@ -116,7 +120,6 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
   for (const Warning& warning : input.file.warnings) add_warning(report, console, warning);
   report.input.path = job.input;
   report.input.sha256 = file.sha256();
-  report.input.welded = input.file.welded_vertex_count;
   report.input.dropped = input.file.dropped_element_count;
   report.input.file_vertices = input.file.mesh.vertex_count();
   report.input.file_faces = input.file.mesh.face_count();
@@ -132,6 +135,7 @@ bool chooses_by_measurement(const Settings& settings, const std::vector<PlannedO
 void prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs, JobReport& report,
                    Console& console) {
   Input& input = made.input;
+  if (!made.points.empty()) report.settings.weld.reset();  // the mesh is our own
   report.method = method_for(report.settings, made);
   if (made.points.empty() && is_left_open(report.settings)) {
     report.choice.emplace().reason =
@@ -167,7 +171,8 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
   };
   for (const std::string& name : job.given_settings) {
     const auto of_points = std::ranges::find(point_settings(), name, &PointSetting::name);
-    const bool without_points = made.points.empty() && of_points != point_settings().end();
+    const bool without_points =
+        made.points.empty() ? of_points != point_settings().end() : name == "weld";
     const bool without_steps =
         is_fair && (name == "solver" || name == "max_iterations" || name == "precision");
     if (without_points || without_steps || (!is_fair && name == "polish")) note(name);

@@ -3,6 +3,7 @@
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "job/input.h"
@@ -29,6 +30,9 @@ struct JobInput {
   /// For each vertex of the mesh the file's that it is or copies; empty: the same.
   std::vector<std::int32_t> file_vertices;
   std::vector<std::int32_t> file_faces;  ///< the same of faces
+  /// Of the file's vertices, where repair separated sheets.
+  std::vector<std::pair<std::int32_t, std::int32_t>> separated_edges;
+  std::optional<FoundCreases> found;  ///< how creases were, of a fair surface's mesh
   /// As the file has it, where measurement chooses the method.
   std::optional<PolygonMesh> unprepared;
   FoldedEdges folds;  ///< of the mesh, once it is fitted
@@ -43,9 +47,9 @@ struct JobInput {
 [[nodiscard]] bool chooses_by_measurement(const Settings& settings,
                                           const std::vector<PlannedOutput>& outputs);
 
-/// Settles the report's method, unless measurement will choose it, then repairs the mesh and tags
-/// its creases as the job's settings say; repairs are told as warnings, since the file is not what
-/// its author believes. Throws Error{UnusableMesh} naming the file.
+/// Settles the report's method, unless measurement will choose it, then welds and repairs the mesh
+/// and tags its creases as the job's settings say; repairs are told as warnings, since the file is
+/// not what its author believes. Throws Error{UnusableMesh} naming the file.
 void prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs, JobReport& report,
                    Console& console);
 

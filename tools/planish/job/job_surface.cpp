@@ -34,10 +34,16 @@ JobLevel JobSurface::level(int level) {
     return {std::make_unique<const SurfaceMesh>(evaluate(mesh_, fitted_, backend_, options_)),
             mesh_};
   }
-  if (!doo_sabin_) doo_sabin_ = fitted_surface(mesh_, fitted_, options_);
+  (void)made_doo_sabin();
   auto* const evaluator = dynamic_cast<PatchEvaluator*>(&backend_);
   return JobLevel(doo_sabin_->level(level, options_.memory_limit_bytes, evaluator),
                   options_.callbacks);
+}
+
+std::shared_ptr<const DooSabinSurface> JobSurface::made_doo_sabin() {
+  if (!doo_sabin_ && options_.scheme == Scheme::DooSabin)
+    doo_sabin_ = fitted_surface(mesh_, fitted_, options_);
+  return doo_sabin_;
 }
 
 }  // namespace planish::command

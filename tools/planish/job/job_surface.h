@@ -46,13 +46,15 @@ class JobSurface {
   [[nodiscard]] JobLevel level(int level);
   /// What the levels so far were taken from; null before the first, and with other schemes.
   [[nodiscard]] const DooSabinSurface* doo_sabin() const { return doo_sabin_.get(); }
+  /// The same, made now where no level was; null with other schemes.
+  [[nodiscard]] std::shared_ptr<const DooSabinSurface> made_doo_sabin();
 
  private:
   const PolygonMesh& mesh_;
   const Fit& fitted_;
   Backend& backend_;
   EvaluateOptions options_;
-  std::unique_ptr<const DooSabinSurface> doo_sabin_;  // made with the first level
+  std::shared_ptr<const DooSabinSurface> doo_sabin_;  // made with the first level
 };
 
 }  // namespace planish::command

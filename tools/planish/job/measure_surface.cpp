@@ -1,5 +1,6 @@
 #include "job/measure_surface.h"
 
+#include "planish/limit/sheet_gap.h"
 #include "planish/reconstruct/compare_source.h"
 #include "planish/reconstruct/triangle_edges.h"
 #include "planish/surface/block_quality.h"
@@ -119,6 +120,14 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
                  fitted.placement.diagonal);
   }
   if (stored_about && !surface.is_whole() && !surface.is_kept()) surface.keep(*stored_about, {});
+}
+
+void note_sheet_gap(const JobInput& made, const Fit& fitted,
+                    const std::shared_ptr<const DooSabinSurface>& surface, JobReport& report) {
+  if (!surface || !report.surface) return;
+  report.surface->sheet_gap =
+      sheet_gap(LimitSurface(surface), made.file_vertices, made.separated_edges) /
+      fitted.placement.diagonal;
 }
 
 bool note_chosen_surface(const JobInput& made, JobReport& report, const JobContext& context) {

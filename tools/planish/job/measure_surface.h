@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 
 #include "job/job_input.h"
@@ -27,5 +28,10 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
 /// level has any; false where there is none, or the source is what counts.
 [[nodiscard]] bool note_chosen_surface(const JobInput& made, JobReport& report,
                                        const JobContext& context);
+
+/// Notes how far sheets that repair separated are from each other on the surface that the report
+/// has figures of. Null: a scheme that has no such figure.
+void note_sheet_gap(const JobInput& made, const Fit& fitted,
+                    const std::shared_ptr<const DooSabinSurface>& surface, JobReport& report);
 
 }  // namespace planish::command

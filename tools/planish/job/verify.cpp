@@ -39,18 +39,17 @@ std::vector<glm::dvec3> progressive_limits(const Input& cage, const PolygonMesh&
                                            const std::string& name, const VerifyOptions& options) {
   require_same_faces(cage, given, name);
   PolygonMesh control = cage.file.mesh;
-  if (!info_of(cage.file.format).keeps_sharp_edges) {
+  if (!info_of(cage.file.format).keeps_sharp_edges || !options.creases.use_tags) {
     control.creases = given.creases;
     control.corners = given.corners;
   }
   require_usable(control, cage.name);
-  return limit_positions(
-      control, {options.scheme, options.weights, {options.boundary, options.creases.use_tags}});
+  return limit_positions(control, {options.scheme, options.weights, {options.boundary, true}});
 }
 
 std::vector<glm::dvec3> fair_limits(const Input& cage, const PolygonMesh& given,
                                     const std::string& name, const VerifyOptions& options) {
-  const SharpFeatureOptions sharp{options.boundary, options.creases.use_tags};
+  const SharpFeatureOptions sharp{options.boundary, true};
   try {
     return limit_positions(given, level_one_of_cage(given, cage.file.mesh, sharp), sharp);
   } catch (const Error& error) {
@@ -63,9 +62,10 @@ std::vector<glm::dvec3> fair_limits(const Input& cage, const PolygonMesh& given,
 }  // namespace
 
 Verification verify(const Input& cage, const Input& given, const VerifyOptions& options) {
-  const PolygonMesh prepared = prepare(PolygonMesh(given.file.mesh),
-                                       {options.repair, options.creases, options.interpolation})
-                                   .mesh;
+  const PolygonMesh prepared =
+      prepare(PolygonMesh(given.file.mesh), {options.repair, options.creases, options.interpolation,
+                                             options.weld, options.smoothed_vertices})
+          .mesh;
   require_usable(prepared, given.name);
   const std::vector<glm::dvec3> limit =
       options.interpolation == InterpolationMethod::Fair

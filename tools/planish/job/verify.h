@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "job/input.h"
 #include "options/settings.h"
@@ -15,6 +17,8 @@ struct VerifyOptions {
   BoundaryRule boundary = BoundaryRule::Edge;
   CreaseChoice creases;
   RepairChoice repair = RepairChoice::Safe;
+  std::optional<double> weld;
+  std::vector<std::int32_t> smoothed_vertices;  ///< see CageHeader
   double tolerance = 1e-6;
 };
 

@@ -108,6 +108,8 @@ void add_fit_flags(CLI::App& command, FitFlags& flags) {
          "largest vertex error, relative to the bounding-box diagonal [1e-6]", "T");
   number("--max-iterations", flags.max_iterations, "give up after so many [200]", "N");
   number("--polish", flags.polish, "steps that even out the curvature of a fair surface [8]", "N");
+  number("--weld", flags.weld,
+         "meshes: make vertices one that lie within this fraction of the diagonal", "T");
   for (const PointSetting& setting : point_settings())
     add_word_flag(command, flags.words, setting, kPoints);
 }
@@ -126,6 +128,7 @@ Settings settings_of(const FitFlags& flags) {
   };
   if (!flags.tolerance.empty())
     set_tolerance(settings, std::string_view(flags.tolerance), "--tolerance");
+  if (!flags.weld.empty()) set_weld(settings, std::string_view(flags.weld), "--weld");
   whole(flags.max_iterations, "--max-iterations", set_max_iterations);
   whole(flags.polish, "--polish", set_polish_steps);
   if (!flags.levels.empty()) settings.levels = parse_levels(flags.levels);
@@ -150,6 +153,7 @@ std::vector<std::string> given_settings(const FitFlags& flags) {
     if (!value.empty()) given.emplace_back(name);
   if (!flags.max_iterations.empty()) given.emplace_back("max_iterations");
   if (!flags.polish.empty()) given.emplace_back("polish");
+  if (!flags.weld.empty()) given.emplace_back("weld");
   return given;
 }
 

@@ -86,6 +86,11 @@ void apply_settings(Settings& settings, const Json& json, const std::string& whe
       refuse(path, std::string("a number is wanted, not ") + value.type_name());
     set_tolerance(settings, value.get<double>(), path);
   });
+  visit("weld", [&](const Json& value, const std::string& path) {
+    if (!value.is_number())
+      refuse(path, std::string("a number is wanted, not ") + value.type_name());
+    set_weld(settings, value.get<double>(), path);
+  });
   visit("max_iterations", [&](const Json& value, const std::string& path) {
     set_max_iterations(settings, integer_of(value, path), path);
   });
@@ -232,8 +237,8 @@ class JobParser {
 }  // namespace
 
 std::vector<std::string_view> scene_keys(SceneObject object) {
-  std::vector<std::string_view> solve{"tolerance", "max_iterations", "polish", "crease_edges",
-                                      "corner_vertices"};
+  std::vector<std::string_view> solve{"tolerance", "max_iterations", "polish",
+                                      "weld",      "crease_edges",   "corner_vertices"};
   std::vector<std::string_view> all = solve;
   all.insert(all.end(), {"levels", "solve"});
   for (const WordSetting& setting : word_settings()) {

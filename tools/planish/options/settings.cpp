@@ -9,6 +9,7 @@
 #include "planish/core/number_text.h"
 #include "planish/core/visible_text.h"
 #include "planish/mesh/detect_creases.h"
+#include "planish/mesh/weld_vertices.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -50,6 +51,9 @@ constexpr std::array kCompressions{Word<GltfCompression>{"none", GltfCompression
                                    Word<GltfCompression>{"meshopt", GltfCompression::Meshopt}};
 constexpr std::array kPresets{Word<bool>{"paper", true}};
 
+constexpr std::string_view kWeldWanted =
+    "0, or a fraction of the bounding-box diagonal from 1e-12 to less than 0.1, is wanted, such as "
+    "1e-6";
 constexpr std::string_view kToleranceWanted =
     "a fraction of the bounding-box diagonal above 0 and up to 1 is wanted, such as 1e-6";
 
@@ -226,6 +230,19 @@ void set_tolerance(Settings& settings, std::string_view text, std::string_view w
   if (!parse_number(text, value))
     refuse(where, "\"" + visible(text) + "\" is no number; " + std::string(kToleranceWanted));
   set_tolerance(settings, value, where);
+}
+
+void set_weld(Settings& settings, double value, std::string_view where) {
+  if (!(value == 0 || (value >= kSmallestWeld && value < kWeldEnd)))
+    refuse(where, short_number(value) + " is out of range; " + std::string(kWeldWanted));
+  settings.weld = value;
+}
+
+void set_weld(Settings& settings, std::string_view text, std::string_view where) {
+  double value = 0;
+  if (!parse_number(text, value))
+    refuse(where, "\"" + visible(text) + "\" is no number; " + std::string(kWeldWanted));
+  set_weld(settings, value, where);
 }
 
 std::int64_t parse_whole(std::string_view text, std::string_view where) {

@@ -42,6 +42,7 @@ struct Settings {
   BoundaryRule boundary = BoundaryRule::Edge;
   CreaseChoice creases;
   RepairChoice repair = RepairChoice::Safe;
+  std::optional<double> weld;            ///< vertices within this fraction of the diagonal, first
   std::vector<CreaseEdge> crease_edges;  ///< of a scene file, besides the input's own tags
   std::vector<CornerVertex> corner_vertices;
   UpAxis up = UpAxis::Y;
@@ -51,7 +52,8 @@ struct Settings {
   std::vector<int> levels{2};
   ReconstructOptions points{.measure_noise = true};  ///< how a point cloud becomes a mesh
 
-  [[nodiscard]] SharpFeatureOptions sharp() const { return {boundary, creases.use_tags}; }
+  /// Of a mesh that prepare() made, which has no tags but those that count.
+  [[nodiscard]] SharpFeatureOptions sharp() const { return {boundary, true}; }
 };
 
 /// One setting that is given as a word. The flag is `--name` with '_' as '-'.
@@ -75,6 +77,8 @@ void set_tolerance(Settings& settings, std::string_view text, std::string_view w
 [[nodiscard]] std::int64_t parse_whole(std::string_view text, std::string_view where);
 void set_max_iterations(Settings& settings, std::int64_t value, std::string_view where);
 void set_polish_steps(Settings& settings, std::int64_t value, std::string_view where);
+void set_weld(Settings& settings, double value, std::string_view where);
+void set_weld(Settings& settings, std::string_view text, std::string_view where);
 /// Each 0 to kMaxLevel, none twice, at least one.
 [[nodiscard]] std::vector<int> checked_levels(std::span<const std::int64_t> values,
                                               std::string_view where);

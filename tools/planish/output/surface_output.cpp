@@ -179,7 +179,8 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
   PolygonMesh cage = control_cage(input, fitted, settings.sharp());
   round_for(planned.format, cage.positions);
   write_mesh(target, planned.format, cage,
-             {.header = cage_header_lines(settings, report.method, report.input.path),
+             {.header = cage_header_lines(settings, report.method, report.input.path,
+                                          report.smoothed_vertices),
               .subdivision = subdivision_of(settings)});
   WrittenOutput written;
   written.path = planned.path.string();

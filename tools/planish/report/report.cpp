@@ -31,6 +31,7 @@ OrderedJson input_json(const InputFacts& input) {
   json["folded_edges"] = {{"count", input.folded_edges}, {"area", input.folded_edge_area}};
   json["welded"] = input.welded;
   json["dropped"] = input.dropped;
+  json["separated_edges"] = input.separated_edges;
   json["changed_faces"] = input.changed_faces;
   json["file_vertices"] = input.file_vertices;
   json["file_faces"] = input.file_faces;
@@ -62,6 +63,7 @@ OrderedJson solve_json(const JobReport& report) {
   json["boundary"] = name_of(report.settings.boundary);
   json["creases"] = name_of(report.settings.creases);
   json["repair"] = name_of(report.settings.repair);
+  json["weld"] = report.settings.weld ? OrderedJson(*report.settings.weld) : OrderedJson();
   json["tolerance"] = report.settings.tolerance;
   json["converged"] = result.converged;
   json["stop_reason"] = planish::name_of(result.stop_reason);
@@ -81,6 +83,7 @@ OrderedJson solve_json(const JobReport& report) {
                     {"shrunk_vertices", report.fair->shrunk_vertices},
                     {"reversed_vertices", report.fair->reversed_vertices},
                     {"cured_vertices", report.fair->cured_vertices},
+                    {"smoothed_vertices", report.smoothed_vertices.size()},
                     {"flagged_edges", report.fair->flagged_edges},
                     {"flagged_faces", report.fair->flagged_faces}};
   }
@@ -98,6 +101,7 @@ OrderedJson surface_json(const JobReport& report) {
   json["rms_normal_deviation"] = surface.quality.rms_normal_deviation;
   json["max_normal_deviation"] = surface.quality.max_normal_deviation;
   json["bending"] = surface.quality.bending;
+  json["sheet_gap"] = surface.sheet_gap ? OrderedJson(*surface.sheet_gap) : OrderedJson();
   if (surface.source_distances) {
     json["max_source_distance"] = surface.source_distances->max;
     json["rms_source_distance"] = surface.source_distances->rms;

@@ -45,6 +45,7 @@ struct InputFacts {
   double folded_edge_area = 0;
   std::vector<std::int32_t> changed_faces;  ///< by repair; the file's indices
   std::int64_t welded = 0, dropped = 0;
+  std::int64_t separated_edges = 0;  ///< along which repair separated sheets
   /// The file's own, or the reconstruction's, before mending; `statistics` has those after it.
   std::int64_t file_vertices = 0, file_faces = 0;
 };
@@ -66,6 +67,9 @@ struct MeasuredSurface {
   int level = 0;
   SurfaceQuality quality;
   std::string reference;  ///< file of the source; empty: the input mesh
+  /// How far separated sheets are from each other along their edges, a fraction of the diagonal;
+  /// empty: there are none, or the scheme has no such figure.
+  std::optional<double> sheet_gap;
   /// Of the surface to the source, as fractions of the diagonal.
   std::optional<PointDistances> source_distances;
 };
@@ -89,7 +93,8 @@ struct JobReport {
   InterpolationMethod method = InterpolationMethod::Progressive;
   std::optional<MethodChoice> choice;
   std::optional<FairFigures> fair;
-  Interpolation interpolation;  ///< displacement left empty
+  std::vector<std::int32_t> smoothed_vertices;  ///< see CreasedFit
+  Interpolation interpolation;                  ///< displacement left empty
   double spectral_bound = 0;
   std::optional<MeasuredSurface> surface;  ///< empty where none was evaluated
   nlohmann::ordered_json reconstruction;   ///< of a point cloud, see reconstruction_json()

@@ -74,6 +74,18 @@ std::string input_folds_line(const InputFacts& input) {
          short_number(input.folded_edge_area * 100) + " % of its area\n";
 }
 
+std::string mending_lines(const JobReport& report) {
+  std::string text;
+  if (report.settings.weld)
+    text += "  welded      " + counted(report.input.welded, "vertex") + " to others within " +
+            short_number(*report.settings.weld) + " of the diagonal\n";
+  if (report.input.separated_edges == 0) return text;
+  text += "  sheets      separated along " + counted(report.input.separated_edges, "edge");
+  if (report.surface && report.surface->sheet_gap)
+    text += ", at most " + short_number(*report.surface->sheet_gap) + " of the diagonal apart";
+  return text + "\n";
+}
+
 std::string quality_line(const MeasuredSurface& surface) {
   const SurfaceQuality& quality = surface.quality;
   std::string folds = short_number(quality.folded_area * 100) + " % folded";
@@ -106,6 +118,7 @@ std::string summary(const JobReport& report) {
                      counts_text(report.input.file_vertices, report.input.file_faces,
                                  statistics.vertex_count, statistics.face_count) +
                      " (" + shape_of(statistics) + ")\n";
+  text += mending_lines(report);
   text += input_folds_line(report.input);
   text += report.reconstruction_summary;
   if (report.point_distances)

@@ -1,0 +1,83 @@
+#include "planish/limit/sheet_gap.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <numbers>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/mesh/repair.h"
+#include "planish/pipeline/fit.h"
+
+namespace planish {
+namespace {
+
+constexpr int kCells = 6;
+
+// Three sheets at one bent line, each in another direction and with cells of its own widths.
+PolygonMesh bent_sheets() {
+  PolygonMesh mesh;
+  const auto line = [](int i) { return glm::dvec3(i, 0, 0.3 * std::sin(1.3 * i)); };
+  for (int i = 0; i <= kCells; ++i) mesh.positions.push_back(line(i));
+  for (int sheet = 0; sheet < 3; ++sheet) {
+    const double angle = 2 * std::numbers::pi * sheet / 3;
+    const auto first = static_cast<std::int32_t>(mesh.positions.size());
+    for (int i = 0; i <= kCells; ++i) {
+      const double width = 0.2 + 0.3 * sheet + 0.1 * (i % 3);
+      mesh.positions.push_back(line(i) + width * glm::dvec3(0.1, std::cos(angle), std::sin(angle)));
+    }
+    for (int i = 0; i < kCells; ++i) mesh.add_face(std::array{i, i + 1, first + i + 1, first + i});
+  }
+  return mesh;
+}
+
+double gap_of(const PolygonMesh& mesh, const RepairedMesh& repaired, InterpolationMethod method) {
+  const auto backend = make_cpu_backend({Precision::Double});
+  FitOptions options;
+  options.method = method;
+  options.tolerance = 1e-10;
+  const Fit fitted = fit(mesh, *backend, options);
+  return sheet_gap(LimitSurface(fitted_surface(mesh, fitted)), repaired.source_vertices,
+                   repaired.separated_edges) /
+         fitted.placement.diagonal;
+}
+
+TEST(SheetGap, IsClosedByCornersAndSeenWithoutThem) {
+  const RepairedMesh repaired = repair(bent_sheets());
+  ASSERT_EQ(repaired.separated_edges.size(), static_cast<std::size_t>(kCells));
+  PolygonMesh smooth = repaired.mesh;
+  smooth.corners.clear();
+  for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
+    EXPECT_LT(gap_of(repaired.mesh, repaired, method), 1e-9);
+    EXPECT_GT(gap_of(smooth, repaired, method), 1e-4);
+  }
+}
+
+// Squares whose corners are corners: their boundaries are their edges.
+TEST(SheetGap, IsTheDistanceOfTheCurves) {
+  RepairedMesh copies;
+  PolygonMesh& mesh = copies.mesh;
+  for (const double z : {0.0, 0.25, 0.1}) {
+    const std::int32_t first = mesh.vertex_count();
+    mesh.positions.insert(mesh.positions.end(), {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}});
+    mesh.add_face(std::array{first, first + 1, first + 2, first + 3});
+    copies.source_vertices.insert(copies.source_vertices.end(), {0, 1, first + 2, first + 3});
+  }
+  mesh.positions.push_back({7, 7, 7});  // of no face
+  copies.source_vertices.push_back(12);
+  for (std::int32_t v = 0; v < 12; ++v) mesh.corners.push_back({v});
+  const EvaluateOptions options;
+  const LimitSurface surface(std::make_shared<const DooSabinSurface>(mesh, options));
+  const auto gap = [&](std::vector<std::pair<std::int32_t, std::int32_t>> edges) {
+    return sheet_gap(surface, copies.source_vertices, edges);
+  };
+  EXPECT_NEAR(gap({{0, 1}}), 0.25, 1e-12);
+  EXPECT_EQ(gap({{2, 3}}), 0) << "of one sheet only";
+  EXPECT_EQ(gap({}), 0);
+}
+
+}  // namespace
+}  // namespace planish
