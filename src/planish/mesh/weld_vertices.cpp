@@ -102,10 +102,9 @@ class StayingVertices {
 bool can_be_welded(const PolygonMesh& mesh) {
   return mesh.positions.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max()) &&
          positions_are_finite(mesh) &&
-         std::ranges::all_of(mesh.face_vertices,
-                             [&](std::int32_t vertex) {
-                               return vertex >= 0 && vertex < mesh.vertex_count();
-                             }) &&
+         std::ranges::all_of(
+             mesh.face_vertices,
+             [&](std::int32_t vertex) { return vertex >= 0 && vertex < mesh.vertex_count(); }) &&
          has_extent(mesh);
 }
 
@@ -159,8 +158,8 @@ WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction) {
   for (std::int32_t v = 0; v < welded.vertex_count(); ++v) {
     const bool stays = numbers[v] == v;
     // Those that stay come first, so that the numbers of earlier ones are final.
-    numbers[v] = stays ? static_cast<std::int32_t>(result.source_vertices.size())
-                       : numbers[numbers[v]];
+    numbers[v] =
+        stays ? static_cast<std::int32_t>(result.source_vertices.size()) : numbers[numbers[v]];
     if (stays) result.source_vertices.push_back(v);
   }
   result.welded_count = welded.vertex_count() - std::ssize(result.source_vertices);
