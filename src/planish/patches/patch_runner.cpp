@@ -1,7 +1,5 @@
 #include "planish/patches/patch_runner.h"
 
-#include <algorithm>
-#include <memory>
 #include <vector>
 
 #include "planish/core/parallel.h"
