@@ -178,7 +178,9 @@ class ViewSource final : public PolygonSource {
       } else {
         triangulate(corners, view_.positions, triangles);
       }
-      for (const std::uint32_t vertex : triangles) positions.push_back(view_.positions[vertex]);
+      // Rounded here, so that they are what a surface made in pieces gives.
+      for (const std::uint32_t vertex : triangles)
+        positions.emplace_back(glm::vec3(view_.positions[vertex]));
     }
   }
   void take_faces(RowRange range, PolygonPiece& piece, std::vector<std::int32_t>& offsets) const {
