@@ -30,7 +30,8 @@ struct Keyholed {
   }
   // Its area, or 0 where it is no ear.
   [[nodiscard]] double ear_area(std::size_t i) const {
-    const auto [p, q, r] = ear(i);
+    const std::array<std::int32_t, 3> corners = ear(i);
+    const std::int32_t p = corners[0], q = corners[1], r = corners[2];
     if (vertices[p] == vertices[r]) return 0;  // both sides of a bridge
     const glm::dvec2 &a = points[p], &b = points[q], &c = points[r];
     const double area = double_area(a, b, c);
