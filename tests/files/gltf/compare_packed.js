@@ -47,9 +47,12 @@ function values(file, index) {
 // Triangles by their middle, which no two of the samples share.
 function corners(file) {
   const found = [];
+  const {translation = [0, 0, 0], scale = [1, 1, 1]} = file.json.nodes[0];
+  const placed = (p) => p.map((x, k) => x * scale[k] + translation[k]);
   for (const primitive of file.json.meshes[0].primitives) {
     const attributes = Object.fromEntries(Object.entries(primitive.attributes).map(
-        ([name, index]) => [name, values(file, index)]));
+        ([name, index]) => [name, name === 'POSITION' ? values(file, index).map(placed)
+                                                      : values(file, index)]));
     const indices = values(file, primitive.indices).map(([i]) => i);
     const triangles = [];
     for (let i = 0; i < indices.length; i += 3) {

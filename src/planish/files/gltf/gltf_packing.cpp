@@ -20,6 +20,7 @@ namespace {
 // Textures of 16384 texels: an eighth of a texel, and room for 16 tilings in float's 24 bits.
 constexpr double kUvError = 1.0 / (8 * 16384);
 constexpr double kMostShort = 65535;
+constexpr double kMostMantissas = 2.0 * ((1 << 23) - 1);  // with a sign
 
 template <class Value>
 std::span<const std::byte> bytes_of(const RawVector<Value>& values) {
@@ -52,17 +53,17 @@ void use(PackedArray& packed, std::span<const std::byte> bytes) {
   packed.array.bytes = bytes.size();
 }
 
-// A grid of 16 bits over all positions: node.translation and node.scale carry it.
-struct ShortGrid {
-  glm::dvec3 least{0.0};
+// Whole numbers for all positions: node.translation and node.scale carry the grid.
+struct PositionGrid {
+  glm::dvec3 origin{0.0};
   double step = 0;  // 0: float32 stays
 
   [[nodiscard]] glm::vec3 place(const glm::vec3& position) const {
-    return glm::vec3(glm::round((glm::dvec3(position) - least) / step));
+    return glm::vec3(glm::round((glm::dvec3(position) - origin) / step));
   }
 };
 
-ShortGrid short_grid(const GltfDocument& document, double error) {
+GltfBounds bounds_of_all(const GltfDocument& document) {
   GltfBounds all;
   bool is_first = true;
   for (const GltfArray& array : document.arrays) {
@@ -72,10 +73,20 @@ ShortGrid short_grid(const GltfDocument& document, double error) {
                                 glm::max(all.maximum, array.bounds->maximum)};
     is_first = false;
   }
-  const glm::dvec3 extent = glm::dvec3(all.maximum) - glm::dvec3(all.minimum);
-  const double step = std::max({extent.x, extent.y, extent.z}) / kMostShort;
-  if (!(step > 0) || std::sqrt(3.0) / 2 * step > error) return {};
-  return {glm::dvec3(all.minimum), step};
+  return all;
+}
+
+// On which every position moves by `error` at most, half a step in each of three directions: for
+// packing as coarse as that leaves room for, else in 16 bits where those do.
+PositionGrid position_grid(const GltfDocument& document, const GltfOptions& options) {
+  const GltfBounds all = bounds_of_all(document);
+  const glm::dvec3 least(all.minimum), sides = glm::dvec3(all.maximum) - least;
+  const double extent = std::max({sides.x, sides.y, sides.z});
+  const double coarsest = 2 / std::sqrt(3.0) * options.position_error;
+  const bool packs = options.compression == GltfCompression::Meshopt;
+  const double step = packs ? coarsest : extent / kMostShort;
+  if (!(step > 0) || step > coarsest || extent > kMostMantissas * step) return {};
+  return {packs ? least + 0.5 * sides : least, step};
 }
 
 class Packer {
@@ -89,14 +100,12 @@ class Packer {
   GltfContents operator()() {
     document_ = plain_.document;
     document_.extensions = {"KHR_mesh_quantization"};
-    if (is_meshopt()) {
+    if (is_meshopt())
       document_.extensions.insert(document_.extensions.begin(), "EXT_meshopt_compression");
-    } else {
-      grid_ = short_grid(document_, options_.position_error);
-      if (grid_.step > 0) {
-        document_.translation += grid_.least;
-        document_.scale = grid_.step;
-      }
+    grid_ = position_grid(document_, options_);
+    if (grid_.step > 0) {
+      document_.translation += grid_.origin;
+      document_.scale = grid_.step;
     }
     decoded_.resize(static_cast<std::size_t>(std::min(row_count(), options_.decoded_rows)));
     for (std::size_t i = 0; i < document_.primitives.size(); ++i) pack_primitive(i);
@@ -122,6 +131,7 @@ class Packer {
                       std::span<const std::uint32_t> order);
   void quantize(const std::string& name, std::span<const std::byte> bytes, PackedArray& packed);
   void compress(const std::string& name, std::span<const std::byte> bytes, PackedArray& packed);
+  [[nodiscard]] RawVector<float> placed(std::span<const glm::vec3> positions) const;
   void note_decoded(PackedArray& packed, const GltfPart& part,
                     std::span<const std::uint32_t> order);
   GltfContents assembled();
@@ -130,7 +140,7 @@ class Packer {
   const GltfVertices& vertices_;
   const GltfOptions& options_;
   GltfDocument document_;
-  ShortGrid grid_;
+  PositionGrid grid_;
   std::vector<PackedArray> packed_;
   std::vector<glm::dvec3> decoded_;  // by row
 };
@@ -240,9 +250,6 @@ void Packer::compress(const std::string& name, std::span<const std::byte> bytes,
     packed.bytes = encode_vertices(values, values.size() / array.count);
   };
   const auto numbers = values_in<float>(bytes);
-  const double error = name == "POSITION"     ? options_.position_error
-                       : name == "TEXCOORD_0" ? kUvError
-                                              : 0;
   if (name == "NORMAL") {
     array.component = GltfComponent::Short;
     array.normalized = true;
@@ -253,13 +260,29 @@ void Packer::compress(const std::string& name, std::span<const std::byte> bytes,
     array.component = GltfComponent::UnsignedShort;
     array.normalized = true;
     encode(bytes_of(unit_shorts(numbers)));
-  } else if (const auto exponent = grid_exponent(numbers, error)) {
+  } else if (name == "POSITION" && grid_.step > 0) {
+    stream.filter = "EXPONENTIAL";
+    encode(bytes_of(on_grid(placed(values_in<glm::vec3>(bytes)), 0)));
+  } else if (const auto exponent = grid_exponent(numbers, name == "TEXCOORD_0" ? kUvError : 0)) {
     stream.filter = "EXPONENTIAL";
     encode(bytes_of(on_grid(numbers, *exponent)));
   } else {
     encode(bytes);
   }
   array.stream = stream;
+}
+
+// Numbers of places on the grid.
+RawVector<float> Packer::placed(std::span<const glm::vec3> positions) const {
+  RawVector<float> places(3 * positions.size());
+  constexpr std::size_t kPlaceGrain = std::size_t{1} << 14;
+  parallel_for(positions.size(), kPlaceGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const glm::vec3 place = grid_.place(positions[i]);
+      for (int axis = 0; axis < 3; ++axis) places[3 * i + axis] = place[axis];
+    }
+  });
+  return places;
 }
 
 // Positions as a reader has them, from the bytes of the file.
