@@ -168,7 +168,8 @@ TEST(WriteMesh, WritesTheTextExpected) {
   mesh.face_groups = {0};
   mesh.hole_faces = {0};
   EXPECT_EQ(text_of(FileFormat::Obj),
-            "# hello\nv 0 0 0 1 0 0\nv 1 1 1 0 0 0 0.5\nv 0.1 -1e+30 3 1 1 1\nvt 0.5 1\ng a\n"
+            "# hello\nmtllib mesh.mtl\nv 0 0 0 1 0 0\nv 1 1 1 0 0 0 0.5\nv 0.1 -1e+30 3 1 1 1\n"
+            "vt 0.5 1\ng a\n"
             "usemtl b\nf 1/1 2 3/1\nt crease 2/1/0 0 1 10\nt hole 1/0/0 0\n");
   EXPECT_EQ(text_of(FileFormat::Off), "OFF\n# hello\n3 1 0\n0 0 0\n1 1 1\n0.1 -1e+30 3\n3 0 1 2\n");
 }

@@ -74,10 +74,10 @@ TEST(WriteSurface, BlocksGiveTheBytesOfTheWhole) {
          {FileFormat::Obj, FileFormat::Ply, FileFormat::Off, FileFormat::Stl, FileFormat::Usda}) {
       SCOPED_TRACE(std::string(name_of(format)) + " level " + std::to_string(level));
       const test::TemporaryFolder folder;
-      write_surface(folder.path() / "whole", format, surface, {"a line"}, fields);
+      write_surface(folder.path() / "a.whole", format, surface, {"a line"}, fields);
       RawVector<std::byte> observed;
       const std::uint64_t bytes =
-          write_surface(folder.path() / "blocks", format, *blocks,
+          write_surface(folder.path() / "a.blocks", format, *blocks,
                         {.header = {"a line"},
                          .fields = fields,
                          .observe =
@@ -85,8 +85,8 @@ TEST(WriteSurface, BlocksGiveTheBytesOfTheWhole) {
                                observed.insert(observed.end(), some.begin(), some.end());
                              },
                          .callbacks = {}});
-      const auto whole = read_file(folder.path() / "whole");
-      EXPECT_TRUE(whole == read_file(folder.path() / "blocks"));
+      const auto whole = read_file(folder.path() / "a.whole");
+      EXPECT_TRUE(whole == read_file(folder.path() / "a.blocks"));
       EXPECT_TRUE(whole == observed);
       EXPECT_EQ(bytes, whole.size());
     }
@@ -127,7 +127,8 @@ TEST(WriteSurface, ObjCarriesAttributes) {
   surface.groups = {{"a", "x"}, {"a", "y"}};
   surface.face_groups = {0, 1};
   EXPECT_EQ(written(FileFormat::Obj, surface),
-            "# planish level=1\nv 0 0 0 0 1 0\nv 1 0 0.1 0 1 0\nv 1 1 0 0 1 0\nv 0 1 0 0 1 0\n"
+            "# planish level=1\nmtllib surface.mtl\nv 0 0 0 0 1 0\nv 1 0 0.1 0 1 0\n"
+            "v 1 1 0 0 1 0\nv 0 1 0 0 1 0\n"
             "v 2 0 0 0 1 0\nv 2 1 0 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 2 3\n"
             "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0.6 0 0.8\nvn 0 1 0\n"
             "g a\nusemtl x\nf 1/1/1 2/2/2 3/3/3 4/4/4\nusemtl y\nf 2/5/2 5/5/5 6/5/6 3/5/3\n");

@@ -49,6 +49,7 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .title = "glTF 2.0",
                                          .read_mesh = read_gltf,
                                          .read_points = vertices_of<read_gltf>,
+                                         .companion = "bin",
                                          .is_gltf = true},
                               FormatInfo{.format = FileFormat::Obj,
                                          .name = "obj",
@@ -57,6 +58,7 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .read_points = vertices_of<from_bytes<read_obj>>,
                                          .write_piece = write_obj,
                                          .polygon_parts = is_obj_part,
+                                         .companion = "mtl",
                                          .keeps_doubles = true,
                                          .keeps_sharp_edges = true},
                               FormatInfo{.format = FileFormat::Ply,
@@ -123,6 +125,13 @@ std::optional<FileFormat> format_of(const std::filesystem::path& path) {
   for (const FormatInfo& info : kFormats)
     if (extension == "." + std::string(info.name)) return info.format;
   return std::nullopt;
+}
+
+std::filesystem::path companion_of(const std::filesystem::path& path, FileFormat format) {
+  const std::string_view extension = info_of(format).companion;
+  if (extension.empty()) return {};
+  std::filesystem::path companion = path;
+  return companion.replace_extension(extension);
 }
 
 bool serves(FileFormat format, FormatUse use) {

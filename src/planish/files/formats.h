@@ -41,6 +41,8 @@ struct FormatInfo {
   bool (*polygon_parts)(PolygonPart) = nullptr;
   /// Of formats that have parts in an order of their own.
   void (*write_polygons)(const PolygonStream&) = nullptr;
+  /// Extension, without the dot, of a file that may be written beside it; empty: none.
+  std::string_view companion = {};
   bool is_gltf = false;
   bool has_polygons = true;        ///< false: only triangles
   bool keeps_doubles = false;      ///< positions come back to the last bit; else as float32
@@ -56,6 +58,10 @@ struct FormatInfo {
 
 /// By extension, any case; empty for an unknown one.
 [[nodiscard]] std::optional<FileFormat> format_of(const std::filesystem::path& path);
+
+/// The file that may be written beside `path`: a .gltf's .bin, an .obj's .mtl. Empty: none.
+[[nodiscard]] std::filesystem::path companion_of(const std::filesystem::path& path,
+                                                 FileFormat format);
 
 /// What a format may be wanted for.
 enum class FormatUse : std::uint8_t { Read, ReadMesh, ReadPoints, WriteSurface, WriteCage };

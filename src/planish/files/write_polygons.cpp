@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string_view>
 
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/triangulate.h"
 #include "planish/files/polygon_stream.h"
+#include "planish/files/obj/write_mtl.h"
 #include "planish/files/shared/file_buffer.h"
 #include "planish/files/shared/ordered_stream.h"
 #include "planish/surface/surface_blocks.h"
@@ -84,6 +87,7 @@ class ViewSource final : public PolygonSource {
     totals_.has_colors = !view.colors.empty();
     totals_.has_uvs = !view.face_uvs.empty();
     totals_.has_groups = !view.face_groups.empty();
+    totals_.materials = materials_of(view.groups);
     for (std::size_t face = 0; face < view.face_count(); ++face)
       totals_.largest_face = std::max(totals_.largest_face, view.face(face).size());
   }
@@ -251,6 +255,14 @@ void PolygonStream::refuse(PolygonPart part) const {
   throw Error(ErrorCode::InvalidArgument, name_ + ": a number is not finite");
 }
 
+std::vector<std::string> materials_of(std::span<const FaceGroup> groups) {
+  std::vector<std::string> materials;
+  std::set<std::string_view> known = {""};
+  for (const FaceGroup& group : groups)
+    if (known.insert(group.material).second) materials.push_back(group.material);
+  return materials;
+}
+
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonSource& source, std::span<const std::string> header,
                              const ByteObserver& observe) {
@@ -261,6 +273,14 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
                                                 extensions_in_words(FormatUse::WriteCage) +
                                                 ", not as ." + std::string(info.name));
   require_lines(header, name);
+  std::string companion;
+  if (format == FileFormat::Obj && !source.totals().materials.empty()) {
+    const std::filesystem::path beside = companion_of(path, format);
+    if (beside != path) {
+      write_mtl(beside, source.totals().materials);
+      companion = beside.filename().string();
+    }
+  }
   CountedFile file(path, observe);
   const PolygonStream out(source, file.sinks(), info, name);
   if (info.write_polygons) {
@@ -271,6 +291,7 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
     if (!info.polygon_parts(part)) continue;
     out.part(part, [&](FileBuffer& bytes, const PolygonPiece& piece, RowRange) {
       info.write_piece(bytes, piece);
+      if (part == PolygonPart::Head && !companion.empty()) write_mtllib(bytes, companion);
     });
   }
   return file.commit();

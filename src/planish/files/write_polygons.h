@@ -62,7 +62,11 @@ struct PolygonTotals {
   std::int64_t row_count = 0, uv_count = 0, face_count = 0, corner_count = 0;
   std::size_t largest_face = 0;
   bool has_normals = false, has_colors = false, has_uvs = false, has_groups = false;
+  std::vector<std::string> materials;  ///< without repetitions, in the order of the groups
 };
+
+/// The materials that groups name.
+[[nodiscard]] std::vector<std::string> materials_of(std::span<const FaceGroup> groups);
 
 /// Parts of a file, in their order. A format has some of them, each vertex and face for itself, so
 /// that pieces of a part are made on several threads.
@@ -108,7 +112,8 @@ class PolygonSource {
 
 /// Writes the polygons through OutputFile as the format's own writer does (obj/write_obj.h,
 /// ply/write_ply.h, off/write_off.h), formatted on all threads; the same bytes whatever their
-/// number. `observe`, if any, gets all bytes in order. Returns their number.
+/// number. `observe`, if any, gets all bytes in order. Returns their number. OBJ with materials
+/// gets an .mtl beside it (obj/write_mtl.h), put in place before it.
 /// Throws Error{UnwritableOutput}; Error{InvalidArgument} for formats that are not written, for
 /// numbers that are not finite and for header lines that hold a line break.
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,

@@ -27,6 +27,7 @@ class BlockSource final : public PolygonSource {
     totals_.has_colors = info_.has_colors;
     totals_.has_uvs = info_.uv_count > 0;
     totals_.has_groups = info_.has_groups;
+    totals_.materials = materials_of(info_.groups);
     totals_.largest_face = static_cast<std::size_t>(info_.corners_per_face);
     for (std::size_t f = 0; f + 1 < info_.face_offsets.size(); ++f) {
       totals_.largest_face =

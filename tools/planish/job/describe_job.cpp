@@ -7,6 +7,7 @@
 #include "job/prepare.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/write_polygons.h"
 #include "planish/mesh/check.h"
 #include "terminal/text.h"
 
@@ -43,6 +44,16 @@ std::string describe_points(const PlannedJob& planned, const PointInput& input,
   return text;
 }
 
+// The file beside an output; that of an OBJ is written for materials only.
+std::string companion_line(const PlannedOutput& output, const PolygonMesh& mesh,
+                           const PathClaims& claims) {
+  const std::filesystem::path beside = companion_of(output.path, output.format);
+  if (output.to_stdout || beside.empty()) return {};
+  const bool is_gltf = info_of(output.format).is_gltf;
+  if (!is_gltf && materials_of(mesh.groups).empty() && claims.refusal(beside).empty()) return {};
+  return write_line(beside, is_gltf ? "  (its numbers)" : "  (its materials)", claims);
+}
+
 std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
                          const Forecast& forecast, const PathClaims& claims) {
   std::string text;
@@ -50,15 +61,15 @@ std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
     const PlannedOutput& output = planned.outputs[i];
     const std::string size = ", about " + byte_size(forecast.output_bytes[i]) + ")";
     if (output.kind == OutputKind::Cage) {
-      text += write_line(output.path, "  (control cage" + size, claims);
+      text += write_line(output.path, "  (control cage" + size, claims) +
+              companion_line(output, mesh, claims);
       continue;
     }
     text += write_line(output.path,
                        "  (level " + std::to_string(output.level) + ", " +
                            face_count_text(mesh, planned.job.settings.scheme, output.level) + size,
                        claims);
-    if (output.format == FileFormat::Gltf)
-      text += write_line(gltf_companion(output.path), "  (its numbers)", claims);
+    text += companion_line(output, mesh, claims);
   }
   return text;
 }

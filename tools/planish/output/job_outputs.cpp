@@ -105,13 +105,14 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
   timed(work.report.timing.write, [&] {
     std::filesystem::path target;
     if (!planned.to_stdout) target = work.staged.stage(planned.path);
-    if (planned.format == FileFormat::Gltf) {
-      (void)work.staged.stage(gltf_companion(planned.path));
-    }
     written = surface != nullptr
                   ? write_surface_output(planned, target, *surface, options, stdout_bytes)
                   : write_cage_output(planned, target, work.fitted, work.made.input.file.mesh,
                                       work.report);
+    if (planned.to_stdout) return;
+    const std::filesystem::path beside = companion_of(target, planned.format);
+    if (!beside.empty() && std::filesystem::exists(beside))
+      (void)work.staged.stage(companion_of(planned.path, planned.format));
   });
   warn_of_rounding(work.report, work.context.console, written);
 }

@@ -116,11 +116,6 @@ void require_compressible(const std::vector<PlannedOutput>& outputs) {
   }
 }
 
-fs::path gltf_companion(const fs::path& path) {
-  fs::path companion = path;
-  return companion.replace_extension(".bin");
-}
-
 std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims& claims) {
   const bool several = request.levels.size() > 1;
   if (request.path == "-") {
@@ -150,9 +145,8 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
   }
   for (const PlannedOutput& output : planned) {
     claims.add_output(output.path, request.where);
-    if (format == FileFormat::Gltf) {
-      claims.add_output(gltf_companion(output.path), request.where);
-    }
+    const fs::path companion = companion_of(output.path, format);
+    if (!companion.empty()) claims.add_output(companion, request.where);
   }
   return planned;
 }

@@ -77,7 +77,4 @@ void require_compressible(const std::vector<PlannedOutput>& outputs);
 /// Refuses surfaces that cannot carry vertex attributes, such as .obj, with Error{InvalidArgument}.
 void require_attribute_formats(const std::vector<PlannedOutput>& outputs);
 
-/// The .bin that is written beside a .gltf.
-[[nodiscard]] std::filesystem::path gltf_companion(const std::filesystem::path& path);
-
 }  // namespace planish::command

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "planish/files/obj/write_mtl.h"
 #include "planish/files/shared/srgb.h"
 #include "planish/files/shared/write_numbers.h"
 
@@ -30,24 +31,12 @@ void write_corner(FileBuffer& out, const PolygonPiece& piece, std::size_t corner
   if (piece.totals.has_normals) out.text(uv > 0 ? "/" : "//").number(vertex);
 }
 
-// A name as OBJ can hold it: a reader takes a word with `#` for a comment and a backslash at the
-// end for a continuation.
-std::string line_name(const std::string& name) {
-  std::string line = " " + name;
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const auto c = static_cast<unsigned char>(line[i]);
-    if (c < ' ' || c == 0x7f || (c == '#' && line[i - 1] == ' ')) line[i] = '_';
-  }
-  if (line.ends_with('\\')) line.back() = '_';
-  return line;
-}
-
 void write_group_change(FileBuffer& out, const FaceGroup& from, const FaceGroup& to) {
   // Without a name they lead back to where a file begins.
   if (from.name != to.name)
-    out.text("g").text(to.name.empty() ? "" : line_name(to.name)).text("\n");
+    out.text("g").text(to.name.empty() ? "" : obj_line_name(to.name)).text("\n");
   if (from.material != to.material)
-    out.text("usemtl").text(to.material.empty() ? "" : line_name(to.material)).text("\n");
+    out.text("usemtl").text(to.material.empty() ? "" : obj_line_name(to.material)).text("\n");
 }
 
 void write_obj_positions(FileBuffer& out, const PolygonView& view) {

@@ -1,0 +1,79 @@
+#include "planish/files/obj/write_mtl.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tiny_obj_loader.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mesh/test_meshes.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/read_file.h"
+#include "support/temporary_folder.h"
+
+namespace planish {
+namespace {
+
+PolygonMesh painted_cube() {
+  PolygonMesh mesh = test::cube();
+  mesh.groups = {{"lid", "red_wood"}, {"", "paint"}, {"walls", "tin"}, {"floor", "red_wood"}};
+  mesh.face_groups = {0, 1, 2, 2, 3, 2};
+  return mesh;
+}
+
+std::string text_of_file(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+TEST(WriteMtl, AnotherReaderFindsNamesAndColours) {
+  const test::TemporaryFolder folder;
+  write_mesh(folder.path() / "a.obj", FileFormat::Obj, painted_cube());
+  tinyobj::ObjReader reader;
+  tinyobj::ObjReaderConfig config;
+  config.triangulate = false;
+  ASSERT_TRUE(reader.ParseFromFile((folder.path() / "a.obj").string(), config));
+  EXPECT_TRUE(reader.Warning().empty()) << reader.Warning();
+  const std::vector<tinyobj::material_t>& materials = reader.GetMaterials();
+  ASSERT_EQ(materials.size(), 3u);
+  EXPECT_EQ(materials[0].name, "red_wood");
+  EXPECT_EQ(materials[2].name, "tin");
+  EXPECT_NE(std::vector<double>(materials[0].diffuse, materials[0].diffuse + 3),
+            std::vector<double>(materials[1].diffuse, materials[1].diffuse + 3));
+  for (const tinyobj::material_t& material : materials)
+    for (const double part : material.diffuse) {
+      EXPECT_GE(part, 0.3);
+      EXPECT_LE(part, 0.801);
+    }
+}
+
+TEST(WriteMtl, IsWrittenOnlyWhereThereAreMaterials) {
+  const test::TemporaryFolder folder;
+  write_mesh(folder.path() / "a.obj", FileFormat::Obj, test::cube());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.mtl"));
+  EXPECT_EQ(text_of_file(folder.path() / "a.obj").find("mtllib"), std::string::npos);
+  write_mesh(folder.path() / "a.ply", FileFormat::Ply, painted_cube());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.mtl"));
+  write_mesh(folder.path() / "a.obj", FileFormat::Obj, painted_cube());
+  EXPECT_EQ(text_of_file(folder.path() / "a.mtl"),
+            "newmtl red_wood\nKd 0.8 0.35 0.35\nnewmtl paint\nKd 0.35 0.48 0.8\nnewmtl tin\n"
+            "Kd 0.61 0.8 0.35\n");
+  EXPECT_TRUE(text_of_file(folder.path() / "a.obj").starts_with("mtllib a.mtl\n"));
+}
+
+TEST(WriteMtl, NamesAreThoseOfTheFaces) {
+  const test::TemporaryFolder folder;
+  PolygonMesh mesh = painted_cube();
+  mesh.groups[0].material = "a #b\\";
+  mesh.groups[3].material = "a _b_";
+  write_mesh(folder.path() / "a.obj", FileFormat::Obj, mesh);
+  const std::string text = text_of_file(folder.path() / "a.mtl");
+  EXPECT_NE(text.find("newmtl a _b_\n"), std::string::npos);
+  EXPECT_EQ(text.find("newmtl a _b_\n"), text.rfind("newmtl a _b_\n"));
+  EXPECT_NE(text_of_file(folder.path() / "a.obj").find("usemtl a _b_\n"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace planish
