@@ -54,6 +54,7 @@ void write_mesh(const std::filesystem::path& path, FileFormat format, const Poly
                   .face_groups = mesh.face_groups,
                   .hole_faces = mesh.hole_faces,
                   .subdivision = options.subdivision,
+                  .is_z_up = options.is_z_up,
                   .header = options.header});
 }
 

@@ -135,6 +135,7 @@ class ViewSource final : public PolygonSource {
         view.corners = view_.corners;
         view.hole_faces = view_.hole_faces;
         view.subdivision = view_.subdivision;
+        view.is_z_up = view_.is_z_up;
         break;
       case PolygonPart::Uvs:
         view.uvs = some(view_.uvs);

@@ -45,6 +45,7 @@ struct PolygonView {
   std::span<const std::int32_t> hole_faces;
   std::span<const NamedField> fields;   ///< one value per position each; PLY and USD only
   CageSubdivision subdivision;          ///< USD only
+  bool is_z_up = false;                 ///< USD only, which says so
   std::span<const std::string> header;  ///< comment lines, without the comment sign
 
   [[nodiscard]] std::size_t face_count() const {

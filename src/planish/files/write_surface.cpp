@@ -16,9 +16,12 @@ constexpr std::int64_t kTextRows = std::int64_t{1} << 13;
 // Makes each piece when it is asked for.
 class BlockSource final : public PolygonSource {
  public:
-  BlockSource(const SurfaceBlocks& surface, std::span<const std::string> header,
-              std::span<const NamedField> fields)
-      : surface_(surface), info_(surface.info()), header_(header), fields_(fields) {
+  BlockSource(const SurfaceBlocks& surface, const SurfaceWriteOptions& options)
+      : surface_(surface),
+        info_(surface.info()),
+        header_(options.header),
+        fields_(options.fields),
+        is_z_up_(options.is_z_up) {
     totals_.row_count = info_.row_count;
     totals_.uv_count = info_.uv_count;
     totals_.face_count = info_.face_count;
@@ -53,6 +56,7 @@ class BlockSource final : public PolygonSource {
     if (part == PolygonPart::Head || part == PolygonPart::Tail) {
       piece.view.header = header_;
       piece.view.fields = fields_;
+      piece.view.is_z_up = is_z_up_;
       return use(piece);
     }
     if (part == PolygonPart::Uvs) {
@@ -78,6 +82,7 @@ class BlockSource final : public PolygonSource {
   const SurfaceInfo& info_;
   std::span<const std::string> header_;
   std::span<const NamedField> fields_;
+  bool is_z_up_;
   PolygonTotals totals_;
   mutable RawVector<glm::vec3> stored_;  // all rows, for triangles
   mutable std::mutex mutex_;
@@ -201,7 +206,7 @@ void write_surface(const std::filesystem::path& path, FileFormat format, const S
 
 std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format,
                             const SurfaceBlocks& surface, const SurfaceWriteOptions& options) {
-  const BlockSource source(surface, options.header, options.fields);
+  const BlockSource source(surface, options);
   std::size_t pieces = 0, written = 0;
   const FormatInfo& info = info_of(format);
   for (const PolygonPart part : kPolygonParts)

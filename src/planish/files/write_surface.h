@@ -26,6 +26,7 @@ void write_surface(const std::filesystem::path& path, FileFormat format, const S
 struct SurfaceWriteOptions {
   std::vector<std::string> header;
   std::span<const NamedField> fields;
+  bool is_z_up = false;  ///< of USD
   /// Gets all bytes in order while they are written: for a digest.
   std::function<void(std::span<const std::byte>)> observe;
   Callbacks callbacks;  ///< step "write", warning "degenerate-normals"

@@ -147,7 +147,8 @@ constexpr std::array kWordSettings{
                 [](Settings& s, std::string_view value, std::string_view where) {
                   s.scheme = parse_scheme(value, where);
                 }},
-    WordSetting{"up", "y|z", "y", "z turns a Z-up input upright for glTF", false,
+    WordSetting{"up", "y|z", "y", "z turns a Z-up input upright for glTF, and is told to USD",
+                false,
                 [](Settings& s, std::string_view value, std::string_view where) {
                   s.up = parse(kUpAxes, value, where);
                 }},

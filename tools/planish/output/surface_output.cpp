@@ -153,6 +153,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   SurfaceWriteOptions polygons{
       .header = {},
       .fields = options.gltf.fields,
+      .is_z_up = options.gltf.z_up,
       .observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); },
       .callbacks = options.gltf.callbacks};
   for (const auto& [key, value] : options.gltf.extras) {
@@ -181,7 +182,8 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
   write_mesh(target, planned.format, cage,
              {.header = cage_header_lines(settings, report.method, report.input.path,
                                           report.smoothed_vertices),
-              .subdivision = subdivision_of(settings)});
+              .subdivision = subdivision_of(settings),
+              .is_z_up = settings.up == UpAxis::Z});
   WrittenOutput written;
   written.path = planned.path.string();
   written.kind = planned.kind;

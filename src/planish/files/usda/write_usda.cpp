@@ -238,7 +238,7 @@ void write_groups(const PolygonStream& stream) {
 
 void write_head(FileBuffer& out, const PolygonView& view) {
   out.text("#usda 1.0\n(\n    defaultPrim = \"surface\"\n    metersPerUnit = 1\n");
-  out.text("    upAxis = \"Y\"\n)\n\n");
+  out.text("    upAxis = \"").text(view.is_z_up ? "Z" : "Y").text("\"\n)\n\n");
   for (const std::string& line : view.header) out.text("# ").text(line).text("\n");
   out.text(
       "def Xform \"surface\"\n{\ndef Mesh \"mesh\"\n{\n    uniform token subdivisionScheme = \"");
