@@ -112,9 +112,10 @@ TEST(Usage, AFlagCutShortIsCompleted) {
 TEST(Usage, NumbersThatAreNoneSayWhatIsWanted) {
   expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--tolerance", "abc"},
                      "--tolerance: \"abc\" is no number; a fraction of the bounding-box diagonal");
-  expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--creases", "40"},
-                     "--creases: \"40\" is not one of use, ignore, auto:DEGREES; did you mean "
-                     "auto:40?");
+  expect_usage_error(
+      {"fit", "a.obj", "-o", "b.glb", "--creases", "40"},
+      "--creases: \"40\" is not one of use, ignore, normals, auto:DEGREES; did you mean "
+      "auto:40?");
   expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--creases", "ignroe"},
                      "did you mean ignore?");
   expect_usage_error({"fit", "a.obj", "-o", "b.glb", "-j", "0"}, "--jobs: 0 is out of range");

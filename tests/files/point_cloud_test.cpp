@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cmath>
 #include <random>
 
 #include "files/gltf/glb_bytes.h"
@@ -40,6 +41,50 @@ TEST(PointCloud, ReadsTheVerticesOfMeshFormats) {
   EXPECT_THAT(
       read_points(test::bytes_of("OFF\n2 0 0\n0.1 2 3\n4 5 6\n"), "a.off", FileFormat::Off).points,
       ElementsAre(glm::dvec3(0.1, 2, 3), glm::dvec3(4, 5, 6)));
+}
+
+TEST(PointCloud, NormalsAndColoursComeAlong) {
+  const PointCloud ply = read_points(
+      test::bytes_of("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float "
+                     "y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float "
+                     "nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+                     "end_header\n0 2 3 0 0 2 255 0 0\n4 5 6 nan 0 1 0 255 0\n"),
+      "a.ply", FileFormat::Ply);
+  ASSERT_EQ(ply.normals.size(), 2u);
+  EXPECT_EQ(ply.normals[0], glm::vec3(0, 0, 2));
+  EXPECT_EQ(ply.normals[1], glm::vec3(0, 0, 1));
+  EXPECT_THAT(ply.colors, ElementsAre(glm::vec4(1, 0, 0, 1), glm::vec4(0, 1, 0, 1)));
+
+  const std::string lines = "v 0 2 3 1 0 0\nvn 0 1 0\nv 4 5 6 0 0 1\n";
+  const PointCloud obj =
+      read_points(test::bytes_of(lines + "vn 1 0 0\n"), "a.obj", FileFormat::Obj);
+  EXPECT_THAT(obj.normals, ElementsAre(glm::vec3(0, 1, 0), glm::vec3(1, 0, 0)));
+  EXPECT_THAT(obj.colors, ElementsAre(glm::vec4(1, 0, 0, 1), glm::vec4(0, 0, 1, 1)));
+  // One for two points could be either's.
+  EXPECT_TRUE(read_points(test::bytes_of(lines), "a.obj", FileFormat::Obj).normals.empty());
+}
+
+TEST(PointCloud, NormalsAndColoursOfPcdComeAlong) {
+  const std::string header =
+      "FIELDS x y z normal_x normal_y normal_z curvature rgb\nSIZE 4 4 4 4 4 4 4 4\n"
+      "TYPE F F F F F F F U\nCOUNT 1 1 1 1 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n";
+  const PointCloud text = read_points(
+      test::bytes_of(header + "DATA ascii\n1 2 3 0 1 0 9 16711680\nnan 5 6 1 0 0 9 255\n"), "a.pcd",
+      FileFormat::Pcd);
+  EXPECT_EQ(text.missing_count, 1);
+  EXPECT_THAT(text.normals, ElementsAre(glm::vec3(0, 1, 0)));
+  EXPECT_THAT(text.colors, ElementsAre(glm::vec4(1, 0, 0, 1)));
+
+  std::string binary = header + "DATA binary\n";
+  for (const double value : {1, 2, 3, 0, 1, 0, 9})
+    test::append<float>(binary, static_cast<float>(value));
+  test::append<std::uint32_t>(binary, 0xff00ff00);
+  for (const double value : {4, 5, 6, 0, 0, 1, 9})
+    test::append<float>(binary, static_cast<float>(value));
+  test::append<std::uint32_t>(binary, 0x000000ff);
+  const PointCloud bytes = read_points(test::bytes_of(binary), "a.pcd", FileFormat::Pcd);
+  EXPECT_THAT(bytes.normals, ElementsAre(glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)));
+  EXPECT_THAT(bytes.colors, ElementsAre(glm::vec4(0, 1, 0, 1), glm::vec4(0, 0, 1, 1)));
 }
 
 TEST(PointCloud, ReadsPrimitivesOfPointsWhereNothingElseIs) {

@@ -22,7 +22,12 @@ bool is_finite(const glm::dvec3& p) {
 void fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) {
   PolygonMesh mesh;
   try {
-    mesh = read_mesh(bytes, "fuzz", format).mesh;
+    // Every second size as `--creases normals` reads it.
+    const FileBytes file{.bytes = bytes,
+                         .name = "fuzz",
+                         .path = {},
+                         .split_normals_crease = bytes.size() % 2 == 1};
+    mesh = read_mesh(file, format).mesh;
   } catch (const Error& error) {
     if (error.code() != ErrorCode::UnreadableInput) std::abort();
     return;

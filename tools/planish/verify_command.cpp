@@ -96,7 +96,9 @@ ExitCode run_verify(const VerifyFlags& flags) {
   const Input cage = read_input(flags.cage, std::nullopt);
   const CageHeader header = parse_cage_header(cage.file.header, cage.name);
   const VerifyOptions options = options_of(flags, header);
-  const Input given = read_input(flags.input, std::nullopt);
+  InputFile input = load_input(flags.input, std::nullopt);
+  input.split_normals_crease = options.creases.split_normals;
+  const Input given = mesh_of(input);
   const Verification result = verify(cage, given, options);
   if (flags.json) {
     write_stdout(to_json_text(result, options, cage, given));
@@ -132,7 +134,7 @@ void add_verify_command(CLI::App& app, Invocation& invocation) {
       ->type_name("edge|edge-and-corner")
       ->group(group);
   command->add_option("--creases", flags->creases, "which edges are sharp")
-      ->type_name("use|ignore|auto[:DEGREES]")
+      ->type_name("use|ignore|normals|auto[:DEGREES]")
       ->group(group);
   command->add_option("--repair", flags->repair, "how the mesh was mended")
       ->type_name("safe|none")

@@ -36,7 +36,9 @@ Scene load_scene(const std::string& path, const std::string& name) {
   if (settings.interpolation == command::InterpolationChoice::Fair)
     throw Error(ErrorCode::InvalidArgument,
                 job.name + ": interpolation fair does not run on the device; choose another job");
-  command::Input input = command::read_input(job.input, job.input_format);
+  command::InputFile file = command::load_input(job.input, job.input_format);
+  file.split_normals_crease = job.settings.creases.split_normals;
+  command::Input input = command::mesh_of(file);
   Scene scene;
   scene.name = job.name;
   scene.mesh =

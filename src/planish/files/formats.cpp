@@ -15,6 +15,7 @@
 #include "planish/files/pcd/read_pcd.h"
 #include "planish/files/ply/read_ply.h"
 #include "planish/files/ply/write_ply.h"
+#include "planish/files/read_points.h"
 #include "planish/files/stl/read_stl.h"
 #include "planish/files/stl/write_stl.h"
 #include "planish/files/usda/write_usda.h"
@@ -30,10 +31,10 @@ auto from_bytes(const FileBytes& file) {
 }
 
 // The vertices of what a reader of meshes finds.
-template <auto read>
+template <MeshFile (*read)(const FileBytes&)>
 PointCloud vertices_of(const FileBytes& file) {
   MeshFile found = read(file);
-  PointCloud cloud = cloud_of(std::move(found.mesh.positions), file.name);
+  PointCloud cloud = points_of(found, file.name);
   cloud.warnings = std::move(found.warnings);
   return cloud;
 }
@@ -54,8 +55,8 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                               FormatInfo{.format = FileFormat::Obj,
                                          .name = "obj",
                                          .title = "Wavefront OBJ",
-                                         .read_mesh = from_bytes<read_obj>,
-                                         .read_points = vertices_of<from_bytes<read_obj>>,
+                                         .read_mesh = read_obj,
+                                         .read_points = vertices_of<read_obj>,
                                          .write_piece = write_obj,
                                          .polygon_parts = is_obj_part,
                                          .companion = "mtl",
@@ -64,8 +65,8 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                               FormatInfo{.format = FileFormat::Ply,
                                          .name = "ply",
                                          .title = "Stanford PLY",
-                                         .read_mesh = from_bytes<read_ply>,
-                                         .read_points = from_bytes<read_ply_points>,
+                                         .read_mesh = read_ply,
+                                         .read_points = vertices_of<read_ply>,
                                          .write_piece = write_ply,
                                          .polygon_parts = is_ply_part,
                                          .keeps_doubles = true},

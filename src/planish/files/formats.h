@@ -25,6 +25,9 @@ struct FileBytes {
   std::span<const std::byte> bytes;
   std::string_view name;       ///< what messages call it
   std::filesystem::path path;  ///< where it lies, for files that it names; empty: they are not read
+  /// Edges where the normals of glTF, OBJ or PLY are split become creases, and vertices at one
+  /// place one vertex.
+  bool split_normals_crease = false;
 };
 
 /// One format of the table. A reader or writer that is missing is null; the readers and the writer

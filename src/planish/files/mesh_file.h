@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,6 +24,7 @@ struct MeshFile {
   std::int64_t welded_vertex_count = 0;    ///< vertices merged with one at the same position
   std::int64_t dropped_element_count = 0;  ///< lines, points and the like that carry no surface
   std::vector<Warning> warnings;
+  std::vector<glm::vec3> normals;   ///< one per vertex, of files without faces that have them
   std::vector<std::string> header;  ///< `# planish key=value` comment lines of a cage
 };
 

@@ -2,6 +2,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
 #include "planish/files/sniff_format.h"
 
@@ -16,6 +17,13 @@ PointCloud read_points(const FileBytes& file, FileFormat format) {
   }
   PointCloud cloud = info.read_points(utf8_file(file, format));
   recentre(cloud);
+  return cloud;
+}
+
+PointCloud points_of(const MeshFile& file, std::string_view name) {
+  PointCloud cloud = cloud_of(file.mesh.positions, name);
+  cloud.normals = file.normals;
+  cloud.colors = file.mesh.colors;
   return cloud;
 }
 

@@ -11,8 +11,8 @@
 namespace planish {
 
 /// Reads points from memory; `name` stands in messages. Positions are finite and at most
-/// kMaxCoordinate in what is returned; colours, normals and whatever else stands there are passed
-/// over. Of formats that hold meshes too, these are the vertices, of glTF those of its primitives
+/// kMaxCoordinate in what is returned; colours and normals come along from glTF, OBJ, PLY and PCD.
+/// Of formats that hold meshes too, these are the vertices, of glTF those of its primitives
 /// of points where it has no triangles. Throws Error{UnreadableInput}: `name:line: what, value` or
 /// `name: point 12 of 345: ...`; Error{InvalidArgument} for a format without points.
 [[nodiscard]] PointCloud read_points(std::span<const std::byte> bytes, std::string_view name,
@@ -20,6 +20,10 @@ namespace planish {
 
 /// The same, with what a glTF names beside it where `file` has a path.
 [[nodiscard]] PointCloud read_points(const FileBytes& file, FileFormat format);
+
+/// The vertices of a file, with its colours, and its normals where it has no faces. Throws
+/// Error{UnreadableInput} as cloud_of().
+[[nodiscard]] PointCloud points_of(const MeshFile& file, std::string_view name);
 
 /// Reads a file by its extension. Throws as above.
 [[nodiscard]] PointCloud read_points(const std::filesystem::path& path);

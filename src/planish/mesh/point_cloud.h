@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,9 @@ namespace planish {
 /// points[i] and this sum are exact, so that the file's doubles come back bit by bit.
 struct PointCloud {
   std::vector<glm::dvec3> points;
+  /// Of any length, 0 or not finite for none; empty, or one per point.
+  std::vector<glm::vec3> normals;
+  std::vector<glm::vec4> colors;  ///< linear RGBA, 0 to 1; empty, or one per point
   /// 0 on an axis where the cloud is not far from 0, see recentre().
   glm::dvec3 origin{0.0};
   /// Points of the file that are not finite, as depth cameras write where they saw nothing.

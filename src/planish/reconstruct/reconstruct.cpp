@@ -13,6 +13,7 @@
 #include "planish/reconstruct/pair_triangles.h"
 #include "planish/reconstruct/smooth_points.h"
 #include "planish/reconstruct/triangle_edges.h"
+#include "planish/reconstruct/turn_by_normals.h"
 
 namespace planish {
 namespace {
@@ -103,22 +104,26 @@ void diagnose(const Reconstruction& result, const ReconstructOptions& options) {
                     .count = facts.vertex_count});
 }
 
-std::vector<glm::dvec3> chosen(std::span<const glm::dvec3> points,
-                               std::span<const std::int32_t> indices) {
-  std::vector<glm::dvec3> result;
+template <class Vector>
+std::vector<Vector> chosen(const std::vector<Vector>& of_points,
+                           std::span<const std::int32_t> indices) {
+  std::vector<Vector> result;
   result.reserve(indices.size());
-  for (const std::int32_t index : indices) result.push_back(points[index]);
+  for (const std::int32_t index : indices) result.push_back(of_points[index]);
   return result;
 }
 
 // Drops unused points, moves the mesh to where the file has it and notes the points it came from.
-void finish_mesh(PolygonMesh polygons, const glm::dvec3& origin, Reconstruction& result) {
+void finish_mesh(PolygonMesh polygons, const PointCloud& cloud, Reconstruction& result) {
   UsedMesh used = without_unused_vertices(polygons);
   result.mesh = std::move(used.mesh);
-  for (glm::dvec3& position : result.mesh.positions) position += origin;
+  for (glm::dvec3& position : result.mesh.positions) position += cloud.origin;
   result.vertex_points.reserve(used.vertices.size());
   for (const std::int32_t vertex : used.vertices)
     result.vertex_points.push_back(result.used_points[vertex]);
+  if (!cloud.colors.empty())
+    for (const std::int32_t point : result.vertex_points)
+      result.mesh.colors.push_back(cloud.colors[point]);
   require_usable(result.mesh, "reconstructed mesh");
   result.statistics = statistics(result.mesh);
 }
@@ -169,6 +174,9 @@ void repair(Work& work) {
   work.triangles = std::move(repaired.triangles);
   work.result.filled_loop_count = repaired.filled_loop_count;
   work.result.dropped_component_count = repaired.dropped_component_count;
+  if (!work.cloud.normals.empty())
+    work.result.turned_component_count = turn_by_normals(
+        work.points, chosen(work.cloud.normals, work.result.used_points), work.triangles);
   if (work.triangles.empty())
     throw Error(ErrorCode::UnusableMesh,
                 "no surface was found in " + std::to_string(work.points.size()) + " points");
@@ -204,7 +212,7 @@ void measure_and_pair(Work& work) {
     polygons = polygons_of(work.triangles);
     polygons.positions = std::move(work.points);
   }
-  finish_mesh(std::move(polygons), work.cloud.origin, result);
+  finish_mesh(std::move(polygons), work.cloud, result);
   result.timing.measure = work.watch.lap();
 }
 

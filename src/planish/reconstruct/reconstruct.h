@@ -41,7 +41,8 @@ struct ReconstructTiming {
 
 /// A polygon mesh near every point of a cloud. Lengths are those of the cloud.
 struct Reconstruction {
-  PolygonMesh mesh;  ///< all vertices are used; places are those of the file, see PointCloud
+  /// All vertices are used; places are those of the file, see PointCloud, and so are colours.
+  PolygonMesh mesh;
   /// The point at each vertex, an index into PointCloud::points; without smoothing both are equal
   /// to the last bit.
   std::vector<std::int32_t> vertex_points;
@@ -52,6 +53,7 @@ struct Reconstruction {
   double diagonal = 0;
   MeshStatistics statistics;
   std::int64_t filled_loop_count = 0, dropped_component_count = 0;
+  std::int64_t turned_component_count = 0;  ///< open ones, turned as the points' normals say
   std::int64_t strayed_count = 0;  ///< used points that the mesh was too far from to begin with
   /// Of the used points (smoothed, if asked for) to the mesh, its quads cut as pair_triangles()
   /// says.

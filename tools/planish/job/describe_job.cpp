@@ -107,7 +107,8 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
 
 std::string describe(const PlannedJob& planned, const DeviceDescription& device,
                      const PathClaims& claims) {
-  const InputFile file = load_input(planned.job.input, planned.job.input_format);
+  InputFile file = load_input(planned.job.input, planned.job.input_format);
+  file.split_normals_crease = planned.job.settings.creases.split_normals;
   if (holds_points_only(file.format))
     return describe_points(planned, points_of(file), device, claims);
   Input input = mesh_of(file);

@@ -77,11 +77,13 @@ Input mesh_of(const InputFile& file) {
                 file.name + ": holds points, and a mesh is wanted here; \"planish reconstruct " +
                     file.name + " -o mesh.obj\" makes one of them");
   }
-  Input input{
-      .name = file.name,
-      .file = read_mesh(FileBytes{.bytes = file.bytes, .name = file.name, .path = file.path},
-                        file.format),
-      .sha256 = {}};
+  Input input{.name = file.name,
+              .file = read_mesh(FileBytes{.bytes = file.bytes,
+                                          .name = file.name,
+                                          .path = file.path,
+                                          .split_normals_crease = file.split_normals_crease},
+                                file.format),
+              .sha256 = {}};
   input.sha256 = file.sha256();
   return input;
 }

@@ -18,6 +18,7 @@ struct InputFile {
   std::filesystem::path path;  ///< empty: stdin
   RawVector<std::byte> bytes;
   FileFormat format = FileFormat::Obj;
+  bool split_normals_crease = false;       ///< as FileBytes has it
   std::shared_future<std::string> digest;  ///< is taken while the bytes are read
 
   [[nodiscard]] std::string sha256() const { return digest.get(); }

@@ -103,7 +103,8 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
   JobInput made;
   Input& input = made.input;
   const Callbacks callbacks = callbacks_for(report, context);
-  const InputFile file = load_input(job.input, job.input_format);
+  InputFile file = load_input(job.input, job.input_format);
+  file.split_normals_crease = report.settings.creases.split_normals;
   input.name = file.name;
   report.input.format = name_of(file.format);
   if (job.sampling) {
@@ -116,6 +117,10 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
     report.input.format = name_of(input.file.format);
     if (const auto cloud = points_of(input)) reconstruct_points(*cloud, made, report, callbacks);
   }
+  if (file.split_normals_crease && input.file.mesh.creases.empty())
+    add_warning(report, console,
+                {"no-split-normals",
+                 file.name + ": --creases normals found no edge where normals are split"});
   if (!job.source.empty()) made.source = read_source(job.source);
   for (const Warning& warning : input.file.warnings) add_warning(report, console, warning);
   report.input.path = job.input;

@@ -40,8 +40,9 @@ std::optional<PointInput> points_of(const Input& input) {
   if (!serves(input.file.format, FormatUse::ReadPoints) || mesh.face_count() > 0 ||
       mesh.positions.size() < least)
     return std::nullopt;
-  return PointInput{
-      .name = input.name, .cloud = cloud_of(mesh.positions, input.name), .sha256 = input.sha256};
+  return PointInput{.name = input.name,
+                    .cloud = planish::points_of(input.file, input.name),
+                    .sha256 = input.sha256};
 }
 
 Mesher require_mesher() {

@@ -129,9 +129,8 @@ constexpr std::array kWordSettings{
                 [](Settings& s, std::string_view value, std::string_view where) {
                   s.boundary = parse_boundary(value, where);
                 }},
-    WordSetting{"creases", "use|ignore|auto[:DEGREES]", "use",
-                "sharp edges: those the file tags, none, or also those that turn by more (30)",
-                true,
+    WordSetting{"creases", "use|ignore|normals|auto[:DEGREES]", "use",
+                "sharp edges: tagged ones, none, split normals too, or turns above (30) too", true,
                 [](Settings& s, std::string_view value, std::string_view where) {
                   s.creases = parse_creases(value, where);
                 }},
@@ -192,17 +191,18 @@ BoundaryRule parse_boundary(std::string_view value, std::string_view where) {
 
 CreaseChoice parse_creases(std::string_view value, std::string_view where) {
   if (value == "auto") return {true, CreaseDetectionOptions{}.dihedral_degrees};
+  if (value == "normals") return {.split_normals = true};
   double angle = 0;
   if (parse_number(value, angle)) {
     refuse(where, "\"" + visible(value) +
-                      "\" is not one of use, ignore, auto:DEGREES; did you mean auto:" +
+                      "\" is not one of use, ignore, normals, auto:DEGREES; did you mean auto:" +
                       visible(value) + "?");
   }
   if (!value.starts_with("auto:")) {
     for (const auto& word : kCreases)
       if (word.text == value) return {word.value, std::nullopt};
-    constexpr std::array<std::string_view, 3> kKnown{"use", "ignore", "auto"};
-    refuse(where, "\"" + visible(value) + "\" is not one of use, ignore, auto:DEGREES" +
+    constexpr std::array<std::string_view, 4> kKnown{"use", "ignore", "normals", "auto"};
+    refuse(where, "\"" + visible(value) + "\" is not one of use, ignore, normals, auto:DEGREES" +
                       did_you_mean(value, kKnown));
   }
   const std::string_view digits = value.substr(5);
@@ -334,6 +334,7 @@ std::string_view name_of(GltfCompression compression) {
 }
 
 std::string name_of(const CreaseChoice& creases) {
+  if (creases.split_normals) return "normals";
   if (!creases.dihedral_degrees) return std::string(text_of(kCreases, creases.use_tags));
   std::array<char, 32> digits{};
   const auto end =

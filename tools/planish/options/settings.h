@@ -27,6 +27,7 @@ enum class InterpolationChoice { Auto, Progressive, Fair };
 struct CreaseChoice {
   bool use_tags = true;                    ///< those that the file tags
   std::optional<double> dihedral_degrees;  ///< and those whose faces turn by more
+  bool split_normals = false;              ///< and those where the file splits its normals
 };
 
 /// Everything that can be set for one job, by flags of `fit` or keys of a scene file.

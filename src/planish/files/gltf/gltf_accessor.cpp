@@ -18,6 +18,8 @@ Wanted wanted_of(GltfAccessor::Use use, std::string_view type) {
   switch (use) {
     case GltfAccessor::Use::Positions:
       return {"VEC3", "positions"};
+    case GltfAccessor::Use::Normals:
+      return {"VEC3", "normals"};
     case GltfAccessor::Use::Indices:
       return {"SCALAR", "indices"};
     case GltfAccessor::Use::TextureCoordinates:

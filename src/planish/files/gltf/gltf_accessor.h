@@ -14,14 +14,14 @@ namespace planish {
 /// A typed array whose every element lies within its buffer view.
 class GltfAccessor {
  public:
-  enum class Use { Positions, Indices, TextureCoordinates, Colors };
+  enum class Use { Positions, Normals, Indices, TextureCoordinates, Colors };
 
   /// Checks everything before any element can be asked for: component and element type for the
   /// use, count, offset, stride. Sparse accessors are refused. Throws Error{UnreadableInput}.
   GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source);
 
   [[nodiscard]] std::int64_t count() const { return count_; }
-  /// Of Use::Positions; normalised integers are scaled. May not be finite.
+  /// Of Use::Positions and Use::Normals; normalised integers are scaled. May not be finite.
   [[nodiscard]] glm::dvec3 position(std::int64_t index) const;
   /// Of Use::TextureCoordinates. May not be finite.
   [[nodiscard]] glm::dvec2 texture_coordinate(std::int64_t index) const;

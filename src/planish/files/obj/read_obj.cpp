@@ -15,8 +15,10 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/files/obj/obj_normals.h"
 #include "planish/files/obj/obj_part.h"
 #include "planish/files/shared/attribute_collector.h"
+#include "planish/files/shared/split_normals.h"
 #include "planish/files/shared/text_lines.h"
 
 namespace planish {
@@ -284,6 +286,21 @@ std::optional<MeshFile> read_parts(const std::vector<TextLines>& parts) {
 }
 
 }  // namespace
+
+MeshFile read_obj(const FileBytes& file) {
+  MeshFile found = read_obj(file.bytes, file.name);
+  const bool is_cloud = found.mesh.face_count() == 0 && !found.mesh.positions.empty();
+  if (!is_cloud && !file.split_normals_crease) return found;
+  CornerNormals normals = read_obj_normals(file.bytes, file.name);
+  if (is_cloud) {
+    if (normals.values.size() == found.mesh.positions.size())
+      found.normals = std::move(normals.values);
+    return found;
+  }
+  weld_vertices(found);
+  mark_split_normals(found.mesh, normals);
+  return found;
+}
 
 MeshFile read_obj(std::span<const std::byte> bytes, std::string_view name) {
   constexpr std::size_t kPartBytes = std::size_t{1} << 20;

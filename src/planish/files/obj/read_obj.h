@@ -12,7 +12,9 @@ namespace planish {
 /// `t corner` and `t hole` of OpenSubdiv's shapes. Three numbers behind a position are its colour
 /// in sRGB, as other programs read and write it, a fourth is its alpha. A face's group takes its
 /// name from g, or from o where g names none. Lines, points and free-form elements are counted as
-/// dropped, normals are passed over. Conditions and exceptions as read_mesh().
+/// dropped. Normals are passed over but for `split_normals_crease`, and in files without faces,
+/// which have as many as vertices or none. Conditions and exceptions as read_mesh().
+[[nodiscard]] MeshFile read_obj(const FileBytes& file);
 [[nodiscard]] MeshFile read_obj(std::span<const std::byte> bytes, std::string_view name);
 
 /// The same in parts of about `part_bytes`, on which the result does not depend; threads take one

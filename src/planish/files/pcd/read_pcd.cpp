@@ -5,6 +5,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -12,6 +14,7 @@
 #include "planish/core/number_text.h"
 #include "planish/files/pcd/lzf.h"
 #include "planish/files/shared/bytes.h"
+#include "planish/files/shared/srgb.h"
 #include "planish/files/shared/text_lines.h"
 #include "planish/mesh/check.h"
 
@@ -36,17 +39,22 @@ struct Header {
   std::vector<Field> fields;
   std::int64_t width = -1, height = 1, points = -1;
   Data data = Data::Text;
-  std::array<std::size_t, 3> axes{};  // index of the fields x, y and z
+  // Indices of the fields x, y, z, normal_x, normal_y, normal_z and rgb or rgba.
+  std::array<std::size_t, 7> places{};
+
+  [[nodiscard]] bool has(std::size_t slot) const { return places[slot] < fields.size(); }
 
   [[nodiscard]] std::int64_t record_bytes() const {
     std::int64_t bytes = 0;
     for (const Field& field : fields) bytes += field.size * field.count;
     return bytes;
   }
-  // Bytes of a record that stand before the field.
-  [[nodiscard]] std::int64_t offset_of(std::size_t index) const {
-    std::int64_t bytes = 0;
-    for (std::size_t i = 0; i < index; ++i) bytes += fields[i].size * fields[i].count;
+  // Bytes of a record that stand before the field of each slot.
+  [[nodiscard]] std::array<std::size_t, 7> offsets() const {
+    std::array<std::size_t, 7> bytes{};
+    for (std::size_t slot = 0; slot < places.size(); ++slot)
+      for (std::size_t i = 0; i < std::min(places[slot], fields.size()); ++i)
+        bytes[slot] += static_cast<std::size_t>(fields[i].size * fields[i].count);
     return bytes;
   }
 };
@@ -64,6 +72,28 @@ double load_value(std::span<const std::byte> bytes, const Field& field) {
     default:
       return is_signed ? static_cast<double>(load<std::int64_t>(bytes))
                        : static_cast<double>(load<std::uint64_t>(bytes));
+  }
+}
+
+constexpr std::size_t kNormal = 3, kColor = 6;  // slots of Header::places
+
+// What a point has, by slot.
+struct Record {
+  std::array<double, kColor> numbers{};
+  std::uint32_t color = 0xffffffff;  // alpha, red, green, blue from the highest byte
+};
+
+// Colours are packed in 32 bits, which the library also calls a float.
+std::uint32_t color_bits(double value, const Field& field) {
+  if (field.type == 'F') return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+  return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
+}
+
+void store(Record& record, std::size_t slot, std::span<const std::byte> bytes, const Field& field) {
+  if (slot == kColor) {
+    record.color = load<std::uint32_t>(bytes);
+  } else {
+    record.numbers[slot] = load_value(bytes, field);
   }
 }
 
@@ -95,10 +125,12 @@ class PcdReader {
   void for_each_field(Words words, std::string_view keyword, const Set& set);
   std::int64_t read_count(std::string_view keyword, std::string_view word, std::int64_t most);
   void check_header();
+  void find_attributes();
+  void set_word(Record& record, std::size_t slot, std::string_view word, std::int64_t index) const;
   void read_text();
   void read_binary();
   void read_compressed();
-  void add(const glm::dvec3& point, std::int64_t index);
+  void add(const Record& record, std::int64_t index);
   [[noreturn]] void fail(const std::string& what, std::int64_t element = -1) const {
     throw Error(ErrorCode::UnreadableInput, name_ + ": " + what, element);
   }
@@ -193,8 +225,9 @@ void PcdReader::check_header() {
     if (found->count != 1) lines_.fail("COUNT of " + quote(kAxes[axis]) + " is not 1");
     if (found->type == 'F' && found->size < 4)
       lines_.fail("SIZE of " + quote(kAxes[axis]) + " is no 4 or 8, as type F needs");
-    header_.axes[axis] = static_cast<std::size_t>(found - header_.fields.begin());
+    header_.places[axis] = static_cast<std::size_t>(found - header_.fields.begin());
   }
+  find_attributes();
   if (header_.record_bytes() > kMaxRecordBytes) lines_.fail("a point has more than 2^30 bytes");
   if (header_.width < 0 && header_.points < 0) lines_.fail("neither WIDTH nor POINTS is given");
   // Both factors are below 2^31.
@@ -205,7 +238,26 @@ void PcdReader::check_header() {
                 std::to_string(product));
 }
 
-void PcdReader::add(const glm::dvec3& point, std::int64_t index) {
+// Normals and colours are read where they are what the library writes.
+void PcdReader::find_attributes() {
+  constexpr std::array<std::string_view, 3> kNormals = {"normal_x", "normal_y", "normal_z"};
+  const std::size_t none = header_.fields.size();
+  const auto place_of = [&](std::string_view name, bool is_number) {
+    const auto found = std::ranges::find(header_.fields, name, &Field::name);
+    const bool fits = found != header_.fields.end() && found->count == 1 &&
+                      (is_number ? found->type == 'F' && found->size >= 4 : found->size == 4);
+    return fits ? static_cast<std::size_t>(found - header_.fields.begin()) : none;
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    header_.places[kNormal + axis] = place_of(kNormals[axis], true);
+  if (!header_.has(3) || !header_.has(4) || !header_.has(5))
+    std::fill_n(header_.places.begin() + kNormal, 3, none);
+  const std::size_t opaque = place_of("rgb", false);
+  header_.places[kColor] = opaque < none ? opaque : place_of("rgba", false);
+}
+
+void PcdReader::add(const Record& record, std::int64_t index) {
+  const glm::dvec3 point(record.numbers[0], record.numbers[1], record.numbers[2]);
   for (int axis = 0; axis < 3; ++axis) {
     if (std::isnan(point[axis])) {
       ++cloud_.missing_count;
@@ -217,6 +269,28 @@ void PcdReader::add(const glm::dvec3& point, std::int64_t index) {
            index);
   }
   cloud_.points.push_back(point);
+  if (header_.has(kNormal))
+    cloud_.normals.emplace_back(record.numbers[3], record.numbers[4], record.numbers[5]);
+  if (!header_.has(kColor)) return;
+  const auto share = [&](int shift) { return (record.color >> shift & 0xff) / 255.0; };
+  const bool is_opaque = header_.fields[header_.places[kColor]].name == "rgb";
+  cloud_.colors.push_back(
+      linear_of_srgb(glm::dvec4(share(16), share(8), share(0), is_opaque ? 1.0 : share(24))));
+}
+
+void PcdReader::set_word(Record& record, std::size_t slot, std::string_view word,
+                         std::int64_t index) const {
+  double value = 0;
+  if (!parse_number(word, value)) {
+    if (slot < kNormal && word != "nan" && word != "-nan")
+      lines_.fail("coordinate " + quote(word) + " is no finite number", index);
+    value = std::numeric_limits<double>::quiet_NaN();
+  }
+  if (slot < kColor) {
+    record.numbers[slot] = value;
+  } else if (std::abs(value) < 0x1p63) {  // not for a NaN
+    record.color = color_bits(value, header_.fields[header_.places[slot]]);
+  }
 }
 
 void PcdReader::read_text() {
@@ -230,22 +304,18 @@ void PcdReader::read_text() {
                       std::to_string(header_.points),
                   index);
     Words words(lines_.line());
-    glm::dvec3 point(0.0);
+    Record record;
     for (std::size_t f = 0; f < header_.fields.size(); ++f) {
       std::string_view word;
       for (std::int64_t i = 0; i < header_.fields[f].count; ++i) {
         word = words.next();
         if (word.empty()) lines_.fail("point " + std::to_string(index) + " has too few values");
       }
-      const auto axis = std::ranges::find(header_.axes, f) - header_.axes.begin();
-      if (axis == 3) continue;
-      if (word == "nan" || word == "-nan") {
-        point[axis] = std::numeric_limits<double>::quiet_NaN();
-      } else if (!parse_number(word, point[axis])) {
-        lines_.fail("coordinate " + quote(word) + " is no finite number", index);
-      }
+      const auto slot = std::ranges::find(header_.places, f) - header_.places.begin();
+      if (slot <= static_cast<std::ptrdiff_t>(kColor))
+        set_word(record, static_cast<std::size_t>(slot), word, index);
     }
-    add(point, index);
+    add(record, index);
   }
 }
 
@@ -257,13 +327,14 @@ void PcdReader::read_binary() {
          std::to_string(stride) + " bytes, but only " + std::to_string(body.size()) +
          " bytes follow");
   cloud_.points.reserve(header_.points);
+  const std::array<std::size_t, kColor + 1> offsets = header_.offsets();
   for (std::int64_t index = 0; index < header_.points; ++index) {
     const auto record = body.subspan(index * stride, stride);
-    glm::dvec3 point;
-    for (int axis = 0; axis < 3; ++axis)
-      point[axis] = load_value(record.subspan(header_.offset_of(header_.axes[axis])),
-                               header_.fields[header_.axes[axis]]);
-    add(point, index);
+    Record found;
+    for (std::size_t slot = 0; slot <= kColor; ++slot)
+      if (header_.has(slot))
+        store(found, slot, record.subspan(offsets[slot]), header_.fields[header_.places[slot]]);
+    add(found, index);
   }
 }
 
@@ -285,14 +356,16 @@ void PcdReader::read_compressed() {
   if (data.size() != expanded) fail("the compressed data is damaged");
   // Unlike the other kinds, all values of a field stand together.
   cloud_.points.reserve(count);
+  const std::array<std::size_t, kColor + 1> offsets = header_.offsets();
   for (std::size_t index = 0; index < count; ++index) {
-    glm::dvec3 point;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Field& field = header_.fields[header_.axes[axis]];
-      const std::size_t begin = header_.offset_of(header_.axes[axis]) * count;
-      point[axis] = load_value(std::span(data).subspan(begin + index * field.size), field);
+    Record record;
+    for (std::size_t slot = 0; slot <= kColor; ++slot) {
+      if (!header_.has(slot)) continue;
+      const Field& field = header_.fields[header_.places[slot]];
+      store(record, slot, std::span(data).subspan(offsets[slot] * count + index * field.size),
+            field);
     }
-    add(point, static_cast<std::int64_t>(index));
+    add(record, static_cast<std::int64_t>(index));
   }
 }
 

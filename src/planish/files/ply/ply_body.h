@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -61,6 +62,11 @@ class PlyTextBody {
       lines_.fail(place_of(element, index) + ": " + quote(text) + " is no finite number", index);
     return value;
   }
+  /// The same, 0 for what is no finite number.
+  double number_or_zero(PlyType, const PlyElement& element, std::int64_t index) {
+    double value = 0;
+    return parse_number(word(element, index), value) ? value : 0;
+  }
   [[nodiscard]] std::size_t values_left(PlyType) const { return words_.rest().size(); }
 
  private:
@@ -110,6 +116,10 @@ class PlyBinaryBody {
   double number(PlyType type, const PlyElement& element, std::int64_t index) {
     return number_in(take(byte_count_of(type), element, index), type);
   }
+  double number_or_zero(PlyType type, const PlyElement& element, std::int64_t index) {
+    const double value = number(type, element, index);
+    return std::isfinite(value) ? value : 0;
+  }
   /// The number that stands `place` bytes farther, which must be left with the number's own.
   [[nodiscard]] double behind_number(std::size_t place, PlyType type) const {
     return number_in(left_.subspan(place, byte_count_of(type)), type);
@@ -152,5 +162,38 @@ class PlyBinaryBody {
   std::string name_;
   std::endian order_ = std::endian::little;
 };
+
+/// How many values of a list follow. Throws Error{UnreadableInput} where so many cannot.
+template <class Body>
+std::int64_t ply_list_count(Body& body, const PlyProperty& property, const PlyElement& element,
+                            std::int64_t index) {
+  const double count = body.number(*property.count_type, element, index);
+  if (count < 0 || count != std::floor(count) ||
+      count > static_cast<double>(body.values_left(property.type)))
+    body.fail(place_of(element, index) + ": list " + quote(property.name) + " promises " +
+                  shortest(count) + " values, but no more than " +
+                  std::to_string(body.values_left(property.type)) + " can follow",
+              index);
+  return static_cast<std::int64_t>(count);
+}
+
+/// Passes over a property, a list or one value.
+template <class Body>
+void skip_ply_value(Body& body, const PlyProperty& property, const PlyElement& element,
+                    std::int64_t index) {
+  const std::int64_t count =
+      property.count_type ? ply_list_count(body, property, element, index) : 1;
+  for (std::int64_t i = 0; i < count; ++i) body.skip(property.type, element, index);
+}
+
+template <class Body>
+void skip_ply_element(Body& body, const PlyElement& element) {
+  for (std::int64_t index = 0; index < element.count; ++index) {
+    body.begin(element, index);
+    for (const PlyProperty& property : element.properties)
+      skip_ply_value(body, property, element, index);
+    body.end(element, index);
+  }
+}
 
 }  // namespace planish

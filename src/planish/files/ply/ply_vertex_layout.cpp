@@ -14,7 +14,7 @@ struct Slot {
   std::string_view name;
   int index;
 };
-constexpr std::array<Slot, 13> kSlots = {{{"x", 0},
+constexpr std::array<Slot, 16> kSlots = {{{"x", 0},
                                           {"y", 1},
                                           {"z", 2},
                                           {"s", 3},
@@ -26,7 +26,10 @@ constexpr std::array<Slot, 13> kSlots = {{{"x", 0},
                                           {"red", 5},
                                           {"green", 6},
                                           {"blue", 7},
-                                          {"alpha", 8}}};
+                                          {"alpha", 8},
+                                          {"nx", 9},
+                                          {"ny", 10},
+                                          {"nz", 11}}};
 
 }  // namespace
 
@@ -43,14 +46,16 @@ PlyVertexLayout ply_vertex_layout(const PlyElement& element) {
   for (const std::size_t axis : {2, 1, 0}) {
     if (!found[axis]) layout.missing_axis = kSlots[axis].name.front();
   }
-  // Half of a texture coordinate or of a colour is none.
+  // Half of a texture coordinate, of a colour or of a normal is none.
+  const bool has_uv = found[3] && found[4], has_color = found[5] && found[6] && found[7],
+             has_normal = found[9] && found[10] && found[11];
   for (int& slot : slots) {
-    const bool is_uv = slot == 3 || slot == 4;
-    const bool is_half = is_uv ? !found[3] || !found[4] : !found[5] || !found[6] || !found[7];
-    if (slot > 2 && is_half) slot = -1;
+    const bool is_whole = slot < 3 || (slot < 5 ? has_uv : slot < 9 ? has_color : has_normal);
+    if (!is_whole) slot = -1;
   }
   layout.has_uvs = std::ranges::find(slots, 3) != slots.end();
   layout.has_colors = std::ranges::find(slots, 5) != slots.end();
+  layout.has_normals = std::ranges::find(slots, 9) != slots.end();
   return layout;
 }
 

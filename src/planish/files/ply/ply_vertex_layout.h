@@ -8,10 +8,10 @@ namespace planish {
 
 /// Where each property of a vertex goes.
 struct PlyVertexLayout {
-  /// By property: 0 to 2 the coordinates, 3 and 4 the texture coordinates, 5 to 8 the colour; -1
-  /// for what is passed over.
+  /// By property: 0 to 2 the coordinates, 3 and 4 the texture coordinates, 5 to 8 the colour, 9
+  /// to 11 the normal; -1 for what is passed over.
   std::vector<int> slots;
-  bool has_uvs = false, has_colors = false;
+  bool has_uvs = false, has_colors = false, has_normals = false;
   char missing_axis = 0;  ///< a coordinate that the element lacks, as x
 };
 

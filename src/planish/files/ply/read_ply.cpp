@@ -15,18 +15,24 @@
 #include "planish/files/ply/ply_body.h"
 #include "planish/files/ply/ply_vertex_layout.h"
 #include "planish/files/shared/line_records.h"
+#include "planish/files/shared/split_normals.h"
 
 namespace planish {
 namespace {
 
 constexpr std::int64_t kMaxCount = std::numeric_limits<std::int32_t>::max() - 1;
 
+struct Reading {
+  std::size_t part_bytes = std::size_t{1} << 20;
+  bool wants_normals = false;  // of a mesh; those of a cloud are always read
+};
+
 template <class Body>
 class PlyReader {
  public:
   PlyReader(std::span<const std::byte> bytes, std::string_view name, const PlyHeader& header,
-            std::size_t part_bytes)
-      : body_(bytes, name), header_(header), part_bytes_(part_bytes) {
+            const Reading& reading)
+      : body_(bytes, name), header_(header), reading_(reading) {
     body_.skip_header(header);
   }
 
@@ -39,6 +45,7 @@ class PlyReader {
     (void)require_single("face");
     if (!read_text_parts()) {
       file_.mesh = {};
+      file_.normals = {};
       for (const PlyElement& element : header_.elements) read_element(element);
     }
     if (!file_.mesh.uvs.empty()) file_.mesh.face_uvs = file_.mesh.face_vertices;
@@ -64,14 +71,9 @@ class PlyReader {
   bool read_records(std::int64_t count, const PlaceOf& place_of_record, const Read& read) const;
   static std::optional<std::size_t> fixed_bytes(const PlyElement& element,
                                                 const PlyProperty* besides);
-  void skip_all(const PlyElement& element);
-  static void skip(Body& body, const PlyProperty& property, const PlyElement& element,
-                   std::int64_t index);
-  static std::int64_t read_count(Body& body, const PlyProperty& property, const PlyElement& element,
-                                 std::int64_t index);
   Body body_;
   const PlyHeader& header_;
-  std::size_t part_bytes_;
+  Reading reading_;
   MeshFile file_;
   std::int64_t vertex_count_ = -1;
 };
@@ -100,12 +102,20 @@ void PlyReader<Body>::read_element(const PlyElement& element) {
     file_.warnings.push_back({.code = "ignored-element",
                               .message = "triangle strips cannot be read; save them as faces",
                               .count = element.count});
-  skip_all(element);
+  skip_ply_element(body_, element);
 }
 
 template <class Body>
 PlyVertexLayout PlyReader<Body>::layout_of(const PlyElement& element) const {
   PlyVertexLayout layout = ply_vertex_layout(element);
+  const bool has_faces = std::ranges::any_of(header_.elements, [](const PlyElement& other) {
+    return other.name == "face" && other.count > 0;
+  });
+  if (has_faces && !reading_.wants_normals) {
+    layout.has_normals = false;
+    std::ranges::replace_if(
+        layout.slots, [](int slot) { return slot > 8; }, -1);
+  }
   if (layout.missing_axis != 0)
     body_.fail("element `vertex` has no property " + quote({&layout.missing_axis, 1}), -1);
   return layout;
@@ -117,6 +127,7 @@ void PlyReader<Body>::make_room(const PlyVertexLayout& layout, std::int64_t coun
   file_.mesh.positions.resize(vertices);
   file_.mesh.uvs.resize(layout.has_uvs ? vertices : 0);
   file_.mesh.colors.resize(layout.has_colors ? vertices : 0);
+  file_.normals.resize(layout.has_normals ? vertices : 0);
 }
 
 // Text of vertices and faces and nothing else, on all threads. False for other files, and where
@@ -128,7 +139,7 @@ bool PlyReader<Body>::read_text_parts() {
     if (elements.size() != 2 || elements[0].name != "vertex" || elements[1].name != "face")
       return false;
     const PlyElement &vertices = elements[0], &faces = elements[1];
-    const LineRecords records(body_.lines(), part_bytes_);
+    const LineRecords records(body_.lines(), reading_.part_bytes);
     const PlyProperty* indices = ply_vertex_list(faces);
     if (records.part_count() == 1 || indices == nullptr || vertices.count > records.count() ||
         faces.count > records.count() - vertices.count)
@@ -186,13 +197,17 @@ template <class Body>
 void PlyReader<Body>::read_vertex(Body& body, const PlyElement& element,
                                   const PlyVertexLayout& layout, std::int64_t vertex) {
   body.begin(element, vertex);
-  std::array<double, 9> values{};
+  std::array<double, 12> values{};
   values[8] = 1;  // opaque
   for (std::size_t i = 0; i < layout.slots.size(); ++i) {
     const PlyProperty& property = element.properties[i];
     const int slot = layout.slots[i];
     if (slot < 0) {
-      skip(body, property, element, vertex);
+      skip_ply_value(body, property, element, vertex);
+      continue;
+    }
+    if (slot > 8) {
+      values[slot] = body.number_or_zero(property.type, element, vertex);
       continue;
     }
     const double value = body.number(property.type, element, vertex);
@@ -205,6 +220,7 @@ void PlyReader<Body>::read_vertex(Body& body, const PlyElement& element,
   PolygonMesh& mesh = file_.mesh;
   mesh.positions[vertex] = {values[0], values[1], values[2]};
   if (layout.has_uvs) mesh.uvs[vertex] = {values[3], values[4]};
+  if (layout.has_normals) file_.normals[vertex] = {values[9], values[10], values[11]};
   if (layout.has_colors) mesh.colors[vertex] = {values[5], values[6], values[7], values[8]};
 }
 
@@ -275,10 +291,10 @@ std::int32_t PlyReader<Body>::read_face(Body& body, const PlyElement& element,
   body.begin(element, face);
   for (const PlyProperty& property : element.properties) {
     if (&property != &indices) {
-      skip(body, property, element, face);
+      skip_ply_value(body, property, element, face);
       continue;
     }
-    size = read_count(body, property, element, face);
+    size = ply_list_count(body, property, element, face);
     for (std::int64_t i = 0; i < size; ++i)
       corners.push_back(read_index(body, property, element, face));
   }
@@ -321,10 +337,10 @@ bool PlyReader<Body>::read_face_records(const PlyElement& element, const PlyProp
   const auto read = [&](Body& body, std::int64_t face) {
     for (const PlyProperty& property : element.properties) {
       if (&property != &indices) {
-        skip(body, property, element, face);
+        skip_ply_value(body, property, element, face);
         continue;
       }
-      (void)read_count(body, property, element, face);
+      (void)ply_list_count(body, property, element, face);
       for (std::int32_t c = offsets[face]; c < offsets[face + 1]; ++c)
         file_.mesh.face_vertices[c] = read_index(body, property, element, face);
     }
@@ -346,54 +362,33 @@ std::int32_t PlyReader<Body>::read_index(Body& body, const PlyProperty& property
   return static_cast<std::int32_t>(vertex);
 }
 
-template <class Body>
-void PlyReader<Body>::skip_all(const PlyElement& element) {
-  for (std::int64_t index = 0; index < element.count; ++index) {
-    body_.begin(element, index);
-    for (const PlyProperty& property : element.properties) skip(body_, property, element, index);
-    body_.end(element, index);
-  }
-}
-
-template <class Body>
-void PlyReader<Body>::skip(Body& body, const PlyProperty& property, const PlyElement& element,
-                           std::int64_t index) {
-  const std::int64_t count = property.count_type ? read_count(body, property, element, index) : 1;
-  for (std::int64_t i = 0; i < count; ++i) body.skip(property.type, element, index);
-}
-
-template <class Body>
-std::int64_t PlyReader<Body>::read_count(Body& body, const PlyProperty& property,
-                                         const PlyElement& element, std::int64_t index) {
-  const double count = body.number(*property.count_type, element, index);
-  if (count < 0 || count != std::floor(count) ||
-      count > static_cast<double>(body.values_left(property.type)))
-    body.fail(place_of(element, index) + ": list " + quote(property.name) + " promises " +
-                  shortest(count) + " values, but no more than " +
-                  std::to_string(body.values_left(property.type)) + " can follow",
-              index);
-  return static_cast<std::int64_t>(count);
+MeshFile read_as(std::span<const std::byte> bytes, std::string_view name, const Reading& reading) {
+  const PlyHeader header = read_ply_header(bytes, name);
+  if (header.format == PlyFormat::Text)
+    return PlyReader<PlyTextBody>(bytes, name, header, reading).read();
+  return PlyReader<PlyBinaryBody>(bytes, name, header, reading).read();
 }
 
 }  // namespace
 
 MeshFile read_ply(std::span<const std::byte> bytes, std::string_view name) {
-  return read_ply_in_parts(bytes, name, std::size_t{1} << 20);
+  return read_as(bytes, name, {});
 }
 
 MeshFile read_ply_in_parts(std::span<const std::byte> bytes, std::string_view name,
                            std::size_t part_bytes) {
-  const PlyHeader header = read_ply_header(bytes, name);
-  if (header.format == PlyFormat::Text)
-    return PlyReader<PlyTextBody>(bytes, name, header, part_bytes).read();
-  return PlyReader<PlyBinaryBody>(bytes, name, header, part_bytes).read();
+  return read_as(bytes, name, {.part_bytes = part_bytes});
 }
 
-PointCloud read_ply_points(std::span<const std::byte> bytes, std::string_view name) {
-  MeshFile file = read_ply(bytes, name);
-  PointCloud cloud = cloud_of(std::move(file.mesh.positions), name);
-  cloud.warnings = std::move(file.warnings);
-  return cloud;
+MeshFile read_ply(const FileBytes& file) {
+  MeshFile found = read_as(file.bytes, file.name, {.wants_normals = file.split_normals_crease});
+  if (!file.split_normals_crease || found.mesh.face_count() == 0) return found;
+  const CornerNormals normals{.values = std::exchange(found.normals, {}),
+                              .of_corners = found.mesh.face_vertices};
+  if (normals.values.empty()) return found;
+  weld_vertices(found);
+  mark_split_normals(found.mesh, normals);
+  return found;
 }
 
 }  // namespace planish

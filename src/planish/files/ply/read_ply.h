@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "planish/files/mesh_file.h"
-#include "planish/mesh/point_cloud.h"
 
 namespace planish {
 
@@ -13,16 +12,15 @@ namespace planish {
 /// `vertex_indices` or `vertex_index` of element `face`, of any scalar type. Vertices may have
 /// texture coordinates (s t, u v, texture_u texture_v) and colours (red green blue alpha: integers
 /// are sRGB by convention, floating-point numbers linear; clamped to their range); all else is
-/// passed over. Without an element `face` the mesh has no faces. Conditions and exceptions as
+/// passed over, but for normals (nx ny nz) with `split_normals_crease` and of vertices without
+/// faces. Without an element `face` the mesh has no faces. Conditions and exceptions as
 /// read_mesh().
+[[nodiscard]] MeshFile read_ply(const FileBytes& file);
 [[nodiscard]] MeshFile read_ply(std::span<const std::byte> bytes, std::string_view name);
 
 /// The same, text in parts of about `part_bytes`, on which the result does not depend; threads take
 /// one part at a time.
 [[nodiscard]] MeshFile read_ply_in_parts(std::span<const std::byte> bytes, std::string_view name,
                                          std::size_t part_bytes);
-
-/// The vertices alone. Exceptions as read_points().
-[[nodiscard]] PointCloud read_ply_points(std::span<const std::byte> bytes, std::string_view name);
 
 }  // namespace planish

@@ -1,0 +1,65 @@
+// The lines once more, since few want normals: read_obj() need not pay for them.
+#include "planish/files/obj/obj_normals.h"
+
+#include <cstdint>
+#include <string>
+
+#include "planish/core/number_text.h"
+#include "planish/files/obj/obj_tags.h"
+#include "planish/files/shared/text_lines.h"
+
+namespace planish {
+namespace {
+
+glm::vec3 normal_of(Words words) {
+  glm::dvec3 normal(0.0);
+  for (int axis = 0; axis < 3; ++axis)
+    if (!parse_number(words.next(), normal[axis])) return glm::vec3(0.0f);
+  return normal;
+}
+
+// What stands behind the second slash; 0 for none.
+std::int64_t normal_index(std::string_view corner) {
+  const std::size_t first = corner.find('/');
+  if (first == std::string_view::npos) return 0;
+  const std::size_t second = corner.find('/', first + 1);
+  std::int64_t index = 0;
+  if (second == std::string_view::npos || !parse_integer(corner.substr(second + 1), index))
+    return 0;
+  return index;
+}
+
+}  // namespace
+
+CornerNormals read_obj_normals(std::span<const std::byte> bytes, std::string_view name) {
+  TextLines lines(bytes, name, TextLines::Continuation::Backslash);
+  CornerNormals normals;
+  LargestIndex largest;
+  std::int64_t face = 0;
+  while (lines.next()) {
+    Words words(lines.line());
+    const std::string_view keyword = words.next();
+    if (keyword == "vn") normals.values.push_back(normal_of(words));
+    if (keyword != "f" && keyword != "fo") continue;
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+      const auto before = static_cast<std::int64_t>(normals.values.size());
+      const std::int64_t index = normal_index(word);
+      if (index < -before)
+        lines.fail("face names normal " + std::to_string(index) + ", but only " +
+                       std::to_string(before) + " stand before it",
+                   face);
+      normals.of_corners.push_back(
+          index > 0 ? largest.note(index - 1, lines.number(), face)
+                    : static_cast<std::int32_t>(index < 0 ? before + index : -1));
+    }
+    ++face;
+  }
+  if (largest.index >= static_cast<std::int64_t>(normals.values.size()))
+    lines.fail_at(largest.line,
+                  "face names normal " + std::to_string(largest.index + 1) + " of " +
+                      std::to_string(normals.values.size()),
+                  largest.element);
+  return normals;
+}
+
+}  // namespace planish
