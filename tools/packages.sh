@@ -2,7 +2,7 @@
 # needs.
 
 # To build the command and the library.
-run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf-dev libmeshoptimizer-dev
+run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev
   nlohmann-json3-dev libcli11-dev libssl-dev zlib1g-dev libstb-dev libvulkan-dev glslang-tools spirv-tools libcgal-dev"
 
 # To build and run the tests and benchmarks: reference implementations, a software Vulkan device

@@ -287,7 +287,7 @@ TEST(SplitNormals, WeldingKeepsTagsAndTheFirstColour) {
   file.mesh.corners = {{4, 3.0f}};
   file.mesh.colors.assign(5, glm::vec4(0.5f));
   file.mesh.colors[3] = glm::vec4(1.0f);
-  weld_vertices(file);
+  weld_repeated_vertices(file);
   EXPECT_EQ(file.welded_vertex_count, 1);
   EXPECT_THAT(file.mesh.face_vertices, testing::ElementsAre(0, 1, 2, 1, 3, 2));
   ASSERT_EQ(file.mesh.creases.size(), 1u);

@@ -26,6 +26,10 @@ TEST(FuzzCorpus, EveryMeshIsReadOrRefused) {
     if (info.read_mesh) replay(std::string(info.name), info.format, test::fuzz_read_mesh);
 }
 
+TEST(FuzzCorpus, EveryDracoStreamIsReadOrRefused) {
+  replay("draco", FileFormat::Glb, test::fuzz_read_draco);
+}
+
 TEST(FuzzCorpus, EveryCloudIsReadOrRefused) {
   for (const FormatInfo& info : formats())
     if (info.read_points)

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "files/gltf/read_square.h"
+#include "planish/files/gltf/draco_stream.h"
 #include "planish/mesh/check.h"
 
 namespace planish {
@@ -46,9 +47,19 @@ TEST(ReadGltfErrors, RefusesWrongJson) {
   EXPECT_EQ(glb_error("{\"a\":" + std::string(100000, '[')),
             "a.glb: JSON is nested deeper than 64 levels");
   EXPECT_EQ(square_error("2.0", "1.0"), "a.glb: asset.version: `1.0` is not 2.x");
-  EXPECT_EQ(square_error("\"scene\":0", "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]"),
-            "a.glb: extensionsRequired[0]: `KHR_draco_mesh_compression` cannot be read; save the "
-            "file without it");
+  EXPECT_EQ(square_error("\"scene\":0", "\"extensionsRequired\":[\"EXT_other\"]"),
+            "a.glb: extensionsRequired[0]: `EXT_other` cannot be read; save the file without it");
+}
+
+TEST(ReadGltfErrors, RefusesDracoByNameWhereItIsNotBuiltIn) {
+  const std::string from = "\"scene\":0", name = "`KHR_draco_mesh_compression`";
+  const std::string to = "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]";
+  if (reads_draco()) {
+    EXPECT_EQ(read_square(from, to).mesh.face_count(), 2);
+  } else {
+    EXPECT_EQ(square_error(from, to), "a.glb: extensionsRequired[0]: " + name +
+                                          " cannot be read; save the file without it");
+  }
 }
 
 // Why documents are not read by tinygltf, which takes the second node for 0 and misses the first.

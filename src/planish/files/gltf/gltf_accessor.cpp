@@ -32,7 +32,8 @@ Wanted wanted_of(GltfAccessor::Use use, std::string_view type) {
 
 }  // namespace
 
-GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source) {
+GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source,
+                           const UnpackedElements* unpacked) {
   const JsonPlace place = root["accessors"][index];
   if (place.find("sparse")) place.fail("sparse accessors cannot be read; save the file without");
   const Wanted wanted = wanted_of(use, place["type"].text());
@@ -52,6 +53,28 @@ GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, G
   if (const auto normalized = place.find("normalized")) normalized_ = normalized->boolean();
 
   count_ = place["count"].integer(1);
+  if (unpacked) {
+    use_elements(place, *unpacked);
+  } else {
+    use_view(root, place, source);
+  }
+}
+
+// Indices come in the width that they were unpacked to, whatever the accessor says.
+void GltfAccessor::use_elements(const JsonPlace& place, const UnpackedElements& unpacked) {
+  if (number_count_ == 1) component_ = static_cast<Component>(unpacked.component);
+  component_bytes_ = unpacked.component <= UByte ? 1 : unpacked.component <= UShort ? 2 : 4;
+  if (component_ != unpacked.component || number_count_ != unpacked.number_count ||
+      count_ != unpacked.count)
+    place.fail("its " + std::to_string(count_) + " elements of " + std::to_string(number_count_) +
+               " numbers of type " + std::to_string(component_) + " are packed as " +
+               std::to_string(unpacked.count) + " of " + std::to_string(unpacked.number_count) +
+               " of type " + std::to_string(unpacked.component));
+  stride_ = component_bytes_ * number_count_;
+  bytes_ = unpacked.bytes;
+}
+
+void GltfAccessor::use_view(const JsonPlace& root, const JsonPlace& place, GltfSource& source) {
   const std::int64_t element_bytes = component_bytes_ * number_count_;
   const std::int64_t view_index = place["bufferView"].integer();
   bytes_ = source.view(view_index);

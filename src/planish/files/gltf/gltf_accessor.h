@@ -7,6 +7,7 @@
 #include <glm/vec4.hpp>
 #include <span>
 
+#include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/gltf_source.h"
 
 namespace planish {
@@ -17,8 +18,10 @@ class GltfAccessor {
   enum class Use { Positions, Normals, Indices, TextureCoordinates, Colors };
 
   /// Checks everything before any element can be asked for: component and element type for the
-  /// use, count, offset, stride. Sparse accessors are refused. Throws Error{UnreadableInput}.
-  GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source);
+  /// use, count, offset, stride. Sparse accessors are refused. The elements come from `unpacked`
+  /// where it is given, which must live longer. Throws Error{UnreadableInput}.
+  GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source,
+               const UnpackedElements* unpacked = nullptr);
 
   [[nodiscard]] std::int64_t count() const { return count_; }
   /// Of Use::Positions and Use::Normals; normalised integers are scaled. May not be finite.
@@ -40,6 +43,8 @@ class GltfAccessor {
     Float = 5126
   };
 
+  void use_view(const JsonPlace& root, const JsonPlace& place, GltfSource& source);
+  void use_elements(const JsonPlace& place, const UnpackedElements& unpacked);
   [[nodiscard]] double component(std::span<const std::byte> bytes) const;
   // The k-th number of an element.
   [[nodiscard]] double number(std::int64_t index, std::int64_t k) const;

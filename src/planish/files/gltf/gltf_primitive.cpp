@@ -1,4 +1,5 @@
-// Based on: Khronos Group, "glTF 2.0 Specification", section 3.7.2 (meshes).
+// Based on: Khronos Group, "glTF 2.0 Specification", section 3.7.2 (meshes), and
+// "KHR_draco_mesh_compression", 2018.
 #include "planish/files/gltf/gltf_primitive.h"
 
 #include <cmath>
@@ -19,21 +20,53 @@ bool is_finite_place(const glm::dvec3& position) {
 SourcePrimitive::SourcePrimitive(const JsonPlace& root, const JsonPlace& primitive,
                                  GltfSource& source)
     : root_(root), place_(primitive), source_(source) {
-  positions_.emplace(root_, place_["attributes"]["POSITION"].integer(),
-                     GltfAccessor::Use::Positions, source_);
+  unpack();
+  positions_.emplace(
+      accessor(place_["attributes"]["POSITION"], "POSITION", GltfAccessor::Use::Positions));
+}
+
+void SourcePrimitive::unpack() {
+  constexpr std::int64_t kTriangles = 4;
+  const auto extensions = place_.find("extensions");
+  const auto packed = extensions ? extensions->find(kDracoExtension) : std::nullopt;
+  const JsonPlace accessors = root_["accessors"];
+  const JsonPlace positions = accessors[place_["attributes"]["POSITION"].integer()];
+  if (!packed || positions.find("bufferView")) return;
+  if (place_.integer_or("mode", kTriangles) != kTriangles)
+    place_["mode"].fail("only triangles are read of Draco streams");
+  const JsonPlace attributes = (*packed)["attributes"];
+  for (const char* name : {"POSITION", "NORMAL", "TEXCOORD_0", "COLOR_0"})
+    if (const auto identifier = attributes.find(name))
+      identifiers_.emplace(name, identifier->integer());
+  const DracoCounts wanted{accessors[place_["indices"].integer()]["count"].integer(1),
+                           positions["count"].integer(1)};
+  unpacked_ = decode_draco(*packed, source_.view((*packed)["bufferView"].integer()), wanted);
+}
+
+GltfAccessor SourcePrimitive::accessor(const JsonPlace& place, std::string_view name,
+                                       GltfAccessor::Use use) const {
+  const UnpackedElements* elements = nullptr;
+  if (const auto identifier = identifiers_.find(name); identifier != identifiers_.end()) {
+    const auto found = unpacked_->by_identifier.find(identifier->second);
+    if (found == unpacked_->by_identifier.end())
+      place.fail("the Draco stream has no attribute " + std::to_string(identifier->second));
+    elements = &found->second;
+  }
+  return {root_, place.integer(), use, source_, elements};
 }
 
 std::optional<GltfAccessor> SourcePrimitive::indices() const {
   const auto place = place_.find("indices");
   if (!place) return std::nullopt;
-  return GltfAccessor(root_, place->integer(), GltfAccessor::Use::Indices, source_);
+  return GltfAccessor(root_, place->integer(), GltfAccessor::Use::Indices, source_,
+                      unpacked_ ? &unpacked_->corners : nullptr);
 }
 
 std::optional<GltfAccessor> SourcePrimitive::attribute(std::string_view name,
                                                        GltfAccessor::Use use) const {
   const auto place = place_["attributes"].find(name);
   if (!place) return std::nullopt;
-  const GltfAccessor found(root_, place->integer(), use, source_);
+  GltfAccessor found = accessor(*place, name, use);
   if (found.count() != positions().count())
     place->fail(std::to_string(found.count()) + " elements for " +
                 std::to_string(positions().count()) + " vertices");

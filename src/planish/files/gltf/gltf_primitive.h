@@ -1,11 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 
+#include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/gltf_accessor.h"
 #include "planish/files/gltf/gltf_nodes.h"
 #include "planish/files/gltf/gltf_source.h"
@@ -13,10 +17,11 @@
 
 namespace planish {
 
-/// The accessors of a primitive. Every member throws Error{UnreadableInput}.
+/// The accessors of a primitive, whether its bytes lie plain or are packed by Draco. Where there
+/// are both, the plain ones are read. Every member throws Error{UnreadableInput}.
 class SourcePrimitive {
  public:
-  /// `primitive` must have positions, and must live longer.
+  /// Unpacks what is packed; `primitive` must have positions, and must live longer.
   SourcePrimitive(const JsonPlace& root, const JsonPlace& primitive, GltfSource& source);
 
   [[nodiscard]] const GltfAccessor& positions() const { return *positions_; }
@@ -31,10 +36,15 @@ class SourcePrimitive {
   [[nodiscard]] glm::vec4 color(const GltfAccessor& colors, std::int64_t vertex) const;
 
  private:
+  void unpack();
+  [[nodiscard]] GltfAccessor accessor(const JsonPlace& place, std::string_view name,
+                                      GltfAccessor::Use use) const;
 
   const JsonPlace& root_;
   const JsonPlace& place_;
   GltfSource& source_;
+  std::optional<DracoMesh> unpacked_;
+  std::map<std::string, std::int64_t, std::less<>> identifiers_;  // of packed attributes
   std::optional<GltfAccessor> positions_;
 };
 

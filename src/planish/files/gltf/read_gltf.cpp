@@ -10,6 +10,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
+#include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/gltf_accessor.h"
 #include "planish/files/gltf/gltf_nodes.h"
@@ -102,7 +103,7 @@ void SceneReader::require_version() {
     const std::string& extension = (*required)[i].text();
     const bool harmless = std::ranges::any_of(
         kHarmlessExtensions, [&](std::string_view known) { return extension.starts_with(known); });
-    if (!harmless)
+    if (!harmless && !(reads_draco() && extension == kDracoExtension))
       (*required)[i].fail(quote(extension) + " cannot be read; save the file without it");
   }
 }

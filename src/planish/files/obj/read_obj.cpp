@@ -297,7 +297,7 @@ MeshFile read_obj(const FileBytes& file) {
       found.normals = std::move(normals.values);
     return found;
   }
-  weld_vertices(found);
+  weld_repeated_vertices(found);
   mark_split_normals(found.mesh, normals);
   return found;
 }

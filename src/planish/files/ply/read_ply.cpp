@@ -386,7 +386,7 @@ MeshFile read_ply(const FileBytes& file) {
   const CornerNormals normals{.values = std::exchange(found.normals, {}),
                               .of_corners = found.mesh.face_vertices};
   if (normals.values.empty()) return found;
-  weld_vertices(found);
+  weld_repeated_vertices(found);
   mark_split_normals(found.mesh, normals);
   return found;
 }

@@ -84,7 +84,7 @@ void mark_split_normals(PolygonMesh& mesh, const CornerNormals& normals) {
   }
 }
 
-void weld_vertices(MeshFile& file) {
+void weld_repeated_vertices(MeshFile& file) {
   PolygonMesh& mesh = file.mesh;
   const std::size_t count = mesh.positions.size();
   WeldedPositions welded = weld(mesh.positions);

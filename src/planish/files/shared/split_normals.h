@@ -24,6 +24,6 @@ void mark_split_normals(PolygonMesh& mesh, const CornerNormals& normals);
 
 /// Makes vertices at one place one vertex, since files repeat vertices to split normals at them.
 /// The first one's colour stays.
-void weld_vertices(MeshFile& file);
+void weld_repeated_vertices(MeshFile& file);
 
 }  // namespace planish
