@@ -1,92 +1,68 @@
+#include "planish/surface/mesh_blocks.h"
+
 #include <algorithm>
 
 #include "planish/surface/attributes.h"
-#include "planish/surface/surface_blocks.h"
 
 namespace planish {
 
-namespace {
+MeshBlocks::MeshBlocks(const SurfaceMesh& surface) : surface_(surface) {
+  info_.level = surface.level;
+  info_.row_count = static_cast<std::int64_t>(surface.positions.size());
+  info_.face_count = surface.face_count();
+  info_.corner_count = static_cast<std::int64_t>(surface.face_vertices.size());
+  info_.uv_count = static_cast<std::int64_t>(surface.uvs.size());
+  info_.has_colors = !surface.colors.empty();
+  info_.has_groups = !surface.face_groups.empty();
+  info_.groups = surface.groups;
+  info_.base_vertices = surface.base_vertices;
+  info_.face_offsets = surface.face_offsets;
+}
 
-class MeshBlocks final : public SurfaceBlocks {
- public:
-  MeshBlocks(const SurfaceMesh& surface, const PolygonMesh& mesh) : surface_(surface) {
-    info_.level = surface.level;
-    info_.row_count = static_cast<std::int64_t>(surface.positions.size());
-    info_.face_count = surface.face_count();
-    info_.corner_count = static_cast<std::int64_t>(surface.face_vertices.size());
-    info_.uv_count = static_cast<std::int64_t>(surface.uvs.size());
-    info_.has_colors = !surface.colors.empty();
-    info_.has_groups = !surface.face_groups.empty();
-    info_.groups = surface.groups;
-    info_.base_vertices = surface.base_vertices;
-    info_.face_offsets = surface.face_offsets;
-    std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
-    for (const std::int32_t face : mesh.hole_faces) is_hole[face] = true;
-    for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
-      if (is_hole[face]) continue;
-      mesh_faces_.push_back(face);
-      const std::int64_t last = ends_.empty() ? 0 : ends_.back();
-      ends_.push_back(last + descendant_count(surface, mesh.face_size(face)));
-    }
+MeshBlocks::MeshBlocks(const SurfaceMesh& surface, const PolygonMesh& mesh) : MeshBlocks(surface) {
+  std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
+  for (const std::int32_t face : mesh.hole_faces) is_hole[face] = true;
+  for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
+    if (is_hole[face]) continue;
+    mesh_faces_.push_back(face);
+    const std::int64_t last = ends_.empty() ? 0 : ends_.back();
+    ends_.push_back(last + descendant_count(surface, mesh.face_size(face)));
   }
+}
 
-  [[nodiscard]] std::vector<RowRange> row_blocks(std::int64_t row_count) const override {
-    return ranges_of(info_.row_count, row_count);
-  }
-  DegenerateRows rows(RowRange rows, const RowTarget& target) const override {
-    copy(surface_.positions, rows, target.positions);
-    copy(surface_.normals, rows, target.normals);
-    copy(surface_.colors, rows, target.colors);
-    for (std::size_t i = 0; i < target.stored.size(); ++i) {
-      target.stored[i] = glm::vec3(surface_.positions[rows.first + i] - target.origin);
-    }
-    return {};  // whoever made the surface has told
-  }
-  void face_vertices(RowRange faces, std::span<std::int32_t> rows) const override {
-    copy(surface_.face_vertices, corners_of(faces), rows);
-  }
-  void face_uvs(RowRange faces, std::span<std::int32_t> uvs) const override {
-    copy(surface_.face_uvs, corners_of(faces), uvs);
-  }
-  void face_groups(RowRange faces, std::span<std::int32_t> groups) const override {
-    copy(surface_.face_groups, faces, groups);
-  }
-  void ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const override {
-    auto at = std::upper_bound(ends_.begin(), ends_.end(), faces.first) - ends_.begin();
-    for (std::int64_t i = 0; i < faces.count; ++i) {
-      while (ends_[at] <= faces.first + i) ++at;
-      mesh_faces[i] = mesh_faces_[at];
-    }
-  }
-  void uvs(RowRange uvs, std::span<glm::dvec2> values) const override {
-    copy(surface_.uvs, uvs, values);
-  }
-  void corners(RowRange faces, std::span<glm::dvec3> positions,
-               std::span<glm::vec3> normals) const override {
-    const RowRange range = corners_of(faces);
-    for (std::int64_t i = 0; i < range.count; ++i) {
-      const std::int32_t row = surface_.face_vertices[range.first + i];
-      positions[i] = surface_.positions[row];
-      normals[i] = surface_.normals[row];
-    }
-  }
+MeshBlocks::MeshBlocks(const SurfaceMesh& surface, std::span<const std::int32_t> mesh_faces)
+    : MeshBlocks(surface) {
+  given_faces_ = mesh_faces;
+}
 
- private:
-  template <class T>
-  static void copy(const RawVector<T>& from, RowRange range, std::span<T> to) {
-    if (!to.empty()) std::copy_n(from.begin() + range.first, range.count, to.begin());
+DegenerateRows MeshBlocks::rows(RowRange rows, const RowTarget& target) const {
+  copy(surface_.positions, rows, target.positions);
+  copy(surface_.normals, rows, target.normals);
+  copy(surface_.colors, rows, target.colors);
+  for (std::size_t i = 0; i < target.stored.size(); ++i) {
+    target.stored[i] = glm::vec3(surface_.positions[rows.first + i] - target.origin);
   }
-  [[nodiscard]] RowRange corners_of(RowRange faces) const {
-    const std::int64_t first = info_.first_corner(faces.first);
-    return {first, info_.first_corner(faces.first + faces.count) - first};
+  return {};  // whoever made the surface has told
+}
+
+void MeshBlocks::ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const {
+  if (!given_faces_.empty()) return copy(given_faces_, faces, mesh_faces);
+  auto at = std::upper_bound(ends_.begin(), ends_.end(), faces.first) - ends_.begin();
+  for (std::int64_t i = 0; i < faces.count; ++i) {
+    while (ends_[at] <= faces.first + i) ++at;
+    mesh_faces[i] = mesh_faces_[at];
   }
+}
 
-  const SurfaceMesh& surface_;
-  std::vector<std::int32_t> mesh_faces_;  // visible ones
-  std::vector<std::int64_t> ends_;        // of their descendants
-};
-
-}  // namespace
+void MeshBlocks::corners(RowRange faces, std::span<glm::dvec3> positions,
+                         std::span<glm::vec3> normals) const {
+  const RowRange range = corners_of(faces);
+  for (std::int64_t i = 0; i < range.count; ++i) {
+    const std::int32_t row = surface_.face_vertices[range.first + i];
+    positions[i] = surface_.positions[row];
+    normals[i] = surface_.normals[row];
+  }
+}
 
 std::unique_ptr<SurfaceBlocks> blocks_of(const SurfaceMesh& surface, const PolygonMesh& mesh) {
   return std::make_unique<MeshBlocks>(surface, mesh);

@@ -1,0 +1,307 @@
+#include "planish/limit/adaptive_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "planish/core/error.h"
+#include "planish/core/number_text.h"
+#include "planish/core/parallel.h"
+
+namespace planish {
+namespace {
+
+// Where a surface folds its normals turn however small a cell is.
+constexpr int kMostTurnHalvings = 6;
+// A side so many times as long as the other is split first, so that triangles do not get longer
+// than what the surface is curved along asks for.
+constexpr double kLongest = 8;
+// Triangles beside a border are off along the surface as well as across it.
+const double kBorderShare = std::sqrt(0.5);
+// Corners a task: their cells are kept together until all are counted.
+constexpr std::size_t kCornerGrain = 256;
+// What a cell takes with its share of vertices and triangles while a tessellation is made.
+constexpr std::uint64_t kCellBytes = 150;
+// Two triangles a cell and some beside finer ones; their corners are counted in 32 bits.
+constexpr std::uint64_t kMostCells = std::uint64_t{1} << 28;
+
+// A place of a 3 x 3 net as a piece sees it that is turned against its patch.
+std::size_t turned_place(std::size_t i, std::size_t j, int turns) {
+  for (int k = 0; k < turns; ++k) {
+    const std::size_t before = i;
+    i = j;
+    j = 2 - before;
+  }
+  return i + 3 * j;
+}
+
+BezierNet turned_net(const BezierNet& net, int turns) {
+  BezierNet result;
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (std::size_t i = 0; i < 3; ++i) result[i + 3 * j] = net[turned_place(i, j, turns)];
+  }
+  return result;
+}
+
+// Which quarter of a cell a piece's own quarter is.
+AdaptiveCell quarter_cell(const AdaptiveCell& cell, int quarter, int turns) {
+  int a = quarter == 1 || quarter == 2 ? 1 : 0, b = quarter >= 2 ? 1 : 0;
+  for (int k = 0; k < turns; ++k) {
+    const int before = a;
+    a = 1 - b;
+    b = before;
+  }
+  AdaptiveCell result = cell;
+  --result.log_u;
+  --result.log_v;
+  result.u = static_cast<std::uint16_t>(result.u + (a << result.log_u));
+  result.v = static_cast<std::uint16_t>(result.v + (b << result.log_v));
+  return result;
+}
+
+BezierNet half_of(const BezierNet& net, bool along_v, bool upper) {
+  BezierNet result;
+  const std::size_t step = along_v ? 3 : 1, across = along_v ? 1 : 3;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t at = k * across;
+    const glm::dvec3 &a = net[at], &b = net[at + step], &c = net[at + 2 * step];
+    const glm::dvec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), middle = 0.5 * (ab + bc);
+    result[at] = upper ? middle : a;
+    result[at + step] = upper ? bc : ab;
+    result[at + 2 * step] = upper ? c : middle;
+  }
+  return result;
+}
+
+glm::dvec3 unit_or_zero_vector(const glm::dvec3& v) {
+  const double length = glm::length(v);
+  return length > 0 ? v / length : glm::dvec3(0.0);
+}
+
+// Points whose hull holds a patch. Where weights are negative it leaves the hull of its control
+// points, by no more than their reach about any middle.
+void add_hull(std::span<const glm::dvec3> points, double reach, std::vector<glm::dvec3>& hull) {
+  constexpr double kNone = 1 + 1e-9;
+  if (reach <= kNone) {
+    hull.insert(hull.end(), points.begin(), points.end());
+    return;
+  }
+  glm::dvec3 middle(0.0);
+  for (const glm::dvec3& p : points) middle += p / static_cast<double>(points.size());
+  for (const glm::dvec3& p : points) {
+    hull.push_back(middle + reach * (p - middle));
+    hull.push_back(middle - reach * (p - middle));
+  }
+}
+
+[[noreturn]] void refuse_count(std::uint64_t most) {
+  throw Error(ErrorCode::OutOfMemory,
+              "the tessellation has more than " + std::to_string(most) +
+                  " cells, which is all that memory and 32-bit indices take; allow a larger chord "
+                  "error or angle");
+}
+
+// The quarters of a patch that is no polynomial: what polynomials there are, and the points of the
+// others.
+struct Quarters {
+  std::array<BezierNet, 4> nets;
+  std::array<std::vector<glm::dvec3>, 4> points;
+};
+
+}  // namespace
+
+bool CellSplitter::is_on_border(const AdaptiveCell& cell) const {
+  return (borders_.leading && cell.v == 0) || (borders_.trailing && cell.u == 0);
+}
+
+double CellSplitter::limit_at(const AdaptiveCell& cell) const {
+  return is_on_border(cell) ? kBorderShare * limits_.distance : limits_.distance;
+}
+
+void CellSplitter::refuse_depth() const {
+  throw Error(ErrorCode::InvalidArgument,
+              "the surface at corner " + std::to_string(number_) + " keeps a chord error of " +
+                  shortest(limits_.distance) + " of the diagonal only in cells below 2^-" +
+                  std::to_string(kMaxHalvings) + " of half an edge; allow a larger one");
+}
+
+void CellSplitter::emit(const AdaptiveCell& cell) {
+  if (cells_->size() >= most_) refuse_count(most_);
+  cells_->push_back(cell);
+}
+
+// Of the cell's sides that are borders, which are one polynomial each: known from three points.
+double CellSplitter::border_bound(const AdaptiveCell& cell) {
+  double largest = 0;
+  const auto add = [&](double u0, double v0, double u1, double v1) {
+    const glm::dvec3 a = corner_.at({u0, v0}).position, c = corner_.at({u1, v1}).position;
+    const glm::dvec3 middle = corner_.at({0.5 * (u0 + u1), 0.5 * (v0 + v1)}).position;
+    largest = std::max(largest, curve_bound(a, 2.0 * middle - 0.5 * (a + c), c));
+  };
+  const double u0 = double(cell.u) / kCellSide, u1 = double(cell.end_u()) / kCellSide;
+  const double v0 = double(cell.v) / kCellSide, v1 = double(cell.end_v()) / kCellSide;
+  if (borders_.leading && cell.v == 0) add(u0, 0, u1, 0);
+  if (borders_.trailing && cell.u == 0) add(0, v0, 0, v1);
+  return largest;
+}
+
+CellSplitter::Split CellSplitter::wanted(const CellBound& bound, double limit,
+                                         const AdaptiveCell& cell) const {
+  const bool is_far = limit > 0 && !(bound.distance <= limit);
+  const int halvings = kMaxHalvings - std::min(cell.log_u, cell.log_v);
+  const bool turns =
+      limits_.turn > 0 && bound.turn > limits_.turn && halvings < kMostTurnHalvings;
+  if (!is_far && !turns) return Split::None;
+  return bound.u_is_worse ? Split::U : Split::V;
+}
+
+CellSplitter::Split CellSplitter::split_of(const BezierNet& net, const AdaptiveCell& cell) const {
+  if (limits_.distance > 0) {
+    const double limit = kBorderShare * limits_.distance;
+    if (borders_.leading && cell.v == 0 && !(curve_bound(net[0], net[1], net[2]) <= limit))
+      return Split::U;
+    if (borders_.trailing && cell.u == 0 && !(curve_bound(net[0], net[3], net[6]) <= limit))
+      return Split::V;
+  }
+  const Split split = wanted(bound_of(net), limit_at(cell), cell);
+  if (split == Split::None) return split;
+  const double along_u = std::max(glm::length(net[2] - net[0]), glm::length(net[8] - net[6]));
+  const double along_v = std::max(glm::length(net[6] - net[0]), glm::length(net[8] - net[2]));
+  if (split == Split::U && along_v > kLongest * along_u) return Split::V;
+  if (split == Split::V && along_u > kLongest * along_v) return Split::U;
+  return split;
+}
+
+void CellSplitter::split_net(const BezierNet& net, const AdaptiveCell& cell) {
+  const Split split = split_of(net, cell);
+  if (split == Split::None) {
+    emit(cell);
+    return;
+  }
+  const bool along_v = split == Split::V;
+  std::uint8_t AdaptiveCell::*const log = along_v ? &AdaptiveCell::log_v : &AdaptiveCell::log_u;
+  if (cell.*log == 0) refuse_depth();
+  AdaptiveCell half = cell;
+  --(half.*log);
+  split_net(half_of(net, along_v, false), half);
+  if (along_v) {
+    half.v = static_cast<std::uint16_t>(half.v + (1 << half.log_v));
+  } else {
+    half.u = static_cast<std::uint16_t>(half.u + (1 << half.log_u));
+  }
+  split_net(half_of(net, along_v, true), half);
+}
+
+void CellSplitter::split_form(const PatchForm& form, std::span<const glm::dvec3> points, int turns,
+                              const AdaptiveCell& cell) {
+  if (form.is_polynomial()) {
+    BezierNet net;
+    bezier_points(form, points, net);
+    split_net(turned_net(net, turns), cell);
+    return;
+  }
+  Quarters quarters;
+  std::vector<glm::dvec3> hull, normals;
+  for (int q = 0; q < 4; ++q) {
+    const PatchForm& inner = *form.quarters[static_cast<std::size_t>(q)];
+    auto& of_quarter = quarters.points[static_cast<std::size_t>(q)];
+    quarter_points(form, q, points, of_quarter);
+    if (inner.is_polynomial()) {
+      BezierNet& net = quarters.nets[static_cast<std::size_t>(q)];
+      bezier_points(inner, of_quarter, net);
+      hull.insert(hull.end(), net.begin(), net.end());
+      std::array<glm::dvec3, 36> products;
+      add_normals(net, products);
+      normals.insert(normals.end(), products.begin(), products.end());
+      continue;
+    }
+    add_hull(of_quarter, reaches_.of(inner), hull);
+  }
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& n : normals) mean += n;
+  CellBound bound = hull_bound(hull, unit_or_zero_vector(mean));
+  bound.turn = spread_of(normals);
+  if (is_on_border(cell) && limits_.distance > 0)
+    bound.distance = std::max(bound.distance, border_bound(cell));
+  if (wanted(bound, limit_at(cell), cell) == Split::None) {
+    emit(cell);
+    return;
+  }
+  if (std::min(cell.log_u, cell.log_v) == 0) refuse_depth();
+  for (int q = 0; q < 4; ++q) {
+    const auto at = static_cast<std::size_t>(q);
+    const PatchForm& inner = *form.quarters[at];
+    const AdaptiveCell part = quarter_cell(cell, q, turns);
+    const int inner_turns = (turns + q) % 4;
+    if (inner.is_polynomial()) {
+      split_net(turned_net(quarters.nets[at], inner_turns), part);
+    } else {
+      split_form(inner, quarters.points[at], inner_turns, part);
+    }
+  }
+}
+
+void CellSplitter::run(std::int32_t corner, const CornerBorders& borders,
+                       std::vector<AdaptiveCell>& cells) {
+  corner_.move_to(corner);
+  number_ = corner;
+  borders_ = borders;
+  cells_ = &cells;
+  split_form(corner_.form(), corner_.points(), 0, {0, 0, kMaxHalvings, kMaxHalvings});
+}
+
+AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
+                         std::uint64_t memory_limit_bytes) {
+  const MeshTopology& topology = surface.topology();
+  const auto count = static_cast<std::size_t>(topology.corner_count());
+  const std::span<const std::uint8_t> hidden_faces = surface.surface().hidden();
+  AdaptiveCells result;
+  result.hidden.assign(count, 0);
+  for (std::size_t c = 0; c < count && !hidden_faces.empty(); ++c)
+    result.hidden[c] = hidden_faces[static_cast<std::size_t>(
+        topology.face_of(static_cast<std::int32_t>(c)))];
+  const auto ends_surface = [&](std::int32_t corner) {
+    return corner < 0 || result.hidden[static_cast<std::size_t>(corner)] != 0;
+  };
+  PatchReaches reaches;
+  for (const PatchForm* form : surface.forms()) reaches.add(*form);
+  const std::size_t blocks = (count + kCornerGrain - 1) / kCornerGrain;
+  std::vector<std::vector<AdaptiveCell>> of_block(blocks);
+  std::vector<std::int64_t> sizes(count, 0);
+  const std::uint64_t most = std::min(memory_limit_bytes / kCellBytes, kMostCells);
+  std::atomic<std::uint64_t> total{0};
+  parallel_for(blocks, 1, [&](std::size_t begin, std::size_t end) {
+    CellSplitter splitter(surface, reaches, limits, most);
+    for (std::size_t b = begin; b < end; ++b) {
+      std::vector<AdaptiveCell>& cells = of_block[b];
+      for (std::size_t i = b * kCornerGrain; i < std::min(count, (b + 1) * kCornerGrain); ++i) {
+        const auto c = static_cast<std::int32_t>(i);
+        if (result.hidden[i] != 0) continue;
+        const std::size_t before = cells.size();
+        const PatchMesh& patches = surface.surface().patches();
+        splitter.run(c,
+                     {.leading = patches.is_sharp(c) || ends_surface(topology.cw(c)),
+                      .trailing =
+                          patches.is_sharp(topology.prev(c)) || ends_surface(topology.ccw(c))},
+                     cells);
+        sizes[i] = static_cast<std::int64_t>(cells.size() - before);
+        if (total.fetch_add(cells.size() - before) + (cells.size() - before) > most)
+          refuse_count(most);
+      }
+    }
+  });
+  result.first.assign(1, 0);
+  for (const std::int64_t size : sizes) result.first.push_back(result.first.back() + size);
+  result.cells.resize(static_cast<std::size_t>(result.first.back()));
+  auto to = result.cells.begin();
+  for (std::vector<AdaptiveCell>& cells : of_block) {
+    to = std::copy(cells.begin(), cells.end(), to);
+    cells = {};
+  }
+  return result;
+}
+
+}  // namespace planish

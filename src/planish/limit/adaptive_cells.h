@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planish/core/raw_vector.h"
+#include "planish/limit/cell_bound.h"
+#include "planish/limit/limit_surface.h"
+#include "planish/limit/patch_box.h"
+
+namespace planish {
+
+/// Halvings of a corner along each side beyond which cells are refused: 2^14 along an edge's half.
+inline constexpr int kMaxHalvings = 14;
+/// A corner's parameters as whole numbers: 0 to kCellSide along each side.
+inline constexpr std::int32_t kCellSide = 1 << kMaxHalvings;
+
+/// A rectangle of a corner's square.
+struct AdaptiveCell {
+  std::uint16_t u = 0, v = 0;           ///< its lower end, of kCellSide
+  std::uint8_t log_u = 0, log_v = 0;    ///< its sides are 2^log in length
+
+  [[nodiscard]] std::int32_t end_u() const { return u + (1 << log_u); }
+  [[nodiscard]] std::int32_t end_v() const { return v + (1 << log_v); }
+};
+
+/// What cells must keep; 0: not asked for.
+struct CellLimits {
+  double distance = 0;  ///< of triangles from the surface, in unit coordinates
+  double turn = 0;      ///< between normals within a cell, radians
+};
+
+/// Where a corner's sides end the surface or cross a sharp edge: triangles must follow the curve.
+struct CornerBorders {
+  bool leading = false, trailing = false;
+};
+
+/// Splits corners into cells until each keeps the limits.
+class CellSplitter {
+ public:
+  /// Of at most so many cells at once.
+  CellSplitter(const LimitSurface& surface, const PatchReaches& reaches, const CellLimits& limits,
+               std::uint64_t most)
+      : corner_(surface), reaches_(reaches), limits_(limits), most_(most) {}
+
+  /// Appends a corner's cells, in the order in which they are split. Throws Error{InvalidArgument}
+  /// where kMaxHalvings do not do, Error{OutOfMemory} beyond the most cells.
+  void run(std::int32_t corner, const CornerBorders& borders, std::vector<AdaptiveCell>& cells);
+
+ private:
+  enum class Split { None, U, V };
+
+  [[nodiscard]] Split wanted(const CellBound& bound, double limit, const AdaptiveCell& cell) const;
+  [[nodiscard]] Split split_of(const BezierNet& net, const AdaptiveCell& cell) const;
+  [[nodiscard]] bool is_on_border(const AdaptiveCell& cell) const;
+  [[nodiscard]] double limit_at(const AdaptiveCell& cell) const;
+  [[nodiscard]] double border_bound(const AdaptiveCell& cell);
+  [[noreturn]] void refuse_depth() const;
+  void emit(const AdaptiveCell& cell);
+  void split_net(const BezierNet& net, const AdaptiveCell& cell);
+  void split_form(const PatchForm& form, std::span<const glm::dvec3> points, int turns,
+                  const AdaptiveCell& cell);
+
+  LimitSurface::Corner corner_;
+  const PatchReaches& reaches_;
+  CellLimits limits_;
+  std::uint64_t most_;
+  CornerBorders borders_;
+  std::int32_t number_ = -1;
+  std::vector<AdaptiveCell>* cells_ = nullptr;
+};
+
+/// The cells of all corners.
+struct AdaptiveCells {
+  std::vector<std::int64_t> first;  ///< corner_count + 1
+  RawVector<AdaptiveCell> cells;
+  std::vector<std::uint8_t> hidden;  ///< one a corner: of a hole, without cells
+
+  [[nodiscard]] std::span<const AdaptiveCell> of(std::int32_t corner) const {
+    const auto c = static_cast<std::size_t>(corner);
+    return std::span(cells).subspan(static_cast<std::size_t>(first[c]),
+                                    static_cast<std::size_t>(first[c + 1] - first[c]));
+  }
+};
+
+/// On all threads, the same for every thread count. Throws as CellSplitter,
+/// Error{OutOfMemory} before cells and what is made of them take more than `memory_limit_bytes`.
+[[nodiscard]] AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
+                                       std::uint64_t memory_limit_bytes);
+
+}  // namespace planish

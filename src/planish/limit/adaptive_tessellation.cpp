@@ -1,0 +1,325 @@
+#include "planish/limit/adaptive_tessellation.h"
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "planish/core/error.h"
+#include "planish/core/number_text.h"
+#include "planish/core/parallel.h"
+#include "planish/limit/adaptive_rows.h"
+#include "planish/limit/cell_triangles.h"
+#include "planish/surface/doo_sabin_blocks.h"
+#include "planish/surface/memory_need.h"
+#include "planish/surface/mesh_blocks.h"
+
+namespace planish {
+namespace {
+
+constexpr std::size_t kCornersAtOnce = 64;
+
+void require_options(const AdaptiveOptions& options) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(ErrorCode::InvalidArgument, "tessellate: " + what);
+  };
+  if (!(options.chord_error >= 0) || !std::isfinite(options.chord_error))
+    refuse("a chord error of " + shortest(options.chord_error) + " is none; 1e-3 is a good one");
+  if (!(options.angle >= 0) || !(options.angle <= 180))
+    refuse("an angle of " + shortest(options.angle) + " degrees is none; 10 is a good one");
+  if (options.chord_error == 0 && options.angle == 0)
+    refuse("neither a chord error nor an angle is given");
+  if (!(options.diagonal > 0) || !std::isfinite(options.diagonal))
+    refuse("a diagonal of " + shortest(options.diagonal) + " is none");
+}
+
+// Bilinear in a corner's square, from V, E1, F and E2.
+template <class Vector>
+Vector bilinear(const std::array<Vector, 4>& ends, double u, double v) {
+  return (1 - v) * ((1 - u) * ends[0] + u * ends[1]) + v * ((1 - u) * ends[3] + u * ends[2]);
+}
+
+class Tessellation {
+ public:
+  Tessellation(const LimitSurface& surface, const AdaptiveOptions& options, std::uint64_t limit)
+      : surface_(surface),
+        base_(surface.surface()),
+        topology_(surface.topology()),
+        options_(options),
+        limit_(limit),
+        cells_(make_cells(
+            surface,
+            {options.chord_error * options.diagonal / surface.surface().placement().diagonal,
+             options.angle * std::numbers::pi / 180},
+            limit)),
+        sides_(topology_, cells_),
+        numbering_(base_.patches(), 1, base_.hidden()) {
+    if (base_.mesh().face_uvs.empty()) return;
+    uvs_.emplace(base_.mesh());
+    uv_numbering_.emplace(topology_, uvs_->indices, uvs_->count, 1, base_.hidden());
+  }
+
+  [[nodiscard]] AdaptiveSurface run() {
+    count();
+    const AdaptiveRows rows(topology_, cells_, sides_, numbering_, inside_);
+    require_counts(rows);
+    options_.callbacks.report("evaluate", 0.3);
+    AdaptiveSurface surface{collect(*base_.level(1, options_.memory_limit_bytes), {}), {}};
+    SurfaceMesh& result = surface.mesh;
+    fill_rows(rows, result);
+    options_.callbacks.report("evaluate", 0.6);
+    std::optional<AdaptiveRows> uv_rows;
+    if (uv_numbering_) {
+      uv_rows.emplace(topology_, cells_, sides_, *uv_numbering_, inside_);
+      fill_uvs(*uv_rows, result);
+    }
+    fill_faces(rows, uv_rows ? &*uv_rows : nullptr, result);
+    finish(surface);
+    options_.callbacks.report("evaluate", 1);
+    return surface;
+  }
+
+ private:
+  [[nodiscard]] std::int64_t triangle_count() const { return first_triangle_.back(); }
+
+  // What a task uses again from corner to corner.
+  struct Worker {
+    CornerGrid grid;
+    LimitSurface::Corner at;
+    std::vector<std::int32_t> rows, uv_rows;
+    std::vector<CellPlace> places;
+    std::vector<glm::dvec3> points;
+    CellTriangles cutter;
+  };
+
+  template <class Body>
+  void for_corners(const Body& body) const {
+    parallel_for(static_cast<std::size_t>(topology_.corner_count()), kCornersAtOnce,
+                 [&](std::size_t begin, std::size_t end) {
+                   Worker worker{{}, LimitSurface::Corner(surface_), {}, {}, {}, {}, {}};
+                   for (std::size_t c = begin; c < end; ++c) {
+                     if (cells_.hidden[c] != 0) continue;
+                     const auto corner = static_cast<std::int32_t>(c);
+                     worker.grid.build(cells_.of(corner), sides_.sides(corner));
+                     body(corner, worker);
+                   }
+                 });
+    options_.callbacks.check_cancelled();
+  }
+
+  void count();
+  void require_counts(const AdaptiveRows& rows) const;
+  void fill_rows(const AdaptiveRows& rows, SurfaceMesh& result) const;
+  void fill_corner(std::int32_t corner, const AdaptiveRows& rows, Worker& worker,
+                   SurfaceMesh& result) const;
+  void fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const;
+  void fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows,
+                  SurfaceMesh& result) const;
+  // A value at V, E1, F and E2 from those at the corners of the mesh.
+  template <class At>
+  [[nodiscard]] auto ends_of(std::int32_t corner, const At& at) const {
+    const std::int32_t first = topology_.first_corner(topology_.face_of(corner));
+    const std::int32_t m = topology_.face_size(topology_.face_of(corner));
+    auto sum = at(first);
+    for (std::int32_t i = 1; i < m; ++i) sum += at(first + i);
+    const auto own = at(corner);
+    return std::array{own, 0.5 * (own + at(topology_.next(corner))),
+                      sum / static_cast<double>(m), 0.5 * (own + at(topology_.prev(corner)))};
+  }
+  void finish(AdaptiveSurface& surface) const;
+  template <class Place>
+  void own_places(std::int32_t corner, const CornerGrid& grid, bool with_trailing,
+                  const Place& place) const;
+
+  const LimitSurface& surface_;
+  const DooSabinSurface& base_;
+  const MeshTopology& topology_;
+  const AdaptiveOptions& options_;
+  std::uint64_t limit_;
+  AdaptiveCells cells_;
+  SidePlaces sides_;
+  PatchNumbering numbering_;
+  std::optional<CornerUvs> uvs_;
+  std::optional<PatchNumbering> uv_numbering_;
+  std::vector<std::int32_t> inside_;          // places within each corner
+  std::vector<std::int64_t> first_triangle_;  // corner_count + 1
+};
+
+void Tessellation::count() {
+  const auto corners = static_cast<std::size_t>(topology_.corner_count());
+  inside_.assign(corners, 0);
+  std::vector<std::int64_t> triangles(corners, 0);
+  for_corners([&](std::int32_t corner, Worker& worker) {
+    const auto c = static_cast<std::size_t>(corner);
+    for (const CellPlace& place : worker.grid.places()) {
+      if (place.u > 0 && place.u < kCellSide && place.v > 0 && place.v < kCellSide) ++inside_[c];
+    }
+    for (const AdaptiveCell& cell : cells_.of(corner))
+      triangles[c] += static_cast<std::int64_t>(worker.grid.polygon(cell).size()) - 2;
+  });
+  first_triangle_.assign(1, 0);
+  for (const std::int64_t count : triangles)
+    first_triangle_.push_back(first_triangle_.back() + count);
+}
+
+// Before rows and triangles are made.
+void Tessellation::require_counts(const AdaptiveRows& rows) const {
+  const PolygonMesh& mesh = base_.mesh();
+  const bool has_uvs = !mesh.face_uvs.empty();
+  const auto vertices = static_cast<std::uint64_t>(rows.count());
+  const auto triangles = static_cast<std::uint64_t>(triangle_count());
+  const std::uint64_t bytes = vertices * (36 + (mesh.colors.empty() ? 0 : 16) + (has_uvs ? 16 : 0)) +
+                              triangles * (12 + 4 + 4 + (has_uvs ? 12 : 0) + 4);
+  const std::string what = "the tessellation has " + std::to_string(vertices) + " vertices and " +
+                           std::to_string(triangles) + " triangles";
+  if (3 * triangles > std::numeric_limits<std::int32_t>::max()) {
+    throw Error(ErrorCode::OutOfMemory,
+                what + ", more than 32-bit indices reach; allow a larger chord error or angle");
+  }
+  if (bytes > limit_) {
+    throw Error(ErrorCode::OutOfMemory, what + " and needs " + std::to_string(bytes >> 20) +
+                                            " MiB of memory where " +
+                                            std::to_string(limit_ >> 20) +
+                                            " are free; allow a larger chord error or angle");
+  }
+}
+
+// In the order of AdaptiveRows: place(u, v, is_trailing).
+template <class Place>
+void Tessellation::own_places(std::int32_t corner, const CornerGrid& grid, bool with_trailing,
+                              const Place& place) const {
+  const auto share = [](std::uint16_t t) { return static_cast<double>(t) / kCellSide; };
+  for (const std::uint16_t t : sides_.leading(corner)) place(share(t), 0, false);
+  for (const std::uint16_t t : sides_.spoke(corner)) place(1, share(t), false);
+  for (const CellPlace& at : grid.places()) {
+    if (at.u > 0 && at.u < kCellSide && at.v > 0 && at.v < kCellSide)
+      place(share(at.u), share(at.v), false);
+  }
+  if (!with_trailing) return;
+  for (const std::uint16_t t : sides_.trailing(corner)) place(0, share(t), true);
+}
+
+void Tessellation::fill_corner(std::int32_t corner, const AdaptiveRows& rows, Worker& worker,
+                               SurfaceMesh& result) const {
+  const PolygonMesh& mesh = base_.mesh();
+  std::array<glm::dvec4, 4> colors{};
+  if (!mesh.colors.empty()) {
+    colors = ends_of(corner, [&](std::int32_t c) {
+      return glm::dvec4(mesh.colors[static_cast<std::size_t>(topology_.vertex_of(c))]);
+    });
+  }
+  auto row = static_cast<std::size_t>(rows.first_of(corner));
+  const std::int32_t across = sides_.across(corner);
+  const auto add = [&](double u, double v, bool is_trailing) {
+    worker.at.move_to(corner);
+    const PatchPoint point = worker.at.at({u, v});
+    const double length = glm::length(point.normal);
+    const bool is_known = length > 1e-6 * glm::length(point.du) * glm::length(point.dv);
+    const glm::dvec3 normal =
+        is_known ? point.normal / length
+                 : surface_.evaluate(surface_parameter(topology_, corner, u, v)).normal;
+    glm::dvec3 position = point.position;
+    if (is_trailing && across >= 0) {  // to the bit where the other side has it
+      worker.at.move_to(across);
+      position = worker.at.at({v, 0}).position;
+    }
+    result.positions[row] = base_.placement().to_model(position);
+    result.normals[row] = glm::vec3(normal);
+    if (!mesh.colors.empty()) result.colors[row] = glm::vec4(bilinear(colors, u, v));
+    ++row;
+  };
+  own_places(corner, worker.grid, rows.owns_trailing(corner), add);
+}
+
+void Tessellation::fill_rows(const AdaptiveRows& rows, SurfaceMesh& result) const {
+  const auto count = static_cast<std::size_t>(rows.count());
+  result.positions.resize(count);
+  result.normals.resize(count);
+  if (!result.colors.empty()) result.colors.resize(count);
+  for_corners([&](std::int32_t corner, Worker& worker) {
+    fill_corner(corner, rows, worker, result);
+  });
+}
+
+void Tessellation::fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const {
+  result.uvs.resize(static_cast<std::size_t>(rows.count()));
+  const PolygonMesh& mesh = base_.mesh();
+  for_corners([&](std::int32_t corner, Worker& worker) {
+    const std::array<glm::dvec2, 4> ends = ends_of(corner, [&](std::int32_t c) {
+      const auto uv = static_cast<std::size_t>(uvs_->indices[static_cast<std::size_t>(c)]);
+      return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
+    });
+    auto row = static_cast<std::size_t>(rows.first_of(corner));
+    own_places(corner, worker.grid, rows.owns_trailing(corner),
+               [&](double u, double v, bool) { result.uvs[row++] = bilinear(ends, u, v); });
+  });
+}
+
+void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows,
+                              SurfaceMesh& result) const {
+  result.face_vertices.resize(static_cast<std::size_t>(3 * triangle_count()));
+  result.face_uvs.resize(uv_rows != nullptr ? result.face_vertices.size() : 0);
+  for_corners([&](std::int32_t corner, Worker& worker) {
+    rows.rows_of(corner, worker.grid, worker.rows);
+    if (uv_rows != nullptr) uv_rows->rows_of(corner, worker.grid, worker.uv_rows);
+    auto to = static_cast<std::size_t>(3 * first_triangle_[static_cast<std::size_t>(corner)]);
+    for (const AdaptiveCell& cell : cells_.of(corner)) {
+      const std::span<const std::int32_t> polygon = worker.grid.polygon(cell);
+      worker.places.clear();
+      worker.points.clear();
+      for (const std::int32_t i : polygon) {
+        const auto place = static_cast<std::size_t>(i);
+        worker.places.push_back(worker.grid.places()[place]);
+        worker.points.push_back(
+            result.positions[static_cast<std::size_t>(worker.rows[place])]);
+      }
+      for (const auto& triangle : worker.cutter.cut(worker.places, worker.points)) {
+        for (const std::int32_t k : triangle) {
+          const auto place = static_cast<std::size_t>(polygon[static_cast<std::size_t>(k)]);
+          if (uv_rows != nullptr) result.face_uvs[to] = worker.uv_rows[place];
+          result.face_vertices[to++] = worker.rows[place];
+        }
+      }
+    }
+  });
+}
+
+// What follows from the triangles' corners.
+void Tessellation::finish(AdaptiveSurface& surface) const {
+  SurfaceMesh& result = surface.mesh;
+  const std::vector<std::int32_t>& groups = base_.mesh().face_groups;
+  const auto count = static_cast<std::size_t>(triangle_count());
+  result.level = 1;
+  result.face_offsets.resize(count + 1);
+  for (std::size_t t = 0; t <= count; ++t)
+    result.face_offsets[t] = static_cast<std::int32_t>(3 * t);
+  surface.ancestors.resize(count);
+  result.face_groups.resize(groups.empty() ? 0 : count);
+  for (std::int32_t c = 0; c < topology_.corner_count(); ++c) {
+    const std::int32_t face = topology_.face_of(c);
+    for (std::int64_t t = first_triangle_[static_cast<std::size_t>(c)];
+         t < first_triangle_[static_cast<std::size_t>(c) + 1]; ++t) {
+      const auto at = static_cast<std::size_t>(t);
+      surface.ancestors[at] = face;
+      if (!groups.empty()) result.face_groups[at] = groups[static_cast<std::size_t>(face)];
+    }
+  }
+}
+
+}  // namespace
+
+AdaptiveSurface tessellate(const LimitSurface& surface, const AdaptiveOptions& options) {
+  require_options(options);
+  const std::uint64_t limit =
+      options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes();
+  return Tessellation(surface, options, limit).run();
+}
+
+std::unique_ptr<SurfaceBlocks> blocks_of(const AdaptiveSurface& surface) {
+  return std::make_unique<MeshBlocks>(surface.mesh, surface.ancestors);
+}
+
+}  // namespace planish

@@ -1,0 +1,126 @@
+#include "planish/limit/cell_bound.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+
+namespace planish {
+namespace {
+
+// Beyond it a piece is no height field worth the name.
+constexpr double kLeastCosine = 0.3;
+
+// The mean direction and the least cosine to it; below 0 where there is none.
+struct Cone {
+  glm::dvec3 axis{0.0};
+  double cosine = -1;
+};
+
+Cone cone_of(std::span<const glm::dvec3> directions) {
+  Cone cone;
+  for (const glm::dvec3& d : directions) cone.axis += d;
+  const double length = glm::length(cone.axis);
+  if (!(length > 0)) return cone;
+  cone.axis /= length;
+  double least = 1;
+  for (const glm::dvec3& d : directions) {
+    const double size = glm::length(d);
+    if (!(size > 0)) return cone;
+    least = std::min(least, glm::dot(d, cone.axis) / size);
+  }
+  cone.cosine = least;
+  return cone;
+}
+
+double slope(double cosine) { return std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine; }
+
+// The largest of some second derivatives: whole, and along the cone's axis.
+struct Largest {
+  double whole = 0, along = 0;
+
+  void add(const glm::dvec3& d, const glm::dvec3& axis) {
+    whole = std::max(whole, glm::length(d));
+    along = std::max(along, std::abs(glm::dot(d, axis)));
+  }
+};
+
+}  // namespace
+
+void add_normals(const BezierNet& net, std::span<glm::dvec3, 36> normals) {
+  std::size_t at = 0;
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      const glm::dvec3 du = net[3 * j + i + 1] - net[3 * j + i];
+      for (std::size_t l = 0; l < 2; ++l) {
+        for (std::size_t k = 0; k < 3; ++k)
+          normals[at++] = glm::cross(du, net[3 * (l + 1) + k] - net[3 * l + k]);
+      }
+    }
+  }
+}
+
+double spread_of(std::span<const glm::dvec3> directions) {
+  const Cone cone = cone_of(directions);
+  return cone.cosine > 0 ? 2 * std::acos(std::min(cone.cosine, 1.0)) : std::numbers::pi;
+}
+
+CellBound bound_of(const BezierNet& net) {
+  std::array<glm::dvec3, 36> normals;
+  add_normals(net, normals);
+  const Cone cone = cone_of(normals);
+  Largest uu, uv, vv;
+  for (std::size_t k = 0; k < 3; ++k) {
+    uu.add(2.0 * (net[3 * k] - 2.0 * net[3 * k + 1] + net[3 * k + 2]), cone.axis);
+    vv.add(2.0 * (net[k] - 2.0 * net[k + 3] + net[k + 6]), cone.axis);
+  }
+  for (const std::size_t k : {0, 1, 3, 4})
+    uv.add(4.0 * (net[k + 4] - net[k + 3] - net[k + 1] + net[k]), cone.axis);
+  const auto sum = [&](double Largest::*part) {
+    return (uu.*part + 2 * (uv.*part) + vv.*part) / 8;
+  };
+  CellBound bound;
+  bound.distance = sum(&Largest::whole);
+  bound.turn = cone.cosine > 0 ? 2 * std::acos(std::min(cone.cosine, 1.0)) : std::numbers::pi;
+  double worse_u = uu.whole, worse_v = vv.whole;
+  if (cone.cosine > kLeastCosine) {
+    const double steep = slope(cone.cosine);
+    bound.distance = std::min(bound.distance, sum(&Largest::along) + steep * bound.distance);
+    worse_u = uu.along + steep * uu.whole;
+    worse_v = vv.along + steep * vv.whole;
+  }
+  bound.u_is_worse = worse_u > worse_v;
+  return bound;
+}
+
+double curve_bound(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 second = 2.0 * (a - 2.0 * b + c) / 8.0;
+  const double whole = glm::length(second);
+  const std::array<glm::dvec3, 2> tangents{b - a, c - b};
+  const Cone cone = cone_of(tangents);
+  if (!(cone.cosine > kLeastCosine)) return whole;
+  const double across = glm::length(second - glm::dot(second, cone.axis) * cone.axis);
+  return std::min(whole, across + slope(cone.cosine) * whole);
+}
+
+CellBound hull_bound(std::span<const glm::dvec3> points, const glm::dvec3& normal) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  glm::dvec3 low(kFar), high(-kFar);
+  double lowest = kFar, highest = -kFar;
+  for (const glm::dvec3& p : points) {
+    for (int d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], p[d]);
+      high[d] = std::max(high[d], p[d]);
+    }
+    const double height = glm::dot(p, normal);
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  }
+  const bool has_normal = glm::dot(normal, normal) > 0.5;
+  const double size = glm::length(high - low);
+  return {.distance = has_normal ? std::min(size, highest - lowest) : size,
+          .turn = std::numbers::pi};
+}
+
+}  // namespace planish
