@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
@@ -80,6 +81,26 @@ TEST_F(QueryCommand, WritesAFileAndKeepsToTheRulesOfOutputs) {
   EXPECT_EQ(read_json("a.json")["closest"].size(), 3u);
   EXPECT_THAT(refused({"--points", probes_, "-o", path("a.json")}, 7).err, HasSubstr("--force"));
   EXPECT_THAT(refused({"--points", probes_, "-o", path("a.txt")}, 2).err, HasSubstr(".json"));
+}
+
+// One vertex an answer, which the mesh readers take as points.
+TEST_F(QueryCommand, WritesPly) {
+  EXPECT_EQ(run_planish({"query", torus_, "--points", probes_, "-o", path("a.ply")}).exit_code, 0);
+  const std::string text = read("a.ply");
+  EXPECT_THAT(text, HasSubstr("element vertex 3\n"));
+  EXPECT_THAT(text, HasSubstr("property double distance\nproperty int face\nproperty double u\n"));
+  const std::size_t head = text.find("end_header\n") + 11;
+  ASSERT_EQ(text.size() - head, 3 * (24 + 12 + 8 + 4 + 16));
+  const json wanted = answers({"--points", probes_})["closest"][1];
+  double position[3], distance;
+  std::memcpy(position, text.data() + head + 64, sizeof position);
+  std::memcpy(&distance, text.data() + head + 64 + 36, sizeof distance);
+  for (int d = 0; d < 3; ++d) EXPECT_EQ(position[d], wanted["position"][d]);
+  EXPECT_EQ(distance, wanted["distance"]);
+  const ProcessResult rays = run_planish(
+      {"query", torus_, "--points", probes_, "--rays", "0,0,1", "-o", path("r.ply")});
+  EXPECT_EQ(rays.exit_code, 0) << rays.err;
+  EXPECT_THAT(read("r.ply"), HasSubstr("property double t\n"));
 }
 
 TEST_F(QueryCommand, BadQuestionsAreRefused) {

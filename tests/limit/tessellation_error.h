@@ -4,6 +4,7 @@
 #include <array>
 #include <glm/geometric.hpp>
 #include <map>
+#include <set>
 #include <tuple>
 #include <vector>
 
@@ -64,31 +65,31 @@ inline TessellationError tessellation_error(const LimitCase& c, const SurfaceQue
   return {error.to_surface / diagonal, error.to_triangles / diagonal};
 }
 
-/// How triangles meet, vertices in one place counted once.
+/// How triangles meet.
 struct Joints {
   std::int64_t vertices = 0, edges = 0, triangles = 0, boundary_edges = 0;
-  std::int64_t bad_edges = 0;        ///< met by more than two, or twice in one direction
+  std::int64_t bad_edges = 0;      ///< met by more than two, or twice in one direction
   std::int64_t bad_triangles = 0;  ///< with a corner twice
-  double boundary_length = 0;
   [[nodiscard]] std::int64_t euler() const { return vertices - edges + triangles; }
 };
 
-inline Joints joints_of(const SurfaceMesh& surface) {
+/// `joined`: vertices in one place count once.
+inline Joints joints_of(const SurfaceMesh& surface, bool joined) {
   std::map<std::tuple<double, double, double>, std::int32_t> numbers;
   std::vector<std::int32_t> welded;
   for (const glm::dvec3& p : surface.positions) {
-    const auto next = static_cast<std::int32_t>(numbers.size());
-    welded.push_back(numbers.try_emplace({p.x, p.y, p.z}, next).first->second);
+    const auto next = static_cast<std::int32_t>(joined ? numbers.size() : welded.size());
+    welded.push_back(joined ? numbers.try_emplace({p.x, p.y, p.z}, next).first->second : next);
   }
   Joints joints;
   std::map<std::pair<std::int32_t, std::int32_t>, std::array<int, 2>> edges;
-  std::map<std::int32_t, glm::dvec3> used;
+  std::set<std::int32_t> used;
   for (const Triangle& t : triangles_of_surface(surface)) {
     ++joints.triangles;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t a = welded[static_cast<std::size_t>(t[k])];
       const std::int32_t b = welded[static_cast<std::size_t>(t[(k + 1) % 3])];
-      used[a] = surface.positions[static_cast<std::size_t>(t[k])];
+      used.insert(a);
       if (a == b) ++joints.bad_triangles;
       ++edges[std::minmax(a, b)][a < b ? 0 : 1];
     }
@@ -97,9 +98,7 @@ inline Joints joints_of(const SurfaceMesh& surface) {
   joints.edges = static_cast<std::int64_t>(edges.size());
   for (const auto& [ends, count] : edges) {
     if (count[0] > 1 || count[1] > 1) ++joints.bad_edges;
-    if (count[0] + count[1] != 1) continue;
-    ++joints.boundary_edges;
-    joints.boundary_length += glm::length(used[ends.first] - used[ends.second]);
+    if (count[0] + count[1] == 1) ++joints.boundary_edges;
   }
   return joints;
 }

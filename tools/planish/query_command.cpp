@@ -14,6 +14,7 @@
 #include "options/input_list.h"
 #include "options/refuse.h"
 #include "options/word_flags.h"
+#include "output/answers_ply.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
 #include "planish/core/output_file.h"
@@ -111,6 +112,32 @@ nlohmann::ordered_json ray_answers(const SurfaceQueries& queries,
   return answers;
 }
 
+std::string closest_ply(const SurfaceQueries& queries, std::span<const glm::dvec3> points) {
+  std::vector<ClosestPoint> closest(points.size());
+  queries.closest(points, closest);
+  std::vector<PlyAnswer> answers;
+  for (const ClosestPoint& found : closest)
+    answers.push_back({found.position, found.normal, found.distance, found.at.face, found.at.u,
+                       found.at.v});
+  return answers_ply(answers, "distance");
+}
+
+std::string rays_ply(const SurfaceQueries& queries, std::span<const glm::dvec3> points,
+                     const glm::dvec3& direction) {
+  std::vector<PlyAnswer> answers;
+  for (const glm::dvec3& point : points) {
+    PlyAnswer answer{.position = point};
+    if (const auto hit = queries.first_hit({point, direction}))
+      answer = {hit->position, hit->normal, hit->t, hit->at.face, hit->at.u, hit->at.v};
+    answers.push_back(answer);
+  }
+  return answers_ply(answers, "t");
+}
+
+bool wants_ply(const QueryFlags& flags) {
+  return std::filesystem::path(flags.output).extension() == ".ply";
+}
+
 nlohmann::ordered_json to_json(const QueryFlags& flags, const JobInput& made,
                                const SurfaceQueries& queries, std::span<const glm::dvec3> points) {
   const PolygonMesh& mesh = made.input.file.mesh;
@@ -128,14 +155,21 @@ nlohmann::ordered_json to_json(const QueryFlags& flags, const JobInput& made,
   return json;
 }
 
-void write_answers(const QueryFlags& flags, const nlohmann::ordered_json& json) {
+std::string answers_text(const QueryFlags& flags, const JobInput& made,
+                         const SurfaceQueries& queries, std::span<const glm::dvec3> points) {
+  if (!wants_ply(flags)) return json_text(to_json(flags, made, queries, points));
+  return flags.direction.empty() ? closest_ply(queries, points)
+                                 : rays_ply(queries, points, parse_direction(flags.direction));
+}
+
+void write_answers(const QueryFlags& flags, const std::string& text) {
   if (flags.output == "-") {
-    write_stdout(json_text(json));
+    write_stdout(text);
     return;
   }
   StagedFiles staged;
   OutputFile file(staged.stage(flags.output));
-  file.write(json_text(json));
+  file.write(text);
   file.commit();
   check_interrupt();
   staged.commit();
@@ -166,7 +200,10 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   PathClaims claims({.overwrite = flags.force});
   claims.add_input(flags.input);
   claims.add_input(flags.points);
-  faults.note([&] { claims.add_report(flags.output, "-o"); });
+  faults.note([&] {
+    if (wants_ply(flags)) return claims.add_output(flags.output, "-o");
+    claims.add_report(flags.output, "-o");
+  });
   faults.throw_if_any();
 
   Progress all(console, flags.messages.progress_mode());
@@ -184,7 +221,7 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   const std::vector<glm::dvec3> points = read_questions(flags.points);
   const LimitSurface surface(fitted_surface(
       mesh, fitted, {.weights = job.settings.weights, .sharp = job.settings.sharp()}));
-  const nlohmann::ordered_json answers = to_json(flags, made, SurfaceQueries(surface), points);
+  const std::string answers = answers_text(flags, made, SurfaceQueries(surface), points);
   all.finish();
   write_answers(flags, answers);
   return report.exit_code;
@@ -210,7 +247,8 @@ void add_query_command(CLI::App& app, Invocation& invocation) {
   option("--rays", flags->direction,
          "not the closest point, but what a ray from each point along X,Y,Z meets first", "X,Y,Z",
          "Question");
-  option("-o,--output", flags->output, "JSON [- for stdout]", "FILE", "Files");
+  option("-o,--output", flags->output, "JSON, or a .ply of answers [JSON on stdout]", "FILE",
+         "Files");
   command->add_flag("-f,--force", flags->force, "overwrite an existing file")->group("Files");
   for (const WordSetting& setting : word_settings()) {
     if (shapes_surface(setting)) add_word_flag(*command, flags->words, setting, "Surface");
@@ -218,12 +256,13 @@ void add_query_command(CLI::App& app, Invocation& invocation) {
   flags->messages.add_to(*command, true);
   invocation.texts["query"] = {
       .examples = {"planish query bunny.obj --points probes.xyz",
-                   "planish query bunny.obj --points probes.ply --rays 0,0,-1 -o hits.json"},
+                   "planish query bunny.obj --points probes.ply --rays 0,0,-1 -o hits.json",
+                   "planish query bunny.obj --points scan.ply -o distances.ply"},
       .first_flags = {},
       .notes =
           "Exact to rounding, on the limit surface itself. `at` names a face of the fitted mesh "
           "and (u, v) on it, as OpenSubdiv's Bfr::Parameterization has them. A ray that meets "
-          "nothing has the answer null."};
+          "nothing has the answer null, in a .ply the face -1 at the point asked for."};
   command->callback([flags, &invocation] {
     invocation.action = [flags, &invocation] { return run_query(*flags, invocation.arguments); };
   });

@@ -46,6 +46,32 @@ BezierNet turned_net(const BezierNet& net, int turns) {
   return result;
 }
 
+// Part `part` of so many along u or v, by blossoms.
+BezierNet part_of_net(const BezierNet& net, bool along_v, int part, int parts) {
+  if (parts == 1) return net;
+  const double from = static_cast<double>(part) / parts, to = static_cast<double>(part + 1) / parts;
+  BezierNet result;
+  const std::size_t step = along_v ? 3 : 1, across = along_v ? 1 : 3;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t at = k * across;
+    const glm::dvec3 &a = net[at], &b = net[at + step], &c = net[at + 2 * step];
+    const auto blossom = [&](double s, double t) {
+      return (1 - t) * ((1 - s) * a + s * b) + t * ((1 - s) * b + s * c);
+    };
+    result[at] = blossom(from, from);
+    result[at + step] = blossom(from, to);
+    result[at + 2 * step] = blossom(to, to);
+  }
+  return result;
+}
+
+AdaptiveCell part_of_cell(const AdaptiveCell& cell, int a, int parts_u, int b, int parts_v) {
+  const std::int32_t u = cell.size_u() / parts_u, v = cell.size_v() / parts_v;
+  const auto place = [](std::int32_t value) { return static_cast<std::uint16_t>(value); };
+  return {place(cell.u + a * u), place(cell.v + b * v), place(cell.u + (a + 1) * u),
+          place(cell.v + (b + 1) * v)};
+}
+
 // Which quarter of a cell a piece's own quarter is.
 AdaptiveCell quarter_cell(const AdaptiveCell& cell, int quarter, int turns) {
   int a = quarter == 1 || quarter == 2 ? 1 : 0, b = quarter >= 2 ? 1 : 0;
@@ -54,26 +80,7 @@ AdaptiveCell quarter_cell(const AdaptiveCell& cell, int quarter, int turns) {
     a = 1 - b;
     b = before;
   }
-  AdaptiveCell result = cell;
-  --result.log_u;
-  --result.log_v;
-  result.u = static_cast<std::uint16_t>(result.u + (a << result.log_u));
-  result.v = static_cast<std::uint16_t>(result.v + (b << result.log_v));
-  return result;
-}
-
-BezierNet half_of(const BezierNet& net, bool along_v, bool upper) {
-  BezierNet result;
-  const std::size_t step = along_v ? 3 : 1, across = along_v ? 1 : 3;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t at = k * across;
-    const glm::dvec3 &a = net[at], &b = net[at + step], &c = net[at + 2 * step];
-    const glm::dvec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), middle = 0.5 * (ab + bc);
-    result[at] = upper ? middle : a;
-    result[at + step] = upper ? bc : ab;
-    result[at + 2 * step] = upper ? c : middle;
-  }
-  return result;
+  return part_of_cell(cell, a, 2, b, 2);
 }
 
 glm::dvec3 unit_or_zero_vector(const glm::dvec3& v) {
@@ -141,58 +148,82 @@ double CellSplitter::border_bound(const AdaptiveCell& cell) {
     const glm::dvec3 middle = corner_.at({0.5 * (u0 + u1), 0.5 * (v0 + v1)}).position;
     largest = std::max(largest, curve_bound(a, 2.0 * middle - 0.5 * (a + c), c));
   };
-  const double u0 = double(cell.u) / kCellSide, u1 = double(cell.end_u()) / kCellSide;
-  const double v0 = double(cell.v) / kCellSide, v1 = double(cell.end_v()) / kCellSide;
+  const double u0 = double(cell.u) / kCellSide, u1 = double(cell.end_u) / kCellSide;
+  const double v0 = double(cell.v) / kCellSide, v1 = double(cell.end_v) / kCellSide;
   if (borders_.leading && cell.v == 0) add(u0, 0, u1, 0);
   if (borders_.trailing && cell.u == 0) add(0, v0, 0, v1);
   return largest;
 }
 
-CellSplitter::Split CellSplitter::wanted(const CellBound& bound, double limit,
-                                         const AdaptiveCell& cell) const {
-  const bool is_far = limit > 0 && !(bound.distance <= limit);
-  const int halvings = kMaxHalvings - std::min(cell.log_u, cell.log_v);
-  const bool turns =
-      limits_.turn > 0 && bound.turn > limits_.turn && halvings < kMostTurnHalvings;
-  if (!is_far && !turns) return Split::None;
-  return bound.u_is_worse ? Split::U : Split::V;
+bool CellSplitter::keeps(const CellBound& bound, const AdaptiveCell& cell) const {
+  const double limit = limit_at(cell);
+  if (limit > 0 && !(bound.distance <= limit)) return false;
+  const bool is_small = std::min(cell.size_u(), cell.size_v()) <= kCellSide >> kMostTurnHalvings;
+  return limits_.turn == 0 || bound.turn <= limits_.turn || is_small;
 }
 
+// The fewest parts of two and three along a side that all keep the limits; none where that takes
+// more.
+CellSplitter::Split CellSplitter::fewest_parts(const BezierNet& net, const CellBound& bound,
+                                               const AdaptiveCell& cell) const {
+  constexpr Split kBySize[] = {{1, 2}, {2, 1}, {1, 3}, {3, 1}, {2, 2}, {2, 3}, {3, 2}, {3, 3}};
+  const double limit = limit_at(cell);
+  if (!(limit > 0)) return {0, 0};
+  for (const Split& split : kBySize) {
+    if (cell.size_u() % split.u != 0 || cell.size_v() % split.v != 0) continue;
+    if (!(bound.distance_in(split.u, split.v) <= limit)) continue;
+    bool all_keep = true;
+    for (int b = 0; b < split.v && all_keep; ++b) {
+      const BezierNet row = part_of_net(net, true, b, split.v);
+      for (int a = 0; a < split.u && all_keep; ++a)
+        all_keep = keeps(bound_of(part_of_net(row, false, a, split.u)),
+                         part_of_cell(cell, a, split.u, b, split.v));
+    }
+    if (all_keep) return split;
+  }
+  return {0, 0};
+}
+
+// The fewest parts that will keep the limits; else halves along the side that is worse.
 CellSplitter::Split CellSplitter::split_of(const BezierNet& net, const AdaptiveCell& cell) const {
+  const auto halves = [&](bool along_u) { return along_u ? Split{2, 1} : Split{1, 2}; };
   if (limits_.distance > 0) {
     const double limit = kBorderShare * limits_.distance;
     if (borders_.leading && cell.v == 0 && !(curve_bound(net[0], net[1], net[2]) <= limit))
-      return Split::U;
+      return halves(true);
     if (borders_.trailing && cell.u == 0 && !(curve_bound(net[0], net[3], net[6]) <= limit))
-      return Split::V;
+      return halves(false);
   }
-  const Split split = wanted(bound_of(net), limit_at(cell), cell);
-  if (split == Split::None) return split;
+  const CellBound bound = bound_of(net);
+  if (keeps(bound, cell)) return {};
+  const Split best = fewest_parts(net, bound, cell);
   const double along_u = std::max(glm::length(net[2] - net[0]), glm::length(net[8] - net[6]));
   const double along_v = std::max(glm::length(net[6] - net[0]), glm::length(net[8] - net[2]));
-  if (split == Split::U && along_v > kLongest * along_u) return Split::V;
-  if (split == Split::V && along_u > kLongest * along_v) return Split::U;
-  return split;
+  const bool is_slim = std::max(along_u * best.v, along_v * best.u) >
+                       kLongest * std::min(along_u * best.v, along_v * best.u);
+  if (best.u > 0 && !is_slim) return best;
+  if (along_v > kLongest * along_u) return halves(false);
+  if (along_u > kLongest * along_v) return halves(true);
+  return halves(bound.u_is_worse);
 }
 
 void CellSplitter::split_net(const BezierNet& net, const AdaptiveCell& cell) {
-  const Split split = split_of(net, cell);
-  if (split == Split::None) {
+  Split split = split_of(net, cell);
+  if (split.u == 1 && split.v == 1) {
     emit(cell);
     return;
   }
-  const bool along_v = split == Split::V;
-  std::uint8_t AdaptiveCell::*const log = along_v ? &AdaptiveCell::log_v : &AdaptiveCell::log_u;
-  if (cell.*log == 0) refuse_depth();
-  AdaptiveCell half = cell;
-  --(half.*log);
-  split_net(half_of(net, along_v, false), half);
-  if (along_v) {
-    half.v = static_cast<std::uint16_t>(half.v + (1 << half.log_v));
-  } else {
-    half.u = static_cast<std::uint16_t>(half.u + (1 << half.log_u));
+  const auto possible = [&](int parts, std::int32_t size) {
+    if (parts == 1 || size % parts == 0) return parts;
+    if (size != 3) refuse_depth();
+    return 3;
+  };
+  split = {possible(split.u, cell.size_u()), possible(split.v, cell.size_v())};
+  for (int b = 0; b < split.v; ++b) {
+    const BezierNet row = part_of_net(net, true, b, split.v);
+    for (int a = 0; a < split.u; ++a)
+      split_net(part_of_net(row, false, a, split.u), part_of_cell(cell, a, split.u, b, split.v));
   }
-  split_net(half_of(net, along_v, true), half);
 }
 
 void CellSplitter::split_form(const PatchForm& form, std::span<const glm::dvec3> points, int turns,
@@ -226,11 +257,11 @@ void CellSplitter::split_form(const PatchForm& form, std::span<const glm::dvec3>
   bound.turn = spread_of(normals);
   if (is_on_border(cell) && limits_.distance > 0)
     bound.distance = std::max(bound.distance, border_bound(cell));
-  if (wanted(bound, limit_at(cell), cell) == Split::None) {
+  if (keeps(bound, cell)) {
     emit(cell);
     return;
   }
-  if (std::min(cell.log_u, cell.log_v) == 0) refuse_depth();
+  if (cell.size_u() % 2 != 0) refuse_depth();
   for (int q = 0; q < 4; ++q) {
     const auto at = static_cast<std::size_t>(q);
     const PatchForm& inner = *form.quarters[at];
@@ -250,7 +281,7 @@ void CellSplitter::run(std::int32_t corner, const CornerBorders& borders,
   number_ = corner;
   borders_ = borders;
   cells_ = &cells;
-  split_form(corner_.form(), corner_.points(), 0, {0, 0, kMaxHalvings, kMaxHalvings});
+  split_form(corner_.form(), corner_.points(), 0, {0, 0, kCellSide, kCellSide});
 }
 
 AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,

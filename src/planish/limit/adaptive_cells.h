@@ -11,18 +11,18 @@
 
 namespace planish {
 
-/// Halvings of a corner along each side beyond which cells are refused: 2^14 along an edge's half.
-inline constexpr int kMaxHalvings = 14;
+/// Halvings of a corner along each side beyond which cells are refused, but for a third.
+inline constexpr int kMaxHalvings = 13;
 /// A corner's parameters as whole numbers: 0 to kCellSide along each side.
-inline constexpr std::int32_t kCellSide = 1 << kMaxHalvings;
+inline constexpr std::int32_t kCellSide = 3 << kMaxHalvings;
 
 /// A rectangle of a corner's square.
 struct AdaptiveCell {
-  std::uint16_t u = 0, v = 0;           ///< its lower end, of kCellSide
-  std::uint8_t log_u = 0, log_v = 0;    ///< its sides are 2^log in length
+  std::uint16_t u = 0, v = 0;          ///< its lower end, of kCellSide
+  std::uint16_t end_u = 0, end_v = 0;  ///< and its upper one
 
-  [[nodiscard]] std::int32_t end_u() const { return u + (1 << log_u); }
-  [[nodiscard]] std::int32_t end_v() const { return v + (1 << log_v); }
+  [[nodiscard]] std::int32_t size_u() const { return end_u - u; }
+  [[nodiscard]] std::int32_t size_v() const { return end_v - v; }
 };
 
 /// What cells must keep; 0: not asked for.
@@ -49,9 +49,14 @@ class CellSplitter {
   void run(std::int32_t corner, const CornerBorders& borders, std::vector<AdaptiveCell>& cells);
 
  private:
-  enum class Split { None, U, V };
+  // How many parts a cell becomes along each side.
+  struct Split {
+    int u = 1, v = 1;
+  };
 
-  [[nodiscard]] Split wanted(const CellBound& bound, double limit, const AdaptiveCell& cell) const;
+  [[nodiscard]] bool keeps(const CellBound& bound, const AdaptiveCell& cell) const;
+  [[nodiscard]] Split fewest_parts(const BezierNet& net, const CellBound& bound,
+                                   const AdaptiveCell& cell) const;
   [[nodiscard]] Split split_of(const BezierNet& net, const AdaptiveCell& cell) const;
   [[nodiscard]] bool is_on_border(const AdaptiveCell& cell) const;
   [[nodiscard]] double limit_at(const AdaptiveCell& cell) const;

@@ -34,7 +34,7 @@ struct AdaptiveSurface {
 /// seams of texture coordinates. The given vertices come first, as in levels, and attributes are
 /// carried like theirs. The same bits for every thread count.
 /// Throws Error{InvalidArgument} for errors and angles that are none, or that patches keep in no
-/// 2^-14 of half an edge; Error{OutOfMemory} before memory is taken; Error{Cancelled}.
+/// 2^-13 of half an edge; Error{OutOfMemory} before memory is taken; Error{Cancelled}.
 [[nodiscard]] AdaptiveSurface tessellate(const LimitSurface& surface,
                                          const AdaptiveOptions& options);
 

@@ -36,14 +36,17 @@ Cone cone_of(std::span<const glm::dvec3> directions) {
 
 double slope(double cosine) { return std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine; }
 
-// The largest of some second derivatives: whole, and along the cone's axis.
+// The largest of some second derivatives: whole, and along the cone's axis each way.
 struct Largest {
-  double whole = 0, along = 0;
+  double whole = 0, up = 0, down = 0;
 
   void add(const glm::dvec3& d, const glm::dvec3& axis) {
+    const double height = glm::dot(d, axis);
     whole = std::max(whole, glm::length(d));
-    along = std::max(along, std::abs(glm::dot(d, axis)));
+    up = std::max(up, height);
+    down = std::max(down, -height);
   }
+  [[nodiscard]] double along() const { return std::max(up, down); }
 };
 
 }  // namespace
@@ -77,20 +80,24 @@ CellBound bound_of(const BezierNet& net) {
   }
   for (const std::size_t k : {0, 1, 3, 4})
     uv.add(4.0 * (net[k + 4] - net[k + 3] - net[k + 1] + net[k]), cone.axis);
-  const auto sum = [&](double Largest::*part) {
-    return (uu.*part + 2 * (uv.*part) + vv.*part) / 8;
-  };
   CellBound bound;
-  bound.distance = sum(&Largest::whole);
+  bound.distance = (uu.whole + 2 * uv.whole + vv.whole) / 8;
   bound.turn = cone.cosine > 0 ? 2 * std::acos(std::min(cone.cosine, 1.0)) : std::numbers::pi;
-  double worse_u = uu.whole, worse_v = vv.whole;
+  bound.by_uu = uu.whole / 8;
+  bound.by_vv = vv.whole / 8;
   if (cone.cosine > kLeastCosine) {
     const double steep = slope(cone.cosine);
-    bound.distance = std::min(bound.distance, sum(&Largest::along) + steep * bound.distance);
-    worse_u = uu.along + steep * uu.whole;
-    worse_v = vv.along + steep * vv.whole;
+    // Where u and v are curved against one another, what they are off by is too.
+    const double height =
+        (std::max(uu.up + vv.up, uu.down + vv.down) + 2 * uv.along()) / 8;
+    const double with_slope = height + steep * bound.distance;
+    if (with_slope < bound.distance) {
+      bound.distance = with_slope;
+      bound.by_uu = uu.along() / 8;
+      bound.by_vv = vv.along() / 8;
+    }
   }
-  bound.u_is_worse = worse_u > worse_v;
+  bound.u_is_worse = bound.by_uu > bound.by_vv;
   return bound;
 }
 

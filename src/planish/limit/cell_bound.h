@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <glm/vec3.hpp>
 #include <span>
@@ -15,11 +16,19 @@ struct CellBound {
   double distance = 0;     ///< between triangles and surface, both ways
   double turn = 0;         ///< between any two normals, radians; pi where it cannot be told
   bool u_is_worse = true;  ///< a split across u lowers the bound more
+  /// Parts of `distance` by S_uu and S_vv, along the normal where there is one; of polynomials.
+  double by_uu = 0, by_vv = 0;
+
+  /// Not more than the bound in a part, about, where so many are made along u and along v.
+  [[nodiscard]] double distance_in(int u, int v) const {
+    return std::max(by_uu / (u * u), by_vv / (v * v));
+  }
 };
 
 /// Of a polynomial piece. Linear interpolation on triangles inside a rectangle is off by at most
 /// (|S_uu| + 2 |S_uv| + |S_vv|) / 8, sides being 1 in length. Across the surface counts what of it
-/// is along the normal, and the rest times the slope.
+/// is along the normal, where S_uu and S_vv of different signs do not add up, and the rest times
+/// the slope.
 [[nodiscard]] CellBound bound_of(const BezierNet& net);
 
 /// The same of a curve with three Bezier points and of the chord between any two of its places.

@@ -66,7 +66,7 @@ double on_border(double t) {
 // Newton's method in the square: steps end at its borders, and go along them where the distance
 // falls outwards.
 void NearestSearch::descend(double u, double v, const glm::dvec3& point) {
-  Descent here(corner_.at({u, v}), point);
+  Descent here(pieces_.at(u, v), point);
   for (int step = 0; step < kMostDescents; ++step) {
     const bool fixed_u = is_blocked(u, here.gu), fixed_v = is_blocked(v, here.gv);
     double du = 0, dv = 0;
@@ -93,7 +93,7 @@ void NearestSearch::descend(double u, double v, const glm::dvec3& point) {
     for (double share = 1; share > kSmallestShare && !falls; share *= 0.5) {
       const double next_u = on_border(std::clamp(u + share * du, 0.0, 1.0));
       const double next_v = on_border(std::clamp(v + share * dv, 0.0, 1.0));
-      const Descent next(corner_.at({next_u, next_v}), point);
+      const Descent next(pieces_.at(next_u, next_v), point);
       if (!(next.value < here.value)) continue;
       u = next_u;
       v = next_v;
@@ -113,20 +113,22 @@ void NearestSearch::descend(double u, double v, const glm::dvec3& point) {
 // A start in each quarter that comes near enough: a patch can have a nearest place of its own in
 // each.
 void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& point) {
-  corner_.move_to(corner);
+  pieces_.move_to(corner, tree_.reaches());
   struct Start {
-    double square_distance, u, v;
+    double square_distance;
+    std::size_t quarter;
   };
-  std::array<Start, 4> starts{{{0, 0.25, 0.25}, {0, 0.75, 0.25}, {0, 0.75, 0.75}, {0, 0.25, 0.75}}};
-  const auto boxes =
-      quarter_boxes(corner_.form(), corner_.points(), tree_.reaches(), quarter_points_);
-  const glm::dvec3 off = point - corner_.own();
-  for (std::size_t q = 0; q < 4; ++q) starts[q].square_distance = square_distance(boxes[q], off);
+  std::array<Start, 4> starts;
+  const glm::dvec3 off = point - pieces_.corner().own();
+  for (std::size_t q = 0; q < 4; ++q) starts[q] = {square_distance(pieces_.box(q), off), q};
   std::ranges::sort(starts, {}, &Start::square_distance);
   for (const Start& start : starts) {
-    // Boxes are exact but for rounding.
-    if (start.square_distance > best_.square_distance * (1 + 1e-12)) break;
-    descend(start.u, start.v, point);
+    // Boxes and planes are exact but for rounding.
+    const double far = best_.square_distance * (1 + 1e-12);
+    if (start.square_distance > far) break;
+    const double least = pieces_.least_distance(start.quarter, off) - 1e-15;
+    if (least > 0 && least * least > far) continue;
+    descend(start.quarter % 2 == 1 ? 0.75 : 0.25, start.quarter >= 2 ? 0.75 : 0.25, point);
   }
   if (best_.corner == -2) best_.corner = corner;
 }

@@ -3,6 +3,7 @@
 #include <glm/vec3.hpp>
 
 #include "planish/limit/corner_tree.h"
+#include "planish/limit/patch_pieces.h"
 
 namespace planish {
 
@@ -17,23 +18,21 @@ struct NearestPlace {
 /// point to point; one a thread.
 class NearestSearch {
  public:
-  explicit NearestSearch(const CornerTree& tree) : tree_(tree), corner_(tree.surface()) {}
+  explicit NearestSearch(const CornerTree& tree) : tree_(tree), pieces_(tree.surface()) {}
 
   [[nodiscard]] NearestPlace run(const glm::dvec3& point);
-  [[nodiscard]] LimitSurface::Corner& corner() { return corner_; }
 
  private:
   void search_corner(std::int32_t corner, const glm::dvec3& point);
   void descend(double u, double v, const glm::dvec3& point);
 
   const CornerTree& tree_;
-  LimitSurface::Corner corner_;
+  PatchPieces pieces_;
   struct Waiting {
     std::int32_t node;
     double square_distance;
   };
   std::vector<Waiting> waiting_;
-  std::vector<glm::dvec3> quarter_points_;
   NearestPlace best_;
 };
 

@@ -22,13 +22,13 @@ void side_places(std::span<const AdaptiveCell> cells, int side,
   places.clear();
   for (const AdaptiveCell& cell : cells) {
     const bool touches = side == 0   ? cell.v == 0
-                         : side == 1 ? cell.end_u() == kCellSide
-                         : side == 2 ? cell.end_v() == kCellSide
+                         : side == 1 ? cell.end_u == kCellSide
+                         : side == 2 ? cell.end_v == kCellSide
                                      : cell.u == 0;
     if (!touches) continue;
     const bool along_u = side % 2 == 0;
     const std::uint16_t first = along_u ? cell.u : cell.v;
-    const std::int32_t last = along_u ? cell.end_u() : cell.end_v();
+    const std::int32_t last = along_u ? cell.end_u : cell.end_v;
     if (first > 0) places.push_back(first);
     if (last < kCellSide) places.push_back(static_cast<std::uint16_t>(last));
   }
@@ -38,9 +38,9 @@ void side_places(std::span<const AdaptiveCell> cells, int side,
 void CornerGrid::build(std::span<const AdaptiveCell> cells, const Sides& sides) {
   rows_.clear();
   for (const AdaptiveCell& cell : cells) {
-    for (const std::int32_t v : {std::int32_t{cell.v}, cell.end_v()}) {
+    for (const std::uint16_t v : {cell.v, cell.end_v}) {
       rows_.push_back(key_of(v, cell.u));
-      rows_.push_back(key_of(v, cell.end_u()));
+      rows_.push_back(key_of(v, cell.end_u));
     }
   }
   for (const std::uint16_t t : sides[0]) rows_.push_back(key_of(0, t));
@@ -71,7 +71,7 @@ std::span<const std::int32_t> CornerGrid::polygon(const AdaptiveCell& cell) {
   const auto at = [](const std::vector<std::uint32_t>& keys, std::uint32_t key) {
     return static_cast<std::int32_t>(std::ranges::lower_bound(keys, key) - keys.begin());
   };
-  const std::int32_t u0 = cell.u, u1 = cell.end_u(), v0 = cell.v, v1 = cell.end_v();
+  const std::int32_t u0 = cell.u, u1 = cell.end_u, v0 = cell.v, v1 = cell.end_v;
   // Each side without its last place.
   for (std::int32_t i = at(rows_, key_of(v0, u0)); i < at(rows_, key_of(v0, u1)); ++i)
     polygon_.push_back(i);

@@ -23,15 +23,23 @@ void require_finite(const glm::dvec3& point, std::size_t index) {
   throw Error(ErrorCode::InvalidArgument, "point " + std::to_string(index) + " is not finite");
 }
 
+// From so far that squares are too large for double, the surface is one point.
+glm::dvec3 nearby(const glm::dvec3& point) {
+  constexpr double kFarthest = 1e100;
+  const double far = std::hypot(point.x, point.y, point.z);
+  return far > kFarthest ? point * (kFarthest / far) : point;
+}
+
 ClosestPoint closest_point(NearestSearch& search, const LimitSurface& surface,
                            const glm::dvec3& point) {
-  const NearestPlace place = search.run(surface.surface().placement().to_unit(point));
+  const NearestPlace place = search.run(nearby(surface.surface().placement().to_unit(point)));
   ClosestPoint result;
   result.at = surface_parameter(surface.topology(), place.corner, place.u, place.v);
   const SurfacePoint on = surface.evaluate(result.at);
   result.position = on.position;
   result.normal = on.normal;
-  result.distance = glm::length(point - on.position);
+  const glm::dvec3 off = point - on.position;
+  result.distance = std::hypot(off.x, off.y, off.z);  // whose squares may be too large for double
   return result;
 }
 

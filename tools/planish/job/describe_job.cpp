@@ -65,10 +65,13 @@ std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
               companion_line(output, mesh, claims);
       continue;
     }
-    text += write_line(output.path,
-                       "  (level " + std::to_string(output.level) + ", " +
-                           face_count_text(mesh, planned.job.settings.scheme, output.level) + size,
-                       claims);
+    const Fineness& fineness = output.fineness;
+    std::string what = "  (" + fineness_text(fineness);
+    // How many triangles an error takes is known once the surface is.
+    what += fineness.is_adaptive()
+                ? ")"
+                : ", " + face_count_text(mesh, planned.job.settings.scheme, fineness.level) + size;
+    text += write_line(output.path, what, claims);
     text += companion_line(output, mesh, claims);
   }
   return text;

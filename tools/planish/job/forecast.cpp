@@ -94,7 +94,7 @@ std::uint64_t peak_bytes(const PolygonMesh& mesh, const std::vector<LevelCounts>
 int highest_level(const std::vector<PlannedOutput>& outputs) {
   int level = 1;  // where the surface is measured
   for (const PlannedOutput& output : outputs)
-    if (output.kind == OutputKind::Surface) level = std::max(level, output.level);
+    if (output.kind == OutputKind::Surface) level = std::max(level, output.fineness.level);
   return level;
 }
 
@@ -108,7 +108,7 @@ Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
   Forecast forecast;
   double points = 0;
   for (const PlannedOutput& output : outputs) {
-    const int level = output.kind == OutputKind::Surface ? output.level : 0;
+    const int level = output.kind == OutputKind::Surface ? output.fineness.level : 0;
     const bool triangles = settings.scheme == Scheme::Loop && level > 0;
     const LevelCounts& at = levels[static_cast<std::size_t>(level)];
     const auto corners =

@@ -59,18 +59,18 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
   steps.insert(steps.end(), {{"stencils", 2}, {"solve", 3}});
   if (chooses_by_measurement(job.settings, outputs))
     steps.insert(steps.end(), {{"stencils", 2}, {"solve", 3}});
-  std::vector<int> levels;
+  std::vector<Fineness> all;
   for (const PlannedOutput& output : outputs) {
-    const bool is_new = std::ranges::find(levels, output.level) == levels.end();
-    if (output.kind == OutputKind::Surface && is_new) levels.push_back(output.level);
+    const bool is_new = std::ranges::find(all, output.fineness) == all.end();
+    if (output.kind == OutputKind::Surface && is_new) all.push_back(output.fineness);
   }
-  for (const int level : levels) {
-    const double points = std::ldexp(1.0, 2 * level);
+  for (const Fineness& fineness : all) {
+    const double points = std::ldexp(1.0, 2 * fineness.level);
     steps.push_back({"evaluate", points});
-    if (level > 0 && steps.end() == std::ranges::find(steps, "measure", &PlannedStep::name))
+    if (fineness.level > 0 && steps.end() == std::ranges::find(steps, "measure", &PlannedStep::name))
       steps.push_back({"measure", 0.4 * points});
     for (const PlannedOutput& output : outputs)
-      if (output.kind == OutputKind::Surface && output.level == level)
+      if (output.kind == OutputKind::Surface && output.fineness == fineness)
         steps.push_back({"write", 0.6 * points});
   }
   if (!job.page.empty()) steps.push_back({"page", 8});

@@ -14,7 +14,11 @@ void JobLevel::keep(const glm::dvec3& origin, QuadVisit visit) {
       keep_rows(*blocks_, {.origin = origin, .visit = std::move(visit), .callbacks = callbacks_});
 }
 
+JobLevel::JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive)
+    : adaptive_(std::move(adaptive)), blocks_(blocks_of(*adaptive_)) {}
+
 const SurfaceMesh& JobLevel::whole() {
+  if (adaptive_) return adaptive_->mesh;
   if (!whole_) whole_ = std::make_unique<const SurfaceMesh>(collect(blocks(), callbacks_));
   return *whole_;
 }
@@ -44,6 +48,20 @@ std::shared_ptr<const DooSabinSurface> JobSurface::made_doo_sabin() {
   if (!doo_sabin_ && options_.scheme == Scheme::DooSabin)
     doo_sabin_ = fitted_surface(mesh_, fitted_, options_);
   return doo_sabin_;
+}
+
+const LimitSurface& JobSurface::limit() {
+  (void)made_doo_sabin();
+  if (!limit_) limit_ = std::make_unique<const LimitSurface>(doo_sabin_);
+  return *limit_;
+}
+
+JobLevel JobSurface::adaptive(const Fineness& fineness) {
+  return JobLevel(std::make_unique<const AdaptiveSurface>(
+      tessellate(limit(), {.chord_error = fineness.chord_error,
+                           .angle = fineness.angle,
+                           .diagonal = fitted_.placement.diagonal,
+                           .callbacks = options_.callbacks})));
 }
 
 }  // namespace planish::command

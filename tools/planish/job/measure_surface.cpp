@@ -1,6 +1,9 @@
 #include "job/measure_surface.h"
 
+#include <cmath>
+
 #include "planish/limit/sheet_gap.h"
+#include "planish/limit/surface_queries.h"
 #include "planish/reconstruct/compare_source.h"
 #include "planish/reconstruct/triangle_edges.h"
 #include "planish/surface/block_quality.h"
@@ -113,7 +116,8 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
     note_quality(made, fitted, surface, stored_about, report, callbacks_for(report, context));
     warn_of_folds(made, report, context.console);
   }
-  if (surface.level() >= kPointDistanceLevel && !made.points.empty() && !report.point_distances) {
+  if (report.settings.scheme != Scheme::DooSabin && surface.level() >= kPointDistanceLevel &&
+      !made.points.empty() && !report.point_distances) {
     const SurfaceMesh& whole = surface.whole();
     report.point_distances =
         relative(measure_distances(made.points, whole.positions, triangles_of(whole)),
@@ -128,6 +132,22 @@ void note_sheet_gap(const JobInput& made, const Fit& fitted,
   report.surface->sheet_gap =
       sheet_gap(LimitSurface(surface), made.file_vertices, made.separated_edges) /
       fitted.placement.diagonal;
+}
+
+void measure_points(const JobInput& made, const Fit& fitted, JobSurface& surface,
+                    JobReport& report) {
+  std::vector<ClosestPoint> closest(made.points.size());
+  SurfaceQueries(surface.limit()).closest(made.points, closest);
+  PointDistances& distances = report.point_distances.emplace();
+  double sum = 0;
+  for (std::size_t i = 0; i < closest.size(); ++i) {
+    const double distance = closest[i].distance / fitted.placement.diagonal;
+    sum += distance * distance;
+    if (distances.farthest >= 0 && distance <= distances.max) continue;
+    distances.max = distance;
+    distances.farthest = static_cast<std::int64_t>(i);
+  }
+  distances.rms = std::sqrt(sum / static_cast<double>(closest.size()));
 }
 
 bool note_chosen_surface(const JobInput& made, JobReport& report, const JobContext& context) {

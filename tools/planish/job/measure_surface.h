@@ -11,18 +11,22 @@
 
 namespace planish::command {
 
-/// Distances of points are measured on a tessellation: from this level on it is as good as the
-/// surface.
+/// Where distances of points are measured on a tessellation: from this level on it is as good as
+/// the surface.
 inline constexpr int kPointDistanceLevel = 2;
 
 /// Notes in the report how good a level of the surface is, unless a level before it has: against
 /// the source where there is one, else the input; the distances of a cloud's points from
-/// kPointDistanceLevel on. Nothing of it can be seen at level 0. Warns "folded-area".
+/// kPointDistanceLevel on with schemes that measure_points() does not know. Nothing of it can be seen at level 0. Warns "folded-area".
 /// `stored_about`: the origin of rows where a file is made of them next; in the same pass they are
 /// kept for it.
 void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
                      const std::optional<glm::dvec3>& stored_about, JobReport& report,
                      const JobContext& context);
+
+/// The distances of a cloud's points to the surface itself, by closest points.
+void measure_points(const JobInput& made, const Fit& fitted, JobSurface& surface,
+                    JobReport& report);
 
 /// What the choice of the method measured at level 1, as the figures of the surface where no other
 /// level has any; false where there is none, or the source is what counts.

@@ -77,6 +77,14 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
   option("--report", flags.report, "JSON report; - for stdout", "FILE");
   option("--levels", flags.levels,
          "quad splits, 0 to 6 [2]; several write NAME_LOD0.glb, NAME_LOD1.glb, ...", "L[,L2,...]");
+  option("--chord-error", flags.chord_error,
+         "instead of levels: triangles within so much of the surface, relative to the diagonal; "
+         "several write NAME_LOD0.glb, ...",
+         "E[,E2,...]");
+  option("--angle", flags.angle,
+         "instead of levels, or besides --chord-error: most degrees that the surface turns beneath "
+         "a triangle",
+         "DEGREES");
   option("--source", flags.source,
          "mesh that the surface stands for: the report compares with it, not the input", "FILE");
   option("--input-format", flags.input_format,
@@ -114,6 +122,28 @@ void add_fit_flags(CLI::App& command, FitFlags& flags) {
     add_word_flag(command, flags.words, setting, kPoints);
 }
 
+namespace {
+
+void take_adaptive(const FitFlags& flags, AdaptiveChoice& adaptive) {
+  const auto one_number = [](const std::string& text, const char* flag) {
+    const std::vector<double> values = parse_numbers(text, flag);
+    if (values.size() != 1) refuse(flag, "one number is wanted, not " + visible(text));
+    return values.front();
+  };
+  if (!flags.chord_error.empty())
+    adaptive.chord_errors =
+        checked_chord_errors(parse_numbers(flags.chord_error, "--chord-error"), "--chord-error");
+  if (!flags.angle.empty())
+    adaptive.angle = checked_angle(one_number(flags.angle, "--angle"), "--angle");
+  if (adaptive.any() && !flags.levels.empty()) {
+    refuse("--levels", std::string("a surface has levels or ") +
+                           (flags.chord_error.empty() ? "an --angle" : "a --chord-error") +
+                           ", not both; leave one of them out");
+  }
+}
+
+}  // namespace
+
 std::optional<FileFormat> input_format_of(const FitFlags& flags) {
   if (flags.input_format.empty()) return std::nullopt;
   return parse_input_format(flags.input_format, "--input-format");
@@ -132,6 +162,7 @@ Settings settings_of(const FitFlags& flags) {
   whole(flags.max_iterations, "--max-iterations", set_max_iterations);
   whole(flags.polish, "--polish", set_polish_steps);
   if (!flags.levels.empty()) settings.levels = parse_levels(flags.levels);
+  take_adaptive(flags, settings.adaptive);
   check_consistent(settings);
   return settings;
 }
@@ -172,10 +203,11 @@ Job job_of(const FitFlags& flags, const Settings& settings, const std::string& i
   const FileFormat cage = output_format_of(flags, FormatUse::WriteCage, FileFormat::Obj);
   for (const std::string& path : flags.outputs)
     job.outputs.push_back({output_path(path, input, surface, "-o", one_of_several),
-                           OutputKind::Surface, settings.levels, "-o"});
+                           OutputKind::Surface, settings.levels, settings.adaptive, "-o"});
   if (!flags.cage.empty())
     job.outputs.push_back({output_path(flags.cage, input, cage, "--cage", one_of_several),
                            OutputKind::Cage,
+                           {},
                            {},
                            "--cage"});
   return job;

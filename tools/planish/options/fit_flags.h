@@ -14,7 +14,7 @@ namespace planish::command {
 /// The flags of `fit` as they were given; empty texts are flags that were not.
 struct FitFlags {
   std::vector<std::string> inputs, outputs;
-  std::string input_format, output_format, cage, source, report, levels;
+  std::string input_format, output_format, cage, source, report, levels, chord_error, angle;
   std::string tolerance, max_iterations, polish, weld, workers, page, page_limit;
   SettingWords words;  ///< by name of the setting
   bool force = false, dry_run = false, page_no_times = false;

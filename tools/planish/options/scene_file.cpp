@@ -42,6 +42,36 @@ std::vector<int> levels_of(const Json& json, const std::string& where) {
   return checked_levels(values, where);
 }
 
+std::vector<double> chord_errors_of(const Json& json, const std::string& where) {
+  if (!json.is_array()) {
+    refuse(where,
+           std::string("a list of errors such as [0.001] is wanted, not ") + json.type_name());
+  }
+  std::vector<double> values;
+  for (std::size_t i = 0; i < json.size(); ++i) values.push_back(number_of(json[i], entry_path(where, i)));
+  return checked_chord_errors(values, where);
+}
+
+// What says how fine a surface is takes the place of what said so before.
+void apply_fineness(const Json& json, const std::string& where, std::vector<int>& levels,
+                    AdaptiveChoice& adaptive) {
+  const bool is_adaptive = json.contains("chord_errors") || json.contains("angle");
+  if (json.contains("levels")) {
+    if (is_adaptive) {
+      refuse(key_path(where, "levels"),
+             "a surface has levels or chord_errors and an angle, not both; leave one of them out");
+    }
+    levels = levels_of(json["levels"], key_path(where, "levels"));
+    adaptive = {};
+  }
+  if (json.contains("chord_errors"))
+    adaptive.chord_errors = chord_errors_of(json["chord_errors"], key_path(where, "chord_errors"));
+  if (json.contains("angle")) {
+    const std::string path = key_path(where, "angle");
+    adaptive.angle = checked_angle(number_of(json["angle"], path), path);
+  }
+}
+
 template <class Visit>
 void for_entries(const Json& json, const std::string& where, const Visit& visit) {
   if (!json.is_array()) refuse(where, std::string("a list is wanted, not ") + json.type_name());
@@ -82,9 +112,7 @@ void apply_settings(Settings& settings, const Json& json, const std::string& whe
     });
   }
   visit("tolerance", [&](const Json& value, const std::string& path) {
-    if (!value.is_number())
-      refuse(path, std::string("a number is wanted, not ") + value.type_name());
-    set_tolerance(settings, value.get<double>(), path);
+    set_tolerance(settings, number_of(value, path), path);
   });
   visit("weld", [&](const Json& value, const std::string& path) {
     if (!value.is_number())
@@ -113,9 +141,7 @@ void apply_settings(Settings& settings, const Json& json, const std::string& whe
       settings.corner_vertices.push_back({vertex_of(vertex, entry)});
     });
   });
-  visit("levels", [&](const Json& value, const std::string& path) {
-    settings.levels = levels_of(value, path);
-  });
+  apply_fineness(json, where, settings.levels, settings.adaptive);
 }
 
 Sampling sampling_of(const Json& json, const std::string& where) {
@@ -198,12 +224,12 @@ class JobParser {
 
   void parse_outputs(Job& job, const Json& json, const std::string& where) const {
     for_entries(json, where, [&](const Json& output, const std::string& entry) {
-      job.outputs.push_back(parse_output(output, entry, job.settings.levels));
+      job.outputs.push_back(parse_output(output, entry, job.settings));
     });
   }
 
   OutputRequest parse_output(const Json& json, const std::string& where,
-                             const std::vector<int>& levels) const {
+                             const Settings& settings) const {
     check_keys(json, SceneObject::Output, where);
     OutputRequest request;
     request.where = where;
@@ -220,13 +246,16 @@ class JobParser {
       }
     }
     const bool cage = request.kind == OutputKind::Cage;
-    if (cage && json.contains("levels")) {
-      refuse(key_path(where, "levels"), "a cage has no levels");
+    if (cage) {
+      for (const char* const key : {"levels", "chord_errors", "angle"})
+        if (json.contains(key)) refuse(key_path(where, key), "a cage has no levels");
+      return request;
     }
-    if (!cage) request.levels = levels;
-    if (json.contains("levels")) {
-      request.levels = levels_of(json["levels"], key_path(where, "levels"));
-    }
+    request.levels = settings.levels;
+    request.adaptive = settings.adaptive;
+    apply_fineness(json, where, request.levels, request.adaptive);
+    if (request.adaptive.any() && settings.scheme != Scheme::DooSabin)
+      refuse(where, "only Doo-Sabin surfaces have chord errors and angles; take levels");
     return request;
   }
 
@@ -240,7 +269,7 @@ std::vector<std::string_view> scene_keys(SceneObject object) {
   std::vector<std::string_view> solve{"tolerance", "max_iterations", "polish",
                                       "weld",      "crease_edges",   "corner_vertices"};
   std::vector<std::string_view> all = solve;
-  all.insert(all.end(), {"levels", "solve"});
+  all.insert(all.end(), {"levels", "chord_errors", "angle", "solve"});
   for (const WordSetting& setting : word_settings()) {
     all.push_back(setting.name);
     if (setting.belongs_to_solve) solve.push_back(setting.name);
@@ -258,7 +287,7 @@ std::vector<std::string_view> scene_keys(SceneObject object) {
     case SceneObject::Solve:
       return solve;
     case SceneObject::Output:
-      return {"path", "what", "levels"};
+      return {"path", "what", "levels", "chord_errors", "angle"};
     case SceneObject::Sample:
       return {"points", "pattern", "seed", "noise", "outliers"};
   }

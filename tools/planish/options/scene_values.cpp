@@ -36,9 +36,13 @@ std::string entry_path(const std::string& where, std::size_t index) {
   return where + "[" + std::to_string(index) + "]";
 }
 
-double fraction_of(const Json& json, const std::string& where) {
+double number_of(const Json& json, const std::string& where) {
   if (!json.is_number()) refuse(where, std::string("a number is wanted, not ") + json.type_name());
-  const auto number = json.get<double>();
+  return json.get<double>();
+}
+
+double fraction_of(const Json& json, const std::string& where) {
+  const double number = number_of(json, where);
   if (!(number >= 0 && number <= 1))
     refuse(where, json.dump().substr(0, 40) + " is no fraction from 0 to 1");
   return number;

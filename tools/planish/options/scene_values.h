@@ -18,6 +18,7 @@ void require_object(const Json& json, const std::string& where);
 /// From `least` to `most`.
 [[nodiscard]] std::int64_t count_of(const Json& json, const std::string& where, std::int64_t least,
                                     std::int64_t most);
+[[nodiscard]] double number_of(const Json& json, const std::string& where);
 /// From 0 to 1.
 [[nodiscard]] double fraction_of(const Json& json, const std::string& where);
 

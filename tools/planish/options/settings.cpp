@@ -284,13 +284,56 @@ std::vector<int> checked_levels(std::span<const std::int64_t> values, std::strin
   return levels;
 }
 
+std::vector<double> checked_chord_errors(std::span<const double> values, std::string_view where) {
+  std::vector<double> errors;
+  for (const double value : values) {
+    if (!(value > 0 && value <= 1)) {
+      refuse(where, short_number(value) +
+                        " is out of range; parts of the diagonal above 0 to 1 are wanted, such as "
+                        "0.001");
+    }
+    if (std::ranges::find(errors, value) != errors.end())
+      refuse(where, short_number(value) + " is named twice");
+    errors.push_back(value);
+  }
+  if (errors.empty()) refuse(where, "no chord error is named; 0.001 is a good one");
+  return errors;
+}
+
+double checked_angle(double value, std::string_view where) {
+  if (value > 0 && value <= 180) return value;
+  refuse(where, short_number(value) + " is out of range; above 0 to 180 degrees are wanted");
+}
+
+std::vector<double> parse_numbers(std::string_view text, std::string_view where) {
+  std::vector<double> values;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    double value = 0;
+    if (!parse_number(text.substr(at, end - at), value))
+      refuse(where, "\"" + visible(text) + "\" is no number or list such as 0.01,0.001");
+    values.push_back(value);
+    at = end + 1;
+  }
+  return values;
+}
+
 void check_consistent(const Settings& settings) {
   if (settings.device == "vulkan" && settings.precision != PrecisionChoice::Auto) {
     refuse("--precision", std::string(text_of(kPrecisions, settings.precision)) +
                               " is for the CPU backend; leave it out with --device vulkan, or take "
                               "--device cpu");
   }
+  if (settings.adaptive.any() && settings.attributes.any()) {
+    refuse("--attributes",
+           "fields are made on levels; take --levels instead of --chord-error and --angle");
+  }
   if (settings.scheme == Scheme::DooSabin) return;
+  if (settings.adaptive.any()) {
+    refuse(settings.adaptive.chord_errors.empty() ? "--angle" : "--chord-error",
+           std::string(name_of(settings.scheme)) +
+               " surfaces come in levels; take --levels, or --scheme doo-sabin");
+  }
   const std::string scheme(name_of(settings.scheme));
   if (settings.weights != Weights::DooSabin) {
     refuse("--weights", std::string(name_of(settings.weights)) +

@@ -30,6 +30,14 @@ struct CreaseChoice {
   bool split_normals = false;              ///< and those where the file splits its normals
 };
 
+/// Surfaces as fine as they have to be, instead of levels.
+struct AdaptiveChoice {
+  std::vector<double> chord_errors;  ///< of the diagonal; several are levels of detail
+  double angle = 0;                  ///< degrees; 0: any
+
+  [[nodiscard]] bool any() const { return !chord_errors.empty() || angle > 0; }
+};
+
 /// Everything that can be set for one job, by flags of `fit` or keys of a scene file.
 struct Settings {
   Scheme scheme = Scheme::DooSabin;
@@ -51,6 +59,7 @@ struct Settings {
   GltfCompression compression = GltfCompression::None;
   std::string device = "auto";
   std::vector<int> levels{2};
+  AdaptiveChoice adaptive;
   ReconstructOptions points{.measure_noise = true};  ///< how a point cloud becomes a mesh
 
   /// Of a mesh that prepare() made, which has no tags but those that count.
@@ -83,6 +92,14 @@ void set_weld(Settings& settings, std::string_view text, std::string_view where)
 /// Each 0 to kMaxLevel, none twice, at least one.
 [[nodiscard]] std::vector<int> checked_levels(std::span<const std::int64_t> values,
                                               std::string_view where);
+
+/// Each above 0 and at most 1, none twice, at least one.
+[[nodiscard]] std::vector<double> checked_chord_errors(std::span<const double> values,
+                                                       std::string_view where);
+/// Above 0 and at most 180 degrees.
+[[nodiscard]] double checked_angle(double value, std::string_view where);
+/// A list of numbers between commas.
+[[nodiscard]] std::vector<double> parse_numbers(std::string_view text, std::string_view where);
 
 /// Throws Error{InvalidArgument} where settings contradict each other, as far as that can be told
 /// before a device is open.

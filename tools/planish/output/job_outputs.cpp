@@ -75,10 +75,10 @@ void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& 
 }
 
 // The origin of the rows of a level where a glTF file shows it.
-std::optional<glm::dvec3> stored_about(const FittedJob& work, int level,
+std::optional<glm::dvec3> stored_about(const FittedJob& work, const Fineness& fineness,
                                        const SurfaceOutputOptions& options) {
   for (const PlannedOutput& planned : work.outputs) {
-    if (planned.kind == OutputKind::Surface && planned.level == level &&
+    if (planned.kind == OutputKind::Surface && planned.fineness == fineness &&
         (planned.to_stdout || info_of(planned.format).is_gltf)) {
       return options.gltf.origin;
     }
@@ -91,10 +91,15 @@ JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level,
   return timed(work.report.timing.evaluate, [&] {
     JobLevel made = surface.level(level);
     work.context.progress.update("measure", 0);
-    measure_surface(work.made, work.fitted, made, stored_about(work, level, options), work.report,
+    measure_surface(work.made, work.fitted, made, stored_about(work, {.level = level}, options), work.report,
                     work.context);
     return made;
   });
+}
+
+// Nothing is measured on triangles of all sizes: that is for a level.
+JobLevel adaptive_surface(const FittedJob& work, JobSurface& surface, const Fineness& fineness) {
+  return timed(work.report.timing.evaluate, [&] { return surface.adaptive(fineness); });
 }
 
 void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* surface,
@@ -148,13 +153,13 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
                       callbacks_for(work.report, work.context));
   std::vector<WrittenOutput>& written = work.report.outputs;
   written.resize(work.outputs.size());
-  std::vector<int> levels;
+  std::vector<Fineness> finenesses;
   for (std::size_t i = 0; i < work.outputs.size(); ++i) {
     const PlannedOutput& planned = work.outputs[i];
     if (planned.kind == OutputKind::Cage) {
       write_one(work, planned, nullptr, common, written[i], stdout_bytes);
-    } else if (std::ranges::find(levels, planned.level) == levels.end()) {
-      levels.push_back(planned.level);
+    } else if (std::ranges::find(finenesses, planned.fineness) == finenesses.end()) {
+      finenesses.push_back(planned.fineness);
     }
   }
   JobSurface all(work.made, work.fitted, work.backend, work.job.settings,
@@ -163,19 +168,25 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
       work.context.wants_page(work.job)
           ? page_level(work.made.input.file.mesh, work.job.settings.scheme, work.context.page)
           : -1;
-  for (const int level : levels) {
-    JobLevel surface = measured_level(work, all, level, common);
+  for (const Fineness& fineness : finenesses) {
+    JobLevel surface = fineness.is_adaptive()
+                           ? adaptive_surface(work, all, fineness)
+                           : measured_level(work, all, fineness.level, common);
     VertexFields fields;
     SurfaceOutputOptions options = common;
     add_attributes(work, all, surface, fields, options.gltf);
-    options.gltf.extras.emplace_back("level", std::int64_t{level});
+    if (!fineness.is_adaptive())
+      options.gltf.extras.emplace_back("level", std::int64_t{fineness.level});
+    if (fineness.chord_error > 0)
+      options.gltf.extras.emplace_back("chord_error", fineness.chord_error);
+    if (fineness.angle > 0) options.gltf.extras.emplace_back("angle", fineness.angle);
     for (std::size_t i = 0; i < work.outputs.size(); ++i) {
       const PlannedOutput& planned = work.outputs[i];
-      if (planned.kind == OutputKind::Surface && planned.level == level) {
+      if (planned.kind == OutputKind::Surface && planned.fineness == fineness) {
         write_one(work, planned, &surface, options, written[i], stdout_bytes);
       }
     }
-    if (level == scene_level) make_scene(work, all, surface.whole());
+    if (!fineness.is_adaptive() && fineness.level == scene_level) make_scene(work, all, surface.whole());
   }
   // What is seen on the page is what is measured.
   if (scene_level >= 0 && work.scene.empty()) {
@@ -186,8 +197,14 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   const bool asks_for_result =
       !work.outputs.empty() || !work.job.report.empty() || work.context.wants_page(work.job);
   const bool lacks_distances = !work.made.points.empty() && !work.report.point_distances;
-  if (asks_for_result && lacks_distances)
-    (void)measured_level(work, all, kPointDistanceLevel, common);
+  if (asks_for_result && lacks_distances) {
+    if (work.job.settings.scheme == Scheme::DooSabin) {
+      timed(work.report.timing.evaluate,
+            [&] { measure_points(work.made, work.fitted, all, work.report); });
+    } else {
+      (void)measured_level(work, all, kPointDistanceLevel, common);
+    }
+  }
   if (asks_for_result && !work.report.surface &&
       !note_chosen_surface(work.made, work.report, work.context))
     (void)measured_level(work, all, 1, common);

@@ -7,6 +7,7 @@
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "terminal/console.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -46,7 +47,26 @@ fs::path folder_needed(const fs::path& path, bool create_folders) {
   return is_new ? fs::path(".") : folder;
 }
 
+std::vector<Fineness> finenesses_of(const OutputRequest& request) {
+  std::vector<Fineness> all;
+  const AdaptiveChoice& adaptive = request.adaptive;
+  for (const double error : adaptive.chord_errors) all.push_back({1, error, adaptive.angle});
+  if (all.empty() && adaptive.any()) all.push_back({1, 0, adaptive.angle});
+  if (!all.empty()) return all;
+  for (const int level : request.levels) all.push_back({level, 0, 0});
+  return all;
+}
+
 }  // namespace
+
+std::string fineness_text(const Fineness& fineness) {
+  if (!fineness.is_adaptive()) return "level " + std::to_string(fineness.level);
+  std::string text;
+  if (fineness.chord_error > 0) text = "chord error " + short_number(fineness.chord_error);
+  if (fineness.angle > 0)
+    text += (text.empty() ? "angle " : " and angle ") + short_number(fineness.angle);
+  return text;
+}
 
 void PathClaims::refuse_place(const fs::path& path, std::string_view where,
                               const std::string& what) {
@@ -117,7 +137,8 @@ void require_compressible(const std::vector<PlannedOutput>& outputs) {
 }
 
 std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims& claims) {
-  const bool several = request.levels.size() > 1;
+  const std::vector<Fineness> finenesses = finenesses_of(request);
+  const bool several = finenesses.size() > 1;
   if (request.path == "-") {
     if (request.kind == OutputKind::Cage) refuse(request.where, "a cage needs a file");
     if (several) refuse(request.where, "stdout takes one level only");
@@ -126,21 +147,21 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
           request.where,
           "a GLB is not written to a terminal; name a file, or send stdout somewhere: > out.glb");
     claims.add_output("-", request.where);
-    return {{"-", OutputKind::Surface, FileFormat::Glb, request.levels.at(0), true}};
+    return {{"-", OutputKind::Surface, FileFormat::Glb, finenesses.at(0), true}};
   }
   if (request.path.empty()) refuse(request.where, "the path is empty");
   const FileFormat format = format_for(request);
   std::vector<PlannedOutput> planned;
   if (request.kind == OutputKind::Cage) {
-    planned.push_back({request.path, request.kind, format});
+    planned.push_back({request.path, request.kind, format, {}});
   } else {
-    for (std::size_t i = 0; i < request.levels.size(); ++i) {
+    for (std::size_t i = 0; i < finenesses.size(); ++i) {
       fs::path path = request.path;
       if (several) {
         path.replace_filename(path.stem().string() + "_LOD" + std::to_string(i) +
                               path.extension().string());
       }
-      planned.push_back({path, request.kind, format, request.levels[i]});
+      planned.push_back({path, request.kind, format, finenesses[i]});
     }
   }
   for (const PlannedOutput& output : planned) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "options/settings.h"
 #include "planish/files/formats.h"
 
 namespace planish::command {
@@ -18,15 +19,28 @@ struct OutputRequest {
   std::string path;  ///< "-": a GLB to stdout
   OutputKind kind = OutputKind::Surface;
   std::vector<int> levels;  ///< of a surface
+  AdaptiveChoice adaptive;  ///< instead of levels, where there is any
   std::string where;        ///< for messages: "-o" or "scene.json: jobs[0].outputs[1]"
 };
+
+/// How fine a surface is: a level, or what its triangles keep.
+struct Fineness {
+  int level = 0;                     ///< 1 where one of the others is given
+  double chord_error = 0, angle = 0;  ///< see AdaptiveOptions
+
+  [[nodiscard]] bool is_adaptive() const { return chord_error > 0 || angle > 0; }
+  friend bool operator==(const Fineness&, const Fineness&) = default;
+};
+
+/// "level 2", "chord error 0.001", "angle 10", "chord error 0.001 and angle 10".
+[[nodiscard]] std::string fineness_text(const Fineness& fineness);
 
 /// One file to be written.
 struct PlannedOutput {
   std::filesystem::path path;
   OutputKind kind = OutputKind::Surface;
   FileFormat format = FileFormat::Glb;
-  int level = 0;  ///< of a surface
+  Fineness fineness;  ///< of a surface
   bool to_stdout = false;
 };
 

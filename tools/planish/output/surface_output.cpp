@@ -139,7 +139,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
   WrittenOutput written;
   written.path = planned.path.string();
   written.kind = planned.kind;
-  written.level = info.level;
+  written.fineness = planned.fineness;
   written.vertices = info.row_count;
   written.faces = info.face_count;
   written.quads = info.face_offsets.empty() ? info.face_count : 0;

@@ -121,7 +121,10 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
     entry["what"] = output.kind == OutputKind::Cage ? "cage" : "surface";
     entry["bytes"] = output.bytes;
     entry["sha256"] = output.sha256;
-    entry["level"] = output.kind == OutputKind::Cage ? OrderedJson() : OrderedJson(output.level);
+    const bool has_level = output.kind == OutputKind::Surface && !output.fineness.is_adaptive();
+    entry["level"] = has_level ? OrderedJson(output.fineness.level) : OrderedJson();
+    if (output.fineness.chord_error > 0) entry["chord_error"] = output.fineness.chord_error;
+    if (output.fineness.angle > 0) entry["angle"] = output.fineness.angle;
     entry["vertices"] = output.vertices;
     entry["quads"] = output.quads;
     entry["triangles"] = output.triangles;

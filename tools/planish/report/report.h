@@ -21,7 +21,7 @@ namespace planish::command {
 struct WrittenOutput {
   std::string path;  ///< "-" for stdout
   OutputKind kind = OutputKind::Surface;
-  int level = 0;            ///< of a surface
+  Fineness fineness;        ///< of a surface
   std::uint64_t bytes = 0;  ///< a .gltf counts its .bin
   std::string sha256;       ///< of the file named by path
   std::int64_t vertices = 0, quads = 0, triangles = 0;

@@ -37,8 +37,8 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
   line.resize(std::max(line.size(), path_width), ' ');
   line += "  " + byte_size(output.bytes) + ", ";
   if (output.kind == OutputKind::Cage) return line + "control cage";
-  line += "level " + std::to_string(output.level) + ", " + counted(output.vertices, "vertex");
-  if (output.level == 0) return line + ", " + counted(output.faces, "face");
+  line += fineness_text(output.fineness) + ", " + counted(output.vertices, "vertex");
+  if (output.fineness.level == 0) return line + ", " + counted(output.faces, "face");
   return line + ", " +
          (output.quads > 0 ? counted(output.quads, "quad") : counted(output.triangles, "triangle"));
 }

@@ -1,0 +1,100 @@
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "cli/json_schema.h"
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+#include "planish/files/mesh_file.h"
+
+namespace planish::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class AdaptiveFit : public FolderTest {
+ protected:
+  json report_of(std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"fit", torus_, "--report", "-"});
+    const ProcessResult result = run_planish(flags);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return json::parse(result.out);
+  }
+  std::string refused(std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"fit", torus_, "-o", path("refused.glb")});
+    const ProcessResult result = run_planish(flags);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_FALSE(exists("refused.glb"));
+    return result.err;
+  }
+  std::string torus_ = write("torus.obj", torus_obj(8));
+};
+
+TEST_F(AdaptiveFit, SeveralErrorsAreLevelsOfDetail) {
+  const json report = report_of({"-o", path("a.glb"), "--chord-error", "1e-4,1e-2"});
+  std::ifstream file(PLANISH_REPORT_SCHEMA);
+  EXPECT_THAT(schema_problems(report, json::parse(file)), IsEmpty());
+  EXPECT_TRUE(exists("a_LOD0.glb"));
+  EXPECT_TRUE(exists("a_LOD1.glb"));
+  const json& fine = report["outputs"][0];
+  const json& coarse = report["outputs"][1];
+  EXPECT_TRUE(fine["level"].is_null());
+  EXPECT_EQ(fine["chord_error"], 1e-4);
+  EXPECT_EQ(coarse["chord_error"], 1e-2);
+  EXPECT_EQ(fine["quads"], 0);
+  EXPECT_GT(fine["triangles"].get<int>(), 4 * coarse["triangles"].get<int>());
+  EXPECT_LT(fine["as_written_error"].get<double>(), 1e-6);
+}
+
+TEST_F(AdaptiveFit, EveryFormatHasTheSameTriangles) {
+  const json report =
+      report_of({"-o", path("a.glb"), "-o", path("a.obj"), "-o", path("a.ply"), "-o",
+                 path("a.stl"), "-o", path("a.usda"), "--chord-error", "1e-3", "--angle", "20"});
+  for (const json& output : report["outputs"]) {
+    EXPECT_EQ(output["triangles"], report["outputs"][0]["triangles"]) << output["path"];
+    EXPECT_EQ(output["angle"], 20);
+  }
+  for (const char* const name : {"a.glb", "a.obj", "a.ply", "a.stl"})
+    EXPECT_EQ(read_mesh(path(name)).mesh.face_count(), report["outputs"][0]["triangles"]) << name;
+}
+
+TEST_F(AdaptiveFit, FairSurfacesToo) {
+  const json report = report_of(
+      {"-o", path("a.ply"), "--interpolation", "fair", "--angle", "15", "--creases", "auto:40"});
+  EXPECT_EQ(report["outputs"][0]["angle"], 15);
+  EXPECT_FALSE(report["outputs"][0].contains("chord_error"));
+  EXPECT_GT(report["outputs"][0]["triangles"].get<int>(), 500);
+}
+
+TEST_F(AdaptiveFit, ScenesChoose) {
+  write("scene.json", R"({"version": 1, "jobs": [{"input": "torus.obj", "report": "r.json",
+    "chord_errors": [0.01], "outputs": [{"path": "a.glb"}, {"path": "b.glb", "levels": [1]},
+    {"path": "c.glb", "chord_errors": [0.02], "angle": 30}]}]})");
+  const ProcessResult result = run_planish({"run", path("scene.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json outputs = read_json("r.json")["outputs"];
+  EXPECT_EQ(outputs[0]["chord_error"], 0.01);
+  EXPECT_EQ(outputs[1]["level"], 1);
+  EXPECT_EQ(outputs[2]["chord_error"], 0.02);
+  EXPECT_EQ(outputs[2]["angle"], 30);
+}
+
+TEST_F(AdaptiveFit, ContradictionsAreRefusedByName) {
+  EXPECT_THAT(refused({"--levels", "2", "--chord-error", "1e-3"}),
+              HasSubstr("--levels: a surface has levels or a --chord-error, not both"));
+  EXPECT_THAT(refused({"--levels", "2", "--angle", "9"}), HasSubstr("or an --angle, not both"));
+  EXPECT_THAT(refused({"--chord-error", "0"}), HasSubstr("--chord-error: 0 is out of range"));
+  EXPECT_THAT(refused({"--chord-error", "1e-3,x"}), HasSubstr("is no number or list"));
+  EXPECT_THAT(refused({"--chord-error", "1e-3,1e-3"}), HasSubstr("named twice"));
+  EXPECT_THAT(refused({"--angle", "200"}), HasSubstr("--angle: 200 is out of range"));
+  EXPECT_THAT(refused({"--angle", "10,20"}), HasSubstr("one number is wanted"));
+  EXPECT_THAT(refused({"--chord-error", "1e-3", "--scheme", "catmull-clark"}),
+              HasSubstr("--chord-error: catmull-clark surfaces come in levels"));
+  EXPECT_THAT(refused({"--chord-error", "1e-3", "--attributes", "curvature"}),
+              HasSubstr("--attributes: fields are made on levels"));
+}
+
+}  // namespace
+}  // namespace planish::test
