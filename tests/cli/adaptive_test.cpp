@@ -50,8 +50,8 @@ TEST_F(AdaptiveFit, SeveralErrorsAreLevelsOfDetail) {
 
 TEST_F(AdaptiveFit, EveryFormatHasTheSameTriangles) {
   const json report =
-      report_of({"-o", path("a.glb"), "-o", path("a.obj"), "-o", path("a.ply"), "-o",
-                 path("a.stl"), "-o", path("a.usda"), "--chord-error", "1e-3", "--angle", "20"});
+      report_of({"-o", path("a.glb"), "-o", path("a.obj"), "-o", path("a.ply"), "-o", path("a.stl"),
+                 "-o", path("a.usda"), "--chord-error", "1e-3", "--angle", "20"});
   for (const json& output : report["outputs"]) {
     EXPECT_EQ(output["triangles"], report["outputs"][0]["triangles"]) << output["path"];
     EXPECT_EQ(output["angle"], 20);

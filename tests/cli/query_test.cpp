@@ -97,8 +97,8 @@ TEST_F(QueryCommand, WritesPly) {
   std::memcpy(&distance, text.data() + head + 64 + 36, sizeof distance);
   for (int d = 0; d < 3; ++d) EXPECT_EQ(position[d], wanted["position"][d]);
   EXPECT_EQ(distance, wanted["distance"]);
-  const ProcessResult rays = run_planish(
-      {"query", torus_, "--points", probes_, "--rays", "0,0,1", "-o", path("r.ply")});
+  const ProcessResult rays =
+      run_planish({"query", torus_, "--points", probes_, "--rays", "0,0,1", "-o", path("r.ply")});
   EXPECT_EQ(rays.exit_code, 0) << rays.err;
   EXPECT_THAT(read("r.ply"), HasSubstr("property double t\n"));
 }

@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "limit/limit_case.h"
+#include "limit/long_run.h"
 #include "planish/limit/surface_queries.h"
 
 namespace planish::test {
@@ -60,12 +61,13 @@ TEST(SurfaceRays, HitsLieOnTheSurfaceAndOnTheRay) {
 TEST(SurfaceRays, EnterClosedSurfacesAsOftenAsTheyLeave) {
   std::mt19937 random(22);
   int tangent = 0, rays = 0;
+  const int each = run_length(10'000) / 5;  // PLANISH_LONG_RUN=1000000 sends as many
   for (const auto& mesh :
        {cube(), torus(8, 6, 2, 1), icosphere(1), random_closed_mesh(2), random_closed_mesh(7)}) {
     const LimitCase c(mesh);
     const SurfaceQueries queries(c.limit);
     const double size = c.surface->placement().diagonal;
-    for (int i = 0; i < 2000; ++i, ++rays) {
+    for (int i = 0; i < each; ++i, ++rays) {
       const glm::dvec3 through = c.surface->placement().centre + 0.4 * size * any_direction(random);
       const glm::dvec3 direction = any_direction(random);
       const auto hits = queries.all_hits({through - 3 * size * direction, direction});
@@ -80,6 +82,7 @@ TEST(SurfaceRays, EnterClosedSurfacesAsOftenAsTheyLeave) {
       }
     }
   }
+  RecordProperty("tangent", tangent);
   EXPECT_LT(tangent, rays / 1000);
 }
 

@@ -117,8 +117,8 @@ std::string closest_ply(const SurfaceQueries& queries, std::span<const glm::dvec
   queries.closest(points, closest);
   std::vector<PlyAnswer> answers;
   for (const ClosestPoint& found : closest)
-    answers.push_back({found.position, found.normal, found.distance, found.at.face, found.at.u,
-                       found.at.v});
+    answers.push_back(
+        {found.position, found.normal, found.distance, found.at.face, found.at.u, found.at.v});
   return answers_ply(answers, "distance");
 }
 

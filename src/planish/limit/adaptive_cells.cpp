@@ -292,8 +292,8 @@ AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
   AdaptiveCells result;
   result.hidden.assign(count, 0);
   for (std::size_t c = 0; c < count && !hidden_faces.empty(); ++c)
-    result.hidden[c] = hidden_faces[static_cast<std::size_t>(
-        topology.face_of(static_cast<std::int32_t>(c)))];
+    result.hidden[c] =
+        hidden_faces[static_cast<std::size_t>(topology.face_of(static_cast<std::int32_t>(c)))];
   const auto ends_surface = [&](std::int32_t corner) {
     return corner < 0 || result.hidden[static_cast<std::size_t>(corner)] != 0;
   };
@@ -313,11 +313,11 @@ AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
         if (result.hidden[i] != 0) continue;
         const std::size_t before = cells.size();
         const PatchMesh& patches = surface.surface().patches();
-        splitter.run(c,
-                     {.leading = patches.is_sharp(c) || ends_surface(topology.cw(c)),
-                      .trailing =
-                          patches.is_sharp(topology.prev(c)) || ends_surface(topology.ccw(c))},
-                     cells);
+        splitter.run(
+            c,
+            {.leading = patches.is_sharp(c) || ends_surface(topology.cw(c)),
+             .trailing = patches.is_sharp(topology.prev(c)) || ends_surface(topology.ccw(c))},
+            cells);
         sizes[i] = static_cast<std::int64_t>(cells.size() - before);
         if (total.fetch_add(cells.size() - before) + (cells.size() - before) > most)
           refuse_count(most);

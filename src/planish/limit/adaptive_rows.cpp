@@ -99,8 +99,8 @@ void AdaptiveRows::rows_of(std::int32_t corner, const CornerGrid& grid,
   auto leading = static_cast<std::int32_t>(first_of(corner));
   auto spoke = leading + static_cast<std::int32_t>(sides_.leading(corner).size());
   auto within = spoke + static_cast<std::int32_t>(sides_.spoke(corner).size());
-  auto far_spoke = static_cast<std::int32_t>(first_of(before) +
-                                             static_cast<std::int64_t>(sides_.leading(before).size()));
+  auto far_spoke = static_cast<std::int32_t>(
+      first_of(before) + static_cast<std::int64_t>(sides_.leading(before).size()));
   auto trailing =
       owns_trailing(corner)
           ? static_cast<std::int32_t>(first_[static_cast<std::size_t>(corner) + 1] -

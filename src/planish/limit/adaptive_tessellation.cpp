@@ -1,5 +1,6 @@
 #include "planish/limit/adaptive_tessellation.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -89,7 +90,7 @@ class Tessellation {
   struct Worker {
     CornerGrid grid;
     LimitSurface::Corner at;
-    std::vector<std::int32_t> rows, uv_rows;
+    std::vector<std::int32_t> rows, uv_rows, half;
     std::vector<CellPlace> places;
     std::vector<glm::dvec3> points;
     CellTriangles cutter;
@@ -99,7 +100,7 @@ class Tessellation {
   void for_corners(const Body& body) const {
     parallel_for(static_cast<std::size_t>(topology_.corner_count()), kCornersAtOnce,
                  [&](std::size_t begin, std::size_t end) {
-                   Worker worker{{}, LimitSurface::Corner(surface_), {}, {}, {}, {}, {}};
+                   Worker worker{{}, LimitSurface::Corner(surface_), {}, {}, {}, {}, {}, {}};
                    for (std::size_t c = begin; c < end; ++c) {
                      if (cells_.hidden[c] != 0) continue;
                      const auto corner = static_cast<std::int32_t>(c);
@@ -116,8 +117,7 @@ class Tessellation {
   void fill_corner(std::int32_t corner, const AdaptiveRows& rows, Worker& worker,
                    SurfaceMesh& result) const;
   void fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const;
-  void fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows,
-                  SurfaceMesh& result) const;
+  void fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows, SurfaceMesh& result) const;
   // A value at V, E1, F and E2 from those at the corners of the mesh.
   template <class At>
   [[nodiscard]] auto ends_of(std::int32_t corner, const At& at) const {
@@ -126,8 +126,8 @@ class Tessellation {
     auto sum = at(first);
     for (std::int32_t i = 1; i < m; ++i) sum += at(first + i);
     const auto own = at(corner);
-    return std::array{own, 0.5 * (own + at(topology_.next(corner))),
-                      sum / static_cast<double>(m), 0.5 * (own + at(topology_.prev(corner)))};
+    return std::array{own, 0.5 * (own + at(topology_.next(corner))), sum / static_cast<double>(m),
+                      0.5 * (own + at(topology_.prev(corner)))};
   }
   void finish(AdaptiveSurface& surface) const;
   template <class Place>
@@ -171,8 +171,9 @@ void Tessellation::require_counts(const AdaptiveRows& rows) const {
   const bool has_uvs = !mesh.face_uvs.empty();
   const auto vertices = static_cast<std::uint64_t>(rows.count());
   const auto triangles = static_cast<std::uint64_t>(triangle_count());
-  const std::uint64_t bytes = vertices * (36 + (mesh.colors.empty() ? 0 : 16) + (has_uvs ? 16 : 0)) +
-                              triangles * (12 + 4 + 4 + (has_uvs ? 12 : 0) + 4);
+  const std::uint64_t bytes =
+      vertices * (36 + (mesh.colors.empty() ? 0 : 16) + (has_uvs ? 16 : 0)) +
+      triangles * (12 + 4 + 4 + (has_uvs ? 12 : 0) + 4);
   const std::string what = "the tessellation has " + std::to_string(vertices) + " vertices and " +
                            std::to_string(triangles) + " triangles";
   if (3 * triangles > std::numeric_limits<std::int32_t>::max()) {
@@ -181,8 +182,7 @@ void Tessellation::require_counts(const AdaptiveRows& rows) const {
   }
   if (bytes > limit_) {
     throw Error(ErrorCode::OutOfMemory, what + " and needs " + std::to_string(bytes >> 20) +
-                                            " MiB of memory where " +
-                                            std::to_string(limit_ >> 20) +
+                                            " MiB of memory where " + std::to_string(limit_ >> 20) +
                                             " are free; allow a larger chord error or angle");
   }
 }
@@ -239,9 +239,8 @@ void Tessellation::fill_rows(const AdaptiveRows& rows, SurfaceMesh& result) cons
   result.positions.resize(count);
   result.normals.resize(count);
   if (!result.colors.empty()) result.colors.resize(count);
-  for_corners([&](std::int32_t corner, Worker& worker) {
-    fill_corner(corner, rows, worker, result);
-  });
+  for_corners(
+      [&](std::int32_t corner, Worker& worker) { fill_corner(corner, rows, worker, result); });
 }
 
 void Tessellation::fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const {
@@ -266,15 +265,13 @@ void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_r
     rows.rows_of(corner, worker.grid, worker.rows);
     if (uv_rows != nullptr) uv_rows->rows_of(corner, worker.grid, worker.uv_rows);
     auto to = static_cast<std::size_t>(3 * first_triangle_[static_cast<std::size_t>(corner)]);
-    for (const AdaptiveCell& cell : cells_.of(corner)) {
-      const std::span<const std::int32_t> polygon = worker.grid.polygon(cell);
+    const auto cut = [&](std::span<const std::int32_t> polygon) {
       worker.places.clear();
       worker.points.clear();
       for (const std::int32_t i : polygon) {
         const auto place = static_cast<std::size_t>(i);
         worker.places.push_back(worker.grid.places()[place]);
-        worker.points.push_back(
-            result.positions[static_cast<std::size_t>(worker.rows[place])]);
+        worker.points.push_back(result.positions[static_cast<std::size_t>(worker.rows[place])]);
       }
       for (const auto& triangle : worker.cutter.cut(worker.places, worker.points)) {
         for (const std::int32_t k : triangle) {
@@ -283,6 +280,24 @@ void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_r
           result.face_vertices[to++] = worker.rows[place];
         }
       }
+    };
+    // Two corners that share both edges at their vertex must not join the same places of these.
+    const bool is_pair = topology_.cw(corner) >= 0 && topology_.cw(corner) == topology_.ccw(corner);
+    for (const AdaptiveCell& cell : cells_.of(corner)) {
+      const std::span<const std::int32_t> polygon = worker.grid.polygon(cell);
+      if (!is_pair || cell.u > 0 || cell.v > 0) {
+        cut(polygon);
+        continue;
+      }
+      const auto far = std::ranges::find_if(polygon, [&](std::int32_t i) {
+        const CellPlace& place = worker.grid.places()[static_cast<std::size_t>(i)];
+        return place.u == cell.end_u && place.v == cell.end_v;
+      });
+      worker.half.assign(polygon.begin(), far + 1);
+      cut(worker.half);
+      worker.half.assign(far, polygon.end());
+      worker.half.push_back(polygon.front());
+      cut(worker.half);
     }
   });
 }

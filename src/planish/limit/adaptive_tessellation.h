@@ -13,7 +13,8 @@ namespace planish {
 
 /// How fine a tessellation is; at least one of both is wanted.
 struct AdaptiveOptions {
-  /// Largest distance between triangles and surface, both ways, as a fraction of `diagonal`; 0: any.
+  /// Largest distance between triangles and surface, both ways, as a fraction of `diagonal`; 0:
+  /// any.
   double chord_error = 0;
   /// Most degrees that the surface's normal may turn beneath a triangle; 0: any. Where the surface
   /// folds it turns however small triangles are: there splitting ends at 2^-6 of half an edge.

@@ -88,8 +88,7 @@ CellBound bound_of(const BezierNet& net) {
   if (cone.cosine > kLeastCosine) {
     const double steep = slope(cone.cosine);
     // Where u and v are curved against one another, what they are off by is too.
-    const double height =
-        (std::max(uu.up + vv.up, uu.down + vv.down) + 2 * uv.along()) / 8;
+    const double height = (std::max(uu.up + vv.up, uu.down + vv.down) + 2 * uv.along()) / 8;
     const double with_slope = height + steep * bound.distance;
     if (with_slope < bound.distance) {
       bound.distance = with_slope;

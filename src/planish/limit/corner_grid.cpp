@@ -51,8 +51,8 @@ void CornerGrid::build(std::span<const AdaptiveCell> cells, const Sides& sides) 
   rows_.erase(std::unique(rows_.begin(), rows_.end()), rows_.end());
   places_.clear();
   for (const std::uint32_t key : rows_)
-    places_.push_back({static_cast<std::uint16_t>(key & 0xffff),
-                       static_cast<std::uint16_t>(key >> 16)});
+    places_.push_back(
+        {static_cast<std::uint16_t>(key & 0xffff), static_cast<std::uint16_t>(key >> 16)});
   column_places_.resize(places_.size());
   std::iota(column_places_.begin(), column_places_.end(), 0);
   std::ranges::sort(column_places_, {}, [&](std::int32_t i) {

@@ -49,7 +49,8 @@ struct UnitRay {
 };
 
 UnitRay unit_ray(const SurfaceRay& ray, const Placement& placement) {
-  const double length = glm::length(ray.direction);
+  // Squares may be too small or too large for double.
+  const double length = std::hypot(ray.direction.x, ray.direction.y, ray.direction.z);
   if (!is_finite(ray.origin) || !std::isfinite(length) || !(length > 0)) {
     throw Error(ErrorCode::InvalidArgument,
                 "the ray has no finite origin or no direction of a length above 0");

@@ -67,7 +67,8 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
   for (const Fineness& fineness : all) {
     const double points = std::ldexp(1.0, 2 * fineness.level);
     steps.push_back({"evaluate", points});
-    if (fineness.level > 0 && steps.end() == std::ranges::find(steps, "measure", &PlannedStep::name))
+    if (fineness.level > 0 &&
+        steps.end() == std::ranges::find(steps, "measure", &PlannedStep::name))
       steps.push_back({"measure", 0.4 * points});
     for (const PlannedOutput& output : outputs)
       if (output.kind == OutputKind::Surface && output.fineness == fineness)

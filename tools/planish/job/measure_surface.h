@@ -17,9 +17,9 @@ inline constexpr int kPointDistanceLevel = 2;
 
 /// Notes in the report how good a level of the surface is, unless a level before it has: against
 /// the source where there is one, else the input; the distances of a cloud's points from
-/// kPointDistanceLevel on with schemes that measure_points() does not know. Nothing of it can be seen at level 0. Warns "folded-area".
-/// `stored_about`: the origin of rows where a file is made of them next; in the same pass they are
-/// kept for it.
+/// kPointDistanceLevel on with schemes that measure_points() does not know. Nothing of it can be
+/// seen at level 0. Warns "folded-area". `stored_about`: the origin of rows where a file is made of
+/// them next; in the same pass they are kept for it.
 void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
                      const std::optional<glm::dvec3>& stored_about, JobReport& report,
                      const JobContext& context);

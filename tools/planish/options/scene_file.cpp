@@ -48,7 +48,8 @@ std::vector<double> chord_errors_of(const Json& json, const std::string& where) 
            std::string("a list of errors such as [0.001] is wanted, not ") + json.type_name());
   }
   std::vector<double> values;
-  for (std::size_t i = 0; i < json.size(); ++i) values.push_back(number_of(json[i], entry_path(where, i)));
+  for (std::size_t i = 0; i < json.size(); ++i)
+    values.push_back(number_of(json[i], entry_path(where, i)));
   return checked_chord_errors(values, where);
 }
 

@@ -91,8 +91,8 @@ JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level,
   return timed(work.report.timing.evaluate, [&] {
     JobLevel made = surface.level(level);
     work.context.progress.update("measure", 0);
-    measure_surface(work.made, work.fitted, made, stored_about(work, {.level = level}, options), work.report,
-                    work.context);
+    measure_surface(work.made, work.fitted, made, stored_about(work, {.level = level}, options),
+                    work.report, work.context);
     return made;
   });
 }
@@ -169,9 +169,8 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
           ? page_level(work.made.input.file.mesh, work.job.settings.scheme, work.context.page)
           : -1;
   for (const Fineness& fineness : finenesses) {
-    JobLevel surface = fineness.is_adaptive()
-                           ? adaptive_surface(work, all, fineness)
-                           : measured_level(work, all, fineness.level, common);
+    JobLevel surface = fineness.is_adaptive() ? adaptive_surface(work, all, fineness)
+                                              : measured_level(work, all, fineness.level, common);
     VertexFields fields;
     SurfaceOutputOptions options = common;
     add_attributes(work, all, surface, fields, options.gltf);
@@ -186,7 +185,8 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
         write_one(work, planned, &surface, options, written[i], stdout_bytes);
       }
     }
-    if (!fineness.is_adaptive() && fineness.level == scene_level) make_scene(work, all, surface.whole());
+    if (!fineness.is_adaptive() && fineness.level == scene_level)
+      make_scene(work, all, surface.whole());
   }
   // What is seen on the page is what is measured.
   if (scene_level >= 0 && work.scene.empty()) {

@@ -25,7 +25,7 @@ struct OutputRequest {
 
 /// How fine a surface is: a level, or what its triangles keep.
 struct Fineness {
-  int level = 0;                     ///< 1 where one of the others is given
+  int level = 0;                      ///< 1 where one of the others is given
   double chord_error = 0, angle = 0;  ///< see AdaptiveOptions
 
   [[nodiscard]] bool is_adaptive() const { return chord_error > 0 || angle > 0; }
