@@ -14,6 +14,11 @@ constexpr double kRounding = 1e-13;  // of the diagonal
 // Splits until a piece that is neither met once nor not at all counts as touched.
 constexpr int kDeepest = 36;
 constexpr int kMostSteps = 30;
+// Pieces of a corner after which no more are looked at: a ray in a plane patch meets more of them
+// with every split, and has touched some by then.
+constexpr int kMostPieces = 1 << 16;
+// From further away (of diagonals) differences are those of rounding: the ray begins nearer.
+constexpr double kFarAway = 100;
 constexpr double kOverlap = 1e-9;  // of a piece, so that none falls between two
 // The same place as several pieces find it; where patches have no polynomial it is less exact.
 constexpr double kSamePlace = 1e-10, kSameSingularPlace = 1e-6;
@@ -155,6 +160,7 @@ bool RaySearch::solve(const Net& net, const PieceFrame& frame) {
 void RaySearch::search_net(const Net& net, const PieceFrame& frame) {
   if (is_done() || !can_meet(net, 1)) return;
   if (is_seen_once(net) && solve(net, frame)) return;
+  if (++pieces_ > kMostPieces) return;
   if (frame.depth >= kDeepest) {
     add(frame, glm::dvec2(0.5), true, false);
     return;
@@ -190,6 +196,7 @@ void RaySearch::search_form(const PatchForm& form, std::span<const glm::dvec3> p
 }
 
 void RaySearch::search_corner(std::int32_t corner) {
+  pieces_ = 0;
   corner_number_ = corner;
   corner_.move_to(corner);
   std::vector<glm::dvec3> points;
@@ -202,10 +209,14 @@ void RaySearch::search_corner(std::int32_t corner) {
 
 const std::vector<RayPlace>& RaySearch::run(const glm::dvec3& origin, const glm::dvec3& direction,
                                             double t_min, double t_max, RayAnswer wanted) {
-  origin_ = origin;
+  const CornerBox& all = tree_.nodes()[0].box;
+  const glm::dvec3 centre = 0.5 * (glm::dvec3(all.low) + glm::dvec3(all.high));
+  const double way = glm::dot(centre - origin, direction);
+  const double ahead = std::abs(way) > kFarAway ? way : 0;
+  origin_ = origin + ahead * direction;
   direction_ = direction;
-  t_min_ = t_min;
-  t_max_ = t_max;
+  t_min_ = t_min - ahead;
+  t_max_ = t_max - ahead;
   wanted_ = wanted;
   places_.clear();
   const glm::dvec3 size = glm::abs(direction);
@@ -247,6 +258,7 @@ const std::vector<RayPlace>& RaySearch::run(const glm::dvec3& origin, const glm:
   };
   const auto last = std::unique(places_.begin(), places_.end(), is_same);
   places_.erase(last, places_.end());
+  for (RayPlace& place : places_) place.t += ahead;
   return places_;
 }
 

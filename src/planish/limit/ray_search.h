@@ -66,6 +66,7 @@ class RaySearch {
   double t_min_ = 0, t_max_ = 0;
   RayAnswer wanted_ = RayAnswer::All;
   std::int32_t corner_number_ = -1;
+  int pieces_ = 0;  // of the corner, so far
   std::vector<RayPlace> places_;
 };
 
