@@ -7,6 +7,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
+#include "planish/patches/patch_run.h"
 
 namespace planish {
 
@@ -63,24 +64,6 @@ std::int32_t smooth_place(const PatchMesh& mesh, Part part, std::int32_t corner,
     ring = 4;
   }
   return ring < table_size && face < table_size ? ring * table_size + face : -1;
-}
-
-// Adds an item to its bucket, which it makes if there is none.
-void add_item(const PatchPlace& place, std::int32_t class_index, std::int32_t first_sample,
-              std::int32_t sample_count, Results results, std::int64_t target, PatchPlan& plan) {
-  std::size_t b = plan.buckets.size();
-  const auto matches = [&](const PatchPlan::Bucket& bucket) {
-    return bucket.class_index == class_index && bucket.sample_count == sample_count &&
-           bucket.first_sample == first_sample && bucket.results == results;
-  };
-  while (b > 0 && !matches(plan.buckets[b - 1])) --b;
-  if (b == 0) {
-    plan.buckets.push_back({class_index, first_sample, sample_count, results, 0, 0, 0});
-    b = plan.buckets.size();
-  }
-  ++plan.buckets[b - 1].item_count;
-  plan.items.push_back(
-      {place, static_cast<std::int32_t>(b - 1), static_cast<std::int32_t>(target)});
 }
 
 }  // namespace
@@ -223,48 +206,7 @@ void PatchPlanner::plan(const PatchTile& tile, PatchPlan& plan) const {
 }
 
 void PatchPlanner::gather_items(PatchPlan& plan) const {
-  std::size_t index = 0, target = 0;
-  for (PatchPlan::Bucket& bucket : plan.buckets) {
-    bucket.first_index = index;
-    bucket.first_target = target;
-    const auto batches =
-        static_cast<std::size_t>((bucket.item_count + kPatchLanes - 1) / kPatchLanes);
-    const auto columns =
-        static_cast<std::size_t>(classes_.patch(bucket.class_index).column_count());
-    index += batches * kPatchLanes * columns;
-    target += batches * kPatchLanes;
-    bucket.item_count = 0;
-  }
-  plan.indices.resize(index);
-  plan.targets.resize(target);
-  for (const PatchPlan::Item& item : plan.items) {
-    PatchPlan::Bucket& bucket = plan.buckets[item.bucket];
-    const std::int32_t u = bucket.item_count++;
-    const auto columns =
-        static_cast<std::size_t>(classes_.patch(bucket.class_index).column_count());
-    const auto batch = static_cast<std::size_t>(u / kPatchLanes);
-    std::int32_t* indices =
-        plan.indices.data() + bucket.first_index + batch * columns * kPatchLanes + u % kPatchLanes;
-    mesh_.gather(item.place, indices, kPatchLanes);
-    plan.targets[bucket.first_target + u] = item.target;
-  }
-  // The last batch's idle lanes repeat its first.
-  for (const PatchPlan::Bucket& bucket : plan.buckets) {
-    const std::int32_t used = bucket.item_count % kPatchLanes;
-    if (used == 0) continue;
-    const auto batch = static_cast<std::size_t>(bucket.item_count / kPatchLanes);
-    const auto columns =
-        static_cast<std::size_t>(classes_.patch(bucket.class_index).column_count());
-    std::int32_t* indices =
-        plan.indices.data() + bucket.first_index + batch * columns * kPatchLanes;
-    std::int32_t* targets = plan.targets.data() + bucket.first_target + batch * kPatchLanes;
-    for (std::int32_t l = used; l < kPatchLanes; ++l) {
-      for (std::size_t k = 0; k < columns; ++k) {
-        indices[k * kPatchLanes + l] = indices[k * kPatchLanes];
-      }
-      targets[l] = targets[0];
-    }
-  }
+  planish::gather_items(mesh_, classes_, plan);
 }
 
 }  // namespace planish

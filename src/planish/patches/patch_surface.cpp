@@ -3,11 +3,11 @@
 #include "planish/patches/patch_surface.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
 #include "planish/patches/facet_normals.h"
+#include "planish/patches/patch_run.h"
 
 namespace planish {
 
@@ -15,37 +15,13 @@ namespace {
 
 struct Scratch {
   PatchPlan plan;
-  std::vector<double> points;  // of a batch
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> stored, normals;
-
-  // 64-byte aligned.
-  double* batch_points(std::int32_t column_count) {
-    const std::size_t size = static_cast<std::size_t>(column_count) * 3 * kPatchLanes + 8;
-    if (points.size() < size) points.resize(size);
-    void* place = points.data();
-    std::size_t space = points.size() * sizeof(double);
-    return static_cast<double*>(std::align(64, size * sizeof(double) - 64, place, space));
-  }
 };
 
 Scratch& scratch() {
   thread_local Scratch instance;
   return instance;
-}
-
-PatchOutput output_at(const Placement& placement, const PatchTarget& target,
-                      std::ptrdiff_t offset) {
-  PatchOutput output;
-  for (int d = 0; d < 3; ++d) {
-    output.centre[d] = placement.centre[d];
-    output.origin[d] = target.origin[d];
-  }
-  output.diagonal = placement.diagonal;
-  if (!target.positions.empty()) output.positions = &target.positions[0].x + 3 * offset;
-  if (!target.stored.empty()) output.stored = &target.stored[0].x + 3 * offset;
-  if (!target.normals.empty()) output.normals = &target.normals[0].x + 3 * offset;
-  return output;
 }
 
 }  // namespace
@@ -72,30 +48,7 @@ PatchSurface::PatchSurface(const PatchMesh& mesh, const PatchSurfaceOptions& opt
 
 bool PatchSurface::run_plan(const PatchPlan& plan, const PatchOutput& output,
                             const double* state) const {
-  Scratch& local = scratch();
-  bool degenerate = false;
-  for (const PatchPlan::Bucket& bucket : plan.buckets) {
-    const PatchTemplate& weights = classes_.weights(bucket.class_index);
-    PatchOutput out = output;
-    if (bucket.results == PatchPlan::Results::Normals)
-      out.positions = nullptr, out.stored = nullptr;
-    if (bucket.results == PatchPlan::Results::Positions) out.normals = nullptr;
-    PatchBatch batch;
-    batch.state = state;
-    batch.weights = weights.rows(bucket.first_sample).data();
-    batch.column_count = weights.column_count;
-    batch.sample_count = bucket.sample_count;
-    batch.points = local.batch_points(weights.column_count);
-    batch.indices = plan.indices.data() + bucket.first_index;
-    batch.targets = plan.targets.data() + bucket.first_target;
-    for (std::int32_t first = 0; first < bucket.item_count; first += kPatchLanes) {
-      batch.lane_count = std::min(bucket.item_count - first, kPatchLanes);
-      degenerate |= kernel_(batch, out);
-      batch.indices += static_cast<std::ptrdiff_t>(weights.column_count + 1) * kPatchLanes;
-      batch.targets += kPatchLanes;
-    }
-  }
-  return degenerate;
+  return planish::run_plan(classes_, kernel_, plan, output, state);
 }
 
 DegenerateRows PatchSurface::run_tile(std::size_t index, const PatchOutput& output,

@@ -5,6 +5,8 @@
 
 #include "planish/core/parallel.h"
 
+#include "planish/patches/patch_run.h"
+
 namespace planish {
 
 void DooSabinBlocks::take_base_vertices() {
@@ -96,6 +98,49 @@ DegenerateRows DooSabinBlocks::rows(RowRange range, const RowTarget& target) con
         target.colors[row - range.first] = glm::vec4(color);
       });
   return degenerate;
+}
+
+DegenerateRows DooSabinBlocks::rows_at(std::span<const std::int32_t> rows,
+                                       const RowTarget& target) const {
+  const DegenerateRows degenerate =
+      patch_rows_at(surface_, base_.state(), base_.placement(), rows, target);
+  for (std::size_t i = 0; i < rows.size() && !target.colors.empty();) {
+    std::size_t end = i + 1;
+    while (end < rows.size() && rows[end] == rows[end - 1] + 1) ++end;
+    RowTarget colors;
+    colors.colors = target.colors.subspan(i, end - i);
+    (void)this->rows({rows[i], static_cast<std::int64_t>(end - i)}, colors);
+    i = end;
+  }
+  return degenerate;
+}
+
+RowRange DooSabinBlocks::faces_of(std::int32_t face) const {
+  const auto hidden = base_.hidden();
+  if (!hidden.empty() && hidden[face] != 0) return {0, 0};
+  const std::int32_t first = level() == 0 ? face : topology_.first_corner(face);
+  const auto place = visible_.empty()
+                         ? std::int64_t{first}
+                         : std::ranges::lower_bound(visible_, first) - visible_.begin();
+  if (level() == 0) return {place, 1};
+  return {place * cell_count(), topology_.face_size(face) * cell_count()};
+}
+
+void DooSabinBlocks::edge_rows(std::int32_t corner, std::vector<std::int32_t>& rows) const {
+  write_edge(surface_.numbering(), corner, rows);
+}
+
+void DooSabinBlocks::edge_uvs(std::int32_t corner, std::vector<std::int32_t>& uvs) const {
+  write_edge(*uv_numbering_, corner, uvs);
+}
+
+// Half of it lies on the patch of the corner, half on that of the next one.
+void DooSabinBlocks::write_edge(const PatchNumbering& numbering, std::int32_t corner,
+                                std::vector<std::int32_t>& rows) const {
+  const std::int32_t n = numbering.samples().side(), next = topology_.next(corner);
+  rows.clear();
+  for (std::int32_t a = 0; a <= n; ++a) rows.push_back(numbering.row(corner, a, 0));
+  for (std::int32_t b = n; b-- > 0;) rows.push_back(numbering.row(next, 0, b));
 }
 
 DegenerateRows DooSabinBlocks::rows_from_device(RowRange range, const PatchTarget& target) const {

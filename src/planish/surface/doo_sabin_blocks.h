@@ -61,6 +61,15 @@ class DooSabinBlocks final : public SurfaceBlocks {
 
   [[nodiscard]] std::vector<RowRange> row_blocks(std::int64_t row_count) const override;
   DegenerateRows rows(RowRange range, const RowTarget& target) const override;
+  /// Rows that are named in ascending order, none twice; see rows(). On the CPU, whoever made the
+  /// others.
+  DegenerateRows rows_at(std::span<const std::int32_t> rows, const RowTarget& target) const;
+  /// The faces that descend from a face of the mesh; none where it is a hole.
+  [[nodiscard]] RowRange faces_of(std::int32_t face) const;
+  /// The rows along the leading edge of a visible corner, 2^level + 1 of them, and those of texture
+  /// coordinates; from level 1 on.
+  void edge_rows(std::int32_t corner, std::vector<std::int32_t>& rows) const;
+  void edge_uvs(std::int32_t corner, std::vector<std::int32_t>& uvs) const;
   void face_vertices(RowRange faces, std::span<std::int32_t> rows) const override {
     write_faces(surface_.numbering(), faces, rows);
   }
@@ -122,6 +131,8 @@ class DooSabinBlocks final : public SurfaceBlocks {
     if (level() == 0) return visible_corner(face);
     return topology_.face_of(visible_corner(face / cell_count()));
   }
+  void write_edge(const PatchNumbering& numbering, std::int32_t corner,
+                  std::vector<std::int32_t>& rows) const;
   void write_faces(const PatchNumbering& numbering, RowRange faces,
                    std::span<std::int32_t> rows) const;
 
