@@ -9,6 +9,7 @@
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_points.h"
+#include "planish/files/tiles/write_tiles.h"
 #include "planish/files/write_surface.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/mesh/check.h"

@@ -18,7 +18,7 @@ struct PolygonPiece;
 class PolygonStream;
 
 /// A format's place in formats().
-enum class FileFormat : std::uint8_t { Glb, Gltf, Obj, Ply, Off, Stl, Xyz, Pts, Pcd, Usda };
+enum class FileFormat : std::uint8_t { Glb, Gltf, Obj, Ply, Off, Stl, Xyz, Pts, Pcd, Usda, Tiles };
 
 /// A file in memory.
 struct FileBytes {
@@ -47,6 +47,7 @@ struct FormatInfo {
   /// Extension, without the dot, of a file that may be written beside it; empty: none.
   std::string_view companion = {};
   bool is_gltf = false;
+  bool is_tiles = false;           ///< a document and a folder, written by write_tiles()
   bool has_polygons = true;        ///< false: only triangles
   bool keeps_doubles = false;      ///< positions come back to the last bit; else as float32
   bool keeps_sharp_edges = false;  ///< and corners and holes

@@ -1,0 +1,93 @@
+// Based on: J. Skilling, "Programming the Hilbert curve", AIP Conference Proceedings 707, 2004.
+#include "planish/files/tiles/curve_order.h"
+
+#include <oneapi/tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+
+#include "planish/core/parallel.h"
+
+namespace planish {
+namespace {
+
+constexpr std::size_t kGrain = std::size_t{1} << 13;
+
+struct Place {
+  std::uint64_t key;
+  std::int32_t point;
+  [[nodiscard]] bool operator<(const Place& other) const {
+    return key != other.key ? key < other.key : point < other.point;
+  }
+};
+
+std::uint32_t cell_of(double offset, double side) {
+  constexpr double kCells = std::uint32_t{1} << kCurveBits;
+  if (!(side > 0)) return 0;
+  return static_cast<std::uint32_t>(std::clamp(offset / side * kCells, 0.0, kCells - 1));
+}
+
+}  // namespace
+
+CurveBox curve_box(std::span<const glm::dvec3> points) {
+  if (points.empty()) return {};
+  glm::dvec3 lower = points[0], upper = points[0];
+  for (const glm::dvec3& point : points) {
+    lower = glm::min(lower, point);
+    upper = glm::max(upper, point);
+  }
+  const glm::dvec3 size = upper - lower;
+  return {lower, std::max({size.x, size.y, size.z})};
+}
+
+std::uint64_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  std::uint32_t axes[3] = {x, y, z};
+  constexpr std::uint32_t kTop = std::uint32_t{1} << (kCurveBits - 1);
+  // Undoes the turns of the cubes around the cell, from the largest down.
+  for (std::uint32_t bit = kTop; bit > 1; bit >>= 1) {
+    const std::uint32_t below = bit - 1;
+    for (std::uint32_t& axis : axes) {
+      if ((axis & bit) != 0) {
+        axes[0] ^= below;
+      } else {
+        const std::uint32_t swapped = (axes[0] ^ axis) & below;
+        axes[0] ^= swapped;
+        axis ^= swapped;
+      }
+    }
+  }
+  // Gray code.
+  axes[1] ^= axes[0];
+  axes[2] ^= axes[1];
+  std::uint32_t flip = 0;
+  for (std::uint32_t bit = kTop; bit > 1; bit >>= 1)
+    if ((axes[2] & bit) != 0) flip ^= bit - 1;
+  std::uint64_t key = 0;
+  for (std::uint32_t bit = kCurveBits; bit-- > 0;)
+    for (const std::uint32_t axis : axes) key = key << 1 | ((axis ^ flip) >> bit & 1);
+  return key;
+}
+
+std::uint64_t hilbert_key(const glm::dvec3& point, const CurveBox& box) {
+  const glm::dvec3 offset = point - box.lower;
+  return hilbert_key(cell_of(offset.x, box.side), cell_of(offset.y, box.side),
+                     cell_of(offset.z, box.side));
+}
+
+RawVector<std::int32_t> curve_order(std::span<const glm::dvec3> points) {
+  const CurveBox box = curve_box(points);
+  RawVector<Place> places(points.size());
+  parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      places[i] = {hilbert_key(points[i], box), static_cast<std::int32_t>(i)};
+  });
+  oneapi::tbb::parallel_sort(places.begin(), places.end());
+  RawVector<std::int32_t> order(points.size());
+  parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) order[i] = places[i].point;
+  });
+  return order;
+}
+
+}  // namespace planish

@@ -1,0 +1,77 @@
+#include "planish/files/tiles/tile_plan.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "planish/core/parallel.h"
+
+namespace planish {
+namespace {
+
+constexpr std::size_t kPlanGrain = std::size_t{1} << 13;
+
+void place_faces(const MeshTopology& topology, std::span<const std::uint8_t> hidden,
+                 std::span<const std::int32_t> order, TilePlan& plan) {
+  RawVector<std::int32_t> places(order.size());
+  parallel_for(order.size(), kPlanGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) places[order[i]] = static_cast<std::int32_t>(i);
+  });
+  const auto face_count = static_cast<std::size_t>(topology.face_count());
+  plan.face_places.resize(face_count);
+  parallel_for(face_count, kPlanGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      std::int32_t first = std::numeric_limits<std::int32_t>::max();
+      for (const std::int32_t vertex : topology.face(static_cast<std::int32_t>(f)))
+        first = std::min(first, places[vertex]);
+      plan.face_places[f] = !hidden.empty() && hidden[f] != 0 ? -1 : first;
+    }
+  });
+}
+
+// Ascending faces of each place: a counting sort.
+void sort_faces(std::size_t vertex_count, TilePlan& plan) {
+  plan.face_begins.resize(vertex_count + 1);
+  std::ranges::fill(plan.face_begins, 0);
+  for (const std::int32_t place : plan.face_places)
+    if (place >= 0) ++plan.face_begins[place + 1];
+  for (std::size_t i = 0; i < vertex_count; ++i) plan.face_begins[i + 1] += plan.face_begins[i];
+  plan.faces.resize(static_cast<std::size_t>(plan.face_begins.back()));
+  RawVector<std::int32_t> next(plan.face_begins);
+  for (std::size_t f = 0; f < plan.face_places.size(); ++f)
+    if (plan.face_places[f] >= 0)
+      plan.faces[next[plan.face_places[f]]++] = static_cast<std::int32_t>(f);
+}
+
+void add_tiles(PlannedTile tile, int level, TilePlan& plan) {
+  if (plan.faces_of(tile).empty()) return;
+  const auto index = static_cast<std::int32_t>(plan.tiles.size());
+  plan.tiles.push_back(tile);
+  if (tile.level == level) return;
+  for (std::int64_t k = 0; k < 4; ++k) {
+    const std::int64_t begin = tile.run.first + tile.run.count * k / 4;
+    const std::int64_t end = tile.run.first + tile.run.count * (k + 1) / 4;
+    add_tiles({.level = tile.level + 1,
+               .block = tile.block,
+               .quarter = 4 * tile.quarter + static_cast<std::int32_t>(k),
+               .run = {begin, end - begin},
+               .parent = index},
+              level, plan);
+  }
+}
+
+}  // namespace
+
+TilePlan plan_tiles(const MeshTopology& topology, std::span<const std::uint8_t> hidden,
+                    std::span<const std::int32_t> order, std::int64_t block_vertices, int level) {
+  TilePlan plan;
+  place_faces(topology, hidden, order, plan);
+  sort_faces(order.size(), plan);
+  const auto count = static_cast<std::int64_t>(order.size());
+  for (std::int64_t first = 0; first < count; first += block_vertices, ++plan.block_count) {
+    add_tiles({.block = plan.block_count, .run = {first, std::min(block_vertices, count - first)}},
+              level, plan);
+  }
+  return plan;
+}
+
+}  // namespace planish

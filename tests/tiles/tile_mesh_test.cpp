@@ -1,0 +1,154 @@
+#include "planish/files/tiles/tile_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <random>
+#include <set>
+
+#include "planish/files/tiles/curve_order.h"
+#include "planish/files/tiles/local_numbers.h"
+#include "planish/surface/doo_sabin_blocks.h"
+#include "tiles/laden_mesh.h"
+
+namespace planish {
+namespace {
+
+TEST(LocalNumbers, ArePlacesAmongThoseThatOccur) {
+  std::mt19937 random(3);
+  std::vector<std::int32_t> numbers(20'000);
+  for (std::int32_t& n : numbers) n = static_cast<std::int32_t>(random() % 5000) * 997;
+  std::vector<std::int32_t> local = numbers;
+  const RawVector<std::int32_t> rows = make_local(local);
+  const std::set<std::int32_t> occur(numbers.begin(), numbers.end());
+  EXPECT_TRUE(std::ranges::equal(rows, occur));
+  for (std::size_t i = 0; i < numbers.size(); ++i) ASSERT_EQ(rows[local[i]], numbers[i]);
+}
+
+TEST(TileGrid, DifferencesToAnOriginAreFloats) {
+  const double far = 3e6, reach = 12.7;
+  const TileGrid grid(reach, far + reach);
+  EXPECT_LE(grid.step(), reach * std::ldexp(1.0, -22));
+  const glm::dvec3 origin = grid.snap(glm::dvec3(far, -far, 0.1));
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> offset(-reach, reach);
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec3 wanted = origin + glm::dvec3(offset(random), offset(random), offset(random));
+    const glm::dvec3 snapped = grid.snap(wanted);
+    const glm::dvec3 local = snapped - origin;
+    ASSERT_EQ(glm::dvec3(glm::vec3(local)), local);
+    ASSERT_EQ(origin + local, snapped);
+    ASSERT_LE(glm::length(snapped - wanted), 0.87 * grid.step());
+  }
+  EXPECT_EQ(TileGrid(1.0, 1.0).step(), std::ldexp(1.0, -23));
+  EXPECT_GE(TileGrid(1.0, 1.0).reach(), 1.0);
+  EXPECT_EQ(TileGrid(1e-9, 1024.0).step(), std::ldexp(1.0, 11 - 53)) << "doubles end before";
+}
+
+TEST(RowsAt, HaveTheBitsOfRowsInRanges) {
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    const PolygonMesh mesh = test::laden_tiles_mesh(seed);
+    const DooSabinSurface surface(mesh, EvaluateOptions{});
+    for (int level = 1; level <= 4; ++level) {
+      const DooSabinBlocks blocks(surface, level, nullptr);
+      const auto count = static_cast<std::size_t>(blocks.info().row_count);
+      std::vector<glm::dvec3> positions(count), some_positions;
+      std::vector<glm::vec3> normals(count), some_normals;
+      std::vector<glm::vec4> colors(count), some_colors;
+      RowTarget target;
+      target.positions = positions;
+      target.normals = normals;
+      target.colors = colors;
+      (void)blocks.rows({0, blocks.info().row_count}, target);
+      std::mt19937 random(seed);
+      for (const unsigned part : {1u, 3u, 40u}) {
+        std::vector<std::int32_t> rows;
+        for (std::size_t r = 0; r < count; ++r)
+          if (random() % part == 0) rows.push_back(static_cast<std::int32_t>(r));
+        some_positions.resize(rows.size());
+        some_normals.resize(rows.size());
+        some_colors.resize(rows.size());
+        RowTarget some;
+        some.positions = some_positions;
+        some.normals = some_normals;
+        some.colors = some_colors;
+        (void)blocks.rows_at(rows, some);
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+          ASSERT_EQ(some_positions[i], positions[rows[i]]) << level << " " << rows[i];
+          ASSERT_EQ(some_normals[i], normals[rows[i]]) << level << " " << rows[i];
+          ASSERT_EQ(some_colors[i], colors[rows[i]]) << level << " " << rows[i];
+        }
+      }
+    }
+  }
+}
+
+// Four quads of level l in the place of one of level l - 1: corners, middles, the centre.
+SurfaceMesh split_quad(const glm::dvec3& lift_of_centre, const glm::dvec3& lift_of_corner) {
+  SurfaceMesh mesh;
+  mesh.level = 2;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) mesh.positions.emplace_back(i, j, 0);
+  mesh.positions[0] += lift_of_corner;
+  // Middles and the centre stay on the bilinear quad, but for its own lift.
+  mesh.positions[1] += 0.5 * lift_of_corner;
+  mesh.positions[3] += 0.5 * lift_of_corner;
+  mesh.positions[4] += 0.25 * lift_of_corner + lift_of_centre;
+  // Child j at corner j, which keeps its place.
+  const int corners[4] = {0, 2, 8, 6}, middles[4] = {1, 5, 7, 3};
+  for (int j = 0; j < 4; ++j) {
+    int child[4];
+    child[j] = corners[j];
+    child[(j + 1) % 4] = middles[j];
+    child[(j + 2) % 4] = 4;
+    child[(j + 3) % 4] = middles[(j + 3) % 4];
+    mesh.face_vertices.insert(mesh.face_vertices.end(), child, child + 4);
+  }
+  return mesh;
+}
+
+TEST(CoarserError, IsTheFarthestMiddleAndAQuarterOfTheTwist) {
+  EXPECT_EQ(coarser_error(split_quad({0, 0, 0}, {0, 0, 0})), 0);
+  EXPECT_EQ(coarser_error(split_quad({0, 0, 0.5}, {0, 0, 0})), 0.5);
+  EXPECT_EQ(coarser_error(split_quad({0, 0, 0}, {0, 0, 4})), 1);
+  EXPECT_EQ(coarser_error(split_quad({0, 0, -0.5}, {0, 0, 4})), 1.5);
+}
+
+TEST(TilePlan, EachFaceIsInOneTileOfEachLevel) {
+  for (const std::uint32_t seed : {4u, 5u}) {
+    const PolygonMesh mesh = test::laden_tiles_mesh(seed);
+    const DooSabinSurface surface(mesh, EvaluateOptions{});
+    const auto order = curve_order(surface.mesh().positions);
+    const TilePlan plan = plan_tiles(surface.topology(), surface.hidden(), order, 10, 3);
+    std::vector<std::multiset<std::int32_t>> found(4);
+    for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
+      const PlannedTile& tile = plan.tiles[i];
+      ASSERT_FALSE(plan.faces_of(tile).empty());
+      for (const std::int32_t face : plan.faces_of(tile)) {
+        found[tile.level].insert(face);
+        EXPECT_TRUE(plan.holds(tile, face));
+        const auto place = [&](std::int32_t v) {
+          return std::ranges::find(order, v) - order.begin();
+        };
+        std::ptrdiff_t first = mesh.vertex_count();
+        for (const std::int32_t v : surface.topology().face(face))
+          first = std::min(first, place(v));
+        EXPECT_EQ(plan.face_places[face], first);
+      }
+      if (tile.level == 1) continue;
+      const PlannedTile& parent = plan.tiles[tile.parent];
+      EXPECT_LT(tile.parent, static_cast<std::int32_t>(i));
+      EXPECT_EQ(parent.level, tile.level - 1);
+      EXPECT_EQ(parent.block, tile.block);
+      EXPECT_EQ(parent.quarter, tile.quarter / 4);
+    }
+    std::multiset<std::int32_t> visible;
+    for (std::int32_t f = 0; f < surface.topology().face_count(); ++f)
+      if (surface.hidden()[f] == 0) visible.insert(f);
+    for (int level = 1; level <= 3; ++level) EXPECT_EQ(found[level], visible) << level;
+  }
+}
+
+}  // namespace
+}  // namespace planish
