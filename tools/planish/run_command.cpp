@@ -28,7 +28,8 @@ struct RunFlags {
 
 // A mesh in the place of a scene.
 void require_scene(const std::string& path) {
-  if (!format_of(path)) return;
+  const auto format = format_of(path);
+  if (!format || info_of(*format).is_tiles) return;
   const std::filesystem::path stem = std::filesystem::path(path).stem();
   throw Error(ErrorCode::InvalidArgument, visible(path) +
                                               ": is no scene file; did you mean: planish fit " +

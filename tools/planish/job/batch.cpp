@@ -98,6 +98,7 @@ void claim_outputs(PlannedJob& planned, PathClaims& claims, Faults& faults) {
         planned.outputs.push_back(std::move(output));
     });
   }
+  faults.note([&] { require_tileable(planned.outputs, planned.job.settings); });
   if (planned.job.settings.attributes.any())
     faults.note([&] { require_attribute_formats(planned.outputs); });
   if (planned.job.settings.compression != GltfCompression::None)

@@ -51,7 +51,8 @@ std::uint64_t surface_bytes(const PolygonMesh& mesh, const LevelCounts& counts, 
   const bool has_colors = !mesh.colors.empty(), has_uvs = !mesh.face_uvs.empty();
   switch (output.format) {
     case FileFormat::Glb:
-    case FileFormat::Gltf: {
+    case FileFormat::Gltf:
+    case FileFormat::Tiles: {
       // 32-bit floats; two bytes an index while that reaches.
       const std::uint64_t index = vertices < 65535 ? 2 : 4;
       return 1500 + vertices * (24 + (has_uvs ? 8 : 0) + (has_colors ? 8 : 0)) +
@@ -93,8 +94,11 @@ std::uint64_t peak_bytes(const PolygonMesh& mesh, const std::vector<LevelCounts>
 
 int highest_level(const std::vector<PlannedOutput>& outputs) {
   int level = 1;  // where the surface is measured
-  for (const PlannedOutput& output : outputs)
-    if (output.kind == OutputKind::Surface) level = std::max(level, output.fineness.level);
+  for (const PlannedOutput& output : outputs) {
+    // Tiles are made one by one.
+    if (output.kind == OutputKind::Surface && !info_of(output.format).is_tiles)
+      level = std::max(level, output.fineness.level);
+  }
   return level;
 }
 
@@ -103,8 +107,10 @@ int highest_level(const std::vector<PlannedOutput>& outputs) {
 Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
                      const Settings& settings, const std::vector<PlannedOutput>& outputs) {
   const MeshCounts counts = counts_of(prepared);
-  const std::vector<LevelCounts> levels =
-      levels_to(counts, settings.scheme, highest_level(outputs));
+  int highest = highest_level(outputs);
+  const std::vector<LevelCounts> held = levels_to(counts, settings.scheme, highest);
+  for (const PlannedOutput& output : outputs) highest = std::max(highest, output.fineness.level);
+  const std::vector<LevelCounts> levels = levels_to(counts, settings.scheme, highest);
   Forecast forecast;
   double points = 0;
   for (const PlannedOutput& output : outputs) {
@@ -113,11 +119,17 @@ Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
     const LevelCounts& at = levels[static_cast<std::size_t>(level)];
     const auto corners =
         static_cast<std::uint64_t>(level == 0 ? counts.corners : (triangles ? 3 : 4) * at.faces);
-    forecast.output_bytes.push_back(
-        surface_bytes(mesh, at, level > 0 && !triangles, corners, output));
+    std::uint64_t bytes = surface_bytes(mesh, at, level > 0 && !triangles, corners, output);
     points += static_cast<double>(at.vertices);
+    // Tiles have every level.
+    for (int l = 1; info_of(output.format).is_tiles && l < level; ++l) {
+      const LevelCounts& coarser = levels[static_cast<std::size_t>(l)];
+      bytes += surface_bytes(mesh, coarser, true, 0, output);
+      points += static_cast<double>(coarser.vertices);
+    }
+    forecast.output_bytes.push_back(bytes);
   }
-  forecast.peak_bytes = peak_bytes(mesh, levels, settings);
+  forecast.peak_bytes = peak_bytes(mesh, held, settings);
   const double threads = std::max(1u, std::thread::hardware_concurrency());
   const double fits = chooses_by_measurement(settings, outputs) ? 2 : 1;
   forecast.seconds = (kSecondsPerMillionPoints * points +

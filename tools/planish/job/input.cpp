@@ -41,7 +41,8 @@ RawVector<std::byte> read_stdin() {
 
 FileFormat settled_format(const InputFile& file, std::optional<FileFormat> format) {
   if (format) return *format;
-  if (const auto named = format_of(file.path)) return *named;
+  // A document of tiles has the extension of any JSON.
+  if (const auto named = format_of(file.path); named && !info_of(*named).is_tiles) return *named;
   refuse_utf16(file.bytes, file.name);
   if (const auto sniffed = sniff_format(file.bytes)) return *sniffed;
   throw Error(ErrorCode::UnreadableInput,

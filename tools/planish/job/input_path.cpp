@@ -78,7 +78,8 @@ std::string nearest_file(const fs::path& path) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (format_of(name) && names.size() < kLooked) names.push_back(name);
+    const auto format = format_of(name);
+    if (format && !info_of(*format).is_tiles && names.size() < kLooked) names.push_back(name);
   }
   std::ranges::sort(names);
   const std::string wanted = path.filename().string();

@@ -62,7 +62,8 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
   std::vector<Fineness> all;
   for (const PlannedOutput& output : outputs) {
     const bool is_new = std::ranges::find(all, output.fineness) == all.end();
-    if (output.kind == OutputKind::Surface && is_new) all.push_back(output.fineness);
+    if (output.kind == OutputKind::Surface && is_new && !info_of(output.format).is_tiles)
+      all.push_back(output.fineness);
   }
   for (const Fineness& fineness : all) {
     const double points = std::ldexp(1.0, 2 * fineness.level);
@@ -71,9 +72,13 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
         steps.end() == std::ranges::find(steps, "measure", &PlannedStep::name))
       steps.push_back({"measure", 0.4 * points});
     for (const PlannedOutput& output : outputs)
-      if (output.kind == OutputKind::Surface && output.fineness == fineness)
+      if (output.kind == OutputKind::Surface && output.fineness == fineness &&
+          !info_of(output.format).is_tiles)
         steps.push_back({"write", 0.6 * points});
   }
+  for (const PlannedOutput& output : outputs)
+    if (info_of(output.format).is_tiles)
+      steps.push_back({"write", 2.5 * std::ldexp(1.0, 2 * output.fineness.level)});
   if (!job.page.empty()) steps.push_back({"page", 8});
   return steps;
 }

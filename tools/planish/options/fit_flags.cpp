@@ -76,7 +76,9 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
          "control cage (" + extensions_of(FormatUse::WriteCage) + "), or a folder", "FILE");
   option("--report", flags.report, "JSON report; - for stdout", "FILE");
   option("--levels", flags.levels,
-         "quad splits, 0 to 6 [2]; several write NAME_LOD0.glb, NAME_LOD1.glb, ...", "L[,L2,...]");
+         "quad splits, 0 to 6 [2]; several write NAME_LOD0.glb, NAME_LOD1.glb, ...; "
+         "3D Tiles have all from 1 to it",
+         "L[,L2,...]");
   option("--chord-error", flags.chord_error,
          "instead of levels: triangles within so much of the surface, relative to the diagonal; "
          "several write NAME_LOD0.glb, ...",
@@ -118,6 +120,12 @@ void add_fit_flags(CLI::App& command, FitFlags& flags) {
   number("--polish", flags.polish, "steps that even out the curvature of a fair surface [8]", "N");
   number("--weld", flags.weld,
          "meshes: make vertices one that lie within this fraction of the diagonal", "T");
+  number("--tile-vertices", flags.tile_vertices, "about so many has each file of 3D Tiles [262144]",
+         "N");
+  command
+      .add_flag("--skirts", flags.skirts,
+                "hide gaps between 3D Tiles of different levels behind strips along their edges")
+      ->group(kSurface);
   for (const PointSetting& setting : point_settings())
     add_word_flag(command, flags.words, setting, kPoints);
 }
@@ -161,6 +169,8 @@ Settings settings_of(const FitFlags& flags) {
   if (!flags.weld.empty()) set_weld(settings, std::string_view(flags.weld), "--weld");
   whole(flags.max_iterations, "--max-iterations", set_max_iterations);
   whole(flags.polish, "--polish", set_polish_steps);
+  whole(flags.tile_vertices, "--tile-vertices", set_tile_vertices);
+  settings.skirts = flags.skirts;
   if (!flags.levels.empty()) settings.levels = parse_levels(flags.levels);
   take_adaptive(flags, settings.adaptive);
   check_consistent(settings);

@@ -15,9 +15,9 @@ namespace planish::command {
 struct FitFlags {
   std::vector<std::string> inputs, outputs;
   std::string input_format, output_format, cage, source, report, levels, chord_error, angle;
-  std::string tolerance, max_iterations, polish, weld, workers, page, page_limit;
+  std::string tolerance, max_iterations, polish, weld, tile_vertices, workers, page, page_limit;
   SettingWords words;  ///< by name of the setting
-  bool force = false, dry_run = false, page_no_times = false;
+  bool force = false, dry_run = false, skirts = false, page_no_times = false;
   MessageFlags messages;
 };
 

@@ -126,6 +126,14 @@ void apply_settings(Settings& settings, const Json& json, const std::string& whe
   visit("polish", [&](const Json& value, const std::string& path) {
     set_polish_steps(settings, integer_of(value, path), path);
   });
+  visit("tile_vertices", [&](const Json& value, const std::string& path) {
+    set_tile_vertices(settings, integer_of(value, path), path);
+  });
+  visit("skirts", [&](const Json& value, const std::string& path) {
+    if (!value.is_boolean())
+      refuse(path, std::string("true or false is wanted, not ") + value.type_name());
+    settings.skirts = value.get<bool>();
+  });
   visit("crease_edges", [&](const Json& value, const std::string& path) {
     settings.crease_edges.clear();
     for_entries(value, path, [&](const Json& edge, const std::string& entry) {
@@ -270,7 +278,7 @@ std::vector<std::string_view> scene_keys(SceneObject object) {
   std::vector<std::string_view> solve{"tolerance", "max_iterations", "polish",
                                       "weld",      "crease_edges",   "corner_vertices"};
   std::vector<std::string_view> all = solve;
-  all.insert(all.end(), {"levels", "chord_errors", "angle", "solve"});
+  all.insert(all.end(), {"levels", "chord_errors", "angle", "tile_vertices", "skirts", "solve"});
   for (const WordSetting& setting : word_settings()) {
     all.push_back(setting.name);
     if (setting.belongs_to_solve) solve.push_back(setting.name);

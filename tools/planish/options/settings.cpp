@@ -8,6 +8,7 @@
 #include "options/refuse.h"
 #include "planish/core/number_text.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/tiles/write_tiles.h"
 #include "planish/mesh/detect_creases.h"
 #include "planish/mesh/weld_vertices.h"
 #include "terminal/text.h"
@@ -266,6 +267,16 @@ void set_polish_steps(Settings& settings, std::int64_t value, std::string_view w
     refuse(where, std::to_string(value) + " is out of range; 0 to 1000 is wanted");
   }
   settings.polish_steps = static_cast<std::int32_t>(value);
+}
+
+void set_tile_vertices(Settings& settings, std::int64_t value, std::string_view where) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 24;  // what viewers load at once
+  if (value < kLeastTileVertices || value > kMost) {
+    refuse(where, std::to_string(value) + " is out of range; " +
+                      std::to_string(kLeastTileVertices) + " to " + std::to_string(kMost) +
+                      " is wanted");
+  }
+  settings.tile_vertices = value;
 }
 
 std::vector<int> checked_levels(std::span<const std::int64_t> values, std::string_view where) {

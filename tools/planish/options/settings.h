@@ -57,6 +57,8 @@ struct Settings {
   UpAxis up = UpAxis::Y;
   FieldChoice attributes;  ///< that surfaces carry as data
   GltfCompression compression = GltfCompression::None;
+  std::int64_t tile_vertices = 262'144;  ///< about so many has a file of 3D Tiles
+  bool skirts = false;                   ///< along the boundaries of tiles
   std::string device = "auto";
   std::vector<int> levels{2};
   AdaptiveChoice adaptive;
@@ -89,6 +91,7 @@ void set_max_iterations(Settings& settings, std::int64_t value, std::string_view
 void set_polish_steps(Settings& settings, std::int64_t value, std::string_view where);
 void set_weld(Settings& settings, double value, std::string_view where);
 void set_weld(Settings& settings, std::string_view text, std::string_view where);
+void set_tile_vertices(Settings& settings, std::int64_t value, std::string_view where);
 /// Each 0 to kMaxLevel, none twice, at least one.
 [[nodiscard]] std::vector<int> checked_levels(std::span<const std::int64_t> values,
                                               std::string_view where);

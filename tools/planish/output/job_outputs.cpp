@@ -11,6 +11,7 @@
 #include "page/page_job.h"
 #include "planish/core/version.h"
 #include "planish/files/formats.h"
+#include "planish/files/tiles/write_tiles.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
 
@@ -122,6 +123,20 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
   warn_of_rounding(work.report, work.context.console, written);
 }
 
+// Tiles are made level by level as they are written.
+void write_tiles_of(const FittedJob& work, const PlannedOutput& planned, JobSurface& all,
+                    const SurfaceOutputOptions& options, WrittenOutput& written) {
+  check_interrupt();
+  work.context.progress.update("write", 0);
+  timed(work.report.timing.write, [&] {
+    const std::filesystem::path target =
+        work.staged.stage_with_folder(planned.path, tile_folder(planned.path));
+    written =
+        write_tiles_output(planned, target, *all.made_doo_sabin(), work.job.settings, options);
+  });
+  warn_of_rounding(work.report, work.context.console, written);
+}
+
 // The fields that the job wants as data; `fields` holds them.
 void add_attributes(const FittedJob& work, const JobSurface& all, JobLevel& surface,
                     VertexFields& fields, GltfOptions& options) {
@@ -158,7 +173,8 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
     const PlannedOutput& planned = work.outputs[i];
     if (planned.kind == OutputKind::Cage) {
       write_one(work, planned, nullptr, common, written[i], stdout_bytes);
-    } else if (std::ranges::find(finenesses, planned.fineness) == finenesses.end()) {
+    } else if (!info_of(planned.format).is_tiles &&
+               std::ranges::find(finenesses, planned.fineness) == finenesses.end()) {
       finenesses.push_back(planned.fineness);
     }
   }
@@ -181,12 +197,17 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
     if (fineness.angle > 0) options.gltf.extras.emplace_back("angle", fineness.angle);
     for (std::size_t i = 0; i < work.outputs.size(); ++i) {
       const PlannedOutput& planned = work.outputs[i];
-      if (planned.kind == OutputKind::Surface && planned.fineness == fineness) {
+      if (planned.kind == OutputKind::Surface && planned.fineness == fineness &&
+          !info_of(planned.format).is_tiles) {
         write_one(work, planned, &surface, options, written[i], stdout_bytes);
       }
     }
     if (!fineness.is_adaptive() && fineness.level == scene_level)
       make_scene(work, all, surface.whole());
+  }
+  for (std::size_t i = 0; i < work.outputs.size(); ++i) {
+    if (info_of(work.outputs[i].format).is_tiles)
+      write_tiles_of(work, work.outputs[i], all, common, written[i]);
   }
   // What is seen on the page is what is measured.
   if (scene_level >= 0 && work.scene.empty()) {

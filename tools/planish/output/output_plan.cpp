@@ -2,10 +2,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "job/input_path.h"
 #include "options/refuse.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/tiles/tileset.h"
+#include "planish/files/tiles/write_tiles.h"
 #include "terminal/console.h"
 #include "terminal/text.h"
 
@@ -57,6 +61,19 @@ std::vector<Fineness> finenesses_of(const OutputRequest& request) {
   return all;
 }
 
+// The first thing in a folder of tiles that no tile set has there; empty if there is none.
+fs::path foreign_in(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (!is_tileset_entry(entry.path().filename().string())) return entry.path();
+    if (entry.is_symlink(error)) return entry.path();
+    if (!entry.is_directory(error)) continue;
+    for (const fs::directory_entry& tile : fs::directory_iterator(entry.path(), error))
+      if (!is_tile_name(tile.path().filename().string())) return tile.path();
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string fineness_text(const Fineness& fineness) {
@@ -98,6 +115,8 @@ void PathClaims::add_output(const fs::path& path, std::string_view where) {
   const fs::path target = resolved(path);
   if (inputs_.contains(target)) refuse(where, visible(path) + " is the input as well");
   if (!outputs_.insert(target).second) refuse(where, visible(path) + " is written twice");
+  if (outputs_.contains(target.parent_path()))
+    refuse(where, visible(path) + " lies in the folder of tiles; choose another");
   std::error_code error;
   if (fs::is_directory(path, error)) {
     refuse_place(path, where, " is a folder");
@@ -105,6 +124,34 @@ void PathClaims::add_output(const fs::path& path, std::string_view where) {
     refuse_place(path, where, " exists; --force overwrites it");
   } else {
     check_folder(path, where);
+  }
+}
+
+void PathClaims::add_tile_folder(const fs::path& folder, std::string_view where) {
+  const fs::path target = resolved(folder);
+  if (!outputs_.insert(target).second) refuse(where, visible(folder) + " is written twice");
+  for (const auto* others : {&inputs_, &outputs_}) {
+    for (const fs::path& other : *others) {
+      if (other.parent_path() == target)
+        refuse(where, visible(folder) + ", the folder of the tiles, has " + visible(other) +
+                          " in it; choose another name");
+    }
+  }
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(folder, error);
+  if (!fs::exists(status)) return;
+  if (!fs::is_directory(status)) {
+    refuse_place(folder, where,
+                 ", the folder of the tiles, is something else; choose another name");
+    return;
+  }
+  const fs::path foreign = foreign_in(folder);
+  if (!foreign.empty()) {
+    refuse_place(folder, where,
+                 ", the folder of the tiles, holds " + visible(foreign) +
+                     ", which is none; move it away, or choose another name");
+  } else if (!rules_.overwrite && !fs::is_empty(folder, error)) {
+    refuse_place(folder, where, " exists; --force replaces it");
   }
 }
 
@@ -126,6 +173,19 @@ void require_attribute_formats(const std::vector<PlannedOutput>& outputs) {
     if (output.kind == OutputKind::Cage || carries) continue;
     refuse("--attributes",
            output.path.string() + " cannot hold them; .glb, .gltf, .ply and .usda can");
+  }
+}
+
+void require_tileable(const std::vector<PlannedOutput>& outputs, const Settings& settings) {
+  for (const PlannedOutput& output : outputs) {
+    if (!info_of(output.format).is_tiles) continue;
+    if (settings.scheme != Scheme::DooSabin) {
+      refuse("--scheme", visible(output.path) +
+                             ": 3D Tiles are made of Doo-Sabin surfaces, not of " +
+                             std::string(name_of(settings.scheme)) + "; write .glb");
+    }
+    if (output.fineness.level < 1)
+      refuse("--levels", visible(output.path) + ": 3D Tiles have levels from 1 on, not 0");
   }
 }
 
@@ -154,6 +214,13 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
   std::vector<PlannedOutput> planned;
   if (request.kind == OutputKind::Cage) {
     planned.push_back({request.path, request.kind, format, {}});
+  } else if (info_of(format).is_tiles) {
+    if (request.adaptive.any())
+      refuse(request.where,
+             visible(request.path) + ": 3D Tiles have levels, not a chord error or an angle");
+    // All levels up to the finest are in one set.
+    planned.push_back(
+        {request.path, request.kind, format, {std::ranges::max(request.levels), 0, 0}});
   } else {
     for (std::size_t i = 0; i < finenesses.size(); ++i) {
       fs::path path = request.path;
@@ -168,6 +235,7 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
     claims.add_output(output.path, request.where);
     const fs::path companion = companion_of(output.path, format);
     if (!companion.empty()) claims.add_output(companion, request.where);
+    if (info_of(format).is_tiles) claims.add_tile_folder(tile_folder(output.path), request.where);
   }
   return planned;
 }

@@ -62,6 +62,9 @@ class PathClaims {
   /// "-" claims stdout, which may be a terminal only for text. Throws as above. Only looks, creates
   /// nothing.
   void add_output(const std::filesystem::path& path, std::string_view where);
+  /// The folder of a tile set. One that exists may only be replaced where it holds nothing but
+  /// what a tile set does. Throws as above.
+  void add_tile_folder(const std::filesystem::path& folder, std::string_view where);
   /// A report: a path that ends in .json, or "-".
   void add_report(const std::filesystem::path& path, std::string_view where);
 
@@ -84,6 +87,10 @@ class PathClaims {
 /// is not written, several levels to stdout or bytes to a terminal.
 [[nodiscard]] std::vector<PlannedOutput> plan_output(const OutputRequest& request,
                                                      PathClaims& claims);
+
+/// Refuses tile sets of what they are not made of (schemes but Doo-Sabin, level 0) with
+/// Error{InvalidArgument}.
+void require_tileable(const std::vector<PlannedOutput>& outputs, const Settings& settings);
 
 /// Refuses surfaces that are no glTF, which alone is compressed, with Error{InvalidArgument}.
 void require_compressible(const std::vector<PlannedOutput>& outputs);

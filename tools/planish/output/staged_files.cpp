@@ -41,18 +41,40 @@ fs::path StagedFiles::stage(const fs::path& path) {
   return files_.back().temporary;
 }
 
+fs::path StagedFiles::stage_with_folder(const fs::path& document, const fs::path& folder) {
+  const fs::path staged = stage(document);
+  files_.back().beside = folder;
+  return staged;
+}
+
 void StagedFiles::commit() {
   const auto lock = while_files_move();
   check_interrupt();  // the last moment at which nothing has happened
-  for (const File& file : files_) {
-    std::error_code error;
-    fs::rename(file.temporary, file.target, error);
+  for (const File& file : files_) move(file);
+  files_.clear();
+}
+
+// A document that stands there goes first, then its folder; they are removed with the hidden
+// folder.
+void StagedFiles::move(const File& file) {
+  std::error_code error;
+  const auto rename = [&](const fs::path& from, const fs::path& to) {
+    fs::rename(from, to, error);
     if (error) {
       throw Error(ErrorCode::UnwritableOutput,
                   visible(file.target) + ": cannot be put in place: " + error.message());
     }
+  };
+  if (!file.beside.empty()) {
+    const auto put_away = [&](const fs::path& old) {
+      if (fs::exists(fs::symlink_status(old, error)))
+        rename(old, file.temporary.parent_path() / (old.filename().string() + ".replaced"));
+    };
+    put_away(file.target);
+    put_away(file.beside);
+    rename(file.temporary.parent_path() / file.beside.filename(), file.beside);
   }
-  files_.clear();
+  rename(file.temporary, file.target);
 }
 
 }  // namespace planish::command

@@ -18,6 +18,11 @@ class StagedFiles {
   /// Throws Error{UnwritableOutput}.
   [[nodiscard]] std::filesystem::path stage(const std::filesystem::path& path);
 
+  /// The same for a document and a folder beside it that it names: a document is in place only
+  /// while its folder is, whatever ends the process. A folder that stands there is replaced whole.
+  [[nodiscard]] std::filesystem::path stage_with_folder(const std::filesystem::path& document,
+                                                        const std::filesystem::path& folder);
+
   /// Moves every file that was staged to its place. Throws Error{UnwritableOutput}.
   void commit();
 
@@ -27,7 +32,9 @@ class StagedFiles {
   };
   struct File {
     std::filesystem::path temporary, target;
+    std::filesystem::path beside;  // a folder that goes with it; empty: none
   };
+  static void move(const File& file);
   std::vector<Folder> folders_;
   std::vector<File> files_;
 };

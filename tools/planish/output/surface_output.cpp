@@ -8,6 +8,7 @@
 #include "output/digest.h"
 #include "planish/core/parallel.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/tiles/write_tiles.h"
 #include "planish/files/write_surface.h"
 
 namespace planish::command {
@@ -170,6 +171,37 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
                                              round_for(planned.format, positions);
                                            }) /
                              options.diagonal;
+  return written;
+}
+
+WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesystem::path& target,
+                                 const DooSabinSurface& surface, const Settings& settings,
+                                 const SurfaceOutputOptions& options) {
+  Sha256 digest;
+  TilesOptions tiles{.level = planned.fineness.level,
+                     .tile_vertices = settings.tile_vertices,
+                     .skirts = settings.skirts,
+                     .given = options.given,
+                     .gltf = options.gltf};
+  tiles.gltf.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
+  const TilesFile file = write_tiles(target, surface, tiles);
+  WrittenOutput written;
+  written.path = planned.path.string();
+  written.fineness = planned.fineness;
+  written.bytes = file.byte_count;
+  written.sha256 = digest.finish();
+  written.vertices = file.row_count;
+  written.faces = written.quads = file.face_count;
+  written.triangles = 2 * file.face_count;
+  written.as_written_error = file.largest_distance / options.diagonal;
+  for (const TileLevel& level : file.levels) {
+    written.tile_levels.push_back({.level = level.level,
+                                   .tiles = level.tiles,
+                                   .vertices = static_cast<std::int64_t>(level.vertex_count),
+                                   .triangles = static_cast<std::int64_t>(level.triangle_count),
+                                   .bytes = level.bytes,
+                                   .geometric_error = level.geometric_error});
+  }
   return written;
 }
 

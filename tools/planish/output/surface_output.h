@@ -7,6 +7,7 @@
 
 #include "job/job_surface.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/surface/doo_sabin_surface.h"
 #include "report/report.h"
 
 namespace planish::command {
@@ -26,6 +27,14 @@ struct SurfaceOutputOptions {
                                                  JobLevel& surface,
                                                  const SurfaceOutputOptions& options,
                                                  std::vector<std::byte>& stdout_bytes);
+
+/// Writes `surface` as a set of 3D Tiles, whose document is `target`, and measures what was
+/// written. `settings` has the sizes of tiles.
+[[nodiscard]] WrittenOutput write_tiles_output(const PlannedOutput& planned,
+                                               const std::filesystem::path& target,
+                                               const DooSabinSurface& surface,
+                                               const Settings& settings,
+                                               const SurfaceOutputOptions& options);
 
 /// Writes the cage of a fitted mesh and measures how far its limit surface, recomputed in double,
 /// is from the vertices of `input`.

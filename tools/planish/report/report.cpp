@@ -129,6 +129,14 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
     entry["quads"] = output.quads;
     entry["triangles"] = output.triangles;
     entry["as_written_error"] = output.as_written_error;
+    for (const WrittenTiles& level : output.tile_levels) {
+      entry["tiles"].push_back({{"level", level.level},
+                                {"tiles", level.tiles},
+                                {"bytes", level.bytes},
+                                {"vertices", level.vertices},
+                                {"triangles", level.triangles},
+                                {"geometric_error", level.geometric_error}});
+    }
     json.push_back(entry);
   }
   return json;

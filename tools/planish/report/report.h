@@ -17,18 +17,27 @@
 
 namespace planish::command {
 
+/// The tiles of one level of a tile set.
+struct WrittenTiles {
+  int level = 1;
+  std::int64_t tiles = 0, vertices = 0, triangles = 0;
+  std::uint64_t bytes = 0;
+  double geometric_error = 0;  ///< the largest of its tiles, in model units
+};
+
 /// A file as written.
 struct WrittenOutput {
   std::string path;  ///< "-" for stdout
   OutputKind kind = OutputKind::Surface;
   Fineness fineness;        ///< of a surface
-  std::uint64_t bytes = 0;  ///< a .gltf counts its .bin
+  std::uint64_t bytes = 0;  ///< a .gltf counts its .bin, a tile set its tiles
   std::string sha256;       ///< of the file named by path
   std::int64_t vertices = 0, quads = 0, triangles = 0;
   std::int64_t faces = 0;  ///< of any size
   /// Largest distance of a given vertex from its place on the surface that the file describes,
   /// recomputed in double from the numbers in the file; a fraction of the diagonal.
   double as_written_error = 0;
+  std::vector<WrittenTiles> tile_levels;  ///< of a tile set
 };
 
 /// A page for people; its path is empty where there is none.

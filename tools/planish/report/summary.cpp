@@ -37,6 +37,11 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width) {
   line.resize(std::max(line.size(), path_width), ' ');
   line += "  " + byte_size(output.bytes) + ", ";
   if (output.kind == OutputKind::Cage) return line + "control cage";
+  if (!output.tile_levels.empty()) {
+    std::int64_t tiles = 0;
+    for (const WrittenTiles& level : output.tile_levels) tiles += level.tiles;
+    line += counted(tiles, "tile") + ", to ";
+  }
   line += fineness_text(output.fineness) + ", " + counted(output.vertices, "vertex");
   if (output.fineness.level == 0) return line + ", " + counted(output.faces, "face");
   return line + ", " +
