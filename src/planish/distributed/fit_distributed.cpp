@@ -1,0 +1,204 @@
+// Based on: "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces", section 3, of a
+// mesh that no machine has to hold: each phase ends in an exchange, everything between is local.
+#include "planish/distributed/fit_distributed.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "planish/core/parallel.h"
+#include "planish/distributed/write_cage.h"
+
+namespace planish {
+
+namespace {
+
+void warn_of_semi_sharp(const Ranks& ranks, const MeshSlice& slice,
+                        std::vector<Warning>& warnings) {
+  std::int64_t count = 0;
+  for (const SliceCrease& crease : slice.creases)
+    count += crease.sharpness > 0 && crease.sharpness < kInfiniteSharpness ? 1 : 0;
+  count = sum_over(ranks, count);
+  if (count == 0) return;
+  warnings.push_back({.code = "semi-sharp-creases",
+                      .message = "creases of a sharpness below 10, taken as smooth: " +
+                                 std::to_string(count) + "; give 10 for a sharp edge",
+                      .count = count});
+}
+
+// Of the vertices that faces name, as on one machine.
+Placement placement_over(const Ranks& ranks, const MeshPart& part) {
+  glm::dvec3 low(std::numeric_limits<double>::max());
+  glm::dvec3 high(std::numeric_limits<double>::lowest());
+  for (std::int32_t v = 0; v < part.owned_count(); ++v) {
+    if (part.around(v).empty()) continue;
+    low = glm::min(low, part.positions[v]);
+    high = glm::max(high, part.positions[v]);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &low.x, 3, MPI_DOUBLE, MPI_MIN, ranks.comm);
+  MPI_Allreduce(MPI_IN_PLACE, &high.x, 3, MPI_DOUBLE, MPI_MAX, ranks.comm);
+  const glm::dvec3 corners[2] = {low, high};
+  return placement_of(std::span<const glm::dvec3>(corners));
+}
+
+std::vector<glm::dvec3> unit_points(const Placement& placement,
+                                    std::span<const glm::dvec3> positions) {
+  std::vector<glm::dvec3> points(positions.size());
+  parallel_for(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) points[v] = placement.to_unit(positions[v]);
+  });
+  return points;
+}
+
+class DistributedJob {
+ public:
+  DistributedJob(const Ranks& ranks, const DistributedOptions& options, JobWatch& watch)
+      : ranks_(ranks), options_(options), watch_(watch) {}
+
+  void read(const std::function<MeshSlice()>& read_slice) {
+    watch_.begin("read");
+    slice_ = read_slice();
+    fit_.vertices = slice_.vertex_total();
+    fit_.faces = slice_.face_total();
+    fit_.warnings = slice_.warnings;
+    vertices_ = slice_.vertices;
+    if (options_.sharp.use_tags) warn_of_semi_sharp(ranks_, slice_, fit_.warnings);
+    if (!options_.cage.empty()) cage_faces_ = encode_cage_faces(ranks_, slice_);
+    watch_.fault_point();
+  }
+
+  void distribute() {
+    watch_.begin("sort");
+    CurveOrder order = order_along_curve(ranks_, slice_, options_.block_vertices);
+    watch_.fault_point();
+    watch_.begin("faces");
+    FaceStream first_ring = send_first_ring(ranks_, slice_, order);
+    watch_.fault_point();
+    watch_.begin("rings");
+    part_ = make_part(ranks_, std::move(first_ring), slice_, std::move(order));
+    slice_ = {};
+    watch_.fault_point();
+  }
+
+  PartRows make_part_rows() {
+    watch_.begin("rows");
+    const RowOptions options{options_.weights, options_.sharp, options_.block_vertices,
+                             [&] { watch_.tick(); }};
+    PartRows rows = make_rows(ranks_, part_, options_.name, fit_.faces, options);
+    fit_.placement = placement_over(ranks_, part_);
+    std::int64_t used = 0;
+    for (std::size_t kind = 0; kind < rows.kinds.size(); ++kind) {
+      used += fit_.kinds[kind] = sum_over(ranks_, rows.kinds[kind]);
+    }
+    fit_.unused_vertices = fit_.vertices - used;
+    fit_.entries = sum_over(ranks_, static_cast<std::int64_t>(rows.columns.size()));
+    fit_.spectral_bound = rows.spectral_bound;
+    note_figures(rows);
+    drop_rings();
+    watch_.fault_point();
+    return rows;
+  }
+
+  void solve(PartRows rows) {
+    watch_.begin("solve");
+    const PetscSolveOptions options{options_.solver, options_.tolerance, options_.max_iterations,
+                                    options_.block_vertices, [&] { watch_.tick(); }};
+    const auto given = unit_points(fit_.placement, part_.positions);
+    const auto ghosts = unit_points(fit_.placement, rows.ghost_points);
+    fit_.solution = petsc_solve(ranks_, part_.layout, rows, given, ghosts,
+                                fit_.vertices - fit_.unused_vertices, options);
+    own_.peers = fit_.solution.peers;
+    watch_.fault_point();
+  }
+
+  DistributedFit finish(const std::function<void(const DistributedFit&)>& before_commit) {
+    watch_.begin("write");
+    std::optional<StagedFile> cage;
+    if (!options_.cage.empty()) {
+      std::vector<glm::dvec3> points = std::move(part_.positions);
+      const std::vector<glm::dvec3>& moves = fit_.solution.displacement;
+      for (std::size_t v = 0; v < points.size(); ++v)
+        points[v] += fit_.placement.diagonal * moves[v];
+      points = in_file_order(ranks_, vertices_, part_.file_ids, points);
+      cage.emplace(ranks_, options_.cage);
+      write_cage(ranks_, vertices_, fit_.faces, points, cage_faces_, options_.cage_header, *cage);
+    }
+    watch_.fault_point();
+    watch_.end();
+    gather_figures();
+    fit_.file_ids = std::move(part_.file_ids);
+    if (before_commit) before_commit(fit_);
+    if (cage) cage->commit();
+    return std::move(fit_);
+  }
+
+ private:
+  void note_figures(const PartRows& rows) {
+    own_.rank = ranks_.rank;
+    own_.vertices = part_.owned_count();
+    own_.faces = part_.face_count();
+    own_.ghosts = static_cast<std::int64_t>(part_.ghosts.size());
+    own_.halo = static_cast<std::int64_t>(rows.ghosts.size());
+    (void)gethostname(own_.host.data(), own_.host.size() - 1);
+  }
+
+  // The solve needs rows and owned vertices only.
+  void drop_rings() {
+    MeshPart kept;
+    kept.layout = part_.layout;
+    kept.rank = part_.rank;
+    const auto owned = static_cast<std::size_t>(part_.owned_count());
+    kept.file_ids.assign(part_.file_ids.begin(), part_.file_ids.begin() + owned);
+    kept.positions.assign(part_.positions.begin(), part_.positions.begin() + owned);
+    part_ = std::move(kept);
+  }
+
+  void gather_figures() {
+    own_.peak_bytes = peak_bytes();
+    for (const PhaseFigures& phase : watch_.phases()) {
+      const auto place = std::ranges::find(kPhases, phase.name) - std::begin(kPhases);
+      own_.milliseconds[place] += 1000 * phase.seconds;
+    }
+    std::vector<std::int64_t> counts(static_cast<std::size_t>(ranks_.size), 0);
+    counts[0] = 1;
+    const auto all =
+        all_to_all<RankFigures>(ranks_, std::span<const RankFigures>(&own_, 1), counts);
+    fit_.ranks.assign(all.begin(), all.end());
+  }
+
+  const Ranks& ranks_;
+  const DistributedOptions& options_;
+  JobWatch& watch_;
+  MeshSlice slice_;
+  Layout vertices_;
+  CageFaces cage_faces_;
+  MeshPart part_;
+  RankFigures own_;
+  DistributedFit fit_;
+};
+
+}  // namespace
+
+DistributedFit fit_distributed(const Ranks& ranks, const std::function<MeshSlice()>& read,
+                               const DistributedOptions& options, JobWatch& watch,
+                               const std::function<void(const DistributedFit&)>& before_commit) {
+  agree(ranks, [&] {
+    if (options.block_vertices < 1 || options.block_vertices > std::int64_t{1} << 24)
+      throw Error(ErrorCode::InvalidArgument, "blocks of " +
+                                                  std::to_string(options.block_vertices) +
+                                                  " vertices; 1 to 16777216 are wanted");
+  });
+  DistributedJob job(ranks, options, watch);
+  job.read(read);
+  job.distribute();
+  PartRows rows = job.make_part_rows();
+  job.solve(std::move(rows));
+  return job.finish(before_commit);
+}
+
+}  // namespace planish

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "planish/core/callbacks.h"
+#include "planish/distributed/job_watch.h"
+#include "planish/distributed/petsc_solve.h"
+#include "planish/distributed/read_slices.h"
+#include "planish/mesh/placement.h"
+
+namespace planish {
+
+struct DistributedOptions {
+  Weights weights = Weights::DooSabin;
+  SharpFeatureOptions sharp;
+  Solver solver = Solver::Chebyshev;  ///< or Plain
+  double tolerance = 1e-6;
+  std::int32_t max_iterations = 200;
+  std::int64_t block_vertices = kBlockVertices;
+  std::string name = "mesh";             ///< of the input, in messages
+  std::string cage;                      ///< path of a .ply; empty: none
+  std::vector<std::string> cage_header;  ///< comment lines of it
+};
+
+/// What one rank did; a plain struct, so that rank 0 can gather them.
+struct RankFigures {
+  std::int32_t rank = 0, peers = 0;
+  std::int64_t vertices = 0, faces = 0, ghosts = 0, halo = 0, peak_bytes = 0;
+  std::array<double, std::size(kPhases)> milliseconds{};
+  std::array<char, 64> host{};
+};
+
+struct DistributedFit {
+  std::int64_t vertices = 0, faces = 0, unused_vertices = 0, entries = 0;
+  std::array<std::int64_t, 4> kinds{};  ///< vertices by VertexKind
+  Placement placement;
+  double spectral_bound = 0;
+  PetscSolution solution;              ///< the displacement is of this rank's vertices
+  std::vector<std::int64_t> file_ids;  ///< of those: numbers in the file
+  std::vector<Warning> warnings;
+  std::vector<RankFigures> ranks;  ///< on rank 0
+};
+
+/// Reads by `read`, finds the control points and writes the cage, all ranks together. Called before
+/// the cage is renamed into place, `before_commit` may prepare what belongs to it (all ranks).
+/// Throws AgreedError as its parts.
+[[nodiscard]] DistributedFit fit_distributed(
+    const Ranks& ranks, const std::function<MeshSlice()>& read, const DistributedOptions& options,
+    JobWatch& watch, const std::function<void(const DistributedFit&)>& before_commit = {});
+
+}  // namespace planish

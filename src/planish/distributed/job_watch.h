@@ -1,0 +1,66 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace planish {
+
+/// The parts of a job in their order.
+inline constexpr std::string_view kPhases[] = {"read", "sort",  "faces", "rings",
+                                               "rows", "solve", "write"};
+
+/// What a phase took on this rank.
+struct PhaseFigures {
+  std::string_view name;
+  double seconds = 0;
+  std::int64_t peak_bytes = 0;  ///< of the process so far
+};
+
+/// Follows one rank's job: times, memory, and signs of life. Where there is none for too long, for
+/// another rank hangs or a file system does, the process ends with a message, and mpirun ends the
+/// others.
+class JobWatch {
+ public:
+  /// 0 seconds: nothing is watched.
+  explicit JobWatch(int rank, double watchdog_seconds = 0);
+  ~JobWatch();
+  JobWatch(const JobWatch&) = delete;
+  JobWatch& operator=(const JobWatch&) = delete;
+
+  /// Ends the phase before, and begins one of kPhases.
+  void begin(std::string_view phase);
+  void end();
+  /// A sign of life.
+  void tick() { ++ticks_; }
+  /// In builds for tests: where PLANISH_MPI_FAULT is "rank:phase" of this place, the process kills
+  /// itself, and stops with "rank:phase:stop".
+  void fault_point() const;
+
+  [[nodiscard]] const std::vector<PhaseFigures>& phases() const { return phases_; }
+
+ private:
+  void watch(double seconds);
+
+  int rank_;
+  std::vector<PhaseFigures> phases_;
+  std::chrono::steady_clock::time_point begun_;
+  bool in_phase_ = false;
+  std::atomic<std::int64_t> ticks_{0};
+  std::atomic<const char*> phase_now_{"start"};
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  bool is_over_ = false;
+  std::thread thread_;
+};
+
+/// The largest resident memory of this process so far, in bytes; 0 where the system does not say.
+[[nodiscard]] std::int64_t peak_bytes();
+
+}  // namespace planish

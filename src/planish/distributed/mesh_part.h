@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "planish/distributed/curve_order.h"
+#include "planish/distributed/mesh_slice.h"
+
+namespace planish {
+
+/// A tagged edge at an owned vertex, by local numbers; -1: no vertex of the part, so no edge.
+struct PartCrease {
+  std::int32_t v0, v1;
+  float sharpness;
+  std::int64_t index;
+  std::int64_t file_v0, file_v1;
+};
+
+/// A tagged vertex that is owned.
+struct PartCorner {
+  std::int32_t vertex;
+  float sharpness;
+  std::int64_t index;
+};
+
+/// What one rank works on: a run of vertices along the curve, and two rings of faces around them.
+/// Local vertices are the owned ones by number, then the ghosts by number. Faces ascend with their
+/// numbers in the file, whatever the ranks, so that sums over them have the same bits.
+struct MeshPart {
+  Layout layout;  ///< of numbers
+  int rank = 0;
+  std::vector<std::int64_t> ghosts;    ///< numbers, ascending
+  std::vector<std::int64_t> file_ids;  ///< by local vertex: its number in the file
+  std::vector<glm::dvec3> positions;   ///< by local vertex
+  std::vector<std::int64_t> face_ids;  ///< numbers in the file, ascending
+  std::vector<std::int32_t> face_offsets{0}, face_vertices;  ///< local vertices
+  std::vector<std::int32_t> first_around, faces_around;      ///< by local vertex: its faces
+  std::vector<PartCrease> creases;                           ///< ascending by index
+  std::vector<PartCorner> corners;
+
+  [[nodiscard]] std::int32_t owned_count() const {
+    return static_cast<std::int32_t>(layout[rank + 1] - layout[rank]);
+  }
+  [[nodiscard]] std::int32_t vertex_count() const {
+    return static_cast<std::int32_t>(file_ids.size());
+  }
+  [[nodiscard]] std::int32_t face_count() const {
+    return static_cast<std::int32_t>(face_ids.size());
+  }
+  [[nodiscard]] std::span<const std::int32_t> face(std::int32_t index) const {
+    return std::span(face_vertices)
+        .subspan(face_offsets[index], face_offsets[index + 1] - face_offsets[index]);
+  }
+  [[nodiscard]] std::span<const std::int32_t> around(std::int32_t vertex) const {
+    return std::span(faces_around)
+        .subspan(first_around[vertex], first_around[vertex + 1] - first_around[vertex]);
+  }
+  [[nodiscard]] std::int64_t number_of(std::int32_t vertex) const {
+    return vertex < owned_count() ? layout[rank] + vertex : ghosts[vertex - owned_count()];
+  }
+  /// -1 for a number that is not here.
+  [[nodiscard]] std::int32_t local_of(std::int64_t number) const;
+};
+
+/// Faces on their way, by numbers along the curve: id, size, corners, id, size, ...
+using FaceStream = RawVector<std::int64_t>;
+
+/// Sends each face to the owners of all its vertices: the first ring. Takes the slice's faces;
+/// numbers of its tags in the file become numbers along the curve.
+[[nodiscard]] FaceStream send_first_ring(const Ranks& ranks, MeshSlice& slice,
+                                         const CurveOrder& order);
+
+/// Asks the owners of the other vertices of those faces for the faces around them: the second ring;
+/// then fetches what is to be known of all vertices. Throws AgreedError{OutOfMemory} where a rank's
+/// part is more than 32 bits count.
+[[nodiscard]] MeshPart make_part(const Ranks& ranks, FaceStream first_ring, MeshSlice& slice,
+                                 CurveOrder order);
+
+}  // namespace planish

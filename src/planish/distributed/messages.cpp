@@ -1,0 +1,173 @@
+#include "planish/distributed/messages.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace planish {
+
+namespace {
+
+template <class T>
+T reduced(const Ranks& ranks, T value, MPI_Datatype type, MPI_Op operation) {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, type, operation, ranks.comm);
+  return value;
+}
+
+// No ErrorCode: a fault of our own.
+constexpr int kInternal = 1000;
+constexpr int kNoFault = 2000;
+
+struct Fault {
+  int code = kNoFault;
+  std::string message;
+  std::int64_t element = Error::kNoElement;
+};
+
+Fault fault_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return {static_cast<int>(error.code()), error.what(), error.element()};
+  } catch (const std::bad_alloc&) {
+    return {static_cast<int>(ErrorCode::OutOfMemory), "memory does not suffice; take more ranks"};
+  } catch (const std::exception& error) {
+    return {kInternal, error.what()};
+  }
+  return {};
+}
+
+}  // namespace
+
+Ranks::Ranks(MPI_Comm communicator) : comm(communicator) {
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &size);
+}
+
+std::int64_t sum_over(const Ranks& ranks, std::int64_t value) {
+  return reduced(ranks, value, MPI_INT64_T, MPI_SUM);
+}
+std::int64_t max_over(const Ranks& ranks, std::int64_t value) {
+  return reduced(ranks, value, MPI_INT64_T, MPI_MAX);
+}
+std::int64_t min_over(const Ranks& ranks, std::int64_t value) {
+  return reduced(ranks, value, MPI_INT64_T, MPI_MIN);
+}
+double max_over(const Ranks& ranks, double value) {
+  return reduced(ranks, value, MPI_DOUBLE, MPI_MAX);
+}
+double min_over(const Ranks& ranks, double value) {
+  return reduced(ranks, value, MPI_DOUBLE, MPI_MIN);
+}
+
+std::int64_t sum_before(const Ranks& ranks, std::int64_t value) {
+  std::int64_t sum = 0;
+  MPI_Exscan(&value, &sum, 1, MPI_INT64_T, MPI_SUM, ranks.comm);
+  return ranks.rank == 0 ? 0 : sum;  // MPI leaves the first rank's undefined
+}
+
+Layout layout_of(const Ranks& ranks, std::int64_t count) {
+  Layout layout(static_cast<std::size_t>(ranks.size) + 1, 0);
+  MPI_Allgather(&count, 1, MPI_INT64_T, layout.data() + 1, 1, MPI_INT64_T, ranks.comm);
+  std::partial_sum(layout.begin(), layout.end(), layout.begin());
+  return layout;
+}
+
+Layout even_layout(std::int64_t total, int parts) {
+  Layout layout(static_cast<std::size_t>(parts) + 1);
+  for (int p = 0; p <= parts; ++p)
+    layout[p] = total / parts * p + std::min<std::int64_t>(p, total % parts);
+  return layout;
+}
+
+int owner_of(const Layout& layout, std::int64_t number) {
+  return static_cast<int>(std::ranges::upper_bound(layout, number) - layout.begin()) - 1;
+}
+
+void agree(const Ranks& ranks, const std::function<void()>& work) {
+  const Fault fault = fault_of(work);
+  const int first =
+      reduced(ranks, fault.code == kNoFault ? ranks.size : ranks.rank, MPI_INT, MPI_MIN);
+  if (first == ranks.size) return;
+  std::int64_t facts[3] = {fault.code, fault.element,
+                           static_cast<std::int64_t>(fault.message.size())};
+  MPI_Bcast(facts, 3, MPI_INT64_T, first, ranks.comm);
+  std::string message = ranks.rank == first ? fault.message : std::string(facts[2], ' ');
+  MPI_Bcast(message.data(), static_cast<int>(facts[2]), MPI_CHAR, first, ranks.comm);
+  if (facts[0] == kInternal) throw std::runtime_error(message);
+  throw AgreedError(static_cast<ErrorCode>(facts[0]), message, facts[1]);
+}
+
+std::vector<std::int64_t> exchange_counts(const Ranks& ranks,
+                                          std::span<const std::int64_t> counts) {
+  std::vector<std::int64_t> received(counts.size());
+  MPI_Alltoall(counts.data(), 1, MPI_INT64_T, received.data(), 1, MPI_INT64_T, ranks.comm);
+  return received;
+}
+
+void exchange_bytes(const Ranks& ranks, const std::byte* from, std::span<const std::int64_t> sent,
+                    std::byte* to, std::span<const std::int64_t> received,
+                    std::size_t element_bytes, std::size_t round_bytes) {
+  const auto size = static_cast<std::size_t>(ranks.size);
+  const auto own = static_cast<std::size_t>(ranks.rank);
+  std::vector<std::int64_t> send_at(size), receive_at(size);
+  std::exclusive_scan(sent.begin(), sent.end(), send_at.begin(), std::int64_t{0});
+  std::exclusive_scan(received.begin(), received.end(), receive_at.begin(), std::int64_t{0});
+  if (sent[own] > 0) {
+    std::memcpy(to + receive_at[own] * element_bytes, from + send_at[own] * element_bytes,
+                sent[own] * element_bytes);
+  }
+  if (size == 1) return;
+  std::int64_t largest = 0, out = 0, in = 0;
+  for (std::size_t r = 0; r < size; ++r) {
+    if (r == own) continue;
+    largest = std::max(largest, sent[r]);
+    out += sent[r];
+    in += received[r];
+  }
+  const auto limit =
+      std::max<std::int64_t>(1, static_cast<std::int64_t>(round_bytes / element_bytes / size));
+  // All in one round where no rank's share is too large.
+  const std::int64_t most = max_over(ranks, std::max(out, in));
+  const bool is_small = most <= static_cast<std::int64_t>(round_bytes / element_bytes);
+  const std::int64_t step = is_small ? most : limit;
+  const std::int64_t rounds = is_small ? 1 : max_over(ranks, (largest + limit - 1) / limit);
+  MPI_Datatype element;
+  MPI_Type_contiguous(static_cast<int>(element_bytes), MPI_BYTE, &element);
+  MPI_Type_commit(&element);
+  std::vector<int> send_counts(size), receive_counts(size), send_from(size), receive_to(size);
+  RawVector<std::byte> out_bytes, in_bytes;
+  for (std::int64_t round = 0; round < rounds; ++round) {
+    std::int64_t out_total = 0, in_total = 0;
+    for (std::size_t r = 0; r < size; ++r) {
+      const auto piece = [&](std::int64_t count) {
+        return r == own ? 0 : std::clamp<std::int64_t>(count - round * step, 0, step);
+      };
+      send_counts[r] = static_cast<int>(piece(sent[r]));
+      receive_counts[r] = static_cast<int>(piece(received[r]));
+      send_from[r] = static_cast<int>(out_total);
+      receive_to[r] = static_cast<int>(in_total);
+      out_total += send_counts[r];
+      in_total += receive_counts[r];
+    }
+    out_bytes.resize(static_cast<std::size_t>(out_total) * element_bytes);
+    in_bytes.resize(static_cast<std::size_t>(in_total) * element_bytes);
+    for (std::size_t r = 0; r < size; ++r)
+      if (send_counts[r] > 0)
+        std::memcpy(out_bytes.data() + send_from[r] * element_bytes,
+                    from + (send_at[r] + round * step) * element_bytes,
+                    send_counts[r] * element_bytes);
+    MPI_Alltoallv(out_bytes.data(), send_counts.data(), send_from.data(), element, in_bytes.data(),
+                  receive_counts.data(), receive_to.data(), element, ranks.comm);
+    for (std::size_t r = 0; r < size; ++r)
+      if (receive_counts[r] > 0)
+        std::memcpy(to + (receive_at[r] + round * step) * element_bytes,
+                    in_bytes.data() + receive_to[r] * element_bytes,
+                    receive_counts[r] * element_bytes);
+  }
+  MPI_Type_free(&element);
+}
+
+}  // namespace planish

@@ -1,0 +1,167 @@
+#include "planish/distributed/sub_mesh.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace planish {
+
+SubMeshMaker::SubMeshMaker(const MeshPart& part)
+    : part_(part),
+      face_stamps_(part.face_ids.size(), 0),
+      vertex_stamps_(part.file_ids.size(), 0),
+      whole_stamps_(part.file_ids.size(), 0),
+      numbers_(part.file_ids.size(), -1) {}
+
+void SubMeshMaker::take_around(std::int32_t vertex, std::vector<std::int32_t>& faces) {
+  whole_stamps_[vertex] = stamp_;
+  for (const std::int32_t face : part_.around(vertex))
+    if (std::exchange(face_stamps_[face], stamp_) != stamp_) faces.push_back(face);
+}
+
+void SubMeshMaker::take_vertices(std::span<const std::int32_t> faces,
+                                 std::vector<std::int32_t>& vertices) {
+  for (const std::int32_t face : faces)
+    for (const std::int32_t vertex : part_.face(face))
+      if (std::exchange(vertex_stamps_[vertex], stamp_) != stamp_) vertices.push_back(vertex);
+}
+
+void SubMeshMaker::choose_faces(std::int32_t begin, std::int32_t end, Rings rings) {
+  faces_.clear();
+  vertices_.clear();
+  const auto is_first_in_run = [&](std::int32_t face) {
+    const auto named = part_.face(face);
+    const std::int32_t first =
+        *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part_.number_of(v); });
+    return first >= begin && first < end;
+  };
+  for (std::int32_t v = begin; v < end; ++v) {
+    if (rings != Rings::None) {
+      take_around(v, faces_);
+      continue;
+    }
+    for (const std::int32_t face : part_.around(v))
+      if (is_first_in_run(face) && std::exchange(face_stamps_[face], stamp_) != stamp_)
+        faces_.push_back(face);
+  }
+  take_vertices(faces_, vertices_);
+  if (rings == Rings::Two) {
+    const std::size_t inner = vertices_.size();
+    std::vector<std::int32_t> outer;
+    for (std::size_t i = 0; i < inner; ++i) take_around(vertices_[i], outer);
+    take_vertices(outer, vertices_);
+    faces_.insert(faces_.end(), outer.begin(), outer.end());
+  }
+  std::ranges::sort(faces_);
+  std::ranges::sort(vertices_, {}, [&](std::int32_t v) { return part_.file_ids[v]; });
+}
+
+// One number a fan of the vertex's faces here.
+void SubMeshMaker::split_fans(std::int32_t vertex, SubMesh& sub) {
+  struct Use {
+    std::int32_t corner, next, last;
+    std::size_t fan;
+  };
+  std::vector<Use> uses;
+  for (const std::int32_t face : part_.around(vertex)) {
+    if (face_stamps_[face] != stamp_) continue;
+    const auto named = part_.face(face);
+    const std::size_t size = named.size();
+    for (std::size_t i = 0; i < size; ++i) {
+      if (named[i] != vertex) continue;
+      const std::int32_t corner = part_.face_offsets[face] + static_cast<std::int32_t>(i);
+      // A face that names the vertex twice is listed twice around it.
+      if (std::ranges::find(uses, corner, &Use::corner) == uses.end())
+        uses.push_back({corner, named[(i + 1) % size], named[(i + size - 1) % size], uses.size()});
+    }
+  }
+  const auto meet = [](const Use& a, const Use& b) {
+    return a.next == b.last || a.last == b.next || a.next == b.next || a.last == b.last;
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (Use& a : uses)
+      for (Use& b : uses)
+        if (a.fan != b.fan && meet(a, b)) {
+          a.fan = b.fan = std::min(a.fan, b.fan);
+          changed = true;
+        }
+  }
+  numbers_[vertex] = static_cast<std::int32_t>(sub.vertices.size());
+  std::vector<std::int32_t> of_fan(uses.size(), -1);
+  for (const Use& use : uses) {
+    if (of_fan[use.fan] < 0) {
+      of_fan[use.fan] = static_cast<std::int32_t>(sub.vertices.size());
+      sub.vertices.push_back(vertex);
+    }
+    corner_numbers_.push_back(use.corner);
+    corner_numbers_.push_back(of_fan[use.fan]);
+  }
+  sub.copy_count += static_cast<std::int32_t>(sub.vertices.size()) - numbers_[vertex] - 1;
+}
+
+void SubMeshMaker::number_vertices(SubMesh& sub) {
+  corner_numbers_.clear();
+  for (const std::int32_t vertex : vertices_) {
+    if (whole_stamps_[vertex] == stamp_) {
+      numbers_[vertex] = static_cast<std::int32_t>(sub.vertices.size());
+      sub.vertices.push_back(vertex);
+    } else {
+      split_fans(vertex, sub);
+    }
+  }
+  sub.mesh.positions.reserve(sub.vertices.size());
+  for (const std::int32_t vertex : sub.vertices)
+    sub.mesh.positions.push_back(part_.positions[vertex]);
+}
+
+bool SubMeshMaker::is_edge(std::int32_t v0, std::int32_t v1) const {
+  for (const std::int32_t face : part_.around(v0)) {
+    const auto named = part_.face(face);
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      const std::int32_t next = named[(i + 1) % named.size()];
+      if ((named[i] == v0 && next == v1) || (named[i] == v1 && next == v0)) return true;
+    }
+  }
+  return false;
+}
+
+void SubMeshMaker::add_tags(std::int32_t begin, std::int32_t end, SubMesh& sub) {
+  const auto in_run = [&](std::int32_t v) { return v >= begin && v < end; };
+  for (const PartCrease& crease : part_.creases) {
+    if (!in_run(crease.v0) && !in_run(crease.v1)) continue;
+    if (crease.v0 < 0 || crease.v1 < 0) continue;
+    const bool is_here =
+        in_run(crease.v0) ? is_edge(crease.v0, crease.v1) : is_edge(crease.v1, crease.v0);
+    if (is_here)
+      sub.mesh.creases.push_back({numbers_[crease.v0], numbers_[crease.v1], crease.sharpness});
+  }
+  for (const PartCorner& corner : part_.corners)
+    if (in_run(corner.vertex) && !part_.around(corner.vertex).empty())
+      sub.mesh.corners.push_back({numbers_[corner.vertex], corner.sharpness});
+}
+
+SubMesh SubMeshMaker::make(std::int32_t begin, std::int32_t end, Rings rings) {
+  ++stamp_;
+  SubMesh sub;
+  choose_faces(begin, end, rings);
+  number_vertices(sub);
+  sub.faces = faces_;
+  for (const std::int32_t face : faces_) {
+    for (const std::int32_t vertex : part_.face(face))
+      sub.mesh.face_vertices.push_back(numbers_[vertex]);
+    sub.mesh.face_offsets.push_back(static_cast<std::int32_t>(sub.mesh.face_vertices.size()));
+  }
+  // Corners of copied vertices.
+  for (std::size_t i = 0; i < corner_numbers_.size(); i += 2) {
+    const auto face =
+        static_cast<std::int32_t>(std::ranges::upper_bound(part_.face_offsets, corner_numbers_[i]) -
+                                  part_.face_offsets.begin() - 1);
+    const auto place = std::ranges::lower_bound(faces_, face) - faces_.begin();
+    const std::int32_t within = corner_numbers_[i] - part_.face_offsets[face];
+    sub.mesh.face_vertices[sub.mesh.face_offsets[place] + within] = corner_numbers_[i + 1];
+  }
+  if (rings != Rings::None) add_tags(begin, end, sub);
+  return sub;
+}
+
+}  // namespace planish

@@ -1,0 +1,112 @@
+#include "planish/distributed/messages.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "distributed/rank_runs.h"
+#include "planish/distributed/curve_key.h"
+#include "planish/distributed/curve_order.h"
+#include "support/meshes.h"
+
+namespace planish::test {
+namespace {
+
+TEST(Messages, ExchangeInRoundsGivesWhatOneRoundGives) {
+  for (const int count : {1, 3, 8}) {
+    on_ranks(count, [](const Ranks& ranks) {
+      std::vector<std::int64_t> counts, expected, sent;
+      for (int r = 0; r < ranks.size; ++r) {
+        counts.push_back(3 * r + ranks.rank);  // uneven, and none from 0 to 0
+        for (int k = 0; k < counts.back(); ++k) sent.push_back(1000 * ranks.rank + 10 * r + k);
+      }
+      for (int r = 0; r < ranks.size; ++r)
+        for (int k = 0; k < 3 * ranks.rank + r; ++k)
+          expected.push_back(1000 * r + 10 * ranks.rank + k);
+      const auto received = exchange_counts(ranks, counts);
+      std::vector<std::int64_t> got(expected.size(), -1);
+      for (const std::size_t round_bytes :
+           {std::size_t{1} << 30, std::size_t{64}, std::size_t{1}}) {
+        std::ranges::fill(got, -1);
+        exchange_bytes(ranks, reinterpret_cast<const std::byte*>(sent.data()), counts,
+                       reinterpret_cast<std::byte*>(got.data()), received, sizeof(std::int64_t),
+                       round_bytes);
+        EXPECT_EQ(got, expected) << round_bytes;
+      }
+    });
+  }
+}
+
+TEST(Messages, FetchAsksOwners) {
+  on_ranks(5, [](const Ranks& ranks) {
+    const Layout layout = even_layout(17, ranks.size);
+    std::vector<std::int64_t> wanted;
+    for (std::int64_t n = ranks.rank; n < 17; n += 2) wanted.push_back(n);
+    const auto values = fetch<std::int64_t>(
+        ranks, wanted, layout, [&](std::int64_t place) { return 100 * ranks.rank + place; });
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      const int owner = owner_of(layout, wanted[i]);
+      EXPECT_EQ(values[i], 100 * owner + wanted[i] - layout[owner]);
+    }
+  });
+}
+
+TEST(Messages, AllRanksThrowWhatTheLowestDid) {
+  on_ranks(5, [](const Ranks& ranks) {
+    const Outcome outcome = outcome_of([&] {
+      agree(ranks, [&] {
+        if (ranks.rank == 4) throw Error(ErrorCode::UnusableMesh, "from rank 4");
+        if (ranks.rank == 2) throw Error(ErrorCode::UnreadableInput, "from rank 2");
+      });
+    });
+    EXPECT_EQ(outcome.message, "from rank 2");
+    EXPECT_EQ(outcome.code, static_cast<int>(ErrorCode::UnreadableInput));
+    EXPECT_EQ(outcome_of([&] { agree(ranks, [] {}); }).message, "no error");
+    EXPECT_THROW(agree(ranks,
+                       [&] {
+                         if (ranks.rank == 1) throw std::logic_error("ours");
+                       }),
+                 std::runtime_error);
+  });
+}
+
+TEST(CurveKey, VisitsEveryCellOnceAndStepsToNeighbours) {
+  // The 8^3 cells of the coarsest three levels, by the order of their first keys.
+  constexpr std::uint32_t kStep = 1u << (kCurveBits - 3);
+  std::vector<std::pair<std::uint64_t, std::array<int, 3>>> cells;
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 8; ++y)
+      for (int z = 0; z < 8; ++z)
+        cells.push_back({curve_key({x * kStep, y * kStep, z * kStep}) >> (63 - 9), {x, y, z}});
+  std::ranges::sort(cells);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    EXPECT_EQ(cells[i].first, i);
+    if (i == 0) continue;
+    int distance = 0;
+    for (int c = 0; c < 3; ++c) distance += std::abs(cells[i].second[c] - cells[i - 1].second[c]);
+    EXPECT_EQ(distance, 1) << i;
+  }
+}
+
+TEST(CurveOrder, IsTheSameForEveryRankCount) {
+  PolygonMesh mesh = mixed_torus(24, 12);
+  mesh.positions.push_back(mesh.positions[7]);  // coincident: the file's order decides
+  std::vector<std::int64_t> reference;
+  for (const int count : kRankCounts) {
+    on_ranks(count, [&](const Ranks& ranks) {
+      MeshSlice slice = scatter_mesh(ranks, mesh);
+      const CurveOrder order = order_along_curve(ranks, slice, 16);
+      for (int r = 0; r <= ranks.size; ++r)
+        EXPECT_TRUE(order.layout[r] % 16 == 0 || order.layout[r] == order.layout.back());
+      std::vector<std::int64_t> counts(ranks.size, 0);
+      counts[0] = static_cast<std::int64_t>(order.file_ids.size());
+      const auto all = all_to_all<std::int64_t>(ranks, order.file_ids, counts);
+      if (ranks.rank != 0) return;
+      if (reference.empty()) reference.assign(all.begin(), all.end());
+      EXPECT_EQ(reference, std::vector<std::int64_t>(all.begin(), all.end())) << ranks.size;
+    });
+  }
+}
+
+}  // namespace
+}  // namespace planish::test

@@ -1,0 +1,207 @@
+#include "planish/distributed/read_slices.h"
+
+#include <gtest/gtest.h>
+
+#include "distributed/rank_runs.h"
+#include "planish/distributed/record_chains.h"
+#include "planish/files/mesh_file.h"
+#include "support/meshes.h"
+
+namespace planish::test {
+namespace {
+
+constexpr int kUnreadable = static_cast<int>(ErrorCode::UnreadableInput);
+
+void expect_same(const PolygonMesh& a, const PolygonMesh& b, const std::string& what) {
+  EXPECT_EQ(a.positions, b.positions) << what;
+  EXPECT_EQ(a.face_offsets, b.face_offsets) << what;
+  EXPECT_EQ(a.face_vertices, b.face_vertices) << what;
+  ASSERT_EQ(a.creases.size(), b.creases.size()) << what;
+  for (std::size_t i = 0; i < a.creases.size(); ++i) {
+    EXPECT_EQ(a.creases[i].v0, b.creases[i].v0) << what;
+    EXPECT_EQ(a.creases[i].v1, b.creases[i].v1) << what;
+    EXPECT_EQ(a.creases[i].sharpness, b.creases[i].sharpness) << what;
+  }
+  ASSERT_EQ(a.corners.size(), b.corners.size()) << what;
+  for (std::size_t i = 0; i < a.corners.size(); ++i)
+    EXPECT_EQ(a.corners[i].vertex, b.corners[i].vertex) << what;
+}
+
+// What ranks read is what one machine reads.
+void expect_read_as_on_one(const std::string& path) {
+  const PolygonMesh whole = read_mesh(path).mesh;
+  for (const int count : kRankCounts)
+    on_ranks(count, [&](const Ranks& ranks) {
+      expect_same(gathered(ranks, read_slices(ranks, path)), whole,
+                  path + " on " + std::to_string(count));
+    });
+}
+
+TEST(ReadSlices, PlyOfAnyFacesIsReadAsOnOneRank) {
+  expect_read_as_on_one(shared_file("mixed.ply", ply_of(mixed_torus(16, 8))));
+  expect_read_as_on_one(shared_file("triangles.ply", ply_of(icosphere(2))));
+  // Ranges shorter than one record: one face of 200 corners, and fewer faces than ranks.
+  expect_read_as_on_one(shared_file("polygon.ply", ply_of(single_polygon(200))));
+  expect_read_as_on_one(shared_file("prism.ply", ply_of(prism(100))));
+  expect_read_as_on_one(shared_file("empty.ply", ply_of({})));
+}
+
+TEST(ReadSlices, PlyWithOtherPropertiesAndCountsIsReadAsOnOneRank) {
+  const PolygonMesh mesh = mixed_torus(8, 4);
+  std::string text =
+      "ply\r\nformat binary_little_endian 1.0\r\nelement vertex " +
+      std::to_string(mesh.vertex_count()) +
+      "\r\nproperty uchar red\r\nproperty float z\r\nproperty double y\r\nproperty short x"
+      "\r\nelement face " +
+      std::to_string(mesh.face_count()) +
+      "\r\nproperty float quality\r\nproperty list int uint vertex_index\r\nproperty uchar flag"
+      "\r\nend_header\r\n";
+  const auto put = [&](const auto& value) {
+    text.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  };
+  for (const glm::dvec3& p : mesh.positions) {
+    put(std::uint8_t{7});
+    put(static_cast<float>(p.z));
+    put(p.y);
+    put(static_cast<std::int16_t>(1000 * p.x));
+  }
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    put(0.5f);
+    put(mesh.face_size(f));
+    for (const std::int32_t v : mesh.face(f)) put(v);
+    put(std::uint8_t{1});
+  }
+  expect_read_as_on_one(shared_file("other.ply", text));
+}
+
+// Cut at every byte, and with every byte flipped: unreadable, or the mesh that one machine reads.
+TEST(ReadSlices, DamagedPlyIsRefusedOrReadAsOnOneRank) {
+  const std::string sound = ply_of(prism(5));
+  std::vector<std::string> damaged;
+  for (std::size_t cut = 0; cut < sound.size(); ++cut) damaged.push_back(sound.substr(0, cut));
+  for (std::size_t i = 0; i < sound.size(); ++i)
+    for (const int bit : {0, 3, 7}) {
+      damaged.push_back(sound);
+      damaged.back()[i] = static_cast<char>(damaged.back()[i] ^ (1 << bit));
+    }
+  const std::string path = shared_path("damaged.ply");
+  int refused = 0, read = 0;
+  for (std::size_t d = 0; d < damaged.size(); ++d) {
+    (void)shared_file("damaged.ply", damaged[d]);
+    on_ranks(3, [&](const Ranks& ranks) {
+      PolygonMesh mesh;
+      const Outcome outcome = outcome_of([&] { mesh = gathered(ranks, read_slices(ranks, path)); });
+      if (outcome.code >= 0) {
+        ++refused;
+        EXPECT_EQ(outcome.code, kUnreadable) << d << ": " << outcome.message;
+        return;
+      }
+      ++read;
+      if (ranks.rank == 0) expect_same(mesh, read_mesh(path).mesh, std::to_string(d));
+    });
+  }
+  if (is_first_rank()) {
+    EXPECT_GT(refused, static_cast<int>(sound.size()));
+    EXPECT_GT(read, 0);
+  }
+}
+
+TEST(ReadSlices, ObjOfAnyFormIsReadAsOnOneRank) {
+  PolygonMesh tagged = mixed_torus(8, 4);
+  tagged.creases = {{0, 4, 10.0f}, {4, 8, 2.5f}, {0, 4, 3.0f}};
+  tagged.corners = {{5, 10.0f}, {0, 1.0f}};
+  const std::string plain = obj_of(tagged);
+  expect_read_as_on_one(shared_file("plain.obj", plain));
+  std::string other;
+  for (const char c : plain) other += c == '\n' ? "\r\n" : std::string(1, c);
+  expect_read_as_on_one(shared_file("crlf.obj", other));
+  expect_read_as_on_one(shared_file("open_end.obj", plain.substr(0, plain.size() - 1)));
+  // Every blank a continued line.
+  other.clear();
+  for (const char c : plain) other += c == ' ' ? " \\\n" : std::string(1, c);
+  expect_read_as_on_one(shared_file("continued.obj", other));
+  other.clear();
+  for (const char c : plain) other += c == '\n' ? '\r' : c;
+  expect_read_as_on_one(shared_file("cr.obj", other));
+  expect_read_as_on_one(shared_file("comments.obj", "# a path\\\n" + plain + "# end \\"));
+}
+
+TEST(ReadSlices, ObjThatCountsBackwardsIsReadAsOnOneRank) {
+  std::string text;
+  for (int i = 0; i < 40; ++i) {
+    text += "v " + std::to_string(i) + " 0 0\nv " + std::to_string(i) + " 1 0\n";
+    if (i > 0) text += "f -4 -2 -1 -3\nf 1 2 " + std::to_string(2 * i + 2) + "\n";
+  }
+  expect_read_as_on_one(shared_file("backwards.obj", text));
+}
+
+TEST(ReadSlices, ObjFaultsAreFoundOnWhateverRank) {
+  const std::string plain = obj_of(mixed_torus(16, 8));
+  const auto refusal = [&](const std::string& text) {
+    const std::string path = shared_file("fault.obj", text);
+    std::string message;
+    for (const int count : {1, 3, 8})
+      on_ranks(count, [&](const Ranks& ranks) {
+        const Outcome outcome = outcome_of([&] { (void)read_slices(ranks, path); });
+        EXPECT_EQ(outcome.code, kUnreadable) << count << ": " << outcome.message;
+        message = outcome.message;
+      });
+    return message;
+  };
+  const auto expect_in = [&](const std::string& part, const std::string& message) {
+    if (is_first_rank()) {
+      EXPECT_NE(message.find(part), std::string::npos) << message;
+    }
+  };
+  const std::size_t middle = plain.find('\n', plain.size() / 2) + 1;
+  const auto with = [&](const std::string& line) {
+    return plain.substr(0, middle) + line + plain.substr(middle);
+  };
+  expect_in("names vertex 4000 of 128", refusal(with("f 1 2 4000\n")));
+  expect_in("counts back behind the first vertex", refusal(with("f 1 2 -400\n")));
+  expect_in("no v/vt/vn", refusal(with("f 1 2 x\n")));
+  expect_in("no finite number", refusal(with("v 1 2 nan\n")));
+  expect_in("names vertex 128 of 128", refusal(with("t crease 2/1/0 0 128 10\n")));
+  expect_in("names face 999 of", refusal(with("t hole 1/0/0 999\n")));
+}
+
+TEST(ReadSlices, OtherFormatsAreReadByTheFirstRank) {
+  const std::string path = shared_path("cube.off");
+  if (is_first_rank()) write_mesh(path, FileFormat::Off, cube());
+  MPI_Barrier(MPI_COMM_WORLD);
+  expect_read_as_on_one(path);
+}
+
+TEST(ReadSlices, WhatIsNoMeshIsRefusedByName) {
+  on_ranks(3, [](const Ranks& ranks) {
+    const auto refusal = [&](const std::string& name) {
+      return outcome_of([&] { (void)read_slices(ranks, name); });
+    };
+    EXPECT_EQ(refusal("points.xyz").code, static_cast<int>(ErrorCode::InvalidArgument));
+    EXPECT_EQ(refusal("mesh.doc").code, static_cast<int>(ErrorCode::InvalidArgument));
+    EXPECT_EQ(refusal("/nowhere/at/all.ply").code, kUnreadable);
+    EXPECT_EQ(refusal("/nowhere/at/all.obj").code, kUnreadable);
+    EXPECT_EQ(refusal("/nowhere/at/all.off").code, kUnreadable);
+  });
+}
+
+TEST(RecordChains, TheRightBeginningIsToldNotGuessed) {
+  // Records of 1 to 3 bytes, whose first says how many follow: any byte could be a beginning.
+  const std::vector<int> bytes{2, 1, 0, 0, 1, 2, 1, 1, 0, 2, 0, 0};
+  const auto next = [&](std::int64_t place) {
+    if (place >= static_cast<std::int64_t>(bytes.size())) return std::int64_t{-1};
+    const std::int64_t behind = place + 1 + bytes[place];
+    return behind <= static_cast<std::int64_t>(bytes.size()) ? behind : -1;
+  };
+  for (std::int64_t range = 1; range <= 9; ++range) {
+    const RecordChains chains(range, std::min<std::int64_t>(3, range), next);
+    for (std::int64_t start = 0; start < 3; ++start) {
+      std::int64_t place = start;
+      while (place >= 0 && place < range) place = next(place);
+      EXPECT_EQ(chains.overhang(start), place < 0 ? -1 : place - range) << range << " " << start;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace planish::test

@@ -1,0 +1,118 @@
+#include "mpi_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "build_info.h"
+#include "planish/core/version.h"
+#include "planish/core/visible_text.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json solve_json(const MpiJob& job, const DistributedFit& fit) {
+  const PetscSolution& solution = fit.solution;
+  Json history = Json::array();
+  for (const double error : solution.history) history.push_back(number(error));
+  return {{"scheme", "doo-sabin"},
+          {"interpolation", "progressive"},
+          {"weights", name_of(job.settings.weights)},
+          {"boundary", name_of(job.settings.boundary)},
+          {"creases", name_of(job.settings.creases)},
+          {"solver", name_of(job.settings.solver)},
+          {"engine", "PETSc " + PetscSession::version()},
+          {"tolerance", job.settings.tolerance},
+          {"spectral_bound", fit.spectral_bound},
+          {"entries", fit.entries},
+          {"converged", solution.converged},
+          {"stop_reason", name_of(solution.stop_reason)},
+          {"iterations", solution.iterations},
+          {"error", {{"max", number(solution.error.max)}, {"rms", number(solution.error.rms)}}},
+          {"batch_errors", history},
+          {"reductions", solution.reductions}};
+}
+
+Json ranks_json(const DistributedFit& fit) {
+  Json ranks = Json::array();
+  for (const RankFigures& rank : fit.ranks) {
+    Json timing = Json::object();
+    for (std::size_t p = 0; p < std::size(kPhases); ++p)
+      timing[std::string(kPhases[p])] = rank.milliseconds[p];
+    ranks.push_back({{"rank", rank.rank},
+                     {"host", plain_utf8(std::string(rank.host.data()))},
+                     {"vertices", rank.vertices},
+                     {"faces", rank.faces},
+                     {"ghosts", rank.ghosts},
+                     {"halo", rank.halo},
+                     {"peers", rank.peers},
+                     {"peak_bytes", rank.peak_bytes},
+                     {"timing_ms", timing}});
+  }
+  return ranks;
+}
+
+}  // namespace
+
+std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& job,
+                       const DistributedFit& fit, ExitCode exit_code) {
+  std::int64_t halo = 0;
+  for (const RankFigures& rank : fit.ranks) halo += rank.halo;
+  Json argv = Json::array(), warnings = Json::array(), outputs = Json::array();
+  for (const std::string& argument : arguments) argv.push_back(plain_utf8(argument));
+  for (const Warning& warning : fit.warnings)
+    warnings.push_back({{"code", warning.code},
+                        {"message", plain_utf8(warning.message)},
+                        {"count", warning.count},
+                        {"first", warning.first}});
+  if (!job.cage.empty()) outputs.push_back({{"kind", "cage"}, {"path", plain_utf8(job.cage)}});
+  const Json report = {
+      {"schema", "planish.distributed/1"},
+      {"tool", {{"name", "planish-mpi"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}}},
+      {"argv", argv},
+      {"exit_code", static_cast<int>(exit_code)},
+      {"input",
+       {{"path", plain_utf8(job.input)},
+        {"vertices", fit.vertices},
+        {"faces", fit.faces},
+        {"unused_vertices", fit.unused_vertices},
+        {"diagonal", fit.placement.diagonal},
+        {"vertex_kinds",
+         {{"smooth", fit.kinds[0]},
+          {"dart", fit.kinds[1]},
+          {"crease", fit.kinds[2]},
+          {"corner", fit.kinds[3]}}}}},
+      {"solve", solve_json(job, fit)},
+      {"outputs", outputs},
+      {"ranks", ranks_json(fit)},
+      {"halo", {{"ghosts", halo}, {"bytes_per_product", 24 * halo}}},
+      {"warnings", warnings}};
+  return report.dump(2) + "\n";
+}
+
+std::string mpi_summary(const MpiJob& job, const DistributedFit& fit) {
+  std::ostringstream text;
+  text << visible(job.input) << ": " << fit.vertices << " vertices, " << fit.faces << " faces on "
+       << fit.ranks.size() << (fit.ranks.size() == 1 ? " rank, " : " ranks, ")
+       << fit.solution.iterations << " iterations, largest vertex error " << std::setprecision(3)
+       << fit.solution.error.max << (fit.solution.converged ? "" : " (not converged)") << "\n";
+  for (std::size_t p = 0; p < std::size(kPhases); ++p) {
+    double slowest = 0;
+    for (const RankFigures& rank : fit.ranks) slowest = std::max(slowest, rank.milliseconds[p]);
+    text << (p == 0 ? "  " : ", ") << kPhases[p] << " " << std::setprecision(3) << slowest / 1000
+         << " s";
+  }
+  std::int64_t peak = 0;
+  for (const RankFigures& rank : fit.ranks) peak = std::max(peak, rank.peak_bytes);
+  text << "; peak of a rank " << peak / 1000000 << " MB\n";
+  return text.str();
+}
+
+}  // namespace planish::command

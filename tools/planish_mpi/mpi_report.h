@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mpi_flags.h"
+#include "planish/distributed/fit_distributed.h"
+#include "terminal/exit_codes.h"
+
+namespace planish::command {
+
+/// The text of the report, as report.schema.json has it under `distributed`.
+[[nodiscard]] std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& job,
+                                     const DistributedFit& fit, ExitCode exit_code);
+
+/// One line for people.
+[[nodiscard]] std::string mpi_summary(const MpiJob& job, const DistributedFit& fit);
+
+}  // namespace planish::command
