@@ -1,0 +1,238 @@
+#include "planish/distributed/part_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "distributed/rank_runs.h"
+#include "planish/doosabin/limit_masks.h"
+#include "planish/doosabin/subdivision.h"
+#include "planish/mesh/mesh_topology.h"
+#include "planish/stencil/quad_split.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish::test {
+namespace {
+
+constexpr int kUnusable = static_cast<int>(ErrorCode::UnusableMesh);
+
+MeshPart part_of(const Ranks& ranks, const PolygonMesh& mesh, std::int64_t block) {
+  MeshSlice slice = scatter_mesh(ranks, mesh);
+  CurveOrder order = order_along_curve(ranks, slice, block);
+  FaceStream ring = send_first_ring(ranks, slice, order);
+  return make_part(ranks, std::move(ring), slice, std::move(order));
+}
+
+using Row = std::vector<std::pair<std::int64_t, double>>;
+
+// By the vertex's number in the file.
+std::map<std::int64_t, Row> rows_on_one(const PolygonMesh& mesh, const SharpFeatureOptions& sharp) {
+  const QuadSplit split(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, sharp);
+  const Subdivision subdivision(split, features, Weights::DooSabin);
+  const StencilArrays masks = limit_mask_arrays(subdivision);
+  std::map<std::int64_t, Row> rows;
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
+    for (std::int32_t k = masks.offsets[v]; k < masks.offsets[v] + masks.sizes[v]; ++k)
+      rows[v].emplace_back(masks.indices[k], masks.weights[k]);
+  return rows;
+}
+
+std::map<std::int64_t, Row> rows_of(const MeshPart& part, const PartRows& rows) {
+  std::map<std::int64_t, Row> result;
+  for (std::int32_t v = 0; v < rows.row_count(); ++v)
+    for (std::int64_t k = rows.offsets[v]; k < rows.offsets[v + 1]; ++k) {
+      const std::int32_t column = rows.columns[k];
+      const std::int32_t local = column < part.owned_count()
+                                     ? column
+                                     : part.local_of(rows.ghosts[column - part.owned_count()]);
+      result[part.file_ids[v]].emplace_back(part.file_ids[local], rows.weights[k]);
+    }
+  return result;
+}
+
+std::vector<std::pair<std::string, PolygonMesh>> shapes() {
+  std::vector<std::pair<std::string, PolygonMesh>> shapes{{"cube", cube()},
+                                                          {"mixed torus", mixed_torus(16, 8)},
+                                                          {"bipyramid", bipyramid(40)},
+                                                          {"64-gon", single_polygon(64)},
+                                                          {"plate with a hole", plate_with_hole(9)},
+                                                          {"L", l_shaped_plate(4)},
+                                                          {"fan", open_fan(7)},
+                                                          {"two components", prism(6)}};
+  PolygonMesh& two = shapes.back().second;
+  const PolygonMesh other = tetrahedron();
+  const std::int32_t first = two.vertex_count();
+  for (const glm::dvec3& p : other.positions) two.positions.push_back(p + glm::dvec3(5.0));
+  for (std::int32_t f = 0; f < other.face_count(); ++f) {
+    std::vector<std::int32_t> face(other.face(f).begin(), other.face(f).end());
+    for (std::int32_t& v : face) v += first;
+    two.add_face(face);
+  }
+  for (const std::uint32_t seed : {1u, 2u}) {
+    shapes.emplace_back("random closed", random_closed_mesh(seed));
+    shapes.emplace_back("random open", random_open_mesh(seed));
+    shapes.emplace_back("creased", with_random_creases(random_open_mesh(seed), 0.2, seed));
+    shapes.emplace_back(
+        "relabelled",
+        relabelled(with_random_creases(random_closed_mesh(seed), 0.3, seed), seed).mesh);
+  }
+  return shapes;
+}
+
+// Boundaries, creases, corners, darts: the rows of one machine to the last bit, for every rank
+// count, more ranks than faces among them, and for small blocks.
+TEST(PartRows, AreThoseOfOneMachine) {
+  for (const auto& [name, mesh] : shapes())
+    for (const auto& sharp :
+         {SharpFeatureOptions{}, SharpFeatureOptions{BoundaryRule::EdgeAndCorner, false}}) {
+      const auto expected = rows_on_one(mesh, sharp);
+      for (const int count : kRankCounts)
+        on_ranks(count, [&](const Ranks& ranks) {
+          const MeshPart part = part_of(ranks, mesh, 7);
+          const PartRows rows = make_rows(ranks, part, name, mesh.face_count(),
+                                          {.sharp = sharp, .block_vertices = 7});
+          for (const auto& [vertex, row] : rows_of(part, rows))
+            EXPECT_EQ(row, expected.at(vertex)) << name << " " << vertex << " on " << count;
+          EXPECT_EQ(sum_over(ranks, rows.row_count()), mesh.vertex_count());
+        });
+    }
+}
+
+// One ring of faces is what a row needs; without one rows at the rim are others, or the comparison
+// would be blind. No row names a vertex with copies where there are two rings.
+TEST(SubMesh, OneRingGivesTheBitsAndNoneDoesNot) {
+  std::int64_t wrong_without = 0, copies = 0;
+  for (const auto& [name, mesh] : shapes()) {
+    const auto expected = rows_on_one(mesh, {});
+    on_ranks(1, [&](const Ranks& ranks) {
+      const MeshPart part = part_of(ranks, mesh, 1);
+      SubMeshMaker maker(part);
+      for (const Rings rings : {Rings::None, Rings::One, Rings::Two})
+        for (std::int32_t begin = 0; begin < part.owned_count(); begin += 6) {
+          const std::int32_t end = std::min(begin + 6, part.owned_count());
+          const SubMesh sub = maker.make(begin, end, rings);
+          if (sub.faces.empty()) continue;
+          const auto made = rows_on_one(sub.mesh, {});
+          for (const auto& [place, row] : made) {
+            const std::int32_t v = sub.vertices[place];
+            if (v < begin || v >= end) continue;
+            Row named;
+            for (const auto& [column, weight] : row)
+              named.emplace_back(part.file_ids[sub.vertices[column]], weight);
+            if (rings == Rings::None) {
+              wrong_without += named != expected.at(part.file_ids[v]);
+            } else if (rings == Rings::Two) {
+              EXPECT_EQ(named, expected.at(part.file_ids[v])) << name;
+            } else if (sub.copy_count == 0) {
+              EXPECT_EQ(named, expected.at(part.file_ids[v])) << name;
+            }
+          }
+          copies += rings == Rings::Two ? sub.copy_count : 0;
+        }
+    });
+  }
+  if (is_first_rank()) {
+    EXPECT_GT(wrong_without, 100);
+    EXPECT_GT(copies, 0);  // vertices at a rim with several fans were met
+  }
+}
+
+TEST(PartRows, UnusedVerticesGetNoRow) {
+  PolygonMesh mesh = mixed_torus(8, 4);
+  mesh.positions.insert(mesh.positions.begin() + 5, glm::dvec3(100.0));
+  for (std::int32_t& v : mesh.face_vertices) v += v >= 5;
+  mesh.positions.push_back({0, 0, -100});
+  for (const int count : {1, 3})
+    on_ranks(count, [&](const Ranks& ranks) {
+      const MeshPart part = part_of(ranks, mesh, 5);
+      const PartRows rows =
+          make_rows(ranks, part, "mesh", mesh.face_count(), {.block_vertices = 5});
+      std::int64_t empty = 0;
+      for (std::int32_t v = 0; v < rows.row_count(); ++v) {
+        if (rows.offsets[v] != rows.offsets[v + 1]) continue;
+        ++empty;
+        EXPECT_TRUE(part.file_ids[v] == 5 || part.file_ids[v] == mesh.vertex_count() - 1);
+      }
+      EXPECT_EQ(sum_over(ranks, empty), 2);
+    });
+}
+
+// The messages of one machine, each once, wherever ranks and blocks are cut.
+void expect_refused_as_on_one(const PolygonMesh& mesh) {
+  std::string expected = "no error";
+  try {
+    require_usable(mesh, "mesh");
+  } catch (const Error& error) {
+    expected = error.what();
+  }
+  EXPECT_NE(expected, "no error");
+  for (const std::int64_t block : {1, 3, 1000})
+    for (const int count : kRankCounts)
+      on_ranks(count, [&](const Ranks& ranks) {
+        const MeshPart part = part_of(ranks, mesh, block);
+        const Outcome outcome = outcome_of([&] {
+          (void)make_rows(ranks, part, "mesh", mesh.face_count(), {.block_vertices = block});
+        });
+        EXPECT_EQ(outcome.message, expected) << block << " on " << count;
+        EXPECT_EQ(outcome.code, kUnusable);
+      });
+}
+
+TEST(PartRows, ProblemsAreReportedOnceByTheFilesNumbers) {
+  // Two cubes that share a vertex: more than one fan.
+  PolygonMesh mesh = cube();
+  const PolygonMesh other = cube();
+  for (std::int32_t v = 1; v < other.vertex_count(); ++v)
+    mesh.positions.push_back(other.positions[v] + glm::dvec3(-2.0));
+  for (std::int32_t f = 0; f < other.face_count(); ++f) {
+    std::vector<std::int32_t> face(other.face(f).begin(), other.face(f).end());
+    // The second one's corner 7 is the first one's corner 0.
+    for (std::int32_t& v : face) v = v == 7 ? 0 : v == 0 ? 14 : v + 7;
+    mesh.add_face(face);
+  }
+  expect_refused_as_on_one(mesh);
+  PolygonMesh third = mixed_torus(8, 4);
+  third.positions.push_back({0, 0, 3});
+  third.add_face(std::vector<std::int32_t>{0, 1, third.vertex_count() - 1});
+  expect_refused_as_on_one(third);  // an edge with three faces
+  PolygonMesh turned = mixed_torus(8, 4);
+  std::reverse(turned.face_vertices.begin() + turned.face_offsets[5],
+               turned.face_vertices.begin() + turned.face_offsets[6]);
+  expect_refused_as_on_one(turned);
+  PolygonMesh twice = mixed_torus(8, 4);
+  const auto face = twice.face(3);
+  twice.add_face(std::vector<std::int32_t>(face.begin(), face.end()));
+  expect_refused_as_on_one(twice);
+  PolygonMesh repeated = mixed_torus(8, 4);
+  repeated.face_vertices[1] = repeated.face_vertices[0];
+  expect_refused_as_on_one(repeated);
+  PolygonMesh small = mixed_torus(8, 4);
+  small.add_face(std::vector<std::int32_t>{3, 4});
+  expect_refused_as_on_one(small);
+}
+
+TEST(PartRows, TagsAndWholeMeshesAreRefusedAsOnOneMachine) {
+  PolygonMesh tagged = mixed_torus(8, 4);
+  tagged.creases = {{0, 4, 10.0f}, {0, 9, 10.0f}, {31, 0, 10.0f}};
+  tagged.positions.push_back({0, 0, 9});
+  tagged.corners = {{1, 10.0f}, {tagged.vertex_count() - 1, 10.0f}};
+  expect_refused_as_on_one(tagged);
+  PolygonMesh flat = cube();
+  for (glm::dvec3& p : flat.positions) p = {1, 2, 3};
+  for (const int count : {1, 3})
+    on_ranks(count, [&](const Ranks& ranks) {
+      const auto refusal = [&](const PolygonMesh& mesh) {
+        const MeshPart part = part_of(ranks, mesh, 2);
+        return outcome_of([&] {
+          (void)make_rows(ranks, part, "mesh", mesh.face_count(), {.block_vertices = 2});
+        });
+      };
+      EXPECT_EQ(refusal(flat).code, kUnusable);
+      EXPECT_EQ(refusal({}).message, "mesh: the mesh has no faces");
+    });
+}
+
+}  // namespace
+}  // namespace planish::test
