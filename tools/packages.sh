@@ -16,5 +16,8 @@ browser_packages="chromium-headless-shell"
 # To build the viewer.
 viewer_packages="libglfw3-dev libimgui-dev"
 
+# To build planish-mpi and to test it over ranks.
+mpi_packages="petsc64-dev libopenmpi-dev openmpi-bin pkg-config"
+
 # To check format and faults.
 check_packages="clang-format clang-tidy"

@@ -43,7 +43,7 @@ void expect_cage_of_one_machine(const std::string& input, const DistributedOptio
   on_one.weights = options.weights;
   on_one.solver = options.solver;
   on_one.sharp = options.sharp;
-  const auto backend = make_cpu_backend(Precision::Double);
+  const auto backend = make_cpu_backend();
   const Fit expected = fit(mesh, *backend, on_one);
   const PolygonMesh got = read_mesh(cage).mesh;
   ASSERT_EQ(got.vertex_count(), mesh.vertex_count());

@@ -81,23 +81,57 @@ std::vector<std::pair<std::string, PolygonMesh>> shapes() {
   return shapes;
 }
 
-// Boundaries, creases, corners, darts: the rows of one machine to the last bit, for every rank
-// count, more ranks than faces among them, and for small blocks.
-TEST(PartRows, AreThoseOfOneMachine) {
-  for (const auto& [name, mesh] : shapes())
-    for (const auto& sharp :
-         {SharpFeatureOptions{}, SharpFeatureOptions{BoundaryRule::EdgeAndCorner, false}}) {
-      const auto expected = rows_on_one(mesh, sharp);
-      for (const int count : kRankCounts)
-        on_ranks(count, [&](const Ranks& ranks) {
-          const MeshPart part = part_of(ranks, mesh, 7);
-          const PartRows rows = make_rows(ranks, part, name, mesh.face_count(),
-                                          {.sharp = sharp, .block_vertices = 7});
-          for (const auto& [vertex, row] : rows_of(part, rows))
-            EXPECT_EQ(row, expected.at(vertex)) << name << " " << vertex << " on " << count;
-          EXPECT_EQ(sum_over(ranks, rows.row_count()), mesh.vertex_count());
-        });
+// All shapes side by side.
+PolygonMesh all_shapes() {
+  PolygonMesh all;
+  for (const auto& [name, mesh] : shapes()) {
+    const std::int32_t first = all.vertex_count();
+    for (const glm::dvec3& p : mesh.positions)
+      all.positions.push_back(p + glm::dvec3(0.1 * first, 0, 0));
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+      std::vector<std::int32_t> face(mesh.face(f).begin(), mesh.face(f).end());
+      for (std::int32_t& v : face) v += first;
+      all.add_face(face);
     }
+    for (const CreaseEdge& c : mesh.creases)
+      all.creases.push_back({c.v0 + first, c.v1 + first, c.sharpness});
+    for (const CornerVertex& c : mesh.corners)
+      all.corners.push_back({c.vertex + first, c.sharpness});
+  }
+  return all;
+}
+
+// Boundaries, creases, corners, darts: the rows of one machine to the last bit, for every rank
+// count and for small blocks.
+TEST(PartRows, AreThoseOfOneMachine) {
+  const PolygonMesh mesh = all_shapes();
+  for (const auto& sharp :
+       {SharpFeatureOptions{}, SharpFeatureOptions{BoundaryRule::EdgeAndCorner, false}}) {
+    const auto expected = rows_on_one(mesh, sharp);
+    for (const int count : kRankCounts)
+      on_ranks(count, [&](const Ranks& ranks) {
+        const MeshPart part = part_of(ranks, mesh, 7);
+        const PartRows rows = make_rows(ranks, part, "mesh", mesh.face_count(),
+                                        {.sharp = sharp, .block_vertices = 7});
+        std::int64_t wrong = 0;
+        for (const auto& [vertex, row] : rows_of(part, rows)) wrong += row != expected.at(vertex);
+        EXPECT_EQ(wrong, 0) << "on " << count;
+        EXPECT_EQ(sum_over(ranks, rows.row_count()), mesh.vertex_count());
+      });
+  }
+}
+
+// A cube has fewer blocks and faces than there are ranks.
+TEST(PartRows, RanksMayBeEmpty) {
+  const PolygonMesh mesh = cube();
+  const auto expected = rows_on_one(mesh, {});
+  for (const std::int64_t block : {1, 4})
+    on_ranks(8, [&](const Ranks& ranks) {
+      const MeshPart part = part_of(ranks, mesh, block);
+      const PartRows rows = make_rows(ranks, part, "cube", 6, {.block_vertices = block});
+      for (const auto& [vertex, row] : rows_of(part, rows)) EXPECT_EQ(row, expected.at(vertex));
+      EXPECT_EQ(sum_over(ranks, rows.row_count()), 8);
+    });
 }
 
 // One ring of faces is what a row needs; without one rows at the rim are others, or the comparison
@@ -168,16 +202,15 @@ void expect_refused_as_on_one(const PolygonMesh& mesh) {
     expected = error.what();
   }
   EXPECT_NE(expected, "no error");
-  for (const std::int64_t block : {1, 3, 1000})
-    for (const int count : kRankCounts)
-      on_ranks(count, [&](const Ranks& ranks) {
-        const MeshPart part = part_of(ranks, mesh, block);
-        const Outcome outcome = outcome_of([&] {
-          (void)make_rows(ranks, part, "mesh", mesh.face_count(), {.block_vertices = block});
-        });
-        EXPECT_EQ(outcome.message, expected) << block << " on " << count;
-        EXPECT_EQ(outcome.code, kUnusable);
+  for (const auto& [block, count] : {std::pair{1, 8}, {3, 3}, {1000, 1}})
+    on_ranks(count, [&, size = block, most = count](const Ranks& ranks) {
+      const MeshPart part = part_of(ranks, mesh, size);
+      const Outcome outcome = outcome_of([&] {
+        (void)make_rows(ranks, part, "mesh", mesh.face_count(), {.block_vertices = size});
       });
+      EXPECT_EQ(outcome.message, expected) << size << " on " << most;
+      EXPECT_EQ(outcome.code, kUnusable);
+    });
 }
 
 TEST(PartRows, ProblemsAreReportedOnceByTheFilesNumbers) {

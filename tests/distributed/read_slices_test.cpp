@@ -75,15 +75,14 @@ TEST(ReadSlices, PlyWithOtherPropertiesAndCountsIsReadAsOnOneRank) {
 }
 
 // Cut at every byte, and with every byte flipped: unreadable, or the mesh that one machine reads.
-TEST(ReadSlices, DamagedPlyIsRefusedOrReadAsOnOneRank) {
-  const std::string sound = ply_of(prism(5));
+TEST(DamagedSlices, PlyIsRefusedOrReadAsOnOneRank) {
+  const std::string sound = ply_of(prism(3));
   std::vector<std::string> damaged;
   for (std::size_t cut = 0; cut < sound.size(); ++cut) damaged.push_back(sound.substr(0, cut));
-  for (std::size_t i = 0; i < sound.size(); ++i)
-    for (const int bit : {0, 3, 7}) {
-      damaged.push_back(sound);
-      damaged.back()[i] = static_cast<char>(damaged.back()[i] ^ (1 << bit));
-    }
+  for (std::size_t i = 0; i < sound.size(); ++i) {
+    damaged.push_back(sound);
+    damaged.back()[i] = static_cast<char>(damaged.back()[i] ^ (1 << i % 8));
+  }
   const std::string path = shared_path("damaged.ply");
   int refused = 0, read = 0;
   for (std::size_t d = 0; d < damaged.size(); ++d) {
