@@ -263,6 +263,22 @@ TEST(RequireUsable, NamesTheFileAndTheProblem) {
   }
 }
 
+TEST(RequireUsable, SaysWhatRepairMends) {
+  const auto message_of = [](const PolygonMesh& mesh) -> std::string {
+    try {
+      require_usable(mesh, "bad.obj");
+      return "no error";
+    } catch (const Error& error) {
+      return error.what();
+    }
+  };
+  EXPECT_THAT(message_of(mesh_of(4, {{0, 1, 2}, {0, 1, 3}})), testing::HasSubstr("repair() mends"));
+  EXPECT_THAT(message_of(mesh_of(3, {{0, 1, 3}})), testing::Not(testing::HasSubstr("repair()")));
+  // Beside what nothing mends.
+  EXPECT_THAT(message_of(mesh_of(4, {{0, 1, 2}, {0, 1, 3}, {0, 1, 9}})),
+              testing::Not(testing::HasSubstr("repair()")));
+}
+
 TEST(RequireUsable, NamesTheFirstTenOfMany) {
   PolygonMesh mesh = mesh_of(3, {});
   for (std::int32_t i = 0; i < 12; ++i) mesh.add_face(std::vector{0, 1, 3 + i});

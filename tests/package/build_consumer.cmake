@@ -12,7 +12,7 @@ endif()
 run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${FOLDER}/build -G Ninja -DCMAKE_CXX_COMPILER=${COMPILER}
     -DCMAKE_PREFIX_PATH=${FOLDER}/prefix -DEXPECTED_VERSION=${VERSION} ${flags})
 run(${CMAKE_COMMAND} --build ${FOLDER}/build)
-run(${FOLDER}/build/${PROGRAM})
+run(${FOLDER}/build/${PROGRAM} ${ARGUMENTS} WORKING_DIRECTORY ${FOLDER}/build)
 
 # The package can be moved, and does not lean on the tree that it was built in.
 file(GLOB_RECURSE files ${FOLDER}/prefix/*.cmake)

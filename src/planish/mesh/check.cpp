@@ -343,6 +343,26 @@ std::vector<MeshProblem> check(const PolygonMesh& mesh) {
 
 std::vector<MeshProblem> list_problems(const PolygonMesh& mesh) { return Inspection(mesh).run(); }
 
+namespace {
+
+bool repair_mends(const MeshProblem& problem) {
+  switch (problem.kind) {
+    case Kind::FaceTooSmall:
+    case Kind::RepeatedCorner:
+    case Kind::DuplicateFace:
+    case Kind::InconsistentWinding:
+    case Kind::NonManifoldEdge:
+    case Kind::NonManifoldVertex:
+    case Kind::UnknownCreaseEdge:
+    case Kind::UnknownCornerVertex:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
 void require_usable(const PolygonMesh& mesh, std::string_view name) {
   constexpr std::size_t kNamed = 10;
   const std::vector<MeshProblem> problems = check(mesh);
@@ -357,6 +377,8 @@ void require_usable(const PolygonMesh& mesh, std::string_view name) {
     for (std::size_t i = 0; i < std::min(problems.size(), kNamed); ++i)
       message += "\n  " + problems[i].message;
   }
+  if (std::ranges::all_of(problems, repair_mends))
+    message += "; repair() mends this, as the command does but with --repair none";
   throw Error(ErrorCode::UnusableMesh, message, problems.front().element);
 }
 

@@ -11,25 +11,17 @@
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/mesh/detect_creases.h"
 #include "planish/mesh/weld_vertices.h"
+#include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/make_ready.h"
+#include "planish/pipeline/option_words.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
 
 template <class Value>
-struct Word {
-  std::string_view text;
-  Value value;
-};
+using Word = OptionWord<Value>;
 
-constexpr std::array kWeights{Word<Weights>{"doo-sabin", Weights::DooSabin},
-                              Word<Weights>{"averaged", Weights::Averaged}};
-constexpr std::array kSolvers{Word<Solver>{"chebyshev", Solver::Chebyshev},
-                              Word<Solver>{"plain", Solver::Plain},
-                              Word<Solver>{"cg", Solver::ConjugateGradients}};
-constexpr std::array kBoundaries{
-    Word<BoundaryRule>{"edge", BoundaryRule::Edge},
-    Word<BoundaryRule>{"edge-and-corner", BoundaryRule::EdgeAndCorner}};
 constexpr std::array kPrecisions{Word<PrecisionChoice>{"auto", PrecisionChoice::Auto},
                                  Word<PrecisionChoice>{"float", PrecisionChoice::Float},
                                  Word<PrecisionChoice>{"double", PrecisionChoice::Double}};
@@ -41,12 +33,6 @@ constexpr std::array kInterpolations{
     Word<InterpolationChoice>{"auto", InterpolationChoice::Auto},
     Word<InterpolationChoice>{"progressive", InterpolationChoice::Progressive},
     Word<InterpolationChoice>{"fair", InterpolationChoice::Fair}};
-constexpr std::array kMethods{
-    Word<InterpolationMethod>{"progressive", InterpolationMethod::Progressive},
-    Word<InterpolationMethod>{"fair", InterpolationMethod::Fair}};
-constexpr std::array kSchemes{Word<Scheme>{"doo-sabin", Scheme::DooSabin},
-                              Word<Scheme>{"catmull-clark", Scheme::CatmullClark},
-                              Word<Scheme>{"loop", Scheme::Loop}};
 constexpr std::array kCompressions{Word<GltfCompression>{"none", GltfCompression::None},
                                    Word<GltfCompression>{"quantize", GltfCompression::Quantize},
                                    Word<GltfCompression>{"meshopt", GltfCompression::Meshopt}};
@@ -68,12 +54,6 @@ auto parse(const Words& words, std::string_view value, std::string_view where) {
     allowed += (allowed.empty() ? "" : ", ") + std::string(word.text);
   }
   refuse(where, "\"" + visible(value) + "\" is not one of " + allowed + did_you_mean(value, texts));
-}
-
-template <class Words, class Value>
-std::string_view text_of(const Words& words, Value value) {
-  const auto found = std::ranges::find(words, value, &Words::value_type::value);
-  return found->text;
 }
 
 void set_preset(Settings& settings, std::string_view value, std::string_view where) {
@@ -117,7 +97,7 @@ constexpr std::array kWordSettings{
     WordSetting{"solver", "chebyshev|plain|cg", "chebyshev",
                 "chebyshev; plain as in the paper; cg for closed smooth meshes", true,
                 [](Settings& s, std::string_view value, std::string_view where) {
-                  s.solver = parse(kSolvers, value, where);
+                  s.solver = parse(kSolverWords, value, where);
                 }},
     WordSetting{"precision", "auto|float|double", "auto",
                 "of the solve on the CPU; auto takes double for tolerances below 1e-8", true,
@@ -175,19 +155,19 @@ constexpr std::array kWordSettings{
 std::span<const WordSetting> word_settings() { return kWordSettings; }
 
 Scheme parse_scheme(std::string_view value, std::string_view where) {
-  return parse(kSchemes, value, where);
+  return parse(kSchemeWords, value, where);
 }
 
 Weights parse_weights(std::string_view value, std::string_view where) {
-  return parse(kWeights, value, where);
+  return parse(kWeightsWords, value, where);
 }
 
 InterpolationMethod parse_method(std::string_view value, std::string_view where) {
-  return parse(kMethods, value, where);
+  return parse(kMethodWords, value, where);
 }
 
 BoundaryRule parse_boundary(std::string_view value, std::string_view where) {
-  return parse(kBoundaries, value, where);
+  return parse(kBoundaryWords, value, where);
 }
 
 CreaseChoice parse_creases(std::string_view value, std::string_view where) {
@@ -331,7 +311,7 @@ std::vector<double> parse_numbers(std::string_view text, std::string_view where)
 
 void check_consistent(const Settings& settings) {
   if (settings.device == "vulkan" && settings.precision != PrecisionChoice::Auto) {
-    refuse("--precision", std::string(text_of(kPrecisions, settings.precision)) +
+    refuse("--precision", std::string(word_of(kPrecisions, settings.precision)) +
                               " is for the CPU backend; leave it out with --device vulkan, or take "
                               "--device cpu");
   }
@@ -364,8 +344,6 @@ std::string subdivision_text(Scheme scheme, Weights weights) {
 }
 
 Precision solve_precision(const Settings& settings) {
-  // Float reaches 1e-9 of the diagonal at best; one digit is kept in hand.
-  constexpr double kFloatTolerance = 1e-8;
   switch (settings.precision) {
     case PrecisionChoice::Float:
       return Precision::Float;
@@ -374,26 +352,22 @@ Precision solve_precision(const Settings& settings) {
     case PrecisionChoice::Auto:
       break;
   }
-  return settings.tolerance < kFloatTolerance ? Precision::Double : Precision::Float;
+  return precision_for(settings.tolerance);
 }
 
-std::string_view name_of(Scheme scheme) { return text_of(kSchemes, scheme); }
-std::string_view name_of(Weights weights) { return text_of(kWeights, weights); }
-std::string_view name_of(InterpolationMethod method) { return text_of(kMethods, method); }
-std::string_view name_of(Solver solver) { return text_of(kSolvers, solver); }
-std::string_view name_of(BoundaryRule boundary) { return text_of(kBoundaries, boundary); }
-std::string_view name_of(RepairChoice repair) { return text_of(kRepairs, repair); }
+std::string_view name_of(Scheme scheme) { return word_of(kSchemeWords, scheme); }
+std::string_view name_of(Weights weights) { return word_of(kWeightsWords, weights); }
+std::string_view name_of(InterpolationMethod method) { return word_of(kMethodWords, method); }
+std::string_view name_of(Solver solver) { return word_of(kSolverWords, solver); }
+std::string_view name_of(BoundaryRule boundary) { return word_of(kBoundaryWords, boundary); }
+std::string_view name_of(RepairChoice repair) { return word_of(kRepairs, repair); }
 std::string_view name_of(GltfCompression compression) {
-  return text_of(kCompressions, compression);
+  return word_of(kCompressions, compression);
 }
 
 std::string name_of(const CreaseChoice& creases) {
   if (creases.split_normals) return "normals";
-  if (!creases.dihedral_degrees) return std::string(text_of(kCreases, creases.use_tags));
-  std::array<char, 32> digits{};
-  const auto end =
-      std::to_chars(digits.data(), digits.data() + digits.size(), *creases.dihedral_degrees);
-  return "auto:" + std::string(digits.data(), end.ptr);
+  return creases_text(creases.use_tags, creases.dihedral_degrees);
 }
 
 }  // namespace planish::command

@@ -1,7 +1,6 @@
 #include "output/job_outputs.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "job/job_surface.h"
@@ -9,24 +8,14 @@
 #include "job/timed.h"
 #include "output/surface_output.h"
 #include "page/page_job.h"
-#include "planish/core/version.h"
 #include "planish/files/formats.h"
 #include "planish/files/tiles/write_tiles.h"
+#include "planish/pipeline/fit_mesh.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
-
-/// Models farther from the origin than this many diagonals lose digits as float32, so they are
-/// stored about their centre.
-constexpr double kFarFromOrigin = 10.0;
-
-// The fair method has no iterations.
-std::string solver_name(const JobReport& report) {
-  return report.method == InterpolationMethod::Fair ? "none"
-                                                    : std::string(name_of(report.settings.solver));
-}
 
 SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
                                      const Placement& placement, const PolygonMesh& input,
@@ -42,24 +31,16 @@ SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
   options.gltf.name = plain_utf8(stem);
   options.gltf.double_sided = report.input.statistics.boundary_loop_count > 0;
   options.gltf.z_up = job.settings.up == UpAxis::Z;
-  const glm::dvec3 centre = placement.centre;
-  if (std::hypot(centre.x, centre.y, centre.z) > kFarFromOrigin * placement.diagonal) {
-    options.gltf.origin = centre;
-  }
+  options.gltf.origin = storage_origin(placement);
   const Settings& settings = report.settings;
-  options.gltf.extras = {{"planish", std::string(PLANISH_VERSION)},
-                         {"scheme", std::string(name_of(settings.scheme))},
-                         {"method", std::string(name_of(report.method))},
-                         {"solver", solver_name(report)},
-                         {"boundary", std::string(name_of(settings.boundary))},
-                         {"creases", name_of(settings.creases)},
-                         {"tolerance", settings.tolerance},
-                         {"converged", report.interpolation.converged},
-                         {"iterations", std::int64_t{report.interpolation.iterations}},
-                         {"max_error", report.interpolation.error.max}};
-  if (settings.scheme == Scheme::DooSabin) {
-    options.gltf.extras.emplace_back("weights", std::string(name_of(settings.weights)));
-  }
+  FitOptions fitted;
+  fitted.method = report.method;
+  fitted.scheme = settings.scheme;
+  fitted.weights = settings.weights;
+  fitted.solver = settings.solver;
+  fitted.tolerance = settings.tolerance;
+  fitted.sharp = settings.sharp();
+  options.gltf.extras = fit_extras(fitted, name_of(settings.creases), report.interpolation);
   return options;
 }
 

@@ -1,0 +1,145 @@
+#include "planish/pipeline/fit_file.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/core/error.h"
+#include "planish/core/visible_text.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/write_surface.h"
+#include "planish/mesh/statistics.h"
+#include "planish/patches/patch_evaluator.h"
+#include "planish/pipeline/make_ready.h"
+#include "planish/surface/doo_sabin_surface.h"
+
+namespace planish {
+namespace {
+
+FileFormat output_format(const std::filesystem::path& path, FormatUse use) {
+  const auto format = format_of(path);
+  if (format && serves(*format, use)) return *format;
+  throw Error(ErrorCode::InvalidArgument,
+              visible(path) + ": the extension \"" + visible(path.extension()) +
+                  "\" names no format that is written; take " + extensions_in_words(use));
+}
+
+void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output) {
+  std::error_code error;
+  if (!std::filesystem::equivalent(input, output, error)) return;
+  throw Error(ErrorCode::InvalidArgument,
+              visible(output) + ": is the input itself; name another output");
+}
+
+MeshFile read_faces(const std::filesystem::path& input) {
+  MeshFile file = read_mesh(input);
+  if (file.mesh.face_count() == 0 && file.mesh.vertex_count() > 0) {
+    throw Error(
+        ErrorCode::UnusableMesh,
+        visible(input) + ": holds points without faces; reconstruct() makes a mesh of them");
+  }
+  return file;
+}
+
+// The surface, which is made as it is read; what it is made of stands beside it.
+struct SurfaceLevel {
+  std::unique_ptr<const DooSabinSurface> doo_sabin;
+  std::unique_ptr<const SurfaceMesh> whole;
+  std::unique_ptr<SurfaceBlocks> blocks;
+};
+
+SurfaceLevel surface_level(const FittedMesh& fitted, Backend& backend,
+                           const SurfaceFileOptions& options) {
+  EvaluateOptions how = fitted.evaluate_options(options.level);
+  how.callbacks = options.callbacks;
+  require_level(options.level);
+  SurfaceLevel made;
+  if (fitted.options.scheme != Scheme::DooSabin) {
+    made.whole =
+        std::make_unique<const SurfaceMesh>(evaluate(fitted.mesh, fitted.fit, backend, how));
+    made.blocks = blocks_of(*made.whole, fitted.mesh);
+    return made;
+  }
+  made.doo_sabin = fitted_surface(fitted.mesh, fitted.fit, how);
+  made.blocks = made.doo_sabin->level(options.level, 0, dynamic_cast<PatchEvaluator*>(&backend));
+  return made;
+}
+
+GltfOptions gltf_options(const FittedMesh& fitted, std::string_view name,
+                         const SurfaceFileOptions& options) {
+  GltfOptions gltf;
+  gltf.name = std::string(name);
+  gltf.double_sided = statistics(*fitted.fit.prepared).boundary_loop_count > 0;
+  gltf.z_up = options.z_up;
+  gltf.origin = storage_origin(fitted.fit.placement);
+  gltf.extras = fit_extras(fitted.options, creases_text(fitted.uses_tags, fitted.crease_degrees),
+                           fitted.fit.interpolation);
+  gltf.extras.emplace_back("level", std::int64_t{options.level});
+  gltf.callbacks = options.callbacks;
+  return gltf;
+}
+
+std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& fitted,
+                          const SurfaceBlocks& surface, std::string_view name,
+                          const SurfaceFileOptions& options) {
+  const FileFormat format = output_format(path, FormatUse::WriteSurface);
+  if (info_of(format).is_gltf)
+    return write_gltf(path, surface, gltf_options(fitted, name, options)).byte_count;
+  SurfaceWriteOptions how;
+  how.callbacks = options.callbacks;
+  return write_surface(path, format, surface, how);
+}
+
+}  // namespace
+
+std::uint64_t write_fitted_surface(const std::filesystem::path& path, const FittedMesh& fitted,
+                                   std::string_view name, Backend& backend,
+                                   const SurfaceFileOptions& options) {
+  (void)output_format(path, FormatUse::WriteSurface);  // before the work
+  const SurfaceLevel surface = surface_level(fitted, backend, options);
+  return write_level(path, fitted, *surface.blocks, name, options);
+}
+
+FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
+                 const FitFileOptions& options) {
+  (void)output_format(output, FormatUse::WriteSurface);
+  require_level(options.level);
+  require_other_file(input, output);
+  MeshFitOptions how = options.mesh;
+  std::optional<FileFormat> cage_format;
+  if (!options.cage.empty()) {
+    cage_format = output_format(options.cage, FormatUse::WriteCage);
+    require_other_file(input, options.cage);
+    // Of both methods, the one whose cage keeps the mesh's faces.
+    if (!how.method) how.method = InterpolationMethod::Progressive;
+  }
+  std::unique_ptr<Backend> own;
+  if (options.backend == nullptr)
+    own = make_cpu_backend({.solve_precision = precision_for(how.fit.tolerance)});
+  Backend& backend = own ? *own : *options.backend;
+
+  const Callbacks& callbacks = how.fit.callbacks;
+  callbacks.report("read", 0);
+  MeshFile file = read_faces(input);
+  for (const Warning& warning : file.warnings) callbacks.warn(warning);
+  FileFit result;
+  result.fitted = fit_mesh(std::move(file.mesh), visible(input), backend, how);
+  auto& warnings = result.fitted.warnings;
+  warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
+
+  const SurfaceFileOptions surface_options{options.level, options.z_up, callbacks};
+  const SurfaceLevel surface = surface_level(result.fitted, backend, surface_options);
+  result.vertex_count = surface.blocks->info().row_count;
+  result.face_count = surface.blocks->info().face_count;
+  result.byte_count =
+      write_level(output, result.fitted, *surface.blocks, visible(input.stem()), surface_options);
+  if (cage_format) {
+    write_mesh(options.cage, *cage_format,
+               control_cage(result.fitted.mesh, result.fitted.fit, result.fitted.options.sharp));
+  }
+  return result;
+}
+
+}  // namespace planish

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "planish/backend/backend.h"
+#include "planish/core/callbacks.h"
+#include "planish/pipeline/fit_mesh.h"
+
+namespace planish {
+
+struct FitFileOptions {
+  MeshFitOptions mesh;
+  int level = 2;               ///< 0 to kMaxLevel splits
+  std::filesystem::path cage;  ///< also written; empty: none
+  bool z_up = false;           ///< turns a Z-up model upright in glTF
+  Backend* backend = nullptr;  ///< null: all cores of the CPU, as the command's --device cpu
+};
+
+/// What became of a file.
+struct FileFit {
+  FittedMesh fitted;
+  std::int64_t vertex_count = 0, face_count = 0;  ///< of the surface that was written
+  std::uint64_t byte_count = 0;                   ///< of its file, a .gltf's .bin included
+};
+
+/// The whole way: reads a mesh (see read_mesh()), repairs and fits it (see fit_mesh()), and writes
+/// its surface as glTF, OBJ, PLY, OFF, STL or USD by the extension of `output`: the same bytes as
+/// `planish fit INPUT -o OUTPUT --device cpu` writes. Not converging is a result; the file is
+/// written and says so. An existing file is replaced, once the new one is whole.
+/// Throws Error{UnreadableInput}, Error{UnusableMesh} with the remedy, Error{InvalidArgument} for
+/// extensions, options, an output that is the input, and a file of points, which reconstruct()
+/// makes a mesh of; Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
+FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
+                 const FitFileOptions& options = {});
+
+struct SurfaceFileOptions {
+  int level = 2;
+  bool z_up = false;
+  Callbacks callbacks{};
+};
+
+/// Writes the surface of a fitted mesh. `name`: of mesh and node in a glTF. Returns the number of
+/// bytes. Throws as fit_file().
+std::uint64_t write_fitted_surface(const std::filesystem::path& path, const FittedMesh& fitted,
+                                   std::string_view name, Backend& backend,
+                                   const SurfaceFileOptions& options);
+
+}  // namespace planish

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "planish/backend/backend.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/core/callbacks.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/pipeline/fit.h"
+#include "planish/pipeline/fit_best.h"
+
+namespace planish {
+
+struct MeshFitOptions {
+  /// Empty: of Doo-Sabin the better one by measurement (see fit_best()), else progressive.
+  std::optional<InterpolationMethod> method;
+  bool repairs = true;                   ///< see repair(); and cuts concave faces for fair surfaces
+  std::optional<double> crease_degrees;  ///< edges whose faces turn by more are sharp, too
+  std::optional<double> weld;            ///< vertices within this fraction of the diagonal
+  FitOptions fit;                        ///< its method and prepared are not looked at
+};
+
+/// Why a method was taken where none was named.
+struct MethodReason {
+  std::string text;                                 ///< in a line, for people
+  std::optional<SurfaceQuality> progressive, fair;  ///< at level 1; empty: not measured
+};
+
+/// A mesh that anybody made, with the fit of it.
+struct FittedMesh {
+  PolygonMesh mesh;  ///< what was fitted: the given one, repaired and tagged
+  Fit fit;           ///< of `mesh`
+  FitOptions options;
+  bool repairs = true, uses_tags = true;
+  std::optional<double> crease_degrees, weld;
+  std::optional<MethodReason> reason;
+  /// For each vertex and face of `mesh` the given one's; empty: the same.
+  std::vector<std::int32_t> source_vertices, source_faces;
+  std::vector<std::int32_t> changed_faces;      ///< the given mesh's that repair changed
+  std::vector<std::int32_t> smoothed_vertices;  ///< of `mesh`, see CreasedFit
+  std::int64_t separated_edge_count = 0;        ///< see RepairedMesh
+  std::vector<Warning> warnings;                ///< of repair and of the fit
+
+  /// How to evaluate the surface of `fit`.
+  [[nodiscard]] EvaluateOptions evaluate_options(int level = 2) const;
+};
+
+/// What the command does between reading a mesh and evaluating its surface: repair, creases, the
+/// choice of the method, fit(). `name` stands in messages. Warnings go to the callbacks, too.
+/// Throws as fit(), Error{UnusableMesh} with every problem and its remedy.
+[[nodiscard]] FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,
+                                  const MeshFitOptions& options = {});
+
+/// What the command solves in on the CPU: double for tolerances that float does not reach.
+[[nodiscard]] Precision precision_for(double tolerance);
+
+/// What a glTF file says of how its surface was made: for GltfOptions::extras.
+using FileExtras =
+    std::vector<std::pair<std::string, std::variant<bool, std::int64_t, double, std::string>>>;
+[[nodiscard]] FileExtras fit_extras(const FitOptions& options, std::string creases,
+                                    const Interpolation& result);
+
+/// The point that vertices of a glTF are best stored about: 0, or the centre of a model so far from
+/// it that float32 would lose digits.
+[[nodiscard]] glm::dvec3 storage_origin(const Placement& placement);
+
+}  // namespace planish

@@ -1,0 +1,97 @@
+#include "planish/pipeline/make_ready.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "planish/core/number_text.h"
+#include "planish/mesh/convex_faces.h"
+#include "planish/mesh/cusp_corners.h"
+#include "planish/mesh/weld_vertices.h"
+
+namespace planish {
+namespace {
+
+void cut_concave_faces(ReadyMesh& prepared) {
+  ConvexMesh convex = with_convex_faces(prepared.mesh);
+  if (convex.cut_faces.empty()) return;
+  std::vector<std::int32_t>& sources = prepared.source_faces;
+  const auto source_of = [&](std::int32_t face) { return sources.empty() ? face : sources[face]; };
+  const auto count = static_cast<std::int64_t>(convex.cut_faces.size());
+  std::ranges::transform(convex.cut_faces, convex.cut_faces.begin(), source_of);
+  prepared.changes.push_back(
+      {"concave-faces",
+       "faces with corners that turn inward, cut in parts for the fair surface: " +
+           std::to_string(count),
+       count, convex.cut_faces.front()});
+  std::vector<std::int32_t>& changed = prepared.changed_faces;
+  changed.insert(changed.end(), convex.cut_faces.begin(), convex.cut_faces.end());
+  std::ranges::sort(changed);
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  std::ranges::transform(convex.source_faces, convex.source_faces.begin(), source_of);
+  sources = std::move(convex.source_faces);
+  prepared.mesh = std::move(convex.mesh);
+  prepared.prepared = prepare_if_sound(prepared.mesh);
+}
+
+// What was said of the vertices of the welded mesh, of the file's.
+void name_sources(ReadyMesh& ready, std::vector<std::int32_t>&& welded) {
+  if (welded.empty()) return;
+  for (auto& [a, b] : ready.separated_edges) std::tie(a, b) = std::minmax(welded[a], welded[b]);
+  std::ranges::sort(ready.separated_edges);
+  for (Warning& change : ready.changes) {
+    const bool is_vertex = change.code.starts_with("non-manifold");
+    if (is_vertex && change.first >= 0) change.first = welded[change.first];
+  }
+  if (ready.source_vertices.empty()) {
+    ready.source_vertices = std::move(welded);
+  } else {
+    for (std::int32_t& source : ready.source_vertices) source = welded[source];
+  }
+}
+
+void find_creases(ReadyMesh& ready, const Preparation& choice) {
+  const CreaseDetectionOptions options{.dihedral_degrees = *choice.crease_degrees};
+  FoundCreases found = add_found_creases(ready.mesh, *ready.prepared, options);
+  if (!choice.smoothed_vertices.empty())
+    leave_smooth(ready.mesh, *ready.prepared, found, choice.smoothed_vertices);
+  if (choice.method == InterpolationMethod::Fair) ready.found = std::move(found);
+}
+
+}  // namespace
+
+ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
+  ReadyMesh ready;
+  if (!choice.uses_tags) {
+    mesh.creases.clear();
+    mesh.corners.clear();
+  }
+  std::vector<std::int32_t> welded_sources;
+  if (choice.weld) {
+    WeldedMesh welded = weld_vertices(std::move(mesh), *choice.weld);
+    mesh = std::move(welded.mesh);
+    welded_sources = std::move(welded.source_vertices);
+    ready.welded_count = welded.welded_count;
+  }
+  ready.prepared = prepare_if_sound(mesh);
+  if (ready.prepared || !choice.repairs) {
+    ready.mesh = std::move(mesh);
+  } else {
+    static_cast<RepairedMesh&>(ready) = repair(mesh);
+    ready.prepared = prepare_if_sound(ready.mesh);
+  }
+  name_sources(ready, std::move(welded_sources));
+  if (choice.repairs && choice.method == InterpolationMethod::Fair) {
+    cut_concave_faces(ready);
+    if (ready.prepared) ready.mesh = with_cusp_corners(ready.mesh);
+  }
+  if (choice.crease_degrees && ready.prepared) find_creases(ready, choice);
+  return ready;
+}
+
+std::string creases_text(bool uses_tags, std::optional<double> crease_degrees) {
+  if (crease_degrees) return "auto:" + shortest(*crease_degrees);
+  return uses_tags ? "use" : "ignore";
+}
+
+}  // namespace planish

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "planish/fair/interpolation_method.h"
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/prepared_mesh.h"
+#include "planish/mesh/repair.h"
+#include "planish/pipeline/found_creases.h"
+
+namespace planish {
+
+/// What changes a mesh on its way to the fit.
+struct Preparation {
+  bool repairs = true;                   ///< mends what check() reports
+  bool uses_tags = true;                 ///< else edges and vertices lose theirs
+  std::optional<double> crease_degrees;  ///< sharp are edges whose faces turn by more, too
+  InterpolationMethod method = InterpolationMethod::Progressive;
+  std::optional<double> weld;  ///< see weld_vertices()
+  /// Where no creases are to be found; of the mesh that comes out.
+  std::span<const std::int32_t> smoothed_vertices;
+};
+
+/// A mesh to be fitted, with what was found of it. The lists of source vertices and faces are empty
+/// where nothing was welded, repaired or cut.
+struct ReadyMesh : RepairedMesh {
+  std::int64_t welded_count = 0;
+  /// Where creases were found for the fair method: how, for fit_with_found_creases().
+  std::optional<FoundCreases> found;
+  std::shared_ptr<const PreparedMesh> prepared;  ///< null where it cannot be used
+};
+
+/// The mesh that is fitted: without tags where they are to be ignored, welded where that is asked
+/// for, repaired where that is, with creases detected where an angle is given, and for fair
+/// surfaces, which fold beside corners that turn inward and around tips of slits, with concave
+/// faces cut and such tips made corners where repair may. A mesh that remains unusable comes back
+/// as it is, for require_usable() to refuse. Throws what repair() throws, and then leaves `mesh` as
+/// it is, or welded.
+[[nodiscard]] ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice);
+
+/// "use", "ignore" or "auto:40": what is sharp besides boundaries, as flags and reports say it.
+[[nodiscard]] std::string creases_text(bool uses_tags, std::optional<double> crease_degrees);
+
+}  // namespace planish

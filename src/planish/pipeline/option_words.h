@@ -1,0 +1,62 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "planish/doosabin/face_rule.h"
+#include "planish/doosabin/sharp_features.h"
+#include "planish/fair/interpolation_method.h"
+#include "planish/interpolate/progressive.h"
+#include "planish/primal/scheme.h"
+
+namespace planish {
+
+/// A value with its stable name, as flags, reports, files and bindings have it.
+template <class Value>
+struct OptionWord {
+  std::string_view text;
+  Value value;
+};
+
+inline constexpr std::array kSchemeWords{OptionWord<Scheme>{"doo-sabin", Scheme::DooSabin},
+                                         OptionWord<Scheme>{"catmull-clark", Scheme::CatmullClark},
+                                         OptionWord<Scheme>{"loop", Scheme::Loop}};
+inline constexpr std::array kWeightsWords{OptionWord<Weights>{"doo-sabin", Weights::DooSabin},
+                                          OptionWord<Weights>{"averaged", Weights::Averaged}};
+inline constexpr std::array kMethodWords{
+    OptionWord<InterpolationMethod>{"progressive", InterpolationMethod::Progressive},
+    OptionWord<InterpolationMethod>{"fair", InterpolationMethod::Fair}};
+inline constexpr std::array kSolverWords{OptionWord<Solver>{"chebyshev", Solver::Chebyshev},
+                                         OptionWord<Solver>{"plain", Solver::Plain},
+                                         OptionWord<Solver>{"cg", Solver::ConjugateGradients}};
+inline constexpr std::array kBoundaryWords{
+    OptionWord<BoundaryRule>{"edge", BoundaryRule::Edge},
+    OptionWord<BoundaryRule>{"edge-and-corner", BoundaryRule::EdgeAndCorner}};
+
+/// The name of a value of the table.
+template <class Words, class Value>
+[[nodiscard]] std::string_view word_of(const Words& words, Value value) {
+  return std::ranges::find(words, value, &Words::value_type::value)->text;
+}
+
+/// The value of that name; empty where there is none.
+template <class Words>
+[[nodiscard]] auto value_of(const Words& words, std::string_view text)
+    -> std::optional<decltype(words.front().value)> {
+  const auto found = std::ranges::find(words, text, &Words::value_type::text);
+  if (found == words.end()) return std::nullopt;
+  return found->value;
+}
+
+/// "doo-sabin, averaged": what may be given.
+template <class Words>
+[[nodiscard]] std::string texts_of(const Words& words) {
+  std::string all;
+  for (const auto& word : words) all += (all.empty() ? "" : ", ") + std::string(word.text);
+  return all;
+}
+
+}  // namespace planish

@@ -1,0 +1,100 @@
+#include "planish/pipeline/verify_cage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "planish/core/error.h"
+#include "planish/mesh/check.h"
+#include "planish/mesh/placement.h"
+#include "planish/pipeline/make_ready.h"
+#include "planish/surface/evaluate.h"
+#include "planish/surface/level_one_mesh.h"
+
+namespace planish {
+namespace {
+
+void require_same_faces(const PolygonMesh& cage, const PolygonMesh& given,
+                        const VerifyOptions& options) {
+  const std::string subject = options.cage_name + " is no cage of " + options.given_name + ": ";
+  if (cage.vertex_count() < given.vertex_count()) {
+    throw Error(ErrorCode::UnusableMesh, subject + std::to_string(cage.vertex_count()) +
+                                             " vertices for " +
+                                             std::to_string(given.vertex_count()));
+  }
+  if (cage.face_count() != given.face_count()) {
+    throw Error(ErrorCode::UnusableMesh, subject + std::to_string(cage.face_count()) +
+                                             " faces for " + std::to_string(given.face_count()));
+  }
+  for (std::int32_t face = 0; face < cage.face_count(); ++face) {
+    if (!std::ranges::equal(cage.face(face), given.face(face))) {
+      throw Error(ErrorCode::UnusableMesh,
+                  subject + "face " + std::to_string(face) + " has other corners", face);
+    }
+  }
+}
+
+std::vector<glm::dvec3> progressive_limits(const PolygonMesh& cage, const PolygonMesh& given,
+                                           const VerifyOptions& options) {
+  require_same_faces(cage, given, options);
+  const LimitOptions how{options.scheme, options.weights, {options.sharp.boundary, true}};
+  if (options.cage_has_tags && options.sharp.use_tags) {
+    require_usable(cage, options.cage_name);
+    return limit_positions(cage, how);
+  }
+  PolygonMesh control = cage;
+  control.creases = given.creases;
+  control.corners = given.corners;
+  require_usable(control, options.cage_name);
+  return limit_positions(control, how);
+}
+
+std::vector<glm::dvec3> fair_limits(const PolygonMesh& cage, const PolygonMesh& given,
+                                    const VerifyOptions& options) {
+  // What make_ready() left has no tags but those that count.
+  const SharpFeatureOptions sharp{options.sharp.boundary, true};
+  try {
+    return limit_positions(given, level_one_of_cage(given, cage, sharp), sharp);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::InvalidArgument) throw;
+    throw Error(ErrorCode::UnusableMesh,
+                options.cage_name + " is no cage of " + options.given_name + ": " + error.what(),
+                error.element());
+  }
+}
+
+}  // namespace
+
+Verification verify_cage(const PolygonMesh& cage, const PolygonMesh& given,
+                         const VerifyOptions& options) {
+  const PolygonMesh prepared =
+      make_ready(PolygonMesh(given),
+                 {options.repairs, options.sharp.use_tags, options.crease_degrees, options.method,
+                  options.weld, options.smoothed_vertices})
+          .mesh;
+  require_usable(prepared, options.given_name);
+  const std::vector<glm::dvec3> limit = options.method == InterpolationMethod::Fair
+                                            ? fair_limits(cage, prepared, options)
+                                            : progressive_limits(cage, prepared, options);
+  const double diagonal = placement_of(prepared).diagonal;
+  Verification result;
+  result.vertex_count = prepared.vertex_count();
+  double sum_of_squares = 0;
+  for (std::int64_t vertex = 0; vertex < result.vertex_count; ++vertex) {
+    const glm::dvec3 offset = limit[vertex] - prepared.positions[vertex];
+    double error = std::hypot(offset.x, offset.y, offset.z) / diagonal;
+    if (!std::isfinite(error)) error = std::numeric_limits<double>::infinity();
+    sum_of_squares += error * error;
+    if (result.worst_vertex < 0 || error > result.error.max) {
+      result.error.max = error;
+      result.worst_vertex = vertex;
+    }
+  }
+  if (result.vertex_count > 0)
+    result.error.rms = std::sqrt(sum_of_squares / static_cast<double>(result.vertex_count));
+  result.confirmed = result.error.max <= options.tolerance;
+  return result;
+}
+
+}  // namespace planish

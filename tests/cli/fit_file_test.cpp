@@ -1,0 +1,109 @@
+// fit_file() writes what the command writes.
+#include "planish/pipeline/fit_file.h"
+
+#include <gmock/gmock.h>
+
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+#include "planish/core/error.h"
+#include "planish/files/mesh_file.h"
+#include "planish/pipeline/verify_cage.h"
+#include "support/expect_error.h"
+
+namespace planish::test {
+namespace {
+
+using testing::HasSubstr;
+
+class FitFile : public FolderTest {
+ protected:
+  void expect_same(const std::string& input, const std::string& extension,
+                   const std::vector<std::string>& flags, const FitFileOptions& options) {
+    const std::string by_command = "command" + extension, by_library = "library" + extension;
+    std::vector<std::string> arguments{"fit",      input, "-o", path(by_command),
+                                       "--device", "cpu", "-f"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const ProcessResult result = run_planish(arguments);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const FileFit done = fit_file(input, path(by_library), options);
+    EXPECT_TRUE(done.fitted.fit.interpolation.converged);
+    EXPECT_EQ(done.byte_count, read(by_library).size());
+    EXPECT_EQ(read(by_library), read(by_command)) << extension;
+  }
+};
+
+TEST_F(FitFile, WritesTheCommandsBytes) {
+  const std::string goblet = PLANISH_SCENES "/goblet.obj";
+  for (const char* extension : {".glb", ".obj", ".ply", ".stl", ".usda", ".off"})
+    expect_same(goblet, extension, {}, {});
+}
+
+TEST_F(FitFile, TakesTheCommandsChoices) {
+  const std::string mixed = PLANISH_SCENES "/mixed_polygons.obj";
+  expect_same(mixed, ".glb", {}, {});  // the method by measurement
+  FitFileOptions options;
+  options.mesh.method = InterpolationMethod::Fair;
+  options.level = 1;
+  expect_same(mixed, ".glb", {"--interpolation", "fair", "--levels", "1"}, options);
+  options.mesh = {.method = InterpolationMethod::Progressive, .crease_degrees = 40};
+  options.mesh.fit.tolerance = 1e-10;
+  options.z_up = true;
+  expect_same(mixed, ".glb",
+              {"--interpolation", "progressive", "--creases", "auto:40", "--tolerance", "1e-10",
+               "--up", "z", "--levels", "1"},
+              options);
+  options = {};
+  options.mesh.fit.scheme = Scheme::CatmullClark;
+  expect_same(PLANISH_SCENES "/goblet.obj", ".glb", {"--scheme", "catmull-clark"}, options);
+}
+
+TEST_F(FitFile, MendsWhatTheCommandMends) {
+  // The second face is turned the wrong way round.
+  const std::string input = write("turned.obj",
+                                  "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 1\nv 2 1 1\n"
+                                  "f 1 2 3 4\nf 2 3 6 5\n");
+  expect_same(input, ".glb", {}, {});
+  FitFileOptions options;
+  options.mesh.repairs = false;
+  const std::string message = message_of(ErrorCode::UnusableMesh,
+                                         [&] { (void)fit_file(input, path("none.glb"), options); });
+  EXPECT_THAT(message, HasSubstr("turned.obj: "));
+  EXPECT_THAT(message, HasSubstr("repair() mends this"));
+}
+
+TEST_F(FitFile, ItsCageIsConfirmed) {
+  const std::string input = write("plate.obj", bumpy_plate_obj(8));
+  FitFileOptions options;
+  options.cage = path("cage.obj");
+  const FileFit done = fit_file(input, path("plate.glb"), options);
+  EXPECT_EQ(done.fitted.options.method, InterpolationMethod::Progressive);
+  const Verification found =
+      verify_cage(read_mesh(path("cage.obj")).mesh, read_mesh(input).mesh, {});
+  EXPECT_TRUE(found.confirmed) << found.error.max;
+  EXPECT_EQ(found.vertex_count, done.fitted.mesh.vertex_count());
+  PolygonMesh moved = read_mesh(path("cage.obj")).mesh;
+  moved.positions[3].z += 0.1;
+  EXPECT_FALSE(verify_cage(moved, read_mesh(input).mesh, {}).confirmed);
+}
+
+TEST_F(FitFile, ErrorsNameTheRemedy) {
+  const std::string input = write("plate.obj", bumpy_plate_obj(4));
+  const std::string cloud = write("cloud.ply",
+                                  "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                  "property float y\nproperty float z\nend_header\n0 0 0\n");
+  const auto message = [&](ErrorCode code, const std::string& from, const std::string& to,
+                           int level = 2) {
+    return message_of(code, [&] { (void)fit_file(from, to, {.level = level}); });
+  };
+  EXPECT_THAT(message(ErrorCode::InvalidArgument, input, path("a.step")),
+              HasSubstr("take .glb, .gltf"));
+  EXPECT_THAT(message(ErrorCode::InvalidArgument, input, input), HasSubstr("is the input itself"));
+  EXPECT_THAT(message(ErrorCode::InvalidArgument, input, path("a.glb"), 9), HasSubstr("9"));
+  EXPECT_THAT(message(ErrorCode::UnusableMesh, cloud, path("a.glb")), HasSubstr("reconstruct()"));
+  EXPECT_THAT(message(ErrorCode::UnreadableInput, path("none.obj"), path("a.glb")),
+              HasSubstr("none.obj"));
+  EXPECT_FALSE(std::filesystem::exists(path("a.glb")));
+}
+
+}  // namespace
+}  // namespace planish::test
