@@ -1,0 +1,171 @@
+"""The Blender add-on, in Blender without a window: the panel's settings, and meshes both ways.
+
+blender --background --factory-startup --python-exit-code 1 --python addon_test.py -- ADDON PLANISH
+"""
+
+import importlib.util
+import sys
+import time
+
+import bpy
+import numpy as np
+
+ADDON, PROGRAM = sys.argv[sys.argv.index("--") + 1 :]
+
+
+def load():
+    spec = importlib.util.spec_from_file_location("planish_blender", ADDON)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def coordinates(mesh):
+    values = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", values)
+    return values.reshape(-1, 3)
+
+
+def select_only(thing):
+    bpy.ops.object.select_all(action="DESELECT")
+    thing.select_set(True)
+    bpy.context.view_layer.objects.active = thing
+
+
+def distance_to(points, mesh):
+    vertices = coordinates(mesh)
+    return max(np.linalg.norm(vertices - point, axis=1).min() for point in points)
+
+
+def test_cube():
+    bpy.ops.mesh.primitive_cube_add(location=(3, 2, 1))
+    cube = bpy.context.object
+    given = coordinates(cube.data).copy()
+    assert bpy.ops.mesh.planish_fit() == {"FINISHED"}
+    result = bpy.context.object
+    assert result.name == f"{cube.name}.planish" and result.matrix_world == cube.matrix_world
+    assert len(result.data.polygons) == 6 * 16
+    assert {len(polygon.vertices) for polygon in result.data.polygons} == {4}
+    assert distance_to(given, result.data) < 1e-5
+    assert len(result.data.uv_layers) == 1
+    # A closed surface of one sheet, seams and all.
+    assert len(result.data.vertices) - len(result.data.edges) + len(result.data.polygons) == 2
+    # The surface's own normals: exact at the corner of a cube, by symmetry.
+    result.data.calc_normals_split()
+    corners = [i for i, v in enumerate(coordinates(result.data))
+               if np.abs(np.abs(v) - 1).max() < 1e-5]
+    assert len(corners) == 8
+    for loop in result.data.loops:
+        if loop.vertex_index in corners:
+            expected = np.sign(coordinates(result.data)[loop.vertex_index]) / np.sqrt(3)
+            assert np.abs(np.array(loop.normal) - expected).max() < 1e-3, loop.normal[:]
+    # Texture coordinates at the given corners are the given ones.
+    assert uv_at_corners(cube.data, given) == uv_at_corners(result.data, given)
+
+
+def uv_at_corners(mesh, points):
+    layer, found = mesh.uv_layers.active.data, set()
+    vertices = coordinates(mesh)
+    for loop in mesh.loops:
+        for number, point in enumerate(points):
+            if np.abs(vertices[loop.vertex_index] - point).max() < 1e-5:
+                found.add((number, *np.round(layer[loop.index].uv, 4).tolist()))
+    return found
+
+
+def test_sharp_edges_and_materials():
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    for name in ("first", "second"):
+        cube.data.materials.append(bpy.data.materials.new(name))
+    for index, polygon in enumerate(cube.data.polygons):
+        polygon.material_index = index % 2
+    smooth = fit_of(cube)
+    for index, edge in enumerate(cube.data.edges):  # marked in both ways
+        edge.use_edge_sharp = index % 2 == 0
+        edge.crease = index % 2
+    sharp = fit_of(cube)
+    assert np.abs(coordinates(smooth.data)).max() > 1.01  # it bulges
+    assert np.abs(coordinates(sharp.data)).max() < 1 + 1e-5  # all edges sharp: the cube itself
+    assert [slot.material.name for slot in sharp.material_slots] == ["first", "second"]
+    counts = np.bincount([polygon.material_index for polygon in sharp.data.polygons])
+    assert counts.tolist() == [48, 48]
+
+
+def fit_of(thing):
+    select_only(thing)
+    assert bpy.ops.mesh.planish_fit() == {"FINISHED"}
+    return bpy.context.object
+
+
+def test_settings():
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
+    sphere = bpy.context.object
+    settings = bpy.context.scene.planish
+    settings.level, settings.interpolation = 1, "fair"
+    faces = len(sphere.data.polygons)
+    assert len(fit_of(sphere).data.polygons) == 3 * faces  # a quad for each corner
+    settings.level, settings.interpolation = 2, "auto"
+
+
+def test_errors(addon):
+    settings = bpy.context.scene.planish
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    settings.program = "/nowhere/planish"
+    expect_error("is not at /nowhere/planish")
+    settings.program = PROGRAM
+    cube.data.clear_geometry()
+    expect_error("has no faces")
+
+
+def expect_error(words):
+    try:
+        bpy.ops.mesh.planish_fit()
+    except RuntimeError as error:
+        assert words in str(error), error
+    else:
+        raise AssertionError(f"no error: {words}")
+
+
+def test_progress_and_cancel(addon):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=300, ring_count=200)
+    settings = bpy.context.scene.planish
+    settings.level = 3
+    job = addon.start_job(bpy.context, bpy.context.object)
+    shares = []
+    while job.poll():
+        shares.append(job.share)
+        time.sleep(0.005)
+    job.surface()
+    assert shares == sorted(shares) and shares[-1] > 0.5, shares
+    job = addon.start_job(bpy.context, bpy.context.object)
+    time.sleep(0.05)
+    job.cancel()
+    while job.poll():
+        time.sleep(0.005)
+    try:
+        job.surface()
+    except RuntimeError:
+        pass
+    else:
+        raise AssertionError("it was cancelled, and gave a surface")
+    settings.level = 2
+
+
+def main():
+    addon = load()
+    addon.register()
+    assert bpy.types.VIEW3D_PT_planish
+    bpy.context.scene.planish.program = PROGRAM
+    test_cube()
+    test_sharp_edges_and_materials()
+    test_settings()
+    test_errors(addon)
+    test_progress_and_cancel(addon)
+    addon.unregister()
+    print("the add-on works in Blender", bpy.app.version_string)
+
+
+main()

@@ -1,0 +1,59 @@
+"""A picture of the panel beside what it made; needs the command on PATH and a display:
+
+xvfb-run -a -s "-screen 0 1280x800x24" blender --factory-startup --enable-event-simulate \
+  --window-geometry 0 0 1280 800 --python make_picture.py -- planish_blender.py MESH.obj PICTURE.png
+"""
+
+import importlib.util
+import sys
+
+import bpy
+
+ADDON, MESH, PICTURE = sys.argv[sys.argv.index("--") + 1 :]
+
+
+def load():
+    spec = importlib.util.spec_from_file_location("planish_blender", ADDON)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    module.register()
+    return module
+
+
+def make_scene():
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.delete()
+    bpy.ops.wm.obj_import(filepath=MESH)
+    source = bpy.context.selected_objects[0]
+    bpy.context.view_layer.objects.active = source
+    bpy.ops.mesh.planish_fit()
+    bpy.context.object.location.x += 1.4 * source.dimensions.x
+
+
+def arrange():
+    area = next(area for area in bpy.context.screen.areas if area.type == "VIEW_3D")
+    area.spaces.active.show_region_ui = True
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(area=area, region=region):
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_all()
+
+
+def open_tab():
+    """Clicks on the sidebar's last tab."""
+    window = bpy.context.window_manager.windows[0]
+    for kind, value in (("MOUSEMOVE", "NOTHING"), ("LEFTMOUSE", "PRESS"), ("LEFTMOUSE", "RELEASE")):
+        window.event_simulate(kind, value, x=1043, y=800 - 248)
+
+
+def shoot():
+    bpy.ops.screen.screenshot(filepath=PICTURE)
+    bpy.ops.wm.quit_blender()
+
+
+bpy.context.preferences.view.show_splash = False
+load()
+make_scene()
+arrange()
+bpy.app.timers.register(open_tab, first_interval=8)
+bpy.app.timers.register(shoot, first_interval=14)
