@@ -19,6 +19,7 @@ set(level_limit 5)
 set(level_osd 5)
 set(level_reconstruct 5)
 set(level_distributed 6)
+set(level_c 6)
 # Neighbours on one level that may be used: tables and splits are made of meshes, files of surfaces,
 # kernels repeat the fair construction and number rows as patches do.
 set(allowed stencil>mesh files>surface vulkan>fair vulkan>patches)

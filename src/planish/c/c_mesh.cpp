@@ -1,0 +1,155 @@
+#include <glm/vec3.hpp>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "planish/c/call.h"
+#include "planish/c/handles.h"
+#include "planish/c/planish.h"
+#include "planish/core/visible_text.h"
+#include "planish/files/mesh_file.h"
+
+namespace planish::c {
+namespace {
+
+constexpr std::size_t kMaxCount = std::numeric_limits<std::int32_t>::max();
+
+void require_count(std::size_t count, const void* array, const char* name) {
+  if (count > kMaxCount)
+    refuse(std::string(name) + ": " + std::to_string(count) + " elements are more than 2^31 - 1");
+  if (count > 0 && array == nullptr)
+    refuse(std::string(name) + " is NULL, with " + std::to_string(count) + " elements");
+}
+
+void require_vertex(std::int32_t vertex, std::size_t count, const char* what, std::size_t index) {
+  if (vertex >= 0 && static_cast<std::size_t>(vertex) < count) return;
+  throw Error(ErrorCode::UnusableMesh,
+              std::string(what) + " " + std::to_string(index) + " names vertex " +
+                  std::to_string(vertex) + " of " + std::to_string(count),
+              static_cast<std::int64_t>(index));
+}
+
+void require_counts(const planish_mesh_arrays& arrays) {
+  require_count(arrays.vertex_count, arrays.positions, "positions");
+  require_count(arrays.corner_count, arrays.face_vertices, "face_vertices");
+  if (arrays.face_count > kMaxCount) refuse("face_count is more than 2^31 - 1");
+  require_count(arrays.crease_count, arrays.crease_edges, "crease_edges");
+  require_count(arrays.sharp_corner_count, arrays.corner_vertices, "corner_vertices");
+  if (arrays.face_sizes == nullptr && arrays.face_count > 0 && arrays.corners_per_face < 1)
+    refuse("face_sizes is NULL and corners_per_face is " + std::to_string(arrays.corners_per_face));
+}
+
+void add_faces(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
+  mesh.face_offsets.reserve(arrays.face_count + 1);
+  std::size_t end = 0;
+  for (std::size_t f = 0; f < arrays.face_count; ++f) {
+    const std::int32_t size =
+        arrays.face_sizes != nullptr ? arrays.face_sizes[f] : arrays.corners_per_face;
+    if (size < 0 || static_cast<std::size_t>(size) > arrays.corner_count - end) {
+      refuse("face " + std::to_string(f) + " has " + std::to_string(size) + " corners, and " +
+             std::to_string(arrays.corner_count - end) + " of corner_count are left");
+    }
+    end += static_cast<std::size_t>(size);
+    for (std::size_t c = end - static_cast<std::size_t>(size); c < end; ++c)
+      require_vertex(arrays.face_vertices[c], arrays.vertex_count, "face", f);
+    mesh.face_offsets.push_back(static_cast<std::int32_t>(end));
+  }
+  if (end != arrays.corner_count) {
+    refuse("corner_count is " + std::to_string(arrays.corner_count) + ", and the faces have " +
+           std::to_string(end) + " corners");
+  }
+  mesh.face_vertices.assign(arrays.face_vertices, arrays.face_vertices + end);
+}
+
+PolygonMesh mesh_of(const planish_mesh_arrays& arrays) {
+  require_counts(arrays);
+  PolygonMesh mesh;
+  add_faces(arrays, mesh);
+  mesh.positions.reserve(arrays.vertex_count);
+  for (std::size_t v = 0; v < arrays.vertex_count; ++v) {
+    const double* p = arrays.positions + 3 * v;
+    mesh.positions.emplace_back(p[0], p[1], p[2]);
+  }
+  for (std::size_t i = 0; i < arrays.crease_count; ++i) {
+    const std::int32_t* edge = arrays.crease_edges + 2 * i;
+    require_vertex(edge[0], arrays.vertex_count, "crease", i);
+    require_vertex(edge[1], arrays.vertex_count, "crease", i);
+    mesh.creases.push_back({edge[0], edge[1]});
+  }
+  for (std::size_t i = 0; i < arrays.sharp_corner_count; ++i) {
+    require_vertex(arrays.corner_vertices[i], arrays.vertex_count, "corner", i);
+    mesh.corners.push_back({arrays.corner_vertices[i]});
+  }
+  return mesh;
+}
+
+}  // namespace
+
+planish_mesh* new_mesh(PolygonMesh&& mesh) {
+  auto handle = std::make_unique<planish_mesh>();
+  handle->face_sizes.reserve(static_cast<std::size_t>(mesh.face_count()));
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    handle->face_sizes.push_back(mesh.face_size(f));
+  handle->mesh = std::move(mesh);
+  return handle.release();
+}
+
+}  // namespace planish::c
+
+using namespace planish::c;
+
+void planish_mesh_arrays_init(planish_mesh_arrays* arrays) {
+  if (arrays == nullptr) return;
+  *arrays = {};
+  arrays->struct_size = sizeof *arrays;
+}
+
+planish_status planish_mesh_create(const planish_mesh_arrays* arrays, planish_mesh** mesh) {
+  return call([&] {
+    require(arrays, "arrays");
+    require(mesh, "mesh");
+    *mesh = new_mesh(mesh_of(taken(arrays, planish_mesh_arrays_init, "arrays")));
+    return PLANISH_OK;
+  });
+}
+
+planish_status planish_mesh_read(const char* path, planish_mesh** mesh) {
+  return call([&] {
+    require(path, "path");
+    require(mesh, "mesh");
+    *mesh = new_mesh(std::move(planish::read_mesh(std::filesystem::path(path)).mesh));
+    return PLANISH_OK;
+  });
+}
+
+planish_status planish_mesh_write(const planish_mesh* mesh, const char* path) {
+  return call([&] {
+    require(mesh, "mesh");
+    require(path, "path");
+    const auto format = planish::format_of(path);
+    if (!format || !planish::serves(*format, planish::FormatUse::WriteCage)) {
+      refuse(planish::visible(std::string_view(path)) + ": meshes are written as " +
+             planish::extensions_in_words(planish::FormatUse::WriteCage));
+    }
+    planish::write_mesh(path, *format, mesh->mesh);
+    return PLANISH_OK;
+  });
+}
+
+planish_status planish_mesh_view(const planish_mesh* mesh, planish_mesh_arrays* arrays) {
+  return call([&] {
+    require(mesh, "mesh");
+    planish_mesh_arrays own;
+    planish_mesh_arrays_init(&own);
+    own.vertex_count = mesh->mesh.positions.size();
+    own.positions = own.vertex_count > 0 ? &mesh->mesh.positions[0].x : nullptr;
+    own.face_sizes = mesh->face_sizes.data();
+    own.face_count = mesh->face_sizes.size();
+    own.face_vertices = mesh->mesh.face_vertices.data();
+    own.corner_count = mesh->mesh.face_vertices.size();
+    give(own, arrays, "arrays");
+    return PLANISH_OK;
+  });
+}
+
+void planish_mesh_free(planish_mesh* mesh) { delete mesh; }

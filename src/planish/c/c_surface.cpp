@@ -1,0 +1,58 @@
+#include <memory>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/c/call.h"
+#include "planish/c/handles.h"
+#include "planish/c/planish.h"
+#include "planish/pipeline/fit.h"
+
+using namespace planish::c;
+
+void planish_surface_arrays_init(planish_surface_arrays* arrays) {
+  if (arrays == nullptr) return;
+  *arrays = {};
+  arrays->struct_size = sizeof *arrays;
+}
+
+planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
+                                    planish_surface** surface) {
+  return call([&] {
+    require(fit, "fit");
+    require(surface, "surface");
+    planish::require_level(level);
+    const planish::FittedMesh& fitted = fit->fitted;
+    const auto backend = planish::make_cpu_backend(
+        {.solve_precision = planish::precision_for(fitted.options.tolerance),
+         .thread_count = fit->thread_count});
+    auto made = std::make_unique<planish_surface>();
+    made->surface =
+        planish::evaluate(fitted.mesh, fitted.fit, *backend, fitted.evaluate_options(level));
+    *surface = made.release();
+    return PLANISH_OK;
+  });
+}
+
+planish_status planish_surface_view(const planish_surface* surface,
+                                    planish_surface_arrays* arrays) {
+  return call([&] {
+    require(surface, "surface");
+    const planish::SurfaceMesh& from = surface->surface;
+    planish_surface_arrays own;
+    planish_surface_arrays_init(&own);
+    own.vertex_count = from.positions.size();
+    if (own.vertex_count > 0) {
+      own.positions = &from.positions[0].x;
+      own.normals = &from.normals[0].x;
+    }
+    own.face_vertices = from.face_vertices.data();
+    own.corner_count = from.face_vertices.size();
+    if (!from.face_offsets.empty()) own.face_offsets = from.face_offsets.data();
+    own.face_count = static_cast<std::size_t>(from.face_count());
+    own.base_vertices = from.base_vertices.data();
+    own.base_count = from.base_vertices.size();
+    give(own, arrays, "arrays");
+    return PLANISH_OK;
+  });
+}
+
+void planish_surface_free(planish_surface* surface) { delete surface; }

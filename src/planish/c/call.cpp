@@ -1,0 +1,75 @@
+#include "planish/c/call.h"
+
+#include <exception>
+#include <new>
+
+#include "planish/core/version.h"
+
+namespace planish::c {
+namespace {
+
+// The one thing that the library keeps between calls: C has no other place for a message.
+struct LastError {
+  std::string message;
+  std::int64_t element = -1;
+};
+
+thread_local LastError last_error;
+
+void note(const char* message, std::int64_t element) noexcept {
+  try {
+    last_error = {message, element};
+  } catch (...) {  // no memory for the message
+    last_error.message.clear();
+    last_error.element = -1;
+  }
+}
+
+planish_status status_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::InvalidArgument:
+      return PLANISH_INVALID_ARGUMENT;
+    case ErrorCode::UnreadableInput:
+      return PLANISH_UNREADABLE_INPUT;
+    case ErrorCode::UnusableMesh:
+      return PLANISH_UNUSABLE_MESH;
+    case ErrorCode::NoDevice:
+    case ErrorCode::DeviceLost:
+    case ErrorCode::OutOfMemory:
+      return PLANISH_NO_MEMORY;
+    case ErrorCode::UnwritableOutput:
+      return PLANISH_UNWRITABLE_OUTPUT;
+    case ErrorCode::Cancelled:
+      return PLANISH_CANCELLED;
+  }
+  return PLANISH_INTERNAL_ERROR;
+}
+
+}  // namespace
+
+planish_status call(const std::function<planish_status()>& work) noexcept {
+  try {
+    return work();
+  } catch (const Error& error) {
+    note(error.what(), error.element());
+    return status_of(error.code());
+  } catch (const std::bad_alloc&) {
+    note("out of memory; take a lower level or a smaller mesh", -1);
+    return PLANISH_NO_MEMORY;
+  } catch (const std::exception& error) {
+    note(error.what(), -1);
+  } catch (...) {
+    note("an unknown exception", -1);
+  }
+  return PLANISH_INTERNAL_ERROR;
+}
+
+void refuse(const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); }
+
+}  // namespace planish::c
+
+const char* planish_version(void) { return PLANISH_VERSION; }
+
+const char* planish_last_error(void) { return planish::c::last_error.message.c_str(); }
+
+int64_t planish_last_error_element(void) { return planish::c::last_error.element; }

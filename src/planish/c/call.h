@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <string>
+
+#include "planish/c/planish.h"
+#include "planish/core/error.h"
+
+namespace planish::c {
+
+/// Runs `work` and turns what it throws into a status and this thread's last error.
+[[nodiscard]] planish_status call(const std::function<planish_status()>& work) noexcept;
+
+/// Throws Error{InvalidArgument} that says which function wants what.
+[[noreturn]] void refuse(const std::string& message);
+
+template <class Pointer>
+void require(Pointer* pointer, const char* name) {
+  if (pointer == nullptr) refuse(std::string(name) + " is NULL");
+}
+
+/// A struct of the caller's, whatever version of the header it was compiled with: what it does not
+/// know stays at its default. Throws Error{InvalidArgument} for a size that no header ever had.
+template <class Struct>
+Struct taken(const Struct* given, void (*init)(Struct*), const char* name) {
+  Struct own;
+  init(&own);
+  if (given == nullptr) return own;
+  std::size_t size = 0;
+  std::memcpy(&size, given, sizeof size);
+  if (size < sizeof size + 1 || size > 4096) {
+    refuse(std::string(name) + ".struct_size is " + std::to_string(size) +
+           "; planish_..._init() sets it");
+  }
+  std::memcpy(&own, given, size < sizeof own ? size : sizeof own);
+  own.struct_size = sizeof own;
+  return own;
+}
+
+/// Fills the part of the caller's struct that it knows.
+template <class Struct>
+void give(const Struct& own, Struct* target, const char* name) {
+  require(target, name);
+  std::size_t size = 0;
+  std::memcpy(&size, target, sizeof size);
+  if (size < sizeof size + 1 || size > 4096) {
+    refuse(std::string(name) + ".struct_size is " + std::to_string(size) +
+           "; planish_..._init() sets it");
+  }
+  std::memcpy(target, &own, size < sizeof own ? size : sizeof own);
+  std::memcpy(target, &size, sizeof size);
+}
+
+}  // namespace planish::c
