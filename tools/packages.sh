@@ -1,4 +1,4 @@
-# Sourced by tools/run, tools/test and tools/check: the Debian 12 packages that each
+# Sourced by tools/run, tools/test, tools/package, tools/docs and tools/check: the Debian 12 packages that each
 # needs.
 
 # To build the command and the library.
@@ -18,6 +18,13 @@ viewer_packages="libglfw3-dev libimgui-dev"
 
 # To build planish-mpi and to test it over ranks.
 mpi_packages="petsc64-dev libopenmpi-dev openmpi-bin pkg-config"
+
+# To build the Python module, and to run its tests and example.
+python_packages="python3-dev pybind11-dev"
+python_test_packages="python3-numpy python3-pytest python3-matplotlib mypy python3-pip"
+
+# To make the reference pages.
+docs_packages="doxygen graphviz"
 
 # To check format and faults.
 check_packages="clang-format clang-tidy"

@@ -1,0 +1,144 @@
+"""fit(), evaluate(), files: against the command, to the last bit."""
+
+import numpy as np
+import pytest
+
+import planish
+
+REPORTED_OF_INPUT = [
+    "vertices", "faces", "face_sizes", "boundary_loops", "components", "genus", "sharp_edges",
+    "corners", "folded_edges", "changed_faces",
+]
+
+
+@pytest.mark.parametrize("scene", ["goblet", "mixed_polygons", "wavy_patch", "bearing_block"])
+@pytest.mark.parametrize("method", ["auto", "progressive", "fair"])
+def test_results_are_the_commands_to_the_last_bit(scene, method, scenes, command, tmp_path):
+    path = scenes / f"{scene}.obj"
+    report = command(path, "-o", tmp_path / "command.ply", "--interpolation", method)
+    fit = planish.fit(planish.read(path), method=method)
+    assert fit.report["solve"] == report["solve"]
+    assert {key: fit.report["input"][key] for key in REPORTED_OF_INPUT} == {
+        key: report["input"][key] for key in REPORTED_OF_INPUT
+    }
+    assert fit.quality(2) == report["surface"]
+    planish.write(tmp_path / "python.ply", fit)
+    assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "command.ply").read_bytes()
+    # Text holds every digit of a double.
+    planish.write(tmp_path / "evaluated.obj", fit.evaluate(2))
+    command(path, "-o", tmp_path / "command.obj", "--interpolation", method)
+    assert (tmp_path / "evaluated.obj").read_bytes() == (tmp_path / "command.obj").read_bytes()
+
+
+def test_cage_is_the_commands(scenes, command, tmp_path):
+    command(scenes / "goblet.obj", "--cage", tmp_path / "cage.obj")
+    cage = planish.read(tmp_path / "cage.obj")
+    fit = planish.fit(planish.read(scenes / "goblet.obj"), method="progressive")
+    assert np.array_equal(fit.cage.vertices, cage.vertices)
+    assert np.array_equal(fit.cage.indices, cage.indices)
+
+
+def test_fit_file_writes_the_commands_bytes(scenes, command, tmp_path):
+    command(scenes / "goblet.obj", "-o", tmp_path / "command.glb", "--levels", "3")
+    steps = []
+    fit = planish.fit_file(scenes / "goblet.obj", tmp_path / "python.glb", 3,
+                           progress=lambda step, fraction: steps.append((step, fraction)))
+    assert fit.converged
+    assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
+    planish.write(tmp_path / "again.glb", fit, level=3)
+    assert (tmp_path / "again.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
+    assert {"read", "solve", "write"} <= {step for step, _ in steps}
+    assert all(0 <= fraction <= 1 for _, fraction in steps)
+
+
+def test_surface_passes_through_the_vertices(cube):
+    vertices, faces = cube
+    fit = planish.fit(vertices, faces, tolerance=1e-12)
+    assert fit.converged and fit.max_error <= 1e-12
+    for level in range(4):
+        surface = fit.evaluate(level)
+        given = vertices[surface.base_vertices]
+        error = np.linalg.norm(surface.positions[: len(given)] - given, axis=1)
+        assert error.max() <= 1.01e-12 * np.sqrt(3)
+        assert np.allclose(np.linalg.norm(surface.normals, axis=1), 1, atol=1e-6)
+    assert fit.evaluate(2).quads.shape == (6 * 4 * 4, 4)
+
+
+def test_any_number_of_threads_gives_the_same_bits(grid):
+    vertices, faces = grid(40)
+    one, all_cores = (planish.fit(vertices, faces, threads=n).evaluate(2) for n in (1, 0))
+    assert np.array_equal(one.positions, all_cores.positions)
+    assert np.array_equal(one.normals, all_cores.normals)
+
+
+def test_cage_is_verified(cube):
+    given = planish.Mesh(*cube)
+    fit = planish.fit(given, method="progressive")
+    found = planish.verify(fit.cage, given)
+    assert found.confirmed and found.max_error <= 1e-6 and found.vertex_count == 8
+    moved = fit.cage.vertices.copy()
+    moved[3] += 0.1
+    found = planish.verify(planish.Mesh(moved, fit.cage.faces), given)
+    assert not found.confirmed and found.worst_vertex == 3
+    fair = planish.fit(given, method="fair")
+    assert planish.verify(fair.cage, given, method="fair").confirmed
+    with pytest.raises(planish.UnusableMesh, match="is no cage of"):
+        planish.verify(fair.cage, given)
+
+
+def test_schemes_and_creases(cube):
+    vertices, faces = cube
+    edges = [[0, 1], [1, 3], [3, 2], [2, 0]]
+    creased = planish.fit(vertices, faces, crease_edges=edges, method="progressive")
+    assert creased.report["input"]["sharp_edges"] == 4
+    assert np.array_equal(creased.mesh.crease_edges, edges)
+    ignored = planish.fit(vertices, faces, crease_edges=edges, creases="ignore")
+    assert ignored.report["input"]["sharp_edges"] == 0
+    found = planish.fit(vertices, faces, creases="auto:40")
+    assert found.report["solve"]["creases"] == "auto:40"
+    assert planish.fit(vertices, faces, scheme="catmull-clark").report["solve"]["weights"] is None
+    tetrahedron = ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+                   np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
+    loop = planish.fit(*tetrahedron, scheme="loop", tolerance=0.5).evaluate(1)
+    assert loop.faces.shape == (16, 3)
+    with pytest.raises(planish.InvalidArgument, match="take faces"):
+        loop.quads
+
+
+def test_limit_surface(grid):
+    vertices, faces = grid(8)
+    fit = planish.fit(vertices, faces, method="progressive", tolerance=1e-10)
+    limit = planish.LimitSurface(fit)
+    # The corner (0, 0) of a face is its first vertex.
+    at = limit.evaluate(np.arange(64), np.zeros(64), np.zeros(64))
+    assert np.abs(at["position"] - vertices[faces[:, 0]]).max() < 1e-9
+    closest = limit.closest_point(vertices)
+    assert closest["distance"].max() < 1e-9
+    above = vertices + [0, 0, 5]
+    inner = np.setdiff1d(np.arange(81), np.r_[0:9, 72:81, 0:81:9, 8:81:9])
+    hits = limit.rays(above[inner], np.tile([0, 0, -1.0], (len(inner), 1)))
+    assert np.abs(hits["t"] - 5).max() < 1e-8
+    missed = limit.rays([[9, 9, 9]], [[0, 0, -1]])
+    assert missed["face"][0] == -1 and np.isnan(missed["t"][0])
+    with pytest.raises(planish.InvalidArgument):
+        limit.evaluate([64], [0], [0])
+    with pytest.raises(planish.InvalidArgument, match="1 for 2 origins"):
+        limit.rays(vertices[:2], vertices[:1])
+
+
+def test_points_become_a_mesh(grid):
+    points, _ = grid(30)
+    mesh = planish.reconstruct(points, tolerance=0, quads=False)
+    assert len(mesh.vertices) == len(points)
+    assert {tuple(p) for p in mesh.vertices} == {tuple(p) for p in points}
+
+
+def test_no_program_for_points_is_said(grid, monkeypatch, tmp_path):
+    monkeypatch.setenv("PLANISH_RECONSTRUCT", str(tmp_path / "none"))
+    with pytest.raises(planish.NoDevice):
+        planish.reconstruct(grid(4)[0])
+
+
+def test_reading_points(tmp_path):
+    (tmp_path / "p.xyz").write_text("1 2 3\n4 5 6.5\n")
+    assert planish.read_points(tmp_path / "p.xyz").tolist() == [[1, 2, 3], [4, 5, 6.5]]

@@ -1,0 +1,25 @@
+"""What a caller who checks types writes; mypy reads it, nothing runs it."""
+
+import pathlib
+from typing import assert_type
+
+import numpy as np
+from numpy.typing import NDArray
+
+import planish
+
+vertices = np.zeros((8, 3))
+fit = planish.fit(vertices, [[0, 1, 2, 3]], method="fair", tolerance=1e-6)
+assert_type(fit, planish.Fit)
+surface = fit.evaluate(3, progress=lambda step, fraction: print(step, fraction))
+assert_type(surface.quads, NDArray[np.int32])
+assert_type(surface.normals, NDArray[np.float32])
+mesh = planish.read(pathlib.Path("mesh.obj"))
+planish.write("cage.obj", planish.fit(mesh, creases="auto:40").cage)
+found = planish.verify(fit.cage, mesh)
+assert_type(found.confirmed, bool)
+try:
+    planish.fit_file("a.obj", "a.glb", level=2, threads=4)
+except planish.UnusableMesh as error:
+    assert_type(error.element, int)
+planish.fit(mesh, method="best")  # type: ignore[call-overload]

@@ -1,0 +1,129 @@
+"""Builds a wheel of planish with CMake and Ninja: a PEP 517 backend that needs Python alone.
+
+Settings (pip install . --config-settings NAME=VALUE): `cmake` is put behind CMake's arguments, such
+as -DPLANISH_VULKAN=ON; `build-folder` names a folder that is kept from build to build; `built` one in
+which the module has been built already, by other settings than these.
+"""
+
+import base64
+import hashlib
+import os
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import tempfile
+import zipfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+
+def _project():
+    """The table [project] of pyproject.toml, which holds one value a line."""
+    values, inside = {}, False
+    for line in (ROOT / "pyproject.toml").read_text(encoding="utf-8").splitlines():
+        if line.startswith("["):
+            inside = line.strip() == "[project]"
+        elif inside and " = " in line:
+            key, value = line.split(" = ", 1)
+            values[key] = value.strip('"')
+    return values
+
+
+def _metadata():
+    project = _project()
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    return (
+        "Metadata-Version: 2.1\n"
+        f"Name: {project['name']}\nVersion: {project['version']}\n"
+        f"Summary: {project['description']}\nLicense: MIT\n"
+        f"Requires-Python: {project['requires-python']}\nRequires-Dist: numpy\n"
+        f"Description-Content-Type: text/markdown\n\n{readme}"
+    )
+
+
+def _tag():
+    version = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    return f"{version}-{version}-{platform}"
+
+
+def _install(folder, prefix):
+    subprocess.run(["cmake", "--install", folder, "--component", "python", "--prefix", prefix,
+                    "--strip"], check=True)
+
+
+def _build(prefix, settings):
+    """Installs the package, and no more, below `prefix`."""
+    settings = settings or {}
+    if "built" in settings:
+        _install(settings["built"], prefix)
+        return
+    kept = settings.get("build-folder")
+    folder = kept or tempfile.mkdtemp(prefix="planish-build-")
+    launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+    try:
+        subprocess.run(
+            ["cmake", "-S", str(ROOT), "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+             "-DPLANISH_PYTHON=ON", f"-DPython3_EXECUTABLE={sys.executable}",
+             f"-DPYTHON_EXECUTABLE={sys.executable}", "-DPLANISH_PYTHON_FOLDER=.",
+             "-DPLANISH_TESTS=OFF", "-DPLANISH_BENCH=OFF", "-DPLANISH_VIEWER=OFF",
+             "-DPLANISH_VULKAN=OFF", "-DPLANISH_RECONSTRUCT=OFF", *launcher,
+             *shlex.split(settings.get("cmake", ""))],
+            check=True,
+        )
+        subprocess.run(["cmake", "--build", folder, "--target", "planish_python"], check=True)
+        _install(folder, prefix)
+    finally:
+        if not kept:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _record_line(name, data):
+    digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+    return f"{name},sha256={digest},{len(data)}\n"
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    """PEP 517: makes the wheel and returns its name."""
+    project = _project()
+    stem = f"{project['name']}-{project['version']}"
+    name = f"{stem}-{_tag()}.whl"
+    with tempfile.TemporaryDirectory() as prefix:
+        _build(prefix, config_settings)
+        package = next(pathlib.Path(prefix).rglob("__init__.py")).parent
+        files = {f"planish/{path.name}": path.read_bytes() for path in sorted(package.iterdir())}
+    info = f"{stem}.dist-info"
+    files[f"{info}/METADATA"] = _metadata().encode()
+    files[f"{info}/WHEEL"] = (
+        f"Wheel-Version: 1.0\nGenerator: planish_build\nRoot-Is-Purelib: false\nTag: {_tag()}\n"
+    ).encode()
+    files[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    record = "".join(_record_line(path, data) for path, data in files.items())
+    files[f"{info}/RECORD"] = (record + f"{info}/RECORD,,\n").encode()
+    with zipfile.ZipFile(os.path.join(wheel_directory, name), "w", zipfile.ZIP_DEFLATED) as wheel:
+        for path, data in files.items():
+            entry = zipfile.ZipInfo(path, (1980, 1, 1, 0, 0, 0))  # the same bytes every time
+            entry.external_attr = 0o644 << 16
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            wheel.writestr(entry, data)
+    return name
+
+
+def build_sdist(sdist_directory, config_settings=None):
+    """PEP 517: packs the files that git tracks."""
+    project = _project()
+    stem = f"{project['name']}-{project['version']}"
+    listed = subprocess.run(["git", "-C", str(ROOT), "ls-files", "-z"], check=True,
+                            capture_output=True).stdout
+    with tarfile.open(os.path.join(sdist_directory, f"{stem}.tar.gz"), "w:gz") as archive:
+        for path in filter(None, listed.decode().split("\0")):
+            archive.add(ROOT / path, f"{stem}/{path}")
+        info = pathlib.Path(sdist_directory, "PKG-INFO")
+        info.write_text(_metadata(), encoding="utf-8")
+        archive.add(info, f"{stem}/PKG-INFO")
+        info.unlink()
+    return f"{stem}.tar.gz"

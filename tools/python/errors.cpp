@@ -1,0 +1,57 @@
+#include "errors.h"
+
+#include <pybind11/pybind11.h>
+
+#include "planish/core/error.h"
+
+namespace py = pybind11;
+
+namespace planish::python {
+namespace {
+
+const char* class_name(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::InvalidArgument:
+      return "InvalidArgument";
+    case ErrorCode::UnreadableInput:
+      return "UnreadableInput";
+    case ErrorCode::UnusableMesh:
+      return "UnusableMesh";
+    case ErrorCode::NoDevice:
+      return "NoDevice";
+    case ErrorCode::DeviceLost:
+      return "DeviceLost";
+    case ErrorCode::OutOfMemory:
+      return "OutOfMemory";
+    case ErrorCode::UnwritableOutput:
+      return "UnwritableOutput";
+    case ErrorCode::Cancelled:
+      return "Cancelled";
+  }
+  return "Error";
+}
+
+void raise(const Error& error) {
+  const py::object type = py::module_::import("planish._errors").attr(class_name(error.code()));
+  const std::string text = error.what();
+  // Messages are made visible, but a path may be any bytes.
+  const py::object message = py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+  PyErr_SetObject(type.ptr(), type(message, error.element()).ptr());
+}
+
+}  // namespace
+
+void register_errors() {
+  py::register_exception_translator([](std::exception_ptr failure) {
+    try {
+      if (failure) std::rethrow_exception(failure);
+    } catch (const Error& error) {
+      raise(error);
+    }
+  });
+}
+
+void refuse(const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); }
+
+}  // namespace planish::python

@@ -1,0 +1,216 @@
+#include <chrono>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
+#include "planish/core/visible_text.h"
+#include "planish/pipeline/fit_file.h"
+
+namespace py = pybind11;
+
+namespace planish::python {
+namespace {
+
+FitHandle new_fit(const FitArguments& arguments) {
+  auto made = std::make_shared<PythonFit>();
+  made->threads = arguments.threads;
+  made->precision = arguments.precision;
+  return made;
+}
+
+FitHandle fit_arrays(const py::object& vertices, const py::object& faces,
+                     const py::kwargs& keywords) {
+  const auto start = std::chrono::steady_clock::now();
+  const FitArguments arguments = fit_arguments(keywords, "fit");
+  PolygonMesh mesh;
+  if (py::isinstance<PythonMesh>(vertices)) {
+    if (!faces.is_none()) refuse("faces: a Mesh has its own; leave them out");
+    mesh = vertices.cast<PythonMesh&>().mesh;
+  } else if (faces.is_none()) {
+    refuse("faces: are missing; fit() takes vertices and faces, or a Mesh");
+  } else {
+    mesh = mesh_of(vertices, faces);
+  }
+  add_tags(arguments, mesh);
+  FitHandle made = new_fit(arguments);
+  const auto backend = arguments.make_backend();
+  run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
+    MeshFitOptions options = arguments.mesh;
+    options.fit.callbacks = callbacks;
+    made->fitted = fit_mesh(std::move(mesh), "mesh", *backend, options);
+  });
+  made->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return made;
+}
+
+FitHandle fit_files(const py::object& input, const py::object& output, int level,
+                    const py::object& cage, const py::kwargs& keywords) {
+  const auto start = std::chrono::steady_clock::now();
+  const FitArguments arguments = fit_arguments(keywords, "fit_file");
+  if (!arguments.crease_edges.is_none() || !arguments.corner_vertices.is_none())
+    refuse("crease_edges: belong to fit(); a file has its own tags");
+  const std::filesystem::path from = path_of(input), to = path_of(output);
+  FitFileOptions options;
+  options.level = level;
+  if (!cage.is_none()) options.cage = path_of(cage);
+  FitHandle made = new_fit(arguments);
+  const auto backend = arguments.make_backend();
+  options.backend = backend.get();
+  run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
+    options.mesh = arguments.mesh;
+    options.mesh.fit.callbacks = callbacks;
+    made->fitted = fit_file(from, to, options).fitted;
+  });
+  made->name = visible(from.stem());
+  made->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return made;
+}
+
+SurfaceHandle evaluate_fit(const FitHandle& fit, int level, const py::object& progress,
+                           const py::object& cancelled) {
+  auto made = std::make_shared<PythonSurface>();
+  run_released({progress, cancelled}, [&](const Callbacks& callbacks) {
+    EvaluateOptions options = fit->fitted.evaluate_options(level);
+    options.callbacks = callbacks;
+    const auto backend =
+        make_cpu_backend({.solve_precision = fit->precision, .thread_count = fit->threads});
+    made->surface = evaluate(fit->fitted.mesh, fit->fitted.fit, *backend, options);
+  });
+  return made;
+}
+
+MeshHandle cage_of(const FitHandle& fit) {
+  auto made = std::make_shared<PythonMesh>();
+  const FittedMesh& fitted = fit->fitted;
+  made->mesh = control_cage(fitted.mesh, fitted.fit, fitted.options.sharp);
+  return made;
+}
+
+py::object surface_faces(const py::object& self) {
+  const SurfaceMesh& surface = self.cast<PythonSurface&>().surface;
+  if (!surface.face_offsets.empty())
+    return faces_view(surface.face_offsets, surface.face_vertices, self);
+  return view(surface.face_vertices.data(), {surface.face_count(), 4}, self);
+}
+
+py::object surface_quads(const py::object& self) {
+  const SurfaceMesh& surface = self.cast<PythonSurface&>().surface;
+  if (surface.face_offsets.empty())
+    return view(surface.face_vertices.data(), {surface.face_count(), 4}, self);
+  refuse(surface.is_triangles() ? "quads: a surface of Loop's scheme has triangles; take faces"
+                                : "quads: level 0 has the mesh's polygons; take faces");
+}
+
+template <class Value>
+py::object rows_view(const RawVector<Value>& rows, const py::object& self) {
+  return view(rows.empty() ? nullptr : &rows[0].x, {static_cast<py::ssize_t>(rows.size()), 3},
+              self);
+}
+
+void add_surface_class(py::module_& module) {
+  py::class_<PythonSurface, SurfaceHandle>(
+      module, "Surface", "A tessellation whose every vertex lies on the limit surface.")
+      .def_property_readonly(
+          "positions",
+          [](const py::object& self) {
+            return rows_view(self.cast<PythonSurface&>().surface.positions, self);
+          },
+          "float64 (n, 3) in the mesh's unit, a read-only view.")
+      .def_property_readonly(
+          "normals",
+          [](const py::object& self) {
+            return rows_view(self.cast<PythonSurface&>().surface.normals, self);
+          },
+          "float32 (n, 3) of unit length, exact but for the last bits.")
+      .def_property_readonly("quads", &surface_quads,
+                             "int32 (m, 4). Raises InvalidArgument at level 0 and for Loop.")
+      .def_property_readonly("faces", &surface_faces,
+                             "int32 (m, k) where all faces have k corners, else (sizes, indices).")
+      .def_property_readonly(
+          "base_vertices",
+          [](const py::object& self) {
+            const SurfaceMesh& surface = self.cast<PythonSurface&>().surface;
+            return view(surface.base_vertices.data(),
+                        {static_cast<py::ssize_t>(surface.base_vertices.size())}, self);
+          },
+          "int32 (b,): position i < b is the limit point of this vertex of fit.mesh.")
+      .def_property_readonly(
+          "level", [](const PythonSurface& self) { return self.surface.level; }, "Splits.")
+      .def("__repr__", [](const PythonSurface& self) {
+        return "<planish.Surface: level " + std::to_string(self.surface.level) + ", " +
+               std::to_string(self.surface.positions.size()) + " vertices, " +
+               std::to_string(self.surface.face_count()) + " faces>";
+      });
+}
+
+void add_fit_class(py::module_& module) {
+  py::class_<PythonFit, FitHandle>(module, "Fit",
+                                   "The smooth surface through the vertices of a mesh.")
+      .def_property_readonly("cage", &cage_of,
+                             "The control mesh; of the fair method that of the next level.")
+      .def_property_readonly(
+          "mesh",
+          [](const FitHandle& self) {
+            auto made = std::make_shared<PythonMesh>();
+            made->mesh = self->fitted.mesh;
+            return made;
+          },
+          "What was fitted: the given mesh, repaired and tagged.")
+      .def_property_readonly(
+          "method",
+          [](const PythonFit& self) {
+            const bool fair = self.fitted.options.method == InterpolationMethod::Fair;
+            return fair ? "fair" : "progressive";
+          },
+          "\"progressive\" or \"fair\".")
+      .def_property_readonly(
+          "converged",
+          [](const PythonFit& self) { return self.fitted.fit.interpolation.converged; },
+          "Whether the tolerance was reached.")
+      .def_property_readonly(
+          "max_error",
+          [](const PythonFit& self) { return self.fitted.fit.interpolation.error.max; },
+          "Of a vertex from the surface, as a fraction of the bounding box's diagonal.")
+      .def_property_readonly("report", &report_of,
+                             "What the command reports, with its names: tool, input, solve, "
+                             "timing_ms (milliseconds), warnings.")
+      .def("evaluate", &evaluate_fit, py::arg("level") = 2, py::kw_only(),
+           py::arg("progress") = py::none(), py::arg("cancelled") = py::none(),
+           "The surface after `level` splits, 0 to 6. Raises InvalidArgument, OutOfMemory before "
+           "memory is taken, Cancelled.")
+      .def("quality", &quality_of, py::arg("level") = 2,
+           "The \"surface\" of a report: folded area, deviation of normals in degrees, bending.")
+      .def("__repr__", [](const PythonFit& self) {
+        return "<planish.Fit: " + std::to_string(self.fitted.mesh.vertex_count()) + " vertices, " +
+               (self.fitted.fit.interpolation.converged ? "converged>" : "not converged>");
+      });
+}
+
+}  // namespace
+
+void add_fit(py::module_& module) {
+  add_surface_class(module);
+  add_fit_class(module);
+  const std::string fit_text =
+      std::string(
+          "The smooth surface through the vertices of a mesh.\n\n"
+          "fit(vertices, faces, **options) or fit(mesh, **options) -> Fit\n\n"
+          "    vertices: numbers (n, 3). faces: integers (m, k); or a tuple (sizes, "
+          "indices);\n        or a list of faces.") +
+      kFitKeywords +
+      "\n\nNot reaching the tolerance is a result: see Fit.converged. Raises UnusableMesh,\n"
+      "InvalidArgument, OutOfMemory, Cancelled. The same as `planish fit --device cpu`, to the "
+      "last "
+      "bit.";
+  module.def("fit", &fit_arrays, py::arg("vertices"), py::arg("faces") = py::none(),
+             fit_text.c_str());
+  const std::string file_text =
+      std::string(
+          "From file to file: reads a mesh, fits it, writes its surface and, where named, "
+          "its cage.\n\nfit_file(input, output, level=2, cage=None, **options) -> Fit\n") +
+      kFitKeywords + "\n\nRaises what read(), fit() and write() raise.";
+  module.def("fit_file", &fit_files, py::arg("input"), py::arg("output"), py::arg("level") = 2,
+             py::arg("cage") = py::none(), file_text.c_str());
+}
+
+}  // namespace planish::python

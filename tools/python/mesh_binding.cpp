@@ -1,0 +1,250 @@
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
+#include "planish/core/visible_text.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/read_points.h"
+#include "planish/files/write_surface.h"
+#include "planish/pipeline/fit_file.h"
+#include "planish/pipeline/verify_cage.h"
+#include "planish/reconstruct/mesher_process.h"
+#include "planish/reconstruct/reconstruct.h"
+
+namespace py = pybind11;
+
+namespace planish::python {
+namespace {
+
+FileFormat require_format(const std::string& path, FormatUse use) {
+  const auto format = format_of(path);
+  if (!format || !serves(*format, use))
+    refuse(visible(std::string_view(path)) + ": " + extensions_in_words(use) + " is wanted");
+  return *format;
+}
+
+void write_the_mesh(const std::string& path, const PolygonMesh& mesh) {
+  write_mesh(path, require_format(path, FormatUse::WriteCage), mesh);
+}
+
+void write_the_surface(const std::string& path, const SurfaceMesh& surface) {
+  const FileFormat format = require_format(path, FormatUse::WriteSurface);
+  if (info_of(format).is_gltf) {
+    write_gltf(path, surface, {});
+  } else {
+    write_surface(path, format, surface);
+  }
+}
+
+py::array points_array(PointCloud&& cloud) {
+  for (glm::dvec3& point : cloud.points) point += cloud.origin;
+  const auto count = static_cast<py::ssize_t>(cloud.points.size());
+  auto* const kept = new std::vector<glm::dvec3>(std::move(cloud.points));
+  const py::capsule owner(
+      kept, [](void* pointer) { delete static_cast<std::vector<glm::dvec3>*>(pointer); });
+  return py::array_t<double>({count, py::ssize_t{3}}, kept->empty() ? nullptr : &(*kept)[0].x,
+                             owner);
+}
+
+MeshHandle read_the_mesh(const py::object& path) {
+  const std::string file = path_of(path);
+  auto made = std::make_shared<PythonMesh>();
+  run_released({}, [&](const Callbacks&) {
+    made->mesh = std::move(planish::read_mesh(std::filesystem::path(file)).mesh);
+  });
+  return made;
+}
+
+MeshHandle reconstruct_points(const py::object& points, double tolerance,
+                              std::int64_t target_vertices, bool quads, const std::string& spacing,
+                              const py::object& progress, const py::object& cancelled) {
+  const Doubles values = as_points(points, "points");
+  if (spacing != "adaptive" && spacing != "even")
+    refuse("spacing: \"" + spacing + "\"; one of adaptive, even is wanted");
+  const auto program = find_mesher_program();
+  if (!program) {
+    throw Error(ErrorCode::NoDevice,
+                "planish-reconstruct is not on PATH, and PLANISH_RECONSTRUCT does not name it; "
+                "points need it");
+  }
+  const auto given = points_of(values);
+  auto made = std::make_shared<PythonMesh>();
+  run_released({progress, cancelled}, [&](const Callbacks& callbacks) {
+    const PointCloud cloud = cloud_of({given.begin(), given.end()}, "points");
+    ReconstructOptions options;
+    options.tolerance = tolerance;
+    options.target_vertices = target_vertices;
+    options.measure_noise = true;  // as the command does
+    options.pair_quads = quads;
+    options.spacing = spacing == "even" ? Spacing::Even : Spacing::Adaptive;
+    options.callbacks = callbacks;
+    made->mesh = std::move(reconstruct(cloud, mesher_process(*program), options).mesh);
+  });
+  return made;
+}
+
+Verification verify_mesh(const MeshHandle& cage, const MeshHandle& given, const py::kwargs& rest) {
+  const FitArguments arguments = fit_arguments(rest, "verify");
+  VerifyOptions options;
+  options.method = arguments.mesh.method.value_or(InterpolationMethod::Progressive);
+  options.scheme = arguments.mesh.fit.scheme;
+  options.weights = arguments.mesh.fit.weights;
+  options.sharp = arguments.mesh.fit.sharp;
+  options.repairs = arguments.mesh.repairs;
+  options.crease_degrees = arguments.mesh.crease_degrees;
+  options.tolerance = arguments.mesh.fit.tolerance;
+  Verification result;
+  run_released(arguments.callbacks,
+               [&](const Callbacks&) { result = verify_cage(cage->mesh, given->mesh, options); });
+  return result;
+}
+
+void add_mesh_class(py::module_& module) {
+  py::class_<PythonMesh, MeshHandle>(module, "Mesh",
+                                     "Polygons of any size, counter-clockwise seen from outside.")
+      .def(py::init([](const py::object& vertices, const py::object& faces,
+                       const py::object& crease_edges, const py::object& corner_vertices) {
+             auto made = std::make_shared<PythonMesh>();
+             made->mesh = mesh_of(vertices, faces);
+             require_indices(made->mesh);
+             FitArguments tags;
+             tags.crease_edges = crease_edges;
+             tags.corner_vertices = corner_vertices;
+             add_tags(tags, made->mesh);
+             return made;
+           }),
+           py::arg("vertices"), py::arg("faces"), py::kw_only(),
+           py::arg("crease_edges") = py::none(), py::arg("corner_vertices") = py::none(),
+           "vertices: numbers (n, 3). faces: integers (m, k); or a tuple (sizes, indices); or a "
+           "list of faces. Raises InvalidArgument for shapes, UnusableMesh for an index that names "
+           "no vertex.")
+      .def_property_readonly(
+          "vertices",
+          [](const py::object& self) {
+            const PolygonMesh& mesh = self.cast<PythonMesh&>().mesh;
+            return view(mesh.positions.empty() ? nullptr : &mesh.positions[0].x,
+                        {mesh.vertex_count(), 3}, self);
+          },
+          "float64 (n, 3), a read-only view.")
+      .def_property_readonly(
+          "faces",
+          [](const py::object& self) {
+            const PolygonMesh& mesh = self.cast<PythonMesh&>().mesh;
+            return faces_view(mesh.face_offsets, mesh.face_vertices, self);
+          },
+          "int32 (m, k) where all faces have k corners, else (sizes, indices).")
+      .def_property_readonly(
+          "offsets",
+          [](const py::object& self) {
+            const PolygonMesh& mesh = self.cast<PythonMesh&>().mesh;
+            return view(mesh.face_offsets.data(), {mesh.face_count() + 1}, self);
+          },
+          "int32 (m + 1,): the corners of face f are indices[offsets[f]:offsets[f + 1]].")
+      .def_property_readonly(
+          "indices",
+          [](const py::object& self) {
+            const PolygonMesh& mesh = self.cast<PythonMesh&>().mesh;
+            return view(mesh.face_vertices.data(),
+                        {static_cast<py::ssize_t>(mesh.face_vertices.size())}, self);
+          },
+          "int32: the vertices of all faces, one after another.")
+      .def_property_readonly(
+          "crease_edges",
+          [](const PythonMesh& self) {
+            std::vector<std::int32_t> edges;
+            for (const CreaseEdge& crease : self.mesh.creases)
+              edges.insert(edges.end(), {crease.v0, crease.v1});
+            const auto count = static_cast<py::ssize_t>(edges.size()) / 2;
+            return take_over(std::move(edges), {count, 2});
+          },
+          "int32 (c, 2): edges that stay sharp.")
+      .def("__repr__", [](const PythonMesh& self) {
+        return "<planish.Mesh: " + std::to_string(self.mesh.vertex_count()) + " vertices, " +
+               std::to_string(self.mesh.face_count()) + " faces>";
+      });
+}
+
+void add_verification(py::module_& module) {
+  py::class_<Verification>(module, "Verification",
+                           "How far given vertices are from the surface of a cage.")
+      .def_readonly("confirmed", &Verification::confirmed, "max_error is at most the tolerance.")
+      .def_property_readonly(
+          "max_error", [](const Verification& v) { return v.error.max; },
+          "Of the bounding box's diagonal.")
+      .def_property_readonly(
+          "rms_error", [](const Verification& v) { return v.error.rms; },
+          "Of the bounding box's diagonal.")
+      .def_readonly("worst_vertex", &Verification::worst_vertex, "Index of a given vertex.")
+      .def_readonly("vertex_count", &Verification::vertex_count, "Of the given mesh, repaired.");
+}
+
+}  // namespace
+
+std::string path_of(const py::object& path) {
+  const py::object bytes = py::module_::import("os").attr("fsencode")(path);
+  return py::cast<std::string>(bytes);
+}
+
+void write(const std::string& path, const py::object& what, int level) {
+  if (py::isinstance<PythonFit>(what)) {
+    const auto fit = what.cast<FitHandle>();
+    const auto backend =
+        make_cpu_backend({.solve_precision = fit->precision, .thread_count = fit->threads});
+    run_released({}, [&](const Callbacks& callbacks) {
+      write_fitted_surface(path, fit->fitted, fit->name, *backend,
+                           {.level = level, .callbacks = callbacks});
+    });
+  } else if (py::isinstance<PythonSurface>(what)) {
+    const auto surface = what.cast<SurfaceHandle>();
+    run_released({}, [&](const Callbacks&) { write_the_surface(path, surface->surface); });
+  } else if (py::isinstance<PythonMesh>(what)) {
+    const auto mesh = what.cast<MeshHandle>();
+    run_released({}, [&](const Callbacks&) { write_the_mesh(path, mesh->mesh); });
+  } else {
+    throw py::type_error("write() takes a Fit, a Surface or a Mesh");
+  }
+}
+
+void add_mesh(py::module_& module) {
+  add_mesh_class(module);
+  add_verification(module);
+  module.def("read", &read_the_mesh, py::arg("path"),
+             "The mesh in an OBJ, PLY, OFF, STL, glTF or GLB file, by extension. Raises "
+             "UnreadableInput, InvalidArgument for an extension.");
+  module.def(
+      "read_points",
+      [](const py::object& path) {
+        PointCloud cloud;
+        const std::string file = path_of(path);
+        run_released({}, [&](const Callbacks&) {
+          cloud = planish::read_points(std::filesystem::path(file));
+        });
+        return points_array(std::move(cloud));
+      },
+      py::arg("path"), "The points in a PLY, XYZ, PTS or PCD file: float64 (n, 3).");
+  module.def(
+      "write",
+      [](const py::object& path, const py::object& what, int level) {
+        write(path_of(path), what, level);
+      },
+      py::arg("path"), py::arg("what"), py::kw_only(), py::arg("level") = 2,
+      "Writes the surface of a Fit (`level` splits) or a Surface as glTF, GLB, OBJ, PLY, OFF, STL "
+      "or USD text, or a Mesh as OBJ, PLY, OFF or USD text, by extension. An old file stays until "
+      "the new one is whole. Raises UnwritableOutput, InvalidArgument.");
+  module.def("reconstruct", &reconstruct_points, py::arg("points"), py::kw_only(),
+             py::arg("tolerance") = 1e-4, py::arg("target_vertices") = 0, py::arg("quads") = true,
+             py::arg("spacing") = "adaptive", py::arg("progress") = py::none(),
+             py::arg("cancelled") = py::none(),
+             "A mesh near every one of these points, numbers (n, 3): within `tolerance` of the "
+             "diagonal. Needs the program planish-reconstruct. Raises NoDevice without it, "
+             "UnusableMesh for points that span no surface.");
+  module.def("verify", &verify_mesh, py::arg("cage"), py::arg("given"),
+             "How far the vertices of the mesh `given` are from the surface of the control mesh "
+             "`cage`, by limit points in double. Further keywords are those of fit() that shaped "
+             "the surface; `method` is \"progressive\" unless it is given. Raises UnusableMesh for "
+             "a cage of another mesh.");
+}
+
+}  // namespace planish::python
