@@ -30,7 +30,6 @@ bl_info = {
 
 INFINITE_SHARPNESS = 10
 
-
 # -- What goes to the command ---------------------------------------------------------------------
 
 
@@ -81,7 +80,6 @@ def command_line(settings):
 
 
 # -- What comes back ------------------------------------------------------------------------------
-
 
 COMPONENTS = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
@@ -171,7 +169,6 @@ def build_mesh(name, surface):
 
 # -- The process ----------------------------------------------------------------------------------
 
-
 class Job:
     """The command at work on a mesh. Threads feed and empty its pipes, so that none can fill up."""
 
@@ -257,9 +254,6 @@ def add_result(context, source, surface):
     result.select_set(True)
     context.view_layer.objects.active = result
     return result
-
-
-# -- Blender's side -------------------------------------------------------------------------------
 
 
 class PlanishSettings(bpy.types.PropertyGroup):

@@ -7,7 +7,6 @@
 #include <string>
 #include <thread>
 
-#include "planish/core/error.h"
 #include "planish/core/stop.h"
 
 namespace py = pybind11;

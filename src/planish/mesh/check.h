@@ -46,8 +46,8 @@ struct MeshProblem {
 /// for std::bad_alloc; positions, offsets and indices may hold anything.
 [[nodiscard]] std::vector<MeshProblem> check(const PolygonMesh& mesh);
 
-/// Throws Error{UnusableMesh} naming `name`, the first ten problems and, where repair() mends all of
-/// them, that; nothing when there is none.
+/// Throws Error{UnusableMesh} naming `name`, the first ten problems and, where repair() mends all
+/// of them, that; nothing when there is none.
 void require_usable(const PolygonMesh& mesh, std::string_view name);
 
 }  // namespace planish

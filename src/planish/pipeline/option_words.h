@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "planish/doosabin/face_rule.h"
-#include "planish/doosabin/sharp_features.h"
 #include "planish/fair/interpolation_method.h"
 #include "planish/interpolate/progressive.h"
+#include "planish/mesh/sharpness.h"
 #include "planish/primal/scheme.h"
 
 namespace planish {
