@@ -1,10 +1,14 @@
 # The installed package: find_package(planish) gives planish::planish, and planish::reconstruct for
-# points (MIT too; the mesher that it starts is the GPL-3 program planish-reconstruct).
+# points (MIT too; the mesher that it starts is the GPL-3 program planish-reconstruct); pkg-config
+# gives `planish`. Components: runtime, development, command, viewer, python.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/planish)
-install(TARGETS planish planish_reconstruct EXPORT planishTargets ARCHIVE LIBRARY RUNTIME
-        FILE_SET HEADERS)
-install(EXPORT planishTargets NAMESPACE planish:: DESTINATION ${package_dir})
+install(TARGETS planish planish_reconstruct EXPORT planishTargets
+        LIBRARY COMPONENT runtime NAMELINK_COMPONENT development
+        ARCHIVE COMPONENT development RUNTIME COMPONENT runtime
+        FILE_SET HEADERS COMPONENT development)
+install(EXPORT planishTargets NAMESPACE planish:: DESTINATION ${package_dir}
+        COMPONENT development)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/planishConfig.cmake.in
   ${PROJECT_BINARY_DIR}/planishConfig.cmake INSTALL_DESTINATION ${package_dir})
 # Before 1.0 a minor version may change the interface.
@@ -13,4 +17,16 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/planishConfigVersion.cmak
 install(FILES ${PROJECT_BINARY_DIR}/planishConfig.cmake
               ${PROJECT_BINARY_DIR}/planishConfigVersion.cmake
               ${CMAKE_CURRENT_LIST_DIR}/FindOpenSubdivLibrary.cmake
-        DESTINATION ${package_dir})
+        DESTINATION ${package_dir} COMPONENT development)
+
+# For builds without CMake. A shared library brings what it needs itself; OpenSubdiv has no .pc file.
+set(pc_libs_private "")
+if(NOT BUILD_SHARED_LIBS)
+  set(pc_libs_private "-losdCPU -ltbb -ltinygltf -lmeshoptimizer -lstdc++ -lm")
+endif()
+# Found from where the file lies, so that an installation can be moved.
+file(RELATIVE_PATH pc_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" pc_prefix "${pc_prefix}")
+configure_file(${CMAKE_CURRENT_LIST_DIR}/planish.pc.in ${PROJECT_BINARY_DIR}/planish.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/planish.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+        COMPONENT development)
