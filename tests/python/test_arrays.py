@@ -112,6 +112,7 @@ def test_wrong_arrays_are_refused(vertices, faces, error, words):
         ({"creases": "40"}, "auto:DEGREES"),
         ({"creases": "auto:x"}, "auto:DEGREES"),
         ({"repair": True}, "repair"),
+        ({"weld": 0.5}, "weld: 0.5 is out of range"),
         ({"max_iterations": -1}, "max_iterations"),
         ({"threads": 10**6}, "threads"),
         ({"method": "fair", "scheme": "loop"}, "[Ff]air"),

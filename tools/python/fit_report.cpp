@@ -42,6 +42,7 @@ py::dict input_of(const FittedMesh& fitted) {
   result["sharp_edges"] = fit.sharp_edge_count;
   result["corners"] = fit.corner_count;
   result["folded_edges"] = folded;
+  result["separated_edges"] = fitted.separated_edge_count;
   py::list changed;
   for (const std::int32_t face : fitted.changed_faces) changed.append(face);
   result["changed_faces"] = changed;
@@ -72,6 +73,7 @@ py::object fair_of(const FittedMesh& fitted) {
   result["shrunk_vertices"] = fair.shrunk_vertices;
   result["reversed_vertices"] = fair.reversed_vertices;
   result["cured_vertices"] = fair.cured_vertices;
+  result["smoothed_vertices"] = fitted.smoothed_vertices.size();
   result["flagged_edges"] = fair.flagged_edges;
   result["flagged_faces"] = fair.flagged_faces;
   return result;
@@ -92,8 +94,9 @@ py::dict solve_of(const FittedMesh& fitted) {
       where(options.scheme == Scheme::DooSabin, text_of(word_of(kWeightsWords, options.weights)));
   solve["solver"] = where(iterates, text_of(word_of(kSolverWords, options.solver)));
   solve["boundary"] = text_of(word_of(kBoundaryWords, options.sharp.boundary));
-  solve["creases"] = creases_text(options.sharp.use_tags, fitted.crease_degrees);
+  solve["creases"] = creases_text(fitted.uses_tags, fitted.crease_degrees);
   solve["repair"] = fitted.repairs ? "safe" : "none";
+  solve["weld"] = where(fitted.weld.has_value(), py::float_(fitted.weld.value_or(0)));
   solve["tolerance"] = options.tolerance;
   solve["converged"] = result.converged;
   solve["stop_reason"] = name_of(result.stop_reason);

@@ -94,6 +94,7 @@ Verification verify_mesh(const MeshHandle& cage, const MeshHandle& given, const 
   options.sharp = arguments.mesh.fit.sharp;
   options.repairs = arguments.mesh.repairs;
   options.crease_degrees = arguments.mesh.crease_degrees;
+  options.weld = arguments.mesh.weld;
   options.tolerance = arguments.mesh.fit.tolerance;
   Verification result;
   run_released(arguments.callbacks,

@@ -7,6 +7,7 @@
 #include "errors.h"
 #include "planish/core/number_text.h"
 #include "planish/mesh/detect_creases.h"
+#include "planish/mesh/weld_vertices.h"
 #include "planish/pipeline/option_words.h"
 
 namespace py = pybind11;
@@ -25,6 +26,7 @@ const char* const kFitKeywords = R"(
         turn by more than 40 degrees ("auto": by an angle that suits most meshes).
     crease_edges: integers (m, 2), edges that stay sharp; corner_vertices: integers (n,).
     repair: "safe" mends what can be mended, "none" refuses it.
+    weld: vertices within this fraction of the diagonal become one, first.
     max_iterations, polish: steps of the progressive and of the fair method.
     precision: of the solve: "auto", "float" or "double".
     threads: 0 takes all cores. Results are the same bits for any number.
@@ -104,6 +106,15 @@ void take_numbers(Keywords& keywords, FitArguments& result) {
   if (!(fit.tolerance > 0 && fit.tolerance <= 1)) {
     refuse("tolerance: " + shortest(fit.tolerance) +
            " is out of range; a fraction of the diagonal above 0 and up to 1 is wanted");
+  }
+  double weld = -1;
+  keywords.take("weld", weld, "a number is wanted");
+  if (weld != -1) {
+    if (!(weld == 0 || (weld >= kSmallestWeld && weld < kWeldEnd)))
+      refuse("weld: " + shortest(weld) +
+             " is out of range; 0, or a fraction of the diagonal from "
+             "1e-12 to less than 0.1, is wanted");
+    result.mesh.weld = weld;
   }
   const auto take_count = [&](const char* name, std::int32_t& target, std::int32_t most) {
     std::int64_t count = target;
