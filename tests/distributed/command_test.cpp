@@ -1,7 +1,6 @@
 // planish-mpi as people start it: exit codes, files, faults.
 #include <gmock/gmock.h>
 
-#include <filesystem>
 #include <fstream>
 
 #include "cli/json_schema.h"

@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "distributed/rank_runs.h"
-#include "planish/distributed/curve_key.h"
-#include "planish/distributed/curve_order.h"
+#include "planish/distributed/vertex_order.h"
+#include "planish/files/tiles/curve_order.h"
 #include "support/meshes.h"
 
 namespace planish::test {
@@ -70,28 +70,11 @@ TEST(Messages, AllRanksThrowWhatTheLowestDid) {
   });
 }
 
-TEST(CurveKey, VisitsEveryCellOnceAndStepsToNeighbours) {
-  // The 8^3 cells of the coarsest three levels, by the order of their first keys.
-  constexpr std::uint32_t kStep = 1u << (kCurveBits - 3);
-  std::vector<std::pair<std::uint64_t, std::array<int, 3>>> cells;
-  for (int x = 0; x < 8; ++x)
-    for (int y = 0; y < 8; ++y)
-      for (int z = 0; z < 8; ++z)
-        cells.push_back({curve_key({x * kStep, y * kStep, z * kStep}) >> (63 - 9), {x, y, z}});
-  std::ranges::sort(cells);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    EXPECT_EQ(cells[i].first, i);
-    if (i == 0) continue;
-    int distance = 0;
-    for (int c = 0; c < 3; ++c) distance += std::abs(cells[i].second[c] - cells[i - 1].second[c]);
-    EXPECT_EQ(distance, 1) << i;
-  }
-}
-
-TEST(CurveOrder, IsTheSameForEveryRankCount) {
+TEST(VertexOrder, IsThatOfOneMachineForEveryRankCount) {
   PolygonMesh mesh = mixed_torus(24, 12);
   mesh.positions.push_back(mesh.positions[7]);  // coincident: the file's order decides
-  std::vector<std::int64_t> reference;
+  const auto one_machine = curve_order(mesh.positions);
+  const std::vector<std::int64_t> expected(one_machine.begin(), one_machine.end());
   for (const int count : kRankCounts) {
     on_ranks(count, [&](const Ranks& ranks) {
       MeshSlice slice = scatter_mesh(ranks, mesh);
@@ -102,8 +85,7 @@ TEST(CurveOrder, IsTheSameForEveryRankCount) {
       counts[0] = static_cast<std::int64_t>(order.file_ids.size());
       const auto all = all_to_all<std::int64_t>(ranks, order.file_ids, counts);
       if (ranks.rank != 0) return;
-      if (reference.empty()) reference.assign(all.begin(), all.end());
-      EXPECT_EQ(reference, std::vector<std::int64_t>(all.begin(), all.end())) << ranks.size;
+      EXPECT_EQ(expected, std::vector<std::int64_t>(all.begin(), all.end())) << ranks.size;
     });
   }
 }

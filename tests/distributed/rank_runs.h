@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "planish/distributed/fit_distributed.h"
 #include "planish/distributed/messages.h"

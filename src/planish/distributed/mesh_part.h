@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "planish/distributed/curve_order.h"
 #include "planish/distributed/mesh_slice.h"
+#include "planish/distributed/vertex_order.h"
 
 namespace planish {
 

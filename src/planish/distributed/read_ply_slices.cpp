@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "planish/core/number_text.h"
 #include "planish/distributed/range_file.h"

@@ -24,8 +24,9 @@ struct Place {
 
 std::uint32_t cell_of(double offset, double side) {
   constexpr double kCells = std::uint32_t{1} << kCurveBits;
-  if (!(side > 0)) return 0;
-  return static_cast<std::uint32_t>(std::clamp(offset / side * kCells, 0.0, kCells - 1));
+  const double at = side > 0 ? offset / side * kCells : 0.0;
+  // The comparison is false for what is not finite.
+  return at > 0 ? static_cast<std::uint32_t>(std::min(at, kCells - 1)) : 0;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "planish/distributed/curve_order.h"
+#include "planish/distributed/vertex_order.h"
 
 #include <oneapi/tbb/parallel_sort.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "planish/core/parallel.h"
-#include "planish/distributed/curve_key.h"
+#include "planish/files/tiles/curve_order.h"
 
 namespace planish {
 
@@ -35,11 +35,11 @@ CurveVertices with_keys(const Ranks& ranks, const MeshSlice& slice) {
   MPI_Allreduce(MPI_IN_PLACE, &low.x, 3, MPI_DOUBLE, MPI_MIN, ranks.comm);
   MPI_Allreduce(MPI_IN_PLACE, &high.x, 3, MPI_DOUBLE, MPI_MAX, ranks.comm);
   const glm::dvec3 extent = high - low;
-  const double side = std::max({extent.x, extent.y, extent.z});
+  const CurveBox box{low, std::max({extent.x, extent.y, extent.z})};
   CurveVertices result(slice.positions.size());
   parallel_for(result.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      result[i] = {curve_key(curve_cell(slice.positions[i], low, side)),
+      result[i] = {hilbert_key(slice.positions[i], box),
                    slice.vertices[ranks.rank] + static_cast<std::int64_t>(i), slice.positions[i]};
   });
   return result;
