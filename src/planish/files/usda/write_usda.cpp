@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,12 +52,6 @@ void write_triple(FileBuffer& out, const glm::vec3& v) {
 // Sharpness of at least 10 is infinite here as there.
 float usd_sharpness(float sharpness) {
   return std::isfinite(sharpness) ? sharpness : kInfiniteSharpness;
-}
-
-void write_integers(FileBuffer& out, const char* name, std::span<const std::int32_t> values) {
-  out.text("    int[] ").text(name).text(" = ");
-  write_list(out, values.size(), [&](std::size_t i) { out.number(values[i]); });
-  out.text("\n");
 }
 
 void write_number(FileBuffer& out, float value) { out.number(value); }
