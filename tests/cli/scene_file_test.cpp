@@ -305,7 +305,8 @@ TEST(SceneSchema, WhatItForbidsIsRefused) {
          document.at(json::json_pointer(pointer))["properties"].items()) {
       if (key == "$schema") continue;  // for editors only
       const json description = resolved(property, document);
-      std::vector<json> values{true, json()};
+      const bool is_switch = description.value("type", json()) == "boolean";
+      std::vector<json> values{is_switch ? json("yes") : json(true), json()};
       if (description.contains("enum")) values.emplace_back("nonsense");
       if (description.contains("maximum"))
         values.emplace_back(description["maximum"].get<std::int64_t>() + 1);

@@ -23,6 +23,9 @@ install(FILES ${PROJECT_BINARY_DIR}/planishConfig.cmake
 set(pc_libs_private "")
 if(NOT BUILD_SHARED_LIBS)
   set(pc_libs_private "-losdCPU -ltbb -ltinygltf -lmeshoptimizer -lstdc++ -lm")
+  if(PLANISH_DRACO)
+    string(PREPEND pc_libs_private "-ldraco ")
+  endif()
 endif()
 # Found from where the file lies, so that an installation can be moved.
 file(RELATIVE_PATH pc_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)

@@ -1,5 +1,8 @@
 #include "planish/surface/memory_need.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <fstream>
 #include <limits>
@@ -88,6 +91,18 @@ std::uint64_t patch_bytes(std::span<const LevelCounts> levels, LastLevel last,
   return bytes;
 }
 
+// What a limit of the process (ulimit -v) leaves.
+std::uint64_t address_space_left() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+    return std::numeric_limits<std::uint64_t>::max();
+  std::ifstream file("/proc/self/statm");
+  std::uint64_t pages = 0;
+  file >> pages;
+  const std::uint64_t used = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  return limit.rlim_cur - std::min<std::uint64_t>(limit.rlim_cur, used);
+}
+
 }  // namespace
 
 RefinedAttributes RefinedAttributes::of(const PolygonMesh& mesh) {
@@ -122,12 +137,12 @@ std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel 
 }
 
 std::uint64_t available_memory_bytes() {
-  std::uint64_t available = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t available = address_space_left();
   std::ifstream file("/proc/meminfo");
   std::string key, unit;
   std::uint64_t kibibytes = 0;
   while (file >> key >> kibibytes && std::getline(file, unit)) {
-    if (key == "MemAvailable:") available = kibibytes * 1024;
+    if (key == "MemAvailable:") available = std::min(available, kibibytes * 1024);
   }
   const std::uint64_t group_limit = read_number("/sys/fs/cgroup/memory.max");
   const std::uint64_t group_used = read_number("/sys/fs/cgroup/memory.current");

@@ -31,8 +31,9 @@ struct RefinedAttributes {
 [[nodiscard]] std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel last,
                                                const RefinedAttributes& attributes = {});
 
-/// Memory that the machine can still give, in bytes: the least of what the kernel calls available
-/// and what control groups leave; the largest value where neither can be read.
+/// Memory that the machine can still give, in bytes: the least of what the kernel calls available,
+/// what control groups and the process's limit of address space (ulimit -v) leave; the largest
+/// value where none can be read.
 [[nodiscard]] std::uint64_t available_memory_bytes();
 
 /// Throws Error{OutOfMemory} where 32-bit indices do not reach all corners of the last level.
