@@ -193,7 +193,7 @@ TEST(PartRows, UnusedVerticesGetNoRow) {
     });
 }
 
-// The messages of one machine, each once, wherever ranks and blocks are cut.
+// The messages of one machine, each once, wherever ranks and blocks are cut; the remedy is another.
 void expect_refused_as_on_one(const PolygonMesh& mesh) {
   std::string expected = "no error";
   try {
@@ -202,6 +202,8 @@ void expect_refused_as_on_one(const PolygonMesh& mesh) {
     expected = error.what();
   }
   EXPECT_NE(expected, "no error");
+  expected = expected.substr(0, expected.find("; repair()")) +
+             "; planish-mpi mends nothing, planish fit mends what it can";
   for (const auto& [block, count] : {std::pair{1, 8}, {3, 3}, {1000, 1}})
     on_ranks(count, [&, size = block, most = count](const Ranks& ranks) {
       const MeshPart part = part_of(ranks, mesh, size);

@@ -167,6 +167,7 @@ std::vector<FoundProblem> unknown_tags(const MeshPart& part) {
 void require_none(const Ranks& ranks, const std::vector<FoundProblem>& found,
                   const std::string& name) {
   constexpr std::int64_t kNamed = 10;
+  constexpr const char* kRemedy = "; planish-mpi mends nothing, planish fit mends what it can";
   const std::int64_t count = sum_over(ranks, static_cast<std::int64_t>(found.size()));
   if (count == 0) return;
   const std::vector<FoundProblem> first = first_of_all(ranks, found, kNamed);
@@ -182,6 +183,8 @@ void require_none(const Ranks& ranks, const std::vector<FoundProblem>& found,
       for (std::int64_t i = 0; i < std::min(count, kNamed); ++i)
         message += "\n  " + first[i].message;
     }
+    // A mesh without faces is beyond mending.
+    if (first.front().element >= 0) message += kRemedy;
     throw Error(ErrorCode::UnusableMesh, message, first.front().element);
   });
 }
