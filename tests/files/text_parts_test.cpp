@@ -45,7 +45,7 @@ void expect_the_same_wherever_it_is_cut(Read read, const std::string& text) {
     ASSERT_EQ(told(read, text, bytes), whole) << "in parts of " << bytes << " bytes of\n" << text;
 }
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
+std::string substituted(std::string text, const std::string& what, const std::string& by) {
   const std::size_t at = text.find(what);
   EXPECT_NE(at, std::string::npos) << what;
   return text.replace(at, what.size(), by);
@@ -117,9 +117,9 @@ TEST(ReadTextInParts, SaysTheSameOfErrors) {
       {"face 4", "face 400"},           {"float y", "float w"}, {"1 1.5", "1 x"},
       {"0 1 2 3 2", "0 1 -2 3 2"}};
   for (const auto& [what, by] : ply) {
-    expect_the_same_wherever_it_is_cut(read_ply_in_parts, replaced(kPly, what, by));
+    expect_the_same_wherever_it_is_cut(read_ply_in_parts, substituted(kPly, what, by));
     expect_the_same_wherever_it_is_cut(read_ply_in_parts,
-                                       replaced(replaced(kPly, what, by), "0.5 0.5", "0.5 y"));
+                                       substituted(substituted(kPly, what, by), "0.5 0.5", "0.5 y"));
   }
   const std::vector<std::pair<std::string, std::string>> off = {{"1 1 0", "1 one 0"},
                                                                 {"0 1 0\n", "0 1\n"},
@@ -131,9 +131,9 @@ TEST(ReadTextInParts, SaysTheSameOfErrors) {
                                                                 {"5 4 0", "5 400 0"},
                                                                 {"3 2 3 4", "3 2 -3 4"}};
   for (const auto& [what, by] : off) {
-    expect_the_same_wherever_it_is_cut(read_off_in_parts, replaced(kOff, what, by));
+    expect_the_same_wherever_it_is_cut(read_off_in_parts, substituted(kOff, what, by));
     expect_the_same_wherever_it_is_cut(read_off_in_parts,
-                                       replaced(replaced(kOff, what, by), "4.5e1", "4.5e"));
+                                       substituted(substituted(kOff, what, by), "4.5e1", "4.5e"));
   }
 }
 

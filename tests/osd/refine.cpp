@@ -8,7 +8,7 @@ namespace {
 
 using namespace OpenSubdiv;
 
-constexpr float kPlaces[] = {0.0f, 0.125f, 0.5f, 0.8f, 1.0f};
+constexpr float kGridPlaces[] = {0.0f, 0.125f, 0.5f, 0.8f, 1.0f};
 
 /// The stencils of `table` and after them those of the patches' own points, which may be none.
 std::unique_ptr<const Far::StencilTable> with_local_points(const Far::TopologyRefiner& refiner,
@@ -30,8 +30,8 @@ std::unique_ptr<const Far::LimitStencilTable> limit_table(const Refined& refined
   Far::LimitStencilTableFactory::LocationArrayVec locations;
   std::vector<float> s, t;
   const bool triangles = refined.refiner->GetSchemeType() == Sdc::SCHEME_LOOP;
-  for (const float u : kPlaces)
-    for (const float v : kPlaces) {
+  for (const float u : kGridPlaces)
+    for (const float v : kGridPlaces) {
       if (triangles && u + v > 1) continue;
       s.push_back(u);
       t.push_back(v);

@@ -45,7 +45,7 @@ def names_in(part):
         yield match[1], match[1]
     for match in re.finditer(r"(?m)^using (\w+) = ([^;]*);", part):
         yield match[1], match[1] + " = " + " ".join(match[2].split())
-    for match in re.finditer(r"(?m)^(?:inline |static )*(?:constexpr|const) [^;(){}]*?(\w+)(?:\[[^\]]*\])?(?: =|\{)",
+    for match in re.finditer(r"(?m)^(?:inline |static )*(?:constexpr|const) [^;(){}]*?(\w+)(?:\[[^\]]*\])*(?: =|\{)",
                              part):
         yield match[1], match[1]
     # A template's parameters are not told apart here.
