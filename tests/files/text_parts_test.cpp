@@ -118,8 +118,8 @@ TEST(ReadTextInParts, SaysTheSameOfErrors) {
       {"0 1 2 3 2", "0 1 -2 3 2"}};
   for (const auto& [what, by] : ply) {
     expect_the_same_wherever_it_is_cut(read_ply_in_parts, substituted(kPly, what, by));
-    expect_the_same_wherever_it_is_cut(read_ply_in_parts,
-                                       substituted(substituted(kPly, what, by), "0.5 0.5", "0.5 y"));
+    expect_the_same_wherever_it_is_cut(
+        read_ply_in_parts, substituted(substituted(kPly, what, by), "0.5 0.5", "0.5 y"));
   }
   const std::vector<std::pair<std::string, std::string>> off = {{"1 1 0", "1 one 0"},
                                                                 {"0 1 0\n", "0 1\n"},

@@ -159,7 +159,7 @@ ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& consol
   return exit_code;
 }
 
-ExitCode run_fit(const FitFlags& flags, const std::vector<std::string>& arguments) {
+ExitCode run_fit_command(const FitFlags& flags, const std::vector<std::string>& arguments) {
   Console console(flags.messages.level(), flags.messages.color_mode(), flags.messages.form());
   const FitPlan plan = plan_fit(flags);
   if (flags.dry_run)
@@ -192,7 +192,9 @@ void add_fit_command(CLI::App& app, Invocation& invocation) {
           "an output exists, is a folder, has no folder or cannot be written; 8 some of several "
           "inputs failed; 130 and 143 interrupted."};
   command->callback([flags, &invocation] {
-    invocation.action = [flags, &invocation] { return run_fit(*flags, invocation.arguments); };
+    invocation.action = [flags, &invocation] {
+      return run_fit_command(*flags, invocation.arguments);
+    };
   });
 }
 

@@ -42,9 +42,9 @@ PointInput read_cloud(const std::string& path, std::optional<FileFormat> format)
   return points_of(load_input(path, format));
 }
 
-void write_report(const ReconstructFlags& flags, const std::vector<std::string>& arguments,
-                  const PointInput& input, const Reconstruction& result,
-                  const std::vector<Warning>& warnings, StagedFiles& staged) {
+void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::string>& arguments,
+                          const PointInput& input, const Reconstruction& result,
+                          const std::vector<Warning>& warnings, StagedFiles& staged) {
   nlohmann::ordered_json json;
   json["schema"] = "planish.report/1";
   json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}};
@@ -68,7 +68,7 @@ void write_report(const ReconstructFlags& flags, const std::vector<std::string>&
   file.commit();
 }
 
-ReconstructOptions options_of(const ReconstructFlags& flags) {
+ReconstructOptions reconstruct_options(const ReconstructFlags& flags) {
   ReconstructOptions options;
   options.measure_noise = true;
   apply_words(flags.words, point_settings(), options);
@@ -84,7 +84,7 @@ std::optional<FileFormat> input_format_of(const ReconstructFlags& flags) {
 void check_files(const ReconstructFlags& flags) {
   Faults faults;
   faults.note([&] { require_readable(flags.input, input_format_of(flags)); });
-  faults.note([&] { (void)options_of(flags); });
+  faults.note([&] { (void)reconstruct_options(flags); });
   if (flags.outputs.empty() && flags.report.empty())
     faults.note([&] {
       throw Error(ErrorCode::InvalidArgument,
@@ -107,7 +107,7 @@ void check_files(const ReconstructFlags& flags) {
 ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::string>& arguments) {
   Console console(flags.messages.level(), flags.messages.color_mode(), flags.messages.form());
   check_files(flags);
-  ReconstructOptions options = options_of(flags);
+  ReconstructOptions options = reconstruct_options(flags);
   Progress all(console, flags.messages.progress_mode());
   JobProgress progress(all, job_name_of(flags.input));
   progress.plan(
@@ -129,7 +129,8 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
     write_mesh(staged.stage(path), output_format(path), result.mesh);
   all.finish();
   check_interrupt();
-  if (!flags.report.empty()) write_report(flags, arguments, input, result, warnings, staged);
+  if (!flags.report.empty())
+    write_reconstruction(flags, arguments, input, result, warnings, staged);
   staged.commit();
   console.info(input.name + "\n" + reconstruction_summary(input, result));
   return ExitCode::Done;

@@ -20,7 +20,7 @@ struct VerifyFlags {
 };
 
 // Flags first, then the cage's header, then the defaults of fit.
-VerifyOptions options_of(const VerifyFlags& flags, const CageHeader& header) {
+VerifyOptions verify_options(const VerifyFlags& flags, const CageHeader& header) {
   VerifyOptions options;
   options.interpolation = header.interpolation.value_or(options.interpolation);
   options.scheme = header.scheme.value_or(options.scheme);
@@ -91,11 +91,11 @@ ExitCode run_verify(const VerifyFlags& flags) {
   Faults faults;
   faults.note([&] { require_input(flags.cage, {}); });
   faults.note([&] { require_input(flags.input, {}); });
-  faults.note([&] { (void)options_of(flags, {}); });
+  faults.note([&] { (void)verify_options(flags, {}); });
   faults.throw_if_any();
   const Input cage = read_input(flags.cage, std::nullopt);
   const CageHeader header = parse_cage_header(cage.file.header, cage.name);
-  const VerifyOptions options = options_of(flags, header);
+  const VerifyOptions options = verify_options(flags, header);
   InputFile input = load_input(flags.input, std::nullopt);
   input.split_normals_crease = options.creases.split_normals;
   const Input given = mesh_of(input);

@@ -10,16 +10,16 @@
 namespace planish::command {
 namespace {
 
-std::string text_of(int number) { return std::to_string(number); }
+std::string library_text(int number) { return std::to_string(number); }
 
 }  // namespace
 
 std::string version_text() {
   std::string text = std::string("planish ") + PLANISH_VERSION + " (" + kGitRevision + ")\n";
   constexpr int kOsd = OPENSUBDIV_VERSION_NUMBER;
-  text += "  OpenSubdiv " + text_of(kOsd / 10000) + "." + text_of(kOsd / 100 % 100) + "." +
-          text_of(kOsd % 100) + ", oneTBB " + text_of(TBB_VERSION_MAJOR) + "." +
-          text_of(TBB_VERSION_MINOR) + "\n";
+  text += "  OpenSubdiv " + library_text(kOsd / 10000) + "." + library_text(kOsd / 100 % 100) +
+          "." + library_text(kOsd % 100) + ", oneTBB " + library_text(TBB_VERSION_MAJOR) + "." +
+          library_text(TBB_VERSION_MINOR) + "\n";
 #if PLANISH_HAS_VULKAN
   text += "  Vulkan: built in (planish devices lists devices)\n";
 #else

@@ -28,7 +28,7 @@ double most_of(const std::vector<float>& values) {
   return *place;
 }
 
-double largest_of(const std::vector<float>& values) {
+double largest_value(const std::vector<float>& values) {
   double largest = 0;
   for (const float x : values) largest = std::max(largest, std::abs(double{x}));
   return largest;
@@ -46,7 +46,7 @@ std::vector<float> in_order(const std::vector<float>& values, const PageOrder& o
 void add_fields(const VertexFields& fields, double diagonal, PageScene& scene) {
   const auto add = [&](PageField field, const std::vector<float>& values, double factor) {
     field.values = in_order(values, scene.order, factor);
-    field.largest = largest_of(field.values);
+    field.largest = largest_value(field.values);
     field.most = most_of(field.values);
     // Curvature has poles; all else is stored to its largest.
     field.limit = field.kind == FieldKind::Signed ? field.most : field.largest;

@@ -58,7 +58,7 @@ Decoded decode(std::string_view text) {
 }
 
 template <class... Arguments>
-std::string formatted(const char* format, Arguments... arguments) {
+std::string printed(const char* format, Arguments... arguments) {
   std::array<char, 32> buffer{};
   std::snprintf(buffer.data(), buffer.size(), format, arguments...);
   return buffer.data();
@@ -83,10 +83,10 @@ std::string visible_text(std::string_view text) {
   while (!text.empty()) {
     const Decoded decoded = decode(text);
     if (decoded.length == 0) {
-      out += formatted("\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(text[0])));
+      out += printed("\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(text[0])));
     } else if (is_invisible(decoded.point)) {
-      out += formatted(decoded.point > 0xFFFF ? "\\u{%x}" : "\\u%04x",
-                       static_cast<unsigned>(decoded.point));
+      out += printed(decoded.point > 0xFFFF ? "\\u{%x}" : "\\u%04x",
+                     static_cast<unsigned>(decoded.point));
     } else {
       out += text.substr(0, decoded.length);
     }
@@ -128,7 +128,7 @@ std::string script_json(const nlohmann::ordered_json& value) {
   for (const char c : value.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace)) {
     // Within JSON these stand in strings only.
     if (c == '<' || c == '>' || c == '&') {
-      out += formatted("\\u%04x", static_cast<unsigned>(c));
+      out += printed("\\u%04x", static_cast<unsigned>(c));
     } else {
       out += c;
     }

@@ -22,7 +22,7 @@ void measure_points(Inspection& inspection) {
   inspection.spacing = clean(cloud.points, {.outliers = OutlierRule::Off, .callbacks = {}}).spacing;
 }
 
-std::string line(const std::string& label, const std::string& value) {
+std::string inspection_line(const std::string& label, const std::string& value) {
   std::string text = "  " + label;
   text.resize(20, ' ');
   return text + value + "\n";
@@ -30,11 +30,11 @@ std::string line(const std::string& label, const std::string& value) {
 
 // A line only where there is something to count.
 std::string line_if_any(const std::string& label, std::int64_t count) {
-  return count > 0 ? line(label, with_separators(count)) : std::string();
+  return count > 0 ? inspection_line(label, with_separators(count)) : std::string();
 }
 
 // "3: 20, 4: 1"
-std::string histogram(const std::vector<std::int64_t>& counts) {
+std::string histogram_text(const std::vector<std::int64_t>& counts) {
   std::string text;
   for (std::size_t n = 0; n < counts.size(); ++n) {
     if (counts[n] == 0) continue;
@@ -45,38 +45,39 @@ std::string histogram(const std::vector<std::int64_t>& counts) {
 
 std::string points_text(const Inspection& inspection) {
   const PointCloud& cloud = inspection.points->cloud;
-  std::string text = line("points", with_separators(point_count(inspection)));
+  std::string text = inspection_line("points", with_separators(point_count(inspection)));
   text += line_if_any("not numbers", cloud.missing_count);
   text +=
       line_if_any("colours", static_cast<std::int64_t>(inspection.input.file.mesh.colors.size()));
-  text += line("diagonal", short_number(inspection.diagonal));
-  text += line("spacing", short_number(inspection.spacing));
-  for (const Warning& warning : cloud.warnings) text += line("warning", visible(warning.message));
+  text += inspection_line("diagonal", short_number(inspection.diagonal));
+  text += inspection_line("spacing", short_number(inspection.spacing));
+  for (const Warning& warning : cloud.warnings)
+    text += inspection_line("warning", visible(warning.message));
   return text;
 }
 
 std::string statistics_text(const MeshStatistics& statistics) {
-  return line("edges", with_separators(statistics.edge_count)) +
-         line("unused vertices", with_separators(statistics.unused_vertex_count)) +
-         line("face sizes", histogram(statistics.face_size_counts)) +
-         line("valences", histogram(statistics.valence_counts)) +
-         line("boundary loops", with_separators(statistics.boundary_loop_count)) +
-         line("components", with_separators(statistics.component_count)) +
-         line("genus", with_separators(statistics.genus));
+  return inspection_line("edges", with_separators(statistics.edge_count)) +
+         inspection_line("unused vertices", with_separators(statistics.unused_vertex_count)) +
+         inspection_line("face sizes", histogram_text(statistics.face_size_counts)) +
+         inspection_line("valences", histogram_text(statistics.valence_counts)) +
+         inspection_line("boundary loops", with_separators(statistics.boundary_loop_count)) +
+         inspection_line("components", with_separators(statistics.component_count)) +
+         inspection_line("genus", with_separators(statistics.genus));
 }
 
 std::string folds_line(const FoldedEdges& folds) {
-  return line("folded edges",
-              with_separators(folds.count) + " turn by more than 120 degrees, beside " +
-                  short_number(100 * folds.area) + " % of the area; first at face " +
-                  std::to_string(folds.first_face));
+  return inspection_line("folded edges",
+                         with_separators(folds.count) + " turn by more than 120 degrees, beside " +
+                             short_number(100 * folds.area) + " % of the area; first at face " +
+                             std::to_string(folds.first_face));
 }
 
 std::string problems_text(const std::vector<MeshProblem>& problems) {
   constexpr std::size_t kShown = 10;
-  std::string text =
-      line("problems",
-           problems.empty() ? "none" : with_separators(static_cast<std::int64_t>(problems.size())));
+  std::string text = inspection_line(
+      "problems",
+      problems.empty() ? "none" : with_separators(static_cast<std::int64_t>(problems.size())));
   for (std::size_t i = 0; i < std::min(kShown, problems.size()); ++i)
     text += "    " + std::string(name_of(problems[i].kind)) + ": " + problems[i].message + "\n";
   if (problems.size() > kShown) text += "    and more; --json lists all\n";
@@ -85,24 +86,25 @@ std::string problems_text(const std::vector<MeshProblem>& problems) {
 
 std::string mesh_text(const Inspection& inspection) {
   const MeshFile& file = inspection.input.file;
-  std::string text = line("vertices", with_separators(file.mesh.vertex_count()));
-  text += line("faces", with_separators(file.mesh.face_count()));
+  std::string text = inspection_line("vertices", with_separators(file.mesh.vertex_count()));
+  text += inspection_line("faces", with_separators(file.mesh.face_count()));
   if (inspection.statistics) {
     text += statistics_text(*inspection.statistics);
-    text += line("diagonal", short_number(inspection.diagonal));
+    text += inspection_line("diagonal", short_number(inspection.diagonal));
     if (inspection.folds->count > 0) text += folds_line(*inspection.folds);
   }
   const auto count = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
-  text += line("crease edges", with_separators(count(file.mesh.creases)));
-  text += line("corner vertices", with_separators(count(file.mesh.corners)));
+  text += inspection_line("crease edges", with_separators(count(file.mesh.creases)));
+  text += inspection_line("corner vertices", with_separators(count(file.mesh.corners)));
   text += line_if_any("hole faces", count(file.mesh.hole_faces));
   text += line_if_any("texture points", count(file.mesh.uvs));
   text += line_if_any("colours", count(file.mesh.colors));
   text += line_if_any("groups", count(file.mesh.groups));
   text += line_if_any("welded vertices", file.welded_vertex_count);
   text += line_if_any("dropped elements", file.dropped_element_count);
-  for (const std::string& entry : file.header) text += line("header", visible(entry));
-  for (const Warning& warning : file.warnings) text += line("warning", visible(warning.message));
+  for (const std::string& entry : file.header) text += inspection_line("header", visible(entry));
+  for (const Warning& warning : file.warnings)
+    text += inspection_line("warning", visible(warning.message));
   return text + problems_text(inspection.problems);
 }
 
