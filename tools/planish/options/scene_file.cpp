@@ -25,32 +25,27 @@ void check_keys(const Json& json, SceneObject kind, const std::string& where) {
   require_object(json, where);
   const std::vector<std::string_view> known = scene_keys(kind);
   for (const auto& [key, value] : json.items()) {
-    if (std::ranges::find(known, key) == known.end()) {
+    if (std::ranges::find(known, key) == known.end())
       refuse(key_path(where, key), "this key is not known" + did_you_mean(key, known));
-    }
   }
+}
+
+template <class Read>
+auto list_of(const Json& json, const std::string& where, const char* wanted, const Read& read) {
+  if (!json.is_array())
+    refuse(where, std::string("a list of ") + wanted + " is wanted, not " + json.type_name());
+  std::vector<decltype(read(json, where))> values;
+  for (std::size_t i = 0; i < json.size(); ++i)
+    values.push_back(read(json[i], entry_path(where, i)));
+  return values;
 }
 
 std::vector<int> levels_of(const Json& json, const std::string& where) {
-  if (!json.is_array()) {
-    refuse(where, std::string("a list of levels such as [2] is wanted, not ") + json.type_name());
-  }
-  std::vector<std::int64_t> values;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    values.push_back(integer_of(json[i], entry_path(where, i)));
-  }
-  return checked_levels(values, where);
+  return checked_levels(list_of(json, where, "levels such as [2]", integer_of), where);
 }
 
 std::vector<double> chord_errors_of(const Json& json, const std::string& where) {
-  if (!json.is_array()) {
-    refuse(where,
-           std::string("a list of errors such as [0.001] is wanted, not ") + json.type_name());
-  }
-  std::vector<double> values;
-  for (std::size_t i = 0; i < json.size(); ++i)
-    values.push_back(number_of(json[i], entry_path(where, i)));
-  return checked_chord_errors(values, where);
+  return checked_chord_errors(list_of(json, where, "errors such as [0.001]", number_of), where);
 }
 
 // What says how fine a surface is takes the place of what said so before.
@@ -393,10 +388,9 @@ std::vector<Job> select_jobs(std::vector<Job> jobs, const std::vector<std::strin
   std::vector<std::string_view> known;
   for (const Job& job : jobs) known.push_back(job.name);
   for (const std::string& name : names) {
-    if (std::ranges::find(known, name) == known.end()) {
+    if (std::ranges::find(known, name) == known.end())
       refuse("the scene has no job \"" + visible(name) + "\"",
              "it has " + listed(known) + did_you_mean(name, known));
-    }
   }
   std::erase_if(jobs,
                 [&](const Job& job) { return std::ranges::find(names, job.name) == names.end(); });
