@@ -3,36 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <numbers>
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/mesh/repair.h"
 #include "planish/pipeline/fit.h"
+#include "support/meshes.h"
 
 namespace planish {
 namespace {
 
-constexpr int kCells = 6;
-
-// Three sheets at one bent line, each in another direction and with cells of its own widths.
-PolygonMesh bent_sheets() {
-  PolygonMesh mesh;
-  const auto line = [](int i) { return glm::dvec3(i, 0, 0.3 * std::sin(1.3 * i)); };
-  for (int i = 0; i <= kCells; ++i) mesh.positions.push_back(line(i));
-  for (int sheet = 0; sheet < 3; ++sheet) {
-    const double angle = 2 * std::numbers::pi * sheet / 3;
-    const auto first = static_cast<std::int32_t>(mesh.positions.size());
-    for (int i = 0; i <= kCells; ++i) {
-      const double width = 0.2 + 0.3 * sheet + 0.1 * (i % 3);
-      mesh.positions.push_back(line(i) + width * glm::dvec3(0.1, std::cos(angle), std::sin(angle)));
-    }
-    for (int i = 0; i < kCells; ++i) mesh.add_face(std::array{i, i + 1, first + i + 1, first + i});
-  }
-  return mesh;
-}
+constexpr std::size_t kEdges = test::kBentEdges;
 
 double gap_of(const PolygonMesh& mesh, const RepairedMesh& repaired, InterpolationMethod method) {
   const auto backend = make_cpu_backend({Precision::Double});
@@ -46,8 +28,8 @@ double gap_of(const PolygonMesh& mesh, const RepairedMesh& repaired, Interpolati
 }
 
 TEST(SheetGap, IsClosedByCornersAndSeenWithoutThem) {
-  const RepairedMesh repaired = repair(bent_sheets());
-  ASSERT_EQ(repaired.separated_edges.size(), static_cast<std::size_t>(kCells));
+  const RepairedMesh repaired = repair(test::bent_sheets());
+  ASSERT_EQ(repaired.separated_edges.size(), kEdges);
   PolygonMesh smooth = repaired.mesh;
   smooth.corners.clear();
   for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {

@@ -1,10 +1,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/mesh/area_vector.h"
@@ -158,23 +156,9 @@ TEST(FairFit, WarnsOfFoldsThatAreLeft) {
   EXPECT_TRUE(result.interpolation.converged);
 }
 
-// Three sheets at one bent line, each in another direction and with cells of its own widths: what
-// repair() separates stays together.
 TEST(FairFit, SeparatedSheetsStayTogether) {
-  constexpr int kCells = 6;
-  PolygonMesh mesh;
-  const auto line = [](int i) { return glm::dvec3(i, 0, 0.3 * std::sin(1.3 * i)); };
-  for (int i = 0; i <= kCells; ++i) mesh.positions.push_back(line(i));
-  for (int sheet = 0; sheet < 3; ++sheet) {
-    const double angle = 2 * std::numbers::pi * sheet / 3;
-    const auto first = static_cast<std::int32_t>(mesh.positions.size());
-    for (int i = 0; i <= kCells; ++i) {
-      const double width = 0.2 + 0.3 * sheet + 0.1 * (i % 3);
-      mesh.positions.push_back(line(i) + width * glm::dvec3(0.1, std::cos(angle), std::sin(angle)));
-    }
-    for (int i = 0; i < kCells; ++i) mesh.add_face(std::array{i, i + 1, first + i + 1, first + i});
-  }
-  mesh = repair(mesh).mesh;
+  const PolygonMesh given = test::bent_sheets();
+  const PolygonMesh mesh = repair(given).mesh;
   const auto backend = make_cpu_backend({Precision::Double});
   for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
     FitOptions options;
@@ -185,15 +169,15 @@ TEST(FairFit, SeparatedSheetsStayTogether) {
     int on_line = 0;
     for (const glm::dvec3& p : surface.positions) {
       double distance = HUGE_VAL;
-      for (int i = 0; i < kCells; ++i) {
-        const glm::dvec3 a = line(i), along = line(i + 1) - a;
+      for (int i = 0; i < test::kBentEdges; ++i) {
+        const glm::dvec3 a = given.positions[i], along = given.positions[i + 1] - a;
         const double t = std::clamp(glm::dot(p - a, along) / glm::dot(along, along), 0.0, 1.0);
         distance = std::min(distance, glm::distance(p, a + t * along));
       }
       on_line += distance < 1e-8;
       EXPECT_FALSE(distance > 1e-8 && distance < 1e-3) << distance;
     }
-    EXPECT_GE(on_line, 3 * (4 * kCells + 1));
+    EXPECT_GE(on_line, 3 * (4 * test::kBentEdges + 1));
   }
 }
 

@@ -51,6 +51,10 @@ using FaceList = std::vector<std::vector<std::int32_t>>;
 [[nodiscard]] PolygonMesh single_polygon(int n);
 /// n triangles around a centre.
 [[nodiscard]] PolygonMesh open_fan(int n);
+/// Three sheets at one bent line, each in another direction and with cells of its own widths: edges
+/// with three faces, which repair() separates. Its first kBentEdges + 1 vertices are the line.
+inline constexpr int kBentEdges = 6;
+[[nodiscard]] PolygonMesh bent_sheets();
 
 /// Index of the vertex nearest to `point`.
 [[nodiscard]] std::int32_t vertex_at(const PolygonMesh& mesh, const glm::dvec3& point);

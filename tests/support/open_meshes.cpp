@@ -91,4 +91,21 @@ int32_t vertex_at(const PolygonMesh& mesh, const dvec3& point) {
   return best;
 }
 
+PolygonMesh bent_sheets() {
+  PolygonMesh mesh;
+  const auto line = [](int i) { return glm::dvec3(i, 0, 0.3 * std::sin(1.3 * i)); };
+  for (int i = 0; i <= kBentEdges; ++i) mesh.positions.push_back(line(i));
+  for (int sheet = 0; sheet < 3; ++sheet) {
+    const double angle = 2 * std::numbers::pi * sheet / 3;
+    const auto first = static_cast<std::int32_t>(mesh.positions.size());
+    for (int i = 0; i <= kBentEdges; ++i) {
+      const double width = 0.2 + 0.3 * sheet + 0.1 * (i % 3);
+      mesh.positions.push_back(line(i) + width * glm::dvec3(0.1, std::cos(angle), std::sin(angle)));
+    }
+    for (int i = 0; i < kBentEdges; ++i)
+      mesh.add_face(std::array{i, i + 1, first + i + 1, first + i});
+  }
+  return mesh;
+}
+
 }  // namespace planish::test

@@ -19,6 +19,9 @@ namespace planish::test {
 [[nodiscard]] PolygonMesh with_random_creases(PolygonMesh mesh, double probability,
                                               std::uint32_t seed);
 
+/// A random mesh with boundary, creases, darts, corners, seams, colours, groups and holes.
+[[nodiscard]] PolygonMesh laden_mesh(std::uint32_t seed);
+
 /// Vertices and faces in random order, faces started at a random corner. new_index[v] is where
 /// vertex v went.
 struct Relabelled {

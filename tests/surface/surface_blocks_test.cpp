@@ -22,29 +22,6 @@
 namespace planish {
 namespace {
 
-// Everything that can ride on a mesh, and holes.
-PolygonMesh laden_mesh(std::uint32_t seed) {
-  PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(seed), 0.1, seed);
-  for (std::size_t c = 0; c < mesh.face_vertices.size(); ++c) {
-    // Some vertices are seams.
-    const std::int32_t v = mesh.face_vertices[c];
-    mesh.face_uvs.push_back(v % 5 == 0 ? static_cast<std::int32_t>(mesh.positions.size() + c) : v);
-  }
-  mesh.uvs.resize(mesh.positions.size() + mesh.face_vertices.size());
-  for (std::size_t i = 0; i < mesh.uvs.size(); ++i) {
-    mesh.uvs[i] = {0.25 * static_cast<double>(i % 7), 0.125 * static_cast<double>(i % 11)};
-  }
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    mesh.colors.emplace_back(0.1f * static_cast<float>(v % 10), 0.5f, 0.25f, 1.0f);
-  }
-  mesh.groups = {{"a", "red"}, {"b", "blue"}};
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    mesh.face_groups.push_back(f % 2);
-    if (f % 6 == 1) mesh.hole_faces.push_back(f);
-  }
-  return mesh;
-}
-
 void expect_pieces_equal(const SurfaceBlocks& blocks, const SurfaceMesh& surface,
                          std::int64_t size) {
   const SurfaceInfo& info = blocks.info();
@@ -100,7 +77,7 @@ void expect_pieces_equal(const SurfaceBlocks& blocks, const SurfaceMesh& surface
 
 TEST(SurfaceBlocks, PiecesAreThoseOfTheWhole) {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
-    const PolygonMesh mesh = laden_mesh(seed);
+    const PolygonMesh mesh = test::laden_mesh(seed);
     const DooSabinSurface base(mesh, {});
     for (int level = 0; level <= 3; ++level) {
       SCOPED_TRACE(level);
@@ -157,7 +134,7 @@ void expect_kept(const SurfaceBlocks& blocks, const SurfaceBlocks& kept, const V
 
 TEST(SurfaceBlocks, KeptRowsAreThoseMadeAnew) {
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
-    PolygonMesh mesh = laden_mesh(seed);
+    PolygonMesh mesh = test::laden_mesh(seed);
     if (seed > 2) mesh.hole_faces.clear();
     const DooSabinSurface base(mesh, {});
     for (int level = 0; level <= 4; ++level) {
@@ -212,7 +189,7 @@ TEST(SurfaceBlocks, KeptRowsTellOfDegenerateNormalsOnce) {
 }
 
 TEST(SurfaceBlocks, RowBlocksCoverAllRowsOnce) {
-  const PolygonMesh mesh = laden_mesh(2);
+  const PolygonMesh mesh = test::laden_mesh(2);
   const DooSabinSurface base(mesh, {});
   for (int level = 0; level <= 4; ++level) {
     const auto blocks = base.level(level);
@@ -228,7 +205,7 @@ TEST(SurfaceBlocks, RowBlocksCoverAllRowsOnce) {
 }
 
 TEST(SurfaceBlocks, BitsDoNotDependOnThreads) {
-  const PolygonMesh mesh = laden_mesh(4);
+  const PolygonMesh mesh = test::laden_mesh(4);
   const auto surface_of = [&](int threads) {
     return evaluate(mesh, *make_cpu_backend({.thread_count = threads}), {.level = 4});
   };

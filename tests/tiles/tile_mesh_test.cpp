@@ -10,7 +10,7 @@
 #include "planish/files/tiles/curve_order.h"
 #include "planish/files/tiles/local_numbers.h"
 #include "planish/surface/doo_sabin_blocks.h"
-#include "tiles/laden_mesh.h"
+#include "support/random_meshes.h"
 
 namespace planish {
 namespace {
@@ -48,7 +48,7 @@ TEST(TileGrid, DifferencesToAnOriginAreFloats) {
 
 TEST(RowsAt, HaveTheBitsOfRowsInRanges) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
-    const PolygonMesh mesh = test::laden_tiles_mesh(seed);
+    const PolygonMesh mesh = test::laden_mesh(seed);
     const DooSabinSurface surface(mesh, EvaluateOptions{});
     for (int level = 1; level <= 4; ++level) {
       const DooSabinBlocks blocks(surface, level, nullptr);
@@ -117,7 +117,7 @@ TEST(CoarserError, IsTheFarthestMiddleAndAQuarterOfTheTwist) {
 
 TEST(TilePlan, EachFaceIsInOneTileOfEachLevel) {
   for (const std::uint32_t seed : {4u, 5u}) {
-    const PolygonMesh mesh = test::laden_tiles_mesh(seed);
+    const PolygonMesh mesh = test::laden_mesh(seed);
     const DooSabinSurface surface(mesh, EvaluateOptions{});
     const auto order = curve_order(surface.mesh().positions);
     const TilePlan plan = plan_tiles(surface.topology(), surface.hidden(), order, 10, 3);

@@ -15,8 +15,8 @@
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/check.h"
 #include "support/expect_error.h"
+#include "support/random_meshes.h"
 #include "support/temporary_folder.h"
-#include "tiles/laden_mesh.h"
 #include "tiles/read_tiles.h"
 
 namespace planish {
@@ -114,7 +114,7 @@ TEST(WriteTiles, LevelsWeldToTheSurfaceInOnePiece) {
 TEST(WriteTiles, BoundariesCreasesAndHolesWeldToo) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     const test::TemporaryFolder folder;
-    const TiledSurface surface(test::laden_tiles_mesh(seed));
+    const TiledSurface surface(test::laden_mesh(seed));
     (void)surface.write(folder.path() / "t.json", 2, 256);
     const test::ReadTileset set = test::read_tileset(folder.path() / "t.json");
     for (int level = 1; level <= 2; ++level) expect_level_whole(set, surface, level, false);
@@ -123,7 +123,7 @@ TEST(WriteTiles, BoundariesCreasesAndHolesWeldToo) {
 }
 
 TEST(WriteTiles, BytesDoNotDependOnThreads) {
-  const TiledSurface surface(test::laden_tiles_mesh(6));
+  const TiledSurface surface(test::laden_mesh(6));
   const test::TemporaryFolder folder;
   using oneapi::tbb::global_control;
   const auto with = [&](std::size_t threads) {
