@@ -12,17 +12,8 @@ namespace planish::command {
 namespace {
 
 FitOptions options_of(const JobInput& made, const JobReport& report, const Callbacks& callbacks) {
-  const Settings& settings = report.settings;
-  FitOptions options;
+  FitOptions options = fit_options(report.settings, report.method);
   options.prepared = made.prepared;
-  options.method = report.method;
-  options.polish_steps = settings.polish_steps;
-  options.scheme = settings.scheme;
-  options.weights = settings.weights;
-  options.solver = settings.solver;
-  options.tolerance = settings.tolerance;
-  options.max_iterations = settings.max_iterations;
-  options.sharp = settings.sharp();
   options.callbacks = callbacks;
   return options;
 }

@@ -150,7 +150,27 @@ constexpr std::array kWordSettings{
                 }},
 };
 
+double number_in(std::string_view text, std::string_view wanted, std::string_view where) {
+  double value = 0;
+  if (!parse_number(text, value))
+    refuse(where, "\"" + visible(text) + "\" is no number; " + std::string(wanted));
+  return value;
+}
+
 }  // namespace
+
+FitOptions fit_options(const Settings& settings, InterpolationMethod method) {
+  FitOptions options;
+  options.method = method;
+  options.polish_steps = settings.polish_steps;
+  options.scheme = settings.scheme;
+  options.weights = settings.weights;
+  options.solver = settings.solver;
+  options.tolerance = settings.tolerance;
+  options.max_iterations = settings.max_iterations;
+  options.sharp = settings.sharp();
+  return options;
+}
 
 std::span<const WordSetting> word_settings() { return kWordSettings; }
 
@@ -208,10 +228,7 @@ void set_tolerance(Settings& settings, double value, std::string_view where) {
 }
 
 void set_tolerance(Settings& settings, std::string_view text, std::string_view where) {
-  double value = 0;
-  if (!parse_number(text, value))
-    refuse(where, "\"" + visible(text) + "\" is no number; " + std::string(kToleranceWanted));
-  set_tolerance(settings, value, where);
+  set_tolerance(settings, number_in(text, kToleranceWanted, where), where);
 }
 
 void set_weld(Settings& settings, double value, std::string_view where) {
@@ -221,10 +238,7 @@ void set_weld(Settings& settings, double value, std::string_view where) {
 }
 
 void set_weld(Settings& settings, std::string_view text, std::string_view where) {
-  double value = 0;
-  if (!parse_number(text, value))
-    refuse(where, "\"" + visible(text) + "\" is no number; " + std::string(kWeldWanted));
-  set_weld(settings, value, where);
+  set_weld(settings, number_in(text, kWeldWanted, where), where);
 }
 
 std::int64_t parse_whole(std::string_view text, std::string_view where) {

@@ -68,6 +68,9 @@ struct Settings {
   [[nodiscard]] SharpFeatureOptions sharp() const { return {boundary, true}; }
 };
 
+/// Options of a fit with the settings, but for what the settings leave open and whom it answers.
+[[nodiscard]] FitOptions fit_options(const Settings& settings, InterpolationMethod method);
+
 /// One setting that is given as a word. The flag is `--name` with '_' as '-'.
 struct WordSetting {
   std::string_view name;     ///< as in a scene file

@@ -32,15 +32,8 @@ SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
   options.gltf.double_sided = report.input.statistics.boundary_loop_count > 0;
   options.gltf.z_up = job.settings.up == UpAxis::Z;
   options.gltf.origin = storage_origin(placement);
-  const Settings& settings = report.settings;
-  FitOptions fitted;
-  fitted.method = report.method;
-  fitted.scheme = settings.scheme;
-  fitted.weights = settings.weights;
-  fitted.solver = settings.solver;
-  fitted.tolerance = settings.tolerance;
-  fitted.sharp = settings.sharp();
-  options.gltf.extras = fit_extras(fitted, name_of(settings.creases), report.interpolation);
+  options.gltf.extras = fit_extras(fit_options(report.settings, report.method),
+                                   name_of(report.settings.creases), report.interpolation);
   return options;
 }
 
