@@ -24,7 +24,7 @@ using testing::IsEmpty;
 using testing::Not;
 
 // What a line of shell prints, on both streams.
-std::string output_of(const std::string& line, int& status) {
+std::string output_of_line(const std::string& line, int& status) {
   FILE* pipe = ::popen((line + " 2>&1").c_str(), "r");
   std::string text;
   std::array<char, 4096> buffer{};
@@ -47,7 +47,7 @@ class Shells : public FolderTest {
   // False, having said why, where the program is not there.
   static bool has(const std::string& program) {
     int status = 0;
-    (void)output_of("command -v " + program, status);
+    (void)output_of_line("command -v " + program, status);
     if (status == 0) return true;
     if (std::getenv("PLANISH_REQUIRE_SHELLS") != nullptr)
       ADD_FAILURE() << program << " is not installed, and PLANISH_REQUIRE_SHELLS is set";
@@ -58,10 +58,10 @@ class Shells : public FolderTest {
   }
   std::vector<std::string> bash(const std::string& words, int place) const {
     int status = 0;
-    const std::string text = output_of("bash --norc -c '. " + script("bash") + "; COMP_WORDS=(" +
-                                           words + "); COMP_CWORD=" + std::to_string(place) +
-                                           "; _planish; echo \"${COMPREPLY[@]}\"'",
-                                       status);
+    const std::string text = output_of_line(
+        "bash --norc -c '. " + script("bash") + "; COMP_WORDS=(" + words +
+            "); COMP_CWORD=" + std::to_string(place) + "; _planish; echo \"${COMPREPLY[@]}\"'",
+        status);
     EXPECT_EQ(status, 0) << text;
     return words_of(text);
   }
@@ -80,9 +80,9 @@ TEST_F(Shells, FishCompletesCommandsFlagsAndWords) {
   if (!has("fish")) GTEST_SKIP() << "fish is not installed";
   const auto fish = [&](const std::string& line) {
     int status = 0;
-    return output_of("HOME=" + path("") + " fish --no-config -c 'source " + script("fish") +
-                         "; complete -C \"" + line + "\"'",
-                     status);
+    return output_of_line("HOME=" + path("") + " fish --no-config -c 'source " + script("fish") +
+                              "; complete -C \"" + line + "\"'",
+                          status);
   };
   EXPECT_THAT(fish("planish in"), HasSubstr("inspect\t"));
   EXPECT_THAT(fish("planish fit --sol"), HasSubstr("--solver\t"));
@@ -101,15 +101,15 @@ TEST_F(Shells, ZshCompletesCommandsFlagsAndWords) {
         "zpty -r -m z text \"*$3*\" && print -r -- found\n");
   const auto zsh = [&](const std::string& line, const std::string& wanted) {
     int status = 0;
-    return output_of("timeout 60 zsh -f " + path("try.zsh") + " " + script("zsh") + " '" + line +
-                         "' '" + wanted + "'",
-                     status);
+    return output_of_line("timeout 60 zsh -f " + path("try.zsh") + " " + script("zsh") + " '" +
+                              line + "' '" + wanted + "'",
+                          status);
   };
   EXPECT_THAT(zsh("planish insp", "inspect"), HasSubstr("found"));
   EXPECT_THAT(zsh("planish fit --solv", "--solver"), HasSubstr("found"));
   EXPECT_THAT(zsh("planish fit --solver cheb", "chebyshev"), HasSubstr("found"));
   int status = 0;
-  EXPECT_EQ(output_of("zsh -n " + script("zsh"), status), "");
+  EXPECT_EQ(output_of_line("zsh -n " + script("zsh"), status), "");
   EXPECT_EQ(status, 0);
 }
 
@@ -146,10 +146,10 @@ TEST_F(Shells, ManReadsEveryManualWithoutAWarning) {
     if (!page.name.empty()) arguments.push_back(page.name);
     const std::string file = write("page.1", run_planish(arguments).out);
     int status = 0;
-    const std::string warnings = output_of(
+    const std::string warnings = output_of_line(
         "LC_ALL=C.UTF-8 man --warnings -E UTF-8 -l -Tutf8 -Z " + file + " >/dev/null", status);
     EXPECT_EQ(warnings, "") << page.name;
-    const std::string shown = output_of(
+    const std::string shown = output_of_line(
         "LC_ALL=C.UTF-8 MANWIDTH=80 MAN_KEEP_FORMATTING= man -l " + file + " | col -b", status);
     for (const HelpTopic& topic : page.topics)
       for (const HelpOption& option : topic.options)

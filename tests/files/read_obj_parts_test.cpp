@@ -14,7 +14,7 @@ namespace planish {
 namespace {
 
 // All that a file says, or its error.
-std::string told(std::string_view text, std::size_t part_bytes) {
+std::string told_obj(std::string_view text, std::size_t part_bytes) {
   std::string result;
   const auto add = [&](const auto&... values) { ((result += std::to_string(values) + " "), ...); };
   MeshFile file;
@@ -45,10 +45,10 @@ std::string told(std::string_view text, std::size_t part_bytes) {
   return result;
 }
 
-void expect_the_same_wherever_it_is_cut(const std::string& text) {
-  const std::string whole = told(text, text.size() + 1);
+void expect_the_same_obj_wherever_it_is_cut(const std::string& text) {
+  const std::string whole = told_obj(text, text.size() + 1);
   for (std::size_t bytes = 1; bytes <= text.size(); ++bytes)
-    ASSERT_EQ(told(text, bytes), whole) << "in parts of " << bytes << " bytes";
+    ASSERT_EQ(told_obj(text, bytes), whole) << "in parts of " << bytes << " bytes";
 }
 
 constexpr const char* kEverything = R"(# planish scheme=doo-sabin
@@ -95,10 +95,11 @@ f 7 8 4 3)";
 TEST(ReadObjInParts, KeepsEverything) {
   for (const char* line_end : {"\n", "\r\n", "\r"}) {
     const std::string text = test::with_line_ends(kEverything, line_end);
-    ASSERT_EQ(told(text, text.size()).find("error"), std::string::npos) << told(text, text.size());
-    expect_the_same_wherever_it_is_cut(text);
-    expect_the_same_wherever_it_is_cut(text + line_end);
-    expect_the_same_wherever_it_is_cut(text + "\\" + line_end);
+    ASSERT_EQ(told_obj(text, text.size()).find("error"), std::string::npos)
+        << told_obj(text, text.size());
+    expect_the_same_obj_wherever_it_is_cut(text);
+    expect_the_same_obj_wherever_it_is_cut(text + line_end);
+    expect_the_same_obj_wherever_it_is_cut(text + "\\" + line_end);
   }
 }
 
@@ -110,18 +111,18 @@ TEST(ReadObjInParts, SaysTheSameOfErrors) {
                           "t hole 1/0/0 5\n", "t corner 1 2\n", "v 1 2 1e999\n"}) {
     for (const std::string& text : {good + bad + good, bad + good + good, good + good + bad,
                                     good + bad + "f 1 2 0\n" + good}) {
-      expect_the_same_wherever_it_is_cut(text);
+      expect_the_same_obj_wherever_it_is_cut(text);
     }
   }
-  expect_the_same_wherever_it_is_cut("this is\nno file\nof any kind\n");
-  expect_the_same_wherever_it_is_cut("f 1 2 3\nwhat\n");
-  expect_the_same_wherever_it_is_cut("\n\n\n");
-  EXPECT_EQ(told("", 1), told("", 100));
+  expect_the_same_obj_wherever_it_is_cut("this is\nno file\nof any kind\n");
+  expect_the_same_obj_wherever_it_is_cut("f 1 2 3\nwhat\n");
+  expect_the_same_obj_wherever_it_is_cut("\n\n\n");
+  EXPECT_EQ(told_obj("", 1), told_obj("", 100));
 }
 
 TEST(ReadObjInParts, NamesLinesOfTheWholeFile) {
   const std::string text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nwhat\nf 1 2 3\nf 1 2 4\n";
-  EXPECT_EQ(told(text, 8), "error a.obj:6: face names vertex 4 of 3 1");
+  EXPECT_EQ(told_obj(text, 8), "error a.obj:6: face names vertex 4 of 3 1");
 }
 
 }  // namespace

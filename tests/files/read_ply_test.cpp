@@ -29,7 +29,7 @@ std::string header(std::string_view format, std::string_view elements) {
   return "ply\nformat " + std::string(format) + " 1.0\n" + std::string(elements) + "end_header\n";
 }
 
-std::string text_of(int vertices, int faces, std::string_view body) {
+std::string ply_text_of(int vertices, int faces, std::string_view body) {
   return header("ascii", "element vertex " + std::to_string(vertices) + "\n" +
                              std::string(kPositions) + "element face " + std::to_string(faces) +
                              "\n" + std::string(kIndices)) +
@@ -37,8 +37,8 @@ std::string text_of(int vertices, int faces, std::string_view body) {
 }
 
 TEST(ReadPly, ReadsTextWithPolygons) {
-  const MeshFile file = ply_of(
-      text_of(5, 3, "0 0 0\n1 0 0\n1 1 0\n0 1 0.1\n0 0 1\n\n4 0 1 2 3\n3 0 1 4\n5 0 1 2 3 4\n"));
+  const MeshFile file = ply_of(ply_text_of(
+      5, 3, "0 0 0\n1 0 0\n1 1 0\n0 1 0.1\n0 0 1\n\n4 0 1 2 3\n3 0 1 4\n5 0 1 2 3 4\n"));
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 4, 7, 12));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 3, 0, 1, 4, 0, 1, 2, 3, 4));
   EXPECT_EQ(file.mesh.positions[3], glm::dvec3(0, 1, 0.1));
@@ -176,27 +176,28 @@ TEST(ReadPly, RefusesWrongHeaders) {
 }
 
 TEST(ReadPly, RefusesWrongText) {
-  EXPECT_EQ(ply_error(text_of(1, 0, "0 nan 0\n")),
+  EXPECT_EQ(ply_error(ply_text_of(1, 0, "0 nan 0\n")),
             "a.ply:10: vertex 0 of 1: `nan` is no finite number");
-  EXPECT_EQ(ply_error(text_of(1, 0, "0,5 0 0\n")),
+  EXPECT_EQ(ply_error(ply_text_of(1, 0, "0,5 0 0\n")),
             "a.ply:10: vertex 0 of 1: `0,5` is no finite number");
-  EXPECT_EQ(ply_error(text_of(2, 0, "0 0 0\n1     1\n")),
+  EXPECT_EQ(ply_error(ply_text_of(2, 0, "0 0 0\n1     1\n")),
             "a.ply:11: vertex 1 of 2 has too few values");
-  EXPECT_EQ(ply_error(text_of(1, 0, "0 0 0 7\n")),
+  EXPECT_EQ(ply_error(ply_text_of(1, 0, "0 0 0 7\n")),
             "a.ply:10: vertex 0 of 1 has a value too many: `7`");
-  EXPECT_EQ(ply_error(text_of(2, 0, "0 0 0         \n")),
+  EXPECT_EQ(ply_error(ply_text_of(2, 0, "0 0 0         \n")),
             "a.ply:10: the file ends at vertex 1 of 2");
-  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n3 0 1 0\n")),
+  EXPECT_EQ(ply_error(ply_text_of(1, 1, "0 0 0\n3 0 1 0\n")),
             "a.ply:11: face 0 of 1 names vertex 1 of 1");
-  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n3 0 0.5 0\n")),
+  EXPECT_EQ(ply_error(ply_text_of(1, 1, "0 0 0\n3 0 0.5 0\n")),
             "a.ply:11: face 0 of 1 names vertex 0.5 of 1");
-  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n3 0 -1 0\n")),
+  EXPECT_EQ(ply_error(ply_text_of(1, 1, "0 0 0\n3 0 -1 0\n")),
             "a.ply:11: face 0 of 1 names vertex -1 of 1");
-  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n3 0 0\n")), "a.ply:11: face 0 of 1 has too few values");
-  EXPECT_EQ(ply_error(text_of(1, 1, "0 0 0\n300 0 0\n")),
+  EXPECT_EQ(ply_error(ply_text_of(1, 1, "0 0 0\n3 0 0\n")),
+            "a.ply:11: face 0 of 1 has too few values");
+  EXPECT_EQ(ply_error(ply_text_of(1, 1, "0 0 0\n300 0 0\n")),
             "a.ply:11: face 0 of 1: list `vertex_indices` promises 300 values, but no more than 4 "
             "can follow");
-  EXPECT_EQ(ply_error(text_of(1000000000, 0, "0 0 0\n")),
+  EXPECT_EQ(ply_error(ply_text_of(1000000000, 0, "0 0 0\n")),
             "a.ply:9: header promises 1000000000 of element `vertex`, but only 6 bytes follow");
 }
 

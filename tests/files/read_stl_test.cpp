@@ -21,7 +21,7 @@ std::string stl_error(std::string_view text) {
   return test::message_of(ErrorCode::UnreadableInput, [&] { (void)stl_of(text); });
 }
 
-std::string binary(const std::vector<std::array<glm::vec3, 3>>& triangles) {
+std::string binary_stl(const std::vector<std::array<glm::vec3, 3>>& triangles) {
   std::string bytes(80, 's');
   bytes.replace(0, 6, "solid ");  // many writers of binary files do this
   append<std::uint32_t>(bytes, static_cast<std::uint32_t>(triangles.size()));
@@ -39,9 +39,9 @@ std::string facet(std::string_view vertices) {
 }
 
 TEST(ReadStl, WeldsABinaryFileByExactPosition) {
-  const MeshFile file = stl_of(binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
-                                       {{{-0.0f, 0, -0.0f}, {1, 1, 0}, {0, 1, 0}}},
-                                       {{{0, 0, 1e-30f}, {1, 1, 1}, {0, 1, 1}}}}));
+  const MeshFile file = stl_of(binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
+                                           {{{-0.0f, 0, -0.0f}, {1, 1, 0}, {0, 1, 0}}},
+                                           {{{0, 0, 1e-30f}, {1, 1, 1}, {0, 1, 1}}}}));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 2, 3, 4, 5, 6));
   EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 3, 6, 9));
   EXPECT_EQ(file.mesh.positions[3], glm::dvec3(0, 1, 0));
@@ -59,8 +59,8 @@ TEST(ReadStl, ReadsText) {
 }
 
 TEST(ReadStl, LeavesOutTrianglesWithoutArea) {
-  const MeshFile file =
-      stl_of(binary({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}}}, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}));
+  const MeshFile file = stl_of(
+      binary_stl({{{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}}}, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}));
   EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2));
   EXPECT_EQ(file.dropped_element_count, 1);
   ASSERT_EQ(file.warnings.size(), 1u);
@@ -74,7 +74,7 @@ TEST(ReadStl, WeldsManyPositionsInTheOrderOfTheFile) {
     const auto x = static_cast<float>(i);
     triangles.push_back({{{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}});
   }
-  const MeshFile file = stl_of(binary(triangles));
+  const MeshFile file = stl_of(binary_stl(triangles));
   ASSERT_EQ(file.mesh.vertex_count(), 10001);
   EXPECT_EQ(file.welded_vertex_count, 4999);
   for (int i = 0; i < 5000; ++i)
@@ -83,7 +83,7 @@ TEST(ReadStl, WeldsManyPositionsInTheOrderOfTheFile) {
 }
 
 TEST(ReadStl, RefusesWrongSizes) {
-  std::string bytes = binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
+  std::string bytes = binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
   bytes[0] = 'x';
   bytes.pop_back();
   EXPECT_EQ(stl_error(bytes),
@@ -93,9 +93,10 @@ TEST(ReadStl, RefusesWrongSizes) {
 }
 
 TEST(ReadStl, RefusesNonFiniteNumbers) {
-  EXPECT_EQ(stl_error(binary({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
-                              {{{0, 0, 0}, {std::numeric_limits<float>::quiet_NaN(), 0, 0}, {}}}})),
-            "a.stl: triangle 1 has the coordinate nan");
+  EXPECT_EQ(
+      stl_error(binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},
+                            {{{0, 0, 0}, {std::numeric_limits<float>::quiet_NaN(), 0, 0}, {}}}})),
+      "a.stl: triangle 1 has the coordinate nan");
   EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 inf 0\n")),
             "a.stl:4: vertex coordinate `inf` is no finite number");
 }

@@ -78,18 +78,18 @@ Shape cylinder() {
   return shape;
 }
 
-std::string text_of(const glm::dvec3& v) {
+std::string split_text_of(const glm::dvec3& v) {
   return " " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
 }
 
 std::string obj_text(const Shape& shape) {
   std::string text, faces;
   int normal_count = 0;
-  for (const glm::dvec3& p : shape.positions) text += "v" + text_of(p) + "\n";
+  for (const glm::dvec3& p : shape.positions) text += "v" + split_text_of(p) + "\n";
   for (std::size_t f = 0; f < shape.faces.size(); ++f) {
     faces += "f";
     for (std::size_t k = 0; k < shape.faces[f].size(); ++k) {
-      text += "vn" + text_of(shape.normals[f][k]) + "\n";
+      text += "vn" + split_text_of(shape.normals[f][k]) + "\n";
       faces += " " + std::to_string(shape.faces[f][k] + 1) + "//" + std::to_string(++normal_count);
     }
     faces += "\n";
@@ -104,8 +104,8 @@ std::string ply_text(const Shape& shape) {
   for (std::size_t f = 0; f < shape.faces.size(); ++f) {
     faces += std::to_string(shape.faces[f].size());
     for (std::size_t k = 0; k < shape.faces[f].size(); ++k) {
-      vertices += text_of(shape.positions[shape.faces[f][k]]).substr(1) +
-                  text_of(shape.normals[f][k]) + "\n";
+      vertices += split_text_of(shape.positions[shape.faces[f][k]]).substr(1) +
+                  split_text_of(shape.normals[f][k]) + "\n";
       faces += " " + std::to_string(count++);
     }
     faces += "\n";

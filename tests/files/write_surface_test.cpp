@@ -29,7 +29,7 @@ SurfaceMesh two_quads() {
   return surface;
 }
 
-std::string written(FileFormat format, const SurfaceMesh& surface) {
+std::string written_surface(FileFormat format, const SurfaceMesh& surface) {
   const test::TemporaryFolder folder;
   write_surface(folder.path() / "surface", format, surface, {"planish level=1"});
   const auto bytes = read_file(folder.path() / "surface");
@@ -113,7 +113,7 @@ TEST(WriteSurface, TheFirstNumberThatIsNotFiniteIsNamed) {
 }
 
 TEST(WriteSurface, ObjCarriesNormals) {
-  EXPECT_EQ(written(FileFormat::Obj, two_quads()),
+  EXPECT_EQ(written_surface(FileFormat::Obj, two_quads()),
             "# planish level=1\nv 0 0 0\nv 1 0 0.1\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
             "vn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0.6 0 0.8\nvn 0 1 0\n"
             "f 1//1 2//2 3//3 4//4\nf 2//2 5//5 6//6 3//3\n");
@@ -126,7 +126,7 @@ TEST(WriteSurface, ObjCarriesAttributes) {
   surface.colors.assign(6, glm::vec4(0, 1, 0, 1));
   surface.groups = {{"a", "x"}, {"a", "y"}};
   surface.face_groups = {0, 1};
-  EXPECT_EQ(written(FileFormat::Obj, surface),
+  EXPECT_EQ(written_surface(FileFormat::Obj, surface),
             "# planish level=1\nmtllib surface.mtl\nv 0 0 0 0 1 0\nv 1 0 0.1 0 1 0\n"
             "v 1 1 0 0 1 0\nv 0 1 0 0 1 0\n"
             "v 2 0 0 0 1 0\nv 2 1 0 0 1 0\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nvt 2 3\n"
@@ -135,13 +135,13 @@ TEST(WriteSurface, ObjCarriesAttributes) {
 }
 
 TEST(WriteSurface, OffCarriesPositions) {
-  EXPECT_EQ(written(FileFormat::Off, two_quads()),
+  EXPECT_EQ(written_surface(FileFormat::Off, two_quads()),
             "OFF\n# planish level=1\n6 2 0\n0 0 0\n1 0 0.1\n1 1 0\n0 1 0\n2 0 0\n2 1 0\n"
             "4 0 1 2 3\n4 1 4 5 2\n");
 }
 
 TEST(WriteSurface, PlyCarriesNormals) {
-  const std::string text = written(FileFormat::Ply, two_quads());
+  const std::string text = written_surface(FileFormat::Ply, two_quads());
   const std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment planish level=1\nelement vertex 6\n"
       "property double x\nproperty double y\nproperty double z\nproperty float nx\n"
@@ -157,7 +157,7 @@ TEST(WriteSurface, PlyCarriesNormals) {
 TEST(WriteSurface, EveryFormatIsReadBack) {
   const SurfaceMesh surface = two_quads();
   for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Off}) {
-    const std::string text = written(format, surface);
+    const std::string text = written_surface(format, surface);
     const PolygonMesh mesh =
         read_mesh(std::as_bytes(std::span(text.data(), text.size())), "surface", format).mesh;
     EXPECT_EQ(mesh.positions, surface.positions);
@@ -168,7 +168,7 @@ TEST(WriteSurface, EveryFormatIsReadBack) {
 
 TEST(WriteSurface, StlIsReadBackAsTriangles) {
   const SurfaceMesh surface = two_quads();
-  const std::string bytes = written(FileFormat::Stl, surface);
+  const std::string bytes = written_surface(FileFormat::Stl, surface);
   EXPECT_EQ(bytes.size(), 84u + 4 * 50);
   EXPECT_FALSE(bytes.starts_with("solid"));
   float normal[3];
@@ -192,7 +192,7 @@ TEST(WriteSurface, UsdaCarriesEverything) {
   surface.colors.assign(6, glm::vec4(0.5f, 0.25f, 1, 0.5f));
   surface.groups = {{"left side", "red"}, {"", ""}};
   surface.face_groups = {1, 0};
-  const std::string text = written(FileFormat::Usda, surface);
+  const std::string text = written_surface(FileFormat::Usda, surface);
   for (const char* part :
        {"#usda 1.0\n(\n    defaultPrim = \"surface\"\n", "# planish level=1\n",
         "uniform token subdivisionScheme = \"none\"\n", "int[] faceVertexCounts = [4, 4]\n",
@@ -230,16 +230,16 @@ TEST(WriteMesh, UsdaCagesSayHowTheyAreSubdivided) {
 TEST(WriteSurface, FormatsOfFloatsRefuseWhatDoesNotFit) {
   SurfaceMesh surface = two_quads();
   surface.positions[4].x = 1e40;
-  EXPECT_THROW((void)written(FileFormat::Stl, surface), Error);
-  EXPECT_THROW((void)written(FileFormat::Usda, surface), Error);
-  EXPECT_NO_THROW((void)written(FileFormat::Ply, surface));
+  EXPECT_THROW((void)written_surface(FileFormat::Stl, surface), Error);
+  EXPECT_THROW((void)written_surface(FileFormat::Usda, surface), Error);
+  EXPECT_NO_THROW((void)written_surface(FileFormat::Ply, surface));
 }
 
 TEST(WriteSurface, LevelZeroKeepsPolygons) {
   SurfaceMesh surface = two_quads();
   surface.level = 0;
   surface.face_offsets = {0, 3, 8};
-  const std::string text = written(FileFormat::Off, surface);
+  const std::string text = written_surface(FileFormat::Off, surface);
   EXPECT_TRUE(text.ends_with("3 0 1 2\n5 3 1 4 5 2\n")) << text;
 }
 

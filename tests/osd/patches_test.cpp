@@ -20,7 +20,7 @@ using osd::VkVertexBuffer;
 
 constexpr int kForms = 6;
 
-RefineOptions adaptive(int level, PatchTableFactory::Options::EndCapType end_cap) {
+RefineOptions adaptive_to(int level, PatchTableFactory::Options::EndCapType end_cap) {
   RefineOptions options;
   options.adaptive = true;
   options.level = level;
@@ -39,8 +39,8 @@ struct Evaluation {
   std::vector<Osd::PatchCoord> coords;
   std::array<std::vector<float>, kForms> expected;
 
-  explicit Evaluation(
-      const RefineOptions& options = adaptive(2, PatchTableFactory::Options::ENDCAP_GREGORY_BASIS))
+  explicit Evaluation(const RefineOptions& options =
+                          adaptive_to(2, PatchTableFactory::Options::ENDCAP_GREGORY_BASIS))
       : refined(refine(cage, options)) {
     const Far::StencilTable& table = *refined.vertices;
     const int coarse = table.GetNumControlVertices(), rows = table.GetNumStencils();
@@ -205,7 +205,7 @@ TEST_F(OsdPatches, CoordinatesWithoutAPatchGiveZero) {
 }
 
 TEST_F(OsdPatches, LegacyGregoryPatchesGiveWhatTheCpuGives) {
-  const Evaluation prism(adaptive(2, PatchTableFactory::Options::ENDCAP_LEGACY_GREGORY));
+  const Evaluation prism(adaptive_to(2, PatchTableFactory::Options::ENDCAP_LEGACY_GREGORY));
   upload(prism);
   EXPECT_TRUE(VkComputeEvaluator::EvalPatches(source_.get(), prism.desc, targets_[0].get(),
                                               prism.desc, prism.count(), coords_.get(),

@@ -14,8 +14,8 @@
 namespace planish {
 namespace {
 
-PolygonMesh polygons(const std::vector<glm::dvec3>& positions,
-                     const std::vector<Triangle>& triangles) {
+PolygonMesh repaired_polygons(const std::vector<glm::dvec3>& positions,
+                              const std::vector<Triangle>& triangles) {
   PolygonMesh mesh = polygons_of(triangles);
   mesh.positions = positions;
   return mesh;
@@ -33,7 +33,7 @@ TEST(Repair, OrientsTrianglesOfAnyWinding) {
     if (t % 3 != 1) std::swap(torus.triangles[t][0], torus.triangles[t][1]);
   const RepairedTriangles result = repair_triangles(torus.positions, torus.triangles);
   EXPECT_EQ(result.dropped_triangle_count, 0);
-  const PolygonMesh mesh = polygons(torus.positions, result.triangles);
+  const PolygonMesh mesh = repaired_polygons(torus.positions, result.triangles);
   EXPECT_TRUE(check(mesh).empty());
   EXPECT_EQ(statistics(mesh).genus, 1);
   EXPECT_GT(volume(torus.positions, result.triangles), 2);
@@ -51,7 +51,7 @@ TEST(Repair, FillsShortLoopsOnly) {
       repair_triangles(torus.positions, torus.triangles, {.longest_filled_loop = 6});
   EXPECT_EQ(closed.filled_loop_count, 1);
   EXPECT_EQ(closed.triangles.size(), torus.triangles.size() + 4);
-  const PolygonMesh mesh = polygons(torus.positions, closed.triangles);
+  const PolygonMesh mesh = repaired_polygons(torus.positions, closed.triangles);
   EXPECT_TRUE(check(mesh).empty());
   EXPECT_EQ(statistics(mesh).boundary_loop_count, 0);
 }
@@ -90,7 +90,7 @@ TEST(Repair, MakesAManifoldOfAnything) {
     }
     const RepairedTriangles result =
         repair_triangles(positions, triangles, {.components = {ComponentRule::Keep::All}});
-    const auto problems = check(polygons(positions, result.triangles));
+    const auto problems = check(repaired_polygons(positions, result.triangles));
     EXPECT_TRUE(problems.empty()) << problems.front().message;
     EXPECT_FALSE(result.triangles.empty());
   }

@@ -16,7 +16,7 @@ namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
 template <class Array>
-std::vector<int> listed(const Array& values) {
+std::vector<int> listed_array(const Array& values) {
   return {values.begin(), values.end()};
 }
 
@@ -26,22 +26,25 @@ void expect_same_level(const Far::TopologyLevel& a, const Far::TopologyLevel& b)
   ASSERT_EQ(a.GetNumFaces(), b.GetNumFaces());
   ASSERT_EQ(a.GetNumFVarChannels(), b.GetNumFVarChannels());
   for (int f = 0; f < a.GetNumFaces(); ++f) {
-    ASSERT_EQ(listed(a.GetFaceVertices(f)), listed(b.GetFaceVertices(f)));
-    ASSERT_EQ(listed(a.GetFaceEdges(f)), listed(b.GetFaceEdges(f)));
+    ASSERT_EQ(listed_array(a.GetFaceVertices(f)), listed_array(b.GetFaceVertices(f)));
+    ASSERT_EQ(listed_array(a.GetFaceEdges(f)), listed_array(b.GetFaceEdges(f)));
     if (a.GetNumFVarChannels() == 0) continue;
-    ASSERT_EQ(listed(a.GetFaceFVarValues(f)), listed(b.GetFaceFVarValues(f)));
+    ASSERT_EQ(listed_array(a.GetFaceFVarValues(f)), listed_array(b.GetFaceFVarValues(f)));
   }
   for (int e = 0; e < a.GetNumEdges(); ++e) {
-    ASSERT_EQ(listed(a.GetEdgeVertices(e)), listed(b.GetEdgeVertices(e)));
-    ASSERT_EQ(listed(a.GetEdgeFaces(e)), listed(b.GetEdgeFaces(e)));
-    ASSERT_EQ(listed(a.GetEdgeFaceLocalIndices(e)), listed(b.GetEdgeFaceLocalIndices(e)));
+    ASSERT_EQ(listed_array(a.GetEdgeVertices(e)), listed_array(b.GetEdgeVertices(e)));
+    ASSERT_EQ(listed_array(a.GetEdgeFaces(e)), listed_array(b.GetEdgeFaces(e)));
+    ASSERT_EQ(listed_array(a.GetEdgeFaceLocalIndices(e)),
+              listed_array(b.GetEdgeFaceLocalIndices(e)));
     ASSERT_EQ(a.GetEdgeSharpness(e), b.GetEdgeSharpness(e));
   }
   for (int v = 0; v < a.GetNumVertices(); ++v) {
-    ASSERT_EQ(listed(a.GetVertexFaces(v)), listed(b.GetVertexFaces(v)));
-    ASSERT_EQ(listed(a.GetVertexEdges(v)), listed(b.GetVertexEdges(v)));
-    ASSERT_EQ(listed(a.GetVertexFaceLocalIndices(v)), listed(b.GetVertexFaceLocalIndices(v)));
-    ASSERT_EQ(listed(a.GetVertexEdgeLocalIndices(v)), listed(b.GetVertexEdgeLocalIndices(v)));
+    ASSERT_EQ(listed_array(a.GetVertexFaces(v)), listed_array(b.GetVertexFaces(v)));
+    ASSERT_EQ(listed_array(a.GetVertexEdges(v)), listed_array(b.GetVertexEdges(v)));
+    ASSERT_EQ(listed_array(a.GetVertexFaceLocalIndices(v)),
+              listed_array(b.GetVertexFaceLocalIndices(v)));
+    ASSERT_EQ(listed_array(a.GetVertexEdgeLocalIndices(v)),
+              listed_array(b.GetVertexEdgeLocalIndices(v)));
     ASSERT_EQ(a.GetVertexSharpness(v), b.GetVertexSharpness(v));
     ASSERT_EQ(a.GetVertexRule(v), b.GetVertexRule(v));
   }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kHalfTurn = std::numbers::pi;
 
-SurfaceMesh surface_of(const PolygonMesh& mesh) {
+SurfaceMesh surface_at(const PolygonMesh& mesh) {
   SurfaceMesh surface;
   surface.positions = mesh.positions;
   surface.face_offsets = mesh.face_offsets;
@@ -25,7 +25,7 @@ SurfaceMesh surface_of(const PolygonMesh& mesh) {
 // On a sphere every chord shows the same curvature, whatever the mesh.
 TEST(NormalCurvatures, AreExactOnASphere) {
   for (const double radius : {1.0, 4.0}) {
-    SurfaceMesh surface = surface_of(test::icosphere(2));
+    SurfaceMesh surface = surface_at(test::icosphere(2));
     for (glm::dvec3& position : surface.positions) {
       surface.normals.emplace_back(position);
       position *= radius;
@@ -39,7 +39,7 @@ TEST(NormalCurvatures, AreExactOnASphere) {
 }
 
 TEST(NormalCurvatures, TurningTheNormalsOverTurnsTheMeanOnly) {
-  SurfaceMesh surface = surface_of(test::icosphere(1));
+  SurfaceMesh surface = surface_at(test::icosphere(1));
   for (const glm::dvec3& position : surface.positions) surface.normals.emplace_back(-position);
   const Curvatures curvatures = curvatures_of_normals(surface);
   EXPECT_NEAR(curvatures.mean[0], -1, 1e-5);
@@ -49,7 +49,7 @@ TEST(NormalCurvatures, TurningTheNormalsOverTurnsTheMeanOnly) {
 // A torus of radii R and r: 1/r across the tube, cos(t) / (R + r cos(t)) along it.
 double torus_error(int n) {
   constexpr double kMajor = 2, kMinor = 1;
-  SurfaceMesh surface = surface_of(test::torus(2 * n, n, kMajor, kMinor));  // around z
+  SurfaceMesh surface = surface_at(test::torus(2 * n, n, kMajor, kMinor));  // around z
   std::vector<double> cosines;
   for (const glm::dvec3& p : surface.positions) {
     const double ring = std::hypot(p.x, p.y);
@@ -75,7 +75,7 @@ TEST(NormalCurvatures, ComeNearerToATorusWithTheSquareOfTheFaces) {
 }
 
 TEST(NormalCurvatures, AreZeroWhereNothingIsKnown) {
-  SurfaceMesh surface = surface_of(test::flat_grid(2, 2));
+  SurfaceMesh surface = surface_at(test::flat_grid(2, 2));
   surface.normals.assign(surface.positions.size(), glm::vec3(0, 0, 1));
   surface.positions.emplace_back(9, 9, 9);  // of no face
   surface.normals.emplace_back(1, 0, 0);
@@ -88,7 +88,7 @@ TEST(NormalCurvatures, AreZeroWhereNothingIsKnown) {
 
 // The integral of the Gaussian curvature over a sphere-like surface is 4 pi, whatever its shape.
 TEST(NormalCurvatures, KeepGaussAndBonnetOnAnEllipsoid) {
-  SurfaceMesh surface = surface_of(test::icosphere(4));
+  SurfaceMesh surface = surface_at(test::icosphere(4));
   const glm::dvec3 axes(1.5, 1, 0.8);
   for (glm::dvec3& position : surface.positions) {
     surface.normals.emplace_back(glm::normalize(position / axes));

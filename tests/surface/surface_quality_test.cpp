@@ -17,7 +17,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 // The mesh itself as a surface.
-SurfaceMesh surface_of(const PolygonMesh& mesh, std::vector<glm::vec3> normals) {
+SurfaceMesh surface_with(const PolygonMesh& mesh, std::vector<glm::vec3> normals) {
   SurfaceMesh surface;
   surface.level = 0;
   surface.positions = mesh.positions;
@@ -48,7 +48,7 @@ TEST(SurfaceQuality, AFacesAreaIsSharedAmongItsCorners) {
   const PolygonMesh mesh = two_squares();
   std::vector<glm::vec3> normals(6, glm::vec3(0, 0, 1));
   normals[4] = glm::vec3(0, 0, -1);
-  const SurfaceQuality quality = surface_quality(surface_of(mesh, normals), mesh);
+  const SurfaceQuality quality = surface_quality(surface_with(mesh, normals), mesh);
   EXPECT_DOUBLE_EQ(quality.folded_area, 0.75 / 4.0);
   EXPECT_DOUBLE_EQ(quality.max_normal_deviation, 180.0);
   EXPECT_NEAR(quality.rms_normal_deviation, 180.0 * std::sqrt(0.75 / 4.0), 1e-10);
@@ -71,7 +71,7 @@ TEST(SurfaceQuality, TellsFoldsOfTheInputFromOthers) {
   // Turned over: one corner of the first square, one of the third, beside the folded edge.
   std::vector<glm::vec3> normals(10, glm::vec3(0, 0, 1));
   normals[0] = normals[8] = normals[9] = normals[4] = glm::vec3(0, 0, -1);
-  const SurfaceQuality quality = surface_quality(surface_of(mesh, normals), mesh);
+  const SurfaceQuality quality = surface_quality(surface_with(mesh, normals), mesh);
   EXPECT_DOUBLE_EQ(quality.folded_area_elsewhere, 0.25 / 4);
   EXPECT_GT(quality.folded_area, 0.25 / 4 + 0.2 / 4);
   // Those that the input is not to blame for are named first.
@@ -79,18 +79,18 @@ TEST(SurfaceQuality, TellsFoldsOfTheInputFromOthers) {
   EXPECT_EQ(quality.folded_places[0].face, 0);
   EXPECT_EQ(quality.folded_places[0].position, mesh.positions[0]);
   normals[0] = glm::vec3(0, 0, 1);
-  const SurfaceQuality beside = surface_quality(surface_of(mesh, normals), mesh);
+  const SurfaceQuality beside = surface_quality(surface_with(mesh, normals), mesh);
   EXPECT_EQ(beside.folded_area_elsewhere, 0.0);
   ASSERT_EQ(beside.folded_places.size(), 2u);
   EXPECT_EQ(beside.folded_places[0].face, 2);
   EXPECT_EQ(beside.folded_places[1].face, 3);
   const std::vector<std::uint8_t> expected = {0, 0, 1, 1};
-  EXPECT_EQ(beside_folds(surface_of(mesh, normals), mesh), expected);
+  EXPECT_EQ(beside_folds(surface_with(mesh, normals), mesh), expected);
 }
 
 TEST(SurfaceQuality, AnglesAreInDegreesAgainstTheGivenNormals) {
   const PolygonMesh mesh = two_squares();
-  const SurfaceMesh surface = surface_of(mesh, {6, glm::vec3(0, 0, 1)});
+  const SurfaceMesh surface = surface_with(mesh, {6, glm::vec3(0, 0, 1)});
   for (const double degrees : {0.0, 1e-4, 30.0, 89.0, 91.0}) {
     const double angle = degrees * kPi / 180;
     const SurfaceQuality quality = surface_quality(surface, [&](std::int64_t, std::int32_t) {
@@ -104,7 +104,7 @@ TEST(SurfaceQuality, AnglesAreInDegreesAgainstTheGivenNormals) {
 }
 
 TEST(SurfaceQuality, TheReferenceIsAskedForEveryCornerInOrder) {
-  const SurfaceMesh surface = surface_of(two_squares(), {6, glm::vec3(0, 0, 1)});
+  const SurfaceMesh surface = surface_with(two_squares(), {6, glm::vec3(0, 0, 1)});
   std::vector<std::pair<std::int64_t, std::int32_t>> asked;
   (void)surface_quality(surface, [&](std::int64_t face, std::int32_t corner) {
     asked.emplace_back(face, corner);
@@ -124,7 +124,8 @@ TEST(SurfaceQuality, BendingOfASphere) {
       normals.emplace_back(glm::normalize(p));
       p *= radius;
     }
-    EXPECT_NEAR(surface_quality(surface_of(mesh, normals), mesh).bending, 8 * kPi, 0.01 * 8 * kPi);
+    EXPECT_NEAR(surface_quality(surface_with(mesh, normals), mesh).bending, 8 * kPi,
+                0.01 * 8 * kPi);
   }
 }
 
@@ -140,14 +141,15 @@ TEST(SurfaceQuality, BendingOfATorus) {
   }
   const double c = 1.0 / 0.4;
   const double expected = 4 * kPi * kPi * c * c / std::sqrt(c * c - 1);
-  EXPECT_NEAR(surface_quality(surface_of(mesh, normals), mesh).bending, expected, 0.01 * expected);
+  EXPECT_NEAR(surface_quality(surface_with(mesh, normals), mesh).bending, expected,
+              0.01 * expected);
 }
 
 TEST(SurfaceQuality, SliversDoNotSpoilTheBending) {
   PolygonMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0.5, 1e-9, 0}};
   mesh.add_face(std::array{0, 1, 2});
-  const auto quality = surface_quality(surface_of(mesh, {{0, 0, 1}, {0, 0, 1}, {0, 1, 0}}), mesh);
+  const auto quality = surface_quality(surface_with(mesh, {{0, 0, 1}, {0, 0, 1}, {0, 1, 0}}), mesh);
   EXPECT_EQ(quality.bending, 0.0);
 }
 

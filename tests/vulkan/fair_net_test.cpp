@@ -53,7 +53,8 @@ double worst_distance(const FairNet& a, const FairNet& b) {
   return worst;
 }
 
-double rms_degrees(const test::FairCase& c, std::span<const dvec3> a, std::span<const dvec3> b) {
+double rms_normal_degrees(const test::FairCase& c, std::span<const dvec3> a,
+                          std::span<const dvec3> b) {
   const test::LimitSamples first = test::limit_samples(c, a, 2);
   const test::LimitSamples second = test::limit_samples(c, b, 2);
   double sum = 0;
@@ -80,7 +81,7 @@ TEST_F(FairNetOnDevice, InterpolatesAndEqualsTheCpusSurface) {
       const FairNet expected = c.net(steps);
       ASSERT_EQ(net.state.size(), expected.state.size());
       EXPECT_LT(interpolation_error(c, net.state), kInterpolation);
-      const double degrees = rms_degrees(c, net.state, expected.state);
+      const double degrees = rms_normal_degrees(c, net.state, expected.state);
       EXPECT_LT(degrees, steps > 0 ? kPolishedNormals : kNormals) << steps;
       sum += degrees;
       ++count;

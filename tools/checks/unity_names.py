@@ -1,16 +1,13 @@
 """Names that meet where a module's sources are compiled together (tools/cmake/FastBuild.cmake).
 
 Unnamed namespaces of one module's sources become one there, so that a constant, a type or a
-function with the same parameters may stand in one of them only. Read from the text, as the other
-checks: parameter types are compared as written.
+function may stand in one of them only. A function of other parameters would compile, but take calls
+that are meant for its namesake.
 """
 
 import collections
 import pathlib
 import re
-
-# The brackets of parameters that are left when theirs are taken out, inmost first.
-NESTED = re.compile(r"<[^<>]*>|\([^()]*\)")
 
 
 def unit_of(name):
@@ -26,19 +23,6 @@ def unnamed_parts(text):
     return re.findall(r"(?ms)^namespace \{\n(.*?)^\}[ \t]+$", text)
 
 
-def parameter_types(text):
-    """Each parameter without its name and default."""
-    while NESTED.search(text):
-        text = NESTED.sub(lambda part: "[" + re.sub(r"[,\s]+", ";", part[0][1:-1]) + "]", text)
-    types = []
-    for parameter in text.split(","):
-        words = parameter.split("=")[0].split()
-        if len(words) > 1 and re.fullmatch(r"[&*]*\w+", words[-1]):
-            words[-1] = re.sub(r"\w+", "", words[-1])
-        types.append("".join(words))
-    return ",".join(types)
-
-
 def names_in(part):
     """(what must differ, how it was written) of each definition at the part's own level."""
     for match in re.finditer(r"(?m)^(?:class|struct|enum class|enum|union) (\w+)", part):
@@ -48,19 +32,16 @@ def names_in(part):
     for match in re.finditer(r"(?m)^(?:inline |static )*(?:constexpr|const) [^;(){}]*?(\w+)(?:\[[^\]]*\])*(?: =|\{)",
                              part):
         yield match[1], match[1]
-    # A template's parameters are not told apart here.
-    plain = re.sub(r"(?m)^template <.*\n.*", "", part)
-    for match in re.finditer(r"(?m)^[A-Za-z][\w:<>,&* \[\]]*?[ &*](\w+)\(((?:[^(){};]|\([^()]*\))*)\)"
-                             r"(?: noexcept)?(?: ->[^{;]*)? \{", plain):
+    for match in re.finditer(r"(?m)^[A-Za-z][\w:<>,&* \[\]]*?[ &*](\w+)\((?:[^(){};]|\([^()]*\))*\)"
+                             r"(?: noexcept)?(?: ->[^{;]*)? \{", part):
         if match[1] not in ("if", "for", "while", "switch"):
-            text = f"{match[1]}({parameter_types(match[2])})"
-            yield text, text
+            yield match[1], match[1] + "()"
 
 
 def met_names(texts):
     places = collections.defaultdict(lambda: collections.defaultdict(set))
     for name, text in texts.items():
-        if name.endswith(".cpp"):
+        if name.endswith(".cpp") and not name.endswith("/main.cpp"):  # compiled alone
             for part in unnamed_parts(text):
                 for what, written in names_in(part):
                     places[unit_of(name), what][name].add(written)

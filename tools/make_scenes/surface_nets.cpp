@@ -60,7 +60,7 @@ glm::dvec3 projected(const Field& field, glm::dvec3 p, double longest_step) {
 
 namespace {
 
-Lattice sampled(const Field& field, const SurfaceNetsOptions& options) {
+Lattice sampled_grid(const Field& field, const SurfaceNetsOptions& options) {
   Lattice lattice{options.low, options.cell, {}, {}};
   for (int axis = 0; axis < 3; ++axis) {
     const double extent = options.high[axis] - options.low[axis];
@@ -162,7 +162,7 @@ void relax(PolygonMesh& mesh, const Field& field, double longest_step) {
 }  // namespace
 
 PolygonMesh surface_nets(const Field& field, const SurfaceNetsOptions& options) {
-  PolygonMesh mesh = polygonised(sampled(field, options));
+  PolygonMesh mesh = polygonised(sampled_grid(field, options));
   for (glm::dvec3& p : mesh.positions) {
     if (options.warp) p = options.warp(p);
     p = projected(field, p, options.cell);

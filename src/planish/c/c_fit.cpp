@@ -71,7 +71,7 @@ planish_fit_info info_of(const FittedMesh& fitted) {
   return info;
 }
 
-planish_status status_of(const FittedMesh& fitted) {
+planish_status convergence_status(const FittedMesh& fitted) {
   return fitted.fit.interpolation.converged ? PLANISH_OK : PLANISH_NOT_CONVERGED;
 }
 
@@ -125,7 +125,7 @@ planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_op
     const auto backend = backend_of(how.fit, own.thread_count);
     made->fitted = planish::fit_mesh(mesh->mesh, "mesh", *backend, how);
     *fit = made.release();
-    return status_of((*fit)->fitted);
+    return convergence_status((*fit)->fitted);
   });
 }
 
@@ -153,7 +153,7 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
     require(path, "path");
     const auto backend = backend_of(fit->fitted.options, fit->thread_count);
     planish::write_fitted_surface(path, fit->fitted, "surface", *backend, {.level = level});
-    return status_of(fit->fitted);
+    return convergence_status(fit->fitted);
   });
 }
 
@@ -172,7 +172,7 @@ planish_status planish_fit_file(const char* input, const char* output, int32_t l
     how.backend = backend.get();
     const planish::FileFit done = planish::fit_file(input, output, how);
     if (info != nullptr) give(info_of(done.fitted), info, "info");
-    return status_of(done.fitted);
+    return convergence_status(done.fitted);
   });
 }
 

@@ -26,15 +26,16 @@ double above_least(double coordinate) {
   return kScale * (coordinate - kLeastInRing);
 }
 
-double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
+double cross_of_plane(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 }  // namespace
 
 PlanarRing::Wedge wedge_of(const dvec2& point, const dvec2& next, const dvec2& previous) {
-  const double determinant = cross(next, previous);
+  const double determinant = cross_of_plane(next, previous);
   const double size = std::sqrt(glm::dot(next, next) * glm::dot(previous, previous));
   if (!(determinant > kSliverSine * size)) return {0.0, 0.0, false};
-  return {cross(point, previous) / determinant, cross(next, point) / determinant, true};
+  return {cross_of_plane(point, previous) / determinant, cross_of_plane(next, point) / determinant,
+          true};
 }
 
 void project_ring(const FairTopology& topology, std::span<const dvec3> given,

@@ -29,7 +29,7 @@ WorstFace worst_face(const FairTopology& topology, std::span<const dvec3> face_n
   return worst;
 }
 
-dvec3 normalised(const dvec3& vector, const dvec3& otherwise) {
+dvec3 normalised_or(const dvec3& vector, const dvec3& otherwise) {
   const double length = glm::length(vector);
   return length > 0 ? vector / length : otherwise;
 }
@@ -48,7 +48,7 @@ NormalCap smallest_cap(const FairTopology& topology, std::span<const dvec3> face
   for (int step = 0; step < kCapSteps; ++step) {
     const WorstFace worst = worst_face(topology, face_normals, vertex, direction);
     if (worst.cosine > best.cosine) best = {direction, worst.cosine};
-    direction = normalised(direction + (worst.normal - direction) / (2.0 + step), direction);
+    direction = normalised_or(direction + (worst.normal - direction) / (2.0 + step), direction);
   }
   return best;
 }
@@ -62,7 +62,7 @@ dvec3 tilted_normal(const FairTopology& topology, std::span<const dvec3> face_no
   };
   if (cap.cosine <= 0 || is_seen(normal)) return normal;
   const auto between = [&](double share) {
-    return normalised((1 - share) * normal + share * cap.normal, cap.normal);
+    return normalised_or((1 - share) * normal + share * cap.normal, cap.normal);
   };
   double least = 0, enough = 1;
   for (int step = 0; step < kTiltSteps; ++step) {

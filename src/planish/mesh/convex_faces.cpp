@@ -28,7 +28,7 @@ constexpr std::size_t kMostCorners = 1000;  // cutting takes time of the order o
 double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 // From a to b counter-clockwise, 0 to a full turn.
-double angle_between(const dvec2& a, const dvec2& b) {
+double turn_between(const dvec2& a, const dvec2& b) {
   const double angle = std::atan2(cross(a, b), glm::dot(a, b));
   return angle < 0 ? angle + 2 * pi : angle;
 }
@@ -61,7 +61,7 @@ std::vector<dvec2> flat_points(const PolygonMesh& mesh, std::int32_t face) {
 double interior_angle(std::span<const dvec2> points, const Part& part, std::size_t i) {
   const std::size_t m = part.size();
   const dvec2& own = points[part[i]];
-  return angle_between(points[part[(i + 1) % m]] - own, points[part[(i + m - 1) % m]] - own);
+  return turn_between(points[part[(i + 1) % m]] - own, points[part[(i + m - 1) % m]] - own);
 }
 
 // The corner that turns inward most; the part's size where none does.
@@ -103,9 +103,9 @@ double merit(std::span<const dvec2> points, const Part& part, std::size_t i, std
   const dvec2& from = points[part[i]];
   const dvec2& to = points[part[j]];
   const dvec2 along = points[part[(i + 1) % m]] - from;
-  const double before = angle_between(along, to - from);
+  const double before = turn_between(along, to - from);
   const double after = interior_angle(points, part, i) - before;
-  const double far_after = angle_between(points[part[(j + 1) % m]] - to, from - to);
+  const double far_after = turn_between(points[part[(j + 1) % m]] - to, from - to);
   const double far_before = interior_angle(points, part, j) - far_after;
   const double least = std::min({before, after, far_before, far_after});
   if (!(least > 0) || !(glm::length(along) > 0)) return kNone;

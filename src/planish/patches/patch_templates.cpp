@@ -19,7 +19,7 @@ struct QuarterPlace {
   Place place;
 };
 
-QuarterPlace in_quarter(Place sample, std::int32_t n) {
+QuarterPlace quarter_place(Place sample, std::int32_t n) {
   const std::int32_t half = n / 2;
   const auto [a, b] = sample;
   if (b <= half) {
@@ -39,7 +39,7 @@ std::vector<QuarterSample> samples_of(int quarter, std::int32_t n) {
   std::vector<QuarterSample> samples;
   for (std::int32_t b = 0; b <= n; ++b) {
     for (std::int32_t a = 0; a <= n; ++a) {
-      const auto [q, place] = in_quarter({a, b}, n);
+      const auto [q, place] = quarter_place({a, b}, n);
       if (q != quarter) continue;
       samples.push_back({static_cast<std::size_t>(place.b * (n / 2 + 1) + place.a),
                          static_cast<std::size_t>(b * (n + 1) + a)});

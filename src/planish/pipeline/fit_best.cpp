@@ -24,8 +24,8 @@ struct Candidate {
   [[nodiscard]] bool is_sound() const { return fit.interpolation.converged && !folds(); }
 };
 
-SurfaceQuality measured(const PolygonMesh& mesh, const Fit& fit, const FitOptions& options,
-                        int level = 1) {
+SurfaceQuality measured_quality(const PolygonMesh& mesh, const Fit& fit, const FitOptions& options,
+                                int level = 1) {
   EvaluateOptions evaluation;
   evaluation.weights = options.weights;
   evaluation.sharp = options.sharp;
@@ -40,7 +40,7 @@ Candidate candidate(const PolygonMesh& mesh, Backend& backend, FitOptions option
   options.method = InterpolationMethod::Progressive;
   options.callbacks.warning = [&](const Warning& warning) { result.warnings.push_back(warning); };
   result.fit = fit(mesh, backend, options);
-  result.quality = measured(mesh, result.fit, options);
+  result.quality = measured_quality(mesh, result.fit, options);
   return result;
 }
 
@@ -56,7 +56,7 @@ Candidate fair_candidate(FairMesh& made, Backend& backend, FitOptions options, B
   } else {
     result.fit = fit(made.mesh, backend, options);
   }
-  result.quality = measured(made.mesh, result.fit, options);
+  result.quality = measured_quality(made.mesh, result.fit, options);
   return result;
 }
 
@@ -139,7 +139,8 @@ BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& op
   best.fair = fair.quality;
   choose(
       progressive, fair,
-      [&] { return measured(mesh, progressive.fit, options, 2).folded_area_elsewhere; }, best);
+      [&] { return measured_quality(mesh, progressive.fit, options, 2).folded_area_elsewhere; },
+      best);
   const bool is_fair = best.method == InterpolationMethod::Fair;
   give_out(std::move(is_fair ? fair : progressive), best, options.callbacks);
   if (is_fair) {

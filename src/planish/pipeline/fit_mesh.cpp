@@ -53,8 +53,8 @@ void take(FittedMesh& result, ReadyMesh&& ready, std::string_view name,
   result.options.prepared = std::move(ready.prepared);
 }
 
-void choose(FittedMesh& result, PolygonMesh&& given, std::string_view name, Backend& backend,
-            const MeshFitOptions& options, const WarningList& warnings) {
+void choose_method(FittedMesh& result, PolygonMesh&& given, std::string_view name, Backend& backend,
+                   const MeshFitOptions& options, const WarningList& warnings) {
   ReadyMesh ready;
   const auto make_fair_mesh = [&] {
     ready = make_ready(std::move(given), preparation_of(options, InterpolationMethod::Fair));
@@ -106,7 +106,7 @@ FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,
   if (!result.options.prepared) require_usable(result.mesh, name);
   try {
     if (chooses) {
-      choose(result, std::move(given), name, backend, options, warnings);
+      choose_method(result, std::move(given), name, backend, options, warnings);
     } else if (found) {
       CreasedFit creased = fit_with_found_creases(result.mesh, *found, backend, result.options);
       result.smoothed_vertices = std::move(creased.smoothed_vertices);

@@ -98,7 +98,7 @@ Distances measure(std::span<const glm::dvec3> points, const CleanOptions& option
   return distances;
 }
 
-void check_options(const CleanOptions& options) {
+void check_clean_options(const CleanOptions& options) {
   if (options.neighbour_count < 1 || options.neighbour_count > kMaxNeighbours)
     throw Error(ErrorCode::InvalidArgument, "outliers: " + std::to_string(options.neighbour_count) +
                                                 " neighbours are asked for; 1 to " +
@@ -110,7 +110,7 @@ void check_options(const CleanOptions& options) {
 }  // namespace
 
 CleanPoints clean(std::span<const glm::dvec3> points, const CleanOptions& options) {
-  check_options(options);
+  check_clean_options(options);
   CleanPoints result;
   result.kept = without_duplicates(points);
   result.duplicate_count = static_cast<std::int64_t>(points.size() - result.kept.size());

@@ -20,7 +20,7 @@ constexpr int kMostRounds = 12;
 // A round that takes a smaller share is the last.
 constexpr double kLeastShare = 0.002;
 
-void check_options(const SimplifyOptions& options) {
+void check_simplify_options(const SimplifyOptions& options) {
   const auto refuse = [](const std::string& what) {
     throw Error(ErrorCode::InvalidArgument, what);
   };
@@ -82,7 +82,7 @@ std::int32_t default_max_valence(Spacing spacing) { return spacing == Spacing::E
 
 SimplifiedMesh simplify(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                         const SimplifyOptions& options) {
-  check_options(options);
+  check_simplify_options(options);
   options.callbacks.report("simplify", 0.0);
   const OrderedMesh ordered = in_spatial_order(positions, triangles);
   SimplifyState state(ordered.positions, ordered.triangles, options);

@@ -237,7 +237,7 @@ class MeshBuilder {
 };
 
 // A face's control point takes the mean of the colours at the corners of its face of Q_1.
-void carry_colors(const SubdividedMesh& base, PolygonMesh& result) {
+void carry_colors_once(const SubdividedMesh& base, PolygonMesh& result) {
   const PolygonMesh& mesh = base.used.mesh;
   if (mesh.colors.empty()) return;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
@@ -268,7 +268,7 @@ PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one) {
   for (const glm::dvec3& point : level_one.state) {
     net.positions.push_back(level_one.placement.to_model(point));
   }
-  carry_colors(base, net);
+  carry_colors_once(base, net);
   if (!base.used.mesh.face_groups.empty()) net.groups = base.used.mesh.groups;
   MeshBuilder(base, net).add_polygons();
   const auto first_corner =

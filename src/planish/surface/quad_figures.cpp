@@ -59,7 +59,7 @@ PLANISH_IN_LINE double dot(const Edge& a, const Edge& b) {
 }
 
 // Edges in a circle.
-PLANISH_IN_LINE double triangle_bending(const Edge& a, const Edge& b, const Edge& c) {
+PLANISH_IN_LINE double lane_bending(const Edge& a, const Edge& b, const Edge& c) {
   const double nx = a.y * b.z - a.z * b.y, ny = a.z * b.x - a.x * b.z, nz = a.x * b.y - a.y * b.x;
   const double double_area = std::sqrt(squared(nx, ny, nz));
   const double perimeter = std::sqrt(dot(a, a)) + std::sqrt(dot(b, b)) + std::sqrt(dot(c, c));
@@ -81,8 +81,8 @@ PLANISH_IN_LINE double quad_bending(const QuadBatch& q, int i) {
   // Cut along the shorter diagonal.
   const bool turned = dot(odd, odd) < dot(even, even);
   const Edge cut = either(turned, odd, even);
-  return triangle_bending(either(turned, e12, e01), either(turned, e23, e12), reversed(cut)) +
-         triangle_bending(cut, either(turned, e30, e23), either(turned, e01, e30));
+  return lane_bending(either(turned, e12, e01), either(turned, e23, e12), reversed(cut)) +
+         lane_bending(cut, either(turned, e30, e23), either(turned, e01, e30));
 }
 
 }  // namespace

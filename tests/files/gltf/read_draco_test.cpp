@@ -117,7 +117,7 @@ std::string sheet_glb(const Stream& stream) {
   return test::glb_of(sheet_json(stream), stream.bytes);
 }
 
-std::string error_of(const Stream& stream, const std::string& json) {
+std::string draco_error(const Stream& stream, const std::string& json) {
   return test::glb_error(test::glb_of(json, stream.bytes));
 }
 
@@ -202,22 +202,23 @@ TEST(ReadDraco, PlainBytesBesideAreReadInstead) {
 TEST(ReadDraco, CountsAreHeldAgainstTheStream) {
   for (const auto method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
     const Stream stream = sheet_stream(method, 14);
-    EXPECT_THAT(error_of(stream, sheet_json(stream, kPointCount, kCornerCount - 3)),
+    EXPECT_THAT(draco_error(stream, sheet_json(stream, kPointCount, kCornerCount - 3)),
                 HasSubstr("the stream has 288 triangles, and the indices 861 corners"));
-    EXPECT_THAT(error_of(stream, sheet_json(stream, kPointCount - 1)),
+    EXPECT_THAT(draco_error(stream, sheet_json(stream, kPointCount - 1)),
                 HasSubstr("the stream has 169 points, and the positions 168"));
-    EXPECT_THAT(error_of(stream, sheet_json(stream, kPointCount, 9'000'000'000)),
+    EXPECT_THAT(draco_error(stream, sheet_json(stream, kPointCount, 9'000'000'000)),
                 HasSubstr("9000000000 corners of 169 points cannot come from"));
-    EXPECT_THAT(error_of(stream, sheet_json(stream, 2'000'000'000)), HasSubstr("cannot come from"));
-    EXPECT_THAT(error_of(stream, test::replaced(sheet_json(stream), "\"TEXCOORD_0\":1",
-                                                "\"TEXCOORD_0\":7")),
+    EXPECT_THAT(draco_error(stream, sheet_json(stream, 2'000'000'000)),
+                HasSubstr("cannot come from"));
+    EXPECT_THAT(draco_error(stream, test::replaced(sheet_json(stream), "\"TEXCOORD_0\":1",
+                                                   "\"TEXCOORD_0\":7")),
                 HasSubstr("attributes.TEXCOORD_0: the Draco stream has no attribute 7"));
-    EXPECT_THAT(error_of(stream, test::replaced(sheet_json(stream), "\"VEC2\"", "\"VEC3\"")),
+    EXPECT_THAT(draco_error(stream, test::replaced(sheet_json(stream), "\"VEC2\"", "\"VEC3\"")),
                 HasSubstr("`VEC3` stands in the place of `VEC2`"));
-    EXPECT_THAT(error_of(stream, test::replaced(sheet_json(stream), "5121", "5123")),
+    EXPECT_THAT(draco_error(stream, test::replaced(sheet_json(stream), "5121", "5123")),
                 HasSubstr("elements of 4 numbers of type 5123 are packed as"));
-    EXPECT_THAT(error_of(stream, test::replaced(sheet_json(stream), "\"indices\":0",
-                                                "\"indices\":0,\"mode\":5")),
+    EXPECT_THAT(draco_error(stream, test::replaced(sheet_json(stream), "\"indices\":0",
+                                                   "\"indices\":0,\"mode\":5")),
                 HasSubstr("mode: only triangles are read of Draco streams"));
   }
 }
@@ -226,13 +227,15 @@ TEST(ReadDraco, OtherStreamsAreRefused) {
   Stream stream = sheet_stream(draco::MESH_EDGEBREAKER_ENCODING, 14);
   const std::string json = sheet_json(stream);
   stream.bytes[6] = 1;
-  EXPECT_THAT(error_of(stream, json), HasSubstr("the stream is no mesh of Draco's bitstream 2.2"));
+  EXPECT_THAT(draco_error(stream, json),
+              HasSubstr("the stream is no mesh of Draco's bitstream 2.2"));
   stream.bytes[6] = 2;
   stream.bytes[7] = 0;  // points
-  EXPECT_THAT(error_of(stream, json), HasSubstr("the stream is no mesh of Draco's bitstream 2.2"));
+  EXPECT_THAT(draco_error(stream, json),
+              HasSubstr("the stream is no mesh of Draco's bitstream 2.2"));
   stream.bytes[7] = 1;
   std::fill(stream.bytes.begin() + 40, stream.bytes.end(), '\0');
-  EXPECT_THAT(error_of(stream, json), HasSubstr("the stream is no Draco mesh"));
+  EXPECT_THAT(draco_error(stream, json), HasSubstr("the stream is no Draco mesh"));
 }
 
 TEST(ReadDraco, DamagedStreamsAreReadOrRefused) {

@@ -164,7 +164,7 @@ TEST(ReadGltfErrors, RefusesWrongBuffers) {
 }
 
 // True when a mesh came out.
-bool read_safely(const std::string& bytes) {
+bool read_glb_safely(const std::string& bytes) {
   try {
     const PolygonMesh mesh = read_glb(bytes).mesh;
     for (const MeshProblem& problem : check(mesh))
@@ -180,7 +180,7 @@ bool read_safely(const std::string& bytes) {
 TEST(ReadGltfErrors, CutOffAtEveryByteIsRefused) {
   const std::string glb = glb_of(square_json(), square_chunk());
   for (std::size_t size = 0; size < glb.size(); ++size)
-    EXPECT_FALSE(read_safely(glb.substr(0, size))) << size;
+    EXPECT_FALSE(read_glb_safely(glb.substr(0, size))) << size;
 }
 
 TEST(ReadGltfErrors, RandomBytesChanged) {
@@ -192,7 +192,7 @@ TEST(ReadGltfErrors, RandomBytesChanged) {
       char& byte = bytes[random() % bytes.size()];
       byte = random() % 2 ? static_cast<char>(random()) : "0123456789-.e,[]{}\":"[random() % 20];
     }
-    (void)read_safely(bytes);
+    (void)read_glb_safely(bytes);
   }
 }
 

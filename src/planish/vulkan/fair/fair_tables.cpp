@@ -102,7 +102,7 @@ void add_owners(const FairTopology& topology, FairRecords& records) {
 }
 
 template <class Items>
-Buffer make_table(Context& context, const Items& items, const char* name) {
+Buffer make_fair_table(Context& context, const Items& items, const char* name) {
   return make_bindable(context, std::as_bytes(std::span(items)).size(), name);
 }
 
@@ -161,16 +161,16 @@ FairTables::FairTables(Context& context, const FairRecords& records)
       has_regular_vertices(records.has_regular_vertices),
       is_decided(!records.decisions.empty()),
       placement(records.placement),
-      vertices(make_table(context, records.vertices, "planish fair vertices")),
-      places(make_table(context, records.places, "planish fair rings")),
-      links(make_table(context, records.links, "planish fair corners")),
-      faces(make_table(context, records.faces, "planish fair faces")),
-      edges(make_table(context, records.edges, "planish fair edges")),
-      creases(make_table(context, records.creases, "planish fair creases")),
-      sectors(make_table(context, records.sectors, "planish fair sectors")),
-      curve_points(make_table(context, records.curve_points, "planish fair curve points")),
-      circle(make_table(context, records.circle, "planish fair circle")),
-      owners(make_table(context, records.owners, "planish fair owners")),
-      decisions(make_table(context, records.decisions, "planish fair decisions")) {}
+      vertices(make_fair_table(context, records.vertices, "planish fair vertices")),
+      places(make_fair_table(context, records.places, "planish fair rings")),
+      links(make_fair_table(context, records.links, "planish fair corners")),
+      faces(make_fair_table(context, records.faces, "planish fair faces")),
+      edges(make_fair_table(context, records.edges, "planish fair edges")),
+      creases(make_fair_table(context, records.creases, "planish fair creases")),
+      sectors(make_fair_table(context, records.sectors, "planish fair sectors")),
+      curve_points(make_fair_table(context, records.curve_points, "planish fair curve points")),
+      circle(make_fair_table(context, records.circle, "planish fair circle")),
+      owners(make_fair_table(context, records.owners, "planish fair owners")),
+      decisions(make_fair_table(context, records.decisions, "planish fair decisions")) {}
 
 }  // namespace planish::vulkan
