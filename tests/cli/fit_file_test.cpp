@@ -57,6 +57,29 @@ TEST_F(FitFile, TakesTheCommandsChoices) {
   expect_same(PLANISH_SCENES "/goblet.obj", ".glb", {"--scheme", "catmull-clark"}, options);
 }
 
+// A roof over two faces whose corners have the normals of their face, or of the vertex.
+std::string roof_obj(bool is_split) {
+  const std::string a = "1", b = is_split ? "2" : "1";
+  return "v 0 0 0\nv 1 0 1\nv 2 0 0\nv 0 3 0\nv 1 3 1\nv 2 3 0\nvn -1 0 1\nvn 1 0 1\nf 1//" + a +
+         " 2//" + a + " 5//" + a + " 4//" + a + "\nf 2//" + b + " 3//" + b + " 6//" + b + " 5//" +
+         b + "\n";
+}
+
+TEST_F(FitFile, SplitNormalsAreCreasesWhereAsked) {
+  const std::string roof = write("roof.obj", roof_obj(true));
+  FitFileOptions options;
+  options.split_normals = true;
+  expect_same(roof, ".glb", {"--creases", "normals"}, options);
+  const FileFit sharp = fit_file(roof, path("sharp.glb"), options);
+  EXPECT_EQ(sharp.fitted.fit.sharp_edge_count, 7);  // the ridge beside the border
+  EXPECT_EQ(sharp.fitted.creases(), "normals");
+  EXPECT_TRUE(sharp.fitted.warnings.empty());
+  EXPECT_EQ(fit_file(roof, path("smooth.glb")).fitted.fit.sharp_edge_count, 6);
+  const FileFit none = fit_file(write("smooth.obj", roof_obj(false)), path("none.glb"), options);
+  ASSERT_EQ(none.fitted.warnings.size(), 1u);
+  EXPECT_EQ(none.fitted.warnings[0].code, "no-split-normals");
+}
+
 TEST_F(FitFile, MendsWhatTheCommandMends) {
   // The second face is turned the wrong way round.
   const std::string input = write("turned.obj",

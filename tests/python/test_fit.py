@@ -53,6 +53,21 @@ def test_fit_file_writes_the_commands_bytes(scenes, command, tmp_path):
     assert all(0 <= fraction <= 1 for _, fraction in steps)
 
 
+def test_split_normals_are_creases_where_asked(command, tmp_path):
+    roof = tmp_path / "roof.obj"
+    roof.write_text("v 0 0 0\nv 1 0 1\nv 2 0 0\nv 0 3 0\nv 1 3 1\nv 2 3 0\nvn -1 0 1\nvn 1 0 1\n"
+                    "f 1//1 2//1 5//1 4//1\nf 2//2 3//2 6//2 5//2\n")
+    command(roof, "-o", tmp_path / "command.glb", "--creases", "normals")
+    fit = planish.fit_file(roof, tmp_path / "python.glb", creases="normals")
+    assert fit.report["solve"]["creases"] == "normals"
+    assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
+    assert planish.read(roof, split_normals=True).crease_edges.tolist() == [[1, 4]]
+    mesh = planish.read(roof)
+    assert len(mesh.crease_edges) == 0
+    with pytest.raises(planish.InvalidArgument, match="read.. with split_normals"):
+        planish.fit(mesh, creases="normals")
+
+
 def test_surface_passes_through_the_vertices(cube):
     vertices, faces = cube
     fit = planish.fit(vertices, faces, tolerance=1e-12)

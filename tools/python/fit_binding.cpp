@@ -56,6 +56,7 @@ FitHandle fit_files(const py::object& input, const py::object& output, int level
   FitHandle made = new_fit(arguments);
   const auto backend = arguments.make_backend();
   options.backend = backend.get();
+  options.split_normals = arguments.split_normals;
   run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
     options.mesh = arguments.mesh;
     options.mesh.fit.callbacks = callbacks;

@@ -42,7 +42,7 @@ py::dict input_of(const FittedMesh& fitted) {
   result["sharp_edges"] = fit.sharp_edge_count;
   result["corners"] = fit.corner_count;
   result["folded_edges"] = folded;
-  result["separated_edges"] = fitted.separated_edge_count;
+  result["separated_edges"] = fitted.separated_edges.size();
   py::list changed;
   for (const std::int32_t face : fitted.changed_faces) changed.append(face);
   result["changed_faces"] = changed;
@@ -94,7 +94,7 @@ py::dict solve_of(const FittedMesh& fitted) {
       where(options.scheme == Scheme::DooSabin, text_of(word_of(kWeightsWords, options.weights)));
   solve["solver"] = where(iterates, text_of(word_of(kSolverWords, options.solver)));
   solve["boundary"] = text_of(word_of(kBoundaryWords, options.sharp.boundary));
-  solve["creases"] = creases_text(fitted.uses_tags, fitted.crease_degrees);
+  solve["creases"] = fitted.creases();
   solve["repair"] = fitted.repairs ? "safe" : "none";
   solve["weld"] = where(fitted.weld.has_value(), py::float_(fitted.weld.value_or(0)));
   solve["tolerance"] = options.tolerance;

@@ -48,11 +48,13 @@ py::array points_array(PointCloud&& cloud) {
                              owner);
 }
 
-MeshHandle read_the_mesh(const py::object& path) {
+MeshHandle read_the_mesh(const py::object& path, bool split_normals) {
   const std::string file = path_of(path);
   auto made = std::make_shared<PythonMesh>();
   run_released({}, [&](const Callbacks&) {
-    made->mesh = std::move(planish::read_mesh(std::filesystem::path(file)).mesh);
+    made->mesh = std::move(
+        planish::read_mesh(std::filesystem::path(file), {.split_normals_crease = split_normals})
+            .mesh);
   });
   return made;
 }
@@ -211,9 +213,11 @@ void write(const std::string& path, const py::object& what, int level) {
 void add_mesh(py::module_& module) {
   add_mesh_class(module);
   add_verification(module);
-  module.def("read", &read_the_mesh, py::arg("path"),
-             "The mesh in an OBJ, PLY, OFF, STL, glTF or GLB file, by extension. Raises "
-             "UnreadableInput, InvalidArgument for an extension.");
+  module.def(
+      "read", &read_the_mesh, py::arg("path"), py::kw_only(), py::arg("split_normals") = false,
+      "The mesh in an OBJ, PLY, OFF, STL, glTF or GLB file, by extension. With split_normals "
+      "edges where the file splits its normals are creases. Raises UnreadableInput, "
+      "InvalidArgument for an extension.");
   module.def(
       "read_points",
       [](const py::object& path) {

@@ -23,7 +23,8 @@ const char* const kFitKeywords = R"(
     solver: "chebyshev", "plain" (the paper's) or "cg" (closed smooth meshes only).
     boundary: "edge" or "edge-and-corner".
     creases: "use" keeps tagged edges sharp, "ignore" does not, "auto:40" also those whose faces
-        turn by more than 40 degrees ("auto": by an angle that suits most meshes).
+        turn by more than 40 degrees ("auto": by an angle that suits most meshes), "normals" those
+        where a file splits its normals (fit_file() alone; see read()).
     crease_edges: integers (m, 2), edges that stay sharp; corner_vertices: integers (n,).
     repair: "safe" mends what can be mended, "none" refuses it.
     weld: vertices within this fraction of the diagonal become one, first.
@@ -89,10 +90,12 @@ constexpr std::array kChoices{OptionWord<MethodWord>{"auto", MethodWord::Auto},
                               OptionWord<MethodWord>{"fair", MethodWord::Fair}};
 constexpr std::array kRepairs{OptionWord<bool>{"safe", true}, OptionWord<bool>{"none", false}};
 
-void parse_creases(const std::string& text, MeshFitOptions& options) {
-  constexpr const char* kWanted = "one of use, ignore, auto, auto:DEGREES is wanted";
+void parse_creases(const std::string& text, FitArguments& arguments) {
+  constexpr const char* kWanted = "one of use, ignore, normals, auto, auto:DEGREES is wanted";
+  MeshFitOptions& options = arguments.mesh;
+  arguments.split_normals = text == "normals";
   options.fit.sharp.use_tags = text != "ignore";
-  if (text == "use" || text == "ignore") return;
+  if (text == "use" || text == "ignore" || text == "normals") return;
   double degrees = CreaseDetectionOptions{}.dihedral_degrees;
   const bool is_angle = text.starts_with("auto:") && parse_number(text.substr(5), degrees);
   if ((text != "auto" && !is_angle) || !(degrees > 0 && degrees <= 180))
@@ -150,8 +153,10 @@ FitArguments fit_arguments(py::kwargs given, const char* function) {
   keywords.take_word("boundary", kBoundaryWords, fit.sharp.boundary);
   keywords.take_word("repair", kRepairs, result.mesh.repairs);
   std::string creases = "use";
-  keywords.take("creases", creases, "one of use, ignore, auto, auto:DEGREES is wanted");
-  parse_creases(creases, result.mesh);
+  keywords.take("creases", creases, "one of use, ignore, normals, auto, auto:DEGREES is wanted");
+  parse_creases(creases, result);
+  if (result.split_normals && std::string_view(function) != "fit_file")
+    refuse("creases: normals are a file's; take fit_file(), or read() with split_normals");
   take_numbers(keywords, result);
   // Auto is settled when the tolerance is known.
   result.precision = precision_for(fit.tolerance);

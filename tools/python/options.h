@@ -13,6 +13,7 @@ namespace planish::python {
 /// What fit() takes behind the mesh.
 struct FitArguments {
   MeshFitOptions mesh;
+  bool split_normals = false;  ///< of fit_file() alone
   Precision precision = Precision::Float;
   int threads = 0;
   PythonCallbacks callbacks;

@@ -41,7 +41,7 @@ MeshSlice read_by_first_rank(const Ranks& ranks, const std::string& path, FileFo
   agree(ranks, [&] {
     if (ranks.rank != 0) return;
     require_small(path, format);
-    file = read_mesh(path, format);
+    file = read_mesh(path, {.format = format});
   });
   MeshSlice slice = scatter_mesh(ranks, file.mesh);
   slice.warnings = std::move(file.warnings);  // rank 0 alone reports them

@@ -25,8 +25,8 @@ MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, File
   return read_mesh(FileBytes{.bytes = bytes, .name = name, .path = {}}, format);
 }
 
-MeshFile read_mesh(const std::filesystem::path& path, std::optional<FileFormat> format) {
-  if (!format) format = format_of(path);
+MeshFile read_mesh(const std::filesystem::path& path, const MeshReadOptions& options) {
+  const auto format = options.format ? options.format : format_of(path);
   if (!format) {
     throw Error(ErrorCode::InvalidArgument, visible(path) + ": the extension \"" +
                                                 visible(path.extension()) +
@@ -35,7 +35,11 @@ MeshFile read_mesh(const std::filesystem::path& path, std::optional<FileFormat> 
   }
   const RawVector<std::byte> bytes = read_file(path);
   const std::string name = visible(path);
-  return read_mesh(FileBytes{.bytes = bytes, .name = name, .path = path}, *format);
+  return read_mesh(FileBytes{.bytes = bytes,
+                             .name = name,
+                             .path = path,
+                             .split_normals_crease = options.split_normals_crease},
+                   *format);
 }
 
 void write_mesh(const std::filesystem::path& path, FileFormat format, const PolygonMesh& mesh,

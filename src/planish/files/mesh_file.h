@@ -39,10 +39,15 @@ struct MeshFile {
 /// The same, with what a glTF names beside it where `file` has a path.
 [[nodiscard]] MeshFile read_mesh(const FileBytes& file, FileFormat format);
 
-/// Reads a file, and what a glTF names beside it, by its extension or by `format` where given.
-/// Throws as above, and Error{InvalidArgument} for an extension that is not read.
+struct MeshReadOptions {
+  std::optional<FileFormat> format;   ///< empty: by the extension
+  bool split_normals_crease = false;  ///< as FileBytes has it
+};
+
+/// Reads a file, and what a glTF names beside it. Throws as above, and Error{InvalidArgument} for
+/// an extension that is not read.
 [[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path,
-                                 std::optional<FileFormat> format = std::nullopt);
+                                 const MeshReadOptions& options = {});
 
 struct MeshWriteOptions {
   std::vector<std::string> header;   ///< comment lines, without the comment sign

@@ -33,12 +33,16 @@ void require_other_file(const std::filesystem::path& input, const std::filesyste
               visible(output) + ": is the input itself; name another output");
 }
 
-MeshFile read_faces(const std::filesystem::path& input) {
-  MeshFile file = read_mesh(input);
+MeshFile read_faces(const std::filesystem::path& input, bool split_normals) {
+  MeshFile file = read_mesh(input, {.split_normals_crease = split_normals});
   if (file.mesh.face_count() == 0 && file.mesh.vertex_count() > 0) {
     throw Error(
         ErrorCode::UnusableMesh,
         visible(input) + ": holds points without faces; reconstruct() makes a mesh of them");
+  }
+  if (split_normals && file.mesh.creases.empty()) {
+    file.warnings.push_back(
+        {"no-split-normals", visible(input) + ": no edge where normals are split was found"});
   }
   return file;
 }
@@ -74,8 +78,7 @@ GltfOptions gltf_options(const FittedMesh& fitted, std::string_view name,
   gltf.double_sided = statistics(*fitted.fit.prepared).boundary_loop_count > 0;
   gltf.z_up = options.z_up;
   gltf.origin = storage_origin(fitted.fit.placement);
-  gltf.extras = fit_extras(fitted.options, creases_text(fitted.uses_tags, fitted.crease_degrees),
-                           fitted.fit.interpolation);
+  gltf.extras = fit_extras(fitted.options, fitted.creases(), fitted.fit.interpolation);
   gltf.extras.emplace_back("level", std::int64_t{options.level});
   gltf.callbacks = options.callbacks;
   return gltf;
@@ -122,10 +125,11 @@ FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path
 
   const Callbacks& callbacks = how.fit.callbacks;
   callbacks.report("read", 0);
-  MeshFile file = read_faces(input);
+  MeshFile file = read_faces(input, options.split_normals);
   for (const Warning& warning : file.warnings) callbacks.warn(warning);
   FileFit result;
   result.fitted = fit_mesh(std::move(file.mesh), visible(input), backend, how);
+  result.fitted.split_normals = options.split_normals;
   auto& warnings = result.fitted.warnings;
   warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
 

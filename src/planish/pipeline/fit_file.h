@@ -14,6 +14,8 @@ struct FitFileOptions {
   int level = 2;               ///< 0 to kMaxLevel splits
   std::filesystem::path cage;  ///< also written; empty: none
   bool z_up = false;           ///< turns a Z-up model upright in glTF
+  /// Sharp are also edges where the normals of glTF, OBJ or PLY are split (see FileBytes).
+  bool split_normals = false;
   Backend* backend = nullptr;  ///< null: all cores of the CPU, as the command's --device cpu
 };
 

@@ -47,7 +47,7 @@ void take(FittedMesh& result, ReadyMesh&& ready, std::string_view name,
     warnings.add(change);
   }
   result.changed_faces = std::move(ready.changed_faces);
-  result.separated_edge_count = std::ssize(ready.separated_edges);
+  result.separated_edges = std::move(ready.separated_edges);
   result.source_vertices = std::move(ready.source_vertices);
   result.source_faces = std::move(ready.source_faces);
   result.options.prepared = std::move(ready.prepared);
@@ -76,6 +76,10 @@ void choose_method(FittedMesh& result, PolygonMesh&& given, std::string_view nam
 EvaluateOptions FittedMesh::evaluate_options(int level) const {
   return {
       .level = level, .scheme = options.scheme, .weights = options.weights, .sharp = options.sharp};
+}
+
+std::string FittedMesh::creases() const {
+  return split_normals ? "normals" : creases_text(uses_tags, crease_degrees);
 }
 
 FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,

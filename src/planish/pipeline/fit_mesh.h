@@ -40,16 +40,20 @@ struct FittedMesh {
   FitOptions options;
   bool repairs = true, uses_tags = true;
   std::optional<double> crease_degrees, weld;
+  bool split_normals = false;  ///< see FitFileOptions
   std::optional<MethodReason> reason;
   /// For each vertex and face of `mesh` the given one's; empty: the same.
   std::vector<std::int32_t> source_vertices, source_faces;
   std::vector<std::int32_t> changed_faces;      ///< the given mesh's that repair changed
   std::vector<std::int32_t> smoothed_vertices;  ///< of `mesh`, see CreasedFit
-  std::int64_t separated_edge_count = 0;        ///< see RepairedMesh
-  std::vector<Warning> warnings;                ///< of repair and of the fit
+  /// For sheet_gap(): along which repair separated sheets, pairs of vertices of the given mesh.
+  std::vector<std::pair<std::int32_t, std::int32_t>> separated_edges;
+  std::vector<Warning> warnings;  ///< of repair and of the fit
 
   /// How to evaluate the surface of `fit`.
   [[nodiscard]] EvaluateOptions evaluate_options(int level = 2) const;
+  /// What is sharp, as the command's --creases has it.
+  [[nodiscard]] std::string creases() const;
 };
 
 /// What the command does between reading a mesh and evaluating its surface: repair, creases, the
