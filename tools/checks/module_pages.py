@@ -1,4 +1,4 @@
-"""Pages for Doxygen: of each module with its place among the levels, and of the paper's symbols.
+"""Pages for Doxygen: of each module with its place among the levels.
 
 module_pages.py FOLDER: writes them there. Levels are those that the architecture's test checks.
 """
@@ -53,17 +53,6 @@ def module_page(module, level_of):
     return text
 
 
-def symbols_page():
-    """What the sources say of the paper's symbols, each tied to a name of the code."""
-    text = "# The paper's symbols {#symbols}\n\n"
-    for path in sorted(SOURCE.rglob("*.cpp")):
-        block = re.search(r"^// The paper's symbols: (.*(?:\n// .*)*)", path.read_text(), re.M)
-        if block:
-            words = re.sub(r"\n// ", " ", block.group(1))
-            text += f"`{path.relative_to(SOURCE)}`: {words}\n\n"
-    return text
-
-
 def main(folder):
     out = pathlib.Path(folder)
     out.mkdir(parents=True, exist_ok=True)
@@ -79,7 +68,9 @@ def main(folder):
         names = ", ".join(f"\\ref module_{n} \"{n}\"" for n in level_of if level_of[n] == level)
         text += f"- Level {level}: {names}\n"
     (out / "modules.md").write_text(text)
-    (out / "symbols.md").write_text(symbols_page())
+    # References, so that Doxygen warns of names that are no more.
+    symbols = (SOURCE / "symbols.md").read_text()
+    (out / "symbols.md").write_text(re.sub(r"\bplanish::", r"\\ref planish::", symbols))
 
 
 if __name__ == "__main__":
