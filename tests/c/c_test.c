@@ -29,7 +29,7 @@ static const int32_t kCorners[] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
 
 static planish_mesh_arrays cube_arrays(void) {
   planish_mesh_arrays arrays;
-  planish_mesh_arrays_init(&arrays);
+  planish_mesh_arrays_init(&arrays, sizeof arrays);
   arrays.positions = kPositions;
   arrays.vertex_count = 8;
   arrays.face_count = 6;
@@ -82,9 +82,9 @@ static void test_fit(void) {
   planish_fit_info info;
   planish_surface_arrays arrays;
   int steps = 0;
-  planish_fit_options_init(&options);
-  planish_fit_info_init(&info);
-  planish_surface_arrays_init(&arrays);
+  planish_fit_options_init(&options, sizeof options);
+  planish_fit_info_init(&info, sizeof info);
+  planish_surface_arrays_init(&arrays, sizeof arrays);
   options.tolerance = 1e-10;
   options.progress = count_steps;
   options.user = &steps;
@@ -123,10 +123,10 @@ static void test_verify(void) {
   planish_mesh_arrays view;
   planish_verification found;
   planish_fit_options options;
-  planish_fit_options_init(&options);
+  planish_fit_options_init(&options, sizeof options);
   options.method = PLANISH_METHOD_PROGRESSIVE;
-  planish_mesh_arrays_init(&view);
-  planish_verification_init(&found);
+  planish_mesh_arrays_init(&view, sizeof view);
+  planish_verification_init(&found, sizeof found);
   EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
   EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
   EXPECT(planish_verify(cage, mesh, NULL, &found) == PLANISH_OK);
@@ -142,11 +142,43 @@ static void test_verify(void) {
   planish_mesh_free(mesh);
 }
 
+/* Two triangles that almost share two vertices. */
+static void test_weld(void) {
+  static const double positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1e-7, 0, 1, 1, 0, 1e-7, 1, 0};
+  static const int32_t corners[] = {0, 1, 2, 3, 4, 5}, sizes[] = {3, 3};
+  planish_mesh* mesh = NULL;
+  planish_fit* fit = NULL;
+  planish_mesh_arrays arrays;
+  planish_fit_options options;
+  planish_fit_info info;
+  planish_mesh_arrays_init(&arrays, sizeof arrays);
+  planish_fit_options_init(&options, sizeof options);
+  planish_fit_info_init(&info, sizeof info);
+  arrays.positions = positions;
+  arrays.vertex_count = 6;
+  arrays.face_vertices = corners;
+  arrays.corner_count = 6;
+  arrays.face_sizes = sizes;
+  arrays.face_count = 2;
+  EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.vertex_count == 6);
+  planish_fit_free(fit);
+  options.weld = 1e-6;
+  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.vertex_count == 4);
+  planish_fit_free(fit);
+  fit = NULL;
+  options.weld = 0.5;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "weld");
+  planish_mesh_free(mesh);
+}
+
 static void test_files(const char* input) {
   planish_mesh* mesh = NULL;
   planish_fit* fit = NULL;
   planish_fit_info info;
-  planish_fit_info_init(&info);
+  planish_fit_info_init(&info, sizeof info);
   EXPECT(planish_mesh_read(input, &mesh) == PLANISH_OK);
   EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
   EXPECT(planish_fit_write(fit, 1, "c_test.glb") == PLANISH_OK);
@@ -214,7 +246,7 @@ static void test_wrong_options(void) {
   planish_fit* fit = NULL;
   planish_fit_options options;
   planish_fit_info info;
-  planish_fit_options_init(&options);
+  planish_fit_options_init(&options, sizeof options);
   EXPECT_REFUSED(planish_fit_create(NULL, NULL, &fit), PLANISH_INVALID_ARGUMENT, "mesh is NULL");
   EXPECT_REFUSED(planish_fit_create(mesh, NULL, NULL), PLANISH_INVALID_ARGUMENT, "fit is NULL");
   EXPECT_REFUSED(planish_fit_get_info(NULL, &info), PLANISH_INVALID_ARGUMENT, "fit is NULL");
@@ -222,13 +254,13 @@ static void test_wrong_options(void) {
   EXPECT_REFUSED(planish_verify(mesh, mesh, NULL, NULL), PLANISH_INVALID_ARGUMENT, "is NULL");
   options.tolerance = -1;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "tolerance");
-  planish_fit_options_init(&options);
+  planish_fit_options_init(&options, sizeof options);
   options.method = 77;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "method");
   options.method = PLANISH_METHOD_FAIR;
   options.scheme = PLANISH_SCHEME_LOOP;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "air");
-  planish_mesh_arrays_init(&nothing);
+  planish_mesh_arrays_init(&nothing, sizeof nothing);
   EXPECT(planish_mesh_create(&nothing, &empty) == PLANISH_OK);
   EXPECT_REFUSED(planish_fit_create(empty, NULL, &fit), PLANISH_UNUSABLE_MESH, "mesh");
   EXPECT(fit == NULL);
@@ -245,10 +277,10 @@ static void test_older_structs(void) {
   planish_fit* fit = NULL;
   planish_fit_options options;
   planish_fit_info info;
-  planish_fit_options_init(&options);
-  memset((char*)&options + offsetof(planish_fit_options, max_iterations), 0xff,
-         sizeof options - offsetof(planish_fit_options, max_iterations));
-  options.struct_size = offsetof(planish_fit_options, max_iterations);
+  memset(&options, 0xff, sizeof options);
+  planish_fit_options_init(&options, offsetof(planish_fit_options, max_iterations));
+  EXPECT(options.struct_size == offsetof(planish_fit_options, max_iterations));
+  EXPECT(options.tolerance == 1e-6 && options.max_iterations == -1 && options.weld != 0);
   EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
   memset(&info, 0x5a, sizeof info);
   info.struct_size = offsetof(planish_fit_info, method);
@@ -266,7 +298,7 @@ static planish_status print_surface(const char* path) {
   planish_surface* surface = NULL;
   planish_surface_arrays arrays;
   planish_status status = planish_mesh_read(path, &mesh);
-  planish_surface_arrays_init(&arrays);
+  planish_surface_arrays_init(&arrays, sizeof arrays);
   if (status == PLANISH_OK) status = planish_fit_create(mesh, NULL, &fit);
   if (status == PLANISH_OK) status = planish_fit_evaluate(fit, 2, &surface);
   if (status == PLANISH_OK) status = planish_surface_view(surface, &arrays);
@@ -286,6 +318,7 @@ int main(int argc, char** argv) {
   EXPECT(print_surface(argv[1]) == PLANISH_OK);
   test_fit();
   test_verify();
+  test_weld();
   test_files(argv[1]);
   test_wrong_meshes();
   test_wrong_options();

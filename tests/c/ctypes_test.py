@@ -19,6 +19,7 @@ class FitOptions(ctypes.Structure):
                                       ctypes.c_double)),
         ("warning", ctypes.c_void_p),
         ("user", ctypes.c_void_p),
+        ("weld", ctypes.c_double),
     ]
 
 
@@ -46,9 +47,7 @@ def main(library_path, mesh_path):
     mesh, fit, surface = ctypes.c_void_p(), ctypes.c_void_p(), ctypes.c_void_p()
     assert library.planish_mesh_read(mesh_path.encode(), ctypes.byref(mesh)) == 0
     options = FitOptions()
-    library.planish_fit_options_init(ctypes.byref(options))
-    # The layout that is written here is the header's.
-    assert options.struct_size == ctypes.sizeof(FitOptions)
+    library.planish_fit_options_init(ctypes.byref(options), ctypes.c_size_t(ctypes.sizeof(options)))
     assert options.tolerance == 1e-6 and options.max_iterations == 200 and options.repairs == 1
     steps = []
 
@@ -61,8 +60,7 @@ def main(library_path, mesh_path):
     assert steps and all(0 <= fraction <= 1 for _, fraction in steps)
     assert library.planish_fit_evaluate(fit, 2, ctypes.byref(surface)) == 0
     arrays = SurfaceArrays()
-    library.planish_surface_arrays_init(ctypes.byref(arrays))
-    assert arrays.struct_size == ctypes.sizeof(SurfaceArrays)
+    library.planish_surface_arrays_init(ctypes.byref(arrays), ctypes.c_size_t(ctypes.sizeof(arrays)))
     assert library.planish_surface_view(surface, ctypes.byref(arrays)) == 0
     assert arrays.corner_count == 4 * arrays.face_count > 0
     assert max(arrays.face_vertices[: arrays.corner_count]) == arrays.vertex_count - 1

@@ -6,6 +6,7 @@
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
+#include "planish/mesh/weld_vertices.h"
 #include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/verify_cage.h"
 
@@ -28,6 +29,8 @@ void require_options(const planish_fit_options& options) {
     out_of_range("max_iterations", options.max_iterations, "0 to 1000000 is wanted");
   if (!(options.crease_degrees >= 0 && options.crease_degrees <= 180))
     out_of_range("crease_degrees", options.crease_degrees, "0 to 180 is wanted");
+  if (options.weld != 0 && !(options.weld >= kSmallestWeld && options.weld < kWeldEnd))
+    out_of_range("weld", options.weld, "0, or 1e-12 to less than 0.1 is wanted");
   if (options.thread_count < 0 || options.thread_count > kMaxThreads)
     out_of_range("thread_count", options.thread_count, "0 to 4096 is wanted");
 }
@@ -56,7 +59,7 @@ std::unique_ptr<Backend> backend_of(const FitOptions& options, int thread_count)
 
 planish_fit_info info_of(const FittedMesh& fitted) {
   planish_fit_info info;
-  planish_fit_info_init(&info);
+  planish_fit_info_init(&info, sizeof info);
   const Interpolation& result = fitted.fit.interpolation;
   info.converged = result.converged ? 1 : 0;
   info.iterations = result.iterations;
@@ -86,6 +89,7 @@ MeshFitOptions mesh_options(const planish_fit_options& options) {
   if (options.scheme == PLANISH_SCHEME_LOOP) how.fit.scheme = Scheme::Loop;
   how.repairs = options.repairs != 0;
   if (options.crease_degrees > 0) how.crease_degrees = options.crease_degrees;
+  if (options.weld > 0) how.weld = options.weld;
   how.fit.tolerance = options.tolerance;
   how.fit.max_iterations = options.max_iterations;
   how.fit.sharp.use_tags = options.uses_creases != 0;
@@ -97,20 +101,17 @@ MeshFitOptions mesh_options(const planish_fit_options& options) {
 
 using namespace planish::c;
 
-void planish_fit_options_init(planish_fit_options* options) {
-  if (options == nullptr) return;
-  *options = {};
-  options->struct_size = sizeof *options;
-  options->tolerance = 1e-6;
-  options->max_iterations = 200;
-  options->repairs = 1;
-  options->uses_creases = 1;
+void planish_fit_options_init(planish_fit_options* options, size_t struct_size) {
+  planish_fit_options defaults{};
+  defaults.tolerance = 1e-6;
+  defaults.max_iterations = 200;
+  defaults.repairs = 1;
+  defaults.uses_creases = 1;
+  start(defaults, options, struct_size);
 }
 
-void planish_fit_info_init(planish_fit_info* info) {
-  if (info == nullptr) return;
-  *info = {};
-  info->struct_size = sizeof *info;
+void planish_fit_info_init(planish_fit_info* info, size_t struct_size) {
+  start({}, info, struct_size);
 }
 
 planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_options* options,
@@ -176,10 +177,8 @@ planish_status planish_fit_file(const char* input, const char* output, int32_t l
   });
 }
 
-void planish_verification_init(planish_verification* verification) {
-  if (verification == nullptr) return;
-  *verification = {};
-  verification->struct_size = sizeof *verification;
+void planish_verification_init(planish_verification* verification, size_t struct_size) {
+  start({}, verification, struct_size);
 }
 
 planish_status planish_verify(const planish_mesh* cage, const planish_mesh* given,
@@ -196,10 +195,11 @@ planish_status planish_verify(const planish_mesh* cage, const planish_mesh* give
     verify.sharp = how.fit.sharp;
     verify.repairs = how.repairs;
     verify.crease_degrees = how.crease_degrees;
+    verify.weld = how.weld;
     verify.tolerance = how.fit.tolerance;
     const planish::Verification found = planish::verify_cage(cage->mesh, given->mesh, verify);
     planish_verification own;
-    planish_verification_init(&own);
+    planish_verification_init(&own, sizeof own);
     own.confirmed = found.confirmed ? 1 : 0;
     own.max_error = found.error.max;
     own.rms_error = found.error.rms;

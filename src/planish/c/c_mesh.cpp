@@ -98,10 +98,8 @@ planish_mesh* new_mesh(PolygonMesh&& mesh) {
 
 using namespace planish::c;
 
-void planish_mesh_arrays_init(planish_mesh_arrays* arrays) {
-  if (arrays == nullptr) return;
-  *arrays = {};
-  arrays->struct_size = sizeof *arrays;
+void planish_mesh_arrays_init(planish_mesh_arrays* arrays, size_t struct_size) {
+  start({}, arrays, struct_size);
 }
 
 planish_status planish_mesh_create(const planish_mesh_arrays* arrays, planish_mesh** mesh) {
@@ -140,7 +138,7 @@ planish_status planish_mesh_view(const planish_mesh* mesh, planish_mesh_arrays* 
   return call([&] {
     require(mesh, "mesh");
     planish_mesh_arrays own;
-    planish_mesh_arrays_init(&own);
+    planish_mesh_arrays_init(&own, sizeof own);
     own.vertex_count = mesh->mesh.positions.size();
     own.positions = own.vertex_count > 0 ? &mesh->mesh.positions[0].x : nullptr;
     own.face_sizes = mesh->face_sizes.data();

@@ -8,10 +8,8 @@
 
 using namespace planish::c;
 
-void planish_surface_arrays_init(planish_surface_arrays* arrays) {
-  if (arrays == nullptr) return;
-  *arrays = {};
-  arrays->struct_size = sizeof *arrays;
+void planish_surface_arrays_init(planish_surface_arrays* arrays, size_t struct_size) {
+  start({}, arrays, struct_size);
 }
 
 planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
@@ -38,7 +36,7 @@ planish_status planish_surface_view(const planish_surface* surface,
     require(surface, "surface");
     const planish::SurfaceMesh& from = surface->surface;
     planish_surface_arrays own;
-    planish_surface_arrays_init(&own);
+    planish_surface_arrays_init(&own, sizeof own);
     own.vertex_count = from.positions.size();
     if (own.vertex_count > 0) {
       own.positions = &from.positions[0].x;

@@ -22,12 +22,21 @@ void require(Pointer* pointer, const char* name) {
   if (pointer == nullptr) refuse(std::string(name) + " is NULL");
 }
 
+/// Sets the defaults of a caller's struct of `size` bytes, as it knows it, and its size.
+template <class Struct>
+void start(const Struct& defaults, Struct* target, std::size_t size) {
+  if (target == nullptr || size < sizeof size) return;
+  std::memset(target, 0, size);
+  std::memcpy(target, &defaults, size < sizeof defaults ? size : sizeof defaults);
+  std::memcpy(target, &size, sizeof size);
+}
+
 /// A struct of the caller's, whatever version of the header it was compiled with: what it does not
 /// know stays at its default. Throws Error{InvalidArgument} for a size that no header ever had.
 template <class Struct>
-Struct taken(const Struct* given, void (*init)(Struct*), const char* name) {
+Struct taken(const Struct* given, void (*init)(Struct*, std::size_t), const char* name) {
   Struct own;
-  init(&own);
+  init(&own, sizeof own);
   if (given == nullptr) return own;
   std::size_t size = 0;
   std::memcpy(&size, given, sizeof size);

@@ -9,8 +9,9 @@
  * - Every function that can fail returns a status and leaves its outputs as they were unless it is
  *   PLANISH_OK or PLANISH_NOT_CONVERGED. planish_last_error() then says what, where, the value and
  *   the remedy. No C++ exception leaves the library.
- * - Structs begin with their size, which their *_init() sets. A caller that was compiled with an
- *   older header passes a smaller size; what it does not know takes its default.
+ * - Structs begin with their size. Their *_init(&it, sizeof it) sets it and the defaults. A caller
+ *   that was compiled with an older header passes a smaller size; what it does not know takes its
+ *   default.
  * - Arrays that functions hand out belong to the handle and hold until it is freed.
  * - Different handles may be used from different threads at once, and one handle by several threads
  *   that only read it. Texts are UTF-8. Results are the same bits for any number of threads, and
@@ -80,7 +81,7 @@ typedef struct planish_mesh_arrays {
   size_t sharp_corner_count;
 } planish_mesh_arrays;
 
-void planish_mesh_arrays_init(planish_mesh_arrays* arrays);
+void planish_mesh_arrays_init(planish_mesh_arrays* arrays, size_t struct_size);
 
 /** Copies the arrays. Sizes and indices are checked here; what else may be wrong with a mesh is
  * mended or refused by planish_fit_create(). */
@@ -111,10 +112,11 @@ typedef struct planish_fit_options {
   int (*progress)(void* user, const char* step, double fraction);
   /** Called on the calling thread with a stable code and a sentence. May be NULL. */
   void (*warning)(void* user, const char* code, const char* message);
-  void* user; /**< given to both */
+  void* user;  /**< given to both */
+  double weld; /**< vertices within this fraction of the diagonal become one, first; 0: none */
 } planish_fit_options;
 
-void planish_fit_options_init(planish_fit_options* options);
+void planish_fit_options_init(planish_fit_options* options, size_t struct_size);
 
 typedef struct planish_fit_info {
   size_t struct_size;
@@ -129,7 +131,7 @@ typedef struct planish_fit_info {
   size_t warning_count; /**< of repair and fit */
 } planish_fit_info;
 
-void planish_fit_info_init(planish_fit_info* info);
+void planish_fit_info_init(planish_fit_info* info, size_t struct_size);
 
 /** Fits the surface; `options` may be NULL: the defaults. PLANISH_NOT_CONVERGED sets *fit, too. */
 planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_options* options,
@@ -164,7 +166,7 @@ typedef struct planish_surface_arrays {
   size_t base_count;
 } planish_surface_arrays;
 
-void planish_surface_arrays_init(planish_surface_arrays* arrays);
+void planish_surface_arrays_init(planish_surface_arrays* arrays, size_t struct_size);
 
 /** The surface after `level` splits, 0 to 6. */
 planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
@@ -183,7 +185,7 @@ typedef struct planish_verification {
   int64_t vertex_count;
 } planish_verification;
 
-void planish_verification_init(planish_verification* verification);
+void planish_verification_init(planish_verification* verification, size_t struct_size);
 
 /** How far the vertices of `given` are from the surface of `cage`, by limit points in double; of
  * the options, which may be NULL, method (auto: progressive), scheme, tolerance, repairs and
