@@ -1,14 +1,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <random>
+#include <set>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/read_points.h"
 
 namespace planish::test {
 namespace {
@@ -65,6 +71,43 @@ TEST_F(Points, BecomeAMeshWithAReport) {
   EXPECT_LE(facts["max_point_distance"], 5e-3);
   EXPECT_LT(facts["vertices"], 2000);
   EXPECT_EQ(run_planish({"inspect", path("m.obj")}).exit_code, 0);
+}
+
+TEST_F(Points, ColorsArriveAtTheSurface) {
+  constexpr int kPoints = 600;
+  std::ofstream cloud(path("ball.ply"));
+  cloud.precision(17);
+  cloud << "ply\nformat ascii 1.0\nelement vertex " << kPoints
+        << "\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\n"
+           "property uchar green\nproperty uchar blue\nend_header\n";
+  for (int i = 0; i < kPoints; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kPoints, r = std::sqrt(1 - z * z);
+    const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    cloud << r * std::cos(angle) << ' ' << r * std::sin(angle) << ' ' << z << ' ' << i % 256
+          << " 40 " << i % 2 * 255 << '\n';
+  }
+  cloud.close();
+  ASSERT_EQ(
+      run_planish({"fit", path("ball.ply"), "-o", path("ball.glb"), "-o", path("s.ply")}).exit_code,
+      0);
+  const PolygonMesh surface = read_mesh(path("s.ply")).mesh;
+  ASSERT_EQ(surface.colors.size(), surface.positions.size());
+  // Given points come first in a surface, in the mesh's order.
+  const PointCloud given = read_points(path("ball.ply"));
+  ASSERT_EQ(given.colors.size(), kPoints);
+  std::set<std::size_t> found;
+  for (int v = 0; v < kPoints; ++v) {
+    const auto nearest = std::ranges::min_element(given.points, {}, [&](const glm::dvec3& point) {
+      return glm::distance(surface.positions[v], point + given.origin);
+    });
+    const auto i = static_cast<std::size_t>(nearest - given.points.begin());
+    ASSERT_LT(glm::distance(surface.positions[v], *nearest + given.origin), 1e-6);
+    EXPECT_LT(glm::distance(surface.colors[v], given.colors[i]), 0.01f) << i;
+    found.insert(i);
+  }
+  EXPECT_EQ(found.size(), kPoints);
+  const auto glb = read_mesh(path("ball.glb")).mesh;
+  EXPECT_EQ(glb.colors.size(), glb.positions.size());
 }
 
 TEST_F(Points, BecomeASurfaceWhoseDistanceIsReported) {
