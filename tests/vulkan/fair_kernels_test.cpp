@@ -44,13 +44,13 @@ class FairKernels : public FairMachine,
   // Runs all before the polygons are built.
   void prepare(DeviceNet& net) {
     run([&](VkCommandBuffer commands) {
-      net.fair.record_clear(commands);
-      net.fair.record_prepare(commands);
+      net.fair.record(commands, vulkan::FairPart::Clear);
+      net.fair.record(commands, vulkan::FairPart::Prepare);
     });
   }
   void build(DeviceNet& net) {
     prepare(net);
-    run([&](VkCommandBuffer commands) { net.fair.record_build(commands); });
+    run([&](VkCommandBuffer commands) { net.fair.record(commands, vulkan::FairPart::Build); });
   }
   // Every mesh's net in the making, with the steps that it will be polished with.
   void for_each_net(std::uint32_t polish_steps, const std::function<void(DeviceNet&)>& body) {
@@ -232,7 +232,9 @@ TEST_P(FairKernels, RepairEqualsItsTwin) {
     build(net);
     std::vector<dvec3> expected = result(net);
     const std::vector<dvec3> face_normals = this->face_normals(net);
-    run([&](VkCommandBuffer commands) { net.fair.record_repair(commands, 0); });
+    run([&](VkCommandBuffer commands) {
+      net.fair.record(commands, vulkan::FairPart::RepairBuilt);
+    });
     std::vector<std::uint8_t> halvings(net.given.size(), 0);
     const FoldCount left = repair_folds(net.topology, net.given, face_normals, expected, halvings);
     EXPECT_LT(worst(result(net), expected), kRounding);
@@ -252,7 +254,9 @@ TEST_P(FairKernels, RepairRunsOnlyWhereSomethingIsTurnedOver) {
     const test::FairCase c(mesh);
     DeviceNet net(*machine_, c, 0);
     build(net);
-    run([&](VkCommandBuffer commands) { net.fair.record_repair(commands, 0); });
+    run([&](VkCommandBuffer commands) {
+      net.fair.record(commands, vulkan::FairPart::RepairBuilt);
+    });
     return download<std::uint32_t>(net.fair.buffers().arguments, 9);
   };
   EXPECT_EQ(groups(test::icosphere(2)), (std::vector<std::uint32_t>{0, 1, 1, 0, 1, 1, 0, 1, 1}));
@@ -280,7 +284,7 @@ TEST_P(FairKernels, RowsAndHeightsEqualTheirTwins) {
     build(net);
     std::vector<dvec3> moved = result(net);
     const std::vector<dvec3> normals = this->normals(net);
-    run([&](VkCommandBuffer commands) { net.fair.record_polish(commands); });
+    run([&](VkCommandBuffer commands) { net.fair.record(commands, vulkan::FairPart::Polish); });
     const auto directions = polish_directions(net.topology, normals, shares(net));
     EXPECT_LT(worst(download_points(net.fair.buffers().directions, directions.size()), directions),
               kRounding);

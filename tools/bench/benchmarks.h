@@ -29,6 +29,9 @@ inline constexpr double kNoStop = -1;
 #ifdef PLANISH_HAS_VULKAN
 /// From displaced points to a host's vertices on the best Vulkan device; nothing without one.
 [[nodiscard]] std::vector<Row> bench_frame(const Options& options);
+/// Many small solves and evaluations in one submission against one as large; nothing without a
+/// Vulkan device.
+[[nodiscard]] std::vector<Row> bench_many(const Options& options);
 #endif
 /// Places of a limit surface, closest points and rays; Bfr's Catmull-Clark beside them.
 [[nodiscard]] std::vector<Row> bench_query(const Options& options);

@@ -18,7 +18,7 @@ const std::vector<std::pair<std::string, std::vector<Row> (*)(const Options&)>> 
     {"update", bench_update},   {"solve", bench_solve},     {"masks", bench_masks},
     {"surface", bench_surface}, {"patches", bench_patches}, {"job", bench_job},
 #ifdef PLANISH_HAS_VULKAN
-    {"frame", bench_frame},
+    {"frame", bench_frame},     {"many", bench_many},
 #endif
     {"query", bench_query},     {"osd", bench_osd},         {"fair", bench_fair}};
 

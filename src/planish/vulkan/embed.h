@@ -19,6 +19,7 @@
 //   tables.record_upload(commands, staging, 0, indices); //   ... and on to the device
 //   Solve solve(context, tables, options);               // once per frame in flight and instance
 //   each frame: solve.record_solve(commands, parameters); solve.record_evaluate(commands);
+//   or for many instances: record_solves(commands, calls); record_evaluates(commands, calls);
 //
 // Errors. Making objects may fail: planish::Error, whose code is InvalidArgument (an option),
 //   UnusableMesh, NoDevice (the device lacks something, which the message names), OutOfMemory (the
@@ -257,6 +258,20 @@ struct GpuStatus {
 };
 static_assert(sizeof(GpuStatus) == 12);
 
+class Solve;
+
+/// One of the solves that record_solves puts beside each other.
+struct SolveCall {
+  const Solve* solve;
+  SolveParameters parameters;
+};
+
+/// One of the evaluations that record_evaluates puts beside each other.
+struct EvaluateCall {
+  const Solve* solve;
+  Timestamps timestamps;
+};
+
 /// One frame in flight of one instance: moves control points until the limit surface passes through
 /// the given points, then evaluates it. Externally synchronised.
 class Solve {
@@ -289,7 +304,18 @@ class Solve {
 
  private:
   struct Parts;
+  friend void record_solves(VkCommandBuffer, std::span<const SolveCall>) noexcept;
+  friend void record_evaluates(VkCommandBuffer, std::span<const EvaluateCall>) noexcept;
   std::unique_ptr<Parts> parts_;
 };
+
+/// The work of record_solve of each call, in lock-step: one barrier stands where each solve by
+/// itself would have one, so that small meshes fill a device together. Results are the same bits.
+/// Each call is of another Solve; Contexts are of one device; systems, methods and parameters may
+/// differ. Each call's timestamps stand around the whole. Nothing is recorded for no calls.
+void record_solves(VkCommandBuffer commands, std::span<const SolveCall> calls) noexcept;
+/// The same of record_evaluate. Vertices of several Solves in one buffer start at multiples of 256
+/// bytes: elsewhere validation layers may suspect a hazard where bindings overlap.
+void record_evaluates(VkCommandBuffer commands, std::span<const EvaluateCall> calls) noexcept;
 
 }  // namespace planish::vulkan

@@ -44,13 +44,18 @@ GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const S
   sets_ = DescriptorSets(context, bound);
 }
 
+// Windows of neighbouring dispatches may share their edge: a round each.
+Wait GpuFirstStep::record_round(VkCommandBuffer commands, std::size_t round) const noexcept {
+  if (round >= dispatches_.size()) return {};
+  const Dispatch& dispatch = dispatches_[round];
+  record_dispatch(context_, commands, dispatch.pipeline, sets_[round], &dispatch.parameters,
+                  dispatch.groups);
+  return kKernelWait;
+}
+
 void GpuFirstStep::record(VkCommandBuffer commands) const noexcept {
-  for (std::size_t i = 0; i < dispatches_.size(); ++i) {
-    // Windows of neighbouring dispatches may share their edge.
-    if (i > 0) record_barrier(context_, commands, kKernelScope, kKernelScope);
-    record_dispatch(context_, commands, dispatches_[i].pipeline, sets_[i],
-                    &dispatches_[i].parameters, dispatches_[i].groups);
-  }
+  record_rounds(context_, commands, 1,
+                [&](std::size_t, std::uint32_t round) { return record_round(commands, round); });
 }
 
 }  // namespace planish::vulkan

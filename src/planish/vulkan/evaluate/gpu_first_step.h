@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "planish/vulkan/device/rounds.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
 
 namespace planish::vulkan {
@@ -14,8 +15,11 @@ class GpuFirstStep {
   GpuFirstStep(Context& context, const PatchTables& patches, const StepTables& tables,
                const Buffer& given, const Buffer& displacement);
 
-  /// Only records, within kKernelScope; a barrier comes before the state is read.
+  /// Only records, within kEntryScope; all that it writes is ready for kernels.
   void record(VkCommandBuffer commands) const noexcept;
+  /// The same round by round.
+  Wait record_round(VkCommandBuffer commands, std::size_t round) const noexcept;
+  [[nodiscard]] std::size_t round_count() const { return dispatches_.size(); }
 
   /// shared::kPointFloats floats per point.
   [[nodiscard]] const Buffer& state() const { return state_; }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "planish/vulkan/device/rounds.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
 
@@ -18,8 +19,11 @@ class GpuPatches {
   GpuPatches(Context& context, const PatchTables& tables, const Buffer& given, const Buffer& state,
              const VertexLayout& layout);
 
-  /// Only records, within kEntryScope and kExitScope.
+  /// Only records, within kEntryScope; all that it writes is ready for kernels.
   void record(VkCommandBuffer commands) const noexcept;
+  /// The same round by round.
+  Wait record_round(VkCommandBuffer commands, std::size_t round) const noexcept;
+  [[nodiscard]] std::size_t round_count() const { return dispatches_.size(); }
 
  private:
   struct Dispatch {

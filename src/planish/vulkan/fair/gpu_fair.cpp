@@ -66,6 +66,7 @@ GpuFair::GpuFair(Context& context, const FairTables& tables, const Buffer& model
   plan_polish(binder);
   plan_finish(binder, model_points);
   sets_ = DescriptorSets(context, binder.bound);
+  plan_rounds();
 }
 
 void GpuFair::make_buffers() {
@@ -225,30 +226,60 @@ void GpuFair::plan_finish(Binder& binder, const Buffer& model_points) {
              {&t.owners, &model_points, &b.result, &b.state, &b.state_offsets});
 }
 
-void GpuFair::record_passes(VkCommandBuffer commands, const Passes& passes,
-                            std::uint32_t place) const noexcept {
-  for (const Pass& pass : passes) {
-    if (pass.groups == 0) continue;
-    shared::FairParameters parameters = pass.parameters;
-    parameters.place += place;
-    record_dispatch(context_, commands, pass.pipeline, sets_[pass.set], &parameters, pass.groups);
-    record_barrier(context_, commands, kKernelScope, kKernelScope);
-  }
+void GpuFair::add_rounds(const Passes& passes, std::uint32_t place, Action action) {
+  for (const Pass& pass : passes)
+    if (pass.groups > 0) rounds_.push_back({action, &pass, place, kKernelWait});
 }
 
-// As often as the device finds something to do.
-void GpuFair::record_repeated(VkCommandBuffer commands, const Passes& passes,
-                              std::uint32_t place) const noexcept {
-  for (const Pass& pass : passes) {
-    if (pass.groups == 0) continue;
-    shared::FairParameters parameters = pass.parameters;
-    parameters.place += place;
-    const VkDeviceSize offset =
-        VkDeviceSize{pass.arguments} * shared::kArgumentWords * sizeof(std::uint32_t);
-    record_dispatch_indirect(context_, commands, pass.pipeline, sets_[pass.set], &parameters,
-                             {buffers_.arguments.handle(), offset});
-    record_barrier(context_, commands, kKernelScope, kKernelScope);
+void GpuFair::add_repair(std::uint32_t which) {
+  const std::uint32_t first = which * shared::kRepairCounts;
+  const std::uint32_t last = first + 2 * shared::kRepairRounds;
+  if (tables_.is_decided) {
+    add_rounds(shrink_[which]);
+    add_rounds(find_folds_, last);
+  } else {
+    add_rounds(find_folds_, first);
+    for (std::uint32_t place = first; place < last; place += 2) {
+      add_rounds(next_round_, place);
+      rounds_.back().wait |= {kKernelScope, kIndirectScope};
+      // As often as the device finds something to do.
+      add_rounds(shrink_[which], 0, Action::DispatchIndirect);
+      add_rounds(find_folds_, place + 2, Action::DispatchIndirect);
+      // The next round's arguments are written after these have been read.
+      rounds_.back().wait |= {kIndirectScope, kKernelScope};
+    }
   }
+  // The last look leaves flags standing, which the next repair must not meet.
+  rounds_.back().wait |= {kKernelScope, kEntryScope};
+  rounds_.push_back({Action::ClearFlags, nullptr, 0, {kCopyScope, kEntryScope}});
+}
+
+void GpuFair::plan_rounds() {
+  auto start = part_starts_.begin() + 1;
+  const auto end_part = [&] { *start++ = rounds_.size(); };
+  rounds_.push_back({Action::Clear, nullptr, 0, {kCopyScope, kEntryScope}});
+  end_part();
+  add_rounds(prepare_);
+  end_part();
+  add_rounds(build_);
+  add_rounds(curve_points_);
+  end_part();
+  add_repair(0);
+  end_part();
+  if (options_.polish_steps > 0) {
+    add_rounds(curve_points_);
+    add_rounds(start_polish_);
+    for (std::uint32_t step = 0; step < options_.polish_steps; ++step)
+      add_rounds(step_polish_[step % 2]);
+    add_rounds(end_polish_);
+  }
+  end_part();
+  if (options_.polish_steps > 0) add_repair(1);
+  end_part();
+  add_rounds(curve_points_);
+  add_rounds(finish_);
+  rounds_.back().wait |= {kKernelScope, kEntryScope};
+  end_part();
 }
 
 void GpuFair::record_clear(VkCommandBuffer commands) const noexcept {
@@ -264,65 +295,42 @@ void GpuFair::record_clear(VkCommandBuffer commands) const noexcept {
   } else {
     context_.vk().vkCmdFillBuffer(commands, b.decisions.handle(), 0, VK_WHOLE_SIZE, 0);
   }
-  record_barrier(context_, commands, kCopyScope, kEntryScope);
 }
 
-void GpuFair::record_prepare(VkCommandBuffer commands) const noexcept {
-  record_passes(commands, prepare_, 0);
-}
-
-void GpuFair::record_build(VkCommandBuffer commands) const noexcept {
-  record_passes(commands, build_, 0);
-  record_passes(commands, curve_points_, 0);
-}
-
-void GpuFair::record_repair(VkCommandBuffer commands, std::uint32_t which) const noexcept {
-  const std::uint32_t first = which * shared::kRepairCounts;
-  const std::uint32_t last = first + 2 * shared::kRepairRounds;
-  if (tables_.is_decided) {
-    record_passes(commands, shrink_[which], 0);
-    record_passes(commands, find_folds_, last);
+Wait GpuFair::record_round(VkCommandBuffer commands, std::size_t number) const noexcept {
+  if (number >= rounds_.size()) return {};
+  const Round& round = rounds_[number];
+  if (round.action == Action::Clear) {
+    record_clear(commands);
+  } else if (round.action == Action::ClearFlags) {
+    context_.vk().vkCmdFillBuffer(commands, buffers_.flags.handle(), 0, VK_WHOLE_SIZE, 0);
   } else {
-    record_passes(commands, find_folds_, first);
-    for (std::uint32_t place = first; place < last; place += 2) {
-      record_passes(commands, next_round_, place);
-      record_barrier(context_, commands, kKernelScope, kIndirectScope);
-      record_repeated(commands, shrink_[which], 0);
-      record_repeated(commands, find_folds_, place + 2);
-      // The next round's arguments are written after these have been read.
-      record_barrier(context_, commands, kIndirectScope, kKernelScope);
-    }
+    const Pass& pass = *round.pass;
+    shared::FairParameters parameters = pass.parameters;
+    parameters.place += round.place;
+    const VkDescriptorSet set = sets_[pass.set];
+    const VkDeviceSize offset =
+        VkDeviceSize{pass.arguments} * shared::kArgumentWords * sizeof(std::uint32_t);
+    if (round.action == Action::DispatchIndirect)
+      record_dispatch_indirect(context_, commands, pass.pipeline, set, &parameters,
+                               {buffers_.arguments.handle(), offset});
+    else
+      record_dispatch(context_, commands, pass.pipeline, set, &parameters, pass.groups);
   }
-  // The last look leaves flags standing, which the next repair must not meet.
-  record_barrier(context_, commands, kKernelScope, kEntryScope);
-  context_.vk().vkCmdFillBuffer(commands, buffers_.flags.handle(), 0, VK_WHOLE_SIZE, 0);
-  record_barrier(context_, commands, kCopyScope, kEntryScope);
+  return round.wait;
 }
 
-void GpuFair::record_polish(VkCommandBuffer commands) const noexcept {
-  record_passes(commands, curve_points_, 0);
-  record_passes(commands, start_polish_, 0);
-  for (std::uint32_t step = 0; step < options_.polish_steps; ++step)
-    record_passes(commands, step_polish_[step % 2], 0);
-  record_passes(commands, end_polish_, 0);
-}
-
-void GpuFair::record_finish(VkCommandBuffer commands) const noexcept {
-  record_passes(commands, curve_points_, 0);
-  record_passes(commands, finish_, 0);
-  record_barrier(context_, commands, kKernelScope, kEntryScope);
+void GpuFair::record(VkCommandBuffer commands, FairPart part) const noexcept {
+  const auto index = static_cast<std::size_t>(part);
+  const std::size_t start = part_starts_[index], end = part_starts_[index + 1];
+  record_rounds(context_, commands, 1, [&](std::size_t, std::uint32_t round) {
+    return start + round < end ? record_round(commands, start + round) : Wait{};
+  });
 }
 
 void GpuFair::record(VkCommandBuffer commands) const noexcept {
-  record_clear(commands);
-  record_prepare(commands);
-  record_build(commands);
-  record_repair(commands, 0);
-  if (options_.polish_steps > 0) {
-    record_polish(commands);
-    record_repair(commands, 1);
-  }
-  record_finish(commands);
+  record_rounds(context_, commands, 1,
+                [&](std::size_t, std::uint32_t round) { return record_round(commands, round); });
 }
 
 }  // namespace planish::vulkan

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <vector>
 
+#include "planish/vulkan/device/rounds.h"
 #include "planish/vulkan/fair/fair_tables.h"
 
 namespace planish::vulkan {
@@ -11,6 +13,10 @@ namespace planish::vulkan {
 struct GpuFairOptions {
   std::uint32_t polish_steps = 8;
 };
+
+/// What a construction consists of, in this order.
+enum class FairPart { Clear, Prepare, Build, RepairBuilt, Polish, RepairPolished, Finish };
+inline constexpr std::size_t kFairParts = 7;
 
 /// Work buffers, pipelines and written descriptor sets of one fair construction on the device: all
 /// of it in one command buffer, each step a sequence of kernels; the scalars of the polish stay in
@@ -26,15 +32,10 @@ class GpuFair {
 
   /// All of it; begins and ends within kEntryScope and kExitScope.
   void record(VkCommandBuffer commands) const noexcept;
-
-  // Its parts, in their order; each ends within kEntryScope.
-  void record_clear(VkCommandBuffer commands) const noexcept;
-  void record_prepare(VkCommandBuffer commands) const noexcept;
-  void record_build(VkCommandBuffer commands) const noexcept;
-  /// `which`: 0 before the polish, 1 after it.
-  void record_repair(VkCommandBuffer commands, std::uint32_t which) const noexcept;
-  void record_polish(VkCommandBuffer commands) const noexcept;
-  void record_finish(VkCommandBuffer commands) const noexcept;
+  /// One part; the same scopes. Without polish steps the two parts that follow from them are empty.
+  void record(VkCommandBuffer commands, FairPart part) const noexcept;
+  /// All of it round by round. The first one only clears buffers of this construction's own.
+  Wait record_round(VkCommandBuffer commands, std::size_t round) const noexcept;
 
   // What they leave; points are of shared::kPointFloats floats, all but state() in unit
   // coordinates.
@@ -79,6 +80,13 @@ class GpuFair {
     std::uint32_t arguments = 0;  // of repair: which of the device's own
   };
   using Passes = std::vector<Pass>;
+  enum class Action { Clear, ClearFlags, Dispatch, DispatchIndirect };
+  struct Round {
+    Action action;
+    const Pass* pass;     // of dispatches; in a vector that does not change any more
+    std::uint32_t place;  // added to the pass's own
+    Wait wait;
+  };
   struct Binder;
 
   void make_buffers();
@@ -88,10 +96,10 @@ class GpuFair {
   void plan_polish(Binder& binder);
   void plan_polish_step(Binder& binder, Passes& passes, const Buffer& from, const Buffer& to);
   void plan_finish(Binder& binder, const Buffer& model_points);
-  void record_passes(VkCommandBuffer commands, const Passes& passes,
-                     std::uint32_t place) const noexcept;
-  void record_repeated(VkCommandBuffer commands, const Passes& passes,
-                       std::uint32_t place) const noexcept;
+  void plan_rounds();
+  void add_rounds(const Passes& passes, std::uint32_t place = 0, Action action = Action::Dispatch);
+  void add_repair(std::uint32_t which);
+  void record_clear(VkCommandBuffer commands) const noexcept;
 
   Context& context_;
   const FairTables& tables_;
@@ -99,6 +107,8 @@ class GpuFair {
   Buffers buffers_;
   Passes prepare_, build_, curve_points_, find_folds_, next_round_, shrink_[2], start_polish_,
       step_polish_[2], end_polish_, finish_;
+  std::vector<Round> rounds_;
+  std::array<std::size_t, kFairParts + 1> part_starts_{};
   DescriptorSets sets_;
 };
 

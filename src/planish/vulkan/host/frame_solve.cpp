@@ -64,27 +64,30 @@ GpuFairOptions fair_options(const SolveOptions& options) {
   return {options.polish_steps};
 }
 
-/// Writes the two timestamps around what is recorded while it lives.
-class TimedScope {
- public:
-  TimedScope(const Context& context, VkCommandBuffer commands,
-             const Timestamps& timestamps) noexcept
-      : context_(context), commands_(commands), timestamps_(timestamps) {
-    write(VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, timestamps_.first);
-  }
-  ~TimedScope() { write(VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps_.first + 1); }
-  TimedScope(const TimedScope&) = delete;
-  TimedScope& operator=(const TimedScope&) = delete;
+void write_first(const Context& context, VkCommandBuffer commands,
+                 const Timestamps& timestamps) noexcept {
+  if (timestamps.pool)
+    context.vk().vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, timestamps.pool,
+                                     timestamps.first);
+}
 
- private:
-  void write(VkPipelineStageFlagBits stage, std::uint32_t query) const noexcept {
-    if (timestamps_.pool)
-      context_.vk().vkCmdWriteTimestamp(commands_, stage, timestamps_.pool, query);
-  }
-  const Context& context_;
-  VkCommandBuffer commands_;
-  Timestamps timestamps_;
-};
+void write_second(const Context& context, VkCommandBuffer commands,
+                  const Timestamps& timestamps) noexcept {
+  if (timestamps.pool)
+    context.vk().vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
+                                     timestamps.pool, timestamps.first + 1);
+}
+
+/// Calls in lock-step, with their timestamps around all of it. `timestamps_of(i)` and
+/// `record_round(i, round)` are those of call `i`.
+template <class TimestampsOf, class RecordRound>
+void record_calls(const Context& context, VkCommandBuffer commands, std::size_t count,
+                  const TimestampsOf& timestamps_of, const RecordRound& record_round) noexcept {
+  record_barrier(context, commands, kExitScope, kEntryScope);
+  for (std::size_t i = 0; i < count; ++i) write_first(context, commands, timestamps_of(i));
+  record_rounds(context, commands, count, record_round);
+  for (std::size_t i = 0; i < count; ++i) write_second(context, commands, timestamps_of(i));
+}
 
 }  // namespace
 
@@ -114,6 +117,10 @@ struct Solve::Parts {
   [[nodiscard]] const Buffer& status() const {
     return fair ? fair->fair.buffers().status : progressive->solve.status();
   }
+
+  Wait record_solve(VkCommandBuffer commands, const SolveParameters& parameters,
+                    std::uint32_t round) const noexcept;
+  Wait record_evaluate(VkCommandBuffer commands, std::uint32_t round) const noexcept;
 
   Context& context;
   std::uint32_t max_iterations;
@@ -178,6 +185,38 @@ Solve::~Solve() = default;
 Solve::Solve(Solve&&) noexcept = default;
 Solve& Solve::operator=(Solve&&) noexcept = default;
 
+Wait Solve::Parts::record_solve(VkCommandBuffer commands, const SolveParameters& parameters,
+                                std::uint32_t round) const noexcept {
+  if (fair) {
+    if (round == 0) fair->gather.record(commands);
+    Wait wait = fair->fair.record_round(commands, round);
+    if (round == 0) wait |= kKernelWait;
+    return wait;
+  }
+  StepRun run;
+  run.count = std::min(parameters.iterations, max_iterations);
+  run.stop_square = stop_square_of(parameters.stop_error);
+  run.measures_last = parameters.measures_last || run.count == 0;
+  if (round == 1) return progressive->given.record_residual(commands);
+  if (round > 1) return progressive->solve.record_round(commands, run, round - 1);
+  // What prepares the points and what prepares the steps do not meet.
+  Wait wait = progressive->given.record_points(commands, parameters.warm_start);
+  return wait |= progressive->solve.record_round(commands, run, 0);
+}
+
+Wait Solve::Parts::record_evaluate(VkCommandBuffer commands, std::uint32_t round) const noexcept {
+  std::size_t left = round;
+  if (progressive && left-- == 0) {
+    progressive->given.record_control_points(commands);
+    return kKernelWait;
+  }
+  if (step) {
+    if (left < step->round_count()) return step->record_round(commands, left);
+    left -= step->round_count();
+  }
+  return patches ? patches->record_round(commands, left) : Wait{};
+}
+
 VkBuffer Solve::control_points() const { return parts_->control_points().handle(); }
 
 void Solve::record_reset(VkCommandBuffer commands) const noexcept {
@@ -195,36 +234,13 @@ void Solve::record_given(VkCommandBuffer commands, VkBuffer source,
 
 void Solve::record_solve(VkCommandBuffer commands,
                          const SolveParameters& parameters) const noexcept {
-  const Context& context = parts_->context;
-  const LabelScope label(context, commands, "planish solve");
-  record_barrier(context, commands, kExitScope, kEntryScope);
-  const TimedScope timed(context, commands, parameters.timestamps);
-  if (parts_->fair) {
-    parts_->fair->gather.record(commands);
-    record_barrier(context, commands, kKernelScope, kKernelScope);
-    parts_->fair->fair.record(commands);
-    return;
-  }
-  parts_->progressive->given.record_begin(commands, parameters.warm_start);
-  StepRun run;
-  run.count = std::min(parameters.iterations, parts_->max_iterations);
-  run.stop_square = stop_square_of(parameters.stop_error);
-  run.measures_last = parameters.measures_last || run.count == 0;
-  parts_->progressive->solve.record_steps(commands, run);
+  const SolveCall call{this, parameters};
+  record_solves(commands, std::span(&call, 1));
 }
 
 void Solve::record_evaluate(VkCommandBuffer commands, const Timestamps& timestamps) const noexcept {
-  const Context& context = parts_->context;
-  const LabelScope label(context, commands, "planish evaluate");
-  record_barrier(context, commands, kExitScope, kEntryScope);
-  const TimedScope timed(context, commands, timestamps);
-  if (parts_->progressive) parts_->progressive->given.record_control_points(commands);
-  if (!parts_->patches) return;
-  if (parts_->step) {
-    parts_->step->record(commands);
-    record_barrier(context, commands, kKernelScope, kKernelScope);
-  }
-  parts_->patches->record(commands);
+  const EvaluateCall call{this, timestamps};
+  record_evaluates(commands, std::span(&call, 1));
 }
 
 void Solve::record_status(VkCommandBuffer commands, VkBuffer target,
@@ -232,6 +248,30 @@ void Solve::record_status(VkCommandBuffer commands, VkBuffer target,
   record_barrier(parts_->context, commands, kExitScope, kEntryScope);
   const VkBufferCopy copy{0, offset, sizeof(GpuStatus)};
   parts_->context.vk().vkCmdCopyBuffer(commands, parts_->status().handle(), target, 1, &copy);
+}
+
+void record_solves(VkCommandBuffer commands, std::span<const SolveCall> calls) noexcept {
+  if (calls.empty()) return;
+  const Context& context = calls.front().solve->parts_->context;
+  const LabelScope label(context, commands, "planish solve");
+  record_calls(
+      context, commands, calls.size(),
+      [&](std::size_t i) -> const Timestamps& { return calls[i].parameters.timestamps; },
+      [&](std::size_t i, std::uint32_t round) {
+        return calls[i].solve->parts_->record_solve(commands, calls[i].parameters, round);
+      });
+}
+
+void record_evaluates(VkCommandBuffer commands, std::span<const EvaluateCall> calls) noexcept {
+  if (calls.empty()) return;
+  const Context& context = calls.front().solve->parts_->context;
+  const LabelScope label(context, commands, "planish evaluate");
+  record_calls(
+      context, commands, calls.size(),
+      [&](std::size_t i) -> const Timestamps& { return calls[i].timestamps; },
+      [&](std::size_t i, std::uint32_t round) {
+        return calls[i].solve->parts_->record_evaluate(commands, round);
+      });
 }
 
 }  // namespace planish::vulkan

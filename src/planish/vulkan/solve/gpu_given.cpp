@@ -2,8 +2,6 @@
 // residual is D^0 = V0 - B V0; in terms of the displacement, from zero or from the last frame's.
 #include "planish/vulkan/solve/gpu_given.h"
 
-#include "planish/vulkan/device/commands.h"
-
 namespace planish::vulkan {
 
 GpuGiven::GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& solve,
@@ -54,20 +52,22 @@ void GpuGiven::record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_
   }
 }
 
-void GpuGiven::record_begin(VkCommandBuffer commands, bool warm_start) const noexcept {
+Wait GpuGiven::record_points(VkCommandBuffer commands, bool warm_start) const noexcept {
   gather_.record(commands);
   record_pieces(commands, Kernel::TakeUp, 0, warm_start);
-  record_barrier(context_, commands, kKernelScope, kKernelScope);
+  return kKernelWait;
+}
+
+Wait GpuGiven::record_residual(VkCommandBuffer commands) const noexcept {
   const std::size_t first_set = 2 * pieces_.size();
   for (std::size_t i = 0; i < masks_.slices().size(); ++i)
     masks_.record_dispatch(commands, Kernel::InitialResidual, sets_[first_set + i], i,
                            masks_.parameters(i));
-  record_barrier(context_, commands, kKernelScope, kKernelScope);
+  return kKernelWait;
 }
 
 void GpuGiven::record_control_points(VkCommandBuffer commands) const noexcept {
   record_pieces(commands, Kernel::ControlPoints, pieces_.size(), false);
-  record_barrier(context_, commands, kKernelScope, kKernelScope);
 }
 
 }  // namespace planish::vulkan

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "planish/vulkan/device/rounds.h"
 #include "planish/vulkan/solve/gpu_gather.h"
 #include "planish/vulkan/solve/gpu_solve.h"
 #include "planish/vulkan/tables/device_table.h"
@@ -20,9 +21,11 @@ class GpuGiven {
            const Buffer& vertices, std::span<const std::int32_t> row_vertices,
            const GivenPoints& given);
 
-  /// Right-hand side from the points, displacement from the last one or zero.
-  void record_begin(VkCommandBuffer commands, bool warm_start) const noexcept;
-  /// control_points() = given() + displacement().
+  /// Points, and the displacement from the last one or zero; within kEntryScope.
+  Wait record_points(VkCommandBuffer commands, bool warm_start) const noexcept;
+  /// Then the right-hand side from the points.
+  Wait record_residual(VkCommandBuffer commands) const noexcept;
+  /// control_points() = given() + displacement(). Within kEntryScope; kKernelWait comes after it.
   void record_control_points(VkCommandBuffer commands) const noexcept;
 
   // Of shared::kPointFloats floats per row.

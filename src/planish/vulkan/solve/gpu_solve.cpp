@@ -94,7 +94,7 @@ void GpuSolve::record_clear(VkCommandBuffer commands) const noexcept {
   record_barrier(context_, commands, kCopyScope, kEntryScope);
 }
 
-void GpuSolve::record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept {
+Wait GpuSolve::record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept {
   const DeviceFunctions& vk = context_.vk();
   const std::uint64_t bytes = run.count * sizeof(shared::StepRecord);
   const VkBufferCopy plan{0, 0, bytes};
@@ -104,63 +104,76 @@ void GpuSolve::record_begin(VkCommandBuffer commands, const StepRun& run) const 
     vk.vkCmdFillBuffer(commands, steps_.handle(), bytes, sizeof(shared::StepRecord), 0);
   const VkBufferCopy arguments{0, 0, arguments_.size()};
   vk.vkCmdCopyBuffer(commands, full_arguments_.handle(), arguments_.handle(), 1, &arguments);
-  record_barrier(context_, commands, kEntryScope, kEntryScope);
+  return {kEntryScope, kEntryScope};
 }
 
-void GpuSolve::record_stop_test(VkCommandBuffer commands, std::uint32_t step,
-                                float stop_square) const noexcept {
+Wait GpuSolve::record_stop_test(VkCommandBuffer commands, const StepRun& run,
+                                std::uint32_t step) const noexcept {
   shared::VectorParameters parameters{};
   parameters.step_count = step;
   parameters.count = static_cast<std::uint32_t>(masks_.slices().size());
-  parameters.stop_square = stop_square;
+  parameters.stop_square = run.stop_square;
   record_dispatch(context_, commands, Kernel::StopTest, finish_sets_[2], &parameters, 1);
-  record_barrier(context_, commands, kKernelScope, kIndirectScope);
+  return {kKernelScope, kIndirectScope};
 }
 
-void GpuSolve::record_step(VkCommandBuffer commands, std::uint32_t step,
-                           const StepRun& run) const noexcept {
+Wait GpuSolve::record_step(VkCommandBuffer commands, const StepRun& run, std::uint32_t step,
+                           std::size_t slice) const noexcept {
   const std::uint32_t side = (run.first_side + step) % 3;
-  for (std::size_t i = 0; i < masks_.slices().size(); ++i) {
-    shared::TableParameters parameters = masks_.parameters(i);
-    parameters.step = step;
-    parameters.stop_square = run.stop_square;
-    if (!sums_squares_) parameters.partials_total = 0;  // all steps write the same place
-    const VkDescriptorSet set = step_sets_[3 * i + side];
-    if (run.stop_square >= 0)
-      record_dispatch_indirect(context_, commands, Kernel::InterpolationStep, set, &parameters,
-                               {arguments_.handle(), i * sizeof(VkDispatchIndirectCommand)});
-    else
-      masks_.record_dispatch(commands, Kernel::InterpolationStep, set, i, parameters);
-    // Also between slices: all of them raise the same maximum.
-    record_barrier(context_, commands, kKernelScope, kKernelScope);
-  }
+  shared::TableParameters parameters = masks_.parameters(slice);
+  parameters.step = step;
+  parameters.stop_square = run.stop_square;
+  if (!sums_squares_) parameters.partials_total = 0;  // all steps write the same place
+  const VkDescriptorSet set = step_sets_[3 * slice + side];
+  if (run.stop_square >= 0)
+    record_dispatch_indirect(context_, commands, Kernel::InterpolationStep, set, &parameters,
+                             {arguments_.handle(), slice * sizeof(VkDispatchIndirectCommand)});
+  else
+    masks_.record_dispatch(commands, Kernel::InterpolationStep, set, slice, parameters);
+  // Also between slices: all of them raise the same maximum.
+  return kKernelWait;
 }
 
-void GpuSolve::record_end(VkCommandBuffer commands, const StepRun& run) const noexcept {
+Wait GpuSolve::record_end(VkCommandBuffer commands, const StepRun& run,
+                          std::uint32_t round) const noexcept {
   shared::VectorParameters parameters{};
   parameters.stop_square = run.stop_square;
   const std::uint32_t measured = run.count + (run.measures_last ? 1 : 0);
-  if (sums_squares_) {
+  if (sums_squares_ && round == 0) {
     parameters.count = masks_.partials_total();
     record_dispatch(context_, commands, Kernel::ReduceRms, finish_sets_[0], &parameters, measured);
-    record_barrier(context_, commands, kKernelScope, kKernelScope);
+    return kKernelWait;
   }
+  if (round > (sums_squares_ ? 1u : 0u)) return {};
   parameters.count = measured;
   parameters.step_count = run.count;
   parameters.first_side = run.first_side;
   record_dispatch(context_, commands, Kernel::FinishSolve, finish_sets_[1], &parameters, 1);
-  record_barrier(context_, commands, kKernelScope, kEntryScope);
+  return {kKernelScope, kEntryScope};
+}
+
+Wait GpuSolve::record_round(VkCommandBuffer commands, const StepRun& run,
+                            std::uint32_t round) const noexcept {
+  if (round == 0) return record_begin(commands, run);
+  const auto slices = static_cast<std::uint32_t>(masks_.slices().size());
+  const std::uint32_t measured = run.count + (run.measures_last ? 1 : 0);
+  const bool tests = run.stop_square >= 0;
+  const std::uint32_t test_count = tests ? (measured - 1) / kStepsPerStopTest : 0;
+  const std::uint32_t end = 1 + measured * slices + test_count;
+  if (round >= end) return record_end(commands, run, round - end);
+  // Some steps of a round for each slice and then a test, as often as there are steps.
+  const std::uint32_t period = kStepsPerStopTest * slices + (tests ? 1 : 0);
+  const std::uint32_t first_step = (round - 1) / period * kStepsPerStopTest;
+  const std::uint32_t place = (round - 1) % period;
+  if (place == kStepsPerStopTest * slices)
+    return record_stop_test(commands, run, first_step + kStepsPerStopTest);
+  return record_step(commands, run, first_step + place / slices, place % slices);
 }
 
 void GpuSolve::record_steps(VkCommandBuffer commands, const StepRun& run) const noexcept {
-  record_begin(commands, run);
-  const std::uint32_t measured = run.count + (run.measures_last ? 1 : 0);
-  for (std::uint32_t step = 0; step < measured; ++step) {
-    if (run.stop_square >= 0 && step > 0 && step % kStepsPerStopTest == 0)
-      record_stop_test(commands, step, run.stop_square);
-    record_step(commands, step, run);
-  }
-  record_end(commands, run);
+  record_rounds(context_, commands, 1, [&](std::size_t, std::uint32_t round) {
+    return record_round(commands, run, round);
+  });
 }
 
 }  // namespace planish::vulkan

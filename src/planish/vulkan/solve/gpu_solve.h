@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "planish/vulkan/device/rounds.h"
 #include "planish/vulkan/tables/device_table.h"
 
 namespace planish::vulkan {
@@ -45,6 +46,9 @@ class GpuSolve {
   /// Steps 0..count-1 of the plan, and status() at their end; count + measures_last is 1 to
   /// max_steps(). Fills steps() and status(). Begins and ends within kEntryScope and kExitScope.
   void record_steps(VkCommandBuffer commands, const StepRun& run) const noexcept;
+  /// The same round by round. The first one only copies, from and to buffers of this solve's own.
+  Wait record_round(VkCommandBuffer commands, const StepRun& run,
+                    std::uint32_t round) const noexcept;
 
   /// shared::kPointFloats floats per row.
   [[nodiscard]] const Buffer& side(std::uint32_t i) const { return sides_[i]; }
@@ -56,11 +60,12 @@ class GpuSolve {
  private:
   void bind(Context& context);
   void write_full_arguments();
-  void record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept;
-  void record_step(VkCommandBuffer commands, std::uint32_t step, const StepRun& run) const noexcept;
-  void record_stop_test(VkCommandBuffer commands, std::uint32_t step,
-                        float stop_square) const noexcept;
-  void record_end(VkCommandBuffer commands, const StepRun& run) const noexcept;
+  Wait record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept;
+  Wait record_step(VkCommandBuffer commands, const StepRun& run, std::uint32_t step,
+                   std::size_t slice) const noexcept;
+  Wait record_stop_test(VkCommandBuffer commands, const StepRun& run,
+                        std::uint32_t step) const noexcept;
+  Wait record_end(VkCommandBuffer commands, const StepRun& run, std::uint32_t round) const noexcept;
 
   Context& context_;
   const DeviceTable& masks_;

@@ -1,0 +1,101 @@
+// Many small meshes in one command buffer against one large mesh.
+#include <memory>
+
+#include "bench/bench_meshes.h"
+#include "bench/benchmarks.h"
+#include "planish/vulkan/backend/vulkan_machine.h"
+#include "planish/vulkan/embed.h"
+#include "planish/vulkan/vulkan_backend.h"
+
+namespace planish::bench {
+
+namespace {
+
+using namespace vulkan;
+
+constexpr std::int32_t kMeshes = 64;
+constexpr SolveParameters kSteps{.iterations = 16};
+constexpr std::uint32_t kBytesOfVertex = 24;
+
+// Instances of one mesh, each with points and vertices of its own.
+struct Instances {
+  Instances(VulkanMachine& machine, const PolygonMesh& mesh, std::int32_t count)
+      : system(mesh, {.level = 1}), device(machine.context, system) {
+    Buffer staging(machine.context, device.upload_bytes(), MemoryUse::Upload);
+    device.write_upload(system, staging.mapped().first(device.upload_bytes()));
+    staging.flush();
+    machine.submitter.run(
+        [&](VkCommandBuffer commands) { device.record_upload(commands, staging.handle(), 0); });
+    const std::vector<glm::vec3> rounded(mesh.positions.begin(), mesh.positions.end());
+    for (std::int32_t i = 0; i < count; ++i) {
+      const Buffer& given = points.emplace_back(machine.context, rounded.size() * sizeof(glm::vec3),
+                                                MemoryUse::Device);
+      machine.submitter.upload(whole(given), std::as_bytes(std::span(rounded)));
+      const Buffer& target = vertices.emplace_back(
+          machine.context, std::uint64_t(system.vertex_count()) * kBytesOfVertex,
+          MemoryUse::Device);
+      solves.push_back(std::make_unique<vulkan::Solve>(
+          machine.context, device,
+          SolveOptions{.given = {given.handle()}, .vertices = {target.handle()}}));
+      solve_calls.push_back({solves.back().get(), kSteps});
+      evaluate_calls.push_back({solves.back().get(), {}});
+    }
+  }
+
+  System system;
+  DeviceSystem device;
+  std::vector<Buffer> points, vertices;
+  std::vector<std::unique_ptr<vulkan::Solve>> solves;
+  std::vector<SolveCall> solve_calls;
+  std::vector<EvaluateCall> evaluate_calls;
+};
+
+void add_peers(Group& group, const std::string& name, VulkanMachine& machine,
+               const std::shared_ptr<Instances>& instances) {
+  const auto add = [&](const std::string& what, auto record) {
+    group.peers.push_back({what, [&machine, instances, record] {
+                             machine.submitter.run(
+                                 [&](VkCommandBuffer commands) { record(commands, *instances); });
+                           }});
+  };
+  add("solve-" + name, [](VkCommandBuffer commands, const Instances& all) {
+    record_solves(commands, all.solve_calls);
+  });
+  add("evaluate-" + name, [](VkCommandBuffer commands, const Instances& all) {
+    record_evaluates(commands, all.evaluate_calls);
+  });
+  if (instances->solves.size() == 1) return;
+  add("solve-" + name + "-apart", [](VkCommandBuffer commands, const Instances& all) {
+    for (const SolveCall& call : all.solve_calls)
+      call.solve->record_solve(commands, call.parameters);
+  });
+}
+
+}  // namespace
+
+std::vector<Row> bench_many(const Options& options) {
+  if (list_vulkan_devices().best < 0) return {};
+  VulkanMachine machine({}, {});
+  // 128,000 points by default, as many as the small ones together.
+  const std::int32_t large = options.quad_count * 16 / 125;
+  const auto one = std::make_shared<Instances>(machine, torus_grid(large), 1);
+  const auto many = std::make_shared<Instances>(machine, torus_grid(large / kMeshes), kMeshes);
+  // So small that what a dispatch costs is all.
+  const auto tiny = std::make_shared<Instances>(machine, torus_grid(16), kMeshes);
+
+  Group group;
+  group.name = "many";
+  const auto points = [](const Instances& all) {
+    return std::to_string(all.solves.size()) + " of " + std::to_string(all.system.given_count());
+  };
+  group.size = points(*one) + " points, " + points(*many) + ", " + points(*tiny) + "; " +
+               std::to_string(kSteps.iterations) + " steps; vulkan on " +
+               machine.device.capabilities().name;
+  group.baseline = "solve-one";
+  add_peers(group, "one", machine, one);
+  add_peers(group, "many", machine, many);
+  add_peers(group, "tiny", machine, tiny);
+  return run_group(group, options.repetitions);
+}
+
+}  // namespace planish::bench
