@@ -1,16 +1,20 @@
+#include <benchmark/benchmark.h>
 #include <opensubdiv/osd/bufferDescriptor.h>
 #include <opensubdiv/osd/cpuEvaluator.h>
 #include <opensubdiv/osd/ompEvaluator.h>
 
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <array>
 #include <memory>
+#include <span>
 
 #include "bench/agreement.h"
 #include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
 #include "bench/prepared_mesh.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/core/parallel.h"
 #ifdef PLANISH_HAS_VULKAN
 #include "planish/vulkan/vulkan_backend.h"
 #endif
@@ -87,6 +91,47 @@ Peer osd_peer(const std::string& name, std::shared_ptr<OsdBuffers> buffers, cons
   return {name, [buffers] { buffers->apply<Evaluator>(); }};
 }
 
+// Every byte of a CSR of the same matrix, read once on all cores: what a step that reads one cannot
+// be faster than where that comes from memory.
+struct CsrStream {
+  explicit CsrStream(const PreparedMesh& prepared) : table(in_float(prepared.masks.view())) {}
+
+  void read() {
+    const StencilView<float> view = table.view();
+    std::vector<Sums> pieces((view.weights.size() + kEntries - 1) / kEntries);
+    parallel_for(pieces.size(), 4, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        const std::size_t first = p * kEntries;
+        const std::size_t count = std::min(kEntries, view.weights.size() - first);
+        pieces[p] = sums_of(view.weights.subspan(first, count), view.indices.subspan(first, count));
+      }
+    });
+    parallel_for(view.offsets.size(), kEntries, [&](std::size_t begin, std::size_t end) {
+      benchmark::DoNotOptimize(sums_of({}, view.offsets.subspan(begin, end - begin)));
+    });
+    benchmark::DoNotOptimize(pieces.data());
+    benchmark::ClobberMemory();
+  }
+
+  static constexpr std::size_t kEntries = 36 * 1024;
+  static constexpr std::size_t kLanes = 8;
+  struct Sums {
+    std::array<float, kLanes> weights{};
+    std::array<std::int32_t, kLanes> indices{};
+  };
+  // In lanes, so that the compiler reads whole vectors.
+  static Sums sums_of(std::span<const float> weights, std::span<const std::int32_t> indices) {
+    Sums sums;
+    for (std::size_t k = 0; k + kLanes <= weights.size(); k += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) sums.weights[lane] += weights[k + lane];
+    for (std::size_t k = 0; k + kLanes <= indices.size(); k += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) sums.indices[lane] ^= indices[k + lane];
+    return sums;
+  }
+
+  StencilTable<float> table;
+};
+
 struct EigenProduct {
   Eigen::SparseMatrix<float, Eigen::RowMajor> matrix;
   Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> source, target;
@@ -151,6 +196,8 @@ std::vector<Row> bench_update(const Options& options) {
   group.peers.push_back(osd_peer<Osd::CpuEvaluator>("osd-cpu", osd, limits));
   group.peers.push_back(osd_peer<Osd::OmpEvaluator>("osd-omp", osd, limits));
   group.peers.push_back(eigen_peer(prepared, limits));
+  const auto csr = std::make_shared<CsrStream>(prepared);
+  group.peers.push_back({"csr-stream", [csr] { csr->read(); }});
   return run_group(group, options.repetitions);
 }
 

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 #include <thread>
 #include <type_traits>
 
+#include "planish/backend/packed_rows.h"
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
@@ -17,43 +19,9 @@ namespace planish {
 
 namespace {
 
-// A point in registers of 16 bytes, which every x86-64 and ARM has: one of four floats or two of
-// two doubles, the last lane idle. A row's sum is a chain of multiply-adds on whole registers.
-// (Wider vectors than the machine's go through memory with GCC 12, at a third of the speed.)
-template <class Real>
-struct Lanes;
-
-template <>
-struct Lanes<float> {
-  typedef float Register __attribute__((vector_size(16)));
-  Register xyz0;
-
-  static Lanes of(const glm::dvec3& v) {
-    return {Register{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 0}};
-  }
-  [[nodiscard]] glm::dvec3 point() const { return {xyz0[0], xyz0[1], xyz0[2]}; }
-  friend Lanes operator+(Lanes a, Lanes b) { return {a.xyz0 + b.xyz0}; }
-  friend Lanes operator-(Lanes a, Lanes b) { return {a.xyz0 - b.xyz0}; }
-  friend Lanes operator*(Lanes a, Lanes b) { return {a.xyz0 * b.xyz0}; }
-  friend Lanes operator*(float a, Lanes b) { return {a * b.xyz0}; }
-};
-
-template <>
-struct Lanes<double> {
-  typedef double Register __attribute__((vector_size(16)));
-  Register xy, z0;
-
-  static Lanes of(const glm::dvec3& v) { return {Register{v.x, v.y}, Register{v.z, 0}}; }
-  [[nodiscard]] glm::dvec3 point() const { return {xy[0], xy[1], z0[0]}; }
-  friend Lanes operator+(Lanes a, Lanes b) { return {a.xy + b.xy, a.z0 + b.z0}; }
-  friend Lanes operator-(Lanes a, Lanes b) { return {a.xy - b.xy, a.z0 - b.z0}; }
-  friend Lanes operator*(Lanes a, Lanes b) { return {a.xy * b.xy, a.z0 * b.z0}; }
-  friend Lanes operator*(double a, Lanes b) { return {a * b.xy, a * b.z0}; }
-};
-
 // Sums are taken over pieces of this many rows, then over the pieces in order: the same bits for
 // every thread count.
-constexpr std::size_t kPieceRows = 4096;
+constexpr std::size_t kPieceRows = PackedRows::kPieceRows;
 
 struct PieceSums {
   double max_square = 0;
@@ -71,17 +39,23 @@ void keep_largest(double& largest, double value) {
   largest = std::max(largest, value);
 }
 
+// `body(p)` sums over piece p.
 template <class Body>
-PieceSums sum_pieces(std::size_t count, const Body& body) {
-  std::vector<PieceSums> pieces((count + kPieceRows - 1) / kPieceRows);
+PieceSums add_pieces(std::size_t piece_count, const Body& body) {
+  std::vector<PieceSums> pieces(piece_count);
   parallel_for(pieces.size(), 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      pieces[p] = body(p * kPieceRows, std::min((p + 1) * kPieceRows, count));
-    }
+    for (std::size_t p = begin; p < end; ++p) pieces[p] = body(p);
   });
   PieceSums total;
   for (const PieceSums& piece : pieces) total.add(piece);
   return total;
+}
+
+template <class Body>
+PieceSums sum_pieces(std::size_t count, const Body& body) {
+  return add_pieces((count + kPieceRows - 1) / kPieceRows, [&](std::size_t p) {
+    return body(p * kPieceRows, std::min((p + 1) * kPieceRows, count));
+  });
 }
 
 ErrorNorms norms(const PieceSums& squares, std::size_t count) {
@@ -89,29 +63,51 @@ ErrorNorms norms(const PieceSums& squares, std::size_t count) {
   return {std::sqrt(squares.max_square), count == 0 ? 0.0 : std::sqrt(sum / count)};
 }
 
+// The rows of a table as they are, for steps in double: those gain less by packing than it costs.
+class PlainRows {
+ public:
+  using Point = PointLanes<double>;
+  explicit PlainRows(const StencilView<double>& table) : table_(table) {}
+
+  [[nodiscard]] std::size_t piece_count() const {
+    return (table_.sizes.size() + kPieceRows - 1) / kPieceRows;
+  }
+
+  // Sums in index order.
+  template <class Take>
+  void for_each_sum(std::size_t piece, const Point* source, const Take& take) const {
+    const std::size_t end = std::min((piece + 1) * kPieceRows, table_.sizes.size());
+    for (std::size_t row = piece * kPieceRows; row < end; ++row) {
+      Point sum{};
+      const std::int32_t* index = table_.indices.data() + table_.offsets[row];
+      const double* weight = table_.weights.data() + table_.offsets[row];
+      const std::int32_t size = table_.sizes[row];
+      for (std::int32_t k = 0; k < size; ++k)
+        sum = sum + weight[k] * source[static_cast<std::size_t>(index[k])];
+      take(row, sum);
+    }
+  }
+
+ private:
+  StencilView<double> table_;
+};
+
 template <class Real>
 class CpuSolve final : public Solve {
  public:
   CpuSolve(const StencilView<double>& masks, oneapi::tbb::task_arena& arena)
-      : arena_(arena), sizes_(masks.sizes), offsets_(masks.offsets), indices_(masks.indices) {
+      : arena_(arena), row_count_(masks.sizes.size()) {
     PLANISH_ASSERT(masks.source_count == masks.row_count());
-    if constexpr (std::is_same_v<Real, double>) {
-      weights_ = masks.weights;
-    } else {
-      rounded_weights_.resize(masks.weights.size());
-      for_pieces(rounded_weights_.size(),
-                 [&](std::size_t k) { rounded_weights_[k] = static_cast<Real>(masks.weights[k]); });
-      weights_ = rounded_weights_;
-    }
+    arena_.execute([&] { rows_.emplace(masks); });
   }
 
   void begin(std::span<const glm::dvec3> initial_residual) override {
-    PLANISH_ASSERT(initial_residual.size() == sizes_.size());
+    PLANISH_ASSERT(initial_residual.size() == row_count_);
     for (Points* points : {&initial_residual_, &displacement_, &next_displacement_, &step_})
-      points->resize(sizes_.size());
-    for_pieces(sizes_.size(), [&](std::size_t i) {
-      initial_residual_[i] = Lanes<Real>::of(initial_residual[i]);
-      displacement_[i] = step_[i] = Lanes<Real>{};
+      points->resize(row_count_);
+    for_pieces(row_count_, [&](std::size_t i) {
+      initial_residual_[i] = Point::of(initial_residual[i]);
+      displacement_[i] = step_[i] = Point{};
     });
   }
 
@@ -120,7 +116,7 @@ class CpuSolve final : public Solve {
     for (const StepCoefficients& step : steps) {
       PieceSums squares;
       arena_.execute([&] { squares = take_step(step); });
-      log.errors.push_back(norms(squares, sizes_.size()));
+      log.errors.push_back(norms(squares, row_count_));
       // The step is already computed, but displacement_ is still the one that was measured.
       if (log.errors.back().max <= stop_error) return log;
       std::swap(displacement_, next_displacement_);
@@ -132,15 +128,11 @@ class CpuSolve final : public Solve {
   ErrorNorms error() override {
     PieceSums squares;
     arena_.execute([&] {
-      squares = sum_pieces(sizes_.size(), [&](std::size_t begin, std::size_t end) {
-        PieceSums piece;
-        for (std::size_t i = begin; i < end; ++i) {
-          add_square(initial_residual_[i] - row(i, displacement_), piece);
-        }
-        return piece;
+      squares = sum_rows(displacement_, [&](std::size_t i, const Point& image, PieceSums& piece) {
+        add_square(initial_residual_[i] - image, piece);
       });
     });
-    return norms(squares, sizes_.size());
+    return norms(squares, row_count_);
   }
 
   [[nodiscard]] std::vector<glm::dvec3> displacement() const override {
@@ -154,24 +146,26 @@ class CpuSolve final : public Solve {
     begin(initial_residual);
     row_weights_.assign(row_weights.begin(), row_weights.end());
     residual_ = step_ = initial_residual_;
-    image_.resize(sizes_.size());
+    image_.resize(row_count_);
     return inner_product(residual_, residual_);
   }
 
   glm::dvec3 cg_apply() override {
     arena_.execute([&] {
-      parallel_for(sizes_.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) image_[i] = row(i, step_);
+      parallel_for(rows_->piece_count(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p)
+          rows_->for_each_sum(p, step_.data(),
+                              [&](std::size_t i, const Point& image) { image_[i] = image; });
       });
     });
     return inner_product(step_, image_);
   }
 
   CgAdvance cg_advance(const glm::dvec3& alpha) override {
-    const Lanes<Real> factor = Lanes<Real>::of(alpha);
+    const Point factor = Point::of(alpha);
     PieceSums squares;
     arena_.execute([&] {
-      squares = sum_pieces(sizes_.size(), [&](std::size_t begin, std::size_t end) {
+      squares = sum_pieces(row_count_, [&](std::size_t begin, std::size_t end) {
         PieceSums piece;
         for (std::size_t i = begin; i < end; ++i) {
           displacement_[i] = displacement_[i] + factor * step_[i];
@@ -181,20 +175,22 @@ class CpuSolve final : public Solve {
         return piece;
       });
     });
-    return {inner_product(residual_, residual_), norms(squares, sizes_.size())};
+    return {inner_product(residual_, residual_), norms(squares, row_count_)};
   }
 
   void cg_turn(const glm::dvec3& beta) override {
-    const Lanes<Real> factor = Lanes<Real>::of(beta);
+    const Point factor = Point::of(beta);
     arena_.execute([&] {
-      parallel_for(sizes_.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
+      parallel_for(row_count_, kPieceRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) step_[i] = residual_[i] + factor * step_[i];
       });
     });
   }
 
  private:
-  using Points = RawVector<Lanes<Real>>;
+  using Rows = std::conditional_t<std::is_same_v<Real, float>, PackedRows, PlainRows>;
+  using Point = PointLanes<Real>;
+  using Points = RawVector<Point>;
 
   template <class Body>
   void for_pieces(std::size_t count, const Body& body) const {
@@ -205,20 +201,19 @@ class CpuSolve final : public Solve {
     });
   }
 
-  // Sums in index order.
-  [[nodiscard]] Lanes<Real> row(std::size_t i, const Points& source) const {
-    Lanes<Real> sum{};
-    const std::int32_t* index = indices_.data() + offsets_[i];
-    const Real* weight = weights_.data() + offsets_[i];
-    const std::int32_t size = sizes_[i];
-    for (std::int32_t k = 0; k < size; ++k) {
-      sum = sum + weight[k] * source[static_cast<std::size_t>(index[k])];
-    }
-    return sum;
+  // Calls body(i, row i of the table applied to `source`, sums of i's piece).
+  template <class Body>
+  [[nodiscard]] PieceSums sum_rows(const Points& source, const Body& body) const {
+    return add_pieces(rows_->piece_count(), [&](std::size_t p) {
+      PieceSums piece;
+      rows_->for_each_sum(p, source.data(),
+                          [&](std::size_t i, const Point& image) { body(i, image, piece); });
+      return piece;
+    });
   }
 
-  static void add_square(const Lanes<Real>& residual, PieceSums& piece) {
-    const Lanes<Real> square = residual * residual;
+  static void add_square(const Point& residual, PieceSums& piece) {
+    const Point square = residual * residual;
     const glm::dvec3 squares = square.point();
     piece.sum += squares;
     keep_largest(piece.max_square, squares.x + squares.y + squares.z);
@@ -228,22 +223,23 @@ class CpuSolve final : public Solve {
   PieceSums take_step(const StepCoefficients& coefficients) {
     const Real momentum = static_cast<Real>(coefficients.momentum);
     const Real gain = static_cast<Real>(coefficients.gain);
-    return sum_pieces(sizes_.size(), [&](std::size_t begin, std::size_t end) {
-      PieceSums piece;
-      for (std::size_t i = begin; i < end; ++i) {
-        const Lanes<Real> residual = initial_residual_[i] - row(i, displacement_);
-        step_[i] = momentum * step_[i] + gain * residual;
-        next_displacement_[i] = displacement_[i] + step_[i];
-        add_square(residual, piece);
-      }
-      return piece;
+    // Pointers that stay where they are: what is written might else move the vectors.
+    return sum_rows(displacement_, [momentum, gain, initial = initial_residual_.data(),
+                                    from = displacement_.data(), step = step_.data(),
+                                    to = next_displacement_.data()](
+                                       std::size_t i, const Point& image, PieceSums& piece) {
+      const Point residual = initial[i] - image;
+      const Point next = momentum * step[i] + gain * residual;
+      step[i] = next;
+      to[i] = from[i] + next;
+      add_square(residual, piece);
     });
   }
 
   glm::dvec3 inner_product(const Points& a, const Points& b) {
     PieceSums sums;
     arena_.execute([&] {
-      sums = sum_pieces(sizes_.size(), [&](std::size_t begin, std::size_t end) {
+      sums = sum_pieces(row_count_, [&](std::size_t begin, std::size_t end) {
         PieceSums piece;
         for (std::size_t i = begin; i < end; ++i) {
           piece.sum += row_weights_[i] * a[i].point() * b[i].point();
@@ -255,9 +251,8 @@ class CpuSolve final : public Solve {
   }
 
   oneapi::tbb::task_arena& arena_;
-  std::span<const std::int32_t> sizes_, offsets_, indices_;  // of the caller's table
-  std::span<const Real> weights_;
-  RawVector<Real> rounded_weights_;
+  std::size_t row_count_;
+  std::optional<Rows> rows_;
   Points initial_residual_, displacement_, next_displacement_, step_;
   Points residual_, image_;
   std::vector<double> row_weights_;

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "planish/backend/point_lanes.h"
+#include "planish/core/raw_vector.h"
+#include "planish/stencil/stencil_table.h"
+
+namespace planish {
+
+/// A stencil table in the form that the CPU's steps in float read fastest. A row's weights follow
+/// from its valence and its faces' sizes, so few rows differ: each piece of rows has a palette of
+/// them, and a row holds a number of that and its sources as 16-bit differences to its own index
+/// (32-bit indices in pieces where many do not fit). Rows are filled up to few lengths with weights
+/// of 0, which the machine foretells better than true lengths. Sums are the bits of plain ones, in
+/// index order. Rows that do not fit are read from the table itself, which must outlive this.
+class PackedRows {
+ public:
+  using Point = PointLanes<float>;
+  /// Rows of a piece; the last one may have fewer.
+  static constexpr std::size_t kPieceRows = 4096;
+  /// Sources that a row has after filling up, where it has no more; longer ones are not packed.
+  static constexpr std::array<std::uint32_t, 4> kLengths{8, 9, 12, 16};
+
+  /// Packs on TBB's threads. Weights are rounded once.
+  explicit PackedRows(const StencilView<double>& table);
+
+  [[nodiscard]] std::size_t piece_count() const { return pieces_.size(); }
+
+  /// Calls take(row, sum) for the rows of piece `piece` in their order; `source` has the table's
+  /// source_count points, all of them finite or the sums of their rows are not.
+  template <class Take>
+  void for_each_sum(std::size_t piece, const Point* source, const Take& take) const {
+    const Piece& rows = pieces_[piece];
+    if (rows.is_near)
+      walk<true>(piece, rows.differences.data(), source, take);
+    else
+      walk<false>(piece, rows.indices.data(), source, take);
+  }
+
+  /// What all pieces take, and rows that are read from the table.
+  [[nodiscard]] std::uint64_t packed_bytes() const;
+  [[nodiscard]] std::size_t plain_row_count() const;
+
+ private:
+  static constexpr std::uint16_t kPlain = 0xffff;
+  struct Class {
+    std::uint32_t first_weight, length;
+  };
+  struct Piece {
+    bool is_near = true;               // differences, else indices
+    std::vector<std::uint16_t> codes;  // each row's class, or kPlain
+    std::vector<Class> classes;
+    std::vector<float> weights;
+    RawVector<std::int16_t> differences;
+    RawVector<std::int32_t> indices;
+  };
+  class Packer;
+
+  template <class Index, std::size_t... kNumbers>
+  static Point add_up(const Point* base, const Index* at, const float* weight,
+                      std::index_sequence<kNumbers...>) {
+    Point sum{};
+    ((sum = sum + weight[kNumbers] * base[at[kNumbers]]), ...);
+    return sum;
+  }
+  template <std::size_t kLength, class Index>
+  static Point add_up(const Point* base, const Index* at, const float* weight) {
+    return add_up(base, at, weight, std::make_index_sequence<kLength>());
+  }
+
+  [[nodiscard]] Point plain_sum(std::size_t row, const Point* source) const {
+    Point sum{};
+    const auto first = static_cast<std::size_t>(table_.offsets[row]);
+    const std::size_t end = first + static_cast<std::size_t>(table_.sizes[row]);
+    for (std::size_t k = first; k < end; ++k)
+      sum = sum + static_cast<float>(table_.weights[k]) *
+                      source[static_cast<std::size_t>(table_.indices[k])];
+    return sum;
+  }
+
+  template <bool kIsNear, class Index, class Take>
+  void walk(std::size_t piece, const Index* at, const Point* source, const Take& take) const {
+    const Piece& rows = pieces_[piece];
+    const Class* classes = rows.classes.data();
+    const float* weights = rows.weights.data();
+    std::size_t row = piece * kPieceRows;
+    for (const std::uint16_t code : rows.codes) {
+      Point sum;
+      if (code == kPlain) {
+        sum = plain_sum(row, source);
+      } else {
+        const std::uint32_t length = classes[code].length;
+        const float* weight = weights + classes[code].first_weight;
+        const Point* base = kIsNear ? source + row : source;
+        if (length == kLengths[0])
+          sum = add_up<kLengths[0]>(base, at, weight);
+        else if (length == kLengths[1])
+          sum = add_up<kLengths[1]>(base, at, weight);
+        else if (length == kLengths[2])
+          sum = add_up<kLengths[2]>(base, at, weight);
+        else
+          sum = add_up<kLengths[3]>(base, at, weight);
+        at += length;
+      }
+      // In one place, so that it becomes part of the loop.
+      take(row++, sum);
+    }
+  }
+
+  StencilView<double> table_;
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace planish

@@ -1,0 +1,140 @@
+#include "planish/backend/packed_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <random>
+
+#include "planish/doosabin/limit_masks.h"
+#include "planish/doosabin/subdivision.h"
+#include "planish/stencil/quad_split.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish {
+namespace {
+
+using Point = PackedRows::Point;
+
+std::vector<Point> random_lanes(std::size_t count) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<Point> points(count);
+  for (Point& p : points) {
+    const double x = uniform(random), y = uniform(random), z = uniform(random);
+    p = Point::of({x, y, z});
+  }
+  return points;
+}
+
+// What a plain loop over the table gives, to the bit.
+void expect_plain_sums(const StencilView<double>& table, const PackedRows& rows) {
+  const std::vector<Point> source = random_lanes(static_cast<std::size_t>(table.source_count));
+  std::size_t next = 0;
+  for (std::size_t piece = 0; piece < rows.piece_count(); ++piece)
+    rows.for_each_sum(piece, source.data(), [&](std::size_t row, const Point& sum) {
+      ASSERT_EQ(row, next++);
+      Point expected{};
+      for (std::int32_t k = 0; k < table.sizes[row]; ++k) {
+        const auto at = static_cast<std::size_t>(table.offsets[row] + k);
+        const Point term = static_cast<float>(table.weights[at]) *
+                           source[static_cast<std::size_t>(table.indices[at])];
+        expected = expected + term;
+      }
+      for (int c = 0; c < 3; ++c)
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(float(sum.xyz0[c])),
+                  std::bit_cast<std::uint32_t>(float(expected.xyz0[c])))
+            << row;
+    });
+  EXPECT_EQ(next, table.sizes.size());
+}
+
+StencilTable<double> masks_of(const PolygonMesh& mesh) {
+  const QuadSplit split(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
+  return limit_masks(mesh, Subdivision(split, features, Weights::DooSabin));
+}
+
+TEST(PackedRows, OfMasksAreSmallAndTheSameBits) {
+  const PolygonMesh meshes[] = {test::torus(120, 90, 2, 0.7), test::icosphere(4)};
+  for (const PolygonMesh& mesh : meshes) {
+    const StencilTable<double> masks = masks_of(mesh);
+    const PackedRows rows(masks.view());
+    expect_plain_sums(masks.view(), rows);
+    EXPECT_EQ(rows.plain_row_count(), 0u);
+    const double entries = static_cast<double>(masks.view().indices.size());
+    EXPECT_LE(static_cast<double>(rows.packed_bytes()), 3.5 * entries);
+  }
+}
+
+TEST(PackedRows, OfUnevenMeshesAreTheSameBits) {
+  const PolygonMesh meshes[] = {test::cube(), test::random_closed_mesh(3),
+                                test::with_random_creases(test::random_open_mesh(2), 0.1, 3)};
+  for (const PolygonMesh& mesh : meshes) {
+    const StencilTable<double> masks = masks_of(mesh);
+    expect_plain_sums(masks.view(), PackedRows(masks.view()));
+  }
+}
+
+// Rows of `size` sources each by `index(row, k)`, of weights by `weight(row, k)`.
+template <class Size, class Index, class Weight>
+StencilTable<double> table_of(std::int32_t rows, const Size& size, const Index& index,
+                              const Weight& weight) {
+  StencilRows<double> made;
+  for (std::int32_t i = 0; i < rows; ++i) {
+    made.sizes.push_back(size(i));
+    for (std::int32_t k = 0; k < size(i); ++k) {
+      made.indices.push_back(index(i, k) % rows);
+      made.weights.push_back(weight(i, k));
+    }
+  }
+  return StencilTable<double>(rows, std::move(made));
+}
+
+TEST(PackedRows, EveryLengthIsTheSameBits) {
+  // From none to beyond the longest, also at the table's very end.
+  for (const std::int32_t last : {0, 1, 7, 8, 9, 10, 13, 16, 17}) {
+    const StencilTable<double> table = table_of(
+        300, [&](std::int32_t i) { return i == 299 ? last : i % 20; },
+        [](std::int32_t i, std::int32_t k) { return i + k; },
+        [](std::int32_t i, std::int32_t k) { return 0.1 + 0.3 * (i % 3) - 0.01 * k; });
+    const PackedRows rows(table.view());
+    expect_plain_sums(table.view(), rows);
+    // 15 rows each of 0, 17, 18 and 19 sources, but for the last one.
+    EXPECT_EQ(rows.plain_row_count(), 60u - 1 + (last == 0 || last == 17 ? 1 : 0));
+  }
+}
+
+TEST(PackedRows, FarSourcesTakeTheTableOrIndices) {
+  constexpr std::int32_t kRows = 100'000;
+  const auto size = [](std::int32_t) { return 5; };
+  const auto weight = [](std::int32_t, std::int32_t k) { return 0.2 + 0.01 * k; };
+  // One row in a hundred reaches far.
+  const StencilTable<double> few = table_of(
+      kRows, size,
+      [](std::int32_t i, std::int32_t k) { return i % 100 == 0 && k == 3 ? i + 40'000 : i + k; },
+      weight);
+  const PackedRows few_rows(few.view());
+  expect_plain_sums(few.view(), few_rows);
+  // Those whose sources wrap around at the end reach far as well.
+  EXPECT_EQ(few_rows.plain_row_count(), 1004u);
+  // All do: indices of 4 bytes.
+  const StencilTable<double> all = table_of(
+      kRows, size, [](std::int32_t i, std::int32_t k) { return i + 40'000 * (k % 2); }, weight);
+  const PackedRows all_rows(all.view());
+  expect_plain_sums(all.view(), all_rows);
+  EXPECT_EQ(all_rows.plain_row_count(), 0u);
+  EXPECT_GT(all_rows.packed_bytes(), std::uint64_t{kRows} * 8 * 4);
+}
+
+TEST(PackedRows, MoreKindsOfRowsThanAPaletteHoldsAreRead) {
+  const StencilTable<double> table = table_of(
+      5000, [](std::int32_t) { return 6; }, [](std::int32_t i, std::int32_t k) { return i + k; },
+      [](std::int32_t i, std::int32_t k) { return 1.0 / (i + k + 1); });
+  const PackedRows rows(table.view());
+  expect_plain_sums(table.view(), rows);
+  EXPECT_EQ(rows.plain_row_count(), 5000u - 1024 - (5000 - 4096));
+}
+
+}  // namespace
+}  // namespace planish
