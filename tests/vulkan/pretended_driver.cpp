@@ -46,6 +46,8 @@ struct State {
   std::mutex mutex;  // guards what follows
   std::map<std::string, int> alive, uncounted;
   std::set<VkDeviceMemory> device_only;
+  std::set<std::uint32_t> used_families;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> transfers;
 } state;
 
 constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
@@ -63,14 +65,16 @@ void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperti
   if (pretence.storage_range) limits.maxStorageBufferRange = pretence.storage_range;
   if (pretence.texel_elements) limits.maxTexelBufferElements = pretence.texel_elements;
   if (pretence.split_memory) limits.nonCoherentAtomSize = 256;
-  for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next; next = next->pNext)
-    if (pretence.no_subgroup_operations &&
-        next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES) {
-      auto* subgroup = reinterpret_cast<VkPhysicalDeviceSubgroupProperties*>(next);
+  for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next; next = next->pNext) {
+    if (next->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES) continue;
+    auto* subgroup = reinterpret_cast<VkPhysicalDeviceSubgroupProperties*>(next);
+    if (pretence.no_subgroup_operations) {
       subgroup->supportedOperations = 0;
       subgroup->supportedStages = 0;
       subgroup->subgroupSize = 1;
     }
+    if (pretence.subgroup_size) subgroup->subgroupSize = pretence.subgroup_size;
+  }
 }
 
 void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties* memory) {
@@ -84,8 +88,26 @@ void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProper
       VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, heap};
 }
 
+// What a pretended family is in truth.
+std::uint32_t real_family(std::uint32_t family) {
+  if (!state.pretence.separate_compute) return family;
+  const std::lock_guard lock(state.mutex);
+  state.used_families.insert(family);
+  return 0;
+}
+
 void VKAPI_CALL get_families(VkPhysicalDevice device, std::uint32_t* count,
                              VkQueueFamilyProperties* families) {
+  if (state.pretence.separate_compute) {
+    *count = 2;
+    if (!families) return;
+    std::uint32_t one = 1;
+    real.vkGetPhysicalDeviceQueueFamilyProperties(device, &one, families);
+    families[1] = families[0];
+    families[0].queueFlags = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_TRANSFER_BIT;
+    families[1].queueFlags = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
+    return;
+  }
   real.vkGetPhysicalDeviceQueueFamilyProperties(device, count, families);
   for (std::uint32_t i = 0; state.pretence.no_timestamps && families && i < *count; ++i)
     families[i].timestampValidBits = 0;
@@ -122,7 +144,38 @@ VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreat
   if (enables_subset != state.pretence.portability_subset) return VK_ERROR_EXTENSION_NOT_PRESENT;
   changed.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   changed.ppEnabledExtensionNames = extensions.data();
+  VkDeviceQueueCreateInfo queue = info->pQueueCreateInfos[0];
+  queue.queueFamilyIndex = real_family(queue.queueFamilyIndex);
+  changed.pQueueCreateInfos = &queue;
   return real.vkCreateDevice(physical, &changed, callbacks, device);
+}
+
+void VKAPI_CALL get_queue(VkDevice device, std::uint32_t family, std::uint32_t index,
+                          VkQueue* queue) {
+  real.vkGetDeviceQueue(device, real_family(family), index, queue);
+}
+
+VkResult VKAPI_CALL create_pool(VkDevice device, const VkCommandPoolCreateInfo* info,
+                                const VkAllocationCallbacks* callbacks, VkCommandPool* pool) {
+  VkCommandPoolCreateInfo changed = *info;
+  changed.queueFamilyIndex = real_family(info->queueFamilyIndex);
+  return real.vkCreateCommandPool(device, &changed, callbacks, pool);
+}
+
+void VKAPI_CALL put_barrier(VkCommandBuffer commands, VkPipelineStageFlags from,
+                            VkPipelineStageFlags to, VkDependencyFlags flags, std::uint32_t memory,
+                            const VkMemoryBarrier* memories, std::uint32_t buffer,
+                            const VkBufferMemoryBarrier* buffers, std::uint32_t image,
+                            const VkImageMemoryBarrier* images) {
+  std::vector<VkBufferMemoryBarrier> changed(buffers, buffers + buffer);
+  for (VkBufferMemoryBarrier& barrier : changed) {
+    if (!state.pretence.separate_compute) break;
+    const std::lock_guard lock(state.mutex);
+    ++state.transfers[{barrier.srcQueueFamilyIndex, barrier.dstQueueFamilyIndex}];
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  }
+  real.vkCmdPipelineBarrier(commands, from, to, flags, memory, memories, buffer, changed.data(),
+                            image, images);
 }
 
 void VKAPI_CALL get_requirements(VkDevice device, VkBuffer buffer,
@@ -159,6 +212,8 @@ VkResult VKAPI_CALL map_memory(VkDevice device, VkDeviceMemory memory, VkDeviceS
 VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos,
                            VkFence fence) {
   if (state.pretence.submit_result != VK_SUCCESS) return state.pretence.submit_result;
+  if (state.pretence.submissions_left == 0) return VK_ERROR_DEVICE_LOST;
+  if (state.pretence.submissions_left > 0) --state.pretence.submissions_left;
   return real.vkQueueSubmit(queue, count, infos, fence);
 }
 
@@ -171,6 +226,9 @@ Function behind(Function otherwise) {
   if constexpr (slot == Slot_vkEnumerateDeviceExtensionProperties) return get_extensions;
   if constexpr (slot == Slot_vkCreateDevice) return create_device;
   if constexpr (slot == Slot_vkGetDeviceProcAddr) return get_device_proc;
+  if constexpr (slot == Slot_vkGetDeviceQueue) return get_queue;
+  if constexpr (slot == Slot_vkCreateCommandPool) return create_pool;
+  if constexpr (slot == Slot_vkCmdPipelineBarrier) return put_barrier;
   if constexpr (slot == Slot_vkGetBufferMemoryRequirements) return get_requirements;
   if constexpr (slot == Slot_vkAllocateMemory) return allocate_memory;
   if constexpr (slot == Slot_vkMapMemory) return map_memory;
@@ -286,6 +344,8 @@ void PretendedDriver::reset() {
   state.alive.clear();
   state.uncounted.clear();
   state.device_only.clear();
+  state.used_families.clear();
+  state.transfers.clear();
 }
 
 PFN_vkGetInstanceProcAddr PretendedDriver::get_proc() { return get_instance_proc; }
@@ -314,6 +374,16 @@ std::map<std::string, int> PretendedDriver::alive() {
 std::map<std::string, int> PretendedDriver::uncounted() {
   const std::lock_guard lock(state.mutex);
   return state.uncounted;
+}
+
+std::set<std::uint32_t> PretendedDriver::used_families() {
+  const std::lock_guard lock(state.mutex);
+  return state.used_families;
+}
+
+std::map<std::pair<std::uint32_t, std::uint32_t>, int> PretendedDriver::transfers() {
+  const std::lock_guard lock(state.mutex);
+  return state.transfers;
 }
 
 int PretendedDriver::illegal_maps() { return state.illegal_maps; }

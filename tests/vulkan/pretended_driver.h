@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "planish/vulkan/device/functions.h"
 
@@ -25,9 +27,14 @@ class PretendedDriver {
     /// coherent.
     bool split_memory = false;
     bool no_subgroup_operations = false;
+    std::uint32_t subgroup_size = 0;  ///< that is told of; 0: the real one
     bool no_timestamps = false;
     bool portability_subset = false;
+    /// Two queue families: 0 without compute, and 1 that only computes.
+    bool separate_compute = false;
     VkResult submit_result = VK_SUCCESS;
+    /// Submissions until the device is lost for good; negative: it never is.
+    int submissions_left = -1;
     /// Which of the calls that return a VkResult fails, counted from 1; 0: none.
     int failing_call = 0;
     VkResult failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
@@ -44,6 +51,10 @@ class PretendedDriver {
   static std::map<std::string, int> alive();
   /// Functions that planish asked for and that are not counted.
   static std::map<std::string, int> uncounted();
+  /// Of the pretended families: those that devices, queues and pools were made for.
+  static std::set<std::uint32_t> used_families();
+  /// Barriers that hand a buffer from one family to another, by both.
+  static std::map<std::pair<std::uint32_t, std::uint32_t>, int> transfers();
   /// Memory of the pretended type 0, which only the device sees, that was mapped.
   static int illegal_maps();
 };

@@ -1,0 +1,202 @@
+// Drivers that differ: every kernel of a frame, of both methods, gives the same bits on each.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+
+#include "fair/fair_case.h"
+#include "planish/surface/evaluate.h"
+#include "planish/vulkan/backend/vulkan_fair.h"
+#include "planish/vulkan/backend/vulkan_machine.h"
+#include "planish/vulkan/backend/vulkan_solve.h"
+#include "planish/vulkan/device/result.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+#include "vulkan/embedding_fixture.h"
+#include "vulkan/tables.h"
+
+namespace planish::testing {
+namespace {
+
+using namespace vulkan;
+
+class EmbedDrivers : public Embedding {
+ protected:
+  /// Vertices and status of frames of both methods, one by one and beside each other.
+  std::vector<std::byte> frames() {
+    std::vector<std::byte> bytes;
+    const PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(2), 0.1, 3);
+    SystemOptions progressive, fair;
+    progressive.level = fair.level = 1;
+    fair.method = InterpolationMethod::Fair;
+    HostTopology first(*context_, mesh, progressive), second(*context_, mesh, fair);
+    HostFrame one(*context_, first), other(*context_, second);
+    SolveParameters stopped = iterations(20);
+    stopped.stop_error = 1e-4f;
+    for (HostTopology* topology : {&first, &second}) topology->upload(*submitter_);
+    for (const int pose : {0, 1}) {
+      one.set_points(posed(mesh, pose));
+      other.set_points(posed(mesh, pose));
+      submitter_->run([&](VkCommandBuffer commands) {
+        if (pose == 0) {
+          one.record(commands, stopped);
+          other.record(commands, {});
+          return;
+        }
+        const SolveCall solves[] = {{&one.solve, iterations(9)}, {&other.solve, {}}};
+        const EvaluateCall evaluations[] = {{&one.solve, {}}, {&other.solve, {}}};
+        record_solves(commands, solves);
+        record_evaluates(commands, evaluations);
+        one.solve.record_status(commands, one.report.handle(), 0);
+        other.solve.record_status(commands, other.report.handle(), 0);
+      });
+      for (HostFrame* frame : {&one, &other}) {
+        const std::vector<Vertex> vertices = frame->vertices();
+        const GpuStatus status = frame->status();
+        const auto add = [&](std::span<const std::byte> more) {
+          bytes.insert(bytes.end(), more.begin(), more.end());
+        };
+        add(std::as_bytes(std::span(vertices)));
+        add(std::as_bytes(std::span(&status, 1)));
+      }
+    }
+    return bytes;
+  }
+
+  /// The same on the driver as it is and on one that differs, reading both ways.
+  void expect_equal_frames(const std::function<void(PretendedDriver::Pretence&)>& differ,
+                           const std::function<void()>& check = [] {}) {
+    for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant}) {
+      ContextOptions options;
+      options.variant = variant;
+      open(options);
+      const std::vector<std::byte> expected = frames();
+      close();
+      differ(PretendedDriver::pretence());
+      open(options);
+      check();
+      const std::vector<std::byte> found = frames();
+      close();
+      PretendedDriver::pretence() = {};
+      EXPECT_GT(expected.size(), 1000u);
+      EXPECT_EQ(found, expected);
+    }
+  }
+};
+
+TEST_F(EmbedDrivers, SubgroupsOfAnySize) {
+  for (const std::uint32_t size : {1u, 128u})
+    expect_equal_frames([&](auto& pretence) { pretence.subgroup_size = size; },
+                        [&] { EXPECT_EQ(own_->capabilities().subgroup_size, size); });
+}
+
+TEST_F(EmbedDrivers, NoSubgroupOperations) {
+  expect_equal_frames([](auto& pretence) { pretence.no_subgroup_operations = true; });
+}
+
+TEST_F(EmbedDrivers, MemoryThatIsNotCoherent) {
+  expect_equal_frames([](auto& pretence) { pretence.split_memory = true; });
+  EXPECT_GT(PretendedDriver::count("vkFlushMappedMemoryRanges"), 4);
+  EXPECT_GT(PretendedDriver::count("vkInvalidateMappedMemoryRanges"), 4);
+  EXPECT_EQ(PretendedDriver::illegal_maps(), 0);
+}
+
+TEST_F(EmbedDrivers, RangesOf128MebibytesAndFewTexels) {
+  expect_equal_frames(
+      [](auto& pretence) {
+        pretence.storage_range = 128u << 20;
+        pretence.texel_elements = 65536;  // what every device has
+      },
+      [&] { EXPECT_EQ(own_->capabilities().max_storage_range, 128u << 20); });
+}
+
+TEST_F(EmbedDrivers, NoTimestamps) {
+  expect_equal_frames([](auto& pretence) { pretence.no_timestamps = true; },
+                      [&] { EXPECT_EQ(own_->capabilities().timestamp_bits, 0u); });
+}
+
+TEST_F(EmbedDrivers, APortabilitySubset) {
+  expect_equal_frames([](auto& pretence) { pretence.portability_subset = true; });
+}
+
+TEST_F(EmbedDrivers, AQueueFamilyThatOnlyComputes) {
+  expect_equal_frames([](auto& pretence) { pretence.separate_compute = true; },
+                      [&] { EXPECT_EQ(own_->capabilities().compute_family, 1u); });
+  EXPECT_EQ(PretendedDriver::used_families(), std::set<std::uint32_t>{1});
+}
+
+TEST_F(EmbedDrivers, HostsHandTheirBuffersFromFamilyToFamily) {
+  PretendedDriver::pretence().separate_compute = true;
+  open();
+  const PolygonMesh mesh = test::icosphere(1);
+  HostTopology topology(*context_, mesh);
+  topology.upload(*submitter_);
+  HostFrame frame(*context_, topology);
+  frame.set_points(mesh);
+  HostCommands compute(*own_);
+  const auto hand_over = [&](VkCommandBuffer commands, const Buffer& buffer, std::uint32_t from,
+                             std::uint32_t to) {
+    VkBufferMemoryBarrier barrier{VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER};
+    barrier.srcAccessMask = kExitScope.accesses;
+    barrier.dstAccessMask = kEntryScope.accesses;
+    barrier.srcQueueFamilyIndex = from;
+    barrier.dstQueueFamilyIndex = to;
+    barrier.buffer = buffer.handle();
+    barrier.size = VK_WHOLE_SIZE;
+    compute.vk().vkCmdPipelineBarrier(commands, kExitScope.stages, kEntryScope.stages, 0, 0,
+                                      nullptr, 1, &barrier, 0, nullptr);
+  };
+  compute.record([&](VkCommandBuffer commands) {
+    hand_over(commands, frame.points, 0, 1);
+    frame.record(commands, iterations(30));
+    hand_over(commands, frame.output, 1, 0);
+  });
+  compute.submit();
+  compute.wait();
+  EXPECT_LT(difference(frame.vertices(), surface_by_cpu(mesh, mesh, {})).distance, 4e-6);
+  // The host's two and none of planish's own.
+  EXPECT_EQ(PretendedDriver::transfers(),
+            (std::map<std::pair<std::uint32_t, std::uint32_t>, int>{{{0, 1}, 1}, {{1, 0}, 1}}));
+}
+
+TEST_F(EmbedDrivers, DevicesThatAreLostInTheMiddleAreReported) {
+  const StencilTable<double> masks = torus_masks(8, 8);
+  const std::vector<glm::dvec3> initial = random_points(64);
+  const PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(2), 0.1, 3);
+  const test::FairCase fair(mesh);
+  const auto in_steps = [&](const std::shared_ptr<VulkanMachine>& machine) {
+    VulkanSolve solve(machine, masks.view());
+    solve.begin(initial);
+    static_cast<void>(solve.run(std::vector<StepCoefficients>(3, {0, 1}), -1));
+    static_cast<void>(solve.cg_begin(initial, std::vector<double>(64, 4.0)));
+    static_cast<void>(solve.cg_apply());
+    static_cast<void>(solve.displacement());
+  };
+  const auto in_nets = [&](const std::shared_ptr<VulkanMachine>& machine) {
+    static_cast<void>(
+        build_fair_net(*machine, make_fair_topology(fair.mesh, fair.subdivision), fair.given, {}));
+  };
+  for (const auto& work :
+       {std::function<void(const std::shared_ptr<VulkanMachine>&)>(in_steps), {in_nets}}) {
+    const std::map<std::string, int> before = PretendedDriver::alive();
+    int lost = 0;
+    for (bool done = false; !done; lost += lost < 4 ? 1 : 4) {
+      PretendedDriver::pretence().submissions_left = lost;
+      try {
+        work(std::make_shared<VulkanMachine>(device_options(), ContextOptions{}));
+        done = true;
+      } catch (const VulkanError& error) {
+        EXPECT_EQ(error.code(), ErrorCode::DeviceLost);
+        EXPECT_STREQ(error.what(), "vkQueueSubmit: VK_ERROR_DEVICE_LOST");
+      }
+      ASSERT_EQ(PretendedDriver::alive(), before) << "after " << lost << " submissions";
+      ASSERT_LT(lost, 200);
+    }
+    EXPECT_GT(lost, 5);
+    PretendedDriver::pretence().submissions_left = -1;
+  }
+}
+
+}  // namespace
+}  // namespace planish::testing
