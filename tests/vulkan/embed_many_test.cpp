@@ -98,8 +98,7 @@ class EmbedMany : public Embedding {
   void clear_displacements() {
     submitter_->run([&](VkCommandBuffer commands) {
       for (const auto& twin : twins_)
-        for (HostFrame* frame : {&twin->alone, &twin->beside})
-          frame->solve.record_reset(commands);
+        for (HostFrame* frame : {&twin->alone, &twin->beside}) frame->solve.record_reset(commands);
     });
   }
 

@@ -50,6 +50,21 @@ struct Instances {
   std::vector<EvaluateCall> evaluate_calls;
 };
 
+// `count` of the mesh side by side, as one.
+PolygonMesh side_by_side(const PolygonMesh& mesh, std::int32_t count) {
+  PolygonMesh all;
+  for (std::int32_t i = 0; i < count; ++i) {
+    const auto first = static_cast<std::int32_t>(all.positions.size());
+    for (const glm::dvec3& p : mesh.positions) all.positions.push_back(p + glm::dvec3(3 * i, 0, 0));
+    for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
+      std::vector<std::int32_t> vertices(mesh.face(face).begin(), mesh.face(face).end());
+      for (std::int32_t& vertex : vertices) vertex += first;
+      all.add_face(vertices);
+    }
+  }
+  return all;
+}
+
 void add_peers(Group& group, const std::string& name, VulkanMachine& machine,
                const std::shared_ptr<Instances>& instances) {
   const auto add = [&](const std::string& what, auto record) {
@@ -79,7 +94,10 @@ std::vector<Row> bench_many(const Options& options) {
   // 128,000 points by default, as many as the small ones together.
   const std::int32_t large = options.quad_count * 16 / 125;
   const auto one = std::make_shared<Instances>(machine, torus_grid(large), 1);
-  const auto many = std::make_shared<Instances>(machine, torus_grid(large / kMeshes), kMeshes);
+  const PolygonMesh small = torus_grid(large / kMeshes);
+  const auto many = std::make_shared<Instances>(machine, small, kMeshes);
+  // One System whose mesh has as many components.
+  const auto merged = std::make_shared<Instances>(machine, side_by_side(small, kMeshes), 1);
   // So small that what a dispatch costs is all.
   const auto tiny = std::make_shared<Instances>(machine, torus_grid(16), kMeshes);
 
@@ -93,6 +111,7 @@ std::vector<Row> bench_many(const Options& options) {
                machine.device.capabilities().name;
   group.baseline = "solve-one";
   add_peers(group, "one", machine, one);
+  add_peers(group, "merged", machine, merged);
   add_peers(group, "many", machine, many);
   add_peers(group, "tiny", machine, tiny);
   return run_group(group, options.repetitions);

@@ -313,6 +313,8 @@ class Solve {
 /// itself would have one, so that small meshes fill a device together. Results are the same bits.
 /// Each call is of another Solve; Contexts are of one device; systems, methods and parameters may
 /// differ. Each call's timestamps stand around the whole. Nothing is recorded for no calls.
+/// Dispatches are not shared: meshes that are always solved together are best one System, whose
+/// mesh has them as its components.
 void record_solves(VkCommandBuffer commands, std::span<const SolveCall> calls) noexcept;
 /// The same of record_evaluate. Vertices of several Solves in one buffer start at multiples of 256
 /// bytes: elsewhere validation layers may suspect a hazard where bindings overlap.
