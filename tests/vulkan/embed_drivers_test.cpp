@@ -65,8 +65,9 @@ class EmbedDrivers : public Embedding {
   }
 
   /// The same on the driver as it is and on one that differs, reading both ways.
-  void expect_equal_frames(const std::function<void(PretendedDriver::Pretence&)>& differ,
-                           const std::function<void()>& check = [] {}) {
+  void expect_equal_frames(
+      const std::function<void(PretendedDriver::Pretence&)>& differ,
+      const std::function<void()>& check = [] {}) {
     for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant}) {
       ContextOptions options;
       options.variant = variant;
