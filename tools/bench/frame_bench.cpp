@@ -1,17 +1,19 @@
-// The second half of a host's frame: from displaced points to vertices on the device.
+// What a frame of a host costs: points that move, a solve from where the last one ended, vertices.
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstring>
-#include <optional>
+#include <stdexcept>
 
-#include "bench/agreement.h"
-#include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
-#include "bench/table_evaluation.h"
-#include "planish/doosabin/surface_stencils.h"
-#include "planish/patches/patch_numbering.h"
-#include "planish/patches/split_rows.h"
-#include "planish/vulkan/backend/vulkan_machine.h"
-#include "planish/vulkan/embed.h"
-#include "planish/vulkan/vulkan_backend.h"
+#include "bench/device_clock.h"
+#include "bench/device_frame.h"
+#include "bench/device_trace.h"
+#include "bench/moving_torus.h"
+#include "planish/core/error.h"
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/device/fenced_commands.h"
+#include "planish/vulkan/device/result.h"
 
 namespace planish::bench {
 
@@ -19,134 +21,222 @@ namespace {
 
 using namespace vulkan;
 
-constexpr int kFrameLevel = 2;
-constexpr std::uint32_t kVertexBytes = 24;
+constexpr double kFrameTolerance = 1e-5;  // of the diagonal
+constexpr int kPoses = 16;                // there and back again, as often as wanted
+constexpr std::uint32_t kSpareIterations = 4;
+constexpr std::array<double, 3> kMemorySpeeds = {200, 500, 3000};  // GB/s: laptop, desktop, server
 
-std::string megabytes(std::uint64_t bytes) {
-  return std::to_string((bytes + 50'000) / 100'000 / 10) + "." +
-         std::to_string((bytes + 50'000) / 100'000 % 10) + " MB";
-}
-
-// Everything that a host has for one instance.
-struct Frame {
-  Frame(VulkanMachine& machine, const PolygonMesh& mesh)
-      : system(mesh, {.level = kFrameLevel}),
-        device(machine.context, system),
-        points(machine.context, mesh.positions.size() * sizeof(glm::vec3), MemoryUse::Device),
-        vertices(machine.context, std::uint64_t(system.vertex_count()) * kVertexBytes,
-                 MemoryUse::Device),
-        solve(machine.context, device,
-              {.given = {points.handle()}, .vertices = {vertices.handle()}}) {
-    Buffer staging(machine.context, device.upload_bytes(), MemoryUse::Upload);
-    device.write_upload(system, staging.mapped().first(device.upload_bytes()));
-    staging.flush();
-    std::vector<glm::vec3> rounded(mesh.positions.begin(), mesh.positions.end());
-    machine.submitter.upload({points.handle(), 0, points.size()},
-                             std::as_bytes(std::span(rounded)));
-    machine.submitter.run([&](VkCommandBuffer commands) {
-      device.record_upload(commands, staging.handle(), 0);
-      solve.record_solve(commands, {.iterations = 8});
-    });
-  }
-
-  System system;
-  DeviceSystem device;
-  Buffer points, vertices;
-  vulkan::Solve solve;
+struct FrameTimes {
+  std::vector<double> solve, evaluate, frame;
+  std::vector<double> iterations;
+  double largest_error = 0;
 };
 
-// The same surface from the same control points by tables.
-struct FrameTables {
-  FrameTables(VulkanMachine& machine, const PolygonMesh& mesh, const Frame& frame,
-              const Buffer& vertices) {
-    QuadSplit split(mesh);
-    split.refine(kFrameLevel);
-    const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-    const Subdivision subdivision(split, features, Weights::DooSabin);
-    const auto add = [&](const StencilTable<double>& table) {
-      refinement.emplace_back(machine.context, table.view(), nullptr, DeviceTableOptions{});
-      machine.upload_table(refinement.back(), table.view(), nullptr);
-    };
-    for (int l = 1; l <= kFrameLevel; ++l) {
-      const RowRange rows{0, subdivision.state_layout(l).size};
-      add(l == 1 ? first_step_table(mesh, subdivision, rows)
-                 : refinement_table(subdivision, l - 1, rows));
+class FrameBudget {
+ public:
+  FrameBudget(VulkanMachine& machine, const PolygonMesh& mesh)
+      : machine_(machine),
+        frame_(machine, mesh, {.level = kFrameLevel, .tolerance = kFrameTolerance}),
+        clock_(machine, 4),
+        status_(machine.context, sizeof(GpuStatus), MemoryUse::Download) {
+    for (int i = 0; i < kPoses; ++i) poses_.push_back(twisted(mesh, i));
+    group_.name = "frame";
+    group_.size = std::to_string(mesh.vertex_count()) + " points, " +
+                  std::to_string(frame_.system.vertex_count()) + " vertices; " +
+                  machine.device.capabilities().name +
+                  (clock_.pool() ? "" : ", by the host's clock: it has no timestamps");
+    group_.baseline = "warm-frame";
+  }
+
+  std::vector<Row> measure(const Options& options) {
+    const FrameTimes cold = run_frames(options.repetitions, false);
+    const FrameTimes warm = run_frames(options.repetitions, true);
+    std::vector<Row> rows = {row_of_times(group_, "cold-solve", cold.solve),
+                             row_of_times(group_, "warm-solve", warm.solve),
+                             row_of_times(group_, "evaluate", warm.evaluate),
+                             row_of_times(group_, "warm-frame", warm.frame)};
+    rows[0].figures = solve_figures(cold);
+    rows[1].figures = solve_figures(warm);
+    rows[3].figures = frame_figures(warm);
+    rows.push_back(run_loop(options.loop_frames));
+    for (Row& row : rows)
+      row.ratio = rows[3].median_ms > 0 ? row.median_ms / rows[3].median_ms : 0;
+    return rows;
+  }
+
+ private:
+  [[nodiscard]] const std::vector<glm::vec3>& pose(int frame) const {
+    const int place = frame % (2 * kPoses - 2);
+    return poses_[place < kPoses ? place : 2 * kPoses - 2 - place];
+  }
+  [[nodiscard]] SolveParameters parameters(bool warm) const {
+    SolveParameters result;
+    result.iterations = frame_.system.rest_iterations() + kSpareIterations;
+    result.stop_error = static_cast<float>(frame_.system.tolerance());
+    result.warm_start = warm;
+    return result;
+  }
+
+  // The first is not counted: it compiles, and has no last frame to start from.
+  FrameTimes run_frames(int count, bool warm) {
+    FrameTimes times;
+    for (int i = 0; i <= count; ++i) {
+      frame_.set_points(machine_, pose(i));
+      SolveParameters solve = parameters(warm && i > 0);
+      solve.timestamps = {clock_.pool(), 0};
+      const auto began = std::chrono::steady_clock::now();
+      machine_.submitter.run([&](VkCommandBuffer commands) {
+        clock_.record_reset(commands);
+        frame_.solve.record_solve(commands, solve);
+        frame_.solve.record_evaluate(commands, {clock_.pool(), 2});
+        frame_.solve.record_status(commands, status_.handle(), 0);
+      });
+      const std::chrono::duration<double, std::milli> waited =
+          std::chrono::steady_clock::now() - began;
+      if (i > 0) take(times, waited.count());
     }
-    const MeshTopology topology(mesh);
-    const PatchMesh patches(topology, features);
-    const PatchNumbering numbering(patches, kFrameLevel);
-    const LimitRows limits(subdivision, kFrameLevel, split.counts(kFrameLevel).vertices);
-    const LimitStencilTable<double> table = limit_table(
-        subdivision, kFrameLevel, limits, limits_of_rows(topology, numbering, split, limits));
-    const LimitStencilView<double> view = table.view();
-    DeviceTableOptions options;
-    options.target_stride = kVertexBytes;
-    limit.emplace(machine.context, view, &view, options);
-    machine.upload_table(*limit, view, &view);
-    evaluation.emplace(machine.context, refinement, *limit, frame.solve.control_points(),
-                       VertexLayout{vertices.handle()});
+    return times;
   }
 
-  [[nodiscard]] std::uint64_t device_bytes() const {
-    std::uint64_t bytes = 0;
-    const auto add = [&](const DeviceTable& table) {
-      for (const DeviceTable::Slice& slice : table.slices())
-        bytes += slice.entries.size() + slice.chunks.size() + slice.derivatives.size();
-    };
-    for (const DeviceTable& table : refinement) add(table);
-    add(*limit);
-    return bytes;
+  void take(FrameTimes& times, double waited_ms) {
+    status_.invalidate();
+    GpuStatus status;
+    std::memcpy(&status, status_.mapped().data(), sizeof status);
+    if (status.state != SolveState::Converged)
+      throw std::runtime_error("a frame's solve has not converged: " +
+                               std::to_string(status.residual));
+    times.iterations.push_back(status.iterations);
+    times.largest_error = std::max(times.largest_error,
+                                   double(status.residual) / frame_.system.diagonal());
+    const std::vector<double> spans = clock_.spans(0, 2);
+    if (spans.empty()) return times.frame.push_back(waited_ms);
+    times.solve.push_back(spans[0]);
+    times.evaluate.push_back(spans[1]);
+    times.frame.push_back(spans[0] + spans[1]);
   }
 
-  std::vector<DeviceTable> refinement;
-  std::optional<DeviceTable> limit;
-  std::optional<TableEvaluation> evaluation;
+  static std::vector<std::pair<std::string, double>> solve_figures(const FrameTimes& times) {
+    return {{"iterations", median(times.iterations)},
+            {"most_iterations",
+             *std::max_element(times.iterations.begin(), times.iterations.end())},
+            {"error", times.largest_error}};
+  }
+
+  // Bytes of the dispatches that run: the median's iterations, and the step that measures.
+  std::vector<std::pair<std::string, double>> frame_figures(const FrameTimes& times) {
+    std::vector<TracedDispatch> dispatches;
+    machine_.submitter.run([&](VkCommandBuffer commands) {
+      SolveParameters solve;
+      solve.iterations = static_cast<std::uint32_t>(median(times.iterations));
+      solve.warm_start = true;
+      DeviceTrace::begin({});
+      frame_.solve.record_solve(commands, solve);
+      frame_.solve.record_evaluate(commands);
+      dispatches = DeviceTrace::end();
+    });
+    double bytes = 0;
+    for (const TracedDispatch& dispatch : dispatches)
+      bytes += static_cast<double>(dispatch.bound_bytes);
+    const double ms = median(times.frame);
+    std::vector<std::pair<std::string, double>> figures = {
+        {"dispatches", static_cast<double>(dispatches.size())},
+        {"bytes", bytes},
+        {"table_bytes", static_cast<double>(frame_.tables.device_bytes())},
+        {"gigabytes_per_second", ms > 0 ? 1e-6 * bytes / ms : 0}};
+    for (const double speed : kMemorySpeeds)
+      figures.emplace_back("predicted_ms_" + std::to_string(static_cast<int>(speed)),
+                           1e-6 * bytes / speed);
+    return figures;
+  }
+
+  // One of the frames in flight.
+  struct Slot {
+    Slot(VulkanMachine& machine, const DeviceFrame& frame)
+        : points(machine.context, frame.points.size(), MemoryUse::Device),
+          staging(machine.context, frame.points.size(), MemoryUse::Upload),
+          solve(frame.make_solve(machine, points)),
+          commands(machine.context, machine.device.capabilities().compute_family) {}
+    Buffer points, staging;
+    vulkan::Solve solve;
+    FencedCommands commands;
+    bool is_under_way = false;
+  };
+
+  // Waits for what is under way before anything that it uses goes.
+  struct Idle {
+    ~Idle() { context.vk().vkDeviceWaitIdle(context.device()); }
+    Context& context;
+  };
+
+  void submit(Slot& slot, int frame) {
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(pose(frame)));
+    std::memcpy(slot.staging.mapped().data(), bytes.data(), bytes.size());
+    slot.staging.flush();
+    slot.commands.submit(machine_.device.queue(), [&](VkCommandBuffer commands) {
+      const VkBufferCopy copy{0, 0, bytes.size()};
+      record_barrier(machine_.context, commands, kExitScope, kEntryScope);
+      machine_.context.vk().vkCmdCopyBuffer(commands, slot.staging.handle(), slot.points.handle(),
+                                            1, &copy);
+      slot.solve.record_solve(commands, parameters(frame > 1));
+      slot.solve.record_evaluate(commands);
+    });
+    slot.is_under_way = true;
+  }
+
+  // Two frames in flight, points that come from the host; from one end of a wait to the next.
+  Row run_loop(int frame_count) {
+    std::array<Slot, 2> slots = {Slot(machine_, frame_), Slot(machine_, frame_)};
+    const Idle idle{machine_.context};
+    std::vector<double> times;
+    auto last = std::chrono::steady_clock::now();
+    const auto began = last;
+    for (int i = 0; i < frame_count + 2; ++i) {
+      Slot& slot = slots[i % 2];
+      if (slot.is_under_way) {
+        check(slot.commands.wait(UINT64_MAX), "vkWaitForFences");
+        const auto now = std::chrono::steady_clock::now();
+        times.push_back(std::chrono::duration<double, std::milli>(now - last).count());
+        last = now;
+      }
+      if (i < frame_count) submit(slot, i);
+    }
+    const std::chrono::duration<double> all = last - began;
+    Row row = row_of_times(group_, "loop", times);
+    row.figures = {{"frames", static_cast<double>(frame_count)},
+                   {"frames_per_second", frame_count / all.count()}};
+    return row;
+  }
+
+  VulkanMachine& machine_;
+  DeviceFrame frame_;
+  DeviceClock clock_;
+  Buffer status_;
+  std::vector<std::vector<glm::vec3>> poses_;
+  Group group_;
 };
-
-// Not normals: those of the tables lose digits to points far from the origin.
-std::vector<glm::dvec3> positions_of(VulkanMachine& machine, const Buffer& vertices) {
-  std::vector<glm::dvec3> result;
-  machine.submitter.download({vertices.handle(), 0, vertices.size()},
-                             [&](std::uint64_t, std::span<const std::byte> piece) {
-                               for (std::size_t at = 0; at < piece.size(); at += kVertexBytes) {
-                                 glm::vec3 value;
-                                 std::memcpy(&value, &piece[at], sizeof value);
-                                 result.emplace_back(value);
-                               }
-                             });
-  return result;
-}
 
 }  // namespace
 
 std::vector<Row> bench_frame(const Options& options) {
-  if (list_vulkan_devices().best < 0) return {};
-  const PolygonMesh mesh = torus_grid(options.quad_count);
-  VulkanMachine machine({}, {});
-  const Frame frame(machine, mesh);
-  const Buffer by_tables(machine.context, frame.vertices.size(), MemoryUse::Device);
-  const FrameTables tables(machine, mesh, frame, by_tables);
-  const auto evaluate_patches = [&] {
-    machine.submitter.run([&](VkCommandBuffer commands) { frame.solve.record_evaluate(commands); });
-  };
-  const auto evaluate_tables = [&] {
-    machine.submitter.run([&](VkCommandBuffer commands) { tables.evaluation->record(commands); });
-  };
-  evaluate_patches();
-  evaluate_tables();
-  require_agreement("patches", positions_of(machine, frame.vertices),
-                    positions_of(machine, by_tables));
-
-  Group group;
-  group.name = "frame";
-  group.size = std::to_string(mesh.face_count()) + " quads, " +
-               std::to_string(frame.system.vertex_count()) + " vertices; vulkan on " +
-               machine.device.capabilities().name + "; tables " + megabytes(tables.device_bytes()) +
-               ", System's whole " + megabytes(frame.device.device_bytes());
-  group.baseline = "planish-tables";
-  group.peers.push_back({"planish-tables", evaluate_tables});
-  group.peers.push_back({"planish-patches", evaluate_patches});
-  return run_group(group, options.repetitions);
+  const auto machine = traced_machine(options);
+  if (!machine) return {};
+  std::vector<Row> rows;
+  for (const std::int32_t point_count : options.point_counts) {
+    const PolygonMesh mesh = rough_torus(point_count);
+    try {
+      FrameBudget budget(*machine, mesh);
+      const std::vector<Row> measured = budget.measure(options);
+      rows.insert(rows.end(), measured.begin(), measured.end());
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::DeviceLost) throw;  // nothing goes on from there
+      Row& row = rows.emplace_back();
+      row.group = "frame";
+      row.size = std::to_string(mesh.vertex_count()) + " points";
+      row.peer = "warm-frame";
+      row.refused = error.what();
+    }
+  }
+  return rows;
 }
 
 }  // namespace planish::bench

@@ -11,26 +11,7 @@ namespace planish::bench {
 
 namespace {
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
 using Samples = std::vector<double>;  // wall clock, milliseconds
-
-// CPU time of all threads of this process and of the children that it has waited for.
-double cpu_ms() {
-  double sum = 0;
-  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage usage{};
-    getrusage(who, &usage);
-    for (const timeval& time : {usage.ru_utime, usage.ru_stime})
-      sum += 1e3 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_usec);
-  }
-  return sum;
-}
 
 // Prints Google Benchmark's aggregates as usual and keeps the single runs.
 class CollectingReporter : public benchmark::ConsoleReporter {
@@ -66,6 +47,31 @@ class CollectingReporter : public benchmark::ConsoleReporter {
 
 }  // namespace
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+double process_cpu_ms() {
+  double sum = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    getrusage(who, &usage);
+    for (const timeval& time : {usage.ru_utime, usage.ru_stime})
+      sum += 1e3 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_usec);
+  }
+  return sum;
+}
+
+Row row_of_times(const Group& group, const std::string& peer, const std::vector<double>& times_ms) {
+  Row row{group.name, group.size, peer, static_cast<int>(times_ms.size())};
+  row.median_ms = median(times_ms);
+  if (!times_ms.empty()) row.least_ms = *std::min_element(times_ms.begin(), times_ms.end());
+  return row;
+}
+
 std::vector<Row> run_group(const Group& group, int repetitions) {
   benchmark::ClearRegisteredBenchmarks();
   std::map<std::string, std::vector<double>> cpu_times;
@@ -74,9 +80,9 @@ std::vector<Row> run_group(const Group& group, int repetitions) {
     const std::string name = group.name + "/" + peer.name;
     benchmark::RegisterBenchmark(name.c_str(),
                                  [&peer, &times = cpu_times[name]](benchmark::State& state) {
-                                   const double before = cpu_ms();
+                                   const double before = process_cpu_ms();
                                    for ([[maybe_unused]] const auto& iteration : state) peer.run();
-                                   times.push_back(cpu_ms() - before);
+                                   times.push_back(process_cpu_ms() - before);
                                  })
         ->Iterations(1)
         ->Repetitions(repetitions)

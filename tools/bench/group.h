@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace planish::bench {
@@ -26,7 +27,19 @@ struct Row {
   double median_ms = 0, least_ms = 0;  ///< wall clock
   double cpu_ms = 0;                   ///< median CPU time of the process and of those it started
   double ratio = 0;                    ///< median relative to the baseline's
+  /// What else was counted or measured, by the names that README.md and bench.schema.json explain.
+  std::vector<std::pair<std::string, double>> figures;
+  std::string refused;  ///< why there are no figures: what the device lacks, with its limit
 };
+
+/// Of times in milliseconds; 0 of none.
+[[nodiscard]] double median(std::vector<double> values);
+/// CPU time of all threads of this process and of the children that it has waited for.
+[[nodiscard]] double process_cpu_ms();
+
+/// A row of times that somebody else took.
+[[nodiscard]] Row row_of_times(const Group& group, const std::string& peer,
+                               const std::vector<double>& times_ms);
 
 /// Runs every peer once to warm up, then `repetitions` times each in one process, in random order
 /// (Google Benchmark's interleaving), so that what disturbs the machine disturbs all alike.

@@ -15,12 +15,13 @@ namespace {
 using namespace planish::bench;
 
 const std::vector<std::pair<std::string, std::vector<Row> (*)(const Options&)>> kGroups = {
-    {"update", bench_update},   {"solve", bench_solve},     {"masks", bench_masks},
-    {"surface", bench_surface}, {"patches", bench_patches}, {"job", bench_job},
+    {"update", bench_update},     {"solve", bench_solve},     {"masks", bench_masks},
+    {"surface", bench_surface},   {"patches", bench_patches}, {"job", bench_job},
 #ifdef PLANISH_HAS_VULKAN
-    {"frame", bench_frame},     {"many", bench_many},
+    {"evaluate", bench_evaluate}, {"kernels", bench_kernels}, {"frame", bench_frame},
+    {"many", bench_many},
 #endif
-    {"query", bench_query},     {"osd", bench_osd},         {"fair", bench_fair}};
+    {"query", bench_query},       {"osd", bench_osd},         {"fair", bench_fair}};
 
 // Google Benchmark takes its --benchmark_* flags and leaves the rest.
 void initialize_benchmark(int& argc, char** argv) {
@@ -33,19 +34,27 @@ void initialize_benchmark(int& argc, char** argv) {
   argc = count;
 }
 
-void run(const Options& options) {
+// Returns whether all groups ran to their end.
+bool run(const Options& options) {
   const Machine machine = this_machine();
   std::vector<Row> rows;
+  std::vector<Failure> failures;
   for (const auto& [name, bench] : kGroups) {
     const bool wanted =
         options.groups.empty() ||
         std::find(options.groups.begin(), options.groups.end(), name) != options.groups.end();
     if (!wanted) continue;
-    const std::vector<Row> measured = bench(options);
-    rows.insert(rows.end(), measured.begin(), measured.end());
+    try {
+      const std::vector<Row> measured = bench(options);
+      rows.insert(rows.end(), measured.begin(), measured.end());
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "planish-bench: %s: %s\n", name.c_str(), error.what());
+      failures.push_back({name, error.what()});
+    }
   }
   print_table(machine, rows);
-  if (!options.json.empty()) write_json(options.json, machine, rows);
+  if (!options.json.empty()) write_json(options.json, machine, rows, failures);
+  return failures.empty();
 }
 
 }  // namespace
@@ -68,6 +77,12 @@ int main(int argc, char** argv) {
   app.add_option("--repetitions", options.repetitions, "runs of each peer")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  app.add_option("--points", options.point_counts, "given points of the groups kernels and frame")
+      ->check(CLI::Range(64, 100'000'000));
+  app.add_option("--max-range", options.max_range,
+                 "bytes that a binding may span in these two; the device's limit by default");
+  app.add_flag("--hardware-kernels", options.hardware_kernels,
+               "in these two: kernels as hardware gets them, on software devices too");
   app.add_option("--json", options.json, "write the figures to this file");
   app.add_flag("--smoke", smoke, "tiny sizes, three runs: checks that everything runs and agrees");
   CLI11_PARSE(app, argc, argv);
@@ -75,12 +90,14 @@ int main(int argc, char** argv) {
     options.quad_count = 2'500;
     options.sphere_level = 3;
     options.repetitions = 3;
+    if (app.count("--points") == 0) options.point_counts = {2'500};
+    options.loop_frames = 8;
+    options.copy_bytes = 1u << 20;
   }
   try {
-    run(options);
+    return run(options) ? 0 : 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "planish-bench: %s\n", error.what());
     return 1;
   }
-  return 0;
 }

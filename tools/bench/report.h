@@ -25,8 +25,14 @@ struct Machine {
 /// Times and ratios as a Markdown table on standard output.
 void print_table(const Machine& machine, const std::vector<Row>& rows);
 
-/// The same as JSON, written through OutputFile. Throws Error{UnwritableOutput}.
+/// A group that ended with an error.
+struct Failure {
+  std::string group, reason;
+};
+
+/// The same as JSON, as bench.schema.json has it, written through OutputFile. Throws
+/// Error{UnwritableOutput}.
 void write_json(const std::filesystem::path& path, const Machine& machine,
-                const std::vector<Row>& rows);
+                const std::vector<Row>& rows, const std::vector<Failure>& failures);
 
 }  // namespace planish::bench

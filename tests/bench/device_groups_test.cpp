@@ -1,0 +1,121 @@
+// What planish-bench writes of kernels and frames on a device.
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cli/json_schema.h"
+#include "planish/vulkan/vulkan_backend.h"
+#include "support/temporary_folder.h"
+
+namespace planish::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+json read_json(const std::string& path) {
+  std::ifstream file(path);
+  return json::parse(file);
+}
+
+class BenchDevice : public testing::Test {
+ protected:
+  void SetUp() override {
+    const VulkanDeviceList list = list_vulkan_devices();
+    if (list.best >= 0) return;
+    const char* required = std::getenv("PLANISH_REQUIRE_VULKAN");
+    if (required && std::string(required) == "1") FAIL() << "no Vulkan device: " << list.reason;
+    GTEST_SKIP() << "no Vulkan device: " << list.reason;
+  }
+
+  // The valid JSON of a small run.
+  json run(const std::string& arguments) {
+    const std::string file = (folder_.path() / "bench.json").string();
+    const std::string command = std::string(PLANISH_BENCH_EXECUTABLE) + " --smoke " + arguments +
+                                " --json " + file + " > " + file + ".txt 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+    const json written = read_json(file);
+    EXPECT_THAT(schema_problems(written, read_json(PLANISH_BENCH_SCHEMA)), IsEmpty());
+    EXPECT_THAT(written["failed"], IsEmpty());
+    return written;
+  }
+  // Of the first size that has it.
+  static json row(const json& bench, const std::string& peer) {
+    for (const json& row : bench["rows"])
+      if (row["peer"] == peer) return row;
+    ADD_FAILURE() << "no row " << peer;
+    return {};
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(BenchDevice, KernelsBindTheBytesThatTheirLayoutsHold) {
+  const json bench = run("--group kernels --hardware-kernels --repetitions 1");
+  const auto per_element = [&](const char* peer) {
+    return row(bench, peer)["figures"]["bytes_per_element"].get<double>();
+  };
+  // A vector is read and written.
+  EXPECT_EQ(per_element("copy-kernel"), 32);
+  EXPECT_EQ(per_element("vkCmdCopyBuffer"), 32);
+  // An index, three floats, four floats.
+  EXPECT_EQ(per_element("gather_points"), 4 + 12 + 16);
+  // 2,500 rows of 9 entries of 8 bytes in 40 chunks of 64 rows and 66 words; the last, current,
+  // first and next vectors; 65 records of a step and 40 partial sums.
+  const double step = (40 * 64 * 9 * 8 + 40 * 66 * 4 + 2500 * 4 * 16 + 65 * 16 + 40 * 4) / 2500.0;
+  EXPECT_NEAR(per_element("interpolation_step"), step, 1e-9);
+  // Three displacements, of which the status names one, given points and displacement and control
+  // points from them.
+  EXPECT_NEAR(per_element("control_points"), 6 * 16 + 20 / 2500.0, 1e-9);
+  EXPECT_EQ(row(bench, "interpolation_step")["figures"]["dispatches"], 5);
+}
+
+TEST_F(BenchDevice, TheWholeFrameIsTheSumOfItsKernels) {
+  const json bench = run("--group kernels --repetitions 1");
+  double bytes = 0, dispatches = 0;
+  for (const json& row : bench["rows"]) {
+    if (row["peer"] == "copy-kernel" || row["peer"] == "vkCmdCopyBuffer") continue;
+    const json& figures = row["figures"];
+    if (row["peer"] == "frame") {
+      EXPECT_EQ(figures["bytes"], bytes);
+      EXPECT_EQ(figures["dispatches"], dispatches);
+      break;
+    }
+    bytes += figures["bytes"].get<double>();
+    dispatches += figures["dispatches"].get<double>();
+  }
+  EXPECT_GT(dispatches, 10);
+}
+
+TEST_F(BenchDevice, FramesConvergeWithinTheirTolerance) {
+  const json bench = run("--group frame --points 900 --points 2500");
+  int loops = 0;
+  for (const json& row : bench["rows"]) {
+    const json figures = row.value("figures", json::object());
+    EXPECT_LE(figures.value("error", 0.0), 1.0001e-5);  // compared in float
+    if (row["peer"] == "loop") ++loops;
+  }
+  EXPECT_EQ(loops, 2);
+  const json frame = row(bench, "warm-frame")["figures"];
+  EXPECT_NEAR(frame["predicted_ms_200"].get<double>(), 1e-6 * frame["bytes"].get<double>() / 200,
+              1e-12);
+  EXPECT_GT(frame["table_bytes"], 900 * 9 * 8);  // the limit masks' entries alone
+  EXPECT_LE(row(bench, "warm-solve")["figures"]["iterations"],
+            row(bench, "cold-solve")["figures"]["iterations"]);
+}
+
+TEST_F(BenchDevice, WhatADeviceRefusesIsNamedAndTheRestGoesOn) {
+  const json bench =
+      run("--group kernels --max-range 65536 --points 2500 --points 900 --repetitions 1");
+  EXPECT_THAT(row(bench, "progressive")["refused"].get<std::string>(),
+              HasSubstr("maxStorageBufferRange is 65536"));
+  // 900 points go, in slices: their table does not fit one binding.
+  EXPECT_EQ(row(bench, "interpolation_step")["figures"]["dispatches"], 2 * 5);
+}
+
+}  // namespace
+}  // namespace planish::test

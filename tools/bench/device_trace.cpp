@@ -1,0 +1,193 @@
+#include "bench/device_trace.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace planish::bench {
+
+namespace {
+
+using Ranges = std::map<std::uint32_t, std::uint64_t>;  // bytes of each binding
+
+#define TRACED_FUNCTIONS(X)  \
+  X(vkCreateBuffer)          \
+  X(vkCreateBufferView)      \
+  X(vkAllocateDescriptorSets) \
+  X(vkUpdateDescriptorSets)  \
+  X(vkCmdBindDescriptorSets) \
+  X(vkCmdDispatch)           \
+  X(vkCmdDispatchIndirect)
+#define TRACED_MEMBER(name) PFN_##name name = nullptr;
+
+// The loader's and the driver's functions, and what was seen.
+struct Trace {
+  PFN_vkGetInstanceProcAddr get_instance_proc = nullptr;
+  PFN_vkGetDeviceProcAddr get_device_proc = nullptr;
+  PFN_vkCmdWriteTimestamp write_timestamp = nullptr;
+  TRACED_FUNCTIONS(TRACED_MEMBER)
+  std::map<VkBuffer, std::uint64_t> buffers;
+  std::map<VkBufferView, std::uint64_t> views;
+  std::map<VkDescriptorSet, Ranges> sets;
+  VkPipelineLayout layout = VK_NULL_HANDLE;  // bound last
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  bool keeps = false;
+  vulkan::Timestamps timestamps;
+  std::vector<TracedDispatch> dispatches;
+
+  [[nodiscard]] std::uint64_t bytes_of(VkBuffer buffer, VkDeviceSize offset,
+                                       VkDeviceSize range) const {
+    const auto found = buffers.find(buffer);
+    if (range != VK_WHOLE_SIZE || found == buffers.end()) return range;
+    return found->second - std::min<std::uint64_t>(offset, found->second);
+  }
+
+  template <class Dispatch>
+  void record(VkCommandBuffer commands, bool is_indirect, const Dispatch& dispatch) {
+    if (!keeps) return dispatch();
+    std::uint64_t bytes = 0;
+    for (const auto& [binding, size] : sets[set]) bytes += size;
+    const auto query = timestamps.first + 2 * static_cast<std::uint32_t>(dispatches.size());
+    dispatches.push_back({layout, bytes, is_indirect});
+    write(commands, query);
+    dispatch();
+    write(commands, query + 1);
+  }
+
+  // At the bottom of the pipe also before a dispatch: the top does not wait for what came before.
+  void write(VkCommandBuffer commands, std::uint32_t query) const {
+    if (timestamps.pool)
+      write_timestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps.pool, query);
+  }
+} trace;
+
+VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCreateInfo* info,
+                                  const VkAllocationCallbacks* callbacks, VkBuffer* buffer) {
+  const VkResult result = trace.vkCreateBuffer(device, info, callbacks, buffer);
+  if (result == VK_SUCCESS) trace.buffers[*buffer] = info->size;
+  return result;
+}
+
+VkResult VKAPI_CALL create_view(VkDevice device, const VkBufferViewCreateInfo* info,
+                                const VkAllocationCallbacks* callbacks, VkBufferView* view) {
+  const VkResult result = trace.vkCreateBufferView(device, info, callbacks, view);
+  if (result == VK_SUCCESS)
+    trace.views[*view] = trace.bytes_of(info->buffer, info->offset, info->range);
+  return result;
+}
+
+VkResult VKAPI_CALL allocate_sets(VkDevice device, const VkDescriptorSetAllocateInfo* info,
+                                  VkDescriptorSet* sets) {
+  const VkResult result = trace.vkAllocateDescriptorSets(device, info, sets);
+  // The handle may have been another set's.
+  for (std::uint32_t i = 0; result == VK_SUCCESS && i < info->descriptorSetCount; ++i)
+    trace.sets[sets[i]].clear();
+  return result;
+}
+
+void VKAPI_CALL update_sets(VkDevice device, std::uint32_t write_count,
+                            const VkWriteDescriptorSet* writes, std::uint32_t copy_count,
+                            const VkCopyDescriptorSet* copies) {
+  for (std::uint32_t i = 0; i < write_count; ++i) {
+    const VkWriteDescriptorSet& write = writes[i];
+    for (std::uint32_t k = 0; k < write.descriptorCount; ++k) {
+      std::uint64_t& bytes = trace.sets[write.dstSet][write.dstBinding + k];
+      if (write.descriptorType == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+        bytes = trace.views[write.pTexelBufferView[k]];
+      else
+        bytes = trace.bytes_of(write.pBufferInfo[k].buffer, write.pBufferInfo[k].offset,
+                               write.pBufferInfo[k].range);
+    }
+  }
+  trace.vkUpdateDescriptorSets(device, write_count, writes, copy_count, copies);
+}
+
+void VKAPI_CALL bind_sets(VkCommandBuffer commands, VkPipelineBindPoint point,
+                          VkPipelineLayout layout, std::uint32_t first, std::uint32_t count,
+                          const VkDescriptorSet* sets, std::uint32_t offset_count,
+                          const std::uint32_t* offsets) {
+  trace.layout = layout;
+  trace.set = sets[0];
+  trace.vkCmdBindDescriptorSets(commands, point, layout, first, count, sets, offset_count, offsets);
+}
+
+void VKAPI_CALL dispatch(VkCommandBuffer commands, std::uint32_t x, std::uint32_t y,
+                         std::uint32_t z) {
+  trace.record(commands, false, [&] { trace.vkCmdDispatch(commands, x, y, z); });
+}
+
+void VKAPI_CALL dispatch_indirect(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize offset) {
+  trace.record(commands, true, [&] { trace.vkCmdDispatchIndirect(commands, buffer, offset); });
+}
+
+PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char* name) {
+  const PFN_vkVoidFunction found = trace.get_device_proc(device, name);
+  if (!found) return nullptr;
+  const std::string_view wanted = name;
+  const auto replaced = [&](auto& real, auto own) {
+    real = reinterpret_cast<std::remove_reference_t<decltype(real)>>(found);
+    return reinterpret_cast<PFN_vkVoidFunction>(own);
+  };
+  if (wanted == "vkCreateBuffer") return replaced(trace.vkCreateBuffer, create_buffer);
+  if (wanted == "vkCreateBufferView") return replaced(trace.vkCreateBufferView, create_view);
+  if (wanted == "vkAllocateDescriptorSets")
+    return replaced(trace.vkAllocateDescriptorSets, allocate_sets);
+  if (wanted == "vkUpdateDescriptorSets")
+    return replaced(trace.vkUpdateDescriptorSets, update_sets);
+  if (wanted == "vkCmdBindDescriptorSets")
+    return replaced(trace.vkCmdBindDescriptorSets, bind_sets);
+  if (wanted == "vkCmdDispatch") return replaced(trace.vkCmdDispatch, dispatch);
+  if (wanted == "vkCmdDispatchIndirect")
+    return replaced(trace.vkCmdDispatchIndirect, dispatch_indirect);
+  if (wanted == "vkCmdWriteTimestamp")
+    trace.write_timestamp = reinterpret_cast<PFN_vkCmdWriteTimestamp>(found);
+  return found;
+}
+
+PFN_vkVoidFunction VKAPI_CALL get_instance_proc(VkInstance instance, const char* name) {
+  const PFN_vkVoidFunction found = trace.get_instance_proc(instance, name);
+  if (!found || std::strcmp(name, "vkGetDeviceProcAddr") != 0) return found;
+  trace.get_device_proc = reinterpret_cast<PFN_vkGetDeviceProcAddr>(found);
+  return reinterpret_cast<PFN_vkVoidFunction>(get_device_proc);
+}
+
+}  // namespace
+
+PFN_vkGetInstanceProcAddr DeviceTrace::get_proc() {
+  // Never closed: drivers' threads may outlive whoever asked.
+  static void* const library = ::dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (!library) return nullptr;
+  trace.get_instance_proc =
+      reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library, "vkGetInstanceProcAddr"));
+  return trace.get_instance_proc ? get_instance_proc : nullptr;
+}
+
+void DeviceTrace::begin(const vulkan::Timestamps& timestamps) {
+  trace.dispatches.clear();
+  trace.timestamps = timestamps;
+  trace.keeps = true;
+}
+
+std::vector<TracedDispatch> DeviceTrace::end() {
+  trace.keeps = false;
+  trace.timestamps = {};
+  return std::exchange(trace.dispatches, {});
+}
+
+std::string_view kernel_of(const vulkan::Context& context, VkPipelineLayout layout) {
+  constexpr std::string_view kPrefix = "planish ";
+  for (std::size_t i = 0; i < vulkan::kKernelCount; ++i) {
+    const auto kernel = static_cast<vulkan::Kernel>(i);
+    if (context.pipelines()[kernel].layout != layout) continue;
+    const std::string_view name = vulkan::name_of(kernel);
+    return name.starts_with(kPrefix) ? name.substr(kPrefix.size()) : name;
+  }
+  return {};
+}
+
+}  // namespace planish::bench
