@@ -84,6 +84,7 @@ void overwrite_twice(vulkan::Context& context, vulkan::Submitter& submitter, boo
 
 // A silent layer and an absent one look alike: this one must say something.
 TEST_F(VulkanDevices, SynchronizationValidationIsOn) {
+  if (!validation_wanted()) GTEST_SKIP() << "PLANISH_TEST_VALIDATION is 0";
   std::vector<std::string> heard;
   vulkan::OwnDeviceOptions options;
   options.instance.validation = true;

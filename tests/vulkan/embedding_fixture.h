@@ -32,7 +32,7 @@ class Embedding : public VulkanTest {
   vulkan::OwnDeviceOptions device_options() {
     vulkan::OwnDeviceOptions options;
     options.instance.get_proc = PretendedDriver::get_proc();
-    options.instance.validation = true;
+    options.instance.validation = validation_wanted();
     options.instance.message = [this](std::string_view message) {
       const std::lock_guard lock(mutex_);
       messages_.emplace_back(message);

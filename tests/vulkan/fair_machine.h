@@ -39,7 +39,7 @@ class FairMachine : public VulkanTest {
 
   void make_machine(const vulkan::ContextOptions& context) {
     vulkan::OwnDeviceOptions options;
-    options.instance.validation = true;
+    options.instance.validation = validation_wanted();
     options.instance.message = [this](std::string_view message) {
       const std::lock_guard lock(mutex_);
       messages_.emplace_back(message);

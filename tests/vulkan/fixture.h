@@ -14,6 +14,13 @@
 
 namespace planish::testing {
 
+/// Whether devices of tests are made with validation: PLANISH_TEST_VALIDATION=0 does without, where
+/// the layer is missing or in the way.
+[[nodiscard]] inline bool validation_wanted() {
+  const char* wanted = std::getenv("PLANISH_TEST_VALIDATION");
+  return !wanted || std::string(wanted) != "0";
+}
+
 /// Makes backends with validation and synchronization validation on; any message of theirs fails
 /// the test. Without a device tests are skipped, or fail where PLANISH_REQUIRE_VULKAN=1.
 class VulkanTest : public ::testing::Test {
@@ -31,7 +38,7 @@ class VulkanTest : public ::testing::Test {
   }
 
   std::unique_ptr<Backend> make_backend(VulkanBackendOptions options = {}) {
-    options.validation = true;
+    options.validation = validation_wanted();
     options.validation_message = [this](std::string_view message) {
       const std::lock_guard lock(mutex_);
       messages_.emplace_back(message);

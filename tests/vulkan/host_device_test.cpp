@@ -24,7 +24,7 @@ class HostDevices : public VulkanTest {
     PretendedDriver::reset();
     OwnDeviceOptions options;
     options.instance.get_proc = PretendedDriver::get_proc();
-    options.instance.validation = true;
+    options.instance.validation = validation_wanted();
     options.instance.message = [this](std::string_view message) {
       messages_.emplace_back(message);
     };

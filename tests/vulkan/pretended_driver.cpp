@@ -48,6 +48,7 @@ struct State {
   std::set<VkDeviceMemory> device_only;
   std::set<std::uint32_t> used_families;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> transfers;
+  std::uint32_t mapped_type = 0;  // of the device's own memory, that all pretended types stand for
 } state;
 
 constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
@@ -80,7 +81,13 @@ void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperti
 void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties* memory) {
   real.vkGetPhysicalDeviceMemoryProperties(device, memory);
   if (!state.pretence.split_memory) return;
-  const std::uint32_t heap = memory->memoryTypes[0].heapIndex;
+  constexpr VkMemoryPropertyFlags kMapped =
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  state.mapped_type = 0;
+  while (state.mapped_type + 1 < memory->memoryTypeCount &&
+         (memory->memoryTypes[state.mapped_type].propertyFlags & kMapped) != kMapped)
+    ++state.mapped_type;
+  const std::uint32_t heap = memory->memoryTypes[state.mapped_type].heapIndex;
   memory->memoryTypeCount = 3;
   memory->memoryTypes[0] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, heap};
   memory->memoryTypes[1] = {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, heap};
@@ -188,7 +195,7 @@ VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAllocateInfo*
                                     const VkAllocationCallbacks* callbacks,
                                     VkDeviceMemory* memory) {
   VkMemoryAllocateInfo changed = *info;
-  if (state.pretence.split_memory) changed.memoryTypeIndex = 0;
+  if (state.pretence.split_memory) changed.memoryTypeIndex = state.mapped_type;
   const VkResult result = real.vkAllocateMemory(device, &changed, callbacks, memory);
   if (state.pretence.split_memory && result == VK_SUCCESS) {
     const std::lock_guard lock(state.mutex);
