@@ -12,8 +12,7 @@ DeviceClock::DeviceClock(vulkan::VulkanMachine& machine, std::uint32_t query_cou
   if (bits == 0) return;
   mask_ = bits < 64 ? (std::uint64_t(1) << bits) - 1 : ~std::uint64_t(0);
   const vulkan::HostDevice host = machine.device.host_device();
-  const auto instance =
-      vulkan::InstanceFunctions::load(host.get_instance_proc, host.instance);
+  const auto instance = vulkan::InstanceFunctions::load(host.get_instance_proc, host.instance);
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
   instance.vkGetPhysicalDeviceProperties2(host.physical_device, &properties);
   ms_per_tick_ = 1e-6 * static_cast<double>(properties.properties.limits.timestampPeriod);
@@ -42,17 +41,17 @@ void DeviceClock::record_reset(VkCommandBuffer commands) const {
 
 void DeviceClock::record(VkCommandBuffer commands, std::uint32_t query) const {
   if (pool_)
-    machine_.context.vk().vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
-                                              pool_, query);
+    machine_.context.vk().vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, pool_,
+                                              query);
 }
 
 std::vector<double> DeviceClock::spans(std::uint32_t first, std::uint32_t count) const {
   if (!pool_ || count == 0) return {};
   std::vector<std::uint64_t> ticks(2 * std::size_t(count));
-  vulkan::check(results_(machine_.context.device(), pool_, first, 2 * count,
-                         ticks.size() * sizeof ticks[0], ticks.data(), sizeof ticks[0],
-                         VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-                "vkGetQueryPoolResults");
+  vulkan::check(
+      results_(machine_.context.device(), pool_, first, 2 * count, ticks.size() * sizeof ticks[0],
+               ticks.data(), sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+      "vkGetQueryPoolResults");
   std::vector<double> result(count);
   for (std::size_t i = 0; i < result.size(); ++i)
     result[i] = ms_per_tick_ * static_cast<double>((ticks[2 * i + 1] - ticks[2 * i]) & mask_);

@@ -135,14 +135,13 @@ void DeviceCopy::record_command(VkCommandBuffer commands) const {
 
 bool DeviceCopy::has_copied() {
   bool same = true;
-  machine_.submitter.download(whole(target_),
-                              [&](std::uint64_t, std::span<const std::byte> piece) {
-                                for (std::size_t at = 0; at + 4 <= piece.size(); at += 4) {
-                                  std::uint32_t word = 0;
-                                  std::memcpy(&word, &piece[at], sizeof word);
-                                  same = same && word == 0x3f800000;
-                                }
-                              });
+  machine_.submitter.download(whole(target_), [&](std::uint64_t, std::span<const std::byte> piece) {
+    for (std::size_t at = 0; at + 4 <= piece.size(); at += 4) {
+      std::uint32_t word = 0;
+      std::memcpy(&word, &piece[at], sizeof word);
+      same = same && word == 0x3f800000;
+    }
+  });
   machine_.submitter.run([&](VkCommandBuffer commands) {
     machine_.context.vk().vkCmdFillBuffer(commands, target_.handle(), 0, VK_WHOLE_SIZE, 0);
   });

@@ -15,13 +15,13 @@ namespace {
 
 using Ranges = std::map<std::uint32_t, std::uint64_t>;  // bytes of each binding
 
-#define TRACED_FUNCTIONS(X)  \
-  X(vkCreateBuffer)          \
-  X(vkCreateBufferView)      \
+#define TRACED_FUNCTIONS(X)   \
+  X(vkCreateBuffer)           \
+  X(vkCreateBufferView)       \
   X(vkAllocateDescriptorSets) \
-  X(vkUpdateDescriptorSets)  \
-  X(vkCmdBindDescriptorSets) \
-  X(vkCmdDispatch)           \
+  X(vkUpdateDescriptorSets)   \
+  X(vkCmdBindDescriptorSets)  \
+  X(vkCmdDispatch)            \
   X(vkCmdDispatchIndirect)
 #define TRACED_MEMBER(name) PFN_##name name = nullptr;
 

@@ -28,7 +28,7 @@ constexpr std::uint64_t kSoftwareCopyBytes = 64u << 20;  // caches hold less, an
 struct KernelTotal {
   std::string name;
   std::uint64_t dispatches = 0, indirect = 0;
-  std::uint64_t bytes = 0;  // of the others: how often the device runs those is its own affair
+  std::uint64_t bytes = 0;       // of the others: how often the device runs those is its own affair
   std::vector<double> times_ms;  // per repetition
 };
 
@@ -134,7 +134,8 @@ class FrameKernels {
       all.indirect += totals[i].indirect;
       all.bytes += totals[i].bytes;
       all.times_ms.resize(totals[i].times_ms.size());
-      for (std::size_t k = 0; k < all.times_ms.size(); ++k) all.times_ms[k] += totals[i].times_ms[k];
+      for (std::size_t k = 0; k < all.times_ms.size(); ++k)
+        all.times_ms[k] += totals[i].times_ms[k];
     }
     totals.push_back(all);
     std::vector<Row> rows;
@@ -157,8 +158,7 @@ class FrameKernels {
       }
       rows.push_back(row);
     }
-    for (Row& row : rows)
-      row.ratio = rows[1].median_ms > 0 ? row.median_ms / rows[1].median_ms : 0;
+    for (Row& row : rows) row.ratio = rows[1].median_ms > 0 ? row.median_ms / rows[1].median_ms : 0;
     return rows;
   }
 
