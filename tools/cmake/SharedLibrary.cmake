@@ -19,3 +19,11 @@ function(planish_shared target)
     set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${map})
   endif()
 endfunction()
+
+# planish_portable(TARGET): a program that, in the build tree and wherever it is copied from there, finds
+# libraries in ../lib first. The older of the two tags holds for libraries of libraries, too.
+# Installed, it has what CMAKE_INSTALL_RPATH says.
+function(planish_portable target)
+  set_target_properties(${target} PROPERTIES BUILD_RPATH "\$ORIGIN/../lib")
+  target_link_options(${target} PRIVATE LINKER:--disable-new-dtags)
+endfunction()
