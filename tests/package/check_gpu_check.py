@@ -15,7 +15,7 @@ from pathlib import Path
 MOST_BYTES = 60_000_000
 ICD = Path("/usr/share/vulkan/icd.d/lvp_icd.x86_64.json")
 PROGRAMS = ["planish", "planish-bench", "vulkan_test"]
-TOOLS = ["sh", "awk", "cat", "cut", "dirname", "basename", "getconf", "grep", "head", "ldconfig", "ln",
+TOOLS = ["sh", "awk", "cat", "cut", "dirname", "basename", "find", "getconf", "grep", "head", "ldconfig", "ln",
          "ls", "mkdir", "rm", "sed", "sort", "tail", "tee", "timeout", "tr", "uname"]
 ENVIRONMENT = {"PATH": "/usr/bin:/bin:/usr/sbin:/sbin", "VK_DRIVER_FILES": str(ICD),
                "VK_ICD_FILENAMES": str(ICD), "TMPDIR": "/tmp", "HOME": "/tmp"}
