@@ -12,7 +12,6 @@
 #include "planish/patches/split_rows.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/embed.h"
-#include "planish/vulkan/vulkan_backend.h"
 
 namespace planish::bench {
 
@@ -91,9 +90,10 @@ std::vector<glm::dvec3> positions_of(VulkanMachine& machine, const Buffer& verti
 }  // namespace
 
 std::vector<Row> bench_evaluate(const Options& options) {
-  if (list_vulkan_devices().best < 0) return {};
+  const auto owned = traced_machine(options);
+  if (!owned) return {};
+  VulkanMachine& machine = *owned;
   const PolygonMesh mesh = torus_grid(options.quad_count);
-  VulkanMachine machine({}, {});
   const DeviceFrame frame(machine, mesh, {.level = kFrameLevel});
   machine.submitter.run(
       [&](VkCommandBuffer commands) { frame.solve.record_solve(commands, {.iterations = 8}); });

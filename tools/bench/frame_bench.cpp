@@ -10,7 +10,7 @@
 #include "bench/device_frame.h"
 #include "bench/device_trace.h"
 #include "bench/moving_torus.h"
-#include "planish/core/error.h"
+#include "bench/refusal.h"
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/device/fenced_commands.h"
 #include "planish/vulkan/device/result.h"
@@ -233,12 +233,8 @@ std::vector<Row> bench_frame(const Options& options) {
       const std::vector<Row> measured = budget.measure(options);
       rows.insert(rows.end(), measured.begin(), measured.end());
     } catch (const Error& error) {
-      if (error.code() == ErrorCode::DeviceLost) throw;  // nothing goes on from there
-      Row& row = rows.emplace_back();
-      row.group = "frame";
-      row.size = std::to_string(mesh.vertex_count()) + " points";
-      row.peer = "warm-frame";
-      row.refused = error.what();
+      rows.push_back(
+          refusal(error, "frame", std::to_string(mesh.vertex_count()) + " points", "warm-frame"));
     }
   }
   return rows;

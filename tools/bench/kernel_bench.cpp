@@ -10,7 +10,7 @@
 #include "bench/device_frame.h"
 #include "bench/device_trace.h"
 #include "bench/moving_torus.h"
-#include "planish/core/error.h"
+#include "bench/refusal.h"
 #include "planish/vulkan/device/commands.h"
 
 namespace planish::bench {
@@ -186,12 +186,9 @@ std::vector<Row> bench_kernels(const Options& options) {
         const std::vector<Row> measured = kernels.measure(options.repetitions);
         rows.insert(rows.end(), measured.begin(), measured.end());
       } catch (const Error& error) {
-        if (error.code() == ErrorCode::DeviceLost) throw;  // nothing goes on from there
-        Row& row = rows.emplace_back();
-        row.group = "kernels";
-        row.size = std::to_string(mesh.vertex_count()) + " points";
-        row.peer = method == InterpolationMethod::Fair ? "fair" : "progressive";
-        row.refused = error.what();
+        const bool is_fair = method == InterpolationMethod::Fair;
+        rows.push_back(refusal(error, "kernels", std::to_string(mesh.vertex_count()) + " points",
+                               is_fair ? "fair" : "progressive"));
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bench/benchmarks.h"
+#include "bench/refusal.h"
 #include "bench/report.h"
 
 namespace {
@@ -34,6 +35,15 @@ void initialize_benchmark(int& argc, char** argv) {
   argc = count;
 }
 
+std::vector<Row> rows_or_refusal(const std::string& name, std::vector<Row> (*bench)(const Options&),
+                                 const Options& options) {
+  try {
+    return bench(options);
+  } catch (const planish::Error& error) {
+    return {refusal(error, name, "as asked", "all")};
+  }
+}
+
 // Returns whether all groups ran to their end.
 bool run(const Options& options) {
   const Machine machine = this_machine();
@@ -45,7 +55,7 @@ bool run(const Options& options) {
         std::find(options.groups.begin(), options.groups.end(), name) != options.groups.end();
     if (!wanted) continue;
     try {
-      const std::vector<Row> measured = bench(options);
+      const std::vector<Row> measured = rows_or_refusal(name, bench, options);
       rows.insert(rows.end(), measured.begin(), measured.end());
     } catch (const std::exception& error) {
       std::fprintf(stderr, "planish-bench: %s: %s\n", name.c_str(), error.what());
@@ -79,8 +89,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--points", options.point_counts, "given points of the groups kernels and frame")
       ->check(CLI::Range(64, 100'000'000));
-  app.add_option("--max-range", options.max_range,
-                 "bytes that a binding may span in these two; the device's limit by default");
+  app.add_option(
+      "--max-range", options.max_range,
+      "bytes that a binding may span in these two and in evaluate; the device's limit by default");
   app.add_flag("--hardware-kernels", options.hardware_kernels,
                "in these two: kernels as hardware gets them, on software devices too");
   app.add_option("--json", options.json, "write the figures to this file");
