@@ -38,7 +38,7 @@ class BenchDevice : public testing::Test {
     const std::string command = std::string(PLANISH_BENCH_EXECUTABLE) + " --smoke " + arguments +
                                 " --json " + file + " > " + file + ".txt 2>&1";
     EXPECT_EQ(std::system(command.c_str()), 0) << command;
-    const json written = read_json(file);
+    json written = read_json(file);
     EXPECT_THAT(schema_problems(written, read_json(PLANISH_BENCH_SCHEMA)), IsEmpty());
     EXPECT_THAT(written["failed"], IsEmpty());
     return written;
