@@ -1,6 +1,7 @@
 #include "planish/core/output_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -70,6 +71,32 @@ TEST_F(OutputFileTest, FailsWhenTheTargetIsAFolder) {
   file.write("x");
   EXPECT_THROW(file.commit(), Error);
   EXPECT_TRUE(std::filesystem::exists(directory_ / "target" / "inside"));
+}
+
+TEST_F(OutputFileTest, ReservedRoomIsNoPartOfTheFile) {
+  for (const std::uint64_t bytes : {std::uint64_t{1}, std::uint64_t{5}, std::uint64_t{1} << 20}) {
+    OutputFile file(directory_ / "a.txt");
+    file.reserve(bytes);
+    file.write("hello");
+    file.commit();
+    EXPECT_EQ(content("a.txt"), "hello");
+    struct stat status {};
+    ASSERT_EQ(::stat((directory_ / "a.txt").c_str(), &status), 0);
+    EXPECT_LE(512 * status.st_blocks, 1 << 16) << "room of " << bytes << " bytes was kept";
+  }
+}
+
+TEST_F(OutputFileTest, RoomThatADiskHasNotIsRefused) {
+  OutputFile file(directory_ / "a.txt");
+  try {
+    file.reserve(std::uint64_t{1} << 62);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::UnwritableOutput);
+    EXPECT_EQ(error.what(),
+              (directory_ / "a.txt").string() +
+                  ": cannot take room for 4611686018427387904 bytes: No space left on device");
+  }
 }
 
 TEST_F(OutputFileTest, GivesTheFileOrdinaryPermissions) {

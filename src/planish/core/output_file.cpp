@@ -1,6 +1,7 @@
 #include "planish/core/output_file.h"
 
 #include <fcntl.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -44,8 +45,31 @@ void OutputFile::fail(std::string_view action) {
               visible(path_) + ": cannot " + std::string(action) + ": " + std::strerror(errno));
 }
 
+void OutputFile::reserve(std::uint64_t bytes) {
+#ifdef __linux__
+  if (bytes <= reserved_) return;
+  const std::string action = "take room for " + std::to_string(bytes) + " bytes";
+  struct statvfs disk {};
+  if (::fstatvfs(file_, &disk) == 0 && disk.f_bavail * disk.f_frsize < bytes) {
+    // Asked all the same, some systems would fill the disk first.
+    errno = ENOSPC;
+    fail(action);
+  }
+  int failed = 0;
+  do {
+    failed = ::fallocate(file_, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes));
+  } while (failed != 0 && errno == EINTR);
+  if (failed == 0) reserved_ = bytes;
+  // Anything else means that this file system has no such call.
+  if (failed != 0 && (errno == ENOSPC || errno == EDQUOT)) fail(action);
+#else
+  (void)bytes;
+#endif
+}
+
 void OutputFile::write(std::span<const std::byte> bytes) {
   check_stop();
+  written_ += bytes.size();
   while (!bytes.empty()) {
     const ssize_t count = ::write(file_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
@@ -59,6 +83,8 @@ void OutputFile::write(std::string_view text) {
 }
 
 void OutputFile::commit() {
+  if (written_ < reserved_ && ::ftruncate(file_, static_cast<off_t>(written_)) != 0)
+    fail("give back room behind");
   // close() is where network and quota errors come to light.
   const int closed = ::close(file_);
   file_ = -1;

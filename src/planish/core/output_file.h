@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string_view>
@@ -18,6 +19,10 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
+  /// Takes room for so many bytes on the disk where the system can: a disk that is too full is
+  /// told before the work, writing is faster, and replacing an old file does not wait for the disk.
+  /// More or fewer may be written.
+  void reserve(std::uint64_t bytes);
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text);
   /// Closes and renames.
@@ -29,6 +34,7 @@ class OutputFile {
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   int file_ = -1;  // descriptor
+  std::uint64_t reserved_ = 0, written_ = 0;
 };
 
 }  // namespace planish
