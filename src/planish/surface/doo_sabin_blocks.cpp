@@ -102,6 +102,7 @@ DegenerateRows DooSabinBlocks::rows(RowRange range, const RowTarget& target) con
 
 DegenerateRows DooSabinBlocks::rows_at(std::span<const std::int32_t> rows,
                                        const RowTarget& target) const {
+  if (!device_rows_.empty()) return SurfaceBlocks::rows_at(rows, target);
   const DegenerateRows degenerate =
       patch_rows_at(surface_, base_.state(), base_.placement(), rows, target);
   for (std::size_t i = 0; i < rows.size() && !target.colors.empty();) {

@@ -61,9 +61,8 @@ class DooSabinBlocks final : public SurfaceBlocks {
 
   [[nodiscard]] std::vector<RowRange> row_blocks(std::int64_t row_count) const override;
   DegenerateRows rows(RowRange range, const RowTarget& target) const override;
-  /// Rows that are named in ascending order, none twice; see rows(). On the CPU, whoever made the
-  /// others.
-  DegenerateRows rows_at(std::span<const std::int32_t> rows, const RowTarget& target) const;
+  DegenerateRows rows_at(std::span<const std::int32_t> rows,
+                         const RowTarget& target) const override;
   /// The faces that descend from a face of the mesh; none where it is a hole.
   [[nodiscard]] RowRange faces_of(std::int32_t face) const;
   /// The rows along the leading edge of a visible corner, 2^level + 1 of them, and those of texture

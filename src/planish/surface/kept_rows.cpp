@@ -82,6 +82,15 @@ class KeptRows final : public SurfaceBlocks {
     return surface_.row_blocks(row_count);
   }
   DegenerateRows rows(RowRange range, const RowTarget& target) const override;
+  DegenerateRows rows_at(std::span<const std::int32_t> rows,
+                         const RowTarget& target) const override {
+    const bool is_kept = keeps_rows_ && target.colors.empty() &&
+                         (keeps_doubles_ || (target.positions.empty() &&
+                                             (target.stored.empty() || target.origin == origin_)));
+    if (is_kept) return SurfaceBlocks::rows_at(rows, target);
+    const DegenerateRows found = surface_.rows_at(rows, target);
+    return keeps_rows_ ? DegenerateRows{} : found;
+  }
   void face_vertices(RowRange faces, std::span<std::int32_t> rows) const override {
     surface_.face_vertices(faces, rows);
   }

@@ -31,6 +31,28 @@ void SurfaceBlocks::cuts(RowRange faces, std::span<std::uint8_t> from_1) const {
   }
 }
 
+// By runs of rows that follow one another.
+DegenerateRows SurfaceBlocks::rows_at(std::span<const std::int32_t> rows,
+                                      const RowTarget& target) const {
+  DegenerateRows found;
+  for (std::size_t i = 0; i < rows.size();) {
+    std::size_t count = 1;
+    while (i + count < rows.size() && rows[i + count] == rows[i + count - 1] + 1) ++count;
+    RowTarget run;
+    run.origin = target.origin;
+    const auto take = [&](const auto& all, auto& part) {
+      if (!all.empty()) part = all.subspan(i, count);
+    };
+    take(target.positions, run.positions);
+    take(target.stored, run.stored);
+    take(target.normals, run.normals);
+    take(target.colors, run.colors);
+    found.add(this->rows({rows[i], static_cast<std::int64_t>(count)}, run));
+    i += count;
+  }
+  return found;
+}
+
 std::vector<RowRange> ranges_of(std::int64_t count, std::int64_t size) {
   std::vector<RowRange> ranges;
   for (std::int64_t first = 0; first < count; first += size) {

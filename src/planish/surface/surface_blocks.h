@@ -74,6 +74,8 @@ class SurfaceBlocks {
   [[nodiscard]] virtual std::vector<RowRange> row_blocks(std::int64_t row_count) const = 0;
   /// Returns the rows whose normals are those of facets, for want of tangents.
   virtual DegenerateRows rows(RowRange rows, const RowTarget& target) const = 0;
+  /// The same of rows that are named in ascending order, none twice.
+  virtual DegenerateRows rows_at(std::span<const std::int32_t> rows, const RowTarget& target) const;
 
   /// The rows at the corners of faces, in order: from first_corner() of the first to that behind
   /// the last. Texture coordinates likewise.
