@@ -127,6 +127,32 @@ TEST(CompressedGltf, BytesDoNotDependOnThreads) {
   oneapi::tbb::task_arena(1).execute([&] { EXPECT_EQ(encode_glb(surface, options), glb); });
 }
 
+// Above 2^19 faces.
+TEST(CompressedGltf, BlocksOfALargeSurfaceMeet) {
+  const SurfaceMesh surface = test::wavy_grid(750, 705, {3, -2, 1});
+  for (const auto compression : {GltfCompression::Quantize, GltfCompression::Meshopt}) {
+    GltfOptions options = with(compression, 1e-4);
+    std::vector<glm::dvec3> decoded;
+    options.decoded_rows = 1000;
+    options.decoded = [&](std::span<const glm::dvec3> positions) {
+      decoded.assign(positions.begin(), positions.end());
+    };
+    const auto glb = encode_glb(surface, options);
+    oneapi::tbb::task_arena(1).execute([&] { EXPECT_EQ(encode_glb(surface, options), glb); });
+    const nlohmann::json document = document_of(glb);
+    EXPECT_EQ(document["meshes"].size(), 1u);
+    EXPECT_EQ(document["meshes"][0]["primitives"].size(), 2u);
+    EXPECT_EQ(document["materials"].size(), 1u);
+    // Vertices of both blocks have the same places: nothing stays apart.
+    const PolygonMesh mesh = read_back(glb);
+    EXPECT_EQ(mesh.positions.size(), surface.positions.size());
+    EXPECT_EQ(mesh.face_count(), 2 * 749 * 704);
+    ASSERT_EQ(decoded.size(), 1000u);
+    for (std::size_t i = 0; i < decoded.size(); ++i)
+      EXPECT_LE(glm::distance(decoded[i], surface.positions[i]), 1e-4 + 1e-6);
+  }
+}
+
 TEST(CompressedGltf, AttributesComeBackByPrimitive) {
   SurfaceMesh surface = test::two_charts();
   for (std::size_t v = 0; v < surface.positions.size(); ++v)

@@ -52,6 +52,15 @@ void write_samples(const std::filesystem::path& folder) {
   for (const FileFormat format : {FileFormat::Stl, FileFormat::Usda, FileFormat::Obj})
     write_surface(folder / ("waves." + std::string(name_of(format))), format, waves);
   write_packed("many waves", test::wavy_grid(260, 260));
+  GltfOptions buffers = with_fields;
+  buffers.buffer_bytes = 300;
+  write_gltf(folder / "several buffers.gltf", charts, buffers);
+  buffers.fields.clear();
+  buffers.buffer_bytes = 40000;
+  write_gltf(folder / "buffers of waves.gltf", waves, buffers);
+  // Too many triangles to compare one by one.
+  packed.compression = GltfCompression::Meshopt;
+  write_gltf(folder / "blocks.glb", test::wavy_grid(750, 705), packed);
   GltfOptions everything;
   everything.name = "\xC3\xA4 \"quoted\"";
   everything.double_sided = true;

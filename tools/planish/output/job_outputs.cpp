@@ -6,6 +6,7 @@
 #include "job/job_surface.h"
 #include "job/measure_surface.h"
 #include "job/timed.h"
+#include "output/further_buffers.h"
 #include "output/surface_output.h"
 #include "page/page_job.h"
 #include "planish/files/formats.h"
@@ -93,6 +94,7 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
     const std::filesystem::path beside = companion_of(target, planned.format);
     if (!beside.empty() && std::filesystem::exists(beside))
       (void)work.staged.stage(companion_of(planned.path, planned.format));
+    if (planned.format == FileFormat::Gltf) stage_further_buffers(planned, target, work.staged);
   });
   warn_of_rounding(work.report, work.context.console, written);
 }

@@ -231,7 +231,8 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
       planned.push_back({path, request.kind, format, finenesses[i]});
     }
   }
-  for (const PlannedOutput& output : planned) {
+  for (PlannedOutput& output : planned) {
+    output.overwrites = claims.overwrites();
     claims.add_output(output.path, request.where);
     const fs::path companion = companion_of(output.path, format);
     if (!companion.empty()) claims.add_output(companion, request.where);

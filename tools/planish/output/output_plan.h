@@ -42,6 +42,7 @@ struct PlannedOutput {
   FileFormat format = FileFormat::Glb;
   Fineness fineness;  ///< of a surface
   bool to_stdout = false;
+  bool overwrites = false;  ///< files that exist, its further buffers among them
 };
 
 struct PathRules {
@@ -57,6 +58,8 @@ struct PathRules {
 class PathClaims {
  public:
   explicit PathClaims(PathRules rules) : rules_(rules) {}
+
+  [[nodiscard]] bool overwrites() const { return rules_.overwrite; }
 
   void add_input(const std::filesystem::path& path);
   /// "-" claims stdout, which may be a terminal only for text. Throws as above. Only looks, creates

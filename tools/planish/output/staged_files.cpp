@@ -52,6 +52,9 @@ void StagedFiles::commit() {
   check_interrupt();  // the last moment at which nothing has happened
   for (const File& file : files_) move(file);
   files_.clear();
+  std::error_code ignored;  // what stays is in nobody's way
+  for (const fs::path& path : remains_) fs::remove(path, ignored);
+  remains_.clear();
 }
 
 // A document that stands there goes first, then its folder; they are removed with the hidden

@@ -23,6 +23,9 @@ class StagedFiles {
   [[nodiscard]] std::filesystem::path stage_with_folder(const std::filesystem::path& document,
                                                         const std::filesystem::path& folder);
 
+  /// A file beside one that was staged, which goes when that has come: what an earlier one needed.
+  void remove_later(const std::filesystem::path& path) { remains_.push_back(path); }
+
   /// Moves every file that was staged to its place. Throws Error{UnwritableOutput}.
   void commit();
 
@@ -37,6 +40,7 @@ class StagedFiles {
   static void move(const File& file);
   std::vector<Folder> folders_;
   std::vector<File> files_;
+  std::vector<std::filesystem::path> remains_;
 };
 
 }  // namespace planish::command

@@ -284,8 +284,8 @@ GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertice
   return layout;
 }
 
-std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface, const GltfVertices& vertices,
-                                    const GltfOptions& options) {
+GltfSurvey gltf_survey(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                       const GltfOptions& options, std::span<const std::int32_t> surface_rows) {
   const std::vector<CopiedRow> copied = copied_rows(vertices);
   const std::vector<RowRange> pieces = surface.row_blocks(kBufferRows);
   Survey all;
@@ -299,11 +299,21 @@ std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface, const GltfVert
       all.add(part);
     }
   });
-  if (all.fault.row >= 0) refuse(all.fault, options);
-  warn_of(all.degenerate, options.callbacks);
-  std::vector<GltfBounds> bounds;
-  for (const PartBounds& part : all.parts) bounds.push_back(part.bounds);
-  return bounds;
+  if (all.fault.row >= 0) {
+    if (!surface_rows.empty())
+      all.fault.row = surface_rows[static_cast<std::size_t>(all.fault.row)];
+    refuse(all.fault, options);
+  }
+  GltfSurvey found{{}, all.degenerate};
+  for (const PartBounds& part : all.parts) found.bounds.push_back(part.bounds);
+  return found;
+}
+
+std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                                    const GltfOptions& options) {
+  GltfSurvey found = gltf_survey(surface, vertices, options);
+  warn_of(found.degenerate, options.callbacks);
+  return std::move(found.bounds);
 }
 
 void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,

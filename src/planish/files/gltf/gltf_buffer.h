@@ -14,9 +14,18 @@ namespace planish {
 [[nodiscard]] GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
                                      const GltfOptions& options);
 
-/// Smallest and largest float32 coordinates as stored, of each primitive. Throws
-/// Error{InvalidArgument} for a position that float32 cannot hold and a normal that is not of unit
-/// length. Warns "degenerate-normals".
+/// Smallest and largest float32 coordinates as stored, of each primitive, and the normals that are
+/// those of facets.
+struct GltfSurvey {
+  std::vector<GltfBounds> bounds;
+  DegenerateRows degenerate;
+};
+/// Throws Error{InvalidArgument} for a position that float32 cannot hold and a normal that is not
+/// of unit length, by its number in `surface_rows` where the surface is a part of another.
+[[nodiscard]] GltfSurvey gltf_survey(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                                     const GltfOptions& options,
+                                     std::span<const std::int32_t> surface_rows = {});
+/// The bounds alone. Warns "degenerate-normals".
 [[nodiscard]] std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface,
                                                   const GltfVertices& vertices,
                                                   const GltfOptions& options);

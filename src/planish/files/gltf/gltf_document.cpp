@@ -4,6 +4,7 @@
 #include <tiny_gltf.h>
 
 #include <cctype>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -50,10 +51,16 @@ tinygltf::Asset asset_of(const GltfOptions& options) {
   return asset;
 }
 
-tinygltf::Node node_of(const GltfDocument& document, const GltfOptions& options) {
+// Of a mesh and its node.
+std::string name_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
+  const std::string number = document.mesh_count > 1 ? " " + std::to_string(mesh + 1) : "";
+  return valid_utf8(options.name + number);
+}
+
+tinygltf::Node node_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
   tinygltf::Node node;
-  node.mesh = 0;
-  node.name = valid_utf8(options.name);
+  node.mesh = static_cast<int>(mesh);
+  node.name = name_of(document, options, mesh);
   if (document.translation != glm::dvec3(0.0)) node.translation = array_of(document.translation);
   if (document.scale != 1.0) node.scale = array_of(glm::dvec3(document.scale));
   return node;
@@ -69,7 +76,7 @@ void add_arrays(const GltfDocument& document, tinygltf::Model& model) {
   for (std::size_t i = 0; i < document.arrays.size(); ++i) {
     const GltfArray& array = document.arrays[i];
     tinygltf::BufferView& view = model.bufferViews.emplace_back();
-    view.buffer = array.stream ? 1 : 0;
+    view.buffer = array.stream ? 1 : static_cast<int>(array.buffer);
     view.byteOffset = array.offset;
     view.byteLength = array.bytes;
     view.byteStride = array.stride;
@@ -87,38 +94,53 @@ void add_arrays(const GltfDocument& document, tinygltf::Model& model) {
   }
 }
 
-tinygltf::Mesh mesh_of(const GltfDocument& document, const GltfOptions& options) {
-  tinygltf::Mesh mesh;
-  mesh.name = valid_utf8(options.name);
-  for (std::size_t i = 0; i < document.primitives.size(); ++i) {
-    const GltfArrays& arrays = document.primitives[i];
-    tinygltf::Primitive& primitive = mesh.primitives.emplace_back();
-    for (const auto& [name, array] : arrays.attributes)
-      primitive.attributes[valid_utf8(name)] = static_cast<int>(array);
-    primitive.indices = static_cast<int>(arrays.indices);
-    primitive.material = static_cast<int>(i);
-    primitive.mode = TINYGLTF_MODE_TRIANGLES;
-    // Primitives have no name of their own.
-    if (!arrays.name.empty())
-      primitive.extras = Value(Value::Object{{"group", Value(valid_utf8(arrays.name))}});
-  }
-  return mesh;
-}
-
-void add_materials(const GltfDocument& document, const GltfOptions& options,
-                   tinygltf::Model& model) {
+// Materials of the primitives, each with its number.
+std::vector<int> add_materials(const GltfDocument& document, const GltfOptions& options,
+                               tinygltf::Model& model) {
+  std::vector<int> numbers;
+  std::map<std::string, int> known;
   for (const GltfArrays& primitive : document.primitives) {
+    std::string name = valid_utf8(primitive.material.empty() ? primitive.name : primitive.material);
+    const auto next = static_cast<int>(model.materials.size());
+    const auto [entry, is_new] = known.try_emplace(name, next);
+    numbers.push_back(document.shares_materials ? entry->second : next);
+    if (document.shares_materials && !is_new) continue;
     tinygltf::Material& material = model.materials.emplace_back();
     material.pbrMetallicRoughness.metallicFactor = 0.0;
     material.pbrMetallicRoughness.roughnessFactor = kRoughness;
     material.doubleSided = options.double_sided;
-    material.name = valid_utf8(primitive.material.empty() ? primitive.name : primitive.material);
+    material.name = std::move(name);
+  }
+  return numbers;
+}
+
+void add_meshes(const GltfDocument& document, const GltfOptions& options, tinygltf::Model& model) {
+  const std::vector<int> materials = add_materials(document, options, model);
+  for (std::size_t m = 0; m < document.mesh_count; ++m) {
+    model.nodes.push_back(node_of(document, options, m));
+    model.scenes.front().nodes.push_back(static_cast<int>(m));
+    model.meshes.emplace_back().name = name_of(document, options, m);
+  }
+  for (std::size_t i = 0; i < document.primitives.size(); ++i) {
+    const GltfArrays& arrays = document.primitives[i];
+    tinygltf::Primitive& primitive = model.meshes[arrays.mesh].primitives.emplace_back();
+    for (const auto& [name, array] : arrays.attributes)
+      primitive.attributes[valid_utf8(name)] = static_cast<int>(array);
+    primitive.indices = static_cast<int>(arrays.indices);
+    primitive.material = materials[i];
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
+    // Primitives have no name of their own.
+    if (!arrays.name.empty())
+      primitive.extras = Value(Value::Object{{"group", Value(valid_utf8(arrays.name))}});
   }
 }
 
 // What tinygltf cannot serialise: buffers without their bytes, and extensions of buffer views.
 void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
   json& buffers = to["buffers"] = json::array();
+  for (const GltfBuffer& buffer : document.buffers)
+    buffers.push_back({{"byteLength", buffer.bytes}, {"uri", buffer.uri}});
+  if (!document.buffers.empty()) return;
   buffers.push_back({{"byteLength", document.buffer_bytes}});
   if (!uri.empty()) buffers[0]["uri"] = uri;
   if (document.decoded_bytes == 0) return;
@@ -138,6 +160,32 @@ void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
   }
 }
 
+// Where the parts of a block come.
+struct BlockPlace {
+  std::uint32_t buffer = 0;
+  std::uint64_t buffer_offset = 0;
+  std::size_t mesh = 0;
+};
+
+void append_arrays(const GltfDocument& block, const BlockPlace& place, GltfDocument& all) {
+  const std::size_t first = all.arrays.size();
+  for (GltfArray array : block.arrays) {
+    array.buffer = place.buffer;
+    // The arrays that streams stand for lie in a buffer of their own.
+    array.offset += array.stream ? all.decoded_bytes : place.buffer_offset;
+    if (array.stream) array.stream->offset += place.buffer_offset;
+    all.arrays.push_back(std::move(array));
+  }
+  for (GltfArrays primitive : block.primitives) {
+    for (auto& [name, array] : primitive.attributes) array += first;
+    primitive.indices += first;
+    primitive.mesh = place.mesh;
+    all.primitives.push_back(std::move(primitive));
+  }
+  all.buffer_bytes += block.buffer_bytes;
+  all.decoded_bytes += block.decoded_bytes;
+}
+
 }  // namespace
 
 std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
@@ -145,17 +193,26 @@ std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
   tinygltf::Model model;
   model.asset = asset_of(options);
   model.defaultScene = 0;
-  model.scenes.emplace_back().nodes = {0};
-  model.nodes = {node_of(document, options)};
-  model.meshes = {mesh_of(document, options)};
+  model.scenes.emplace_back();
+  add_meshes(document, options, model);
   model.extensionsUsed = model.extensionsRequired = document.extensions;
-  add_materials(document, options, model);
   add_arrays(document, model);
   std::ostringstream text;
   tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, text, false, false);
   json written = json::parse(text.str());
   add_buffers(document, buffer_uri, written);
   return written.dump(buffer_uri.empty() ? -1 : 2);
+}
+
+void append(GltfDocument& all, const GltfDocument& block) {
+  append_arrays(block, {.buffer_offset = all.buffer_bytes, .mesh = all.mesh_count - 1}, all);
+}
+
+void append_mesh(GltfDocument& all, const GltfDocument& block, std::string uri) {
+  const std::size_t number = all.buffers.size();
+  append_arrays(block, {.buffer = static_cast<std::uint32_t>(number), .mesh = number}, all);
+  all.buffers.push_back({block.buffer_bytes, std::move(uri)});
+  all.mesh_count = number + 1;
 }
 
 std::string encode_uri(std::string_view file_name) {

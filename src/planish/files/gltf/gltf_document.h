@@ -41,6 +41,7 @@ struct GltfArray {
   std::uint64_t count = 0;
   bool normalized = false, is_indices = false;
   std::optional<GltfBounds> bounds;
+  std::uint32_t buffer = 0;             ///< of several
   std::uint64_t offset = 0, bytes = 0;  ///< decoded, where there is a stream
   std::uint32_t stride = 0;             ///< 0: without gaps
   std::optional<GltfStream> stream;
@@ -51,13 +52,23 @@ struct GltfArrays {
   std::map<std::string, std::size_t> attributes;
   std::size_t indices = 0;
   std::string name, material;
+  std::size_t mesh = 0;
 };
 
-/// What a file's document says: one node with one mesh.
+/// A buffer of several.
+struct GltfBuffer {
+  std::uint64_t bytes = 0;
+  std::string uri;
+};
+
+/// What a file's document says: a node for each mesh, all at one place.
 struct GltfDocument {
   std::vector<GltfArray> arrays;
-  std::vector<GltfArrays> primitives;
-  std::uint64_t buffer_bytes = 0;
+  std::vector<GltfArrays> primitives;   ///< those of a mesh together
+  std::size_t mesh_count = 1;           ///< several: a buffer for each
+  bool shares_materials = false;        ///< primitives of one material's name have it together
+  std::uint64_t buffer_bytes = 0;       ///< of all
+  std::vector<GltfBuffer> buffers;      ///< empty: there is one
   std::uint64_t decoded_bytes = 0;      ///< of the buffer that streams stand for; 0: none does
   std::vector<std::string> extensions;  ///< required by readers
   glm::dvec3 translation{0.0};
@@ -69,6 +80,11 @@ struct GltfDocument {
 /// become U+FFFD and null.
 [[nodiscard]] std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
                                     std::string_view buffer_uri);
+
+/// Puts the arrays and primitives of a block behind those of `all`: into the last mesh, their bytes
+/// behind the buffer's; or as a mesh of its own with a buffer of its own, `uri`.
+void append(GltfDocument& all, const GltfDocument& block);
+void append_mesh(GltfDocument& all, const GltfDocument& block, std::string uri);
 
 /// A file name as a relative URI: all but letters, digits and -._~ percent-encoded.
 [[nodiscard]] std::string encode_uri(std::string_view file_name);

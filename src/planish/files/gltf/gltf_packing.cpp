@@ -63,23 +63,9 @@ struct PositionGrid {
   }
 };
 
-GltfBounds bounds_of_all(const GltfDocument& document) {
-  GltfBounds all;
-  bool is_first = true;
-  for (const GltfArray& array : document.arrays) {
-    if (!array.bounds) continue;
-    all = is_first ? *array.bounds
-                   : GltfBounds{glm::min(all.minimum, array.bounds->minimum),
-                                glm::max(all.maximum, array.bounds->maximum)};
-    is_first = false;
-  }
-  return all;
-}
-
 // On which every position moves by `error` at most, half a step in each of three directions: for
 // packing as coarse as that leaves room for, else in 16 bits where those do.
-PositionGrid position_grid(const GltfDocument& document, const GltfOptions& options) {
-  const GltfBounds all = bounds_of_all(document);
+PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options) {
   const glm::dvec3 least(all.minimum), sides = glm::dvec3(all.maximum) - least;
   const double extent = std::max({sides.x, sides.y, sides.z});
   const double coarsest = 2 / std::sqrt(3.0) * options.position_error;
@@ -91,10 +77,12 @@ PositionGrid position_grid(const GltfDocument& document, const GltfOptions& opti
 
 class Packer {
  public:
-  Packer(const GltfContents& plain, const GltfVertices& vertices, const GltfOptions& options)
+  Packer(const GltfContents& plain, const GltfVertices& vertices, const GltfOptions& options,
+         const GltfBounds& bounds)
       : plain_(plain),
         vertices_(vertices),
         options_(options),
+        grid_(position_grid(bounds, options)),
         packed_(plain.document.arrays.size()) {}
 
   GltfContents operator()() {
@@ -102,7 +90,6 @@ class Packer {
     document_.extensions = {"KHR_mesh_quantization"};
     if (is_meshopt())
       document_.extensions.insert(document_.extensions.begin(), "EXT_meshopt_compression");
-    grid_ = position_grid(document_, options_);
     if (grid_.step > 0) {
       document_.translation += grid_.origin;
       document_.scale = grid_.step;
@@ -139,8 +126,8 @@ class Packer {
   const GltfContents& plain_;
   const GltfVertices& vertices_;
   const GltfOptions& options_;
-  GltfDocument document_;
   PositionGrid grid_;
+  GltfDocument document_;
   std::vector<PackedArray> packed_;
   std::vector<glm::dvec3> decoded_;  // by row
 };
@@ -343,9 +330,22 @@ GltfContents Packer::assembled() {
 
 }  // namespace
 
+GltfBounds bounds_of_all(const GltfDocument& document) {
+  GltfBounds all;
+  bool is_first = true;
+  for (const GltfArray& array : document.arrays) {
+    if (!array.bounds) continue;
+    all = is_first ? *array.bounds
+                   : GltfBounds{glm::min(all.minimum, array.bounds->minimum),
+                                glm::max(all.maximum, array.bounds->maximum)};
+    is_first = false;
+  }
+  return all;
+}
+
 GltfContents pack_gltf(const GltfContents& plain, const GltfVertices& vertices,
-                       const GltfOptions& options) {
-  return Packer(plain, vertices, options)();
+                       const GltfOptions& options, const GltfBounds& bounds) {
+  return Packer(plain, vertices, options, bounds)();
 }
 
 }  // namespace planish

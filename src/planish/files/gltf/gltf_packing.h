@@ -15,8 +15,10 @@ struct GltfContents {
 };
 
 /// Packs a plain buffer as options.compression says (see write_gltf.h) and hands the decoded
-/// positions to options.decoded. The same bytes for any number of threads.
+/// positions to options.decoded. `bounds` are those of all positions that lie on one grid: those of
+/// the document's, or of more. The same bytes for any number of threads.
 [[nodiscard]] GltfContents pack_gltf(const GltfContents& plain, const GltfVertices& vertices,
-                                     const GltfOptions& options);
+                                     const GltfOptions& options, const GltfBounds& bounds);
+[[nodiscard]] GltfBounds bounds_of_all(const GltfDocument& document);
 
 }  // namespace planish

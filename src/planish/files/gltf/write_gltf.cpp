@@ -12,6 +12,7 @@
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/gltf/gltf_blocks.h"
 #include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_checks.h"
 #include "planish/files/gltf/gltf_document.h"
@@ -51,31 +52,55 @@ struct Contents {
   std::function<void(std::span<const ByteSink>)> write_buffer;
 };
 
+GltfLayout whole_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
+                        const GltfOptions& options) {
+  require_fields(surface.info().row_count, options);
+  return gltf_layout(surface, vertices, options);
+}
+
 // In memory first, since packing needs all of it.
-void pack(Contents& contents, const GltfVertices& vertices, const GltfOptions& options) {
-  GltfContents plain{contents.document, {}};
-  plain.buffer.reserve(contents.document.buffer_bytes);
+PackedGltf pack_at_once(const SurfaceBlocks& surface, const GltfOptions& options) {
+  const GltfVertices vertices = gltf_vertices(surface);
+  const GltfLayout layout = whole_layout(surface, vertices, options);
+  GltfContents plain{plain_document(layout, gltf_bounds(surface, vertices, options), options), {}};
+  plain.buffer.reserve(layout.buffer_bytes);
   const ByteSink append = [&](std::span<const std::byte> piece) {
     plain.buffer.insert(plain.buffer.end(), piece.begin(), piece.end());
   };
-  contents.write_buffer(std::span(&append, 1));
-  auto packed = std::make_shared<GltfContents>(pack_gltf(plain, vertices, options));
+  write_buffer(surface, vertices, options, std::span(&append, 1));
+  GltfContents packed = pack_gltf(plain, vertices, options, bounds_of_all(plain.document));
+  PackedGltf all{std::move(packed.document), {}, layout.vertex_count};
+  all.pieces.push_back(std::move(packed.buffer));
+  return all;
+}
+
+Contents packed_contents(const SurfaceBlocks& surface, const GltfOptions& options) {
+  require_fields(surface.info().row_count, options);
+  const bool is_small = surface.info().face_count <= kPackedFaces;
+  const auto packed = std::make_shared<const PackedGltf>(
+      is_small ? pack_at_once(surface, options) : pack_by_blocks(surface, options));
+  Contents contents;
   contents.document = packed->document;
+  contents.vertex_count = packed->vertex_count;
+  contents.triangle_count =
+      static_cast<std::uint64_t>(surface.info().corner_count - 2 * surface.info().face_count);
   contents.write_buffer = [packed](std::span<const ByteSink> sinks) {
     constexpr std::size_t kPiece = std::size_t{1} << 20;
-    const std::span<const std::byte> bytes = packed->buffer;
-    for (std::size_t at = 0; at < bytes.size(); at += kPiece)
-      send(sinks, bytes.subspan(at, std::min(kPiece, bytes.size() - at)));
+    for (const RawVector<std::byte>& piece : packed->pieces) {
+      const std::span<const std::byte> bytes = piece;
+      for (std::size_t at = 0; at < bytes.size(); at += kPiece)
+        send(sinks, bytes.subspan(at, std::min(kPiece, bytes.size() - at)));
+    }
   };
+  return contents;
 }
 
 Contents contents_of(const SurfaceBlocks& surface, const GltfOptions& options, bool is_glb) {
-  require_fields(surface.info().row_count, options);
+  if (options.compression != GltfCompression::None) return packed_contents(surface, options);
   auto vertices = std::make_shared<const GltfVertices>(gltf_vertices(surface));
-  const GltfLayout layout = gltf_layout(surface, *vertices, options);
-  const bool is_packed = options.compression != GltfCompression::None;
+  const GltfLayout layout = whole_layout(surface, *vertices, options);
   // Before the work: it may not fit.
-  if (is_glb && !is_packed) (void)glb_byte_count(0, layout.buffer_bytes, options.name);
+  if (is_glb) (void)glb_byte_count(0, layout.buffer_bytes, options.name);
   Contents contents;
   contents.vertex_count = layout.vertex_count;
   contents.triangle_count = layout.triangle_count;
@@ -83,7 +108,6 @@ Contents contents_of(const SurfaceBlocks& surface, const GltfOptions& options, b
   contents.write_buffer = [&surface, &options, vertices](std::span<const ByteSink> sinks) {
     write_buffer(surface, *vertices, options, sinks);
   };
-  if (is_packed) pack(contents, *vertices, options);
   return contents;
 }
 
@@ -128,24 +152,102 @@ std::vector<ByteSink> sinks_to(OutputFile& file, const GltfOptions& options) {
 
 void write_glb(const std::filesystem::path& path, const Glb& glb) {
   OutputFile file(path);
+  file.reserve(glb.byte_count);
   glb.write(sinks_to(file, glb.options));
   file.commit();
 }
 
-// The document and its buffer; the byte count of both.
-std::uint64_t write_pair(const std::filesystem::path& path, const Contents& contents,
-                         const GltfOptions& options) {
-  const std::filesystem::path buffer_path = std::filesystem::path(path).replace_extension(".bin");
+// The document and its buffer.
+GltfFile write_pair(const std::filesystem::path& path, const Contents& contents,
+                    const GltfOptions& options) {
+  const std::filesystem::path buffer_path = gltf_buffer_path(path, 0);
   const std::string json = json_of(contents, options, encode_uri(buffer_path.filename().string()));
   warn_if_large(contents.document.buffer_bytes, options);
   OutputFile file(path), buffer(buffer_path);
+  buffer.reserve(contents.document.buffer_bytes);
   const ByteSink to_buffer = [&](std::span<const std::byte> bytes) { buffer.write(bytes); };
   contents.write_buffer(std::span(&to_buffer, 1));
   send(sinks_to(file, options), std::as_bytes(std::span(json)));
   // The JSON is nothing without the buffer that it names.
   buffer.commit();
   file.commit();
-  return json.size() + contents.document.buffer_bytes;
+  return {json.size() + contents.document.buffer_bytes, contents.vertex_count,
+          contents.triangle_count, 1};
+}
+
+// A document and buffers of some faces each, one after another.
+class SeveralBuffers {
+ public:
+  SeveralBuffers(const std::filesystem::path& path, const SurfaceBlocks& surface,
+                 std::uint64_t surface_bytes, const GltfOptions& options)
+      : path_(path), surface_(surface), surface_bytes_(surface_bytes), options_(options) {}
+
+  GltfFile write() {
+    OutputFile file(path_);
+    const std::int64_t all = surface_.info().face_count;
+    DegenerateRows degenerate;
+    for (std::int64_t first = 0; first < all;) first += write_block(first, degenerate);
+    warn_of(degenerate, options_.callbacks);
+    document_.shares_materials = true;
+    document_.translation = StoredPosition(options_).translation();
+    const std::string json = gltf_json(document_, options_, gltf_buffer_path(path_, 0).string());
+    send(sinks_to(file, options_), std::as_bytes(std::span(json)));
+    for (const auto& buffer : buffers_) buffer->commit();
+    file.commit();
+    written_.byte_count = json.size() + document_.buffer_bytes;
+    written_.buffer_count = buffers_.size();
+    return written_;
+  }
+
+ private:
+  // Returns how many faces it has taken.
+  std::int64_t write_block(std::int64_t first, DegenerateRows& degenerate) {
+    RowRange faces = faces_of_buffer(surface_, first, surface_bytes_, options_);
+    auto block = std::make_unique<GltfBlock>(surface_, faces, options_);
+    // Where faces that follow one another lie apart, more of their vertices are in two blocks.
+    while (block->layout().buffer_bytes > options_.buffer_bytes && faces.count > 1) {
+      faces.count /= 2;
+      block = std::make_unique<GltfBlock>(surface_, faces, options_);
+    }
+    const double done =
+        static_cast<double>(first) / static_cast<double>(surface_.info().face_count);
+    const double share =
+        static_cast<double>(faces.count) / static_cast<double>(surface_.info().face_count);
+    block->options().callbacks.cancelled = options_.callbacks.cancelled;
+    block->options().callbacks.progress = [&](std::string_view step, double fraction) {
+      options_.callbacks.report(step, done + share * fraction);
+    };
+    const std::filesystem::path path = gltf_buffer_path(path_, buffers_.size());
+    append_mesh(document_, block->document(degenerate), encode_uri(path.filename().string()));
+    OutputFile& buffer = *buffers_.emplace_back(std::make_unique<OutputFile>(path));
+    buffer.reserve(block->layout().buffer_bytes);
+    const ByteSink to_buffer = [&](std::span<const std::byte> bytes) { buffer.write(bytes); };
+    write_buffer(block->surface(), block->vertices(), block->options(), std::span(&to_buffer, 1));
+    written_.vertex_count += block->layout().vertex_count;
+    written_.triangle_count += block->layout().triangle_count;
+    return faces.count;
+  }
+
+  const std::filesystem::path& path_;
+  const SurfaceBlocks& surface_;
+  std::uint64_t surface_bytes_;
+  const GltfOptions& options_;
+  GltfDocument document_;
+  GltfFile written_;
+  std::vector<std::unique_ptr<OutputFile>> buffers_;
+};
+
+// A surface whose seams and groups make copies has more.
+std::uint64_t least_buffer_bytes(const SurfaceInfo& info, const GltfOptions& options) {
+  GltfLayout layout;
+  layout.has_colors = info.has_colors;
+  layout.fields.resize(options.fields.size());
+  layout.primitives.push_back(
+      {.vertex_count = static_cast<std::uint64_t>(info.row_count),
+       .triangle_count = static_cast<std::uint64_t>(info.corner_count - 2 * info.face_count),
+       .has_uvs = info.uv_count > 0});
+  set_sizes(layout);
+  return layout.buffer_bytes;
 }
 
 }  // namespace
@@ -175,8 +277,18 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
     write_glb(path, glb);
     return {glb.byte_count, glb.contents.vertex_count, glb.contents.triangle_count};
   }
-  const Contents contents = contents_of(surface, options, false);
-  return {write_pair(path, contents, options), contents.vertex_count, contents.triangle_count};
+  const std::uint64_t bytes = least_buffer_bytes(surface.info(), options);
+  if (options.compression == GltfCompression::None && bytes > options.buffer_bytes) {
+    require_fields(surface.info().row_count, options);
+    return SeveralBuffers(path, surface, bytes, options).write();
+  }
+  return write_pair(path, contents_of(surface, options, false), options);
+}
+
+std::filesystem::path gltf_buffer_path(const std::filesystem::path& document, std::size_t index) {
+  std::filesystem::path path = document;
+  if (index == 0) return path.replace_extension(".bin");
+  return path.replace_filename(document.stem().string() + "-" + std::to_string(index + 1) + ".bin");
 }
 
 std::vector<std::byte> encode_glb(const SurfaceMesh& surface, const GltfOptions& options) {

@@ -43,6 +43,9 @@ struct GltfOptions {
   /// readers decode them, in model coordinates.
   std::function<void(std::span<const glm::dvec3>)> decoded;
   std::int64_t decoded_rows = 0;
+  /// The largest buffer beside a .gltf: a surface that needs more, uncompressed, has several, each
+  /// with a mesh of its own. Many programs hold a buffer in one array of at most 2 GiB.
+  std::uint64_t buffer_bytes = std::uint64_t{1} << 30;
   /// Gets all bytes of the .glb, or of the .gltf's document, in order while they are written: for a
   /// digest.
   std::function<void(std::span<const std::byte>)> observe;
@@ -53,6 +56,7 @@ struct GltfOptions {
 struct GltfFile {
   std::uint64_t byte_count = 0;  ///< of all files together
   std::uint64_t vertex_count = 0, triangle_count = 0;
+  std::size_t buffer_count = 0;  ///< files beside a .gltf: see gltf_buffer_path()
 };
 
 /// A GLB of the surface: float32 POSITION (with min/max of the float values) and NORMAL, one
@@ -74,9 +78,15 @@ struct GltfFile {
 [[nodiscard]] std::vector<std::byte> encode_glb(const SurfaceBlocks& surface,
                                                 const GltfOptions& options);
 
+/// A buffer of a .gltf: the first is NAME.bin, the next NAME-2.bin, NAME-3.bin ...
+[[nodiscard]] std::filesystem::path gltf_buffer_path(const std::filesystem::path& document,
+                                                     std::size_t index);
+
 /// Writes .glb, or .gltf with a .bin of the same name beside it, by extension, through OutputFile;
-/// the .bin appears first. Takes a few MB beside the surface, whatever its size; with compression,
-/// about three times the plain file.
+/// the .bin appears first. Above options.buffer_bytes a .gltf has several buffers, of some faces
+/// each, with a node and a mesh for each: vertices where they meet are in both. Takes a few MB
+/// beside the surface, whatever its size; several buffers take 4 bytes a vertex of one. Compression
+/// takes the packed file and, for each thread, some 100 MB.
 /// Throws what encode_glb throws, Error{InvalidArgument} for another extension,
 /// Error{UnwritableOutput}, Error{Cancelled}.
 GltfFile write_gltf(const std::filesystem::path& path, const SurfaceMesh& surface,
