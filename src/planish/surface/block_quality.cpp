@@ -64,6 +64,8 @@ class QuadMeter {
   // Unused lanes repeat the first.
   void load(std::size_t first, int lanes) {
     constexpr std::size_t kNumbers = 12;  // of a quad
+    const bool is_full = lanes == kQuadLanes;
+    if (is_full) take_corners(&positions_[4 * first].x, &normals_[4 * first].x, batch_);
     double* const position = &batch_.position[0][0][0];
     double* const normal = &batch_.normal[0][0][0];
     for (int i = 0; i < kQuadLanes; ++i) {
@@ -71,7 +73,7 @@ class QuadMeter {
       if (ancestors_[face] != ancestor_) take_ancestor(ancestors_[face]);
       const double* const p = &positions_[4 * face].x;
       const float* const n = &normals_[4 * face].x;
-      for (std::size_t j = 0; j < kNumbers; ++j) {
+      for (std::size_t j = is_full ? kNumbers : 0; j < kNumbers; ++j) {
         position[j * kQuadLanes + static_cast<std::size_t>(i)] = p[j];
         normal[j * kQuadLanes + static_cast<std::size_t>(i)] = static_cast<double>(n[j]);
       }

@@ -16,13 +16,15 @@ inline constexpr double kDiagonalTie = 1e-6;
                                         const glm::dvec3& corner2, const glm::dvec3& corner3) {
   const glm::dvec3 from0 = corner2 - corner0, from1 = corner3 - corner1;
   const double squared0 = glm::dot(from0, from0), squared1 = glm::dot(from1, from1);
-  // Facing of the two triangles at each diagonal, up to a positive factor.
-  const double agree0 =
-      glm::dot(glm::cross(corner1 - corner0, from0), glm::cross(from0, corner3 - corner0));
-  const double agree1 =
-      glm::dot(glm::cross(corner2 - corner1, from1), glm::cross(from1, corner0 - corner1));
+  // Facing of the two triangles at each diagonal, up to a positive factor. Most quads need one.
+  const auto agree0 = [&] {
+    return glm::dot(glm::cross(corner1 - corner0, from0), glm::cross(from0, corner3 - corner0));
+  };
+  const auto agree1 = [&] {
+    return glm::dot(glm::cross(corner2 - corner1, from1), glm::cross(from1, corner0 - corner1));
+  };
   const bool shorter_is_1 = squared1 < squared0 * (1.0 - kDiagonalTie);
-  return shorter_is_1 ? !(agree1 < 0 && agree0 > 0) : agree0 < 0 && agree1 > 0;
+  return shorter_is_1 ? !(agree1() < 0 && agree0() > 0) : agree0() < 0 && agree1() > 0;
 }
 
 }  // namespace planish

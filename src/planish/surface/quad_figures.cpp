@@ -87,6 +87,19 @@ PLANISH_IN_LINE double quad_bending(const QuadBatch& q, int i) {
 
 }  // namespace
 
+// A coordinate at a time, so that what is stored comes as vectors.
+PLANISH_WIDEST void take_corners(const double* positions, const float* normals, QuadBatch& quads) {
+  constexpr int kNumbers = 12;
+  double* const position = &quads.position[0][0][0];
+  double* const normal = &quads.normal[0][0][0];
+  for (int j = 0; j < kNumbers; ++j) {
+    for (int i = 0; i < kQuadLanes; ++i) {
+      position[j * kQuadLanes + i] = positions[kNumbers * i + j];
+      normal[j * kQuadLanes + i] = static_cast<double>(normals[kNumbers * i + j]);
+    }
+  }
+}
+
 PLANISH_WIDEST void measure_quads(const QuadBatch& q, QuadFigures& figures) {
   for (int i = 0; i < kQuadLanes; ++i) {
     // The area vector is half the cross product of the diagonals.

@@ -26,6 +26,9 @@ struct QuadFigures {
   double bending[kQuadLanes];
 };
 
+/// All corners of kQuadLanes quads: 12 numbers a quad of each, x, y and z of its corners in turn.
+void take_corners(const double* positions, const float* normals, QuadBatch& quads);
+
 /// All lanes are computed; unused ones need finite numbers.
 void measure_quads(const QuadBatch& quads, QuadFigures& figures);
 
