@@ -22,8 +22,13 @@ namespace planish {
   RawVector<std::int32_t> found;
   const auto entry_of = [&](std::int32_t number) -> Entry& {
     const std::size_t mask = table.size() - 1;
-    // Rows come in runs, which keep their order here.
-    std::size_t at = static_cast<std::size_t>(number) & mask;
+    // Rows come in runs, which keep their order here for a cache line or so; where runs lie is
+    // mixed, for they begin at multiples of each other's lengths.
+    constexpr int kRunBits = 6;
+    constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ull;  // 2^64 over the golden ratio
+    const auto given = static_cast<std::uint32_t>(number);
+    const std::uint64_t run = (given >> kRunBits) * kGolden >> 32;
+    std::size_t at = (run << kRunBits | (given & ((1u << kRunBits) - 1))) & mask;
     while (table[at].number >= 0 && table[at].number != number) at = (at + 1) & mask;
     return table[at];
   };
