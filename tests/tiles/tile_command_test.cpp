@@ -18,6 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
+using testing::Not;
 
 class TileCommand : public FolderTest {
  protected:
@@ -94,6 +95,14 @@ TEST_F(TileCommand, ScenesHaveTheSameSettings) {
   EXPECT_EQ(files_below(path("a")), files_below(path("b")));
   ASSERT_EQ(fit_set().exit_code, 0);
   EXPECT_NE(files_below(path("a")), files_below(path("t"))) << "skirts are more";
+}
+
+TEST_F(TileCommand, FlagsWithoutTilesAreToldToHaveNoEffect) {
+  const ProcessResult result = fit({"-o", path("t.glb"), "--skirts", "--tile-vertices", "1000"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("without effect here: --tile-vertices, --skirts"));
+  EXPECT_THAT(result.err, HasSubstr("no output 3D Tiles)"));
+  EXPECT_THAT(fit_set({"--skirts"}).err, Not(HasSubstr("without effect")));
 }
 
 TEST_F(TileCommand, RefusesByName) {

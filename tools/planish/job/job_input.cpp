@@ -7,6 +7,7 @@
 #include "job/prepare.h"
 #include "options/point_settings.h"
 #include "planish/core/error.h"
+#include "planish/files/formats.h"
 #include "planish/mesh/check.h"
 #include "terminal/interrupt.h"
 
@@ -168,8 +169,13 @@ void take_fair_mesh(JobInput& made, PolygonMesh&& mesh, ReadyMesh&& ready, JobRe
 void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,
                              Console& console) {
   const bool is_fair = report.method == InterpolationMethod::Fair;
+  const bool has_tiles = std::ranges::any_of(job.outputs, [](const OutputRequest& output) {
+    const auto format = format_of(output.path);
+    return format && info_of(*format).is_tiles;
+  });
   std::string unused;
   std::int64_t count = 0;
+  bool lacks_tiles = false;
   const auto note = [&](std::string_view name) {
     unused += (unused.empty() ? "" : ", ") + flag_of(name);
     ++count;
@@ -180,15 +186,19 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
         made.points.empty() ? of_points != point_settings().end() : name == "weld";
     const bool without_steps =
         is_fair && (name == "solver" || name == "max_iterations" || name == "precision");
-    if (without_points || without_steps || (!is_fair && name == "polish")) note(name);
+    const bool without_tiles = !has_tiles && (name == "tile_vertices" || name == "skirts");
+    lacks_tiles |= without_tiles;
+    if (without_points || without_steps || without_tiles || (!is_fair && name == "polish"))
+      note(name);
   }
   if (count == 0) return;
-  add_warning(report, console,
-              {"unused-settings",
-               made.input.name + ": without effect here: " + unused + " (the input is " +
-                   (made.points.empty() ? "a mesh" : "of points") + ", the method " +
-                   std::string(name_of(report.method)) + ")",
-               count, -1});
+  add_warning(
+      report, console,
+      {"unused-settings",
+       made.input.name + ": without effect here: " + unused + " (the input is " +
+           (made.points.empty() ? "a mesh" : "of points") + ", the method " +
+           std::string(name_of(report.method)) + (lacks_tiles ? ", no output 3D Tiles" : "") + ")",
+       count, -1});
 }
 
 }  // namespace planish::command

@@ -195,6 +195,8 @@ std::vector<std::string> given_settings(const FitFlags& flags) {
   if (!flags.max_iterations.empty()) given.emplace_back("max_iterations");
   if (!flags.polish.empty()) given.emplace_back("polish");
   if (!flags.weld.empty()) given.emplace_back("weld");
+  if (!flags.tile_vertices.empty()) given.emplace_back("tile_vertices");
+  if (flags.skirts) given.emplace_back("skirts");
   return given;
 }
 
