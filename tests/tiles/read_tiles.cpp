@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <tiny_gltf.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -147,15 +146,6 @@ PolygonMesh welded(const ReadTileset& set, int level) {
     }
   }
   return all;
-}
-
-std::vector<std::pair<std::string, std::string>> files_below(const fs::path& folder) {
-  std::vector<std::pair<std::string, std::string>> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
-      files.emplace_back(fs::relative(entry.path(), folder).string(), content_of(entry.path()));
-  std::ranges::sort(files);
-  return files;
 }
 
 }  // namespace planish::test

@@ -36,8 +36,4 @@ struct ReadTileset {
 /// A tile's triangles, corners not joined, in the frame of tiles.
 [[nodiscard]] PolygonMesh triangles_of(const ReadTile& tile);
 
-/// Names and bytes of all files below a folder.
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> files_below(
-    const std::filesystem::path& folder);
-
 }  // namespace planish::test

@@ -8,6 +8,7 @@
 #include "cli/json_schema.h"
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "support/files_below.h"
 #include "tiles/read_tiles.h"
 
 namespace planish::test {
@@ -17,7 +18,6 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::Not;
 using testing::Not;
 
 class TileCommand : public FolderTest {

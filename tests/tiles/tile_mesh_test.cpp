@@ -138,7 +138,11 @@ TEST(TilePlan, EachFaceIsInOneTileOfEachLevel) {
     const PolygonMesh mesh = test::laden_mesh(seed);
     const DooSabinSurface surface(mesh, EvaluateOptions{});
     const auto order = curve_order(surface.mesh().positions);
-    const TilePlan plan = plan_tiles(surface.topology(), surface.hidden(), order, 10, 3);
+    std::vector<std::int32_t> places(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) places[order[i]] = static_cast<std::int32_t>(i);
+    const TilePlan plan =
+        plan_tiles(surface.topology(), surface.hidden(), places,
+                   {.place_count = std::ssize(order), .block_vertices = 10, .level = 3});
     std::vector<std::multiset<std::int32_t>> found(4);
     for (std::size_t i = 0; i < plan.tiles.size(); ++i) {
       const PlannedTile& tile = plan.tiles[i];
@@ -146,12 +150,9 @@ TEST(TilePlan, EachFaceIsInOneTileOfEachLevel) {
       for (const std::int32_t face : plan.faces_of(tile)) {
         found[tile.level].insert(face);
         EXPECT_TRUE(plan.holds(tile, face));
-        const auto place = [&](std::int32_t v) {
-          return std::ranges::find(order, v) - order.begin();
-        };
-        std::ptrdiff_t first = mesh.vertex_count();
+        std::int32_t first = mesh.vertex_count();
         for (const std::int32_t v : surface.topology().face(face))
-          first = std::min(first, place(v));
+          first = std::min(first, places[v]);
         EXPECT_EQ(plan.face_places[face], first);
       }
       if (tile.level == 1) continue;

@@ -15,6 +15,7 @@
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/check.h"
 #include "support/expect_error.h"
+#include "support/files_below.h"
 #include "support/random_meshes.h"
 #include "support/temporary_folder.h"
 #include "tiles/read_tiles.h"

@@ -15,26 +15,11 @@
 
 namespace planish {
 
-struct BlockQuality::Sums {
-  double area = 0, folded = 0, folded_elsewhere = 0, squares = 0, largest = 0, bending = 0;
-  FoldedPlaces places;
-
-  void add(const Sums& other) {
-    area += other.area;
-    folded += other.folded;
-    folded_elsewhere += other.folded_elsewhere;
-    squares += other.squares;
-    largest = std::max(largest, other.largest);
-    bending += other.bending;
-    places.add(other.places);
-  }
-};
-
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-using Sums = BlockQuality::Sums;
+using Sums = QualitySums;
 
 // Measures one range of quads after another; keeps its memory.
 class QuadMeter {
@@ -132,8 +117,6 @@ BlockQuality::BlockQuality(const SurfaceBlocks& surface, const PolygonMesh& inpu
   of_pieces_.resize(pieces.size());
 }
 
-BlockQuality::~BlockQuality() = default;
-
 void BlockQuality::add(RowRange piece, std::span<const glm::dvec3> positions,
                        std::span<const glm::vec3> normals) {
   thread_local QuadMeter measure;
@@ -142,18 +125,51 @@ void BlockQuality::add(RowRange piece, std::span<const glm::dvec3> positions,
 }
 
 SurfaceQuality BlockQuality::result() const {
-  Sums all;
-  for (const Sums& part : of_pieces_) all.add(part);
+  QualitySums all;
+  for (const QualitySums& part : of_pieces_) all.add(part);
+  return all.quality();
+}
+
+void QualitySums::add(const QualitySums& later) {
+  area += later.area;
+  folded += later.folded;
+  folded_elsewhere += later.folded_elsewhere;
+  squares += later.squares;
+  largest = std::max(largest, later.largest);
+  bending += later.bending;
+  places.add(later.places);
+}
+
+SurfaceQuality QualitySums::quality() const {
   SurfaceQuality quality;
-  quality.max_normal_deviation = all.largest * kDegrees;
-  quality.bending = all.bending;
-  if (all.area > 0) {
-    quality.folded_area = all.folded / all.area;
-    quality.folded_area_elsewhere = all.folded_elsewhere / all.area;
-    quality.folded_places = all.places.take();
-    quality.rms_normal_deviation = std::sqrt(all.squares / all.area) * kDegrees;
+  quality.max_normal_deviation = largest * kDegrees;
+  quality.bending = bending;
+  if (area > 0) {
+    quality.folded_area = folded / area;
+    quality.folded_area_elsewhere = folded_elsewhere / area;
+    quality.folded_places = FoldedPlaces(places).take();
+    quality.rms_normal_deviation = std::sqrt(squares / area) * kDegrees;
   }
   return quality;
+}
+
+QualitySums quality_sums(const SurfaceBlocks& surface, std::span<const RowRange> ranges,
+                         const PolygonMesh& input, std::span<const std::uint8_t> is_beside_folds) {
+  constexpr std::int64_t kPieceFaces = 4096;
+  QuadMeter measure;
+  QualitySums all;
+  RawVector<glm::dvec3> positions;
+  RawVector<glm::vec3> normals;
+  for (const RowRange& range : ranges) {
+    for (std::int64_t done = 0; done < range.count; done += kPieceFaces) {
+      const RowRange piece{range.first + done, std::min(kPieceFaces, range.count - done)};
+      positions.resize(static_cast<std::size_t>(4 * piece.count));
+      normals.resize(positions.size());
+      surface.corners(piece, positions, normals);
+      all.add(measure(input, is_beside_folds, surface, piece, positions, normals));
+    }
+  }
+  return all;
 }
 
 SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& input,

@@ -6,20 +6,36 @@
 #include <vector>
 
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/surface/folded_places.h"
 #include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_quality.h"
 
 namespace planish {
 
+/// What the figures of a surface are made of; those of its parts add up, always in the same order
+/// for the same bits.
+struct QualitySums {
+  double area = 0, folded = 0, folded_elsewhere = 0;
+  double squares = 0;  ///< of angles, in radians, times areas
+  double largest = 0;  ///< angle
+  double bending = 0;
+  FoldedPlaces places;
+
+  void add(const QualitySums& later);
+  [[nodiscard]] SurfaceQuality quality() const;
+};
+
+/// Those of some ranges of faces, which follow one another, as surface_quality() has them.
+[[nodiscard]] QualitySums quality_sums(const SurfaceBlocks& surface,
+                                       std::span<const RowRange> ranges, const PolygonMesh& input,
+                                       std::span<const std::uint8_t> is_beside_folds);
+
 /// surface_quality() of a surface that passes by once, for whatever else it is made: add() is a
 /// QuadVisit. All of it must outlive the figures.
 class BlockQuality {
  public:
-  struct Sums;
-
   BlockQuality(const SurfaceBlocks& surface, const PolygonMesh& input,
                std::span<const std::uint8_t> is_beside_folds);
-  ~BlockQuality();
   BlockQuality(const BlockQuality&) = delete;
   BlockQuality& operator=(const BlockQuality&) = delete;
 
@@ -34,7 +50,7 @@ class BlockQuality {
   const PolygonMesh& input_;
   std::span<const std::uint8_t> is_beside_folds_;
   std::int64_t piece_size_ = 1;
-  std::vector<Sums> of_pieces_;
+  std::vector<QualitySums> of_pieces_;
 };
 
 /// surface_quality() against the faces of the mesh that was fitted, of a surface of level 1 or more

@@ -127,6 +127,23 @@ RowRange DooSabinBlocks::faces_of(std::int32_t face) const {
   return {place * cell_count(), topology_.face_size(face) * cell_count()};
 }
 
+std::int64_t DooSabinBlocks::rows_of(std::span<const std::uint8_t> is_of) const {
+  using Part = PatchNumbering::Part;
+  const PatchNumbering& numbering = surface_.numbering();
+  std::int64_t count = 0;
+  const auto is_own = [&](std::int32_t corner) { return is_of[topology_.face_of(corner)] != 0; };
+  for (const Part part :
+       {Part::Vertices, Part::Faces, Part::Edges, Part::Trailing, Part::Further}) {
+    const std::int64_t rows =
+        part == Part::Trailing ? numbering.samples().trailing_count() : std::int64_t{1};
+    for (std::int64_t item = 0; item < numbering.item_count(part); ++item)
+      if (is_own(numbering.item_corner(part, item))) count += rows;
+  }
+  for (std::int32_t corner = 0; corner < topology_.corner_count(); ++corner)
+    if (is_own(corner)) count += numbering.corner_row_count(corner);
+  return count;
+}
+
 void DooSabinBlocks::edge_rows(std::int32_t corner, std::vector<std::int32_t>& rows) const {
   write_edge(surface_.numbering(), corner, rows);
 }

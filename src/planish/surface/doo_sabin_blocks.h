@@ -65,6 +65,9 @@ class DooSabinBlocks final : public SurfaceBlocks {
                          const RowTarget& target) const override;
   /// The faces that descend from a face of the mesh; none where it is a hole.
   [[nodiscard]] RowRange faces_of(std::int32_t face) const;
+  /// How many rows some faces of the mesh have for their own: those of all faces add up to the row
+  /// count, from level 1 on. One flag a face.
+  [[nodiscard]] std::int64_t rows_of(std::span<const std::uint8_t> is_of) const;
   /// The rows along the leading edge of a visible corner, 2^level + 1 of them, and those of texture
   /// coordinates; from level 1 on.
   void edge_rows(std::int32_t corner, std::vector<std::int32_t>& rows) const;

@@ -35,7 +35,17 @@ DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const EvaluateOptions&
 
 DooSabinSurface::DooSabinSurface(const PolygonMesh& cage, const EvaluateOptions& options)
     : DooSabinSurface(cage, options, Begin{}) {
-  placement_ = placement_of(used_.mesh);
+  take_cage(placement_of(used_.mesh));
+}
+
+DooSabinSurface::DooSabinSurface(const PolygonMesh& cage, const Placement& placement,
+                                 const EvaluateOptions& options)
+    : DooSabinSurface(cage, options, Begin{}) {
+  take_cage(placement);
+}
+
+void DooSabinSurface::take_cage(const Placement& placement) {
+  placement_ = placement;
   RawVector<glm::dvec3> unit(used_.mesh.positions.size());
   parallel_for(unit.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {

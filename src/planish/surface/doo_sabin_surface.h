@@ -25,6 +25,10 @@ class DooSabinSurface {
   /// That of a control cage; takes what was prepared, weights, what is sharp and the rest pose of
   /// the options. Throws Error{UnusableMesh}.
   DooSabinSurface(const PolygonMesh& cage, const EvaluateOptions& options);
+  /// The same of a part of a larger cage, in whose coordinates it is evaluated: where the part has
+  /// all faces around a face's vertices, that face has the bits that it has on the whole.
+  DooSabinSurface(const PolygonMesh& cage, const Placement& placement,
+                  const EvaluateOptions& options);
   /// That of control points of level 1 on a mesh. Throws as above, Error{InvalidArgument} for a
   /// state of another size. The state must outlive the surface.
   DooSabinSurface(const PolygonMesh& mesh, const LevelOne& level_one,
@@ -58,6 +62,7 @@ class DooSabinSurface {
  private:
   struct Begin {};
   DooSabinSurface(const PolygonMesh& mesh, const EvaluateOptions& options, Begin);
+  void take_cage(const Placement& placement);
   void require(LastLevel what, int level, std::uint64_t limit_bytes, bool has_evaluator) const;
 
   UsedPart used_;

@@ -24,6 +24,8 @@ class FoldedPlaces {
     for (const FoldedPlace& place : later.elsewhere_) add_to(elsewhere_, place);
   }
 
+  [[nodiscard]] const std::vector<FoldedPlace>& all() const { return all_; }
+  [[nodiscard]] const std::vector<FoldedPlace>& elsewhere() const { return elsewhere_; }
   [[nodiscard]] std::vector<FoldedPlace> take() {
     return std::move(elsewhere_.empty() ? all_ : elsewhere_);
   }

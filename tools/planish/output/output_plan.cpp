@@ -61,19 +61,6 @@ std::vector<Fineness> finenesses_of(const OutputRequest& request) {
   return all;
 }
 
-// The first thing in a folder of tiles that no tile set has there; empty if there is none.
-fs::path foreign_in(const fs::path& folder) {
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (!is_tileset_entry(entry.path().filename().string())) return entry.path();
-    if (entry.is_symlink(error)) return entry.path();
-    if (!entry.is_directory(error)) continue;
-    for (const fs::directory_entry& tile : fs::directory_iterator(entry.path(), error))
-      if (!is_tile_name(tile.path().filename().string())) return tile.path();
-  }
-  return {};
-}
-
 }  // namespace
 
 std::string fineness_text(const Fineness& fineness) {
@@ -145,7 +132,7 @@ void PathClaims::add_tile_folder(const fs::path& folder, std::string_view where)
                  ", the folder of the tiles, is something else; choose another name");
     return;
   }
-  const fs::path foreign = foreign_in(folder);
+  const fs::path foreign = foreign_in_tiles(folder);
   if (!foreign.empty()) {
     refuse_place(folder, where,
                  ", the folder of the tiles, holds " + visible(foreign) +

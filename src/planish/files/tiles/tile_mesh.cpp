@@ -8,23 +8,6 @@
 namespace planish {
 namespace {
 
-// The descendants of a tile's faces, ascending.
-std::vector<RowRange> faces_of_tile(const TileSource& source, const PlannedTile& tile) {
-  const auto of = source.plan.faces_of(tile);
-  std::vector<std::int32_t> faces(of.begin(), of.end());
-  std::ranges::sort(faces);
-  std::vector<RowRange> ranges;
-  for (const std::int32_t face : faces) {
-    const RowRange range = source.blocks.faces_of(face);
-    if (!ranges.empty() && ranges.back().first + ranges.back().count == range.first) {
-      ranges.back().count += range.count;
-    } else {
-      ranges.push_back(range);
-    }
-  }
-  return ranges;
-}
-
 // write(range of faces, their part of `values`), where a face has `per_face` of them.
 template <class Write>
 void for_faces(std::span<const RowRange> ranges, std::size_t per_face,
@@ -52,6 +35,22 @@ void take_uvs(const SurfaceBlocks& blocks, std::span<const std::int32_t> uvs, Su
 }
 
 }  // namespace
+
+std::vector<RowRange> faces_of_tile(const TileSource& source, const PlannedTile& tile) {
+  const auto of = source.plan.faces_of(tile);
+  std::vector<std::int32_t> faces(of.begin(), of.end());
+  std::ranges::sort(faces);
+  std::vector<RowRange> ranges;
+  for (const std::int32_t face : faces) {
+    const RowRange range = source.blocks.faces_of(face);
+    if (!ranges.empty() && ranges.back().first + ranges.back().count == range.first) {
+      ranges.back().count += range.count;
+    } else {
+      ranges.push_back(range);
+    }
+  }
+  return ranges;
+}
 
 TileMesh make_tile(const TileSource& source, const PlannedTile& tile, const glm::dvec3& origin) {
   const DooSabinBlocks& blocks = source.blocks;

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
+#include <span>
+#include <vector>
 
 #include "planish/files/tiles/tile_grid.h"
 #include "planish/files/tiles/tile_plan.h"
@@ -39,12 +41,27 @@ struct TileMesh {
   DegenerateRows degenerate;
 };
 
+/// The descendants of a tile's faces, ascending.
+[[nodiscard]] std::vector<RowRange> faces_of_tile(const TileSource& source,
+                                                  const PlannedTile& tile);
+
 /// The faces of a tile with their rows in the surface's order and all attributes. The same bits as
 /// the surface in one piece, but for the grid.
 [[nodiscard]] TileMesh make_tile(const TileSource& source, const PlannedTile& tile,
                                  const glm::dvec3& origin);
 
 [[nodiscard]] TileBox box_of(const SurfaceMesh& mesh);
+
+/// Of the vertices of some faces, one at least; `point(vertex)` says where they are.
+template <class Point>
+[[nodiscard]] TileBox box_of_faces(const MeshTopology& topology,
+                                   std::span<const std::int32_t> faces, const Point& point) {
+  const glm::dvec3& first = point(topology.face(faces.front()).front());
+  TileBox box{first, first};
+  for (const std::int32_t face : faces)
+    for (const std::int32_t vertex : topology.face(face)) box.add(point(vertex));
+  return box;
+}
 
 /// How far the quads of level l - 1 are from those of a mesh of level l >= 2, which come four by
 /// four in its place: the largest distance of a middle or a centre from its place on the bilinear

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "planish/core/parallel.h"
 
@@ -10,35 +11,35 @@ namespace {
 
 constexpr std::size_t kPlanGrain = std::size_t{1} << 13;
 
-void place_faces(const MeshTopology& topology, std::span<const std::uint8_t> hidden,
-                 std::span<const std::int32_t> order, TilePlan& plan) {
-  RawVector<std::int32_t> places(order.size());
-  parallel_for(order.size(), kPlanGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) places[order[i]] = static_cast<std::int32_t>(i);
-  });
-  const auto face_count = static_cast<std::size_t>(topology.face_count());
-  plan.face_places.resize(face_count);
-  parallel_for(face_count, kPlanGrain, [&](std::size_t begin, std::size_t end) {
+RawVector<std::int32_t> places_of_faces(const MeshTopology& topology,
+                                        std::span<const std::uint8_t> hidden,
+                                        std::span<const std::int32_t> places) {
+  RawVector<std::int32_t> face_places(static_cast<std::size_t>(topology.face_count()));
+  parallel_for(face_places.size(), kPlanGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       std::int32_t first = std::numeric_limits<std::int32_t>::max();
       for (const std::int32_t vertex : topology.face(static_cast<std::int32_t>(f)))
         first = std::min(first, places[vertex]);
-      plan.face_places[f] = !hidden.empty() && hidden[f] != 0 ? -1 : first;
+      face_places[f] = !hidden.empty() && hidden[f] != 0 ? -1 : first;
     }
   });
+  return face_places;
 }
 
 // Ascending faces of each place: a counting sort.
-void sort_faces(std::size_t vertex_count, TilePlan& plan) {
-  plan.face_begins.resize(vertex_count + 1);
+void sort_faces(std::size_t place_count, TilePlan& plan) {
+  plan.face_begins.resize(place_count + 1);
   std::ranges::fill(plan.face_begins, 0);
+  const auto is_ours = [&](std::int32_t place) {
+    return place >= 0 && static_cast<std::size_t>(place) < place_count;
+  };
   for (const std::int32_t place : plan.face_places)
-    if (place >= 0) ++plan.face_begins[place + 1];
-  for (std::size_t i = 0; i < vertex_count; ++i) plan.face_begins[i + 1] += plan.face_begins[i];
+    if (is_ours(place)) ++plan.face_begins[place + 1];
+  for (std::size_t i = 0; i < place_count; ++i) plan.face_begins[i + 1] += plan.face_begins[i];
   plan.faces.resize(static_cast<std::size_t>(plan.face_begins.back()));
   RawVector<std::int32_t> next(plan.face_begins);
   for (std::size_t f = 0; f < plan.face_places.size(); ++f)
-    if (plan.face_places[f] >= 0)
+    if (is_ours(plan.face_places[f]))
       plan.faces[next[plan.face_places[f]]++] = static_cast<std::int32_t>(f);
 }
 
@@ -62,14 +63,19 @@ void add_tiles(PlannedTile tile, int level, TilePlan& plan) {
 }  // namespace
 
 TilePlan plan_tiles(const MeshTopology& topology, std::span<const std::uint8_t> hidden,
-                    std::span<const std::int32_t> order, std::int64_t block_vertices, int level) {
+                    std::span<const std::int32_t> places, const TileCut& cut) {
+  return plan_tiles(places_of_faces(topology, hidden, places), cut);
+}
+
+TilePlan plan_tiles(RawVector<std::int32_t> face_places, const TileCut& cut) {
   TilePlan plan;
-  place_faces(topology, hidden, order, plan);
-  sort_faces(order.size(), plan);
-  const auto count = static_cast<std::int64_t>(order.size());
-  for (std::int64_t first = 0; first < count; first += block_vertices, ++plan.block_count) {
-    add_tiles({.block = plan.block_count, .run = {first, std::min(block_vertices, count - first)}},
-              level, plan);
+  plan.face_places = std::move(face_places);
+  sort_faces(static_cast<std::size_t>(cut.place_count), plan);
+  for (std::int64_t first = 0; first < cut.place_count;
+       first += cut.block_vertices, ++plan.block_count) {
+    add_tiles({.block = plan.block_count,
+               .run = {first, std::min(cut.block_vertices, cut.place_count - first)}},
+              cut.level, plan);
   }
   return plan;
 }

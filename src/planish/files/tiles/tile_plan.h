@@ -21,10 +21,11 @@ struct PlannedTile {
 
 /// Which faces of a mesh are in which tile: what depends on the mesh and the sizes alone.
 struct TilePlan {
-  /// The place on the curve of each face's first vertex there; -1: a hole.
+  /// The place on the curve of each face's first vertex there; -1: a hole. Places behind the last
+  /// one are those of faces in tiles of others.
   RawVector<std::int32_t> face_places;
   RawVector<std::int32_t> faces;        ///< by these places, then ascending
-  RawVector<std::int32_t> face_begins;  ///< vertex_count + 1: where those of a place begin
+  RawVector<std::int32_t> face_begins;  ///< place_count + 1: where those of a place begin
   std::int32_t block_count = 0;
   /// Blocks one after another, in each a tile before its children, these in their order.
   std::vector<PlannedTile> tiles;
@@ -42,12 +43,23 @@ struct TilePlan {
   }
 };
 
-/// Tiles of levels 1 to `level`: blocks are runs of `block_vertices` of the vertices in `order`,
-/// the children of a tile are the quarters of its run. A face belongs to the first of its vertices
-/// in that order; tiles without faces are left out. `hidden` has one flag a face, or nothing.
+/// How faces are cut into tiles.
+struct TileCut {
+  std::int64_t place_count = 0;     ///< places on the curve
+  std::int64_t block_vertices = 0;  ///< of each run of it
+  int level = 1;                    ///< the finest
+};
+
+/// Tiles of levels 1 to `level`: blocks are runs of `block_vertices` places on the curve, the
+/// children of a tile are the quarters of its run. A face belongs to the first of its vertices, of
+/// which `places` says where they are; tiles without faces are left out. `hidden` has one flag a
+/// face, or nothing.
 [[nodiscard]] TilePlan plan_tiles(const MeshTopology& topology,
                                   std::span<const std::uint8_t> hidden,
-                                  std::span<const std::int32_t> order, std::int64_t block_vertices,
-                                  int level);
+                                  std::span<const std::int32_t> places, const TileCut& cut);
+
+/// The same of faces that have their places already; those from place_count on are seen, but in
+/// tiles of others.
+[[nodiscard]] TilePlan plan_tiles(RawVector<std::int32_t> face_places, const TileCut& cut);
 
 }  // namespace planish

@@ -94,7 +94,7 @@ class TilesetWriter {
   [[nodiscard]] ordered_json tile_json(std::size_t tile, const std::string& folder) const {
     ordered_json json{{"boundingVolume", volume_of(tiles_[tile].box)},
                       {"geometricError", tiles_[tile].error}};
-    json["content"] = {{"uri", folder + tile_path(plan_, tile)}};
+    json["content"] = {{"uri", folder + tile_path(plan_.tiles[tile], tile)}};
     for (const std::size_t child : children_[tile])
       json["children"].push_back(tile_json(child, folder));
     return json;
@@ -141,10 +141,13 @@ bool take(std::string_view& text, std::string_view word) {
 
 }  // namespace
 
-std::string tile_path(const TilePlan& plan, std::size_t tile) {
-  const PlannedTile& at = plan.tiles[tile];
-  return std::to_string(tile / kTilesInFolder) + "/" + std::to_string(at.block) + "-" +
-         std::to_string(at.level) + "-" + std::to_string(at.quarter) + ".glb";
+std::string tile_name(const PlannedTile& tile) {
+  return std::to_string(tile.block) + "-" + std::to_string(tile.level) + "-" +
+         std::to_string(tile.quarter);
+}
+
+std::string tile_path(const PlannedTile& tile, std::size_t index) {
+  return std::to_string(index / kTilesInFolder) + "/" + tile_name(tile) + ".glb";
 }
 
 bool is_tileset_entry(std::string_view name) {
@@ -155,6 +158,19 @@ bool is_tileset_entry(std::string_view name) {
 bool is_tile_name(std::string_view name) {
   return take_number(name) && take(name, "-") && take_number(name) && take(name, "-") &&
          take_number(name) && name == ".glb";
+}
+
+std::filesystem::path foreign_in_tiles(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (!is_tileset_entry(entry.path().filename().string())) return entry.path();
+    if (entry.is_symlink(error)) return entry.path();
+    if (!entry.is_directory(error)) continue;
+    for (const fs::directory_entry& tile : fs::directory_iterator(entry.path(), error))
+      if (!is_tile_name(tile.path().filename().string())) return tile.path();
+  }
+  return {};
 }
 
 std::vector<TilesetText> tileset_documents(const TilePlan& plan, std::span<const TileRecord> tiles,

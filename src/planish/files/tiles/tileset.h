@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <glm/vec3.hpp>
 #include <span>
 #include <string>
@@ -25,13 +26,17 @@ inline constexpr std::size_t kTilesInFolder = 4096;
 inline constexpr std::size_t kBlocksInDocument = 64;
 
 /// Where a tile's file lies in the set's folder: "0/12-2-3.glb", the block, the level and the place
-/// among those of its level in the block.
-[[nodiscard]] std::string tile_path(const TilePlan& plan, std::size_t tile);
+/// among those of its level in the block. `index`: among all tiles of the set.
+[[nodiscard]] std::string tile_path(const PlannedTile& tile, std::size_t index);
+/// "12-2-3" of it.
+[[nodiscard]] std::string tile_name(const PlannedTile& tile);
 
 /// Whether a name may stand in a set's folder, or in a folder of that: "0" and "group-0.json", or
 /// "12-2-3.glb".
 [[nodiscard]] bool is_tileset_entry(std::string_view name);
 [[nodiscard]] bool is_tile_name(std::string_view name);
+/// The first thing in a set's folder that no set has there; empty if there is none.
+[[nodiscard]] std::filesystem::path foreign_in_tiles(const std::filesystem::path& folder);
 
 struct TilesetText {
   std::string path;  ///< in the set's folder; empty: the document itself
@@ -45,9 +50,9 @@ struct TilesetOptions {
 };
 
 /// The documents of a set of 3D Tiles 1.1: those of groups first, where there are several, the
-/// document itself last. `origins` are those of the blocks. Tiles of one block are a tree with
-/// refine REPLACE, whose root carries the origin as its transform; what stands above is empty.
-/// Volumes hold their children's, errors never fall below theirs.
+/// document itself last. Of the plan only its tiles count; `origins` are those of the blocks. Tiles
+/// of one block are a tree with refine REPLACE, whose root carries the origin as its transform;
+/// what stands above is empty. Volumes hold their children's, errors never fall below theirs.
 /// Source: OGC 22-025r4, "3D Tiles Specification 1.1".
 [[nodiscard]] std::vector<TilesetText> tileset_documents(const TilePlan& plan,
                                                          std::span<const TileRecord> tiles,

@@ -18,8 +18,8 @@ struct TilesOptions {
   /// Strips along the edges of tiles, which hide gaps between tiles of different levels. They are
   /// as long as the gaps may be wide.
   bool skirts = false;
-  /// The vertices of the mesh that was fitted, in its numbers: blocks are runs of those, and what
-  /// is written is measured against them.
+  /// The vertices of the mesh that was fitted, in its numbers, unused ones too: blocks are runs of
+  /// those, and what is written is measured against them.
   std::span<const glm::dvec3> given;
   /// name, double_sided, z_up, extras, observe (the document's bytes) and callbacks (step "write",
   /// warning "degenerate-normals") count. Tiles have their own origins, and no fields.
@@ -43,6 +43,7 @@ struct TilesFile {
   /// Largest distance of a given vertex from its place in any tile: float32 numbers and the tile's
   /// transform, added in double.
   double largest_distance = 0;
+  DegenerateRows degenerate;  ///< of the finest level, as often as tiles have them
 };
 
 /// The folder of a document's tiles, beside it: "big/tileset" of "big/tileset.json".
