@@ -1,11 +1,13 @@
 // planish-mpi as people start it: exit codes, files, faults.
 #include <gmock/gmock.h>
 
+#include <cstdlib>
 #include <fstream>
 
 #include "cli/json_schema.h"
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "support/files_below.h"
 
 namespace planish::test {
 namespace {
@@ -17,9 +19,11 @@ using testing::IsEmpty;
 class MpiCommand : public FolderTest {
  protected:
   static ProcessResult on(int ranks, std::vector<std::string> arguments,
-                          const std::string& fault = {}) {
+                          const std::string& fault = {},
+                          const std::vector<std::string>& before = {}) {
     std::vector<std::string> all{"--oversubscribe", "-n", std::to_string(ranks)};
     if (!fault.empty()) all.insert(all.end(), {"-x", "PLANISH_MPI_FAULT"});
+    all.insert(all.end(), before.begin(), before.end());
     all.emplace_back(PLANISH_MPI_PROGRAM);
     all.insert(all.end(), arguments.begin(), arguments.end());
     PlanishProcess::Options options;
@@ -58,7 +62,13 @@ TEST_F(MpiCommand, RefusesByNameWhatItHasNot) {
     EXPECT_FALSE(exists("c.ply"));
     return result.err;
   };
-  EXPECT_THAT(refusal({"-o", "x/tileset.json"}), HasSubstr("-o,--output"));
+  EXPECT_THAT(refusal({"-o", path("x.glb")}), HasSubstr("-o: "));
+  EXPECT_THAT(refusal({"-o", path("x.json"), "--block-vertices", "9"}),
+              HasSubstr("--block-vertices: "));
+  EXPECT_THAT(refusal({"-o", path("x.json"), "--levels", "0"}), HasSubstr("--levels: "));
+  EXPECT_THAT(refusal({"--skirts"}), HasSubstr("--skirts: belongs to 3D Tiles"));
+  EXPECT_THAT(refusal({"--resume"}), HasSubstr("--resume: belongs to 3D Tiles"));
+  EXPECT_THAT(refusal({"--weld", "0.1"}), HasSubstr("--weld: nothing is mended over ranks"));
   EXPECT_THAT(refusal({"--interpolation", "fair"}), HasSubstr("--interpolation: fair"));
   EXPECT_THAT(refusal({"--solver", "cg"}), HasSubstr("--solver: cg"));
   EXPECT_THAT(refusal({"--scheme", "loop"}), HasSubstr("--scheme: loop"));
@@ -94,21 +104,126 @@ class DyingRank : public MpiCommand, public testing::WithParamInterface<const ch
 
 TEST_P(DyingRank, LeavesTheOldOutputAsItWas) {
   const std::string cage = write("c.ply", "old");
-  const std::vector<std::string> arguments{"fit", torus_, "--cage", cage, "-f", "--block-vertices",
-                                           "50"};
+  const std::string document = write("t.json", "old");
+  write("t/0/0-1-0.glb", "old");
+  const std::vector<std::string> arguments{"fit", torus_,   "--cage",          cage, "-f",
+                                           "-o",  document, "--tile-vertices", "256"};
   const ProcessResult killed = on(3, arguments, std::string("1:") + GetParam());
   EXPECT_NE(killed.exit_code, 0);
   EXPECT_EQ(read("c.ply"), "old");
+  EXPECT_EQ(read("t.json"), "old");
+  EXPECT_EQ(read("t/0/0-1-0.glb"), "old");
   // A part that was left goes with the next run.
   ASSERT_EQ(on(2, arguments).exit_code, 0);
-  EXPECT_EQ(names(), (std::vector<std::string>{"c.ply", "torus.obj"}));
+  EXPECT_EQ(names(), (std::vector<std::string>{"c.ply", "t", "t.json", "torus.obj"}));
+  EXPECT_NE(read("t/0/0-1-0.glb"), "old");
   EXPECT_EQ(read("c.ply").substr(0, 4), "ply\n");
 }
 
 INSTANTIATE_TEST_SUITE_P(MpiCommand, DyingRank,
-                         testing::Values("read", "sort", "faces", "rings", "rows", "solve",
+                         testing::Values("read", "sort", "faces", "rings", "rows", "solve", "tiles",
                                          "write"),
                          [](const auto& phase) { return std::string(phase.param); });
+
+class MpiTiles : public MpiCommand {
+ protected:
+  ProcessResult tiles_on(int ranks, std::vector<std::string> more = {},
+                         const std::string& fault = {},
+                         const std::vector<std::string>& before = {}) {
+    std::vector<std::string> arguments{"fit", torus_, "-o", path("t.json"), "--tile-vertices",
+                                       "256", "-f"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return on(ranks, arguments, fault, before);
+  }
+  [[nodiscard]] json read_report() const {
+    const json report = read_json("r.json");
+    std::ifstream file(PLANISH_REPORT_SCHEMA);
+    const json schema = json::parse(file);
+    EXPECT_THAT(schema_problems(report, {{"$ref", "#/$defs/distributed"}}, schema), IsEmpty());
+    return report;
+  }
+};
+
+TEST_F(MpiTiles, AreAsPlanishHasThemButForTheSolve) {
+  ASSERT_EQ(tiles_on(3, {"--report", path("r.json"), "--skirts", "--tolerance", "1e-10"}).exit_code,
+            0);
+  const std::string planish =
+      std::string(PLANISH_PROGRAM) + " fit " + torus_ + " -o " + path("one.json") +
+      " --tile-vertices 256 --skirts --precision double --interpolation progressive --device cpu" +
+      " --tolerance 1e-10 --report " + path("one_r.json") + " > " + path("log.txt") + " 2>&1";
+  ASSERT_EQ(std::system(planish.c_str()), 0) << read("log.txt");
+  // Both solves stop near the limit, and the grid of positions is coarser than what is between.
+  const auto tiles = files_below(path("t")), expected = files_below(path("one"));
+  ASSERT_EQ(tiles.size(), expected.size());
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    EXPECT_EQ(tiles[i].first, expected[i].first);
+    EXPECT_EQ(tiles[i].second.size(), expected[i].second.size()) << tiles[i].first;
+  }
+  const json report = read_report(), one = read_json("one_r.json");
+  EXPECT_EQ(report["outputs"][0]["vertices"], one["outputs"][0]["vertices"]);
+  EXPECT_EQ(report["outputs"][0]["quads"], one["outputs"][0]["quads"]);
+  EXPECT_EQ(report["outputs"][0]["tiles"][0]["tiles"], one["outputs"][0]["tiles"][0]["tiles"]);
+  for (const char* figure : {"folded_area", "rms_normal_deviation", "bending"})
+    EXPECT_NEAR(report["surface"][figure].get<double>(), one["surface"][figure].get<double>(),
+                1e-7 * (1 + one["surface"][figure].get<double>()))
+        << figure;
+  EXPECT_EQ(report["outputs"][0]["resumed_blocks"], 0);
+}
+
+TEST_F(MpiTiles, AnEndedJobLeavesTheOldSetAndIsResumed) {
+  ASSERT_EQ(tiles_on(1, {"--levels", "3"}).exit_code, 0);
+  const auto undisturbed = files_below(path("t"));
+  const std::string document = read("t.json");
+  ASSERT_EQ(tiles_on(2, {"--levels", "1"}).exit_code, 0);
+  const auto old = files_below(path("t"));
+  const std::string old_document = read("t.json");
+  // Another rank has written some blocks when this one dies.
+  const ProcessResult killed = tiles_on(2, {"--levels", "3"}, "1:tiles");
+  EXPECT_NE(killed.exit_code, 0);
+  EXPECT_EQ(files_below(path("t")), old);
+  EXPECT_EQ(read("t.json"), old_document);
+  EXPECT_TRUE(exists(".t.json.part"));
+  // With other options nothing of it is taken; that run dies too, and leaves its own.
+  EXPECT_NE(tiles_on(3, {"--levels", "4", "--resume"}, "2:write").exit_code, 0);
+  EXPECT_EQ(read("t.json"), old_document);
+  EXPECT_NE(tiles_on(3, {"--levels", "3", "--resume"}, "1:write").exit_code, 0);
+  ASSERT_EQ(tiles_on(2, {"--levels", "3", "--resume", "--report", path("r.json")}).exit_code, 0);
+  EXPECT_EQ(files_below(path("t")), undisturbed);
+  EXPECT_EQ(read("t.json"), document);
+  const json output = read_report()["outputs"][0];
+  EXPECT_EQ(output["resumed_blocks"], output["blocks"]);
+  EXPECT_EQ(names(), (std::vector<std::string>{"r.json", "t", "t.json", "torus.obj"}));
+}
+
+TEST_F(MpiTiles, FullDisksLeaveTheOldSet) {
+  ASSERT_EQ(tiles_on(2).exit_code, 0);
+  const auto old = files_below(path("t"));
+  const std::string document = read("t.json");
+  // No file of a rank beyond 4 KB: those that Open MPI makes for itself are left out.
+  write("small.sh", "ulimit -f 4; trap '' XFSZ; exec \"$@\"\n");
+  const std::vector<std::string> small{"--mca", "btl", "self,tcp", "bash", path("small.sh")};
+  const ProcessResult full = tiles_on(2, {"--levels", "3"}, {}, small);
+  EXPECT_EQ(full.exit_code, 7) << full.err;
+  EXPECT_THAT(full.err, HasSubstr("cannot write"));
+  EXPECT_EQ(files_below(path("t")), old);
+  EXPECT_EQ(read("t.json"), document);
+  const std::string cage = write("c.ply", "old");
+  const ProcessResult cut =
+      on(2, {"fit", torus_, "--cage", cage, "-f", "--block-vertices", "50"}, {}, small);
+  EXPECT_EQ(cut.exit_code, 7) << cut.err;
+  EXPECT_TRUE(read("c.ply") == "old");
+  EXPECT_EQ(names(), (std::vector<std::string>{"c.ply", "small.sh", "t", "t.json", "torus.obj"}));
+}
+
+TEST_F(MpiTiles, ForceReplacesASetAndNothingElse) {
+  ASSERT_EQ(tiles_on(2).exit_code, 0);
+  EXPECT_EQ(on(2, {"fit", torus_, "-o", path("t.json")}).exit_code, 7);
+  write("t/readme.txt", "mine");
+  const ProcessResult kept = tiles_on(2);
+  EXPECT_EQ(kept.exit_code, 7);
+  EXPECT_THAT(kept.err, HasSubstr("t/readme.txt"));
+  EXPECT_EQ(read("t/readme.txt"), "mine");
+}
 
 TEST_F(MpiCommand, AHangingRankIsEndedByTheWatchdog) {
   const ProcessResult result =

@@ -1,25 +1,32 @@
 #include "mpi_flags.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <filesystem>
+#include <utility>
 
 #include "build_info.h"
 #include "job/input.h"
+#include "options/fit_flags.h"
 #include "options/refuse.h"
 #include "options/word_flags.h"
 #include "output/cage_header.h"
+#include "output/output_plan.h"
 #include "planish/core/number_text.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/tiles/write_tiles.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
 
 struct MpiFlags {
-  std::string input, input_format, cage, report, tolerance, max_iterations, block, watchdog;
+  std::string input, input_format, output, levels, tile_vertices, cage, report, tolerance;
+  std::string max_iterations, block, watchdog;
   SettingWords words;
-  bool force = false;
+  bool force = false, skirts = false, resume = false;
   std::vector<std::string> refused;  // what they were given
 };
 
@@ -29,13 +36,14 @@ struct Missing {
 };
 
 constexpr std::array kMissing{
-    Missing{"-o,--output", "surfaces are not written over ranks yet; take --cage FILE.ply"},
     Missing{"--page", "pages are written by planish on one machine"},
-    Missing{"--levels", "surfaces are not written over ranks yet; take --cage FILE.ply"},
+    Missing{"--weld", "nothing is mended over ranks; weld by planish first"},
+    Missing{"--chord-error", "tiles have levels; take --levels"},
+    Missing{"--angle", "tiles have levels; take --levels"},
     Missing{"--source", "the report compares with the input only"},
     Missing{"--polish", "the fair method is not available over ranks"},
     Missing{"-j,--jobs", "one input at a time; mpirun -n says how many ranks work on it"},
-    Missing{"--output-format", "cages are PLY"}};
+    Missing{"--output-format", "cages are PLY, surfaces 3D Tiles"}};
 
 // What a word may be; others are planish's on one machine.
 struct Allowed {
@@ -54,6 +62,7 @@ constexpr std::array kAllowed{
     Allowed{"creases", " use ignore ", "edges are not looked for over ranks; tag them in the file"},
     Allowed{"repair", " none ", "nothing is mended over ranks; mend the file by planish first"},
     Allowed{"scheme", " doo-sabin ", "take doo-sabin"},
+    Allowed{"up", " y z ", ""},
 };
 
 void require_allowed(const MpiFlags& flags) {
@@ -83,6 +92,39 @@ void require_ply(const std::string& path) {
 std::string version_line() {
   return std::string("planish-mpi ") + PLANISH_VERSION + " (" + kGitRevision + ")\nPETSc " +
          PetscSession::version() + "\n";
+}
+
+void take_tiles(const MpiFlags& flags, MpiJob& job) {
+  Settings& settings = job.settings;
+  if (flags.output.empty()) {
+    for (const auto& [is_given, flag] : {std::pair{!flags.levels.empty(), "--levels"},
+                                         {!flags.tile_vertices.empty(), "--tile-vertices"},
+                                         {flags.skirts, "--skirts"},
+                                         {flags.resume, "--resume"}})
+      if (is_given) refuse(flag, "belongs to 3D Tiles; name them: -o NAME.json");
+    return;
+  }
+  const auto format = format_of(flags.output);
+  if (!format || !info_of(*format).is_tiles)
+    refuse("-o", visible(flags.output) + ": ranks write surfaces as 3D Tiles (.json) only");
+  if (!flags.block.empty())
+    refuse("--block-vertices", "blocks of tiles are a quarter of --tile-vertices");
+  if (!flags.levels.empty()) settings.levels = parse_levels(flags.levels);
+  if (std::ranges::max(settings.levels) < 1)
+    refuse("--levels", visible(flags.output) + ": 3D Tiles have levels from 1 on, not 0");
+  if (!flags.tile_vertices.empty())
+    set_tile_vertices(settings, parse_whole(flags.tile_vertices, "--tile-vertices"),
+                      "--tile-vertices");
+  DistributedOptions& options = job.options;
+  options.tiles = job.tiles = flags.output;
+  options.resume = flags.resume;
+  options.creases = name_of(settings.creases);
+  TilesOptions& tiles = options.tiles_options;
+  tiles.level = std::ranges::max(settings.levels);
+  tiles.tile_vertices = settings.tile_vertices;
+  tiles.skirts = flags.skirts;
+  tiles.gltf.name = plain_utf8(std::filesystem::path(flags.input).stem().string());
+  tiles.gltf.z_up = settings.up == UpAxis::Z;
 }
 
 MpiJob job_of(const MpiFlags& flags) {
@@ -116,8 +158,10 @@ MpiJob job_of(const MpiFlags& flags) {
   options.cage = job.cage = flags.cage;
   job.report = flags.report;
   job.force = flags.force;
-  if (job.cage.empty() && job.report.empty())
-    refuse("--cage", "nothing to write; name a cage (--cage FILE.ply) or a report");
+  take_tiles(flags, job);
+  if (job.cage.empty() && job.report.empty() && job.tiles.empty())
+    refuse("-o",
+           "nothing to write; name tiles (-o NAME.json), a cage (--cage FILE.ply) or a report");
   if (!job.cage.empty()) require_ply(job.cage);
   options.cage_header = cage_header_lines(settings, InterpolationMethod::Progressive, job.input);
   return job;
@@ -126,6 +170,18 @@ MpiJob job_of(const MpiFlags& flags) {
 void add_flags(CLI::App& fit, MpiFlags& flags) {
   fit.add_option("INPUT", flags.input, "mesh: binary PLY and OBJ are read by all ranks")
       ->required();
+  fit.add_option("-o,--output", flags.output,
+                 "surface as 3D Tiles (.json; tiles in a folder beside)")
+      ->type_name("FILE");
+  fit.add_option("--levels", flags.levels, "tiles have all levels up to the finest of these [2]")
+      ->type_name("N[,N...]");
+  fit.add_option("--tile-vertices", flags.tile_vertices,
+                 "about so many has each file of 3D Tiles [262144]")
+      ->type_name("N");
+  fit.add_flag("--skirts", flags.skirts,
+               "hide gaps between 3D Tiles of different levels behind strips along their edges");
+  fit.add_flag("--resume", flags.resume,
+               "go on with the tiles that an ended job of the same input and options has left");
   fit.add_option("--cage", flags.cage, "control cage (.ply)")->type_name("FILE");
   fit.add_option("--report", flags.report, "JSON report")->type_name("FILE");
   fit.add_option("--input-format", flags.input_format, "against the extension")
@@ -155,13 +211,13 @@ void add_flags(CLI::App& fit, MpiFlags& flags) {
 
 MpiJob parse_mpi_flags(const std::vector<std::string>& arguments) {
   CLI::App app(
-      "Control points of interpolating Doo-Sabin surfaces, over many machines: "
-      "mpirun -n 4 planish-mpi fit big.ply --cage cage.ply",
+      "Interpolating Doo-Sabin surfaces over many machines: "
+      "mpirun -n 4 planish-mpi fit big.ply -o big/tileset.json --cage cage.ply",
       "planish-mpi");
   MpiFlags flags;
   bool wants_version = false;
   app.add_flag("--version", wants_version, "print versions");
-  CLI::App& fit = *app.add_subcommand("fit", "mesh in, control cage and report out");
+  CLI::App& fit = *app.add_subcommand("fit", "mesh in, tiles, control cage and report out");
   CLI::App& run = *app.add_subcommand("run", "")->allow_extras()->group("");
   add_flags(fit, flags);
   MpiJob job;
@@ -189,6 +245,14 @@ MpiJob parse_mpi_flags(const std::vector<std::string>& arguments) {
 }
 
 void require_writable(const MpiJob& job) {
+  if (!job.tiles.empty()) {
+    PathClaims claims({.overwrite = job.force});
+    claims.add_input(job.input);
+    for (const std::string& path : {job.cage, job.report})
+      if (!path.empty()) claims.add_output(path, "--cage, --report");
+    claims.add_output(job.tiles, "-o");
+    claims.add_tile_folder(tile_folder(job.tiles), "-o");
+  }
   for (const std::string& path : {job.cage, job.report}) {
     if (path.empty()) continue;
     std::error_code code;

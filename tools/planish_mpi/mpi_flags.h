@@ -17,7 +17,7 @@ struct MpiJob {
   std::optional<FileFormat> input_format;
   Settings settings;
   DistributedOptions options;
-  std::string cage, report;
+  std::string tiles, cage, report;
   bool force = false;
   double watchdog_seconds = 600;
   std::string text;  ///< to be printed instead of any work: help or version

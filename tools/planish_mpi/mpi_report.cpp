@@ -59,6 +59,41 @@ Json ranks_json(const DistributedFit& fit) {
   return ranks;
 }
 
+Json tiles_json(const MpiJob& job, const DistributedFit& fit) {
+  const TilesFile& file = fit.tiles->file;
+  Json levels = Json::array();
+  for (const TileLevel& level : file.levels)
+    levels.push_back({{"level", level.level},
+                      {"tiles", level.tiles},
+                      {"bytes", level.bytes},
+                      {"vertices", level.vertex_count},
+                      {"triangles", level.triangle_count},
+                      {"geometric_error", level.geometric_error}});
+  return {{"kind", "tiles"},
+          {"path", plain_utf8(job.tiles)},
+          {"level", job.options.tiles_options.level},
+          {"bytes", file.byte_count},
+          {"vertices", file.row_count},
+          {"quads", file.face_count},
+          {"as_written_error", number(file.largest_distance / fit.placement.diagonal)},
+          {"blocks", fit.tiles->blocks},
+          {"resumed_blocks", fit.tiles->resumed},
+          {"tiles", levels}};
+}
+
+// Of level 1, as planish fit has it of a set of tiles.
+Json surface_json(const DistributedFit& fit) {
+  if (!fit.tiles) return nullptr;
+  const SurfaceQuality& quality = fit.tiles->quality;
+  return {{"level", 1},
+          {"reference", "input"},
+          {"folded_area", quality.folded_area},
+          {"folded_area_elsewhere", quality.folded_area_elsewhere},
+          {"rms_normal_deviation", quality.rms_normal_deviation},
+          {"max_normal_deviation", quality.max_normal_deviation},
+          {"bending", quality.bending}};
+}
+
 }  // namespace
 
 std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& job,
@@ -72,6 +107,7 @@ std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& 
                         {"message", plain_utf8(warning.message)},
                         {"count", warning.count},
                         {"first", warning.first}});
+  if (fit.tiles) outputs.push_back(tiles_json(job, fit));
   if (!job.cage.empty()) outputs.push_back({{"kind", "cage"}, {"path", plain_utf8(job.cage)}});
   const Json report = {
       {"schema", "planish.distributed/1"},
@@ -90,6 +126,7 @@ std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& 
           {"crease", fit.kinds[2]},
           {"corner", fit.kinds[3]}}}}},
       {"solve", solve_json(job, fit)},
+      {"surface", surface_json(fit)},
       {"outputs", outputs},
       {"ranks", ranks_json(fit)},
       {"halo", {{"ghosts", halo}, {"bytes_per_product", 24 * halo}}},

@@ -11,8 +11,11 @@
 #include <optional>
 #include <utility>
 
+#include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
+#include "planish/distributed/staged_tileset.h"
 #include "planish/distributed/write_cage.h"
+#include "planish/pipeline/fit_mesh.h"
 
 namespace planish {
 
@@ -31,14 +34,15 @@ void warn_of_semi_sharp(const Ranks& ranks, const MeshSlice& slice,
                       .count = count});
 }
 
-// Of the vertices that faces name, as on one machine.
-Placement placement_over(const Ranks& ranks, const MeshPart& part) {
+// Of the vertices that faces name, as on one machine; `points` are at least the owned ones.
+Placement placement_over(const Ranks& ranks, const MeshPart& part,
+                         std::span<const glm::dvec3> points) {
   glm::dvec3 low(std::numeric_limits<double>::max());
   glm::dvec3 high(std::numeric_limits<double>::lowest());
   for (std::int32_t v = 0; v < part.owned_count(); ++v) {
     if (part.around(v).empty()) continue;
-    low = glm::min(low, part.positions[v]);
-    high = glm::max(high, part.positions[v]);
+    low = glm::min(low, points[v]);
+    high = glm::max(high, points[v]);
   }
   MPI_Allreduce(MPI_IN_PLACE, &low.x, 3, MPI_DOUBLE, MPI_MIN, ranks.comm);
   MPI_Allreduce(MPI_IN_PLACE, &high.x, 3, MPI_DOUBLE, MPI_MAX, ranks.comm);
@@ -74,7 +78,7 @@ class DistributedJob {
 
   void distribute() {
     watch_.begin("sort");
-    CurveOrder order = order_along_curve(ranks_, slice_, options_.block_vertices);
+    CurveOrder order = order_along_curve(ranks_, slice_, block_vertices());
     watch_.fault_point();
     watch_.begin("faces");
     FaceStream first_ring = send_first_ring(ranks_, slice_, order);
@@ -87,10 +91,10 @@ class DistributedJob {
 
   PartRows make_part_rows() {
     watch_.begin("rows");
-    const RowOptions options{options_.weights, options_.sharp, options_.block_vertices,
+    const RowOptions options{options_.weights, options_.sharp, block_vertices(),
                              [&] { watch_.tick(); }};
     PartRows rows = make_rows(ranks_, part_, options_.name, fit_.faces, options);
-    fit_.placement = placement_over(ranks_, part_);
+    fit_.placement = placement_over(ranks_, part_, part_.positions);
     std::int64_t used = 0;
     for (std::size_t kind = 0; kind < rows.kinds.size(); ++kind) {
       used += fit_.kinds[kind] = sum_over(ranks_, rows.kinds[kind]);
@@ -98,8 +102,10 @@ class DistributedJob {
     fit_.unused_vertices = fit_.vertices - used;
     fit_.entries = sum_over(ranks_, static_cast<std::int64_t>(rows.columns.size()));
     fit_.spectral_bound = rows.spectral_bound;
+    fit_.has_boundary = rows.has_boundary;
     note_figures(rows);
-    drop_rings();
+    // The solve needs rows and owned vertices only.
+    if (options_.tiles.empty()) drop_rings();
     watch_.fault_point();
     return rows;
   }
@@ -107,8 +113,9 @@ class DistributedJob {
   void solve(PartRows rows) {
     watch_.begin("solve");
     const PetscSolveOptions options{options_.solver, options_.tolerance, options_.max_iterations,
-                                    options_.block_vertices, [&] { watch_.tick(); }};
-    const auto given = unit_points(fit_.placement, part_.positions);
+                                    block_vertices(), [&] { watch_.tick(); }};
+    const auto owned = static_cast<std::size_t>(part_.owned_count());
+    const auto given = unit_points(fit_.placement, std::span(part_.positions).first(owned));
     const auto ghosts = unit_points(fit_.placement, rows.ghost_points);
     fit_.solution = petsc_solve(ranks_, part_.layout, rows, given, ghosts,
                                 fit_.vertices - fit_.unused_vertices, options);
@@ -116,15 +123,45 @@ class DistributedJob {
     watch_.fault_point();
   }
 
+  void place_cage() {
+    const std::vector<glm::dvec3>& moves = fit_.solution.displacement;
+    cage_.assign(part_.positions.begin(), part_.positions.begin() + part_.owned_count());
+    for (std::size_t v = 0; v < cage_.size(); ++v) cage_[v] += fit_.placement.diagonal * moves[v];
+  }
+
+  void write_tiles() {
+    if (options_.tiles.empty()) return;
+    watch_.begin("tiles");
+    staged_tiles_.emplace(ranks_, options_.tiles, options_.resume);
+    PartTilesOptions options;
+    options.tiles = options_.tiles_options;
+    options.tiles.gltf.double_sided = fit_.has_boundary;
+    options.tiles.gltf.extras = extras();
+    options.weights = options_.weights;
+    options.sharp = options_.sharp;
+    options.placement = placement_over(ranks_, part_, cage_);
+    options.records = staged_tiles_->records();
+    options.after_block = [&] {
+      watch_.tick();
+      watch_.fault_point();
+    };
+    fetch_ghost_tags(ranks_, part_);
+    std::vector<glm::dvec3> cage = cage_;
+    const auto ghosts = fetch<glm::dvec3>(ranks_, part_.ghosts, part_.layout,
+                                          [&](std::int64_t place) { return cage_[place]; });
+    cage.insert(cage.end(), ghosts.begin(), ghosts.end());
+    fit_.tiles = write_part_tiles(ranks_, staged_tiles_->document(), part_, cage, options);
+    warn_of_tiles(*fit_.tiles);
+    drop_rings();
+  }
+
   DistributedFit finish(const std::function<void(const DistributedFit&)>& before_commit) {
     watch_.begin("write");
     std::optional<StagedFile> cage;
     if (!options_.cage.empty()) {
-      std::vector<glm::dvec3> points = std::move(part_.positions);
-      const std::vector<glm::dvec3>& moves = fit_.solution.displacement;
-      for (std::size_t v = 0; v < points.size(); ++v)
-        points[v] += fit_.placement.diagonal * moves[v];
-      points = in_file_order(ranks_, vertices_, part_.file_ids, points);
+      const std::vector<glm::dvec3> points =
+          in_file_order(ranks_, vertices_, part_.file_ids, cage_);
+      cage_ = {};
       cage.emplace(ranks_, options_.cage);
       write_cage(ranks_, vertices_, fit_.faces, points, cage_faces_, options_.cage_header, *cage);
     }
@@ -133,11 +170,55 @@ class DistributedJob {
     gather_figures();
     fit_.file_ids = std::move(part_.file_ids);
     if (before_commit) before_commit(fit_);
+    if (staged_tiles_) staged_tiles_->commit();
     if (cage) cage->commit();
     return std::move(fit_);
   }
 
  private:
+  // As planish fit warns; rank 0 alone knows.
+  void warn_of_tiles(const PartTiles& tiles) {
+    const std::int64_t degenerate = tiles.file.degenerate.count;
+    if (degenerate > 0)
+      fit_.warnings.push_back({.code = "degenerate-normals",
+                               .message = std::to_string(degenerate) +
+                                          " vertices have parallel tangents; their normals are "
+                                          "those of the facets",
+                               .count = degenerate});
+    const double rounded = tiles.file.largest_distance / fit_.placement.diagonal;
+    if (fit_.solution.converged && rounded > options_.tolerance)
+      fit_.warnings.push_back(
+          {.code = "rounded-output",
+           .message = options_.tiles + ": rounding for the file leaves an error of " +
+                      shortest(rounded) + ", above the tolerance " + shortest(options_.tolerance) +
+                      "; --cage keeps every digit"});
+    constexpr double kFoldedAreaLimit = 1e-4;  // as planish fit
+    const SurfaceQuality& quality = tiles.quality;
+    if (quality.folded_area > kFoldedAreaLimit)
+      fit_.warnings.push_back(
+          {.code = "folded-area",
+           .message = shortest(quality.folded_area * 100) +
+                      " % of the surface is folded (turned by more than 90 degrees from its "
+                      "face), first at face " +
+                      std::to_string(tiles.folded_faces.front()),
+           .count = 1,
+           .first = tiles.folded_faces.front()});
+  }
+
+  [[nodiscard]] FileExtras extras() const {
+    FitOptions fitted;
+    fitted.method = InterpolationMethod::Progressive;
+    fitted.weights = options_.weights;
+    fitted.solver = options_.solver;
+    fitted.tolerance = options_.tolerance;
+    fitted.sharp = options_.sharp;
+    Interpolation result;
+    result.converged = fit_.solution.converged;
+    result.iterations = fit_.solution.iterations;
+    result.error = fit_.solution.error;
+    return fit_extras(fitted, options_.creases, result);
+  }
+
   void note_figures(const PartRows& rows) {
     own_.rank = ranks_.rank;
     own_.vertices = part_.owned_count();
@@ -147,7 +228,12 @@ class DistributedJob {
     (void)gethostname(own_.host.data(), own_.host.size() - 1);
   }
 
-  // The solve needs rows and owned vertices only.
+  [[nodiscard]] std::int64_t block_vertices() const {
+    return options_.tiles.empty() ? options_.block_vertices
+                                  : options_.tiles_options.tile_vertices / 4;
+  }
+
+  // All but the owned vertices.
   void drop_rings() {
     MeshPart kept;
     kept.layout = part_.layout;
@@ -178,6 +264,8 @@ class DistributedJob {
   Layout vertices_;
   CageFaces cage_faces_;
   MeshPart part_;
+  std::vector<glm::dvec3> cage_;  // of owned vertices
+  std::optional<StagedTileset> staged_tiles_;
   RankFigures own_;
   DistributedFit fit_;
 };
@@ -198,6 +286,8 @@ DistributedFit fit_distributed(const Ranks& ranks, const std::function<MeshSlice
   job.distribute();
   PartRows rows = job.make_part_rows();
   job.solve(std::move(rows));
+  job.place_cage();
+  job.write_tiles();
   return job.finish(before_commit);
 }
 

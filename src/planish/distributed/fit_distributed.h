@@ -3,11 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/distributed/job_watch.h"
+#include "planish/distributed/part_tiles.h"
 #include "planish/distributed/petsc_solve.h"
 #include "planish/distributed/read_slices.h"
 #include "planish/mesh/placement.h"
@@ -24,6 +26,14 @@ struct DistributedOptions {
   std::string name = "mesh";             ///< of the input, in messages
   std::string cage;                      ///< path of a .ply; empty: none
   std::vector<std::string> cage_header;  ///< comment lines of it
+  /// Path of a document of 3D Tiles; empty: none. Its blocks are then a quarter of tile_vertices,
+  /// and block_vertices does not count.
+  std::string tiles;
+  /// gltf.double_sided and gltf.extras are what the fit says.
+  TilesOptions tiles_options;
+  std::string creases = "use";  ///< what the document says of them
+  /// What an ended job of the same input and options has left of its tiles is not made again.
+  bool resume = false;
 };
 
 /// What one rank did; a plain struct, so that rank 0 can gather them.
@@ -39,15 +49,17 @@ struct DistributedFit {
   std::array<std::int64_t, 4> kinds{};  ///< vertices by VertexKind
   Placement placement;
   double spectral_bound = 0;
+  bool has_boundary = false;
+  std::optional<PartTiles> tiles;      ///< where they were asked for
   PetscSolution solution;              ///< the displacement is of this rank's vertices
   std::vector<std::int64_t> file_ids;  ///< of those: numbers in the file
   std::vector<Warning> warnings;
   std::vector<RankFigures> ranks;  ///< on rank 0
 };
 
-/// Reads by `read`, finds the control points and writes the cage, all ranks together. Called before
-/// the cage is renamed into place, `before_commit` may prepare what belongs to it (all ranks).
-/// Throws AgreedError as its parts.
+/// Reads by `read`, finds the control points and writes the tiles and the cage, all ranks together.
+/// Called before they are renamed into place, `before_commit` may prepare what belongs to it (all
+/// ranks). Throws AgreedError as its parts.
 [[nodiscard]] DistributedFit fit_distributed(
     const Ranks& ranks, const std::function<MeshSlice()>& read, const DistributedOptions& options,
     JobWatch& watch, const std::function<void(const DistributedFit&)>& before_commit = {});

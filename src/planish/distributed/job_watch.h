@@ -14,7 +14,7 @@ namespace planish {
 
 /// The parts of a job in their order.
 inline constexpr std::string_view kPhases[] = {"read", "sort",  "faces", "rings",
-                                               "rows", "solve", "write"};
+                                               "rows", "solve", "tiles", "write"};
 
 /// What a phase took on this rank.
 struct PhaseFigures {

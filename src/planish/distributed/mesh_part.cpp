@@ -176,6 +176,17 @@ void route_tags(const Ranks& ranks, const MeshSlice& slice, MeshPart& part) {
     part.corners.push_back({part.local_of(corner.vertex), corner.sharpness, corner.index});
 }
 
+// Holes are few: every rank knows all.
+void gather_holes(const Ranks& ranks, const MeshSlice& slice, MeshPart& part) {
+  RawVector<std::int64_t> copies;
+  for (int r = 0; r < ranks.size; ++r)
+    copies.insert(copies.end(), slice.holes.begin(), slice.holes.end());
+  const std::vector<std::int64_t> counts(ranks.size, std::ssize(slice.holes));
+  const auto all = all_to_all<std::int64_t>(ranks, copies, counts);
+  part.holes.assign(all.begin(), all.end());
+  std::ranges::sort(part.holes);
+}
+
 }  // namespace
 
 std::int32_t MeshPart::local_of(std::int64_t number) const {
@@ -204,7 +215,56 @@ MeshPart make_part(const Ranks& ranks, FaceStream first_ring, MeshSlice& slice, 
   fetch_ghosts(ranks, part);
   gather_around(part);
   route_tags(ranks, slice, part);
+  gather_holes(ranks, slice, part);
   return part;
+}
+
+void fetch_ghost_tags(const Ranks& ranks, MeshPart& part) {
+  if (sum_over(ranks, std::ssize(part.creases) + std::ssize(part.corners)) == 0) return;
+  // By owned vertex: its tags, as numbers along the curve; v1 is -1 for a corner.
+  struct Tag {
+    std::int64_t v0, v1;
+    std::int64_t index, file_v0, file_v1;
+    double sharpness;
+  };
+  std::vector<std::pair<std::int64_t, Tag>> tags;
+  const auto number = [&](std::int32_t v) { return v < 0 ? -1 : part.number_of(v); };
+  for (const PartCrease& c : part.creases) {
+    for (const std::int32_t end : {c.v0, c.v1}) {
+      if (end < 0 || end >= part.owned_count() || c.v0 < 0 || c.v1 < 0) continue;
+      tags.push_back(
+          {number(end), {number(c.v0), number(c.v1), c.index, c.file_v0, c.file_v1, c.sharpness}});
+    }
+  }
+  for (const PartCorner& c : part.corners)
+    tags.push_back({number(c.vertex), {number(c.vertex), -1, c.index, 0, 0, c.sharpness}});
+  std::ranges::stable_sort(tags, {}, [](const auto& tag) { return tag.first; });
+  std::vector<std::int64_t> asked(ranks.size, 0), counts(ranks.size, 0), asking;
+  for (const std::int64_t ghost : part.ghosts) ++asked[owner_of(part.layout, ghost)];
+  const auto wanted = all_to_all<std::int64_t>(ranks, part.ghosts, asked, &asking);
+  RawVector<Tag> reply;
+  std::size_t at = 0;
+  for (int r = 0; r < ranks.size; ++r) {
+    const std::size_t before = reply.size();
+    for (std::int64_t k = 0; k < asking[r]; ++k, ++at) {
+      const auto found =
+          std::ranges::equal_range(tags, wanted[at], {}, [](const auto& tag) { return tag.first; });
+      for (const auto& tag : found) reply.push_back(tag.second);
+    }
+    counts[r] = static_cast<std::int64_t>(reply.size() - before);
+  }
+  for (const Tag& tag : all_to_all<Tag>(ranks, reply, counts)) {
+    const auto sharpness = static_cast<float>(tag.sharpness);
+    const std::int32_t v0 = part.local_of(tag.v0);
+    if (tag.v1 < 0) {
+      part.ghost_corners.push_back({v0, sharpness, tag.index});
+    } else {
+      part.ghost_creases.push_back(
+          {v0, part.local_of(tag.v1), sharpness, tag.index, tag.file_v0, tag.file_v1});
+    }
+  }
+  std::ranges::sort(part.ghost_creases, {}, &PartCrease::index);
+  std::ranges::sort(part.ghost_corners, {}, &PartCorner::index);
 }
 
 }  // namespace planish

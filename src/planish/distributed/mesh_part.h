@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -10,7 +11,7 @@
 
 namespace planish {
 
-/// A tagged edge at an owned vertex, by local numbers; -1: no vertex of the part, so no edge.
+/// A tagged edge at a vertex of the part, by local numbers; -1: no vertex of the part, so no edge.
 struct PartCrease {
   std::int32_t v0, v1;
   float sharpness;
@@ -18,7 +19,7 @@ struct PartCrease {
   std::int64_t file_v0, file_v1;
 };
 
-/// A tagged vertex that is owned.
+/// A tagged vertex.
 struct PartCorner {
   std::int32_t vertex;
   float sharpness;
@@ -39,6 +40,10 @@ struct MeshPart {
   std::vector<std::int32_t> first_around, faces_around;      ///< by local vertex: its faces
   std::vector<PartCrease> creases;                           ///< ascending by index
   std::vector<PartCorner> corners;
+  /// Those at ghosts, for whoever needs the whole of a face: an edge may be in both lists.
+  std::vector<PartCrease> ghost_creases;
+  std::vector<PartCorner> ghost_corners;
+  std::vector<std::int64_t> holes;  ///< faces of the whole mesh that are not shown, ascending
 
   [[nodiscard]] std::int32_t owned_count() const {
     return static_cast<std::int32_t>(layout[rank + 1] - layout[rank]);
@@ -60,6 +65,9 @@ struct MeshPart {
   [[nodiscard]] std::int64_t number_of(std::int32_t vertex) const {
     return vertex < owned_count() ? layout[rank] + vertex : ghosts[vertex - owned_count()];
   }
+  [[nodiscard]] bool is_hole(std::int32_t face) const {
+    return std::ranges::binary_search(holes, face_ids[face]);
+  }
   /// -1 for a number that is not here.
   [[nodiscard]] std::int32_t local_of(std::int64_t number) const;
 };
@@ -77,5 +85,8 @@ using FaceStream = RawVector<std::int64_t>;
 /// part is more than 32 bits count.
 [[nodiscard]] MeshPart make_part(const Ranks& ranks, FaceStream first_ring, MeshSlice& slice,
                                  CurveOrder order);
+
+/// Fetches ghost_creases and ghost_corners from the owners of ghosts.
+void fetch_ghost_tags(const Ranks& ranks, MeshPart& part);
 
 }  // namespace planish

@@ -35,7 +35,8 @@ struct MeshSlice {
   std::vector<std::int64_t> face_vertices;  ///< numbers in the file, all in range
   std::vector<SliceCrease> creases;
   std::vector<SliceCorner> corners;
-  std::vector<Warning> warnings;  ///< the same on all ranks
+  std::vector<std::int64_t> holes;  ///< faces that are not shown; numbers in the file, any rank's
+  std::vector<Warning> warnings;    ///< the same on all ranks
 
   [[nodiscard]] std::int64_t vertex_total() const { return vertices.back(); }
   [[nodiscard]] std::int64_t face_total() const { return faces.back(); }

@@ -85,6 +85,7 @@ class RowMaker {
         row_of_[sub.vertices[v] - begin] = static_cast<std::int32_t>(v);
     for (const std::int32_t row : row_of_) {
       if (row >= 0) {
+        rows_.has_boundary |= split.topology().is_boundary_vertex(row);
         ++rows_.kinds[static_cast<std::size_t>(features.vertex_kinds[row])];
         for (std::int32_t k = masks.offsets[row]; k < masks.offsets[row] + masks.sizes[row]; ++k) {
           rows_.columns.push_back(sub.vertices[masks.indices[k]]);
@@ -164,6 +165,7 @@ PartRows make_rows(const Ranks& ranks, const MeshPart& part, const std::string& 
   PartRows rows;
   agree(ranks, [&] { rows = maker.finish(); });
   rows.spectral_bound = min_over(ranks, rows.spectral_bound);
+  rows.has_boundary = max_over(ranks, std::int64_t{rows.has_boundary}) > 0;
   return rows;
 }
 

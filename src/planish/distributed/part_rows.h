@@ -33,6 +33,7 @@ struct PartRows {
   std::vector<glm::dvec3> ghost_points;  ///< where they are
   double spectral_bound = 1;             ///< of all ranks
   std::array<std::int64_t, 4> kinds{};   ///< owned vertices by VertexKind
+  bool has_boundary = false;             ///< any rank's
 
   [[nodiscard]] std::int32_t row_count() const {
     return static_cast<std::int32_t>(offsets.size()) - 1;

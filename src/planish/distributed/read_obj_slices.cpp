@@ -93,6 +93,7 @@ void append_part(ObjPart& part, const ObjTags& tags, const std::string& place, O
   for (const CornerVertex& corner : mesh.corners)
     slice.corners.push_back(
         {corner.vertex, corner.sharpness, static_cast<std::int64_t>(slice.corners.size())});
+  slice.holes.insert(slice.holes.end(), mesh.hole_faces.begin(), mesh.hole_faces.end());
   const auto note = [&](std::int64_t& largest, const LargestIndex& from) {
     if (from.index <= largest) return;
     largest = from.index;

@@ -85,6 +85,7 @@ MeshSlice scatter_mesh(const Ranks& ranks, const PolygonMesh& mesh) {
     for (std::size_t i = 0; i < mesh.corners.size(); ++i)
       slice.corners.push_back(
           {mesh.corners[i].vertex, mesh.corners[i].sharpness, static_cast<std::int64_t>(i)});
+    slice.holes.assign(mesh.hole_faces.begin(), mesh.hole_faces.end());
   }
   const auto own = all_to_all<glm::dvec3>(ranks, positions, counts);
   slice.positions.assign(own.begin(), own.end());

@@ -25,26 +25,33 @@ void SubMeshMaker::take_vertices(std::span<const std::int32_t> faces,
       if (std::exchange(vertex_stamps_[vertex], stamp_) != stamp_) vertices.push_back(vertex);
 }
 
-void SubMeshMaker::choose_faces(std::int32_t begin, std::int32_t end, Rings rings) {
-  faces_.clear();
-  vertices_.clear();
+// The faces whose first vertex is in the run.
+void SubMeshMaker::take_own(std::int32_t begin, std::int32_t end) {
   const auto is_first_in_run = [&](std::int32_t face) {
     const auto named = part_.face(face);
     const std::int32_t first =
         *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part_.number_of(v); });
     return first >= begin && first < end;
   };
-  for (std::int32_t v = begin; v < end; ++v) {
-    if (rings != Rings::None) {
-      take_around(v, faces_);
-      continue;
-    }
+  for (std::int32_t v = begin; v < end; ++v)
     for (const std::int32_t face : part_.around(v))
       if (is_first_in_run(face) && std::exchange(face_stamps_[face], stamp_) != stamp_)
         faces_.push_back(face);
+  own_ = faces_;
+  std::ranges::sort(own_);
+}
+
+void SubMeshMaker::choose_faces(std::int32_t begin, std::int32_t end, Rings rings) {
+  faces_.clear();
+  vertices_.clear();
+  own_.clear();
+  if (rings == Rings::None || rings == Rings::Whole) {
+    take_own(begin, end);
+  } else {
+    for (std::int32_t v = begin; v < end; ++v) take_around(v, faces_);
   }
   take_vertices(faces_, vertices_);
-  if (rings == Rings::Two) {
+  if (rings == Rings::Two || rings == Rings::Whole) {
     const std::size_t inner = vertices_.size();
     std::vector<std::int32_t> outer;
     for (std::size_t i = 0; i < inner; ++i) take_around(vertices_[i], outer);
@@ -140,6 +147,45 @@ void SubMeshMaker::add_tags(std::int32_t begin, std::int32_t end, SubMesh& sub) 
       sub.mesh.corners.push_back({numbers_[corner.vertex], corner.sharpness});
 }
 
+void SubMeshMaker::add_whole(SubMesh& sub) {
+  add_all_tags(sub);
+  sub.is_own.resize(faces_.size());
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    sub.is_own[f] = std::ranges::binary_search(own_, faces_[f]) ? 1 : 0;
+    if (part_.is_hole(faces_[f])) sub.mesh.hole_faces.push_back(static_cast<std::int32_t>(f));
+  }
+}
+
+// In the order of the file, each once.
+void SubMeshMaker::add_all_tags(SubMesh& sub) {
+  const auto is_whole = [&](std::int32_t v) { return v >= 0 && whole_stamps_[v] == stamp_; };
+  const auto is_here = [&](std::int32_t v) { return v >= 0 && vertex_stamps_[v] == stamp_; };
+  std::int64_t last = -1;
+  const auto add_crease = [&](const PartCrease& c) {
+    if (c.index == last || !is_here(c.v0) || !is_here(c.v1)) return;
+    const bool is_met =
+        (is_whole(c.v0) && is_edge(c.v0, c.v1)) || (is_whole(c.v1) && is_edge(c.v1, c.v0));
+    if (!is_met) return;
+    last = c.index;
+    sub.mesh.creases.push_back({numbers_[c.v0], numbers_[c.v1], c.sharpness});
+  };
+  std::size_t ghost = 0;
+  for (const PartCrease& crease : part_.creases) {
+    for (; ghost < part_.ghost_creases.size() && part_.ghost_creases[ghost].index < crease.index;
+         ++ghost)
+      add_crease(part_.ghost_creases[ghost]);
+    add_crease(crease);
+  }
+  for (; ghost < part_.ghost_creases.size(); ++ghost) add_crease(part_.ghost_creases[ghost]);
+  std::vector<PartCorner> corners;
+  for (const auto* list : {&part_.corners, &part_.ghost_corners})
+    for (const PartCorner& corner : *list)
+      if (is_whole(corner.vertex)) corners.push_back(corner);
+  std::ranges::sort(corners, {}, &PartCorner::index);
+  for (const PartCorner& corner : corners)
+    sub.mesh.corners.push_back({numbers_[corner.vertex], corner.sharpness});
+}
+
 SubMesh SubMeshMaker::make(std::int32_t begin, std::int32_t end, Rings rings) {
   ++stamp_;
   SubMesh sub;
@@ -160,7 +206,8 @@ SubMesh SubMeshMaker::make(std::int32_t begin, std::int32_t end, Rings rings) {
     const std::int32_t within = corner_numbers_[i] - part_.face_offsets[face];
     sub.mesh.face_vertices[sub.mesh.face_offsets[place] + within] = corner_numbers_[i + 1];
   }
-  if (rings != Rings::None) add_tags(begin, end, sub);
+  if (rings == Rings::One || rings == Rings::Two) add_tags(begin, end, sub);
+  if (rings == Rings::Whole) add_whole(sub);
   return sub;
 }
 

@@ -16,6 +16,7 @@ struct SubMesh {
   PolygonMesh mesh;                    ///< with positions, and the tags at vertices of the run
   std::vector<std::int32_t> vertices;  ///< of each vertex: the part's
   std::vector<std::int32_t> faces;     ///< of each face: the part's
+  std::vector<std::uint8_t> is_own;    ///< of each face, with Rings::Whole: it would be in None
   std::int32_t copy_count = 0;
 };
 
@@ -24,6 +25,9 @@ enum class Rings {
   None,  ///< those whose first vertex along the curve is in the run
   One,   ///< those with a vertex in the run
   Two,   ///< and those that share a vertex with one of them
+  /// Those of None, which come with all that meets them: the others share a vertex with one of
+  /// them. Tags are those at their vertices, ghosts' too.
+  Whole,
 };
 
 /// Makes sub meshes of one part, one after another.
@@ -38,15 +42,19 @@ class SubMeshMaker {
   void take_around(std::int32_t vertex, std::vector<std::int32_t>& faces);
   void take_vertices(std::span<const std::int32_t> faces, std::vector<std::int32_t>& vertices);
   void choose_faces(std::int32_t begin, std::int32_t end, Rings rings);
+  void take_own(std::int32_t begin, std::int32_t end);
   void number_vertices(SubMesh& sub);
   void split_fans(std::int32_t vertex, SubMesh& sub);
   void add_tags(std::int32_t begin, std::int32_t end, SubMesh& sub);
+  void add_whole(SubMesh& sub);
+  void add_all_tags(SubMesh& sub);
   [[nodiscard]] bool is_edge(std::int32_t v0, std::int32_t v1) const;
 
   const MeshPart& part_;
   std::int32_t stamp_ = 0;  // of the sub mesh in the making
   std::vector<std::int32_t> face_stamps_, vertex_stamps_, whole_stamps_;  // in it; all around too
   std::vector<std::int32_t> faces_, vertices_;  // of the part, in the making
+  std::vector<std::int32_t> own_;               // of the faces those of the run, ascending
   std::vector<std::int32_t> numbers_;           // by vertex of the part: that in the sub mesh
   std::vector<std::int32_t> corner_numbers_;    // by corner of the part, of vertices with copies
 };

@@ -17,23 +17,6 @@ constexpr const char* kFiles = "Files";
 constexpr const char* kSurface = "Surface";
 constexpr const char* kPoints = "Points (inputs without faces)";
 
-std::vector<int> parse_levels(const std::string& text) {
-  std::vector<std::int64_t> values;
-  const char* at = text.data();
-  const char* const end = text.data() + text.size();
-  while (true) {
-    std::int64_t value = 0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    if (error != std::errc() || (next != end && *next != ',')) {
-      refuse("--levels", "\"" + visible(text) + "\" is no list of levels such as 2 or 3,1");
-    }
-    values.push_back(value);
-    if (next == end) break;
-    at = next + 1;
-  }
-  return checked_levels(values, "--levels");
-}
-
 FileFormat output_format_of(const FitFlags& flags, FormatUse use, FileFormat initial) {
   if (flags.output_format.empty()) return initial;
   for (const FormatInfo& info : formats())
@@ -104,6 +87,23 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
 }
 
 }  // namespace
+
+std::vector<int> parse_levels(const std::string& text) {
+  std::vector<std::int64_t> values;
+  const char* at = text.data();
+  const char* const end = text.data() + text.size();
+  while (true) {
+    std::int64_t value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || (next != end && *next != ',')) {
+      refuse("--levels", "\"" + visible(text) + "\" is no list of levels such as 2 or 3,1");
+    }
+    values.push_back(value);
+    if (next == end) break;
+    at = next + 1;
+  }
+  return checked_levels(values, "--levels");
+}
 
 void add_fit_flags(CLI::App& command, FitFlags& flags) {
   add_file_flags(command, flags);

@@ -26,6 +26,8 @@ void add_fit_flags(CLI::App& command, FitFlags& flags);
 // Each throws Error{InvalidArgument} naming the flag.
 [[nodiscard]] std::optional<FileFormat> input_format_of(const FitFlags& flags);
 [[nodiscard]] Settings settings_of(const FitFlags& flags);
+/// "2" or "3,1" of --levels.
+[[nodiscard]] std::vector<int> parse_levels(const std::string& text);
 [[nodiscard]] int workers_of(const FitFlags& flags);
 
 /// The job of one input. With several inputs `-o` and `--cage` have to name folders; report

@@ -1,0 +1,56 @@
+#include "planish/distributed/staged_tileset.h"
+
+#include <system_error>
+#include <utility>
+
+#include "planish/core/error.h"
+#include "planish/files/tiles/write_tiles.h"
+
+namespace planish {
+
+namespace fs = std::filesystem;
+
+StagedTileset::StagedTileset(const Ranks& ranks, fs::path document, bool resume)
+    : ranks_(ranks), document_(std::move(document)) {
+  part_ = document_.parent_path() / ("." + document_.filename().string() + ".part");
+  agree(ranks_, [&] {
+    if (ranks_.rank != 0) return;
+    std::error_code error;
+    if (!resume) fs::remove_all(part_, error);
+    for (const fs::path& folder : {tile_folder(this->document()), records()}) {
+      if (!error) fs::create_directories(folder, error);
+      if (error)
+        throw Error(ErrorCode::UnwritableOutput, document_.string() + ": cannot make " +
+                                                     folder.string() + ": " + error.message());
+    }
+  });
+}
+
+StagedTileset::~StagedTileset() {
+  std::error_code ignored;
+  if (ranks_.rank == 0) fs::remove_all(part_, ignored);
+}
+
+void StagedTileset::move_into_place() const {
+  std::error_code error;
+  const auto move = [&](const fs::path& from, const fs::path& to) {
+    fs::rename(from, to, error);
+    if (error)
+      throw Error(ErrorCode::UnwritableOutput,
+                  document_.string() + ": cannot be put in place: " + error.message());
+  };
+  const fs::path folder = tile_folder(document_);
+  for (const fs::path& old : {document_, folder})
+    if (fs::exists(fs::symlink_status(old, error)))
+      move(old, part_ / (old.filename().string() + ".replaced"));
+  move(tile_folder(document()), folder);
+  move(document(), document_);
+}
+
+void StagedTileset::commit() {
+  agree(ranks_, [&] {
+    if (ranks_.rank == 0) move_into_place();
+  });
+}
+
+}  // namespace planish
