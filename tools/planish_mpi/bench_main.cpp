@@ -1,7 +1,8 @@
 // planish-mpi-bench --generate torus:N: fits a torus of about N vertices, 3-, 4- and 6-gons, which
 // every rank makes its slice of, so that no file and no machine has to hold it. Prints what each
-// phase took, and bytes a vertex.
+// phase took, CPU time without waiting for others, and bytes a vertex.
 #include <mpi.h>
+#include <time.h>
 
 #include <algorithm>
 #include <charconv>
@@ -9,11 +10,36 @@
 #include <cstdio>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "planish/core/error.h"
 #include "planish/distributed/fit_distributed.h"
 
 namespace planish {
+namespace {
+
+double seconds_of(clockid_t clock) {
+  timespec time{};
+  (void)clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// CPU time of this thread inside MPI, where it waits by looking again and again.
+double seconds_in_mpi = 0;
+
+}  // namespace
+
+class MpiTimer {
+ public:
+  MpiTimer() : begin_(seconds_of(CLOCK_THREAD_CPUTIME_ID)) {}
+  ~MpiTimer() { seconds_in_mpi += seconds_of(CLOCK_THREAD_CPUTIME_ID) - begin_; }
+  MpiTimer(const MpiTimer&) = delete;
+  MpiTimer& operator=(const MpiTimer&) = delete;
+
+ private:
+  double begin_;
+};
+
 namespace {
 
 // The same bits wherever a vertex is made.
@@ -94,8 +120,32 @@ std::int64_t wanted_vertices(int argc, char** argv) {
   }
   if (count < 64)
     throw Error(ErrorCode::InvalidArgument,
-                "usage: planish-mpi-bench --generate torus:N [CAGE.ply], N from 64");
+                "usage: planish-mpi-bench --generate torus:N [CAGE.ply] [TILES.json [LEVEL]], N "
+                "from 64");
   return count;
+}
+
+void take_outputs(const std::vector<std::string>& arguments, DistributedOptions& options) {
+  for (const std::string& argument : arguments) {
+    if (argument.ends_with(".ply")) {
+      options.cage = argument;
+    } else if (argument.ends_with(".json")) {
+      options.tiles = argument;
+      options.tiles_options.gltf.name = "torus";
+    } else {
+      options.tiles_options.level = std::stoi(argument);
+    }
+  }
+}
+
+// What each rank worked, on all of its threads: what a core of a quiet machine would take.
+void print_work(const Ranks& ranks, const DistributedFit& fit) {
+  const double work = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - seconds_in_mpi;
+  const double most = max_over(ranks, work), least = min_over(ranks, work);
+  const double share = static_cast<double>(fit.vertices) / ranks.size / 1e6;
+  if (ranks.rank == 0)
+    std::printf("  CPU a rank without MPI %.2f to %.2f s, at most %.2f s a million vertices\n",
+                least, most, most / share);
 }
 
 void print(const DistributedFit& fit) {
@@ -126,6 +176,35 @@ void print(const DistributedFit& fit) {
 }  // namespace
 }  // namespace planish
 
+// MPI's profiling interface: whoever calls these, PETSc too, comes here first.
+#define PLANISH_TIMED(name, parameters, arguments) \
+  extern "C" int MPI_##name parameters {           \
+    const planish::MpiTimer timer;                 \
+    return PMPI_##name arguments;                  \
+  }
+PLANISH_TIMED(Allreduce, (const void* a, void* b, int n, MPI_Datatype t, MPI_Op o, MPI_Comm c),
+              (a, b, n, t, o, c))
+PLANISH_TIMED(Exscan, (const void* a, void* b, int n, MPI_Datatype t, MPI_Op o, MPI_Comm c),
+              (a, b, n, t, o, c))
+PLANISH_TIMED(Allgather,
+              (const void* a, int n, MPI_Datatype t, void* b, int m, MPI_Datatype u, MPI_Comm c),
+              (a, n, t, b, m, u, c))
+PLANISH_TIMED(Alltoall,
+              (const void* a, int n, MPI_Datatype t, void* b, int m, MPI_Datatype u, MPI_Comm c),
+              (a, n, t, b, m, u, c))
+PLANISH_TIMED(Alltoallv,
+              (const void* a, const int* n, const int* p, MPI_Datatype t, void* b, const int* m,
+               const int* q, MPI_Datatype u, MPI_Comm c),
+              (a, n, p, t, b, m, q, u, c))
+PLANISH_TIMED(Bcast, (void* a, int n, MPI_Datatype t, int r, MPI_Comm c), (a, n, t, r, c))
+PLANISH_TIMED(Recv, (void* a, int n, MPI_Datatype t, int r, int g, MPI_Comm c, MPI_Status* s),
+              (a, n, t, r, g, c, s))
+PLANISH_TIMED(Barrier, (MPI_Comm c), (c))
+PLANISH_TIMED(Wait, (MPI_Request * r, MPI_Status* s), (r, s))
+PLANISH_TIMED(Waitall, (int n, MPI_Request r[], MPI_Status s[]), (n, r, s))
+PLANISH_TIMED(Waitany, (int n, MPI_Request r[], int* i, MPI_Status* s), (n, r, i, s))
+#undef PLANISH_TIMED
+
 int main(int argc, char** argv) {
   using namespace planish;
   int provided = 0;
@@ -137,10 +216,11 @@ int main(int argc, char** argv) {
     const TorusSlices torus(wanted_vertices(argc, argv));
     JobWatch watch(ranks.rank);
     DistributedOptions options;
-    if (argc > 3) options.cage = argv[3];
+    take_outputs(std::vector<std::string>(argv + 3, argv + argc), options);
     const DistributedFit fit = fit_distributed(
         ranks, [&] { return torus.make(ranks); }, options, watch);
     if (ranks.rank == 0) print(fit);
+    print_work(ranks, fit);
   } catch (const std::exception& error) {
     if (ranks.rank == 0) std::fprintf(stderr, "planish-mpi-bench: %s\n", error.what());
     status = 2;
