@@ -232,13 +232,31 @@ struct FairCurvePoint {
 // What the construction counts: edges and faces turned over, per round of repair.
 PLANISH_SHARED_CONSTANT kRepairRounds = 3u;
 PLANISH_SHARED_CONSTANT kRepairCounts = 8u;  // (kRepairRounds + 1) * edges and faces
-PLANISH_SHARED_CONSTANT kFairCounts = 16u;   // words: two repairs
+// Then how many vertices each round of the cure changed, two words a round as fair_round reads
+// them; then edges and faces turned over in the end.
+PLANISH_SHARED_CONSTANT kCureRounds = 6u;
+PLANISH_SHARED_CONSTANT kCureCounts = 16u;  // the first of them
+PLANISH_SHARED_CONSTANT kEndCounts = 28u;
+PLANISH_SHARED_CONSTANT kFairCounts = 30u;
 
 // FairDecisions of a vertex in one word: halvings before the polish, and kLateShift bits higher
-// those after it, then whether its polygon was reversed.
+// those after it, then whether its polygon was reversed; in the highest byte its rounds of the
+// cure.
 PLANISH_SHARED_CONSTANT kHalvingsMask = 0xffu;
 PLANISH_SHARED_CONSTANT kLateShift = 8u;
 PLANISH_SHARED_CONSTANT kReversed = 0x10000u;
+PLANISH_SHARED_CONSTANT kCureShift = 24u;
+
+// What the cure knows of a vertex, in its word of flags. While it looks for what is turned away:
+// the first three, and in place of the others the float whose lowest bits they are: the least
+// cosine that the places around the vertex must have with its faces, 0 where they need not be
+// looked at. After that: what is to be done.
+PLANISH_SHARED_CONSTANT kBad = 1u;
+PLANISH_SHARED_CONSTANT kTouched = 2u;        // in a face with a changed one
+PLANISH_SHARED_CONSTANT kChanged = 4u;        // by the last round
+PLANISH_SHARED_CONSTANT kCureFlags = 0xfu;    // all bits of them and of the next
+PLANISH_SHARED_CONSTANT kRebuild = 8u;        // by a perpendicular polygon
+PLANISH_SHARED_CONSTANT kQuartersShift = 8u;  // and how often it is scaled by a quarter after that
 
 // The dispatches of a round of repair whose work groups the device decides, in the order of their
 // arguments.
@@ -263,13 +281,16 @@ PLANISH_SHARED_CONSTANT kMostSumGroups = 1024u;
 struct FairParameters {
   uint count;                                    // elements to do
   uint place;                                    // of repair's counts
-  uint start;                                    // 1: the polish begins
+  uint start;                                    // 1: the polish or the cure begins
   uint partial_count;                            // partial sums
   float x, y, z;                                 // origin of the unit coordinates
   float scale;                                   // model units of one unit
   uint decided;                                  // 1: decisions are given, not made
   uint shift;                                    // of repair's halvings in a vertex's decisions
   uint edge_groups, face_groups, vertex_groups;  // that a round of repair takes
+  uint corner_count;                             // where the state's curve points begin
+  uint only_counts;                              // 1: the cure's looks count, and flag nothing
+  uint darts_only;                               // 1: of the curve points
 };
 
 #ifdef __cplusplus

@@ -12,7 +12,7 @@ void main() {
   FOR_ELEMENTS(s) {
     FairCurvePoint place = curve_points[s];
     uint target = parameters.place + s;
-    if (place.kind == kCorner)
+    if (place.kind == kCorner && parameters.darts_only == 0u)
       result[target] = vec4((points_at(place.other).xyz - given_at(place.vertex).xyz) / 4.0, 0.0);
     else if (place.kind == kDart)
       result[target] =

@@ -11,10 +11,12 @@ UPDATE(4, uint, status);  // words of SolveStatus
 
 const uint kStateWord = 1u, kResidualWord = 2u;
 
+bool is_finite(float number) { return (floatBitsToUint(number) & 0x7f800000u) != 0x7f800000u; }
+
 void main() {
   FOR_ELEMENTS(v) {
     FairVertex vertex = vertices_at(v);
-    vec3 error = given_at(v).xyz - given_at(v).xyz;  // nothing, but of points that are no numbers
+    vec3 given_point = given_at(v).xyz, error = vec3(0.0);
     if (has_polygon(vertex)) {
       for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
         error += result_at(places_at(i).corner).xyz;
@@ -23,7 +25,9 @@ void main() {
       error += (result_at(vertex.curve0).xyz + result_at(vertex.curve1).xyz) / 2.0;
     }
     float size = parameters.scale * safe_length(error);
-    bool finite = (floatBitsToUint(error.x + error.y + error.z) & 0x7f800000u) != 0x7f800000u;
+    // What stands around a given point that is no number may be replaced by numbers.
+    bool finite = is_finite(error.x + error.y + error.z) &&
+                  is_finite(given_point.x + given_point.y + given_point.z);
     if (!finite) atomicMax(status[kStateWord], kStateNotFinite);
     atomicMax(status[kResidualWord], finite ? floatBitsToUint(size) : 0x7f800000u);
   }

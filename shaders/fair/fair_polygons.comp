@@ -22,55 +22,11 @@ const float kLeastUsableCoordinate = 0.01;
 // Where nothing balances: small enough to stay clear of the neighbours' polygons.
 const float kLastResortFactor = 0.15;
 
-// balance() of fair/balanced_weights.h. While a local polygon is built, the first two floats of the
-// results are the targets, the last two the blend of what was made of them.
-const int kNewtonSteps = 6;
-const float kLongestStep = 1.5;
-const float kDamping = 1e-9;
-const float kTolerance = 1e-3;
-const float kLargestWeight = 15.0;
-
-vec2 target(FairVertex vertex, uint i) { return result[places_at(vertex.first + i).corner].xy; }
-float weight(FairVertex vertex, uint i, vec2 y) { return exp(-dot(y, target(vertex, i))); }
-// 1 up to the limit, falling to 0 at twice the limit.
-float ramp(float value, float limit) { return clamp(2.0 - value / limit, 0.0, 1.0); }
-
-// Returns how far the weights are to be used.
-float balance(FairVertex vertex, out vec2 y) {
-  y = vec2(0.0);
-  float square = 0.0;
-  for (uint i = 0u; i < vertex.count; ++i) square += dot(target(vertex, i), target(vertex, i));
-  if (!(square > 0.0)) return 0.0;
-  float unit = float(vertex.count) / square;  // 1 / rms^2
-  float sum = 0.0, largest = 0.0;
-  vec2 moment = vec2(0.0);
-  for (int step = 0;; ++step) {
-    moment = vec2(0.0);
-    sum = 0.0;
-    largest = 0.0;
-    float xx = kDamping / unit, xy = 0.0, yy = kDamping / unit;
-    for (uint i = 0u; i < vertex.count; ++i) {
-      vec2 point = target(vertex, i);
-      float s = exp(-dot(y, point));
-      sum += s;
-      largest = max(largest, s);
-      moment += s * point;
-      xx += s * point.x * point.x;
-      xy += s * point.x * point.y;
-      yy += s * point.y * point.y;
-    }
-    if (step == kNewtonSteps) break;
-    float determinant = xx * yy - xy * xy;
-    if (!(determinant > 0.0)) return 0.0;
-    vec2 move = vec2(yy * moment.x - xy * moment.y, xx * moment.y - xy * moment.x) / determinant;
-    float size = sqrt(dot(move, move) / unit);
-    if (size > kLongestStep) move *= kLongestStep / size;
-    y += move;
-  }
-  float left = sqrt(dot(moment, moment) * unit) / sum;
-  if (!(left < INFINITE && largest < INFINITE)) return 0.0;
-  return min(ramp(left, kTolerance), ramp(largest, kLargestWeight));
-}
+// While a local polygon is built, the first two floats of the results are the targets, the last two
+// the blend of what was made of them.
+uint first_target;  // place
+vec2 balance_point(uint i) { return result[places_at(first_target + i).corner].xy; }
+#include "fair_balance.glsl"
 
 void add_to_blend(FairVertex vertex, uint i, vec2 point) {
   result[places_at(vertex.first + i).corner].zw += point;
@@ -83,14 +39,14 @@ float add_corners(Ring ring, float rho) {
     result[places_at(vertex.first + i).corner] =
         vec4(ring_offset(ring, i) - kTranslatedImbalance / rho * ring.mean, 0.0, 0.0);
   vec2 y;
-  float usable = balance(vertex, y);
+  float usable = balance(vertex.count, y);
   if (!(usable > 0.0)) return 0.0;
   float largest = 0.0;
   for (uint i = 0u; i < vertex.count; ++i)
-    if (target(vertex, i) != vec2(0.0)) largest = max(largest, weight(vertex, i, y));
+    if (balance_point(i) != vec2(0.0)) largest = max(largest, weight(i, y));
   float scale = usable * min(1.0, kLongestFactor / largest);
   for (uint i = 0u; i < vertex.count; ++i)
-    add_to_blend(vertex, i, scale * weight(vertex, i, y) * target(vertex, i));
+    add_to_blend(vertex, i, scale * weight(i, y) * balance_point(i));
   return usable;
 }
 
@@ -105,8 +61,8 @@ vec2 edge_point(Ring ring, uint i, vec2 y) {
   RingCorner corner = ring_corner(ring, i);
   Wedge own = usable_wedge(corner);
   uint after = i + 1u == ring.vertex.count ? 0u : i + 1u;
-  return weight(ring.vertex, i, y) * own.along_next * corner.next +
-         weight(ring.vertex, after, y) * own.along_previous * corner.previous;
+  return weight(i, y) * own.along_next * corner.next +
+         weight(after, y) * own.along_previous * corner.previous;
 }
 
 // The same on edges: each takes the parts of its two control points along it and gets one factor.
@@ -122,7 +78,7 @@ float add_edges(Ring ring, float part) {
     before = own.along_previous;
   }
   vec2 y;
-  part *= balance(vertex, y);
+  part *= balance(vertex.count, y);
   if (!(part > 0.0)) return 0.0;
   float largest = 0.0;
   for (uint i = 0u; i < n; ++i) {
@@ -199,6 +155,7 @@ void centre(FairVertex vertex) {
 
 void build_polygon(uint v, FairVertex vertex) {
   Ring ring = ring_of(v, normals_at(v).xyz);
+  first_target = vertex.first;
   // Two control points only: translation puts them on both sides of the vertex.
   float share = vertex.count > 2u ? shares_at(v) : 1.0;
   if (share < 1.0) {

@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
 
+#include "fair/cure_meshes.h"
 #include "fair/fair_case.h"
 #include "planish/fair/net_samples.h"
 #include "planish/fair/vertex_frame.h"
@@ -19,57 +17,6 @@ namespace {
 
 using glm::dvec3;
 using std::int32_t;
-
-// A cylinder as CAD programs cut it: needles along it, caps as fans around one vertex of the rim.
-PolygonMesh needle_rod(int sides, double length) {
-  PolygonMesh mesh;
-  for (const double z : {0.0, length}) {
-    for (int i = 0; i < sides; ++i) {
-      const double angle = 2 * std::numbers::pi * i / sides;
-      mesh.positions.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), z);
-    }
-  }
-  for (int i = 0; i < sides; ++i) {
-    const int next = (i + 1) % sides;
-    mesh.add_face(std::array{i, next, next + sides});
-    mesh.add_face(std::array{i, next + sides, i + sides});
-    if (i == 0 || next == 0) continue;
-    mesh.add_face(std::array{0, next, i});
-    mesh.add_face(std::array{sides, i + sides, next + sides});
-  }
-  return mesh;
-}
-
-// Triangles whose sides are up to 20 times as long as others', on a box with sharp edges.
-PolygonMesh uneven_box() {
-  const std::array<double, 6> lines{0, 1, 1.05, 1.5, 1.52, 3};
-  PolygonMesh mesh;
-  std::vector<int> index(216, -1);
-  const auto vertex = [&](int i, int j, int k) {
-    int& known = index[std::size_t(36 * i + 6 * j + k)];
-    if (known < 0) {
-      known = mesh.vertex_count();
-      mesh.positions.emplace_back(lines[std::size_t(i)], 3 - lines[std::size_t(5 - j)],
-                                  0.4 * lines[std::size_t(k)]);
-    }
-    return known;
-  };
-  const auto side = [&](const auto& at, bool turned) {
-    for (int i = 0; i < 5; ++i) {
-      for (int j = 0; j < 5; ++j) {
-        const int a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
-        mesh.add_face(turned ? std::array{a, c, b} : std::array{a, b, c});
-        mesh.add_face(turned ? std::array{a, d, c} : std::array{a, c, d});
-      }
-    }
-  };
-  for (const int end : {0, 5}) {
-    side([&](int i, int j) { return vertex(i, j, end); }, end == 0);
-    side([&](int i, int j) { return vertex(end, i, j); }, end == 0);
-    side([&](int i, int j) { return vertex(j, end, i); }, end == 0);
-  }
-  return mesh;
-}
 
 // Samples of a net whose normals are turned away from a face that they belong to.
 int folded_samples(const FairCase& c, std::span<const dvec3> state) {

@@ -6,6 +6,9 @@
 #include <limits>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/fair/fair_net.h"
+#include "planish/mesh/placement.h"
+#include "planish/mesh/used_vertices.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
 
@@ -27,6 +30,20 @@ PolygonMesh without_holes(PolygonMesh mesh) {
   return mesh;
 }
 
+// Those that embedding makes: without a look at the finished surface, as fit() has one.
+static FairDecisions decisions_of(const PolygonMesh& pose, const PolygonMesh& rest,
+                                  const SystemOptions& options) {
+  const PolygonMesh mesh = without_unused_vertices(pose).mesh;
+  QuadSplit split(mesh);
+  split.refine(1);
+  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, options.sharp);
+  const Subdivision subdivision(split, features, Weights::DooSabin);
+  const Placement placement = placement_of(without_unused_vertices(rest).mesh);
+  std::vector<glm::dvec3> given = mesh.positions;
+  for (glm::dvec3& p : given) p = placement.to_unit(p);
+  return fair_net(mesh, subdivision, given).decisions;
+}
+
 std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& rest,
                                    const SystemOptions& options) {
   const auto backend = make_cpu_backend();
@@ -36,13 +53,17 @@ std::vector<Vertex> surface_by_cpu(const PolygonMesh& mesh, const PolygonMesh& r
   fitting.sharp = options.sharp;
   fitting.fair_decisions = options.fair_decisions;
   fitting.tolerance = 1e-12;
-  fitting.cures_folds = false;  // embedding does not
   EvaluateOptions evaluation;
   evaluation.level = options.level;
   evaluation.weights = options.weights;
   evaluation.sharp = options.sharp;
   evaluation.rest_positions = rest.positions;
   const PolygonMesh whole = without_holes(mesh);
+  FairDecisions decisions;
+  if (options.method == InterpolationMethod::Fair && !options.fair_decisions) {
+    decisions = decisions_of(whole, without_holes(rest), options);
+    fitting.fair_decisions = &decisions;
+  }
   const SurfaceMesh surface = evaluate(whole, fit(whole, *backend, fitting), *backend, evaluation);
   std::vector<Vertex> vertices(surface.positions.size());
   for (std::size_t i = 0; i < vertices.size(); ++i)

@@ -67,12 +67,13 @@ class FairMachine : public VulkanTest {
 
 /// A net in the making on a device.
 struct DeviceNet {
-  DeviceNet(vulkan::VulkanMachine& machine, const test::FairCase& c, std::uint32_t polish_steps)
+  DeviceNet(vulkan::VulkanMachine& machine, const test::FairCase& c, std::uint32_t polish_steps,
+            const FairDecisions* decisions = nullptr)
       : topology(make_fair_topology(c.mesh, c.subdivision)),
-        records(vulkan::fair_records(topology)),
+        records(vulkan::fair_records(topology, decisions)),
         tables(machine.context, records),
         points(machine.context, c.given.size() * sizeof(glm::vec4), vulkan::MemoryUse::Device),
-        fair(machine.context, tables, points, {polish_steps}) {
+        fair(machine.context, tables, points, {polish_steps, true, true}) {
     tables.for_each(records, [&](const vulkan::Buffer& buffer, std::span<const std::byte> bytes) {
       machine.submitter.upload({buffer.handle(), 0, bytes.size()}, bytes);
     });

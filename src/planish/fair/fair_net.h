@@ -28,7 +28,7 @@ struct FairOptions {
   Callbacks callbacks;
   /// Where given, of a net of the same mesh: these decisions instead of new ones.
   const FairDecisions* decisions = nullptr;
-  /// False: without the cure of needles and sharp turns (fold_cure.h), as embedding builds nets.
+  /// False: without the cure of needles and sharp turns (fold_cure.h).
   bool cures_folds = true;
 };
 

@@ -76,7 +76,7 @@ struct SystemOptions {
   /// Fair: the surface's control points of level 1 are built, without iterations. A System's tables
   /// and all Solves made with them are of one method. Fair surfaces fold beside corners that turn
   /// inward: take with_convex_faces() of such meshes (mesh/convex_faces.h). Needles and sharp turns
-  /// may fold: what FairOptions::cures_folds cures on the host is not cured here.
+  /// are cured as fair_net() does; fit() looks once more, and its decisions say what came of it.
   InterpolationMethod method = InterpolationMethod::Progressive;
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;

@@ -60,8 +60,20 @@ enum class Kernel {
   FairApplyHeights,
   FairMeasure,
   FairState,
+  FairCureEdges,
+  FairCureFaces,
+  FairCureCurves,
+  FairCureVertices,
+  FairCureAround,
+  FairCureSharp,
+  FairCureDecide,
+  FairFaceHeights,
+  FairCurePlanes,
+  FairCurePolygons,
+  FairCureCreases,
+  FairCureCorners,
 };
-inline constexpr std::size_t kKernelCount = 45;
+inline constexpr std::size_t kKernelCount = 57;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);

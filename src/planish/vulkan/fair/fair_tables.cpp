@@ -133,7 +133,8 @@ std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions) {
   for (std::size_t v = 0; v < words.size(); ++v) {
     words[v] = decisions.halvings[v] |
                std::uint32_t{decisions.late_halvings[v]} << shared::kLateShift |
-               (decisions.reversed[v] ? shared::kReversed : 0);
+               (decisions.reversed[v] ? shared::kReversed : 0) |
+               std::uint32_t{decisions.cures[v]} << shared::kCureShift;
   }
   return words;
 }
@@ -145,6 +146,7 @@ FairDecisions unpack_decisions(std::span<const std::uint32_t> words) {
     decisions.halvings.push_back(static_cast<std::uint8_t>(word & shared::kHalvingsMask));
     decisions.late_halvings.push_back(
         static_cast<std::uint8_t>(word >> shared::kLateShift & shared::kHalvingsMask));
+    decisions.cures.push_back(static_cast<std::uint8_t>(word >> shared::kCureShift));
   }
   return decisions;
 }

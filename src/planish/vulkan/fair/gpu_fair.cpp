@@ -1,53 +1,19 @@
 // An own method, step by step that of fair/fair_net.cpp, whose functions are the kernels' twins.
 #include "planish/vulkan/fair/gpu_fair.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <glm/vec3.hpp>
 
-#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/fair/fair_binder.h"
 #include "planish/vulkan/tables/table_slices.h"
 
 namespace planish::vulkan {
 
 namespace {
 
-constexpr std::uint32_t kFairLanes = 64;
 constexpr int kMaskSteps = 3;
 
 }  // namespace
-
-/// Collects passes with the buffers that their kernels bind.
-struct GpuFair::Binder {
-  const Context& context;
-  shared::FairParameters common;
-  std::vector<BoundKernel> bound{};
-
-  Pass& add(Passes& passes, Kernel kernel, std::uint32_t count,
-            std::initializer_list<const Buffer*> buffers) {
-    BoundKernel& kernel_buffers = bound.emplace_back(BoundKernel{kernel, {}});
-    for (const Buffer* buffer : buffers) kernel_buffers.buffers.push_back(whole(*buffer));
-    const std::uint32_t wanted = count / kFairLanes + (count % kFairLanes ? 1 : 0);
-    Pass pass{context.pipelines().specialised(kernel, {}), bound.size() - 1, common,
-              std::min(wanted, context.max_group_count())};
-    pass.parameters.count = count;
-    return passes.emplace_back(pass);
-  }
-
-  // A kernel that writes a partial sum for each of its work groups, of which there is at least one.
-  Pass& add_sum(Passes& passes, Kernel kernel, std::uint32_t count,
-                std::initializer_list<const Buffer*> buffers) {
-    Pass& pass = add(passes, kernel, count, buffers);
-    pass.groups = std::clamp(pass.groups, 1u, shared::kMostSumGroups);
-    return pass;
-  }
-
-  // The kernel of one work group that adds up what the last pass wrote.
-  void add_total(Passes& passes, Kernel kernel, std::initializer_list<const Buffer*> buffers) {
-    const std::uint32_t partial_count = passes.back().groups;
-    add(passes, kernel, 1, buffers).parameters.partial_count = partial_count;
-  }
-};
 
 GpuFair::GpuFair(Context& context, const FairTables& tables, const Buffer& model_points,
                  const GpuFairOptions& options)
@@ -60,10 +26,12 @@ GpuFair::GpuFair(Context& context, const FairTables& tables, const Buffer& model
   binder.common.z = origin.z;
   binder.common.scale = static_cast<float>(tables.placement.diagonal);
   binder.common.decided = tables.is_decided ? 1 : 0;
+  binder.common.corner_count = tables.corner_count;
   plan_prepare(binder, model_points);
   plan_build(binder);
   plan_repair(binder);
   plan_polish(binder);
+  plan_cure(binder);
   plan_finish(binder, model_points);
   sets_ = DescriptorSets(context, binder.bound);
   plan_rounds();
@@ -91,6 +59,10 @@ void GpuFair::make_buffers() {
   make(b.counts, shared::kFairCounts * sizeof(std::uint32_t));
   make(b.arguments, shared::kRoundDispatches * shared::kArgumentWords * sizeof(std::uint32_t));
   make(b.status, sizeof(shared::SolveStatus));
+  if (options_.cures_folds) {
+    make(b.heights, tables_.face_count * sizeof(float));
+    make(b.planes, vertices * kPointBytes);
+  }
   if (options_.polish_steps == 0) return;
   make(b.directions, vertices * kPointBytes);
   for (Buffer* buffer : {&b.rows1, &b.rows2}) make(*buffer, corners * 4 * sizeof(float));
@@ -236,7 +208,6 @@ void GpuFair::add_repair(std::uint32_t which) {
   const std::uint32_t last = first + 2 * shared::kRepairRounds;
   if (tables_.is_decided) {
     add_rounds(shrink_[which]);
-    add_rounds(find_folds_, last);
   } else {
     add_rounds(find_folds_, first);
     for (std::uint32_t place = first; place < last; place += 2) {
@@ -276,7 +247,8 @@ void GpuFair::plan_rounds() {
   end_part();
   if (options_.polish_steps > 0) add_repair(1);
   end_part();
-  add_rounds(curve_points_);
+  add_cure();
+  end_part();
   add_rounds(finish_);
   rounds_.back().wait |= {kKernelScope, kEntryScope};
   end_part();

@@ -12,11 +12,13 @@ namespace planish::vulkan {
 
 struct GpuFairOptions {
   std::uint32_t polish_steps = 8;
+  bool cures_folds = true;    ///< as FairOptions has it
+  bool counts_folds = false;  ///< edges and faces turned over in the end, in Buffers::counts
 };
 
 /// What a construction consists of, in this order.
-enum class FairPart { Clear, Prepare, Build, RepairBuilt, Polish, RepairPolished, Finish };
-inline constexpr std::size_t kFairParts = 7;
+enum class FairPart { Clear, Prepare, Build, RepairBuilt, Polish, RepairPolished, Cure, Finish };
+inline constexpr std::size_t kFairParts = 8;
 
 /// Work buffers, pipelines and written descriptor sets of one fair construction on the device: all
 /// of it in one command buffer, each step a sequence of kernels; the scalars of the polish stay in
@@ -56,6 +58,7 @@ class GpuFair {
     Buffer gradient;                  // float per corner
     Buffer precondition;              // float per vertex
     Buffer partials, scalars;         // floats; shared::FairScalars
+    Buffer heights, planes;           // of the cure: float per face; per vertex, normal and size
     Buffer state;                     // per point of the state, model coordinates
     Buffer state_offsets;             // the same as corner patches take it
     Buffer status;                    // shared::SolveStatus
@@ -77,7 +80,7 @@ class GpuFair {
     std::size_t set;
     shared::FairParameters parameters;
     std::uint32_t groups;
-    std::uint32_t arguments = 0;  // of repair: which of the device's own
+    std::uint32_t arguments = 0;  // of repair and cure: which of the device's own
   };
   using Passes = std::vector<Pass>;
   enum class Action { Clear, ClearFlags, Dispatch, DispatchIndirect };
@@ -95,10 +98,14 @@ class GpuFair {
   void plan_repair(Binder& binder);
   void plan_polish(Binder& binder);
   void plan_polish_step(Binder& binder, Passes& passes, const Buffer& from, const Buffer& to);
+  void plan_cure(Binder& binder);
+  void plan_fold_looks(Binder& binder, Passes& passes);
+  void plan_looks(Binder& binder, Passes& passes);
   void plan_finish(Binder& binder, const Buffer& model_points);
   void plan_rounds();
   void add_rounds(const Passes& passes, std::uint32_t place = 0, Action action = Action::Dispatch);
   void add_repair(std::uint32_t which);
+  void add_cure();
   void record_clear(VkCommandBuffer commands) const noexcept;
 
   Context& context_;

@@ -1,0 +1,121 @@
+// Flags every noted vertex where the places that the next step adds around it are turned too far from its
+// faces: at its control points, on the sides of its polygon, and on those of the faces' polygons that
+// begin or end at it. NetSamples::least_cosine_around() of fair/net_samples.h.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, FairLinks, links)
+READ(3, uint, owners)
+READ(4, vec4, given)
+READ(5, vec4, face_normals)
+READ(6, vec4, result)
+UPDATE(7, uint, flags);
+
+#include "fair_cure.glsl"
+
+const float kTurn = 6.28318531;
+
+// All points are relative to the vertex.
+vec3 origin;
+vec3 point(uint corner) {
+  return (given_at(owners_at(corner)).xyz - origin) + result_at(corner).xyz;
+}
+
+// A dart's ring does not show that it has a sharp edge.
+bool is_smooth(uint corner, uint next) {
+  return links_at(corner).before < parameters.corner_count &&
+         links_at(next).after < parameters.corner_count;
+}
+
+// The points of level 2 around a control point: in its face, and in the polygons of the edges to the
+// next vertex of the face and to the one before.
+vec3 in_face(uint corner, float count) {
+  vec3 own = point(corner), sum = vec3(0.0);
+  uint other = corner;
+  for (float k = 1.0; k < count; ++k) {
+    other = links_at(other).next;
+    sum += (3.0 + 2.0 * cos(kTurn * (k / count))) * (point(other) - own);
+  }
+  return own + sum / (4.0 * count);
+}
+vec3 stepped_quad(vec3 own, vec3 beside, vec3 opposite, vec3 other_beside) {
+  return own + (3.0 * (beside - own) + 3.0 * (other_beside - own) + (opposite - own)) / 16.0;
+}
+vec3 on_next(uint corner) {
+  uint other = links_at(corner).before;
+  return stepped_quad(point(corner), point(links_at(corner).next), point(links_at(other).previous),
+                      point(other));
+}
+vec3 on_previous(uint corner) {
+  uint other = links_at(corner).after;
+  return stepped_quad(point(corner), point(links_at(corner).previous), point(links_at(other).next),
+                      point(other));
+}
+
+// The polygon's first Fourier pair and mean, so that any valence takes two walks.
+struct Pair {
+  vec3 mean, cosine, sine;
+};
+Pair pair_of(FairVertex vertex) {
+  Pair pair = Pair(vec3(0.0), vec3(0.0), vec3(0.0));
+  for (uint i = 0u; i < vertex.count; ++i) {
+    vec3 own = result_at(places_at(vertex.first + i).corner).xyz;
+    float angle = kTurn * (float(i) / float(vertex.count));
+    pair.mean += own;
+    pair.cosine += cos(angle) * own;
+    pair.sine += sin(angle) * own;
+  }
+  pair.mean /= float(vertex.count);
+  return pair;
+}
+vec3 in_polygon(FairVertex vertex, Pair pair, uint i) {
+  float angle = kTurn * (float(i) / float(vertex.count));
+  return 0.25 * result_at(places_at(vertex.first + i).corner).xyz + 0.75 * pair.mean +
+         (cos(angle) * pair.cosine + sin(angle) * pair.sine) / (2.0 * float(vertex.count));
+}
+
+// The least cosine at the places beside the i-th control point of the polygon.
+float least_beside(FairVertex vertex, Pair pair, uint i) {
+  FairPlace place = places_at(vertex.first + i);
+  uint corner = place.corner, following = i + 1u == vertex.count ? 0u : i + 1u;
+  vec4 face_normal = face_normals_at(place.face);
+  uint next = links_at(corner).next, last = links_at(corner).previous;
+  bool next_is_smooth = is_smooth(corner, next);
+  vec3 face = in_face(corner, face_normal.w), own = in_polygon(vertex, pair, i);
+  float least = 1.0;
+  if (next_is_smooth) {
+    vec3 normal = cross(on_previous(next) - face, in_face(next, face_normal.w) - on_next(corner));
+    least = cosine_of(normal, face_normal.xyz);
+  }
+  if (!is_smooth(last, corner)) return least;
+  vec3 edge = on_previous(corner);
+  vec3 normal = cross(face - on_next(last), in_face(last, face_normal.w) - edge);
+  least = min(least, cosine_of(normal, face_normal.xyz));
+  if (next_is_smooth)
+    least = min(least, cosine_of(cross(face - own, edge - on_next(corner)), face_normal.xyz));
+  FairPlace after = places_at(vertex.first + following);
+  vec3 side = cross(on_next(after.corner) - own, in_polygon(vertex, pair, following) - edge);
+  least = min(least, cosine_of(side, face_normal.xyz));
+  return min(least, cosine_of(side, face_normals_at(after.face).xyz));
+}
+
+void main() {
+  FOR_ELEMENTS(v) {
+    uint word = flags[v];
+    if ((word & kTouched) == 0u || (word & kBad) != 0u) continue;
+    FairVertex vertex = vertices_at(v);
+    if (!has_polygon(vertex)) continue;
+    float wanted = uintBitsToFloat(word & ~kCureFlags);
+    if (!(wanted > 0.0)) continue;
+    origin = given_at(v).xyz;
+    Pair pair = pair_of(vertex);
+    for (uint i = 0u; i < vertex.count; ++i) {
+      if (least_beside(vertex, pair, i) >= wanted) continue;
+      flags[v] = word | kBad;
+      break;
+    }
+  }
+}

@@ -1,0 +1,217 @@
+// The perpendicular chains of every crease or boundary vertex that is to have them, and quarters of those
+// that have. build_perpendicular_crease() of fair/perpendicular_curve.h.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, FairLinks, links)
+READ(3, vec4, given)
+READ(4, vec4, face_normals)
+READ(5, vec4, planes)
+READ_STORED(6, uint, flags);
+UPDATE(7, vec4, result);
+
+#include "fair_angles.glsl"
+#include "fair_cure.glsl"
+#include "fair_curve_sectors.glsl"
+#include "fair_scale_ring.glsl"
+
+const int kSectorSteps = 60;
+const int kSectorTiltSteps = 8;
+const float kSeenShareOfSector = 0.2;
+// Of the highest that the edges reach across the curve: what they are balanced about.
+const float kAcrossShare = 0.5;
+const float kHalfTurn = 3.14159265;
+
+// The sector that is done, its plane, and what its edges are balanced about.
+vec3 origin;
+CurveSector sector;
+vec3 along, across;
+float rise, spread;
+
+// Unit; zero where the edge stands on the plane.
+vec2 edge_direction(uint i) {
+  uint end = i < sector.count ? places_at(sector.first + i).next
+                              : places_at(sector.first + sector.count - 1u).previous;
+  vec3 edge = given_at(end).xyz - origin;
+  vec3 flat_edge = vec3(dot(edge, along), dot(edge, across), 0.0);
+  return unit_or_zero(flat_edge).xy;
+}
+vec2 balance_point(uint i) {
+  vec2 edge = edge_direction(i);
+  return vec2(edge.x, (edge.y - rise) / spread);
+}
+#include "fair_balance.glsl"
+#include "fair_chain.glsl"
+
+vec4 worst_of_sector(vec3 direction) {
+  vec4 worst = vec4(0.0, 0.0, 0.0, 2.0);
+  for (uint i = sector.first; i < sector.first + sector.count; ++i) {
+    vec3 normal = face_normals_at(places_at(i).face).xyz;
+    float cosine = dot(direction, normal);
+    if (cosine < worst.w) worst = vec4(normal, cosine);
+  }
+  return worst;
+}
+
+vec3 turned(vec3 v, vec3 otherwise) {
+  vec3 upright = unit_or_zero(v - dot(v, along) * along);
+  return upright == vec3(0.0) ? otherwise : upright;
+}
+
+// As tilted_normal(), among directions at right angles to the curve.
+vec3 tilted_sector_normal(vec3 weighted) {
+  vec3 own = turned(weighted, weighted), direction = own, best = own;
+  float most = -2.0;
+  for (int step = 0; step < kSectorSteps; ++step) {
+    vec4 worst = worst_of_sector(direction);
+    if (worst.w > most) {
+      most = worst.w;
+      best = direction;
+    }
+    direction = turned(direction + (worst.xyz - direction) / (2.0 + float(step)), direction);
+  }
+  float wanted = kSeenShareOfSector * most;
+  if (most <= 0.0 || worst_of_sector(own).w >= wanted) return own;
+  float least = 0.0, enough = 1.0;
+  for (int step = 0; step < kSectorTiltSteps; ++step) {
+    float middle = (least + enough) / 2.0;
+    if (worst_of_sector(turned((1.0 - middle) * own + middle * best, best)).w >= wanted)
+      enough = middle;
+    else
+      least = middle;
+  }
+  return turned((1.0 - enough) * own + enough * best, best);
+}
+
+// Where the convex hull of the edges' directions crosses the line across the curve, the farther of
+// the two times; 0 where they all lie to one side. From any edge on either side to those farthest
+// beyond the line between them, until there is none: a few walks in any valence.
+float highest_across() {
+  vec2 right = vec2(-1.0), left = vec2(1.0);  // none
+  for (uint i = 0u; i <= sector.count; ++i) {
+    vec2 edge = edge_direction(i);
+    if (edge.x >= 0.0 && (right.x < 0.0 || edge.y > right.y)) right = edge;
+    if (edge.x < 0.0 && (left.x >= 0.0 || edge.y > left.y)) left = edge;
+  }
+  if (right.x < 0.0 || left.x >= 0.0) return 0.0;
+  float highest = (right.x * left.y - left.x * right.y) / (right.x - left.x);
+  for (uint walk = 0u; walk <= sector.count; ++walk) {
+    float slope = (right.y - left.y) / (right.x - left.x);
+    float far_right = right.y - slope * right.x, far_left = left.y - slope * left.x;
+    for (uint i = 0u; i <= sector.count; ++i) {
+      vec2 edge = edge_direction(i);
+      float height = edge.y - slope * edge.x;
+      if (edge.x >= 0.0 && height > far_right) {
+        far_right = height;
+        right = edge;
+      } else if (edge.x < 0.0 && height > far_left) {
+        far_left = height;
+        left = edge;
+      }
+    }
+    float higher = (right.x * left.y - left.x * right.y) / (right.x - left.x);
+    if (!(higher > highest)) break;
+    highest = higher;
+  }
+  return max(highest, 0.0);
+}
+
+void enter(CurveSector at, vec3 direction) {
+  sector = at;
+  along = direction;
+  vec3 normal =
+      tilted_sector_normal(angle_weighted_normal(origin, sector.first, sector.count));
+  across = unit_or_zero(cross(normal, along));
+}
+
+// The chain of the sector for a handle of length 1: what scales its sides, so that it ends opposite;
+// returns how far it is to be used.
+float shape_sector(out vec2 y, out float scale) {
+  y = vec2(0.0);
+  scale = 0.0;
+  for (uint i = 0u; i <= sector.count; ++i)
+    if (edge_direction(i) == vec2(0.0)) return 0.0;
+  rise = kAcrossShare * highest_across();
+  if (!(rise > 0.0)) return 0.0;
+  spread = 0.0;
+  for (uint i = 0u; i <= sector.count; ++i) spread = max(spread, abs(edge_direction(i).y - rise));
+  float usable = balance(sector.count + 1u, y);
+  if (!(usable > 0.0)) return 0.0;
+  float sum = 0.0;
+  for (uint i = 0u; i <= sector.count; ++i) sum += weight(i, y) * edge_direction(i).y;
+  if (!(sum > 0.0)) return 0.0;
+  scale = 2.0 / sum;
+  return usable;
+}
+vec2 side(uint i, vec2 y, float scale) {
+  vec2 edge = edge_direction(i);
+  return scale * weight(i, y) * vec2(-edge.y, edge.x);
+}
+
+// The farthest of a chain's points, and how far the chain is to be used.
+vec2 measured_chain() {
+  vec2 y, at = vec2(1.0, 0.0);
+  float scale, usable = shape_sector(y, scale), farthest = 1.0;
+  for (uint i = 0u; usable > 0.0 && i < sector.count; ++i) {
+    at += side(i, y, scale);
+    farthest = max(farthest, length(at));
+  }
+  return vec2(farthest, usable);
+}
+
+// `chain` of the length goes to the chain, what is left to the half circle.
+void write_points(float chain, float handle, float radius) {
+  vec2 y = vec2(0.0), at = vec2(1.0, 0.0);
+  float scale = 0.0;
+  if (chain > 0.0) shape_sector(y, scale);
+  for (uint i = 0u; i < sector.count; ++i) {
+    float angle = kHalfTurn * (float(i) + 0.5) / float(sector.count);
+    vec2 point = radius * vec2(cos(angle), sin(angle));
+    if (chain > 0.0) {
+      at += side(i, y, scale);
+      point += handle * at;
+    }
+    result[places_at(sector.first + i).corner] = vec4(point.x * along + point.y * across, 0.0);
+  }
+}
+
+void build(FairVertex vertex, float size) {
+  vec3 direction = unit_or_zero(result[vertex.curve0].xyz);
+  if (!(size > 0.0) || direction == vec3(0.0)) {
+    scale_ring(vertex, 0.5);
+    return;
+  }
+  uint end = vertex.first + vertex.count;
+  float farthest = 1.0, usable = 1.0;
+  CurveSector at;
+  for (uint first = vertex.first; first < end && sector_from(first, end, at); first += at.count) {
+    enter(at, at.curve0 == vertex.curve0 ? direction : -direction);
+    vec2 measured = measured_chain();
+    farthest = max(farthest, measured.x);
+    usable = min(usable, measured.y);
+  }
+  float chain = chain_share(usable);
+  float handle = chain * size / farthest, radius = (1.0 - chain) * size;
+  for (uint first = vertex.first; first < end && sector_from(first, end, at); first += at.count) {
+    enter(at, at.curve0 == vertex.curve0 ? direction : -direction);
+    write_points(chain, handle, radius);
+  }
+  result[vertex.curve0] = vec4((handle + radius) * direction, 0.0);
+  result[vertex.curve1] = -result[vertex.curve0];
+}
+
+void main() {
+  FOR_ELEMENTS(v) {
+    uint word = flags[v];
+    if ((word & kChanged) == 0u) continue;
+    FairVertex vertex = vertices_at(v);
+    if (vertex.kind != kCrease) continue;
+    origin = given_at(v).xyz;
+    if ((word & kRebuild) != 0u) build(vertex, planes_at(v).w);
+    float factor = quarters(word);
+    if (factor < 1.0) scale_ring(vertex, factor);
+  }
+}

@@ -1,0 +1,112 @@
+// The perpendicular polygon of every smooth or dart vertex that is to have one, and quarters of those that
+// have. build_perpendicular_polygon() of fair/perpendicular_polygon.h.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "fair.glsl"
+
+READ(0, FairVertex, vertices)
+READ(1, FairPlace, places)
+READ(2, vec4, given)
+READ(3, vec4, planes)
+READ(4, vec2, circle)
+READ_STORED(5, uint, flags);
+UPDATE(6, vec4, result);
+
+#include "fair_plane.glsl"
+
+// Of the vertex that is done. Directions of edges are made where they are needed: no valence needs
+// more memory than another.
+FairVertex vertex;
+Frame frame;
+vec3 origin;
+vec2 balance_point(uint i) {
+  vec2 edge = project(frame, given_at(places_at(vertex.first + i).next).xyz - origin);
+  float size = safe_length(vec3(edge, 0.0));
+  return size > 0.0 ? edge / size : vec2(0.0);
+}
+#include "fair_balance.glsl"
+#include "fair_chain.glsl"
+
+vec2 rotated(vec2 p, vec2 by) { return vec2(p.x * by.x - p.y * by.y, p.x * by.y + p.y * by.x); }
+
+// From one point of the chain to the next.
+vec2 side(uint i, vec2 y) {
+  vec2 edge = balance_point(i);
+  return weight(i, y) * vec2(-edge.y, edge.x);
+}
+
+// Half way from one direction to another, counter-clockwise.
+vec2 between(vec2 from, vec2 to) {
+  const float kNoTurn = -1e-6;  // the same direction, rounded
+  if (to == vec2(0.0) || from == vec2(0.0)) return from;
+  vec2 difference = to - from;
+  if (dot(from, to) < 0.0) return normalize(vec2(difference.y, -difference.x));
+  return turn(from, to) < kNoTurn ? -normalize(from + to) : normalize(from + to);
+}
+
+// Where on the circle the first of evenly spread points lies that stand nearest to the bisectors of
+// their faces.
+vec2 circle_start() {
+  vec2 sum = vec2(0.0), first = balance_point(0u), from = first;
+  for (uint i = 0u; i < vertex.count; ++i) {
+    vec2 to = i + 1u == vertex.count ? first : balance_point(i + 1u);
+    vec2 back = circle_at(vertex.circle + i);
+    sum += rotated(between(from, to), vec2(back.x, -back.y));
+    from = to;
+  }
+  float size = length(sum);
+  return size > 0.0 ? sum / size : vec2(0.0);
+}
+
+void build(vec4 plane) {
+  frame = frame_of(plane.xyz);
+  vec2 y;
+  float usable = balance(vertex.count, y);
+  vec2 mean = vec2(0.0), at = vec2(0.0);
+  float farthest = 0.0;
+  if (usable > 0.0) {
+    for (uint i = 0u; i < vertex.count; ++i) {
+      at += side(i, y);
+      mean += at;
+    }
+    mean /= float(vertex.count);
+    at = vec2(0.0);
+    for (uint i = 0u; i < vertex.count; ++i) {
+      at += side(i, y);
+      farthest = max(farthest, length(at - mean));
+    }
+  }
+  float chain = farthest > 0.0 ? chain_share(usable) : 0.0;
+  // As far as the edges do not surround the vertex, the points of a circle.
+  vec2 start = chain < 1.0 ? circle_start() : vec2(0.0);
+  vec3 centre = vec3(0.0);
+  at = vec2(0.0);
+  for (uint i = 0u; i < vertex.count; ++i) {
+    vec2 point = (1.0 - chain) * plane.w * rotated(start, circle_at(vertex.circle + i));
+    if (chain > 0.0) {
+      at += side(i, y);
+      point += chain * plane.w / farthest * (at - mean);
+    }
+    vec3 lifted = lift(frame, point);
+    centre += lifted;
+    result[places_at(vertex.first + i).corner] = vec4(lifted, 0.0);
+  }
+  // What rounding left of the mean.
+  centre /= float(vertex.count);
+  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
+    result[places_at(i).corner].xyz -= centre;
+}
+
+void main() {
+  FOR_ELEMENTS(v) {
+    uint word = flags[v];
+    if ((word & kChanged) == 0u) continue;
+    vertex = vertices_at(v);
+    if (!has_polygon(vertex)) continue;
+    origin = given_at(v).xyz;
+    if ((word & kRebuild) != 0u) build(planes_at(v));
+    float factor = quarters(word);
+    for (uint i = vertex.first; factor < 1.0 && i < vertex.first + vertex.count; ++i)
+      result[places_at(i).corner] *= factor;
+  }
+}

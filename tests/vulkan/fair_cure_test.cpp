@@ -1,0 +1,203 @@
+// The cure's kernels together against their twin, fair/fold_cure.h, given what they were given;
+// reading storage buffers and texel buffers.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "fair/cure_meshes.h"
+#include "planish/fair/fold_cure.h"
+#include "vulkan/fair_machine.h"
+
+namespace planish::testing {
+namespace {
+
+using glm::dvec3;
+
+// A net before its cure, and what its twin is given.
+struct Uncured {
+  std::vector<dvec3> face_normals, normals, state;
+
+  [[nodiscard]] CureInput input(const DeviceNet& net) {
+    return {net.topology, net.given, face_normals, normals, state};
+  }
+};
+
+// The curve points at darts, between the corners beside them.
+void set_dart_points(const FairTopology& topology, std::span<dvec3> state) {
+  for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
+    const FairTopology::CurvePoint& place = topology.curve_points[s];
+    if (topology.kind(place.vertex) != VertexKind::Dart) continue;
+    state[static_cast<std::size_t>(topology.corner_count) + s] =
+        (state[place.corner_after] + state[place.corner_before]) / 2.0;
+  }
+}
+
+class FairCure : public FairMachine, public ::testing::WithParamInterface<vulkan::PipelineVariant> {
+ protected:
+  [[nodiscard]] vulkan::ContextOptions context_options() const override {
+    vulkan::ContextOptions options;
+    options.variant = GetParam();
+    return options;
+  }
+  template <class Record>
+  void run(const Record& record) {
+    machine_->submitter.run([&](VkCommandBuffer commands) { record(commands); });
+  }
+  // All before the cure.
+  void make(DeviceNet& net) {
+    run([&](VkCommandBuffer commands) {
+      net.fair.record(commands, vulkan::FairPart::Clear);
+      net.fair.record(commands, vulkan::FairPart::Prepare);
+      net.fair.record(commands, vulkan::FairPart::Build);
+      net.fair.record(commands, vulkan::FairPart::RepairBuilt);
+      net.fair.record(commands, vulkan::FairPart::Polish);
+      net.fair.record(commands, vulkan::FairPart::RepairPolished);
+    });
+  }
+  void cure(DeviceNet& net) {
+    run([&](VkCommandBuffer commands) { net.fair.record(commands, vulkan::FairPart::Cure); });
+  }
+  std::vector<dvec3> result(const DeviceNet& net) {
+    return download_points(net.fair.buffers().result, net.records.owners.size());
+  }
+  Uncured uncured(const DeviceNet& net) {
+    Uncured before{download_points(net.fair.buffers().face_normals,
+                                   static_cast<std::size_t>(net.topology.face_count)),
+                   download_points(net.fair.buffers().normals, net.given.size()), result(net)};
+    set_dart_points(net.topology, before.state);
+    return before;
+  }
+  FairDecisions decisions(const DeviceNet& net) {
+    return vulkan::unpack_decisions(
+        download<std::uint32_t>(net.fair.buffers().decisions, net.given.size()));
+  }
+};
+
+std::vector<test::NamedMesh> all_cure_meshes() {
+  std::vector<test::NamedMesh> meshes = device_meshes();
+  for (test::NamedMesh& mesh : test::cure_meshes()) meshes.push_back(std::move(mesh));
+  return meshes;
+}
+
+// By how much the control points around a vertex differ, as a part of the farthest one's distance.
+double difference_at(const FairTopology& topology, std::int32_t vertex, std::span<const dvec3> a,
+                     std::span<const dvec3> b) {
+  double size = 0, off = 0;
+  const auto compare = [&](std::int32_t point) {
+    size = std::max(size, glm::length(b[point]));
+    off = std::max(off, glm::distance(a[point], b[point]));
+  };
+  for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1]; ++i) {
+    const std::int32_t corner = topology.ring_corners[i];
+    compare(corner);
+    for (const std::int32_t beside : {topology.corner_cw[corner], topology.corner_ccw[corner]}) {
+      if (beside >= topology.corner_count) compare(beside);
+    }
+  }
+  return off == 0 ? 0 : off / size;
+}
+
+// Several roundings of single precision, of directions that face normals leave nearly open too.
+constexpr double kPart = 1e-4;
+
+TEST_P(FairCure, EqualsItsTwin) {
+  std::int64_t cured[4] = {}, repeated = 0, vertices = 0, different = 0;
+  for (const test::NamedMesh& mesh : all_cure_meshes()) {
+    SCOPED_TRACE(mesh.name);
+    const test::FairCase c(mesh.mesh);
+    DeviceNet net(*machine_, c, 8);
+    make(net);
+    Uncured before = uncured(net);
+    cure(net);
+    std::vector<std::uint8_t> cures(net.given.size(), 0);
+    const FoldCount left = cure_folds(before.input(net), cures);
+    const std::vector<dvec3> made = result(net);
+    const std::vector<std::uint8_t> made_cures = decisions(net).cures;
+    std::int64_t different_here = 0;
+    for (std::size_t v = 0; v < cures.size(); ++v) {
+      cured[net.topology.kinds[v]] += cures[v] > 0;
+      repeated += cures[v] > 1;
+      different_here += made_cures[v] != cures[v];
+      if (made_cures[v] != cures[v]) continue;
+      EXPECT_LT(difference_at(net.topology, std::int32_t(v), made, before.state), kPart) << v;
+    }
+    const auto counts =
+        download<std::uint32_t>(net.fair.buffers().counts, vulkan::shared::kFairCounts);
+    EXPECT_NEAR(counts[vulkan::shared::kEndCounts], left.edges, 3.0 * double(different_here));
+    EXPECT_NEAR(counts[vulkan::shared::kEndCounts + 1], left.faces, 3.0 * double(different_here));
+    vertices += net.topology.vertex_count;
+    different += different_here;
+  }
+  for (const std::int64_t of_kind : cured) EXPECT_GT(of_kind, 20);
+  EXPECT_GT(repeated, 100);
+  // Where a look decides by less than single precision knows, it may decide otherwise.
+  EXPECT_LT(double(different), 1e-3 * double(vertices)) << different << " of " << vertices;
+}
+
+// Rounds at vertices of every kind that no look would ask for, as other poses have decided them.
+TEST_P(FairCure, RepeatsDecisionsAsItsTwin) {
+  std::int64_t compared = 0, different = 0;
+  for (const test::NamedMesh& mesh : all_cure_meshes()) {
+    SCOPED_TRACE(mesh.name);
+    const std::vector<std::uint8_t> none(mesh.mesh.positions.size(), 0);
+    FairDecisions decided{none, none, none, none};
+    for (std::size_t v = 0; v < none.size(); ++v) decided.cures[v] = (7 * v + 3) % 4;
+    const test::FairCase c(mesh.mesh);
+    DeviceNet net(*machine_, c, 8, &decided);
+    make(net);
+    Uncured before = uncured(net);
+    cure(net);
+    EXPECT_EQ(decisions(net).cures, decided.cures);
+    const FoldCount left = repeat_cure(before.input(net), decided.cures);
+    const std::vector<dvec3> made = result(net);
+    for (std::size_t v = 0; v < none.size(); ++v) {
+      if (decided.cures[v] == 0) continue;
+      ++compared;
+      double d = difference_at(net.topology, std::int32_t(v), made, before.state);
+      if (!(d <= kPart)) {
+        printf("%s %zu kind %d val %d: %g\n", mesh.name.c_str(), v, net.topology.kinds[v],
+               net.topology.valence(int(v)), d);
+        ++different;
+      }
+    }
+    const auto counts =
+        download<std::uint32_t>(net.fair.buffers().counts, vulkan::shared::kFairCounts);
+    EXPECT_NEAR(counts[vulkan::shared::kEndCounts], left.edges, 2);
+    EXPECT_NEAR(counts[vulkan::shared::kEndCounts + 1], left.faces, 2);
+  }
+  EXPECT_GT(compared, 4000);
+  EXPECT_EQ(different, 0);
+}
+
+TEST_P(FairCure, LooksOnlyAsLongAsSomethingIsFound) {
+  const auto counts = [&](const PolygonMesh& mesh) {
+    const test::FairCase c(mesh);
+    DeviceNet net(*machine_, c, 8);
+    make(net);
+    cure(net);
+    std::vector<std::uint32_t> rounds;
+    const auto words =
+        download<std::uint32_t>(net.fair.buffers().counts, vulkan::shared::kFairCounts);
+    for (std::uint32_t round = 0; round < vulkan::shared::kCureRounds; ++round)
+      rounds.push_back(words[vulkan::shared::kCureCounts + 2 * round]);
+    const auto groups = download<std::uint32_t>(net.fair.buffers().arguments, 9);
+    EXPECT_EQ(groups[6] > 0, rounds.back() > 0);
+    return rounds;
+  };
+  EXPECT_EQ(counts(test::icosphere(2)), (std::vector<std::uint32_t>(6, 0)));
+  const std::vector<std::uint32_t> of_rod = counts(test::needle_rod(48, 10));
+  EXPECT_GT(of_rod[0], 0u);
+  EXPECT_EQ(of_rod.back(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Reads, FairCure,
+                         ::testing::Values(vulkan::kHardwareVariant, vulkan::kSoftwareVariant),
+                         [](const auto& variant) {
+                           return variant.param.read_path == vulkan::ReadPath::Texel ? "Texel"
+                                                                                     : "Storage";
+                         });
+
+}  // namespace
+}  // namespace planish::testing
