@@ -135,7 +135,7 @@ void run(const PointOptions& options) {
   const std::vector<Row> simplified = bench_simplify(points, options, mesher);
   rows.insert(rows.end(), simplified.begin(), simplified.end());
   print_table(machine, rows);
-  if (!options.json.empty()) write_json(options.json, machine, rows);
+  if (!options.json.empty()) write_json(options.json, machine, rows, {});
 }
 
 }  // namespace
