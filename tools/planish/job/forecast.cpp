@@ -6,6 +6,7 @@
 
 #include "job/job_input.h"
 #include "planish/core/error.h"
+#include "planish/files/gltf/write_gltf.h"
 #include "planish/surface/memory_need.h"
 #include "terminal/text.h"
 
@@ -73,6 +74,17 @@ std::uint64_t surface_bytes(const PolygonMesh& mesh, const LevelCounts& counts, 
 constexpr double kSecondsPerMillionPoints = 1.6;
 constexpr double kSecondsPerMillionVertices = 8;
 
+// What packing takes beside the surface: a small one's plain bytes and those of the result; of a
+// large one, quantized ones, and a block for each thread.
+std::uint64_t packing_bytes(const LevelCounts& level) {
+  const auto vertices = static_cast<std::uint64_t>(level.vertices);
+  const auto faces = static_cast<std::uint64_t>(level.faces);
+  if (level.faces <= kPackedFaces) return 48 * (vertices + faces);
+  constexpr std::uint64_t kBlockBytes = 100'000'000;
+  return 20 * vertices + 24 * faces +
+         kBlockBytes * std::max(1u, std::thread::hardware_concurrency());
+}
+
 // What a job holds at its peak. Doo-Sabin surfaces go by blocks to who writes them, but for those
 // who need neighbours: values of vertices.
 std::uint64_t peak_bytes(const PolygonMesh& mesh, const std::vector<LevelCounts>& levels,
@@ -84,11 +96,7 @@ std::uint64_t peak_bytes(const PolygonMesh& mesh, const std::vector<LevelCounts>
                          : settings.attributes.any()         ? LastLevel::None
                                                              : LastLevel::Blocks;
   std::uint64_t surface = tessellation_bytes(levels, last, RefinedAttributes::of(mesh));
-  // Packing takes the file's plain bytes, and those of its result.
-  constexpr std::uint64_t kPackedVertexBytes = 48, kPackedFaceBytes = 48;
-  if (settings.compression != GltfCompression::None)
-    surface += kPackedVertexBytes * static_cast<std::uint64_t>(levels.back().vertices) +
-               kPackedFaceBytes * static_cast<std::uint64_t>(levels.back().faces);
+  if (settings.compression != GltfCompression::None) surface += packing_bytes(levels.back());
   return std::max(solve, surface + solve / 4);
 }
 

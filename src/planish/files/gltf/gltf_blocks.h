@@ -44,12 +44,10 @@ struct PackedGltf {
   std::uint64_t vertex_count = 0;
 };
 
-/// Packs a surface of many faces by blocks of these, a primitive each (or one for each group), all
+/// Packs a surface by blocks of kPackedFaces, a primitive each (or one for each group), all
 /// in one mesh on one grid. The same bytes for any number of threads. Calls options.decoded.
 /// Throws as gltf_bounds().
 [[nodiscard]] PackedGltf pack_by_blocks(const SurfaceBlocks& surface, const GltfOptions& options);
-/// Of those that are packed in one piece.
-inline constexpr std::int64_t kPackedFaces = std::int64_t{1} << 19;
 
 /// So many faces, from `first` on, that their buffer is no larger than options.buffer_bytes, or
 /// one.

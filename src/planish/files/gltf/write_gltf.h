@@ -78,6 +78,9 @@ struct GltfFile {
 [[nodiscard]] std::vector<std::byte> encode_glb(const SurfaceBlocks& surface,
                                                 const GltfOptions& options);
 
+/// Faces that compression packs in one piece; a larger surface is packed by blocks of so many.
+inline constexpr std::int64_t kPackedFaces = std::int64_t{1} << 19;
+
 /// A buffer of a .gltf: the first is NAME.bin, the next NAME-2.bin, NAME-3.bin ...
 [[nodiscard]] std::filesystem::path gltf_buffer_path(const std::filesystem::path& document,
                                                      std::size_t index);
