@@ -18,6 +18,8 @@ PLANISH_SHARED_CONSTANT kChunkRows = 64u;
 PLANISH_SHARED_CONSTANT kChunkWords = 66u;
 // Lane without a row, at the end of a table.
 PLANISH_SHARED_CONSTANT kNoRow = 0xffffffffu;
+// No corner, vertex or word.
+PLANISH_SHARED_CONSTANT kNone = 0xffffffffu;
 // Points are x, y, z and a float without meaning, so that one load fetches a point.
 PLANISH_SHARED_CONSTANT kPointFloats = 4u;
 // Invocations of a reduction kernel that runs as a single work group for each result.
@@ -145,6 +147,40 @@ struct CornerPatchParameters {
   uint normal_offset;
 };
 
+// The surface at lists of places. Words of a place: face, u, v. Words of a class of corners:
+// columns without the own one, ring, face, first weight, flags.
+PLANISH_SHARED_CONSTANT kPlaceWords = 3u;
+PLANISH_SHARED_CONSTANT kPlaceClassWords = 5u;
+PLANISH_SHARED_CONSTANT kOnePolynomial = 1u;     // all of the patch
+PLANISH_SHARED_CONSTANT kSingularAtVertex = 2u;  // no polynomial ends at V
+PLANISH_SHARED_CONSTANT kSingularAtFace = 4u;    // nor at F
+// Halvings towards V or F until its own limit stands in: as many as a float has digits.
+PLANISH_SHARED_CONSTANT kPlaceHalvings = 24u;
+// A class's weights, cell by cell, column by column, kCellVectors of four: of the coefficients of
+// s^i t^j in the cell's own (s, t), in the order 00 10 01 20 | 11 02 21 12 | 22. One cell where the
+// patch is one polynomial. Else a cell for each quarter, then where V is singular three for each
+// further halving (quarters 1 to 3 there) and one of V itself, whose rows are the point, two
+// tangents that span its plane, and the derivatives along both edges; then the same of F.
+PLANISH_SHARED_CONSTANT kCellVectors = 3u;
+PLANISH_SHARED_CONSTANT kQuarterCells = 4u;
+PLANISH_SHARED_CONSTANT kChainCells = 70u;  // 3 (kPlaceHalvings - 1) + 1
+// What comes of a place.
+PLANISH_SHARED_CONSTANT kPlaceRegular = 0u;
+PLANISH_SHARED_CONSTANT kPlaceSingular = 1u;  // without second derivatives
+PLANISH_SHARED_CONSTANT kPlaceNone = 2u;      // outside the surface: zeros
+
+// Push constants of surface_places. All are in words; kNone where a result is not wanted.
+struct PlaceParameters {
+  uint count;
+  uint first_place;  // from the window's start
+  uint place_stride;
+  uint face_count;
+  uint first_corner;  // of the corners' words: where the class's are, where the list is or kNone
+  uint first_target;  // from the window's start
+  uint target_stride;
+  uint position, normal, du, dv, duu, duv, dvv, state;  // from a target's start
+};
+
 // Push constants of first_step.
 struct FirstStepParameters {
   uint count;
@@ -171,7 +207,6 @@ struct VectorParameters {
 
 // The fair construction: topology records, see FairTopology. Indices of control points are those of
 // the state of level 1, whose first points are the corners'.
-PLANISH_SHARED_CONSTANT kNone = 0xffffffffu;
 // VertexKind.
 PLANISH_SHARED_CONSTANT kSmooth = 0u;
 PLANISH_SHARED_CONSTANT kDart = 1u;

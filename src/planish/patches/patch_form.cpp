@@ -210,6 +210,7 @@ PatchPoint PatchPoint::turned(int c, int s, double factor) const {
   const double cc = c * c, cs = c * s, ss = s * s;
   result.du = factor * (double(c) * du - double(s) * dv);
   result.dv = factor * (double(s) * du + double(c) * dv);
+  result.normal = square * normal;
   result.duu = square * (cc * duu - 2 * cs * duv + ss * dvv);
   result.duv = square * (cs * duu + (cc - ss) * duv - cs * dvv);
   result.dvv = square * (ss * duu + 2 * cs * duv + cc * dvv);

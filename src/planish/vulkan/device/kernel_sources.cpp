@@ -103,6 +103,8 @@
 #include "shaders/reduce_sums.spv.h"
 #include "shaders/shared.h"
 #include "shaders/stop_test.spv.h"
+#include "shaders/surface_places.spv.h"
+#include "shaders/surface_places_texel.spv.h"
 #include "shaders/take_up.spv.h"
 
 namespace planish::vulkan {
@@ -151,6 +153,8 @@ const KernelSource kSources[kKernelCount] = {
                    {Words, Entries, Words, Points, Points, Storage}),
     special_kernel(PLANISH_BOTH(corner_patches), sizeof(shared::CornerPatchParameters),
                    {Records, Words, Entries, Points, Points, Points, Storage}),
+    special_kernel(PLANISH_BOTH(surface_places), sizeof(shared::PlaceParameters),
+                   {Storage, Words, Entries, Points, Points, Points, Storage}),
     table_kernel(PLANISH_BOTH(cg_apply), {Points, Storage, Storage, Storage}),
     vector_kernel(spirv::cg_advance, 6),
     vector_kernel(spirv::cg_turn, 2),
@@ -234,6 +238,7 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish apply_limit",
                                                     "planish first_step",
                                                     "planish corner_patches",
+                                                    "planish surface_places",
                                                     "planish cg_apply",
                                                     "planish cg_advance",
                                                     "planish cg_turn",

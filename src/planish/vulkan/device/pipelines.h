@@ -21,6 +21,7 @@ enum class Kernel {
   ApplyLimit,
   FirstStep,      ///< only specialised
   CornerPatches,  ///< only specialised
+  SurfacePlaces,  ///< only specialised
   CgApply,
   CgAdvance,
   CgTurn,
@@ -73,7 +74,7 @@ enum class Kernel {
   FairCureCreases,
   FairCureCorners,
 };
-inline constexpr std::size_t kKernelCount = 57;
+inline constexpr std::size_t kKernelCount = 58;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);

@@ -44,14 +44,16 @@ DeviceTable make_masks(Context& context, const System& system) {
 /// What of a System's surface goes to a device. Made anew for each use, since it is as large as the
 /// device's own.
 struct DeviceSystem::Parts::PackedSurface {
-  PackedSurface(const System& system, const PatchLimits& limits)
+  PackedSurface(const System& system, const PatchLimits& limits, bool answers_places)
       : patches(patch_records(system.surface_records().patches, limits)) {
     const SurfaceRecords& surface = system.surface_records();
     if (surface.sharp_rows)
       step = step_records(surface.patch_mesh, surface.weights, surface.sharp_rows->view(), limits);
+    if (answers_places) places = place_records(surface.patch_mesh, surface.weights, limits);
   }
   PatchRecords patches;
   std::optional<StepRecords> step;
+  std::optional<PlaceRecords> places;
 };
 
 DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystemOptions& options)
@@ -65,9 +67,10 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
       vertex_count(system.vertex_count()),
       vertices(on, used_vertices.size() * sizeof(std::int32_t), MemoryUse::Device,
                "planish vertices") {
-  const PackedSurface surface(system, patch_limits(on, max_vertex_stride));
+  const PackedSurface surface(system, patch_limits(on, max_vertex_stride), options.answers_places);
   patches.emplace(on, surface.patches, system.surface_records().patch_mesh.state_size());
   if (surface.step) step.emplace(on, *surface.step);
+  if (surface.places) places.emplace(on, *surface.places);
   if (const FairRecords* records = system.fair_records()) fair.emplace(on, *records);
   plan_masks();
   for_each(system, surface, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
@@ -93,6 +96,7 @@ void DeviceSystem::Parts::for_each(const System& system, const PackedSurface& su
                                    const Take& take) const {
   patches->for_each(surface.patches, take);
   if (step) step->for_each(*surface.step, take);
+  if (places) places->for_each(*surface.places, take);
   take(vertices, std::as_bytes(std::span(used_vertices)));
   if (fair) fair->for_each(*system.fair_records(), take);
 }
@@ -127,8 +131,8 @@ void DeviceSystem::write_upload(const System& system, std::span<std::byte> stagi
   if (system.vertex_count() != vertex_count() || system.triangles().size() != index_count() ||
       parts_->fair.has_value() != (system.fair_records() != nullptr))
     refuse();
-  const Parts::PackedSurface surface(system,
-                                     patch_limits(parts_->context, parts_->max_vertex_stride));
+  const Parts::PackedSurface surface(
+      system, patch_limits(parts_->context, parts_->max_vertex_stride), parts_->places.has_value());
   std::size_t copy = 2 * parts_->masks.slices().size();
   parts_->for_each(system, surface, [&](const Buffer&, std::span<const std::byte> bytes) {
     if (bytes.size() != parts_->copies[copy++].bytes) refuse();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "planish/vulkan/embed.h"
+#include "planish/vulkan/evaluate/gpu_places.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
 #include "planish/vulkan/fair/fair_tables.h"
 #include "planish/vulkan/tables/device_table.h"
@@ -34,11 +35,19 @@ struct DeviceSystem::Parts {
   DeviceTable masks;
   std::int32_t vertex_count;
   std::optional<PatchTables> patches;
-  std::optional<StepTables> step;  // where the method is not fair
-  std::optional<FairTables> fair;  // where that is the method
-  Buffer vertices;                 // used_vertices, on the device
-  std::vector<Copy> copies;        // in the order of their bytes; indices come after them
+  std::optional<StepTables> step;     // where the method is not fair
+  std::optional<FairTables> fair;     // where that is the method
+  std::optional<PlaceTables> places;  // where they were asked for
+  Buffer vertices;                    // used_vertices, on the device
+  std::vector<Copy> copies;           // in the order of their bytes; indices come after them
   std::uint64_t device_bytes = 0;
+};
+
+/// What a Solve has of its surface, for Places. Both of shared::kPointFloats floats a point, as
+/// GpuPatches takes them.
+struct SolvePoints {
+  const Buffer& given;
+  const Buffer& state;
 };
 
 }  // namespace planish::vulkan

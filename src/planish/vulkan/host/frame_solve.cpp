@@ -12,6 +12,7 @@
 #include "planish/vulkan/evaluate/gpu_patches.h"
 #include "planish/vulkan/fair/gpu_fair.h"
 #include "planish/vulkan/host/device_system.h"
+#include "planish/vulkan/host/write_timestamps.h"
 #include "planish/vulkan/solve/gpu_given.h"
 #include "planish/vulkan/solve/gpu_solve.h"
 #include "planish/vulkan/solve/stop_square.h"
@@ -64,20 +65,6 @@ GpuFairOptions fair_options(const SolveOptions& options) {
   return {options.polish_steps};
 }
 
-void write_first(const Context& context, VkCommandBuffer commands,
-                 const Timestamps& timestamps) noexcept {
-  if (timestamps.pool)
-    context.vk().vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, timestamps.pool,
-                                     timestamps.first);
-}
-
-void write_second(const Context& context, VkCommandBuffer commands,
-                  const Timestamps& timestamps) noexcept {
-  if (timestamps.pool)
-    context.vk().vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT,
-                                     timestamps.pool, timestamps.first + 1);
-}
-
 /// Calls in lock-step, with their timestamps around all of it. `timestamps_of(i)` and
 /// `record_round(i, round)` are those of call `i`.
 template <class TimestampsOf, class RecordRound>
@@ -114,13 +101,19 @@ struct Solve::Parts {
   [[nodiscard]] const Buffer& control_points() const {
     return fair ? fair->fair.buffers().state : progressive->given.control_points();
   }
+  [[nodiscard]] SolvePoints surface_points() const {
+    if (fair) return {fair->gather.points(), fair->fair.buffers().state_offsets};
+    return {progressive->given.given(), step->state()};
+  }
   [[nodiscard]] const Buffer& status() const {
     return fair ? fair->fair.buffers().status : progressive->solve.status();
   }
 
   Wait record_solve(VkCommandBuffer commands, const SolveParameters& parameters,
                     std::uint32_t round) const noexcept;
-  Wait record_evaluate(VkCommandBuffer commands, std::uint32_t round) const noexcept;
+  /// What the surface is evaluated from.
+  Wait record_surface(VkCommandBuffer commands, std::size_t round) const noexcept;
+  Wait record_evaluate(VkCommandBuffer commands, std::size_t round) const noexcept;
 
   Context& context;
   std::uint32_t max_iterations;
@@ -166,17 +159,14 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const SolveO
     fair.emplace(on, system, fair_options(options), points);
   else
     progressive.emplace(on, system, options, points);
-  if (!options.vertices.buffer) return;
+  const bool has_vertices = options.vertices.buffer != VK_NULL_HANDLE;
+  if (progressive && (has_vertices || system.places))
+    step.emplace(on, *system.patches, *system.step, progressive->given.given(),
+                 progressive->given.displacement());
+  if (!has_vertices) return;
   check_layout(options.vertices, system.max_vertex_stride);
-  if (progressive) {
-    const GpuGiven& given_points = progressive->given;
-    step.emplace(on, *system.patches, *system.step, given_points.given(),
-                 given_points.displacement());
-    patches.emplace(on, *system.patches, given_points.given(), step->state(), options.vertices);
-  } else {
-    patches.emplace(on, *system.patches, fair->gather.points(), fair->fair.buffers().state_offsets,
-                    options.vertices);
-  }
+  patches.emplace(on, *system.patches, surface_points().given, surface_points().state,
+                  options.vertices);
 }
 
 Solve::Solve(Context& context, const DeviceSystem& system, const SolveOptions& options)
@@ -204,19 +194,21 @@ Wait Solve::Parts::record_solve(VkCommandBuffer commands, const SolveParameters&
   return wait |= progressive->solve.record_round(commands, run, 0);
 }
 
-Wait Solve::Parts::record_evaluate(VkCommandBuffer commands, std::uint32_t round) const noexcept {
-  std::size_t left = round;
-  if (progressive && left-- == 0) {
+Wait Solve::Parts::record_surface(VkCommandBuffer commands, std::size_t round) const noexcept {
+  if (progressive && round-- == 0) {
     progressive->given.record_control_points(commands);
     return kKernelWait;
   }
-  if (step) {
-    if (left < step->round_count()) return step->record_round(commands, left);
-    left -= step->round_count();
-  }
-  return patches ? patches->record_round(commands, left) : Wait{};
+  return step ? step->record_round(commands, round) : Wait{};
 }
 
+Wait Solve::Parts::record_evaluate(VkCommandBuffer commands, std::size_t round) const noexcept {
+  const std::size_t surface_rounds = (progressive ? 1 : 0) + (step ? step->round_count() : 0);
+  if (round < surface_rounds) return record_surface(commands, round);
+  return patches ? patches->record_round(commands, round - surface_rounds) : Wait{};
+}
+
+SolvePoints Solve::surface_points() const { return parts_->surface_points(); }
 VkBuffer Solve::control_points() const { return parts_->control_points().handle(); }
 
 void Solve::record_reset(VkCommandBuffer commands) const noexcept {
@@ -241,6 +233,14 @@ void Solve::record_solve(VkCommandBuffer commands,
 void Solve::record_evaluate(VkCommandBuffer commands, const Timestamps& timestamps) const noexcept {
   const EvaluateCall call{this, timestamps};
   record_evaluates(commands, std::span(&call, 1));
+}
+
+void Solve::record_surface(VkCommandBuffer commands) const noexcept {
+  const LabelScope label(parts_->context, commands, "planish surface");
+  record_barrier(parts_->context, commands, kExitScope, kEntryScope);
+  record_rounds(parts_->context, commands, 1, [&](std::size_t, std::uint32_t round) {
+    return parts_->record_surface(commands, round);
+  });
 }
 
 void Solve::record_status(VkCommandBuffer commands, VkBuffer target,

@@ -1,0 +1,119 @@
+// Based on: corner patches, a derivation of our own; its twin is limit/limit_surface.cpp.
+#include "planish/vulkan/evaluate/gpu_places.h"
+
+#include <algorithm>
+#include <string>
+
+#include "planish/core/error.h"
+#include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/tables/stencil_pass.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+constexpr std::uint32_t kPlaceLanes = 64;
+constexpr std::uint32_t kWord = sizeof(float);
+
+std::uint32_t words_of(std::uint32_t bytes) {
+  return bytes == kNotWritten ? shared::kNone : bytes / kWord;
+}
+
+// Places as far as they are read, and results as far as they are written.
+FloatElements elements_of(const PlaceList& list) {
+  return {list.buffer, list.offset / kWord, shared::kPlaceWords, list.stride / kWord};
+}
+FloatElements elements_of(const PlaceLayout& layout) {
+  return {layout.buffer, layout.offset / kWord,
+          static_cast<std::uint32_t>(result_bytes(layout) / kWord), layout.stride / kWord};
+}
+
+// Places that one dispatch does: as many as bindings can span and work groups may be.
+std::uint64_t places_at_once(const Context& context, std::uint32_t stride) {
+  const std::uint64_t range = context.max_storage_range();
+  const std::uint64_t fit = range > kBindingAlignment ? (range - kBindingAlignment) / stride : 0;
+  return std::max<std::uint64_t>(
+      1, std::min(fit, std::uint64_t(context.max_group_count()) * kPlaceLanes));
+}
+
+// The kernel reads any point.
+void require_bindable(const Context& context, const Buffer& points, const char* what) {
+  const std::uint64_t count = points.size() / (shared::kPointFloats * kWord);
+  if (points.size() <= context.max_storage_range() && count <= context.max_texel_elements()) return;
+  throw Error(ErrorCode::OutOfMemory,
+              context.capabilities().name + ": " + what + " span " + std::to_string(points.size()) +
+                  " bytes of one binding, but maxStorageBufferRange is " +
+                  std::to_string(context.max_storage_range()) + " and maxTexelBufferElements " +
+                  std::to_string(context.max_texel_elements()) + "; take a smaller mesh");
+}
+
+}  // namespace
+
+std::uint64_t result_bytes(const PlaceLayout& layout) {
+  std::uint64_t end =
+      layout.state_offset == kNotWritten ? 0 : std::uint64_t(layout.state_offset) + kWord;
+  for (const std::uint32_t offset :
+       {layout.position_offset, layout.normal_offset, layout.du_offset, layout.dv_offset,
+        layout.duu_offset, layout.duv_offset, layout.dvv_offset})
+    if (offset != kNotWritten) end = std::max(end, std::uint64_t(offset) + 3 * kWord);
+  return end;
+}
+
+PlaceTables::PlaceTables(Context& context, const PlaceRecords& records)
+    : face_count(records.face_count),
+      first_corner_word(records.first_corner_word),
+      words(make_bindable(context, records.words.size() * kWord, "planish words of places")),
+      weights(make_bindable(context, std::as_bytes(std::span(records.weights)).size(),
+                            "planish weights of places")) {}
+
+GpuPlaces::GpuPlaces(Context& context, const PatchTables& patches, const PlaceTables& tables,
+                     const Buffer& given, const Buffer& state, const PlaceList& list,
+                     const PlaceLayout& layout)
+    : context_(context), pipeline_(context.pipelines().specialised(Kernel::SurfacePlaces, {})) {
+  require_bindable(context, state, "control points");
+  require_bindable(context, given, "given points");
+  const std::uint64_t step = places_at_once(context, std::max(list.stride, layout.stride));
+  std::vector<BoundKernel> bound;
+  for (std::uint64_t first = 0; first < list.count; first += step) {
+    const std::uint64_t count = std::min(step, list.count - first);
+    const ElementWindow from = element_window(elements_of(list), first, count);
+    const ElementWindow to = element_window(elements_of(layout), first, count);
+    check_range(context, from);
+    check_range(context, to);
+    Dispatch& dispatch = dispatches_.emplace_back();
+    dispatch.first = static_cast<std::uint32_t>(first);
+    shared::PlaceParameters& parameters = dispatch.parameters;
+    parameters.count = static_cast<std::uint32_t>(count);
+    parameters.first_place = from.shift;
+    parameters.place_stride = list.stride / kWord;
+    parameters.face_count = tables.face_count;
+    parameters.first_corner = tables.first_corner_word;
+    parameters.first_target = to.shift;
+    parameters.target_stride = layout.stride / kWord;
+    parameters.position = words_of(layout.position_offset);
+    parameters.normal = words_of(layout.normal_offset);
+    parameters.du = words_of(layout.du_offset);
+    parameters.dv = words_of(layout.dv_offset);
+    parameters.duu = words_of(layout.duu_offset);
+    parameters.duv = words_of(layout.duv_offset);
+    parameters.dvv = words_of(layout.dvv_offset);
+    parameters.state = words_of(layout.state_offset);
+    bound.push_back({Kernel::SurfacePlaces,
+                     {from.range, whole(tables.words), whole(patches.links), whole(state),
+                      whole(given), whole(tables.weights), to.range}});
+  }
+  sets_ = DescriptorSets(context, bound);
+}
+
+void GpuPlaces::record(VkCommandBuffer commands, std::uint32_t count) const noexcept {
+  for (std::size_t i = 0; i < dispatches_.size() && dispatches_[i].first < count; ++i) {
+    // Windows of neighbouring dispatches may share their edge.
+    if (i > 0) record_barrier(context_, commands, kKernelScope, kKernelScope);
+    shared::PlaceParameters parameters = dispatches_[i].parameters;
+    parameters.count = std::min(parameters.count, count - dispatches_[i].first);
+    record_dispatch(context_, commands, pipeline_, sets_[i], &parameters,
+                    (parameters.count + kPlaceLanes - 1) / kPlaceLanes);
+  }
+}
+
+}  // namespace planish::vulkan
