@@ -116,6 +116,24 @@ TEST(LimitSurface, SaysWhereSecondDerivativesHaveNoLimit) {
   EXPECT_TRUE(LimitCase(torus(8, 6, 2, 1)).limit.evaluate({3, 0, 0}).has_second);
 }
 
+// However near to a vertex or centre where no polynomial ends.
+TEST(LimitSurface, NormalsAreAcrossTheDerivatives) {
+  for (const auto& mesh : {icosphere(1), prism(7)}) {
+    const LimitCase c(mesh);
+    for (std::int32_t corner = 0; corner < c.limit.topology().corner_count(); ++corner) {
+      for (int halvings = 1; halvings < 24; ++halvings) {
+        const double t = std::ldexp(1.0, -halvings);
+        for (const auto& [u, v] : {std::pair{t, 0.3 * t}, {1 - 0.7 * t, 1 - t}}) {
+          const SurfacePoint p =
+              c.limit.evaluate(surface_parameter(c.limit.topology(), corner, u, v));
+          const glm::dvec3 across = glm::normalize(glm::cross(p.du, p.dv));
+          ASSERT_LT(glm::length(across - p.normal), 1e-12) << corner << " " << halvings;
+        }
+      }
+    }
+  }
+}
+
 TEST(LimitSurface, StencilsGiveTheSamePoint) {
   std::mt19937 random(8);
   for (const auto& [name, mesh] : limit_meshes()) {

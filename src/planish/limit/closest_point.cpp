@@ -6,11 +6,13 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <limits>
+#include <utility>
 
 namespace planish {
 namespace {
 
 constexpr int kMostDescents = 100;
+constexpr int kMostCuts = 2;             // of a piece, for more starts
 constexpr double kSmallStep = 1e-14;     // in u and v
 constexpr double kSmallestShare = 1e-7;  // of a step
 constexpr double kBorder = 1e-12;        // in u and v: on the border
@@ -63,10 +65,10 @@ double on_border(double t) {
 
 }  // namespace
 
-// Newton's method in the square: steps end at its borders, and go along them where the distance
-// falls outwards.
-void NearestSearch::descend(double u, double v, const glm::dvec3& point) {
-  Descent here(pieces_.at(u, v), point);
+// Newton's method in a piece: steps end at its borders, and go along them where the distance falls
+// outwards. Nothing of the surface bends abruptly on the way.
+void NearestSearch::descend(const PatchPiece& piece, double u, double v, const glm::dvec3& point) {
+  Descent here(piece.at(u, v), point);
   for (int step = 0; step < kMostDescents; ++step) {
     const bool fixed_u = is_blocked(u, here.gu), fixed_v = is_blocked(v, here.gv);
     double du = 0, dv = 0;
@@ -93,7 +95,7 @@ void NearestSearch::descend(double u, double v, const glm::dvec3& point) {
     for (double share = 1; share > kSmallestShare && !falls; share *= 0.5) {
       const double next_u = on_border(std::clamp(u + share * du, 0.0, 1.0));
       const double next_v = on_border(std::clamp(v + share * dv, 0.0, 1.0));
-      const Descent next(pieces_.at(next_u, next_v), point);
+      const Descent next(piece.at(next_u, next_v), point);
       if (!(next.value < here.value)) continue;
       u = next_u;
       v = next_v;
@@ -102,35 +104,61 @@ void NearestSearch::descend(double u, double v, const glm::dvec3& point) {
     }
     if (!falls) break;
   }
-  if (here.value < best_.square_distance) {
-    best_.square_distance = here.value;
-    best_.u = u;
-    best_.v = v;
-    best_.corner = -2;  // the one that is searched
+  take(here.value, piece.frame.at(u, v));
+}
+
+void NearestSearch::take(double square_distance, const glm::dvec2& place) {
+  if (!(square_distance < best_.square_distance)) return;
+  best_ = {corner_, place.x, place.y, square_distance};
+}
+
+// Boxes and planes are exact but for rounding.
+bool NearestSearch::is_near(const PatchBox& box, const glm::dvec3& point) const {
+  return square_distance(box, point) <= best_.square_distance * (1 + 1e-12);
+}
+
+// A start in the middle; where that may not do, one in each quarter that comes near enough.
+void NearestSearch::search_piece(const PatchPiece& piece, const glm::dvec3& point, int cuts) {
+  const double least = piece.least_distance(point) - 1e-15;
+  if (least > 0 && least * least > best_.square_distance * (1 + 1e-12)) return;
+  if (cuts == 0 || !piece.bends_around(point)) return descend(piece, 0.5, 0.5, point);
+  for (const auto& [upper_u, upper_v] :
+       {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
+    const PatchPiece part = piece.half(upper_u, upper_v);
+    if (is_near(part.box(), point)) search_piece(part, point, cuts - 1);
   }
 }
 
 // A start in each quarter that comes near enough: a patch can have a nearest place of its own in
-// each.
-void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& point) {
-  pieces_.move_to(corner, tree_.reaches());
+// each. Where a quarter is no polynomial, one in each polynomial of it.
+void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target) {
+  corner_ = corner;
+  pieces_.move_to(corner);
   struct Start {
     double square_distance;
     std::size_t quarter;
   };
   std::array<Start, 4> starts;
-  const glm::dvec3 off = point - pieces_.corner().own();
-  for (std::size_t q = 0; q < 4; ++q) starts[q] = {square_distance(pieces_.box(q), off), q};
+  const glm::dvec3 point = target - pieces_.corner().own();
+  for (std::size_t q = 0; q < 4; ++q) starts[q] = {square_distance(pieces_.box(q), point), q};
   std::ranges::sort(starts, {}, &Start::square_distance);
-  for (const Start& start : starts) {
-    // Boxes and planes are exact but for rounding.
-    const double far = best_.square_distance * (1 + 1e-12);
-    if (start.square_distance > far) break;
-    const double least = pieces_.least_distance(start.quarter, off) - 1e-15;
-    if (least > 0 && least * least > far) continue;
-    descend(start.quarter % 2 == 1 ? 0.75 : 0.25, start.quarter >= 2 ? 0.75 : 0.25, point);
+  for (const auto& [_, q] : starts) {
+    if (!is_near(pieces_.box(q), point)) break;
+    if (const PatchPiece* const piece = pieces_.piece(q)) {
+      search_piece(*piece, point, kMostCuts);
+    } else {
+      pieces_.visit(
+          q,
+          [&](const glm::dvec3& vertex, const PatchFrame& frame) {
+            const glm::dvec3 off = vertex - point;
+            take(glm::dot(off, off), frame.at(0, 0));
+          },
+          [&](const PatchPiece& inner) {
+            if (is_near(inner.box(), point)) search_piece(inner, point, kMostCuts);
+          },
+          [&](const PatchBox& box) { return is_near(box, point); });
+    }
   }
-  if (best_.corner == -2) best_.corner = corner;
 }
 
 NearestPlace NearestSearch::run(const glm::dvec3& point) {

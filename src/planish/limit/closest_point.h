@@ -18,13 +18,18 @@ struct NearestPlace {
 /// point to point; one a thread.
 class NearestSearch {
  public:
-  explicit NearestSearch(const CornerTree& tree) : tree_(tree), pieces_(tree.surface()) {}
+  explicit NearestSearch(const CornerTree& tree)
+      : tree_(tree), pieces_(tree.surface(), tree.reaches()) {}
 
   [[nodiscard]] NearestPlace run(const glm::dvec3& point);
 
  private:
-  void search_corner(std::int32_t corner, const glm::dvec3& point);
-  void descend(double u, double v, const glm::dvec3& point);
+  void search_corner(std::int32_t corner, const glm::dvec3& target);
+  // Points relative to the corner's own from here on.
+  void search_piece(const PatchPiece& piece, const glm::dvec3& point, int cuts);
+  void descend(const PatchPiece& piece, double u, double v, const glm::dvec3& point);
+  void take(double square_distance, const glm::dvec2& place);
+  [[nodiscard]] bool is_near(const PatchBox& box, const glm::dvec3& point) const;
 
   const CornerTree& tree_;
   PatchPieces pieces_;
@@ -33,6 +38,7 @@ class NearestSearch {
     double square_distance;
   };
   std::vector<Waiting> waiting_;
+  std::int32_t corner_ = -1;  // that is searched
   NearestPlace best_;
 };
 

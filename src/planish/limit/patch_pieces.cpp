@@ -8,25 +8,8 @@
 namespace planish {
 namespace {
 
-// Quarters 0 to 3 of a form (at V, E1, F and E2) as places a + 2 b.
-constexpr std::array<std::size_t, 4> kPlaceOfQuarter{0, 1, 3, 2};
-
-// A quarter's own Bezier points as the patch sees them: quarter q is turned by q quarter turns.
-BezierNet in_patch_directions(const BezierNet& net, int turns) {
-  BezierNet result;
-  for (std::size_t j = 0; j < 3; ++j) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      std::size_t a = i, b = j;
-      for (int k = 0; k < turns; ++k) {
-        const std::size_t before = a;
-        a = b;
-        b = 2 - before;
-      }
-      result[i + 3 * j] = net[a + 3 * b];
-    }
-  }
-  return result;
-}
+// What the differences of a piece's points may differ by within it.
+constexpr double kSurelyConvex = 0.5;
 
 PatchBox box_of(std::span<const glm::dvec3> points) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -65,67 +48,90 @@ PatchPoint bezier_point(const BezierNet& net, double u, double v) {
 
 }  // namespace
 
-void PatchPieces::move_to(std::int32_t corner, const PatchReaches& reaches) {
-  corner_.move_to(corner);
-  const PatchForm& form = corner_.form();
-  is_polynomial_ = form.is_polynomial();
-  if (is_polynomial_) {
-    bezier_points(form, corner_.points(), whole_);
-    for (std::size_t q = 0; q < 4; ++q) {
-      has_net_[q] = true;
-      nets_[q] = whole_;
-      bezier_quarter(nets_[q], q % 2 == 1, q >= 2);
-      boxes_[q] = box_of(nets_[q]);
-    }
-    return;
+PatchFrame PatchFrame::quarter(int index) const {
+  // The corner that the quarter is seen from, and its quarter turns.
+  const double own_u = index == 1 || index == 2 ? 1 : 0, own_v = index >= 2 ? 1 : 0;
+  const glm::dvec2 origin = at(own_u, own_v);
+  PatchFrame result{origin.x, origin.y, 0.5 * size, c, s};
+  for (int turn = 0; turn < index; ++turn) {
+    const int before = result.c;
+    result.c = -result.s;
+    result.s = before;
   }
-  for (int q = 0; q < 4; ++q) {
-    const std::size_t place = kPlaceOfQuarter[static_cast<std::size_t>(q)];
-    const PatchForm& inner = *form.quarters[static_cast<std::size_t>(q)];
-    quarter_points(form, q, corner_.points(), points_);
-    has_net_[place] = inner.is_polynomial();
-    if (has_net_[place]) {
-      BezierNet net;
-      bezier_points(inner, points_, net);
-      nets_[place] = in_patch_directions(net, q);
-      boxes_[place] = box_of(net);
-      continue;
-    }
-    PatchBox box = box_of(points_);
-    const glm::dvec3 middle = 0.5 * (box.low + box.high);
-    const glm::dvec3 half = 0.5 * reaches.of(inner) * (box.high - box.low);
-    boxes_[place] = {middle - half, middle + half};
-  }
+  return result;
 }
 
-PatchPoint PatchPieces::at(double u, double v) {
-  if (is_polynomial_) {
-    PatchPoint point = bezier_point(whole_, u, v);
-    point.position += corner_.own();
-    return point;
-  }
-  const double a = u < 0.5 ? 0 : 1, b = v < 0.5 ? 0 : 1;
-  const auto place = static_cast<std::size_t>(a + 2 * b);
-  if (!has_net_[place]) return corner_.at({u, v});
-  PatchPoint point = bezier_point(nets_[place], 2 * u - a, 2 * v - b);
-  point.position += corner_.own();
-  point.du *= 2.0;
-  point.dv *= 2.0;
-  point.duu *= 4.0;
-  point.duv *= 4.0;
-  point.dvv *= 4.0;
-  return point;
+PatchPoint PatchPiece::at(double own_u, double own_v) const {
+  return bezier_point(net, own_u, own_v);
 }
 
-double PatchPieces::least_distance(std::size_t quarter, const glm::dvec3& point) const {
-  if (!has_net_[quarter]) return 0;
-  const BezierNet& net = nets_[quarter];
+double PatchPiece::least_distance(const glm::dvec3& point) const {
   const glm::dvec3 way = net[4] - point;
   const double length = glm::length(way);
   if (!(length > 0)) return 0;
   double least = std::numeric_limits<double>::infinity();
   for (const glm::dvec3& p : net) least = std::min(least, glm::dot(p - point, way));
   return std::max(0.0, least / length);
+}
+
+PatchBox PatchPiece::box() const { return box_of(net); }
+
+// Second derivatives times the distance against the square of the first ones, by differences of the
+// points: below 1 the distance is convex, were these alike all over the piece.
+bool PatchPiece::bends_around(const glm::dvec3& point) const {
+  double bend = 0, size = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k)
+    for (const auto& [a, b, c] : {std::array{3 * k, 3 * k + 1, 3 * k + 2}, {k, k + 3, k + 6}}) {
+      const glm::dvec3 chord = net[c] - net[a], turn = net[a] - 2.0 * net[b] + net[c];
+      size = std::min(size, glm::dot(chord, chord));
+      bend = std::max(bend, glm::dot(turn, turn));
+    }
+  const glm::dvec3 off = net[4] - point;
+  return 4 * bend * glm::dot(off, off) > kSurelyConvex * kSurelyConvex * size * size;
+}
+
+PatchPiece PatchPiece::half(bool upper_u, bool upper_v) const {
+  PatchPiece result{net, frame};
+  bezier_quarter(result.net, upper_u, upper_v);
+  const glm::dvec2 origin = frame.at(upper_u ? 0.5 : 0, upper_v ? 0.5 : 0);
+  result.frame.u = origin.x;
+  result.frame.v = origin.y;
+  result.frame.size *= 0.5;
+  return result;
+}
+
+PatchBox PatchPieces::box_around(const PatchForm& form, std::span<const glm::dvec3> points) const {
+  const PatchBox box = box_of(points);
+  const glm::dvec3 middle = 0.5 * (box.low + box.high);
+  const glm::dvec3 half = 0.5 * reaches_.of(form) * (box.high - box.low);
+  return {middle - half, middle + half};
+}
+
+void PatchPieces::move_to(std::int32_t corner) {
+  corner_.move_to(corner);
+  const PatchForm& form = corner_.form();
+  if (form.is_polynomial()) {
+    PatchPiece whole;
+    bezier_points(form, corner_.points(), whole.net);
+    has_piece_.fill(true);
+    for (std::size_t q = 0; q < 4; ++q) {
+      pieces_[q] = whole.half(q == 1 || q == 2, q >= 2);
+      boxes_[q] = pieces_[q].box();
+    }
+    return;
+  }
+  for (std::size_t q = 0; q < 4; ++q) {
+    const PatchForm& inner = *form.quarters[q];
+    quarter_points(form, static_cast<int>(q), corner_.points(), points_);
+    has_piece_[q] = inner.is_polynomial();
+    if (has_piece_[q]) {
+      pieces_[q].frame = PatchFrame().quarter(static_cast<int>(q));
+      bezier_points(inner, points_, pieces_[q].net);
+      boxes_[q] = pieces_[q].box();
+    } else {
+      boxes_[q] = box_around(inner, points_);
+    }
+  }
 }
 
 }  // namespace planish
