@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <oneapi/tbb/global_control.h>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
@@ -11,6 +12,7 @@
 #include "limit/long_run.h"
 #include "limit/tessellation_error.h"
 #include "planish/files/mesh_file.h"
+#include "planish/limit/fewest_cells.h"
 #include "support/expect_error.h"
 
 namespace planish::test {
@@ -196,7 +198,38 @@ TEST(AdaptiveTessellation, WhatCannotBeKeptIsRefused) {
   EXPECT_THAT(message(kBad, {.angle = 200}), HasSubstr("an angle of 200 degrees is none"));
   EXPECT_THAT(message(kBad, {.chord_error = std::nan("")}), HasSubstr("is none"));
   EXPECT_THAT(message(ErrorCode::OutOfMemory, {.chord_error = 1e-7, .memory_limit_bytes = 1 << 20}),
-              HasSubstr("allow a larger chord error"));
+              HasSubstr("; allow a"));
+}
+
+// Before cells are made, which would take all of this memory, and with a remedy that does.
+TEST(AdaptiveTessellation, TooManyTrianglesAreForeseen) {
+  for (const auto& mesh : {torus(12, 7, 2, 0.7), icosphere(1), cube()}) {
+    const LimitCase c(mesh);
+    const auto refusal = [&](double error, std::uint64_t memory) {
+      return message_of(ErrorCode::OutOfMemory, [&] {
+        (void)tessellate(c.limit, {.chord_error = error,
+                                   .diagonal = c.surface->placement().diagonal,
+                                   .memory_limit_bytes = memory});
+      });
+    };
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_THAT(refusal(1e-13, std::uint64_t{1} << 50), HasSubstr("at least"));
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    const std::string text = refusal(1e-8, 64 << 20);
+    const std::size_t at = text.find("allow an error of ");
+    ASSERT_NE(at, std::string::npos) << text;
+    const double remedy = std::stod(text.substr(at + 18));
+    EXPECT_GT(remedy, 1e-8);
+    // Never of what fits.
+    for (const double error : {1e-3, 1e-4, 1e-5}) {
+      const AdaptiveSurface made = tessellated(c, error);
+      const std::vector<std::uint8_t> hidden(
+          static_cast<std::size_t>(c.limit.topology().corner_count()), 0);
+      EXPECT_LT(2 * fewest_cells(c.limit, hidden, error),
+                static_cast<double>(made.mesh.face_count()))
+          << error;
+    }
+  }
 }
 
 }  // namespace

@@ -4,12 +4,14 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <glm/geometric.hpp>
 #include <string>
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
+#include "planish/limit/fewest_cells.h"
 
 namespace planish {
 namespace {
@@ -102,6 +104,24 @@ void add_hull(std::span<const glm::dvec3> points, double reach, std::vector<glm:
     hull.push_back(middle + reach * (p - middle));
     hull.push_back(middle - reach * (p - middle));
   }
+}
+
+// Twice as much as would be refused, and two digits: what surely is enough.
+std::string larger_error(double distance, double cells, std::uint64_t most) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1e", 2 * distance * cells / static_cast<double>(most));
+  return text;
+}
+
+void require_count(double cells, const CellLimits& limits, std::uint64_t most) {
+  if (!(cells > static_cast<double>(most))) return;
+  char count[32];
+  std::snprintf(count, sizeof count, "%.1e", 2 * cells);
+  throw Error(ErrorCode::OutOfMemory, "a chord error of " + shortest(limits.distance) +
+                                          " of the diagonal takes at least " + count +
+                                          " triangles, but memory and 32-bit indices take " +
+                                          std::to_string(2 * most) + "; allow an error of " +
+                                          larger_error(limits.distance, cells, most) + " or more");
 }
 
 [[noreturn]] void refuse_count(std::uint64_t most) {
@@ -303,6 +323,9 @@ AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
   std::vector<std::vector<AdaptiveCell>> of_block(blocks);
   std::vector<std::int64_t> sizes(count, 0);
   const std::uint64_t most = std::min(memory_limit_bytes / kCellBytes, kMostCells);
+  // Before cells are made: they would be as many as memory takes by the time that it is known.
+  if (limits.distance > 0)
+    require_count(fewest_cells(surface, result.hidden, limits.distance), limits, most);
   std::atomic<std::uint64_t> total{0};
   parallel_for(blocks, 1, [&](std::size_t begin, std::size_t end) {
     CellSplitter splitter(surface, reaches, limits, most);
