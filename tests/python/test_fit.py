@@ -143,6 +143,36 @@ def test_limit_surface(grid):
         limit.rays(vertices[:2], vertices[:1])
 
 
+def test_triangles_as_fine_as_asked_for(cube, grid):
+    for mesh in (cube, grid(6)):
+        fit = planish.fit(*mesh)
+        limit = planish.LimitSurface(fit)
+        corners = np.asarray(mesh[0], dtype=float)
+        diagonal = np.linalg.norm(corners.max(axis=0) - corners.min(axis=0))
+        count = 0
+        for error in (1e-2, 1e-3):
+            surface = fit.tessellate(chord_error=error)
+            middles = surface.positions[surface.faces].mean(axis=1)
+            assert limit.closest_point(middles)["distance"].max() <= error * diagonal
+            assert len(surface.faces) > count
+            count = len(surface.faces)
+        assert len(fit.tessellate(chord_error=1e-2, angle=5).faces) > len(
+            fit.tessellate(chord_error=1e-2).faces
+        )
+    edges = np.sort(
+        np.concatenate([surface.faces[:, [i, (i + 1) % 3]] for i in range(3)]), axis=1
+    )
+    _, uses = np.unique(edges, axis=0, return_counts=True)
+    assert uses.max() == 2
+    with pytest.raises(planish.InvalidArgument, match="neither a chord error nor an angle"):
+        fit.tessellate()
+    with pytest.raises(planish.OutOfMemory, match="allow an error of"):
+        fit.tessellate(chord_error=1e-14)
+    loop = planish.fit(*cube, scheme="catmull-clark")
+    with pytest.raises(planish.InvalidArgument, match="doo-sabin"):
+        loop.tessellate(chord_error=1e-3)
+
+
 def test_points_become_a_mesh(grid):
     points, _ = grid(30)
     mesh = planish.reconstruct(points, tolerance=0, quads=False)

@@ -4,6 +4,7 @@
 #include "bindings.h"
 #include "errors.h"
 #include "planish/core/visible_text.h"
+#include "planish/limit/adaptive_tessellation.h"
 #include "planish/pipeline/fit_file.h"
 
 namespace py = pybind11;
@@ -80,6 +81,23 @@ SurfaceHandle evaluate_fit(const FitHandle& fit, int level, const py::object& pr
   return made;
 }
 
+SurfaceHandle tessellate_fit(const FitHandle& fit, double chord_error, double angle,
+                             const py::object& progress, const py::object& cancelled) {
+  if (fit->fitted.options.scheme != Scheme::DooSabin)
+    refuse("tessellate: is of Doo-Sabin surfaces; fit with scheme=\"doo-sabin\"");
+  auto made = std::make_shared<PythonSurface>();
+  run_released({progress, cancelled}, [&](const Callbacks& callbacks) {
+    const FittedMesh& fitted = fit->fitted;
+    const LimitSurface limit(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
+    made->surface = tessellate(limit, {.chord_error = chord_error,
+                                       .angle = angle,
+                                       .diagonal = fitted.fit.placement.diagonal,
+                                       .callbacks = callbacks})
+                        .mesh;
+  });
+  return made;
+}
+
 MeshHandle cage_of(const FitHandle& fit) {
   auto made = std::make_shared<PythonMesh>();
   const FittedMesh& fitted = fit->fitted;
@@ -98,7 +116,7 @@ py::object surface_quads(const py::object& self) {
   const SurfaceMesh& surface = self.cast<PythonSurface&>().surface;
   if (surface.face_offsets.empty())
     return view(surface.face_vertices.data(), {surface.face_count(), 4}, self);
-  refuse(surface.is_triangles() ? "quads: a surface of Loop's scheme has triangles; take faces"
+  refuse(surface.is_triangles() ? "quads: the surface has triangles; take faces"
                                 : "quads: level 0 has the mesh's polygons; take faces");
 }
 
@@ -124,7 +142,7 @@ void add_surface_class(py::module_& module) {
           },
           "float32 (n, 3) of unit length, exact but for the last bits.")
       .def_property_readonly("quads", &surface_quads,
-                             "int32 (m, 4). Raises InvalidArgument at level 0 and for Loop.")
+                             "int32 (m, 4). Raises InvalidArgument at level 0 and for triangles.")
       .def_property_readonly("faces", &surface_faces,
                              "int32 (m, k) where all faces have k corners, else (sizes, indices).")
       .def_property_readonly(
@@ -179,6 +197,13 @@ void add_fit_class(py::module_& module) {
            py::arg("progress") = py::none(), py::arg("cancelled") = py::none(),
            "The surface after `level` splits, 0 to 6. Raises InvalidArgument, OutOfMemory before "
            "memory is taken, Cancelled.")
+      .def("tessellate", &tessellate_fit, py::kw_only(), py::arg("chord_error") = 0.0,
+           py::arg("angle") = 0.0, py::arg("progress") = py::none(),
+           py::arg("cancelled") = py::none(),
+           "Triangles as fine as the surface is curved: within chord_error of it, a fraction of "
+           "the bounding box's diagonal, and turning by at most so many degrees; 0: any, but not "
+           "both. Watertight where the mesh is. Raises InvalidArgument, OutOfMemory before memory "
+           "is taken, Cancelled.")
       .def("quality", &quality_of, py::arg("level") = 2,
            "The \"surface\" of a report: folded area, deviation of normals in degrees, bending.")
       .def("__repr__", [](const PythonFit& self) {

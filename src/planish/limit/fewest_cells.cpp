@@ -19,8 +19,8 @@ constexpr double kSurelyNeeded = 0.25;
 // Of a polynomial. A cell of a by b of its square is accepted where a^2 |S_uu| / 8 and
 // b^2 |S_vv| / 8, along the normal, are within the distance; the least of each counts.
 double cells_of_net(const BezierNet& net, double distance) {
-  const glm::dvec3 across = glm::cross(net[2] - net[0] + net[8] - net[6],
-                                       net[6] - net[0] + net[8] - net[2]);
+  const glm::dvec3 across =
+      glm::cross(net[2] - net[0] + net[8] - net[6], net[6] - net[0] + net[8] - net[2]);
   const double length = glm::length(across);
   if (!(length > 0)) return 1;
   const glm::dvec3 normal = across / length;

@@ -11,7 +11,7 @@ namespace planish {
 /// below: what its curvature along u and along v asks for, and a part of that, since cells may be
 /// of any shape. One look at each corner. `hidden`: one flag a corner. The same bits for every
 /// thread count.
-[[nodiscard]] double fewest_cells(const LimitSurface& surface,
-                                  std::span<const std::uint8_t> hidden, double distance);
+[[nodiscard]] double fewest_cells(const LimitSurface& surface, std::span<const std::uint8_t> hidden,
+                                  double distance);
 
 }  // namespace planish

@@ -72,6 +72,14 @@ class Fit:
         progress: Progress | None = ...,
         cancelled: Cancelled | None = ...,
     ) -> Surface: ...
+    def tessellate(
+        self,
+        *,
+        chord_error: float = ...,
+        angle: float = ...,
+        progress: Progress | None = ...,
+        cancelled: Cancelled | None = ...,
+    ) -> Surface: ...
     def quality(self, level: int = ...) -> dict[str, Any]: ...
 
 class LimitSurface:
