@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "camera.h"
+#include "colours.h"
 #include "overlay.h"
 #include "picture.h"
 #include "rasterise.h"
@@ -107,6 +108,31 @@ TEST(Overlay, HidesBehindTheSurface) {
   const glm::vec3 hidden = camera.project(glm::vec3(points.positions[1]));
   EXPECT_LT(buffer.what[buffer.at(static_cast<int>(hidden.x), static_cast<int>(hidden.y))],
             mesh.indices.size() / 3);
+}
+
+TEST(Picture, ValuesAreColouredOnASymmetricScale) {
+  const glm::vec3 none = signed_colour(0), low = signed_colour(-1), high = signed_colour(1);
+  EXPECT_GT(low.b, low.r + 0.1f);
+  EXPECT_GT(high.r, high.b + 0.1f);
+  EXPECT_LT(std::abs(none.r - none.b), 0.15f);
+  EXPECT_EQ(signed_colour(-7), low);
+  EXPECT_EQ(signed_colour(7), high);
+  RenderMesh mesh = sphere();
+  for (const glm::vec3& p : mesh.positions) mesh.values.push_back(20 * p.x);
+  EXPECT_NEAR(usual_magnitude(mesh.values), 18.5f, 1.5f);
+  PictureOptions options;
+  options.width = 80;
+  options.height = 60;
+  options.look = Look::Values;
+  options.scale = 20;
+  options.view = {0, 0};
+  const auto pixels = draw_picture(mesh, options);
+  const auto redder = [&](int x) {
+    const std::size_t at = 3 * (30 * 80 + static_cast<std::size_t>(x));
+    return static_cast<int>(pixels[at]) - static_cast<int>(pixels[at + 2]);
+  };
+  EXPECT_LT(redder(25), -20);
+  EXPECT_GT(redder(55), 20);
 }
 
 TEST(Picture, SphereIsLitFromTheUpperLeftOnALightGround) {

@@ -40,4 +40,17 @@ inline glm::vec3 heat_colour(float curvature) {
   return linear(glm::mix(kStops[below], kStops[below + 1], place - static_cast<float>(below)));
 }
 
+/// Linear colour of a number from -1 to 1: blue below, red above, pale at 0; by vik of F. Crameri.
+/// Grey where there is no number.
+inline glm::vec3 signed_colour(float place) {
+  constexpr std::array<glm::vec3, 5> kStops{
+      glm::vec3(0.01f, 0.24f, 0.49f), glm::vec3(0.44f, 0.65f, 0.77f),
+      glm::vec3(0.93f, 0.90f, 0.88f), glm::vec3(0.83f, 0.59f, 0.45f),
+      glm::vec3(0.55f, 0.15f, 0.02f)};
+  if (!std::isfinite(place)) return linear(glm::vec3(0.5f));
+  const float along = 0.5f * (std::clamp(place, -1.0f, 1.0f) + 1) * (kStops.size() - 1);
+  const auto below = std::min(static_cast<std::size_t>(along), kStops.size() - 2);
+  return linear(glm::mix(kStops[below], kStops[below + 1], along - static_cast<float>(below)));
+}
+
 }  // namespace planish::render

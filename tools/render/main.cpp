@@ -1,6 +1,7 @@
 // planish-render: a picture of a surface, drawn by the CPU.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -16,7 +17,8 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs, views;
-  std::string output, overlay, size = "1200x900", colour, zoom;
+  std::string output, overlay, size = "1200x900", colour, zoom, attribute;
+  double scale = 0;
   bool stripes = false, heat = false;
   PictureOptions picture;
 };
@@ -44,6 +46,9 @@ void parse_texts(Arguments& arguments) {
   }
   if (arguments.stripes) picture.look = Look::Stripes;
   if (arguments.heat) picture.look = Look::Heat;
+  if (!arguments.attribute.empty()) picture.look = Look::Values;
+  if (!(arguments.scale >= 0) || !std::isfinite(arguments.scale))
+    refuse("--scale: is a number above 0");
 }
 
 // Of the input of that number.
@@ -73,7 +78,15 @@ void run(Arguments& arguments) {
   std::vector<std::uint8_t> pixels(whole_row * arguments.picture.height);
   for (std::size_t i = 0; i < arguments.inputs.size(); ++i) {
     arguments.picture.view = view_of(arguments, i);
-    const auto tile = draw_picture(read_glb(arguments.inputs[i]), arguments.picture);
+    const RenderMesh mesh = read_glb(arguments.inputs[i], arguments.attribute);
+    if (!arguments.attribute.empty()) {
+      PictureOptions& picture = arguments.picture;
+      picture.scale =
+          arguments.scale > 0 ? static_cast<float>(arguments.scale) : usual_magnitude(mesh.values);
+      std::printf("%s: %s from %.3g (blue) to %.3g (red)\n", arguments.inputs[i].c_str(),
+                  arguments.attribute.c_str(), -picture.scale, picture.scale);
+    }
+    const auto tile = draw_picture(mesh, arguments.picture);
     for (int y = 0; y < arguments.picture.height; ++y) {
       std::copy_n(&tile[row * y], row, &pixels[whole_row * y + row * i]);
     }
@@ -96,6 +109,11 @@ int main(int argc, char** argv) {
   app.add_option("--color", arguments.colour, "RRGGBB of the material");
   app.add_flag("--stripes", arguments.stripes, "reflection lines, to judge smoothness");
   app.add_flag("--heat", arguments.heat, "colours by curvature")->excludes("--stripes");
+  app.add_option("--attribute", arguments.attribute,
+                 "colours by numbers of the file, _MEAN_CURVATURE for one: blue below 0, red above")
+      ->excludes("--stripes", "--heat");
+  app.add_option("--scale", arguments.scale,
+                 "what the ends of those colours stand for [what 19 of 20 do not exceed]");
   app.add_flag("--wire", arguments.picture.wire, "edges of the surface's quads");
   app.add_option("--overlay", arguments.overlay, "mesh whose edges and vertices are drawn too");
   app.add_option("--edge-width", arguments.picture.overlay_options.edge_width,

@@ -227,7 +227,10 @@ glm::vec3 Painter::surface(const Hit& hit, const glm::vec3& ray) const {
     const bool bright = std::fmod(turn * kStripeCount / 3.14159265f, 1.0f) < 0.5f;
     return glm::vec3(bright ? 0.80f : 0.045f) * (0.55f + 0.45f * light);
   }
-  const glm::vec3 base = options_.look == Look::Heat ? heat_colour(hit.mix(curvature_)) : albedo_;
+  const glm::vec3 base = options_.look == Look::Heat ? heat_colour(hit.mix(curvature_))
+                         : options_.look == Look::Values
+                             ? signed_colour(hit.mix(mesh_.values) / options_.scale)
+                             : albedo_;
   // A satin coat: a soft highlight of the main light, and the room at grazing angles.
   const glm::vec3 half = glm::normalize(light_.key() - ray);
   const float facing = glm::clamp(-glm::dot(normal, ray), 0.0f, 1.0f);

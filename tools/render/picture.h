@@ -16,6 +16,7 @@ enum class Look {
   Clay,     ///< a matt light material
   Stripes,  ///< reflection lines: they are smooth where the surface's normals are
   Heat,     ///< colours by curvature
+  Values,   ///< colours by the mesh's values, see signed_colour()
 };
 
 struct PictureOptions {
@@ -23,8 +24,9 @@ struct PictureOptions {
   ViewOptions view;
   Look look = Look::Clay;
   glm::vec3 colour{0.81f, 0.82f, 0.84f};  ///< sRGB
-  bool wire = false;                      ///< the edges of the surface's quads
-  std::optional<PolygonMesh> overlay;     ///< drawn as edges and vertices
+  float scale = 1;                     ///< of Look::Values: what the ends of the colours stand for
+  bool wire = false;                   ///< the edges of the surface's quads
+  std::optional<PolygonMesh> overlay;  ///< drawn as edges and vertices
   OverlayOptions overlay_options;
 };
 

@@ -1,6 +1,7 @@
 #include "render_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -16,7 +17,7 @@ namespace {
 
 // Appends a primitive of triangles.
 void add_primitive(const JsonPlace& root, const JsonPlace& primitive, GltfSource& source,
-                   RenderMesh& mesh) {
+                   const std::string& attribute, RenderMesh& mesh) {
   const auto accessor = [&](const JsonPlace& place, GltfAccessor::Use use) {
     return GltfAccessor(root, place.integer(), use, source);
   };
@@ -33,6 +34,14 @@ void add_primitive(const JsonPlace& root, const JsonPlace& primitive, GltfSource
     mesh.positions.emplace_back(positions.position(i));
     mesh.normals.push_back(glm::normalize(glm::vec3(normals.position(i))));
   }
+  if (!attribute.empty()) {
+    const GltfAccessor values = accessor(attributes[attribute], GltfAccessor::Use::Numbers);
+    if (values.count() != positions.count())
+      attributes[attribute].fail(std::to_string(values.count()) + " numbers for " +
+                                 std::to_string(positions.count()) + " vertices");
+    for (std::int64_t i = 0; i < values.count(); ++i)
+      mesh.values.push_back(static_cast<float>(values.value(i)));
+  }
   for (std::int64_t i = 0; i < indices.count(); ++i) {
     if (indices.index(i) >= positions.count())
       primitive["indices"].fail("entry " + std::to_string(i) + " names no vertex");
@@ -42,7 +51,7 @@ void add_primitive(const JsonPlace& root, const JsonPlace& primitive, GltfSource
 
 }  // namespace
 
-RenderMesh read_glb(const std::filesystem::path& path) {
+RenderMesh read_glb(const std::filesystem::path& path, const std::string& attribute) {
   const RawVector<std::byte> bytes = read_file(path);
   const std::string name = path.string();
   const GlbParts parts = split_glb(bytes, name);
@@ -52,9 +61,19 @@ RenderMesh read_glb(const std::filesystem::path& path) {
   RenderMesh mesh;
   const JsonPlace primitives = root["meshes"][0]["primitives"];
   for (std::int64_t i = 0; i < primitives.array_size(); ++i)
-    add_primitive(root, primitives[i], source, mesh);
+    add_primitive(root, primitives[i], source, attribute, mesh);
   if (mesh.indices.empty()) primitives.fail("holds no triangles");
   return mesh;
+}
+
+float usual_magnitude(const std::vector<float>& values) {
+  std::vector<float> sizes;
+  for (const float value : values)
+    if (std::isfinite(value)) sizes.push_back(std::abs(value));
+  if (sizes.empty()) return 1;
+  const auto place = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 19 / 20);
+  std::nth_element(sizes.begin(), place, sizes.end());
+  return *place > 0 ? *place : 1;
 }
 
 std::vector<float> curvature_of(const RenderMesh& mesh) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
+#include <string>
 #include <vector>
 
 namespace planish::render {
@@ -11,11 +12,17 @@ namespace planish::render {
 struct RenderMesh {
   std::vector<glm::vec3> positions, normals;
   std::vector<std::uint32_t> indices;
+  std::vector<float> values;  ///< of the attribute that was asked for, one a vertex; else none
 };
 
 /// The first mesh of a GLB that planish wrote, compressed or not, in the coordinates of its
-/// accessors. Throws Error{UnreadableInput} for anything else.
-[[nodiscard]] RenderMesh read_glb(const std::filesystem::path& path);
+/// accessors, with the numbers of an attribute (_MEAN_CURVATURE and the like) if it is named.
+/// Throws Error{UnreadableInput} for anything else.
+[[nodiscard]] RenderMesh read_glb(const std::filesystem::path& path,
+                                  const std::string& attribute = {});
+
+/// The magnitude that 19 of 20 of these do not exceed, NaN left out; 1 where that is 0.
+[[nodiscard]] float usual_magnitude(const std::vector<float>& values);
 
 /// How fast the normal turns at each vertex, in radians over the bounding-box diagonal: the mean
 /// over the edges of its triangles.

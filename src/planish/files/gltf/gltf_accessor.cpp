@@ -24,6 +24,8 @@ Wanted wanted_of(GltfAccessor::Use use, std::string_view type) {
       return {"SCALAR", "indices"};
     case GltfAccessor::Use::TextureCoordinates:
       return {"VEC2", "texture coordinates"};
+    case GltfAccessor::Use::Numbers:
+      return {"SCALAR", "numbers"};
     case GltfAccessor::Use::Colors:
       break;
   }

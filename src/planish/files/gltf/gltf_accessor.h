@@ -15,7 +15,7 @@ namespace planish {
 /// A typed array whose every element lies within its buffer view.
 class GltfAccessor {
  public:
-  enum class Use { Positions, Normals, Indices, TextureCoordinates, Colors };
+  enum class Use { Positions, Normals, Indices, TextureCoordinates, Colors, Numbers };
 
   /// Checks everything before any element can be asked for: component and element type for the
   /// use, count, offset, stride. Sparse accessors are refused. The elements come from `unpacked`
@@ -30,6 +30,8 @@ class GltfAccessor {
   [[nodiscard]] glm::dvec2 texture_coordinate(std::int64_t index) const;
   /// Of Use::Colors, opaque where there is no alpha. May not be finite.
   [[nodiscard]] glm::vec4 color(std::int64_t index) const;
+  /// Of Use::Numbers. May not be finite.
+  [[nodiscard]] double value(std::int64_t index) const { return number(index, 0); }
   /// Of Use::Indices.
   [[nodiscard]] std::uint32_t index(std::int64_t index) const;
 
