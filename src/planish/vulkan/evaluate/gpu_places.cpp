@@ -20,10 +20,10 @@ std::uint32_t words_of(std::uint32_t bytes) {
 }
 
 // Places as far as they are read, and results as far as they are written.
-FloatElements elements_of(const PlaceList& list) {
+FloatElements list_elements(const PlaceList& list) {
   return {list.buffer, list.offset / kWord, shared::kPlaceWords, list.stride / kWord};
 }
-FloatElements elements_of(const PlaceLayout& layout) {
+FloatElements result_elements(const PlaceLayout& layout) {
   return {layout.buffer, layout.offset / kWord,
           static_cast<std::uint32_t>(result_bytes(layout) / kWord), layout.stride / kWord};
 }
@@ -76,8 +76,8 @@ GpuPlaces::GpuPlaces(Context& context, const PatchTables& patches, const PlaceTa
   std::vector<BoundKernel> bound;
   for (std::uint64_t first = 0; first < list.count; first += step) {
     const std::uint64_t count = std::min(step, list.count - first);
-    const ElementWindow from = element_window(elements_of(list), first, count);
-    const ElementWindow to = element_window(elements_of(layout), first, count);
+    const ElementWindow from = element_window(list_elements(list), first, count);
+    const ElementWindow to = element_window(result_elements(layout), first, count);
     check_range(context, from);
     check_range(context, to);
     Dispatch& dispatch = dispatches_.emplace_back();
