@@ -64,6 +64,7 @@
 #include "planish/vulkan/device/own_device.h"
 #include "planish/vulkan/device/result.h"
 #include "planish/vulkan/device/scope.h"
+#include "planish/vulkan/evaluate/place_layout.h"
 
 namespace planish {
 struct FairDecisions;
@@ -318,157 +319,8 @@ class Solve {
   friend void record_solves(VkCommandBuffer, std::span<const SolveCall>) noexcept;
   friend void record_evaluates(VkCommandBuffer, std::span<const EvaluateCall>) noexcept;
   friend class Places;
-  friend class Solve;
-  std::unique_ptr<Parts> parts_;
-};
-
-/// Where the points to pass through are: three floats each, `stride` bytes apart, one per vertex of
-/// the mesh. The buffer is the host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the
-/// Solve. No buffer: the Solve has one of its own, which record_given fills.
-struct GivenPoints {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;
-  std::uint32_t stride = 12;
-};
-
-/// Where record_evaluate writes: for each vertex three floats of position and three of unit normal
-/// (zero where the tangents are parallel). Other bytes are left alone. The buffer is the host's,
-/// has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Solve. No buffer: nothing is evaluated.
-struct VertexLayout {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;    ///< of the first vertex
-  std::uint32_t stride = 24;  ///< bytes
-  std::uint32_t position_offset = 0;
-  std::uint32_t normal_offset = 12;
-};
-
-struct SolveOptions {
-  std::uint32_t max_iterations = 64;  ///< that one record_solve can ask for
-  /// Of the fair method, 0 to 1000: steps of conjugate gradients that even out the curvature.
-  std::uint32_t polish_steps = 8;
-  GivenPoints given;
-  VertexLayout vertices;
-};
-
-/// Two timestamps in a host's query pool, `first` before and `first` + 1 after the recorded work.
-/// The host has reset both queries; its queue family has timestamps.
-struct Timestamps {
-  VkQueryPool pool = VK_NULL_HANDLE;
-  std::uint32_t first = 0;
-};
-
-/// Of the progressive method, but for the timestamps: the fair one does all its work each time.
-struct SolveParameters {
-  /// At most SolveOptions::max_iterations, which stands in for more.
-  std::uint32_t iterations = 0;
-  /// No iteration once the error is at most this, decided on the device; negative: do them all.
-  float stop_error = -1;
-  /// Starts from the displacement that this Solve's last solve ended with, instead of from none.
-  /// record_reset has been run before the first such solve, or a solve without it.
-  bool warm_start = false;
-  /// Measures the error that the last iteration leaves, at the cost of about one more. Without, the
-  /// status tells the error before the last iteration.
-  bool measures_last = true;
-  Timestamps timestamps;
-};
-
-/// How a solve ended.
-enum class SolveState : std::uint32_t {
-  Stepped = 0,    ///< all iterations done; no error as low as stop_error was met
-  Converged = 1,  ///< an error at or below stop_error was met
-  NotFinite = 2,  ///< the error is infinite or no number: so were given points
-};
-
-/// What record_status copies.
-struct GpuStatus {
-  std::uint32_t iterations;
-  SolveState state;
-  float residual;  ///< largest distance of a given point from its limit point, as measured last
-};
-static_assert(sizeof(GpuStatus) == 12);
-
-/// One frame in flight of one instance: moves control points until the limit surface passes through
-/// the given points, then evaluates it. Externally synchronised.
-class Solve {
- public:
-  /// Throws Error{InvalidArgument} for a layout, Error{OutOfMemory} naming the limit, VulkanError.
-  Solve(Context& context, const DeviceSystem& system, const SolveOptions& options = {});
-  ~Solve();
-  Solve(Solve&&) noexcept;
-  Solve& operator=(Solve&&) noexcept;
-
-  /// Forgets the last displacement. After a jump of the pose, and before a first warm start.
-  void record_reset(VkCommandBuffer commands) const noexcept;
-  /// Copies given points, 12 tight bytes each, from a host's buffer with
-  /// VK_BUFFER_USAGE_TRANSFER_SRC_BIT; offset is a multiple of 4. Only without a GivenPoints
-  /// buffer.
-  void record_given(VkCommandBuffer commands, VkBuffer source, VkDeviceSize offset) const noexcept;
-  /// Finds the displacement of the control points from the given points as they are when it runs.
-  void record_solve(VkCommandBuffer commands, const SolveParameters& parameters) const noexcept;
-  /// Limit positions and normals of the last solve, into the VertexLayout's buffer. Read them as
-  /// vertices after a barrier from kExitScope to VERTEX_INPUT, VERTEX_ATTRIBUTE_READ.
-  void record_evaluate(VkCommandBuffer commands, const Timestamps& timestamps = {}) const noexcept;
-  /// The part of record_evaluate that Places need, the surface's control points, for who wants no
-  /// vertices: record_evaluate does it, too.
-  void record_surface(VkCommandBuffer commands) const noexcept;
-  /// Copies a GpuStatus of the last solve to a host's buffer with VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  /// offset is a multiple of 4. The host polls it when it likes, after its own fence.
-  void record_status(VkCommandBuffer commands, VkBuffer target, VkDeviceSize offset) const noexcept;
-
-  /// The control cage's points after record_evaluate: four floats each (the last is 0), one per
-  /// used vertex; may be bound as a vertex or storage buffer. Where the method is Fair the state of
-  /// level 1, as Subdivision documents it, after record_solve. Owned by the Solve.
-  [[nodiscard]] VkBuffer control_points() const;
-
- private:
-  struct Parts;
-  friend class Places;
   [[nodiscard]] SolvePoints surface_points() const;
   std::unique_ptr<Parts> parts_;
-};
-
-/// Places on the surface: `count` records, `stride` bytes apart, of a face (uint32, as the mesh
-/// numbers them) and u and v (float32) as SurfaceParameter has them (limit/surface_parameter.h).
-/// They may be anything: kernels read nothing by what they have not checked. The buffer is the
-/// host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Places. No buffer: the Places
-/// have one of their own of 12 bytes a record, which record_list fills.
-struct PlaceList {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;
-  std::uint32_t stride = 12;
-  std::uint32_t count = 0;
-};
-
-/// What came of a place.
-enum class PlaceState : std::uint32_t {
-  Regular = 0,
-  /// At a vertex or face centre of other valence or size than 4, or within 2^-24 of it: second
-  /// derivatives have no limit there and are 0, du and dv are those along the corner's edges.
-  Singular = 1,
-  /// No such face, or (u, v) is not in it (by more than 1e-6) or no number: all results are 0.
-  None = 2,
-};
-
-/// Of a result's offset: it is not written.
-inline constexpr std::uint32_t kNotWritten = 0xffffffff;
-
-/// Where Places write: for each place what has an offset: three floats of position, unit normal
-/// (zero where tangents are parallel) and derivatives by u and v, in the model's unit, and a
-/// PlaceState. Other bytes are left alone. The buffer is the host's, has
-/// VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, outlives the Places and is not that of the list.
-struct PlaceLayout {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;    ///< of the first place's results
-  std::uint32_t stride = 88;  ///< bytes
-  std::uint32_t position_offset = 0, normal_offset = 12;
-  std::uint32_t du_offset = 24, dv_offset = 36;
-  std::uint32_t duu_offset = 48, duv_offset = 60, dvv_offset = 72;
-  std::uint32_t state_offset = 84;
-};
-
-struct PlacesOptions {
-  PlaceList list;
-  PlaceLayout results;
 };
 
 /// The surface of a Solve at a list of places, hole faces included: LimitSurface's values in single

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "planish/vulkan/embed.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
+#include "planish/vulkan/evaluate/place_layout.h"
 #include "planish/vulkan/evaluate/place_records.h"
 
 namespace planish::vulkan {

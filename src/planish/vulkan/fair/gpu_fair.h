@@ -113,7 +113,7 @@ class GpuFair {
   GpuFairOptions options_;
   Buffers buffers_;
   Passes prepare_, build_, curve_points_, find_folds_, next_round_, shrink_[2], start_polish_,
-      step_polish_[2], end_polish_, finish_;
+      step_polish_[2], end_polish_, look_[2], decide_, cure_, darts_, count_, finish_;
   std::vector<Round> rounds_;
   std::array<std::size_t, kFairParts + 1> part_starts_{};
   DescriptorSets sets_;
