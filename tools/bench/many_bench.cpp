@@ -1,4 +1,5 @@
 // Many small meshes in one command buffer against one large mesh.
+#include <algorithm>
 #include <memory>
 
 #include "bench/bench_meshes.h"
@@ -92,7 +93,8 @@ std::vector<Row> bench_many(const Options& options) {
   if (list_vulkan_devices().best < 0) return {};
   VulkanMachine machine({}, {});
   // 128,000 points by default, as many as the small ones together.
-  const std::int32_t large = options.quad_count * 16 / 125;
+  // Tori of 4 x 4 quads at least.
+  const std::int32_t large = std::max(options.quad_count * 16 / 125, 16 * kMeshes);
   const auto one = std::make_shared<Instances>(machine, torus_grid(large), 1);
   const PolygonMesh small = torus_grid(large / kMeshes);
   const auto many = std::make_shared<Instances>(machine, small, kMeshes);
