@@ -9,8 +9,9 @@ namespace planish {
 namespace {
 
 // The widest instructions of the processor, chosen when the program is loaded. Nothing is fused
-// (-ffp-contract=off), so that all give the same bits.
-#if defined(__x86_64__) && defined(__ELF__)
+// (-ffp-contract=off), so that all give the same bits. GCC's thread sanitizer crashes in functions
+// that choose, since they run before it does.
+#if defined(__x86_64__) && defined(__ELF__) && !defined(__SANITIZE_THREAD__)
 #define PLANISH_WIDEST __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define PLANISH_WIDEST
