@@ -12,25 +12,6 @@
 namespace planish {
 namespace {
 
-// With seams, colours, groups, creases and holes.
-PolygonMesh mesh_with_all(std::uint32_t seed) {
-  PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(seed), 0.1, seed);
-  for (std::size_t c = 0; c < mesh.face_vertices.size(); ++c) {
-    const std::int32_t v = mesh.face_vertices[c];
-    mesh.face_uvs.push_back(v % 5 == 0 ? static_cast<std::int32_t>(mesh.positions.size() + c) : v);
-  }
-  for (std::size_t i = 0; i < mesh.positions.size() + mesh.face_vertices.size(); ++i)
-    mesh.uvs.emplace_back(0.25 * static_cast<double>(i % 7), 0.125 * static_cast<double>(i % 11));
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
-    mesh.colors.emplace_back(0.1f * static_cast<float>(v % 10), 0.5f, 0.25f, 1.0f);
-  mesh.groups = {{"a", "red"}, {"b", "blue"}};
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    mesh.face_groups.push_back(f % 2);
-    if (f % 6 == 1) mesh.hole_faces.push_back(f);
-  }
-  return mesh;
-}
-
 void expect_part_of(const SurfaceMesh& whole, const SurfaceBlocks& blocks, RowRange faces) {
   const FaceRangeBlocks part(blocks, faces);
   const SurfaceMesh made = collect(part, {});
@@ -64,7 +45,7 @@ void expect_part_of(const SurfaceMesh& whole, const SurfaceBlocks& blocks, RowRa
 
 TEST(FaceRangeBlocks, HaveTheSurfacesBits) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
-    const PolygonMesh mesh = mesh_with_all(seed);
+    const PolygonMesh mesh = test::laden_mesh(seed);
     const DooSabinSurface base(mesh, {});
     for (const int level : {0, 1, 2, 3}) {
       SCOPED_TRACE(level);
