@@ -11,6 +11,7 @@
 #include "files/gltf/surfaces.h"
 #include "planish/core/error.h"
 #include "planish/files/gltf/write_gltf.h"
+#include "support/temporary_folder.h"
 
 namespace planish::command {
 namespace {
@@ -19,13 +20,6 @@ namespace fs = std::filesystem;
 
 class FurtherBuffers : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / "further_buffers";
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   // As a job does; returns how many buffers there are.
   std::size_t put(std::uint64_t buffer_bytes, bool overwrites) const {
     StagedFiles staged;
@@ -49,7 +43,8 @@ class FurtherBuffers : public testing::Test {
   }
   void write(const char* name) const { std::ofstream(folder_ / name) << "somebody's"; }
 
-  fs::path folder_;
+  test::TemporaryFolder temporary_;
+  const fs::path& folder_ = temporary_.path();
 };
 
 TEST_F(FurtherBuffers, ComeWithTheDocument) {
