@@ -113,7 +113,7 @@ void take_numbers(Keywords& keywords, FitArguments& result) {
   double weld = -1;
   keywords.take("weld", weld, "a number is wanted");
   if (weld != -1) {
-    if (!(weld == 0 || (weld >= kSmallestWeld && weld < kWeldEnd)))
+    if (!can_weld_within(weld))
       refuse("weld: " + shortest(weld) +
              " is out of range; 0, or a fraction of the diagonal from "
              "1e-12 to less than 0.1, is wanted");

@@ -29,7 +29,7 @@ void require_options(const planish_fit_options& options) {
     out_of_range("max_iterations", options.max_iterations, "0 to 1000000 is wanted");
   if (!(options.crease_degrees >= 0 && options.crease_degrees <= 180))
     out_of_range("crease_degrees", options.crease_degrees, "0 to 180 is wanted");
-  if (options.weld != 0 && !(options.weld >= kSmallestWeld && options.weld < kWeldEnd))
+  if (!can_weld_within(options.weld))
     out_of_range("weld", options.weld, "0, or 1e-12 to less than 0.1 is wanted");
   if (options.thread_count < 0 || options.thread_count > kMaxThreads)
     out_of_range("thread_count", options.thread_count, "0 to 4096 is wanted");

@@ -147,7 +147,7 @@ void renumber(PolygonMesh& mesh, std::span<const std::int32_t> numbers) {
 }  // namespace
 
 WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction) {
-  if (!(fraction == 0 || (fraction >= kSmallestWeld && fraction < kWeldEnd)))
+  if (!can_weld_within(fraction))
     throw Error(ErrorCode::InvalidArgument,
                 "vertices cannot be welded within " + shortest(fraction) +
                     " of the diagonal; 0, or 1e-12 to less than 0.1, is wanted");

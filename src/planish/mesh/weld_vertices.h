@@ -7,8 +7,10 @@
 
 namespace planish {
 
-/// Fractions of the diagonal that weld_vertices() takes: 0, or from the smallest to below the end.
-inline constexpr double kSmallestWeld = 1e-12, kWeldEnd = 0.1;
+/// Fractions of the diagonal that weld_vertices() takes: 0, or 1e-12 to less than 0.1.
+[[nodiscard]] constexpr bool can_weld_within(double fraction) {
+  return fraction == 0 || (fraction >= 1e-12 && fraction < 0.1);
+}
 
 /// A mesh with fewer vertices, and where they come from.
 struct WeldedMesh {

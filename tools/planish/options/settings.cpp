@@ -232,7 +232,7 @@ void set_tolerance(Settings& settings, std::string_view text, std::string_view w
 }
 
 void set_weld(Settings& settings, double value, std::string_view where) {
-  if (!(value == 0 || (value >= kSmallestWeld && value < kWeldEnd)))
+  if (!can_weld_within(value))
     refuse(where, short_number(value) + " is out of range; " + std::string(kWeldWanted));
   settings.weld = value;
 }
