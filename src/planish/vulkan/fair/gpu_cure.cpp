@@ -4,20 +4,6 @@
 
 namespace planish::vulkan {
 
-void GpuFair::plan_fold_looks(Binder& binder, Passes& passes) {
-  const FairTables& t = tables_;
-  Buffers& b = buffers_;
-  binder
-      .add(passes, Kernel::FairCureEdges, t.edge_count,
-           {&t.edges, &t.owners, &b.given, &b.face_normals, &b.result, &b.flags, &b.counts})
-      .arguments = shared::kRoundEdges;
-  binder
-      .add(passes, Kernel::FairCureFaces, t.face_count,
-           {&t.faces, &t.owners, &b.given, &b.face_normals, &b.result, &t.circle, &b.flags,
-            &b.counts})
-      .arguments = shared::kRoundFaces;
-}
-
 // All that is looked at in a round.
 void GpuFair::plan_looks(Binder& binder, Passes& passes) {
   const FairTables& t = tables_;
@@ -27,7 +13,7 @@ void GpuFair::plan_looks(Binder& binder, Passes& passes) {
     binder.add(passes, kernel, count, buffers).arguments = arguments;
   };
   const bool has_curves = t.state_size > t.corner_count;
-  plan_fold_looks(binder, passes);
+  plan_fold_looks(binder, passes, Kernel::FairCureEdges, Kernel::FairCureFaces);
   if (has_curves) {
     add(Kernel::FairCureCurves, t.face_count, shared::kRoundFaces,
         {&t.faces, &t.owners, &t.links, &b.given, &b.face_normals, &b.result, &b.flags});
@@ -55,7 +41,7 @@ void GpuFair::plan_cure(Binder& binder) {
   darts.place = t.corner_count;
   darts.darts_only = 1;
   if (options_.counts_folds) {
-    plan_fold_looks(binder, count_);
+    plan_fold_looks(binder, count_, Kernel::FairCureEdges, Kernel::FairCureFaces);
     for (Pass& pass : count_) pass.parameters.only_counts = 1;
     count_[0].parameters.place = shared::kEndCounts;
     count_[1].parameters.place = shared::kEndCounts + 1;

@@ -128,18 +128,25 @@ void GpuFair::plan_build(Binder& binder) {
       .parameters.place = t.corner_count;
 }
 
-void GpuFair::plan_repair(Binder& binder) {
+// What is turned over: kernels of the repair, or of the cure.
+void GpuFair::plan_fold_looks(Binder& binder, Passes& passes, Kernel edges, Kernel faces) {
   const FairTables& t = tables_;
   Buffers& b = buffers_;
   binder
-      .add(find_folds_, Kernel::FairEdgeFolds, t.edge_count,
+      .add(passes, edges, t.edge_count,
            {&t.edges, &t.owners, &b.given, &b.face_normals, &b.result, &b.flags, &b.counts})
       .arguments = shared::kRoundEdges;
   binder
-      .add(find_folds_, Kernel::FairFaceFolds, t.face_count,
+      .add(passes, faces, t.face_count,
            {&t.faces, &t.owners, &b.given, &b.face_normals, &b.result, &t.circle, &b.flags,
             &b.counts})
       .arguments = shared::kRoundFaces;
+}
+
+void GpuFair::plan_repair(Binder& binder) {
+  const FairTables& t = tables_;
+  Buffers& b = buffers_;
+  plan_fold_looks(binder, find_folds_, Kernel::FairEdgeFolds, Kernel::FairFaceFolds);
   for (const std::uint32_t which : {0u, 1u}) {
     Pass& pass = binder.add(shrink_[which], Kernel::FairShrink, t.vertex_count,
                             {&t.vertices, &t.places, &b.flags, &b.decisions, &b.result});

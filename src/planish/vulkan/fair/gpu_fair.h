@@ -99,7 +99,7 @@ class GpuFair {
   void plan_polish(Binder& binder);
   void plan_polish_step(Binder& binder, Passes& passes, const Buffer& from, const Buffer& to);
   void plan_cure(Binder& binder);
-  void plan_fold_looks(Binder& binder, Passes& passes);
+  void plan_fold_looks(Binder& binder, Passes& passes, Kernel edges, Kernel faces);
   void plan_looks(Binder& binder, Passes& passes);
   void plan_finish(Binder& binder, const Buffer& model_points);
   void plan_rounds();
