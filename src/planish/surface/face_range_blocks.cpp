@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "planish/core/parallel.h"
+#include "planish/core/prefix_sum.h"
 
 namespace planish {
 
@@ -28,14 +29,12 @@ void SubsetNumbers::add(std::span<const std::int32_t> numbers) {
 }
 
 void SubsetNumbers::finish() {
-  before_.resize(marks_.size());
-  std::int32_t count = 0;
-  for (std::size_t w = 0; w < marks_.size(); ++w) {
-    before_[w] = count;
-    count += std::popcount(marks_[w]);
-  }
-  numbers_.resize(static_cast<std::size_t>(count));
   constexpr std::size_t kWords = std::size_t{1} << 12;
+  before_.resize(marks_.size());
+  parallel_for(marks_.size(), kWords, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t w = begin; w < end; ++w) before_[w] = std::popcount(marks_[w]);
+  });
+  numbers_.resize(static_cast<std::size_t>(exclusive_sum(before_)));
   parallel_for(marks_.size(), kWords, [&](std::size_t begin, std::size_t end) {
     for (std::size_t w = begin; w < end; ++w) {
       std::int32_t* to = numbers_.data() + before_[w];
