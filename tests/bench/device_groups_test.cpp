@@ -7,8 +7,8 @@
 #include <string>
 
 #include "cli/json_schema.h"
-#include "planish/vulkan/vulkan_backend.h"
 #include "support/temporary_folder.h"
+#include "support/vulkan_device.h"
 
 namespace planish::test {
 namespace {
@@ -24,13 +24,7 @@ json read_json(const std::string& path) {
 
 class BenchDevice : public testing::Test {
  protected:
-  void SetUp() override {
-    const VulkanDeviceList list = list_vulkan_devices();
-    if (list.best >= 0) return;
-    const char* required = std::getenv("PLANISH_REQUIRE_VULKAN");
-    if (required && std::string(required) == "1") FAIL() << "no Vulkan device: " << list.reason;
-    GTEST_SKIP() << "no Vulkan device: " << list.reason;
-  }
+  void SetUp() override { require_vulkan_device(); }
 
   // The valid JSON of a small run.
   json run(const std::string& arguments) {

@@ -34,38 +34,16 @@ void set_dart_points(const FairTopology& topology, std::span<dvec3> state) {
   }
 }
 
-class FairCure : public FairMachine, public ::testing::WithParamInterface<vulkan::PipelineVariant> {
+class FairCure : public FairReads {
  protected:
-  [[nodiscard]] vulkan::ContextOptions context_options() const override {
-    vulkan::ContextOptions options;
-    options.variant = GetParam();
-    return options;
-  }
-  template <class Record>
-  void run(const Record& record) {
-    machine_->submitter.run([&](VkCommandBuffer commands) { record(commands); });
-  }
   // All before the cure.
-  void make(DeviceNet& net) {
-    run([&](VkCommandBuffer commands) {
-      net.fair.record(commands, vulkan::FairPart::Clear);
-      net.fair.record(commands, vulkan::FairPart::Prepare);
-      net.fair.record(commands, vulkan::FairPart::Build);
-      net.fair.record(commands, vulkan::FairPart::RepairBuilt);
-      net.fair.record(commands, vulkan::FairPart::Polish);
-      net.fair.record(commands, vulkan::FairPart::RepairPolished);
-    });
+  void make(const DeviceNet& net) {
+    using enum vulkan::FairPart;
+    record(net, {Clear, Prepare, Build, RepairBuilt, Polish, RepairPolished});
   }
-  void cure(DeviceNet& net) {
-    run([&](VkCommandBuffer commands) { net.fair.record(commands, vulkan::FairPart::Cure); });
-  }
-  std::vector<dvec3> result(const DeviceNet& net) {
-    return download_points(net.fair.buffers().result, net.records.owners.size());
-  }
+  void cure(const DeviceNet& net) { record(net, {vulkan::FairPart::Cure}); }
   Uncured uncured(const DeviceNet& net) {
-    Uncured before{download_points(net.fair.buffers().face_normals,
-                                   static_cast<std::size_t>(net.topology.face_count)),
-                   download_points(net.fair.buffers().normals, net.given.size()), result(net)};
+    Uncured before{face_normals(net), normals(net), result(net)};
     set_dart_points(net.topology, before.state);
     return before;
   }
@@ -192,12 +170,7 @@ TEST_P(FairCure, LooksOnlyAsLongAsSomethingIsFound) {
   EXPECT_EQ(of_rod.back(), 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Reads, FairCure,
-                         ::testing::Values(vulkan::kHardwareVariant, vulkan::kSoftwareVariant),
-                         [](const auto& variant) {
-                           return variant.param.read_path == vulkan::ReadPath::Texel ? "Texel"
-                                                                                     : "Storage";
-                         });
+INSTANTIATE_TEST_SUITE_P(Reads, FairCure, both_reads(), name_of_reads);
 
 }  // namespace
 }  // namespace planish::testing

@@ -28,29 +28,15 @@ constexpr double kRounding = 2e-6;
 // Of unit vectors: differences of coordinates lose more, the nearer vertices are to each other.
 constexpr double kDirection = 1e-4;
 
-class FairKernels : public FairMachine,
-                    public ::testing::WithParamInterface<vulkan::PipelineVariant> {
+class FairKernels : public FairReads {
  protected:
-  [[nodiscard]] vulkan::ContextOptions context_options() const override {
-    vulkan::ContextOptions options;
-    options.variant = GetParam();
-    return options;
-  }
-
-  template <class Record>
-  void run(const Record& record) {
-    machine_->submitter.run([&](VkCommandBuffer commands) { record(commands); });
-  }
   // Runs all before the polygons are built.
-  void prepare(DeviceNet& net) {
-    run([&](VkCommandBuffer commands) {
-      net.fair.record(commands, vulkan::FairPart::Clear);
-      net.fair.record(commands, vulkan::FairPart::Prepare);
-    });
+  void prepare(const DeviceNet& net) {
+    record(net, {vulkan::FairPart::Clear, vulkan::FairPart::Prepare});
   }
-  void build(DeviceNet& net) {
+  void build(const DeviceNet& net) {
     prepare(net);
-    run([&](VkCommandBuffer commands) { net.fair.record(commands, vulkan::FairPart::Build); });
+    record(net, {vulkan::FairPart::Build});
   }
   // Every mesh's net in the making, with the steps that it will be polished with.
   void for_each_net(std::uint32_t polish_steps, const std::function<void(DeviceNet&)>& body) {
@@ -61,19 +47,9 @@ class FairKernels : public FairMachine,
       body(net);
     }
   }
-  std::vector<dvec3> face_normals(const DeviceNet& net) {
-    return download_points(net.fair.buffers().face_normals,
-                           static_cast<std::size_t>(net.topology.face_count));
-  }
-  std::vector<dvec3> normals(const DeviceNet& net) {
-    return download_points(net.fair.buffers().normals, net.given.size());
-  }
   std::vector<double> shares(const DeviceNet& net) {
     const auto floats = download<float>(net.fair.buffers().shares, net.given.size());
     return {floats.begin(), floats.end()};
-  }
-  std::vector<dvec3> result(const DeviceNet& net) {
-    return download_points(net.fair.buffers().result, net.records.owners.size());
   }
 };
 
@@ -232,9 +208,7 @@ TEST_P(FairKernels, RepairEqualsItsTwin) {
     build(net);
     std::vector<dvec3> expected = result(net);
     const std::vector<dvec3> face_normals = this->face_normals(net);
-    run([&](VkCommandBuffer commands) {
-      net.fair.record(commands, vulkan::FairPart::RepairBuilt);
-    });
+    record(net, {vulkan::FairPart::RepairBuilt});
     std::vector<std::uint8_t> halvings(net.given.size(), 0);
     const FoldCount left = repair_folds(net.topology, net.given, face_normals, expected, halvings);
     EXPECT_LT(worst(result(net), expected), kRounding);
@@ -254,9 +228,7 @@ TEST_P(FairKernels, RepairRunsOnlyWhereSomethingIsTurnedOver) {
     const test::FairCase c(mesh);
     DeviceNet net(*machine_, c, 0);
     build(net);
-    run([&](VkCommandBuffer commands) {
-      net.fair.record(commands, vulkan::FairPart::RepairBuilt);
-    });
+    record(net, {vulkan::FairPart::RepairBuilt});
     return download<std::uint32_t>(net.fair.buffers().arguments, 9);
   };
   EXPECT_EQ(groups(test::icosphere(2)), (std::vector<std::uint32_t>{0, 1, 1, 0, 1, 1, 0, 1, 1}));
@@ -284,7 +256,7 @@ TEST_P(FairKernels, RowsAndHeightsEqualTheirTwins) {
     build(net);
     std::vector<dvec3> moved = result(net);
     const std::vector<dvec3> normals = this->normals(net);
-    run([&](VkCommandBuffer commands) { net.fair.record(commands, vulkan::FairPart::Polish); });
+    record(net, {vulkan::FairPart::Polish});
     const auto directions = polish_directions(net.topology, normals, shares(net));
     EXPECT_LT(worst(download_points(net.fair.buffers().directions, directions.size()), directions),
               kRounding);
@@ -312,12 +284,7 @@ TEST_P(FairKernels, RowsAndHeightsEqualTheirTwins) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Reads, FairKernels,
-                         ::testing::Values(vulkan::kHardwareVariant, vulkan::kSoftwareVariant),
-                         [](const auto& variant) {
-                           return variant.param.read_path == vulkan::ReadPath::Texel ? "Texel"
-                                                                                     : "Storage";
-                         });
+INSTANTIATE_TEST_SUITE_P(Reads, FairKernels, both_reads(), name_of_reads);
 
 }  // namespace
 }  // namespace planish::testing

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <glm/vec4.hpp>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <vector>
@@ -65,6 +66,29 @@ class FairMachine : public VulkanTest {
   std::unique_ptr<vulkan::VulkanMachine> machine_;
 };
 
+struct DeviceNet;
+
+/// The same on each read path: the kernels of hardware, and those of software devices.
+class FairReads : public FairMachine,
+                  public ::testing::WithParamInterface<vulkan::PipelineVariant> {
+ protected:
+  [[nodiscard]] vulkan::ContextOptions context_options() const override {
+    vulkan::ContextOptions options;
+    options.variant = GetParam();
+    return options;
+  }
+  void record(const DeviceNet& net, std::initializer_list<vulkan::FairPart> parts);
+  std::vector<glm::dvec3> face_normals(const DeviceNet& net);
+  std::vector<glm::dvec3> normals(const DeviceNet& net);
+  std::vector<glm::dvec3> result(const DeviceNet& net);
+};
+inline auto both_reads() {
+  return ::testing::Values(vulkan::kHardwareVariant, vulkan::kSoftwareVariant);
+}
+inline std::string name_of_reads(const ::testing::TestParamInfo<vulkan::PipelineVariant>& variant) {
+  return variant.param.read_path == vulkan::ReadPath::Texel ? "Texel" : "Storage";
+}
+
 /// A net in the making on a device.
 struct DeviceNet {
   DeviceNet(vulkan::VulkanMachine& machine, const test::FairCase& c, std::uint32_t polish_steps,
@@ -88,5 +112,21 @@ struct DeviceNet {
   vulkan::GpuFair fair;
   std::vector<glm::dvec3> given;  ///< as the device has them
 };
+
+inline void FairReads::record(const DeviceNet& net, std::initializer_list<vulkan::FairPart> parts) {
+  machine_->submitter.run([&](VkCommandBuffer commands) {
+    for (const vulkan::FairPart part : parts) net.fair.record(commands, part);
+  });
+}
+inline std::vector<glm::dvec3> FairReads::face_normals(const DeviceNet& net) {
+  return download_points(net.fair.buffers().face_normals,
+                         static_cast<std::size_t>(net.topology.face_count));
+}
+inline std::vector<glm::dvec3> FairReads::normals(const DeviceNet& net) {
+  return download_points(net.fair.buffers().normals, net.given.size());
+}
+inline std::vector<glm::dvec3> FairReads::result(const DeviceNet& net) {
+  return download_points(net.fair.buffers().result, net.records.owners.size());
+}
 
 }  // namespace planish::testing

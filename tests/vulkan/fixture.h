@@ -11,6 +11,7 @@
 #include "planish/core/error.h"
 #include "planish/vulkan/vulkan_backend.h"
 #include "support/environment_variable.h"
+#include "support/vulkan_device.h"
 
 namespace planish::testing {
 
@@ -25,13 +26,7 @@ namespace planish::testing {
 /// the test. Without a device tests are skipped, or fail where PLANISH_REQUIRE_VULKAN=1.
 class VulkanTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const VulkanDeviceList list = list_vulkan_devices();
-    if (list.best >= 0) return;
-    const char* required = std::getenv("PLANISH_REQUIRE_VULKAN");
-    if (required && std::string(required) == "1") FAIL() << "no Vulkan device: " << list.reason;
-    GTEST_SKIP() << "no Vulkan device: " << list.reason;
-  }
+  void SetUp() override { test::require_vulkan_device(); }
 
   void TearDown() override {
     for (const std::string& message : messages_) ADD_FAILURE() << message;

@@ -18,6 +18,7 @@
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"
+#include "vulkan/random_kinds.h"
 #include "vulkan/tables.h"
 
 namespace planish::testing {
@@ -26,13 +27,6 @@ namespace {
 using namespace vulkan;
 
 class VulkanPatches : public VulkanTest {};
-
-/// As a device is given them. (GCC 12 at -O2 leaves out a conversion to float and back that does
-/// not pass through memory.)
-std::vector<glm::dvec3> through_floats(const std::vector<glm::dvec3>& points) {
-  const std::vector<glm::vec3> floats(points.begin(), points.end());
-  return {floats.begin(), floats.end()};
-}
 
 /// Largest differences, positions in parts of the diagonal, normals in radians.
 struct Off {
@@ -59,17 +53,8 @@ std::vector<test::NamedMesh> meshes_of_all_kinds() {
   std::vector<test::NamedMesh> meshes = {{"cube", test::cube()},
                                          {"icosphere", test::icosphere(2)},
                                          {"torus", test::torus(12, 7, 2, 0.7)}};
-  for (std::uint32_t seed = 1; seed < 5; ++seed) {
-    const std::string name = std::to_string(seed);
-    meshes.push_back({"closed " + name, test::random_closed_mesh(seed)});
-    meshes.push_back(
-        {"creases " + name, test::with_random_creases(test::random_closed_mesh(seed), 0.2, seed)});
-    meshes.push_back(
-        {"open " + name, test::with_random_creases(test::random_open_mesh(seed), 0.1, seed)});
-    PolygonMesh holed = meshes.back().mesh;
-    holed.hole_faces = {2, 5, holed.face_count() - 1};
-    meshes.push_back({"holes " + name, holed});
-  }
+  const std::vector<test::NamedMesh> kinds = random_kinds();
+  meshes.insert(meshes.end(), kinds.begin(), kinds.end());
   return meshes;
 }
 

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "planish/vulkan/vulkan_backend.h"
+
+namespace planish::test {
+
+/// All of a SetUp(): a test without a Vulkan device is skipped, or fails where
+/// PLANISH_REQUIRE_VULKAN=1.
+inline void require_vulkan_device() {
+  const VulkanDeviceList list = list_vulkan_devices();
+  if (list.best >= 0) return;
+  const char* required = std::getenv("PLANISH_REQUIRE_VULKAN");
+  if (required && std::string(required) == "1") FAIL() << "no Vulkan device: " << list.reason;
+  GTEST_SKIP() << "no Vulkan device: " << list.reason;
+}
+
+}  // namespace planish::test
