@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
+#include <span>
 #include <string>
 
 #include "planish/core/error.h"
@@ -23,48 +24,21 @@ constexpr int kMostTurnHalvings = 6;
 constexpr double kLongest = 8;
 // Triangles beside a border are off along the surface as well as across it.
 const double kBorderShare = std::sqrt(0.5);
-// Corners a task: their cells are kept together until all are counted.
-constexpr std::size_t kCornerGrain = 256;
+// Faces a task: their cells are kept together until all are counted.
+constexpr std::size_t kFaceGrain = 64;
+// A grid has no places of neighbours on its sides that its own do not fit: so it may take this many
+// times as many parts as there are cells.
+constexpr double kGridShare = 1.1;
 // What a cell takes with its share of vertices and triangles while a tessellation is made.
 constexpr std::uint64_t kCellBytes = 150;
 // Two triangles a cell and some beside finer ones; their corners are counted in 32 bits.
 constexpr std::uint64_t kMostCells = std::uint64_t{1} << 28;
 
-// A place of a 3 x 3 net as a piece sees it that is turned against its patch.
-std::size_t turned_place(std::size_t i, std::size_t j, int turns) {
-  for (int k = 0; k < turns; ++k) {
-    const std::size_t before = i;
-    i = j;
-    j = 2 - before;
-  }
-  return i + 3 * j;
-}
-
-BezierNet turned_net(const BezierNet& net, int turns) {
-  BezierNet result;
-  for (std::size_t j = 0; j < 3; ++j) {
-    for (std::size_t i = 0; i < 3; ++i) result[i + 3 * j] = net[turned_place(i, j, turns)];
-  }
-  return result;
-}
-
-// Part `part` of so many along u or v, by blossoms.
+// Part `part` of so many along u or v.
 BezierNet part_of_net(const BezierNet& net, bool along_v, int part, int parts) {
   if (parts == 1) return net;
-  const double from = static_cast<double>(part) / parts, to = static_cast<double>(part + 1) / parts;
-  BezierNet result;
-  const std::size_t step = along_v ? 3 : 1, across = along_v ? 1 : 3;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t at = k * across;
-    const glm::dvec3 &a = net[at], &b = net[at + step], &c = net[at + 2 * step];
-    const auto blossom = [&](double s, double t) {
-      return (1 - t) * ((1 - s) * a + s * b) + t * ((1 - s) * b + s * c);
-    };
-    result[at] = blossom(from, from);
-    result[at + step] = blossom(from, to);
-    result[at + 2 * step] = blossom(to, to);
-  }
-  return result;
+  return net_between(net, along_v, static_cast<double>(part) / parts,
+                     static_cast<double>(part + 1) / parts);
 }
 
 AdaptiveCell part_of_cell(const AdaptiveCell& cell, int a, int parts_u, int b, int parts_v) {
@@ -166,7 +140,8 @@ double CellSplitter::border_bound(const AdaptiveCell& cell) {
   const auto add = [&](double u0, double v0, double u1, double v1) {
     const glm::dvec3 a = corner_.at({u0, v0}).position, c = corner_.at({u1, v1}).position;
     const glm::dvec3 middle = corner_.at({0.5 * (u0 + u1), 0.5 * (v0 + v1)}).position;
-    largest = std::max(largest, curve_bound(a, 2.0 * middle - 0.5 * (a + c), c));
+    const BezierCurve curve{a, 2.0 * middle - 0.5 * (a + c), c};
+    largest = std::max(largest, curve_bound(std::span(&curve, 1)));
   };
   const double u0 = double(cell.u) / kCellSide, u1 = double(cell.end_u) / kCellSide;
   const double v0 = double(cell.v) / kCellSide, v1 = double(cell.end_v) / kCellSide;
@@ -209,10 +184,11 @@ CellSplitter::Split CellSplitter::split_of(const BezierNet& net, const AdaptiveC
   const auto halves = [&](bool along_u) { return along_u ? Split{2, 1} : Split{1, 2}; };
   if (limits_.distance > 0) {
     const double limit = kBorderShare * limits_.distance;
-    if (borders_.leading && cell.v == 0 && !(curve_bound(net[0], net[1], net[2]) <= limit))
-      return halves(true);
-    if (borders_.trailing && cell.u == 0 && !(curve_bound(net[0], net[3], net[6]) <= limit))
-      return halves(false);
+    const auto is_far = [&](const BezierCurve& curve) {
+      return !(curve_bound(std::span(&curve, 1)) <= limit);
+    };
+    if (borders_.leading && cell.v == 0 && is_far({net[0], net[1], net[2]})) return halves(true);
+    if (borders_.trailing && cell.u == 0 && is_far({net[0], net[3], net[6]})) return halves(false);
   }
   const CellBound bound = bound_of(net);
   if (keeps(bound, cell)) return {};
@@ -304,46 +280,102 @@ void CellSplitter::run(std::int32_t corner, const CornerBorders& borders,
   split_form(corner_.form(), corner_.points(), 0, {0, 0, kCellSide, kCellSide});
 }
 
+namespace {
+
+// The cells of faces, one block of them after the other.
+class FaceCells {
+ public:
+  FaceCells(const LimitSurface& surface, const CellLimits& limits, std::uint64_t most,
+            const PatchReaches& reaches, AdaptiveCells& result)
+      : surface_(surface),
+        topology_(surface.topology()),
+        limits_(limits),
+        result_(result),
+        splitter_(surface, reaches, limits, most),
+        finder_(surface) {}
+
+  // Appends a face's cells, and tells how many a corner has; or sets its grid.
+  void run(std::int32_t face, std::vector<AdaptiveCell>& cells, std::span<std::int64_t> sizes) {
+    const std::int32_t first = topology_.first_corner(face), size = topology_.face_size(face);
+    const std::size_t before = cells.size();
+    for (std::int32_t c = first; c < first + size; ++c) {
+      const std::size_t start = cells.size();
+      splitter_.run(c, {.leading = is_border(c), .trailing = is_border(topology_.prev(c))}, cells);
+      sizes[static_cast<std::size_t>(c)] = static_cast<std::int64_t>(cells.size() - start);
+    }
+    const FaceGrid grid = grid_of(face, cells.size() - before);
+    if (!grid.exists()) return;
+    result_.grids[static_cast<std::size_t>(face)] = grid;
+    cells.resize(before);
+    std::ranges::fill(
+        sizes.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size)), 0);
+  }
+
+ private:
+  // Whether a corner's leading edge ends the surface or is sharp.
+  [[nodiscard]] bool is_border(std::int32_t corner) const {
+    const std::int32_t other = topology_.twin(corner);
+    return other < 0 || result_.hidden[static_cast<std::size_t>(other)] != 0 ||
+           surface_.surface().patches().is_sharp(corner);
+  }
+  [[nodiscard]] FaceGrid grid_of(std::int32_t face, std::size_t cells) {
+    if (topology_.face_size(face) != 4) return {};
+    GridFinder::Limits limits{.distance = limits_.distance, .turn = limits_.turn};
+    for (std::int32_t i = 0; i < 4; ++i)
+      limits.borders[static_cast<std::size_t>(i)] = is_border(topology_.first_corner(face) + i);
+    limits.most = static_cast<int>(std::min(kGridShare * static_cast<double>(cells), 1e6));
+    return finder_.find(face, limits);
+  }
+
+  const LimitSurface& surface_;
+  const MeshTopology& topology_;
+  const CellLimits& limits_;
+  AdaptiveCells& result_;
+  CellSplitter splitter_;
+  GridFinder finder_;
+};
+
+std::vector<std::uint8_t> hidden_corners(const LimitSurface& surface) {
+  const MeshTopology& topology = surface.topology();
+  const std::span<const std::uint8_t> faces = surface.surface().hidden();
+  std::vector<std::uint8_t> hidden(static_cast<std::size_t>(topology.corner_count()), 0);
+  for (std::size_t c = 0; c < hidden.size() && !faces.empty(); ++c)
+    hidden[c] = faces[static_cast<std::size_t>(topology.face_of(static_cast<std::int32_t>(c)))];
+  return hidden;
+}
+
+}  // namespace
+
 AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
                          std::uint64_t memory_limit_bytes) {
   const MeshTopology& topology = surface.topology();
-  const auto count = static_cast<std::size_t>(topology.corner_count());
-  const std::span<const std::uint8_t> hidden_faces = surface.surface().hidden();
+  const auto count = static_cast<std::size_t>(topology.face_count());
   AdaptiveCells result;
-  result.hidden.assign(count, 0);
-  for (std::size_t c = 0; c < count && !hidden_faces.empty(); ++c)
-    result.hidden[c] =
-        hidden_faces[static_cast<std::size_t>(topology.face_of(static_cast<std::int32_t>(c)))];
-  const auto ends_surface = [&](std::int32_t corner) {
-    return corner < 0 || result.hidden[static_cast<std::size_t>(corner)] != 0;
-  };
+  result.hidden = hidden_corners(surface);
+  result.grids.resize(count);
   PatchReaches reaches;
   for (const PatchForm* form : surface.forms()) reaches.add(*form);
-  const std::size_t blocks = (count + kCornerGrain - 1) / kCornerGrain;
+  const std::size_t blocks = (count + kFaceGrain - 1) / kFaceGrain;
   std::vector<std::vector<AdaptiveCell>> of_block(blocks);
-  std::vector<std::int64_t> sizes(count, 0);
+  std::vector<std::int64_t> sizes(result.hidden.size(), 0);
   const std::uint64_t most = std::min(memory_limit_bytes / kCellBytes, kMostCells);
   // Before cells are made: they would be as many as memory takes by the time that it is known.
   if (limits.distance > 0)
     require_count(fewest_cells(surface, result.hidden, limits.distance), limits, most);
   std::atomic<std::uint64_t> total{0};
   parallel_for(blocks, 1, [&](std::size_t begin, std::size_t end) {
-    CellSplitter splitter(surface, reaches, limits, most);
+    FaceCells faces(surface, limits, most, reaches, result);
     for (std::size_t b = begin; b < end; ++b) {
       std::vector<AdaptiveCell>& cells = of_block[b];
-      for (std::size_t i = b * kCornerGrain; i < std::min(count, (b + 1) * kCornerGrain); ++i) {
-        const auto c = static_cast<std::int32_t>(i);
-        if (result.hidden[i] != 0) continue;
+      for (std::size_t i = b * kFaceGrain; i < std::min(count, (b + 1) * kFaceGrain); ++i) {
+        const auto face = static_cast<std::int32_t>(i);
+        if (result.hidden[static_cast<std::size_t>(topology.first_corner(face))] != 0) continue;
         const std::size_t before = cells.size();
-        const PatchMesh& patches = surface.surface().patches();
-        splitter.run(
-            c,
-            {.leading = patches.is_sharp(c) || ends_surface(topology.cw(c)),
-             .trailing = patches.is_sharp(topology.prev(c)) || ends_surface(topology.ccw(c))},
-            cells);
-        sizes[i] = static_cast<std::int64_t>(cells.size() - before);
-        if (total.fetch_add(cells.size() - before) + (cells.size() - before) > most)
-          refuse_count(most);
+        faces.run(face, cells, sizes);
+        const FaceGrid& grid = result.grids[i];
+        const std::uint64_t more =
+            cells.size() - before + static_cast<std::uint64_t>(grid.u) * grid.v;
+        if (total.fetch_add(more) + more > most) refuse_count(most);
       }
     }
   });

@@ -6,6 +6,7 @@
 
 #include "planish/core/raw_vector.h"
 #include "planish/limit/cell_bound.h"
+#include "planish/limit/face_grid.h"
 #include "planish/limit/limit_surface.h"
 #include "planish/limit/patch_box.h"
 
@@ -76,11 +77,12 @@ class CellSplitter {
   std::vector<AdaptiveCell>* cells_ = nullptr;
 };
 
-/// The cells of all corners.
+/// The cells of all corners, and the grids of those faces that have one instead.
 struct AdaptiveCells {
   std::vector<std::int64_t> first;  ///< corner_count + 1
   RawVector<AdaptiveCell> cells;
   std::vector<std::uint8_t> hidden;  ///< one a corner: of a hole, without cells
+  std::vector<FaceGrid> grids;       ///< one a face
 
   [[nodiscard]] std::span<const AdaptiveCell> of(std::int32_t corner) const {
     const auto c = static_cast<std::size_t>(corner);

@@ -12,7 +12,9 @@
 namespace planish {
 
 /// The places on the halves of edges and on the lines from edges' midpoints to faces' centres:
-/// those of the cells on both sides, so that neighbours agree.
+/// those of the cells on both sides, so that neighbours agree. Between two grids they are even, as
+/// many as the finer one has; between a grid and cells those of the cells, and more where the grid
+/// is finer.
 class SidePlaces {
  public:
   /// All must outlive it.
@@ -21,6 +23,10 @@ class SidePlaces {
   /// Along the half of its leading edge at a corner's vertex, from the vertex.
   [[nodiscard]] std::span<const std::uint16_t> leading(std::int32_t corner) const {
     return leading_.of(corner);
+  }
+  /// Whether the midpoint of a corner's leading edge is one, too: it always is beside cells.
+  [[nodiscard]] bool has_midpoint(std::int32_t corner) const {
+    return has_midpoint_[static_cast<std::size_t>(corner)] != 0;
   }
   /// From the midpoint of a corner's leading edge to the face's centre.
   [[nodiscard]] std::span<const std::uint16_t> spoke(std::int32_t corner) const {
@@ -47,11 +53,20 @@ class SidePlaces {
   };
   template <class Make>
   void fill(Lists& lists, const Make& make) const;
+  [[nodiscard]] int grid_parts(std::int32_t corner) const;
+  void add_cell_places(std::int32_t corner, std::vector<std::uint16_t>& places) const;
+  void edge_places(std::int32_t corner, std::vector<std::uint16_t>& places) const;
 
   const MeshTopology& topology_;
   const AdaptiveCells& cells_;
   Lists leading_, spoke_, lone_trailing_;  // the last where nothing is across
+  std::vector<std::uint8_t> has_midpoint_;
 };
+
+/// Place i of so many even parts of a whole edge, of 0 to 2 kCellSide.
+[[nodiscard]] constexpr std::uint16_t even_place(std::int32_t i, std::int32_t parts) {
+  return static_cast<std::uint16_t>((2 * kCellSide * i + parts / 2) / parts);
+}
 
 /// Rows (vertices) of an adaptive tessellation: those of level 1 first, then those that each corner
 /// owns: on its half of the leading edge, on its line to the centre, within, and on the half of its
@@ -71,8 +86,19 @@ class AdaptiveRows {
   [[nodiscard]] bool owns_trailing(std::int32_t corner) const;
   /// The rows of a grid's places, which are those of the corner's cells and sides.
   void rows_of(std::int32_t corner, const CornerGrid& grid, std::vector<std::int32_t>& rows) const;
+  /// Appends the places along a corner's leading edge, of 0 to 2 kCellSide, and their rows: from
+  /// its vertex on, without the edge's other end.
+  void along_edge(std::int32_t corner, std::vector<std::uint16_t>& places,
+                  std::vector<std::int32_t>& rows) const;
+  /// The first of the rows within a corner or, of its first corner, a face's grid.
+  [[nodiscard]] std::int64_t first_within(std::int32_t corner) const {
+    return first_of(corner) +
+           static_cast<std::int64_t>(sides_.leading(corner).size() + sides_.spoke(corner).size());
+  }
 
  private:
+  [[nodiscard]] std::int64_t first_trailing(std::int32_t corner) const;
+
   const MeshTopology& topology_;
   const SidePlaces& sides_;
   const PatchNumbering& level_one_;

@@ -7,13 +7,16 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
+#include "planish/limit/adaptive_faces.h"
 #include "planish/limit/adaptive_rows.h"
-#include "planish/limit/cell_triangles.h"
+#include "planish/limit/used_rows.h"
 #include "planish/surface/doo_sabin_blocks.h"
 #include "planish/surface/memory_need.h"
 #include "planish/surface/mesh_blocks.h"
@@ -57,6 +60,7 @@ class Tessellation {
              options.angle * std::numbers::pi / 180},
             limit)),
         sides_(topology_, cells_),
+        faces_(topology_, cells_, sides_),
         numbering_(base_.patches(), 1, base_.hidden()) {
     if (base_.mesh().face_uvs.empty()) return;
     uvs_.emplace(base_.mesh());
@@ -78,6 +82,7 @@ class Tessellation {
       fill_uvs(*uv_rows, result);
     }
     fill_faces(rows, uv_rows ? &*uv_rows : nullptr, result);
+    drop_unused(result);
     finish(surface);
     options_.callbacks.report("evaluate", 1);
     return surface;
@@ -90,17 +95,14 @@ class Tessellation {
   struct Worker {
     CornerGrid grid;
     LimitSurface::Corner at;
-    std::vector<std::int32_t> rows, uv_rows, half;
-    std::vector<CellPlace> places;
-    std::vector<glm::dvec3> points;
-    CellTriangles cutter;
+    AdaptiveFaces::Scratch faces;
   };
 
   template <class Body>
   void for_corners(const Body& body) const {
     parallel_for(static_cast<std::size_t>(topology_.corner_count()), kCornersAtOnce,
                  [&](std::size_t begin, std::size_t end) {
-                   Worker worker{{}, LimitSurface::Corner(surface_), {}, {}, {}, {}, {}, {}};
+                   Worker worker{{}, LimitSurface::Corner(surface_), {}};
                    for (std::size_t c = begin; c < end; ++c) {
                      if (cells_.hidden[c] != 0) continue;
                      const auto corner = static_cast<std::int32_t>(c);
@@ -118,6 +120,7 @@ class Tessellation {
                    SurfaceMesh& result) const;
   void fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const;
   void fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows, SurfaceMesh& result) const;
+  void drop_unused(SurfaceMesh& result) const;
   // A value at V, E1, F and E2 from those at the corners of the mesh.
   template <class At>
   [[nodiscard]] auto ends_of(std::int32_t corner, const At& at) const {
@@ -141,6 +144,7 @@ class Tessellation {
   std::uint64_t limit_;
   AdaptiveCells cells_;
   SidePlaces sides_;
+  AdaptiveFaces faces_;
   PatchNumbering numbering_;
   std::optional<CornerUvs> uvs_;
   std::optional<PatchNumbering> uv_numbering_;
@@ -154,11 +158,9 @@ void Tessellation::count() {
   std::vector<std::int64_t> triangles(corners, 0);
   for_corners([&](std::int32_t corner, Worker& worker) {
     const auto c = static_cast<std::size_t>(corner);
-    for (const CellPlace& place : worker.grid.places()) {
-      if (place.u > 0 && place.u < kCellSide && place.v > 0 && place.v < kCellSide) ++inside_[c];
-    }
-    for (const AdaptiveCell& cell : cells_.of(corner))
-      triangles[c] += static_cast<std::int64_t>(worker.grid.polygon(cell).size()) - 2;
+    const AdaptiveFaces::Counts counts = faces_.counts(corner, worker.grid);
+    inside_[c] = counts.inside;
+    triangles[c] = counts.triangles;
   });
   first_triangle_.assign(1, 0);
   for (const std::int64_t count : triangles)
@@ -187,48 +189,61 @@ void Tessellation::require_counts(const AdaptiveRows& rows) const {
   }
 }
 
-// In the order of AdaptiveRows: place(u, v, is_trailing).
+// In the order of AdaptiveRows: place(corner, u, v, is_trailing).
 template <class Place>
 void Tessellation::own_places(std::int32_t corner, const CornerGrid& grid, bool with_trailing,
                               const Place& place) const {
   const auto share = [](std::uint16_t t) { return static_cast<double>(t) / kCellSide; };
-  for (const std::uint16_t t : sides_.leading(corner)) place(share(t), 0, false);
-  for (const std::uint16_t t : sides_.spoke(corner)) place(1, share(t), false);
+  for (const std::uint16_t t : sides_.leading(corner)) place(corner, share(t), 0, false);
+  for (const std::uint16_t t : sides_.spoke(corner)) place(corner, 1, share(t), false);
   for (const CellPlace& at : grid.places()) {
     if (at.u > 0 && at.u < kCellSide && at.v > 0 && at.v < kCellSide)
-      place(share(at.u), share(at.v), false);
+      place(corner, share(at.u), share(at.v), false);
+  }
+  if (const FaceGrid* const whole = faces_.grid_at(corner)) {
+    for (int j = 1; j < whole->v; ++j) {
+      for (int i = 1; i < whole->u; ++i) {
+        const double s = share(even_place(i, whole->u)), t = share(even_place(j, whole->v));
+        if (t <= 1 && s <= 1) place(corner, s, t, false);
+        if (t <= 1 && s > 1) place(corner + 1, t, 2 - s, false);
+        if (t > 1 && s > 1) place(corner + 2, 2 - s, 2 - t, false);
+        if (t > 1 && s <= 1) place(corner + 3, 2 - t, s, false);
+      }
+    }
   }
   if (!with_trailing) return;
-  for (const std::uint16_t t : sides_.trailing(corner)) place(0, share(t), true);
+  for (const std::uint16_t t : sides_.trailing(corner)) place(corner, 0, share(t), true);
 }
 
 void Tessellation::fill_corner(std::int32_t corner, const AdaptiveRows& rows, Worker& worker,
                                SurfaceMesh& result) const {
   const PolygonMesh& mesh = base_.mesh();
+  const auto color_at = [&](std::int32_t c) {
+    return glm::dvec4(mesh.colors[static_cast<std::size_t>(topology_.vertex_of(c))]);
+  };
+  std::int32_t colors_of = -1;
   std::array<glm::dvec4, 4> colors{};
-  if (!mesh.colors.empty()) {
-    colors = ends_of(corner, [&](std::int32_t c) {
-      return glm::dvec4(mesh.colors[static_cast<std::size_t>(topology_.vertex_of(c))]);
-    });
-  }
   auto row = static_cast<std::size_t>(rows.first_of(corner));
-  const std::int32_t across = sides_.across(corner);
-  const auto add = [&](double u, double v, bool is_trailing) {
-    worker.at.move_to(corner);
+  const auto add = [&](std::int32_t at, double u, double v, bool is_trailing) {
+    worker.at.move_to(at);
     const PatchPoint point = worker.at.at({u, v});
     const double length = glm::length(point.normal);
     const bool is_known = length > 1e-6 * glm::length(point.du) * glm::length(point.dv);
     const glm::dvec3 normal =
         is_known ? point.normal / length
-                 : surface_.evaluate(surface_parameter(topology_, corner, u, v)).normal;
+                 : surface_.evaluate(surface_parameter(topology_, at, u, v)).normal;
     glm::dvec3 position = point.position;
-    if (is_trailing && across >= 0) {  // to the bit where the other side has it
-      worker.at.move_to(across);
+    if (const std::int32_t across = sides_.across(at); is_trailing && across >= 0) {
+      worker.at.move_to(across);  // to the bit where the other side has it
       position = worker.at.at({v, 0}).position;
     }
     result.positions[row] = base_.placement().to_model(position);
     result.normals[row] = glm::vec3(normal);
-    if (!mesh.colors.empty()) result.colors[row] = glm::vec4(bilinear(colors, u, v));
+    if (!mesh.colors.empty()) {
+      if (colors_of != at) colors = ends_of(at, color_at);
+      colors_of = at;
+      result.colors[row] = glm::vec4(bilinear(colors, u, v));
+    }
     ++row;
   };
   own_places(corner, worker.grid, rows.owns_trailing(corner), add);
@@ -247,13 +262,19 @@ void Tessellation::fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const
   result.uvs.resize(static_cast<std::size_t>(rows.count()));
   const PolygonMesh& mesh = base_.mesh();
   for_corners([&](std::int32_t corner, Worker& worker) {
-    const std::array<glm::dvec2, 4> ends = ends_of(corner, [&](std::int32_t c) {
+    const auto uv_at = [&](std::int32_t c) {
       const auto uv = static_cast<std::size_t>(uvs_->indices[static_cast<std::size_t>(c)]);
       return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
-    });
+    };
+    std::int32_t ends_at = corner;
+    std::array<glm::dvec2, 4> ends = ends_of(corner, uv_at);
     auto row = static_cast<std::size_t>(rows.first_of(corner));
     own_places(corner, worker.grid, rows.owns_trailing(corner),
-               [&](double u, double v, bool) { result.uvs[row++] = bilinear(ends, u, v); });
+               [&](std::int32_t at, double u, double v, bool) {
+                 if (ends_at != at) ends = ends_of(at, uv_at);
+                 ends_at = at;
+                 result.uvs[row++] = bilinear(ends, u, v);
+               });
   });
 }
 
@@ -262,44 +283,30 @@ void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_r
   result.face_vertices.resize(static_cast<std::size_t>(3 * triangle_count()));
   result.face_uvs.resize(uv_rows != nullptr ? result.face_vertices.size() : 0);
   for_corners([&](std::int32_t corner, Worker& worker) {
-    rows.rows_of(corner, worker.grid, worker.rows);
-    if (uv_rows != nullptr) uv_rows->rows_of(corner, worker.grid, worker.uv_rows);
-    auto to = static_cast<std::size_t>(3 * first_triangle_[static_cast<std::size_t>(corner)]);
-    const auto cut = [&](std::span<const std::int32_t> polygon) {
-      worker.places.clear();
-      worker.points.clear();
-      for (const std::int32_t i : polygon) {
-        const auto place = static_cast<std::size_t>(i);
-        worker.places.push_back(worker.grid.places()[place]);
-        worker.points.push_back(result.positions[static_cast<std::size_t>(worker.rows[place])]);
-      }
-      for (const auto& triangle : worker.cutter.cut(worker.places, worker.points)) {
-        for (const std::int32_t k : triangle) {
-          const auto place = static_cast<std::size_t>(polygon[static_cast<std::size_t>(k)]);
-          if (uv_rows != nullptr) result.face_uvs[to] = worker.uv_rows[place];
-          result.face_vertices[to++] = worker.rows[place];
-        }
-      }
-    };
-    // Two corners that share both edges at their vertex must not join the same places of these.
-    const bool is_pair = topology_.cw(corner) >= 0 && topology_.cw(corner) == topology_.ccw(corner);
-    for (const AdaptiveCell& cell : cells_.of(corner)) {
-      const std::span<const std::int32_t> polygon = worker.grid.polygon(cell);
-      if (!is_pair || cell.u > 0 || cell.v > 0) {
-        cut(polygon);
-        continue;
-      }
-      const auto far = std::ranges::find_if(polygon, [&](std::int32_t i) {
-        const CellPlace& place = worker.grid.places()[static_cast<std::size_t>(i)];
-        return place.u == cell.end_u && place.v == cell.end_v;
-      });
-      worker.half.assign(polygon.begin(), far + 1);
-      cut(worker.half);
-      worker.half.assign(far, polygon.end());
-      worker.half.push_back(polygon.front());
-      cut(worker.half);
-    }
+    const auto c = static_cast<std::size_t>(corner);
+    const auto first = static_cast<std::size_t>(3 * first_triangle_[c]);
+    const auto count = static_cast<std::size_t>(3 * first_triangle_[c + 1]) - first;
+    faces_.cut(corner, worker.grid, rows, result.positions, worker.faces,
+               std::span(result.face_vertices).subspan(first, count));
+    if (uv_rows == nullptr) return;
+    faces_.name(corner, worker.grid, *uv_rows, worker.faces,
+                std::span(result.face_uvs).subspan(first, count));
   });
+}
+
+// Grids need not name the middles of edges and faces.
+void Tessellation::drop_unused(SurfaceMesh& result) const {
+  if (std::ranges::none_of(cells_.grids, &FaceGrid::exists)) return;
+  constexpr auto kVertices = PatchNumbering::Part::Vertices;
+  const std::vector<std::int32_t> rows =
+      rename_used(result.face_vertices, numbering_.end_row(kVertices),
+                  static_cast<std::int64_t>(result.positions.size()));
+  keep_only(result.positions, rows);
+  keep_only(result.normals, rows);
+  if (!result.colors.empty()) keep_only(result.colors, rows);
+  if (!uv_numbering_) return;
+  keep_only(result.uvs, rename_used(result.face_uvs, uv_numbering_->end_row(kVertices),
+                                    static_cast<std::int64_t>(result.uvs.size())));
 }
 
 // What follows from the triangles' corners.

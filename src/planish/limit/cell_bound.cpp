@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "planish/core/assert.h"
+
 namespace planish {
 namespace {
 
@@ -36,15 +38,16 @@ Cone cone_of(std::span<const glm::dvec3> directions) {
 
 double slope(double cosine) { return std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine; }
 
-// The largest of some second derivatives: whole, and along the cone's axis each way.
+// The largest of some second derivatives: whole, along the cone's axis each way, and across it.
 struct Largest {
-  double whole = 0, up = 0, down = 0;
+  double whole = 0, up = 0, down = 0, across = 0;
 
   void add(const glm::dvec3& d, const glm::dvec3& axis) {
     const double height = glm::dot(d, axis);
     whole = std::max(whole, glm::length(d));
     up = std::max(up, height);
     down = std::max(down, -height);
+    across = std::max(across, glm::length(d - height * axis));
   }
   [[nodiscard]] double along() const { return std::max(up, down); }
 };
@@ -70,16 +73,27 @@ double spread_of(std::span<const glm::dvec3> directions) {
 }
 
 CellBound bound_of(const BezierNet& net) {
-  std::array<glm::dvec3, 36> normals;
-  add_normals(net, normals);
-  const Cone cone = cone_of(normals);
-  Largest uu, uv, vv;
-  for (std::size_t k = 0; k < 3; ++k) {
-    uu.add(2.0 * (net[3 * k] - 2.0 * net[3 * k + 1] + net[3 * k + 2]), cone.axis);
-    vv.add(2.0 * (net[k] - 2.0 * net[k + 3] + net[k + 6]), cone.axis);
+  const BoundPiece piece{net, 1, 1};
+  return bound_of(std::span(&piece, 1));
+}
+
+CellBound bound_of(std::span<const BoundPiece> pieces) {
+  std::array<glm::dvec3, 36 * kMostPieces> normals;
+  std::size_t count = 0;
+  for (const BoundPiece& piece : pieces) {
+    add_normals(piece.net, std::span(normals).subspan(count).first<36>());
+    count += 36;
   }
-  for (const std::size_t k : {0, 1, 3, 4})
-    uv.add(4.0 * (net[k + 4] - net[k + 3] - net[k + 1] + net[k]), cone.axis);
+  const Cone cone = cone_of(std::span(normals).first(count));
+  Largest uu, uv, vv;
+  for (const auto& [net, u, v] : pieces) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      uu.add(u * u * 2.0 * (net[3 * k] - 2.0 * net[3 * k + 1] + net[3 * k + 2]), cone.axis);
+      vv.add(v * v * 2.0 * (net[k] - 2.0 * net[k + 3] + net[k + 6]), cone.axis);
+    }
+    for (const std::size_t k : {0, 1, 3, 4})
+      uv.add(u * v * 4.0 * (net[k + 4] - net[k + 3] - net[k + 1] + net[k]), cone.axis);
+  }
   CellBound bound;
   bound.distance = (uu.whole + 2 * uv.whole + vv.whole) / 8;
   bound.turn = cone.cosine > 0 ? 2 * std::acos(std::min(cone.cosine, 1.0)) : std::numbers::pi;
@@ -89,7 +103,9 @@ CellBound bound_of(const BezierNet& net) {
     const double steep = slope(cone.cosine);
     // Where u and v are curved against one another, what they are off by is too.
     const double height = (std::max(uu.up + vv.up, uu.down + vv.down) + 2 * uv.along()) / 8;
-    const double with_slope = height + steep * bound.distance;
+    // So far along the surface, which rises by no more than its slope on the way.
+    const double aside = (uu.across + 2 * uv.across + vv.across) / 8;
+    const double with_slope = height + steep * aside;
     if (with_slope < bound.distance) {
       bound.distance = with_slope;
       bound.by_uu = uu.along() / 8;
@@ -100,14 +116,28 @@ CellBound bound_of(const BezierNet& net) {
   return bound;
 }
 
-double curve_bound(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  const glm::dvec3 second = 2.0 * (a - 2.0 * b + c) / 8.0;
-  const double whole = glm::length(second);
-  const std::array<glm::dvec3, 2> tangents{b - a, c - b};
-  const Cone cone = cone_of(tangents);
-  if (!(cone.cosine > kLeastCosine)) return whole;
-  const double across = glm::length(second - glm::dot(second, cone.axis) * cone.axis);
-  return std::min(whole, across + slope(cone.cosine) * whole);
+double curve_bound(std::span<const BezierCurve> curves) {
+  std::array<glm::dvec3, 4> tangents;
+  PLANISH_ASSERT(2 * curves.size() <= tangents.size());
+  std::size_t count = 0;
+  for (const auto& [a, b, c] : curves) {
+    tangents[count++] = b - a;
+    tangents[count++] = c - b;
+  }
+  const Cone cone = cone_of(std::span(tangents).first(count));
+  double bound = 0;
+  for (const auto& [a, b, c] : curves) {
+    const glm::dvec3 second = 2.0 * (a - 2.0 * b + c) / 8.0;
+    const double whole = glm::length(second);
+    double of_curve = whole;
+    if (cone.cosine > kLeastCosine) {
+      const double along = glm::dot(second, cone.axis);
+      const double across = glm::length(second - along * cone.axis);
+      of_curve = std::min(whole, across + slope(cone.cosine) * std::abs(along));
+    }
+    bound = std::max(bound, of_curve);
+  }
+  return bound;
 }
 
 CellBound hull_bound(std::span<const glm::dvec3> points, const glm::dvec3& normal) {

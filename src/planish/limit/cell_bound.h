@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>
 
-namespace planish {
+#include "planish/limit/bezier_net.h"
 
-/// Nine Bezier points of a piece of a patch, (i, j) at i + 3 j, i along u.
-using BezierNet = std::array<glm::dvec3, 9>;
+namespace planish {
 
 /// How far triangles between places of a piece, whatever places, may be from it, and how much the
 /// piece turns. Bounds: never too small.
@@ -31,8 +31,25 @@ struct CellBound {
 /// the slope.
 [[nodiscard]] CellBound bound_of(const BezierNet& net);
 
-/// The same of a curve with three Bezier points and of the chord between any two of its places.
-[[nodiscard]] double curve_bound(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+/// A part of a region that is one polynomial, and how many times as long as it the rectangles are
+/// that lie anywhere in the region.
+struct BoundPiece {
+  BezierNet net;
+  double u = 1, v = 1;
+};
+/// Most pieces of a region: one of each corner of a face.
+inline constexpr std::size_t kMostPieces = 4;
+
+/// The same for rectangles that may cross from piece to piece, between which the surface and its
+/// first derivatives are continuous.
+[[nodiscard]] CellBound bound_of(std::span<const BoundPiece> pieces);
+
+/// Three Bezier points of a curve.
+using BezierCurve = std::array<glm::dvec3, 3>;
+
+/// The same of curves that run on into one another and of chords as long as one of them between any
+/// two of their places.
+[[nodiscard]] double curve_bound(std::span<const BezierCurve> curves);
 
 /// Of a piece that is no polynomial but lies in the hull of these points, as its places do. The
 /// turn is left out.

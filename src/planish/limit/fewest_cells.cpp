@@ -13,7 +13,8 @@ namespace planish {
 namespace {
 
 constexpr std::size_t kCornersTogether = 256;
-// Cells turn with the surface, whose piece is seen along one normal here: so much less may do.
+// Cells turn with the surface, whose piece is seen along one normal here: so much less may do. And
+// one cell may take in four corners.
 constexpr double kSurelyNeeded = 0.25;
 
 // Of a polynomial. A cell of a by b of its square is accepted where a^2 |S_uu| / 8 and
@@ -22,7 +23,7 @@ double cells_of_net(const BezierNet& net, double distance) {
   const glm::dvec3 across =
       glm::cross(net[2] - net[0] + net[8] - net[6], net[6] - net[0] + net[8] - net[2]);
   const double length = glm::length(across);
-  if (!(length > 0)) return 1;
+  if (!(length > 0)) return kSurelyNeeded;
   const glm::dvec3 normal = across / length;
   double uu = HUGE_VAL, vv = HUGE_VAL;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -33,7 +34,7 @@ double cells_of_net(const BezierNet& net, double distance) {
     vv = std::min(vv, second(k, k + 3, k + 6));
   }
   const auto parts = [&](double value) { return std::max(1.0, std::sqrt(value / 8 / distance)); };
-  return std::max(1.0, kSurelyNeeded * parts(uu) * parts(vv));
+  return kSurelyNeeded * parts(uu) * parts(vv);
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ double fewest_cells(const LimitSurface& surface, std::span<const std::uint8_t> h
           if (!quarter.is_polynomial()) continue;
           quarter_points(form, q, corner.points(), points);
           bezier_points(quarter, points, net);
-          quarters += cells_of_net(net, distance) - 1;
+          quarters += std::max(0.0, cells_of_net(net, distance) - 1);
         }
         of_block[b] += 1 + quarters;
       }

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <array>
+#include <glm/vec3.hpp>
+
+namespace planish {
+
+/// Nine Bezier points of a piece of a patch, (i, j) at i + 3 j, i along u.
+using BezierNet = std::array<glm::dvec3, 9>;
+
+/// The net of the same piece as a patch sees it that is turned against it by so many quarters.
+[[nodiscard]] BezierNet turned_net(const BezierNet& net, int turns);
+
+/// The part between two places along u or v, of 0 to 1.
+[[nodiscard]] BezierNet net_between(const BezierNet& net, bool along_v, double from, double to);
+
+}  // namespace planish
