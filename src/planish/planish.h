@@ -21,6 +21,7 @@
 #include "planish/pipeline/fit.h"
 #include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/tessellate_fit.h"
 #include "planish/pipeline/verify_cage.h"
 #include "planish/surface/evaluate.h"
 #include "planish/surface/surface_quality.h"

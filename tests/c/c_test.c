@@ -116,6 +116,135 @@ static void test_fit(void) {
   planish_mesh_free(mesh);
 }
 
+/* Of the cube's surface, whose vertices are at face corners, after its fit is gone. */
+static void test_queries(void) {
+  static const planish_place places[] = {{0, 0, 0}, {5, 1, 1}, {2, 0.25, 0.4}};
+  static const double points[] = {0, 0, 0, 0.5, 0.5, 9};
+  static const double origins[] = {0.5, 0.5, -5, 0.5, 0.5, -5, 0.5, 0.5, -5};
+  static const double directions[] = {0, 0, 2, 0, 1, 0, 0, 0, -1};
+  double at[9], normals[9], du[9], mean[3], gaussian[3], distances[3], t[3], again[3];
+  int32_t has_second[3];
+  planish_place found[3];
+  planish_mesh* mesh = cube();
+  planish_fit* fit = NULL;
+  planish_queries* queries = NULL;
+  planish_surface *coarse = NULL, *fine = NULL;
+  planish_surface_arrays coarse_arrays, fine_arrays;
+  planish_fit_options options;
+  planish_place_answers on;
+  planish_closest_answers near_to;
+  planish_ray_answers hits;
+  size_t i;
+  planish_fit_options_init(&options, sizeof options);
+  planish_place_answers_init(&on, sizeof on);
+  planish_closest_answers_init(&near_to, sizeof near_to);
+  planish_ray_answers_init(&hits, sizeof hits);
+  planish_surface_arrays_init(&coarse_arrays, sizeof coarse_arrays);
+  planish_surface_arrays_init(&fine_arrays, sizeof fine_arrays);
+  options.tolerance = 1e-10;
+  options.thread_count = 1;
+  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_tessellate(fit, 1e-2, 0, &coarse) == PLANISH_OK);
+  EXPECT(planish_fit_tessellate(fit, 1e-3, 20, &fine) == PLANISH_OK);
+  EXPECT(planish_surface_view(coarse, &coarse_arrays) == PLANISH_OK);
+  EXPECT(planish_surface_view(fine, &fine_arrays) == PLANISH_OK);
+  EXPECT(coarse_arrays.corner_count == 3 * coarse_arrays.face_count);
+  EXPECT(coarse_arrays.face_count < fine_arrays.face_count && coarse_arrays.base_count == 8);
+  check_surface(&coarse_arrays, 1e-10 * sqrt(3.0));
+  EXPECT_REFUSED(planish_fit_tessellate(fit, 0, 0, &fine), PLANISH_INVALID_ARGUMENT, "chord error");
+  planish_surface_free(coarse);
+  planish_surface_free(fine);
+  EXPECT(planish_queries_create(fit, &queries) == PLANISH_OK);
+  planish_fit_free(fit);
+  planish_mesh_free(mesh);
+  on.positions = at;
+  on.normals = normals;
+  on.du = du;
+  on.mean = mean;
+  on.gaussian = gaussian;
+  on.has_second = has_second;
+  EXPECT(planish_queries_evaluate(queries, places, 3, &on) == PLANISH_OK);
+  for (i = 0; i < 3; ++i) {
+    EXPECT(fabs(at[i] - kPositions[3 * kCorners[0] + i]) < 1e-9);
+    EXPECT(fabs(at[3 + i] - kPositions[3 * kCorners[22] + i]) < 1e-9);
+    EXPECT(fabs(du[3 * i] * normals[3 * i] + du[3 * i + 1] * normals[3 * i + 1] +
+                du[3 * i + 2] * normals[3 * i + 2]) < 1e-9);
+  }
+  EXPECT(!has_second[0] && !has_second[1] && has_second[2] && mean[0] == 0);
+  EXPECT(mean[2] > 0.1 && gaussian[2] > 0 && gaussian[2] <= mean[2] * mean[2] * (1 + 1e-12));
+  near_to.places = found;
+  near_to.positions = at;
+  near_to.distances = distances;
+  EXPECT(planish_queries_closest(queries, points, 2, &near_to) == PLANISH_OK);
+  EXPECT(distances[0] < 1e-9 && fabs(distances[1] - (9 - at[5])) < 1e-12 && at[5] > 1);
+  on.mean = on.gaussian = on.du = NULL;
+  on.positions = again;
+  EXPECT(planish_queries_evaluate(queries, found + 1, 1, &on) == PLANISH_OK);
+  for (i = 0; i < 3; ++i) EXPECT(fabs(again[i] - at[3 + i]) < 1e-12);
+  hits.places = found;
+  hits.positions = at;
+  hits.t = t;
+  EXPECT(planish_queries_first_hit(queries, origins, directions, 3, 0, 1e300, &hits) == PLANISH_OK);
+  EXPECT(found[0].face >= 0 && found[1].face == -1 && found[2].face == -1);
+  EXPECT(fabs(at[2] - (2 * t[0] - 5)) < 1e-12 && at[2] < 0 && fabs(at[0] - 0.5) < 1e-12);
+  EXPECT(planish_queries_first_hit(queries, origins, directions, 1, 0, t[0] / 2, &hits) ==
+         PLANISH_OK);
+  EXPECT(found[0].face == -1);
+  planish_queries_free(queries);
+}
+
+static void test_wrong_queries(void) {
+  static const planish_place outside = {0, 1.5, 0}, nowhere = {6, 0, 0};
+  static const double nothing[3] = {0, 0, 0};
+  planish_mesh* mesh = cube();
+  planish_fit* fit = NULL;
+  planish_queries *queries = NULL, *none = NULL;
+  planish_fit_options options;
+  planish_place_answers on;
+  planish_closest_answers near_to;
+  planish_ray_answers hits;
+  double at[3] = {7, 7, 7}, no_number[3] = {0, 0, 0};
+  planish_fit_options_init(&options, sizeof options);
+  planish_place_answers_init(&on, sizeof on);
+  planish_closest_answers_init(&near_to, sizeof near_to);
+  planish_ray_answers_init(&hits, sizeof hits);
+  on.positions = near_to.positions = hits.positions = at;
+  no_number[1] = NAN;
+  EXPECT(planish_fit_create(mesh, NULL, &fit) == PLANISH_OK);
+  EXPECT(planish_queries_create(fit, &queries) == PLANISH_OK);
+  EXPECT_REFUSED(planish_queries_create(fit, NULL), PLANISH_INVALID_ARGUMENT, "queries is NULL");
+  EXPECT_REFUSED(planish_queries_create(NULL, &none), PLANISH_INVALID_ARGUMENT, "fit is NULL");
+  EXPECT_REFUSED(planish_queries_evaluate(queries, &outside, 1, &on), PLANISH_INVALID_ARGUMENT,
+                 "1.5");
+  EXPECT_REFUSED(planish_queries_evaluate(queries, &nowhere, 1, &on), PLANISH_INVALID_ARGUMENT,
+                 "6");
+  EXPECT_REFUSED(planish_queries_evaluate(queries, NULL, 1, &on), PLANISH_INVALID_ARGUMENT,
+                 "places is NULL");
+  EXPECT_REFUSED(planish_queries_evaluate(queries, &outside, 1, NULL), PLANISH_INVALID_ARGUMENT,
+                 "answers is NULL");
+  EXPECT_REFUSED(planish_queries_closest(queries, no_number, 1, &near_to),
+                 PLANISH_INVALID_ARGUMENT, "point");
+  EXPECT_REFUSED(planish_queries_closest(queries, nothing, (size_t)-1, &near_to),
+                 PLANISH_INVALID_ARGUMENT, "2^31");
+  EXPECT_REFUSED(planish_queries_first_hit(queries, nothing, nothing, 1, 0, 1, &hits),
+                 PLANISH_INVALID_ARGUMENT, "direction");
+  near_to.struct_size = 1;
+  EXPECT_REFUSED(planish_queries_closest(queries, nothing, 1, &near_to), PLANISH_INVALID_ARGUMENT,
+                 "struct_size is 1");
+  EXPECT(at[0] == 7 && at[1] == 7 && at[2] == 7);
+  EXPECT(planish_queries_closest(queries, NULL, 0, NULL) == PLANISH_INVALID_ARGUMENT);
+  planish_queries_free(queries);
+  planish_queries_free(NULL);
+  planish_fit_free(fit);
+  fit = NULL;
+  options.scheme = PLANISH_SCHEME_CATMULL_CLARK;
+  options.max_iterations = 2;
+  EXPECT(planish_fit_create(mesh, &options, &fit) != PLANISH_INVALID_ARGUMENT);
+  EXPECT_REFUSED(planish_queries_create(fit, &none), PLANISH_INVALID_ARGUMENT, "DOO_SABIN");
+  planish_fit_free(fit);
+  planish_mesh_free(mesh);
+}
+
 static void test_verify(void) {
   planish_mesh* mesh = cube();
   planish_mesh* cage = NULL;
@@ -323,6 +452,8 @@ int main(int argc, char** argv) {
   test_wrong_meshes();
   test_wrong_options();
   test_older_structs();
+  test_queries();
+  test_wrong_queries();
   printf("planish %s: %d failures\n", planish_version(), failures);
   return failures == 0 ? 0 : 1;
 }

@@ -4,8 +4,8 @@
 #include "bindings.h"
 #include "errors.h"
 #include "planish/core/visible_text.h"
-#include "planish/limit/adaptive_tessellation.h"
 #include "planish/pipeline/fit_file.h"
+#include "planish/pipeline/tessellate_fit.h"
 
 namespace py = pybind11;
 
@@ -87,13 +87,8 @@ SurfaceHandle tessellate_fit(const FitHandle& fit, double chord_error, double an
     refuse("tessellate: is of Doo-Sabin surfaces; fit with scheme=\"doo-sabin\"");
   auto made = std::make_shared<PythonSurface>();
   run_released({progress, cancelled}, [&](const Callbacks& callbacks) {
-    const FittedMesh& fitted = fit->fitted;
-    const LimitSurface limit(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
-    made->surface = tessellate(limit, {.chord_error = chord_error,
-                                       .angle = angle,
-                                       .diagonal = fitted.fit.placement.diagonal,
-                                       .callbacks = callbacks})
-                        .mesh;
+    made->surface = tessellate(
+        fit->fitted, {.chord_error = chord_error, .angle = angle, .callbacks = callbacks});
   });
   return made;
 }

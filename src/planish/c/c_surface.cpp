@@ -5,6 +5,7 @@
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
 #include "planish/pipeline/fit.h"
+#include "planish/pipeline/tessellate_fit.h"
 
 using namespace planish::c;
 
@@ -25,6 +26,21 @@ planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
     auto made = std::make_unique<planish_surface>();
     made->surface =
         planish::evaluate(fitted.mesh, fitted.fit, *backend, fitted.evaluate_options(level));
+    *surface = made.release();
+    return PLANISH_OK;
+  });
+}
+
+planish_status planish_fit_tessellate(const planish_fit* fit, double chord_error, double angle,
+                                      planish_surface** surface) {
+  return call([&] {
+    require(fit, "fit");
+    require(surface, "surface");
+    auto made = std::make_unique<planish_surface>();
+    run_on(fit->thread_count, [&] {
+      made->surface =
+          planish::tessellate(fit->fitted, {.chord_error = chord_error, .angle = angle});
+    });
     *surface = made.release();
     return PLANISH_OK;
   });

@@ -1,5 +1,6 @@
 #include "planish/c/call.h"
 
+#include <oneapi/tbb/task_arena.h>
 #include <exception>
 #include <new>
 
@@ -62,6 +63,15 @@ planish_status call(const std::function<planish_status()>& work) noexcept {
     note("an unknown exception", -1);
   }
   return PLANISH_INTERNAL_ERROR;
+}
+
+void run_on(int thread_count, const std::function<void()>& work) {
+  if (thread_count == 0) {
+    work();
+    return;
+  }
+  oneapi::tbb::task_arena arena(thread_count);
+  arena.execute(work);
 }
 
 void refuse(const std::string& message) { throw Error(ErrorCode::InvalidArgument, message); }

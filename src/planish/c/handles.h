@@ -1,6 +1,12 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <vector>
+
 #include "planish/c/planish.h"
+#include "planish/limit/limit_surface.h"
+#include "planish/limit/surface_queries.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/surface/surface_mesh.h"
@@ -13,12 +19,24 @@ struct planish_mesh {
 };
 
 struct planish_fit {
-  planish::FittedMesh fitted;
+  std::shared_ptr<planish::FittedMesh> whole;  ///< with the queries that are made of it
+  planish::FittedMesh& fitted;
   int thread_count = 0;
+
+  planish_fit() : whole(std::make_shared<planish::FittedMesh>()), fitted(*whole) {}
 };
 
 struct planish_surface {
   planish::SurfaceMesh surface;
+};
+
+struct planish_queries {
+  std::shared_ptr<const planish::FittedMesh> fitted;
+  planish::LimitSurface limit;
+  planish::SurfaceQueries queries;
+  int thread_count = 0;
+
+  explicit planish_queries(const planish_fit& fit);
 };
 
 namespace planish::c {

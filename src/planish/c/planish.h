@@ -4,8 +4,8 @@
 /* The library for C and for whatever calls C: a mesh in, the smooth surface through its vertices
  * out, on the CPU. C99.
  *
- * - Handles (planish_mesh, planish_fit, planish_surface) are opaque; each *_free() takes NULL. What
- *   a handle was made from may be freed before it.
+ * - Handles (planish_mesh, planish_fit, planish_surface, planish_queries) are opaque; each *_free()
+ * takes NULL. What a handle was made from may be freed before it.
  * - Every function that can fail returns a status and leaves its outputs as they were unless it is
  *   PLANISH_OK or PLANISH_NOT_CONVERGED. planish_last_error() then says what, where, the value and
  *   the remedy. No C++ exception leaves the library.
@@ -53,6 +53,7 @@ typedef enum planish_scheme {
 typedef struct planish_mesh planish_mesh;
 typedef struct planish_fit planish_fit;
 typedef struct planish_surface planish_surface;
+typedef struct planish_queries planish_queries;
 
 /** "0.1.0", of the library that runs. */
 const char* planish_version(void);
@@ -171,8 +172,79 @@ void planish_surface_arrays_init(planish_surface_arrays* arrays, size_t struct_s
 /** The surface after `level` splits, 0 to 6. */
 planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
                                     planish_surface** surface);
+/** Triangles as fine as a Doo-Sabin surface is curved: within `chord_error` of it, a fraction of
+ * the fit's diagonal, its normals turning by at most `angle` degrees beneath each; 0: any, but not
+ * both. Watertight where the mesh is. */
+planish_status planish_fit_tessellate(const planish_fit* fit, double chord_error, double angle,
+                                      planish_surface** surface);
 planish_status planish_surface_view(const planish_surface* surface, planish_surface_arrays* arrays);
 void planish_surface_free(planish_surface* surface);
+
+/* -- Questions to the surface ---------------------------------------------------------------- */
+
+/** A place on a face of the mesh as it was fitted, as OpenSubdiv's Bfr::Parameterization has it: of
+ * faces of four, corner i at (0, 0), (1, 0), (1, 1), (0, 1); others are tiles of half a unit, one a
+ * corner, at (i % d, i / d) with d = 2 up to four corners, 3 up to nine, then
+ * 1 + floor(sqrt(m - 1)): its origin at the corner, u along the edge to the next one, (1/2, 1/2)
+ * the face's centre. */
+typedef struct planish_place {
+  int32_t face; /**< -1 in results: none */
+  double u, v;
+} planish_place;
+
+/** Of a Doo-Sabin surface, exact to rounding, in the mesh's unit. Takes seconds for millions of
+ * faces; then asked as often as wanted, by several threads at once. */
+planish_status planish_queries_create(const planish_fit* fit, planish_queries** queries);
+void planish_queries_free(planish_queries* queries);
+
+/** The caller's arrays for answers, each of one entry (x, y, z for vectors) a question; what is
+ * NULL is not answered. */
+typedef struct planish_place_answers {
+  size_t struct_size;
+  double* positions;
+  double* normals;            /**< unit */
+  double *du, *dv;            /**< derivatives by the place's u and v */
+  double *duu, *duv, *dvv;    /**< 0 where they have no limit: see has_second */
+  double *mean, *gaussian;    /**< curvatures, positive where it bends away from the normal */
+  double *largest, *smallest; /**< principal ones */
+  double* largest_directions; /**< unit tangents along which they are */
+  double* smallest_directions;
+  /** 1, or 0 at vertices and face centres of other valence or size than 4, where second derivatives
+   * grow without limit and curvatures are 0, too. */
+  int32_t* has_second;
+} planish_place_answers;
+
+typedef struct planish_closest_answers {
+  size_t struct_size;
+  planish_place* places;
+  double* positions;
+  double* normals;
+  double* distances;
+} planish_closest_answers;
+
+typedef struct planish_ray_answers {
+  size_t struct_size;
+  planish_place* places; /**< face -1 where nothing is hit; the others' entries are 0 then */
+  double* positions;
+  double* normals;
+  double* t;           /**< position = origin + t direction */
+  int32_t* is_tangent; /**< 1: the ray touches the surface here, as nearly as can be told */
+} planish_ray_answers;
+
+void planish_place_answers_init(planish_place_answers* answers, size_t struct_size);
+void planish_closest_answers_init(planish_closest_answers* answers, size_t struct_size);
+void planish_ray_answers_init(planish_ray_answers* answers, size_t struct_size);
+
+planish_status planish_queries_evaluate(const planish_queries* queries, const planish_place* places,
+                                        size_t count, const planish_place_answers* answers);
+/** `points`: count x, y, z. */
+planish_status planish_queries_closest(const planish_queries* queries, const double* points,
+                                       size_t count, const planish_closest_answers* answers);
+/** The first hit of each ray with t_min <= t <= t_max: 0 and 1e300 for all in front. `origins`,
+ * `directions` (of any length above 0): count x, y, z. */
+planish_status planish_queries_first_hit(const planish_queries* queries, const double* origins,
+                                         const double* directions, size_t count, double t_min,
+                                         double t_max, const planish_ray_answers* answers);
 
 /* -- Verification ---------------------------------------------------------------------------- */
 
