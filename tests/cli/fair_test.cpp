@@ -315,11 +315,14 @@ TEST_F(Fair, TheSourceIsWhatTheSurfaceIsComparedWith) {
   EXPECT_EQ(itself["surface"]["reference"], sphere_);
   EXPECT_GT(itself["surface"]["max_source_distance"], 0.0);
   EXPECT_LT(itself["surface"]["rms_source_distance"], itself["surface"]["max_source_distance"]);
+  // The surface passes through the source's vertices, and is compared with them without triangles.
+  EXPECT_LT(itself["surface"]["max_distance_from_source"], 1e-12);
   // A torus is no sphere.
   const std::string torus = write("torus.obj", torus_obj(12));
   const nlohmann::json other = fit(sphere_, {"-o", path("p.ply"), "--source", torus});
   EXPECT_GT(other["surface"]["rms_source_distance"],
             10 * itself["surface"]["rms_source_distance"].get<double>());
+  EXPECT_GT(other["surface"]["rms_distance_from_source"], 0.01);
   EXPECT_GT(other["surface"]["rms_normal_deviation"], itself["surface"]["rms_normal_deviation"]);
 }
 

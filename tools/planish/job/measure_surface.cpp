@@ -1,6 +1,8 @@
 #include "job/measure_surface.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "planish/limit/sheet_gap.h"
 #include "planish/limit/surface_queries.h"
@@ -64,6 +66,29 @@ void note_quality(const JobInput& made, const Fit& fitted, JobLevel& surface,
 
 std::int64_t file_face(const FoldedPlace& place, const JobInput& made) {
   return made.file_faces.empty() ? place.face : made.file_faces[place.face];
+}
+
+// By closest points, so many at a time that answers take little memory; of the diagonal.
+PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSurface& surface,
+                              double diagonal) {
+  constexpr std::size_t kAtOnce = 1 << 16;
+  const SurfaceQueries queries(surface);
+  std::vector<ClosestPoint> closest;
+  PointDistances distances;
+  double sum = 0;
+  for (std::size_t first = 0; first < points.size(); first += kAtOnce) {
+    closest.resize(std::min(kAtOnce, points.size() - first));
+    queries.closest(points.subspan(first, closest.size()), closest);
+    for (std::size_t i = 0; i < closest.size(); ++i) {
+      const double distance = closest[i].distance / diagonal;
+      sum += distance * distance;
+      if (distances.farthest >= 0 && distance <= distances.max) continue;
+      distances.max = distance;
+      distances.farthest = static_cast<std::int64_t>(first + i);
+    }
+  }
+  distances.rms = std::sqrt(sum / static_cast<double>(points.size()));
+  return distances;
 }
 
 // "; first at face 12 near (1, 2, 0.5), face 14 near (1, 2, 0.7)", as the file counts faces.
@@ -136,18 +161,19 @@ void note_sheet_gap(const JobInput& made, const Fit& fitted,
 
 void measure_points(const JobInput& made, const Fit& fitted, JobSurface& surface,
                     JobReport& report) {
-  std::vector<ClosestPoint> closest(made.points.size());
-  SurfaceQueries(surface.limit()).closest(made.points, closest);
-  PointDistances& distances = report.point_distances.emplace();
-  double sum = 0;
-  for (std::size_t i = 0; i < closest.size(); ++i) {
-    const double distance = closest[i].distance / fitted.placement.diagonal;
-    sum += distance * distance;
-    if (distances.farthest >= 0 && distance <= distances.max) continue;
-    distances.max = distance;
-    distances.farthest = static_cast<std::int64_t>(i);
-  }
-  distances.rms = std::sqrt(sum / static_cast<double>(closest.size()));
+  report.point_distances = distances_from(made.points, surface.limit(), fitted.placement.diagonal);
+}
+
+void measure_source(const JobInput& made, const Fit& fitted, JobSurface& surface,
+                    JobReport& report) {
+  const PolygonMesh& source = made.source->file.mesh;
+  std::vector<std::uint8_t> is_used(source.positions.size(), 0);
+  for (const std::int32_t v : source.face_vertices) is_used[static_cast<std::size_t>(v)] = 1;
+  std::vector<glm::dvec3> points;
+  for (std::size_t v = 0; v < is_used.size(); ++v)
+    if (is_used[v] != 0) points.push_back(source.positions[v]);
+  report.surface->distances_from_source =
+      distances_from(points, surface.limit(), fitted.placement.diagonal);
 }
 
 bool note_chosen_surface(const JobInput& made, JobReport& report, const JobContext& context) {

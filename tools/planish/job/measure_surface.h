@@ -28,6 +28,11 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
 void measure_points(const JobInput& made, const Fit& fitted, JobSurface& surface,
                     JobReport& report);
 
+/// The distances of the source's vertices to the surface itself; the report must have figures of
+/// the surface.
+void measure_source(const JobInput& made, const Fit& fitted, JobSurface& surface,
+                    JobReport& report);
+
 /// What the choice of the method measured at level 1, as the figures of the surface where no other
 /// level has any; false where there is none, or the source is what counts.
 [[nodiscard]] bool note_chosen_surface(const JobInput& made, JobReport& report,

@@ -205,6 +205,10 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   if (asks_for_result && !work.report.surface &&
       !note_chosen_surface(work.made, work.report, work.context))
     (void)measured_level(work, all, 1, common);
+  if (work.report.surface && work.made.source && work.job.settings.scheme == Scheme::DooSabin) {
+    timed(work.report.timing.evaluate,
+          [&] { measure_source(work.made, work.fitted, all, work.report); });
+  }
   if (work.report.surface && !work.made.separated_edges.empty())
     note_sheet_gap(work.made, work.fitted, all.made_doo_sabin(), work.report);
   return stdout_bytes;

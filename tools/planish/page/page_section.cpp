@@ -47,6 +47,7 @@ std::string surface_rows(const Json& surface) {
                   figure(surface["max_normal_deviation"]) + " degrees");
   rows += row("bending", figure(surface["bending"]));
   for (const auto& [key, label] : {std::pair{"source_distance", "off the source"},
+                                   std::pair{"distance_from_source", "source off the surface"},
                                    std::pair{"point_distance", "points off the surface"}}) {
     const std::string largest = std::string("max_") + key, rms = std::string("rms_") + key;
     if (!surface.contains(largest)) continue;

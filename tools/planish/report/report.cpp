@@ -106,6 +106,10 @@ OrderedJson surface_json(const JobReport& report) {
     json["max_source_distance"] = surface.source_distances->max;
     json["rms_source_distance"] = surface.source_distances->rms;
   }
+  if (surface.distances_from_source) {
+    json["max_distance_from_source"] = surface.distances_from_source->max;
+    json["rms_distance_from_source"] = surface.distances_from_source->rms;
+  }
   if (report.point_distances) {
     json["max_point_distance"] = report.point_distances->max;
     json["rms_point_distance"] = report.point_distances->rms;

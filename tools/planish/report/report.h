@@ -79,8 +79,10 @@ struct MeasuredSurface {
   /// How far separated sheets are from each other along their edges, a fraction of the diagonal;
   /// empty: there are none, or the scheme has no such figure.
   std::optional<double> sheet_gap;
-  /// Of the surface to the source, as fractions of the diagonal.
+  /// Of the surface's vertices on that level to the source, as fractions of the diagonal.
   std::optional<PointDistances> source_distances;
+  /// Of the source's vertices to the surface itself, whatever the level.
+  std::optional<PointDistances> distances_from_source;
 };
 
 /// Wall-clock milliseconds; topology is OpenSubdiv's refiner, choose what measuring and a fit that
