@@ -25,8 +25,8 @@ std::vector<std::uint16_t> any_side(std::mt19937& random, std::int32_t parts) {
   }
   const std::int32_t longest = kSide / parts;
   while (kSide - places.back() > longest)
-    places.push_back(static_cast<std::uint16_t>(
-        places.back() + 1 + random() % static_cast<std::uint32_t>(longest)));
+    places.push_back(static_cast<std::uint16_t>(places.back() + 1 +
+                                                random() % static_cast<std::uint32_t>(longest)));
   return places;
 }
 

@@ -31,7 +31,7 @@ class AdaptiveFaces {
     std::array<std::vector<std::uint16_t>, 4> sides;
   };
   struct Counts {
-    std::int32_t inside = 0;     ///< places on no side
+    std::int32_t inside = 0;  ///< places on no side
     std::int64_t triangles = 0;
   };
 
