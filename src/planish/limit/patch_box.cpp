@@ -64,7 +64,7 @@ void PatchReaches::add(const PatchForm& form) {
 
 void bezier_points(const PatchForm& form, std::span<const glm::dvec3> points,
                    std::span<glm::dvec3, 9> bezier) {
-  for (std::size_t i = 0; i < 9; ++i) bezier[i] = form.net.combine(i, points.data());
+  for (std::size_t i = 0; i < 9; ++i) bezier[i] = form.net.combine(i, points.data()).value();
   // B-spline to Bezier along u, then along v: midpoints at the ends.
   const auto convert = [&](std::size_t first, std::size_t step) {
     const glm::dvec3 middle = bezier[first + step];

@@ -101,20 +101,29 @@ Basis basis_at(double t) {
 
 PatchPoint polynomial_point(const PatchForm& form, const glm::dvec3* points, double u, double v) {
   const Basis bu = basis_at(u), bv = basis_at(v);
-  PatchPoint result;
+  VectorSum position, du, dv, duu, duv, dvv;
   for (std::size_t j = 0; j < 3; ++j) {
-    std::array<glm::dvec3, 3> along{};  // the row's value and derivatives by u
+    VectorSum value, slope, bend;  // of the row, by u
     for (std::size_t i = 0; i < 3; ++i) {
-      const glm::dvec3 point = form.net.combine(i + 3 * j, points);
-      for (std::size_t d = 0; d < 3; ++d) along[d] += bu[d][i] * point;
+      const VectorSum point = form.net.combine(i + 3 * j, points);
+      value.add(bu[0][i], point);
+      slope.add(bu[1][i], point);
+      bend.add(bu[2][i], point);
     }
-    result.position += bv[0][j] * along[0];
-    result.du += bv[0][j] * along[1];
-    result.dv += bv[1][j] * along[0];
-    result.duu += bv[0][j] * along[2];
-    result.duv += bv[1][j] * along[1];
-    result.dvv += bv[2][j] * along[0];
+    position.add(bv[0][j], value);
+    du.add(bv[0][j], slope);
+    dv.add(bv[1][j], value);
+    duu.add(bv[0][j], bend);
+    duv.add(bv[1][j], slope);
+    dvv.add(bv[2][j], value);
   }
+  PatchPoint result;
+  result.position = position.value();
+  result.du = du.value();
+  result.dv = dv.value();
+  result.duu = duu.value();
+  result.duv = duv.value();
+  result.dvv = dvv.value();
   result.normal = glm::cross(result.du, result.dv);
   return result;
 }
@@ -274,7 +283,8 @@ void quarter_points(const PatchForm& form, int quarter, std::span<const glm::dve
                     std::vector<glm::dvec3>& result) {
   const PatchRows& step = form.steps[quarter];
   result.resize(step.row_count());
-  for (std::size_t k = 0; k < result.size(); ++k) result[k] = step.combine(k, points.data());
+  for (std::size_t k = 0; k < result.size(); ++k)
+    result[k] = step.combine(k, points.data()).value();
 }
 
 PatchPoint patch_point(const PatchForm& form, std::span<const glm::dvec3> points, PatchParameter at,

@@ -10,6 +10,7 @@
 
 #include "planish/doosabin/face_rule.h"
 #include "planish/patches/patch_class.h"
+#include "planish/patches/vector_sum.h"
 
 namespace planish {
 
@@ -38,11 +39,11 @@ struct PatchRows {
   [[nodiscard]] std::size_t row_count() const { return offsets.size() - 1; }
   void end_row() { offsets.push_back(static_cast<std::int32_t>(columns.size())); }
   void add(std::int32_t column, double weight);
-  [[nodiscard]] glm::dvec3 combine(std::size_t row, const glm::dvec3* points) const {
-    glm::dvec3 sum(0.0);
+  [[nodiscard]] VectorSum combine(std::size_t row, const glm::dvec3* points) const {
+    VectorSum sum;
     for (auto i = static_cast<std::size_t>(offsets[row]);
          i < static_cast<std::size_t>(offsets[row + 1]); ++i)
-      sum += weights[i] * points[columns[i]];
+      sum.add(weights[i], points[columns[i]]);
     return sum;
   }
 };
