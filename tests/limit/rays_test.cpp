@@ -86,6 +86,26 @@ TEST(SurfaceRays, EnterClosedSurfacesAsOftenAsTheyLeave) {
   EXPECT_LT(tangent, rays / 1000);
 }
 
+// Which it does over many of a patch's smallest pieces, seen from their edge.
+TEST(SurfaceRays, AlongTheSurfaceTouchIt) {
+  std::mt19937 random(23);
+  for (const auto& mesh : {cube(), torus(8, 6, 2, 1), random_closed_mesh(2)}) {
+    const LimitCase c(mesh);
+    const SurfaceQueries queries(c.limit);
+    const double size = c.surface->placement().diagonal;
+    for (int i = 0; i < 40; ++i) {
+      const SurfacePoint on = c.limit.evaluate(c.any_place(random));
+      const double angle = 0.37 * i;
+      const glm::dvec3 along = glm::normalize(std::cos(angle) * on.du + std::sin(angle) * on.dv);
+      double nearest = 1e300;
+      for (const SurfaceHit& hit : queries.all_hits({on.position - 2 * size * along, along})) {
+        if (hit.is_tangent) nearest = std::min(nearest, glm::length(hit.position - on.position));
+      }
+      EXPECT_LT(nearest, 1e-4 * size) << i;
+    }
+  }
+}
+
 // At vertices, edges and centres, where many patches meet: each place once.
 TEST(SurfaceRays, BordersOfPatchesAreHitOnce) {
   for (const auto& mesh : {cube(), torus(8, 6, 2, 1), icosphere(1), dodecahedron()}) {

@@ -45,6 +45,20 @@ bool is_seen_once(const std::array<glm::dvec3, 9>& net) {
   return true;
 }
 
+// Whether the ray passes beside a piece, across the longer of its diagonals as the ray sees it: of
+// a piece that is nearly seen from its edge the box is much larger than it.
+bool is_beside(const std::array<glm::dvec3, 9>& net) {
+  const glm::dvec3 a = net[8] - net[0], b = net[6] - net[2];
+  const glm::dvec3& along = a.x * a.x + a.y * a.y > b.x * b.x + b.y * b.y ? a : b;
+  const double size = std::hypot(along.x, along.y);
+  double least = cross(along, net[0]), most = least;
+  for (const glm::dvec3& p : net) {
+    least = std::min(least, cross(along, p));
+    most = std::max(most, cross(along, p));
+  }
+  return least > kRounding * size || most < -kRounding * size;
+}
+
 struct NetPoint {
   glm::dvec3 value{}, du{}, dv{};
 };
@@ -158,7 +172,7 @@ bool RaySearch::solve(const Net& net, const PieceFrame& frame) {
 }
 
 void RaySearch::search_net(const Net& net, const PieceFrame& frame) {
-  if (is_done() || !can_meet(net, 1)) return;
+  if (is_done() || !can_meet(net, 1) || is_beside(net)) return;
   if (is_seen_once(net) && solve(net, frame)) return;
   if (++pieces_ > kMostPieces) return;
   if (frame.depth >= kDeepest) {
