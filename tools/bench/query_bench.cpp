@@ -1,3 +1,5 @@
+#include <malloc.h>
+#include <oneapi/tbb/task_arena.h>
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
@@ -75,8 +77,50 @@ void add_rows(std::vector<Row>& rows, const Group& group, int repetitions) {
   rows.insert(rows.end(), measured.begin(), measured.end());
 }
 
+// What stays allocated of what is made, on this thread's heap.
+template <class Make>
+double heap_bytes_of(const Make& make) {
+  const auto taken = [] {
+    const struct mallinfo2 info = mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+  };
+  double bytes = 0;
+  oneapi::tbb::task_arena one(1);
+  one.execute([&] {
+    const double before = taken();
+    const auto made = make();
+    bytes = taken() - before;
+  });
+  return bytes;
+}
+
+// From a mesh to what answers; Bfr's factory keeps what surfaces of faces leave with it.
+void bench_set_up(const PolygonMesh& mesh, const std::string& name, const Options& options,
+                  std::vector<Row>& rows) {
+  const auto make_bfr = [&] {
+    auto made = std::make_unique<BfrSurface>(mesh);
+    std::vector<SurfacePoint> points(mesh.face_vertices.size());
+    made->evaluate(points);
+    return made;
+  };
+  const auto make_limit = [&] {
+    return std::make_unique<LimitSurface>(
+        std::make_shared<const DooSabinSurface>(mesh, EvaluateOptions{}));
+  };
+  std::vector<Row> measured = run_group({"query-set-up",
+                                         name,
+                                         "bfr-catmull-clark",
+                                         {{"bfr-catmull-clark", [&] { (void)BfrSurface(mesh); }},
+                                          {"planish", [&] { (void)make_limit(); }}}},
+                                        options.repetitions);
+  measured[0].figures = {{"heap_bytes", heap_bytes_of(make_bfr)}};
+  measured[1].figures = {{"heap_bytes", heap_bytes_of(make_limit)}};
+  rows.insert(rows.end(), measured.begin(), measured.end());
+}
+
 void bench_mesh(const PolygonMesh& mesh, const std::string& name, const Options& options,
                 std::vector<Row>& rows) {
+  bench_set_up(mesh, name, options, rows);
   const auto base = std::make_shared<const DooSabinSurface>(mesh, EvaluateOptions{});
   const LimitSurface surface(base);
   const MeshTopology& topology = surface.topology();

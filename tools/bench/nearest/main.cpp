@@ -44,8 +44,8 @@ std::vector<glm::dvec3> points_beside(const LimitSurface& surface, double width,
   const MeshTopology& topology = surface.topology();
   std::vector<glm::dvec3> points;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto corner = static_cast<std::int32_t>(
-        random() % static_cast<std::uint32_t>(topology.corner_count()));
+    const auto corner =
+        static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(topology.corner_count()));
     const double u = within(random), v = within(random);
     const SurfacePoint on = surface.evaluate(surface_parameter(topology, corner, u, v));
     points.push_back(on.position + off(random) * on.normal);
