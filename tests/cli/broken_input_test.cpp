@@ -15,8 +15,8 @@ class BrokenInput : public FolderTest {
   // Fits the content; only the input may be there afterwards.
   ProcessResult fit(const std::string& name, const std::string& content) {
     const std::string input = write(name, content);
-    const ProcessResult result = run_planish({"fit", input, "-o", path("out.glb"), "--cage",
-                                              path("out.obj"), "--report", path("out.json")});
+    ProcessResult result = run_planish({"fit", input, "-o", path("out.glb"), "--cage",
+                                        path("out.obj"), "--report", path("out.json")});
     EXPECT_THAT(names(), ElementsAre(name));
     return result;
   }

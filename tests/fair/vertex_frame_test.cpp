@@ -20,7 +20,7 @@ dvec3 normal_at(const FairCase& c, int32_t vertex) {
 }
 
 // A prism over a polygon in the plane z = 0.
-PolygonMesh prism_over(std::vector<dvec3> base) {
+PolygonMesh prism_over(const std::vector<dvec3>& base) {
   PolygonMesh mesh;
   const auto n = static_cast<int32_t>(base.size());
   mesh.positions = base;

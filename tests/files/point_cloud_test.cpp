@@ -123,7 +123,9 @@ TEST(TextEncoding, Utf8MarksAreSkippedAndUtf16IsRefusedByName) {
     }
     for (const std::string& wide : {"\xFF\xFE" + little, "\xFE\xFF" + big, little, big}) {
       EXPECT_THAT(test::message_of(ErrorCode::UnreadableInput,
-                                   [&] { (void)read_points(test::bytes_of(wide), "a", format); }),
+                                   [&, format = format] {
+                                     (void)read_points(test::bytes_of(wide), "a", format);
+                                   }),
                   testing::HasSubstr("a: is text of UTF-16; save it as UTF-8"));
     }
   }

@@ -82,7 +82,8 @@ void expect_nearest(const PolygonMesh& mesh, int each, std::mt19937& random) {
     places.emplace_back();
     samples.emplace_back();
     for (int i = 0; i < 81; ++i) {
-      places.back().push_back(surface_parameter(topology, corner, i % 9 / 8.0, i / 9 / 8.0));
+      const int row = i / 9, column = i % 9;
+      places.back().push_back(surface_parameter(topology, corner, column / 8.0, row / 8.0));
       samples.back().push_back(c.limit.evaluate(places.back().back()).position);
     }
   }

@@ -68,8 +68,9 @@ Floats::Floats(const Layout& layout, const Cage& cage, int sources, int rows, in
   for (int i = 0; i < sources; ++i)
     for (int c = 0; c < layout.source.length; ++c) {
       const std::size_t vertex = i % cage.positions.size();
+      const int copy = c / 3;
       buffers[0][place(layout.source, i, c)] =
-          cage.positions[vertex][c % 3] + 0.25f * static_cast<float>(c / 3) * (vertex % 5);
+          cage.positions[vertex][c % 3] + 0.25f * static_cast<float>(copy) * (vertex % 5);
     }
 }
 

@@ -228,11 +228,12 @@ dvec3 QuadSplitOracle::limit_point(int32_t vertex) const {
 std::vector<dvec3> QuadSplitOracle::frame(int32_t vertex, std::size_t index) const {
   const Sector& sector = sectors_.at(vertex)[index];
   const dvec3 w0 = curve_points_.at(sector.first), w1 = curve_points_.at(sector.last);
-  const auto k = double(sector.faces.size());
+  const auto count = int(sector.faces.size());
+  const auto k = double(count);
   const bool corner = corners_.count(vertex);
   const CornerSector form = corner ? corner_sectors_.at(vertex)[index] : CornerSector::HalfPlane;
   std::vector<dvec3> result;
-  for (double i = 1; i <= k; ++i) {
+  for (int i = 1; i <= count; ++i) {
     if (form == CornerSector::HalfPlane) {
       const double angle = kPi * (2 * i - 1) / (2 * k);
       result.push_back((w0 + w1) / 2.0 + std::sqrt(2.0) * std::cos(angle) * (w0 - w1) / 2.0);

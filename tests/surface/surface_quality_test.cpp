@@ -17,13 +17,13 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 // The mesh itself as a surface.
-SurfaceMesh surface_with(const PolygonMesh& mesh, std::vector<glm::vec3> normals) {
+SurfaceMesh surface_with(const PolygonMesh& mesh, const std::vector<glm::vec3>& normals) {
   SurfaceMesh surface;
   surface.level = 0;
   surface.positions = mesh.positions;
   surface.face_offsets = mesh.face_offsets;
   surface.face_vertices = mesh.face_vertices;
-  surface.normals = std::move(normals);
+  surface.normals = normals;
   return surface;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstdio>
 #include <cstring>
 #include <mutex>
 #include <set>
@@ -130,7 +131,8 @@ VkResult VKAPI_CALL get_extensions(VkPhysicalDevice device, const char* layer, s
   *count = real_count + 1;
   if (extensions) {
     extensions[real_count] = {};
-    std::strcpy(extensions[real_count].extensionName, kPortabilitySubset);
+    std::snprintf(extensions[real_count].extensionName, VK_MAX_EXTENSION_NAME_SIZE, "%s",
+                  kPortabilitySubset);
   }
   return result;
 }

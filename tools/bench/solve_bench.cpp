@@ -92,7 +92,9 @@ Peer planish_peer(const std::string& name, const PreparedMesh& prepared,
 // Eigen stops at a relative residual: the loosest of these that meets our tolerance is used.
 Peer conjugate_gradient_peer(const PreparedMesh& prepared, const SymmetricSystem& system,
                              const Points& exact) {
-  for (double tolerance = 0.1; tolerance > 1e-12; tolerance /= 1.5) {
+  double tolerance = 0.15;
+  while (tolerance > 1e-12) {
+    tolerance /= 1.5;
     const auto solution = [&system, tolerance] {
       ConjugateGradient solver;
       solver.setTolerance(tolerance);

@@ -44,7 +44,8 @@ glm::dvec2 chart_point(int side, const glm::dvec3& p) {
   const double right = side % 2 == 1 ? p[(axis + 1) % 3] : -p[(axis + 1) % 3];
   const glm::dvec2 inside =
       kChartMargin + (1 - 2 * kChartMargin) * (glm::dvec2(right, p[(axis + 2) % 3]) + 1.0) / 2.0;
-  return {(side % kChartColumns + inside.x) / kChartColumns, (side / kChartColumns + inside.y) / 2};
+  const int row = side / kChartColumns, column = side % kChartColumns;
+  return {(column + inside.x) / kChartColumns, (row + inside.y) / 2};
 }
 
 }  // namespace

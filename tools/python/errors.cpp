@@ -43,7 +43,7 @@ void raise(const Error& error) {
 }  // namespace
 
 void register_errors() {
-  py::register_exception_translator([](std::exception_ptr failure) {
+  py::register_exception_translator([](const std::exception_ptr& failure) {
     try {
       if (failure) std::rethrow_exception(failure);
     } catch (const Error& error) {

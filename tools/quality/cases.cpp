@@ -212,7 +212,8 @@ std::vector<NamedCase> analytic_cases() {
   add("bearing block, creased", {}, false, [] { return shapes::bearing_block(); });
   for (const auto& [name, creases] :
        {std::pair("bearing block, simplified", true), {"bearing block, untagged", false}}) {
-    cases.push_back({name, [=] { return simplified_part(name, creases); }});
+    cases.push_back(
+        {name, [name = name, creases = creases] { return simplified_part(name, creases); }});
   }
   return cases;
 }
@@ -314,7 +315,8 @@ std::vector<NamedCase> scanned_cases(const Mesher& mesher) {
   for (const auto& [name, make] :
        {std::pair<std::string, PolygonMesh (*)()>{"bust, simplified scan", shapes::bust},
         {"goblet, simplified scan", shapes::goblet}}) {
-    cases.push_back({name, [=] { return scanned_shape(mesher, name, make()); }});
+    cases.push_back(
+        {name, [mesher, name = name, make = make] { return scanned_shape(mesher, name, make()); }});
   }
   return cases;
 }

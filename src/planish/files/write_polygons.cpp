@@ -48,8 +48,9 @@ void require_finite(std::span<const Vector> values, std::int64_t first, const st
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (finite(values[i])) continue;
     const std::int64_t element = first + static_cast<std::int64_t>(i);
-    throw Error(ErrorCode::InvalidArgument,
-                name + ": " + what + " " + std::to_string(element) + " is not finite", element);
+    std::string message = name + ": ";
+    message.append(what).append(" ").append(std::to_string(element)).append(" is not finite");
+    throw Error(ErrorCode::InvalidArgument, message, element);
   }
 }
 

@@ -67,7 +67,8 @@ SurfaceParameter surface_parameter(const MeshTopology& topology, std::int32_t co
   const std::int32_t m = topology.face_size(face);
   if (m != 4) {
     const std::int32_t across = tiles_across(m);
-    return {face, place % across + u / 2, place / across + v / 2};
+    const std::int32_t row = place / across, column = place % across;
+    return {face, column + u / 2, row + v / 2};
   }
   switch (place) {
     case 0:

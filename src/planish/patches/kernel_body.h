@@ -43,8 +43,9 @@ PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output
   }
   const double* weights = batch.weights;
   // Rows that nobody takes are not made.
-  const bool wanted[3] = {output.positions != nullptr || output.stored != nullptr,
-                          output.normals != nullptr, output.normals != nullptr};
+  const bool takes_positions = output.positions != nullptr || output.stored != nullptr;
+  const bool takes_normals = output.normals != nullptr;
+  const bool wanted[3] = {takes_positions, takes_normals, takes_normals};
   Mask kept = ~Mask{};
   Vector sums[kSamples > 0 ? kSamples : 1][3][3];  // of a row, of a coordinate
   const auto add_up = [&](const double* rows, Vector(&sum)[3][3], const Vector* x, int d)

@@ -44,10 +44,10 @@ PatchRows net_of(const PatchClass& patch) {
   const bool corner = patch.kind == PatchKind::Convex && patch.ring_size == 1;
   if (!smooth && !crease && !corner) return {};
   std::array<std::vector<std::pair<std::int32_t, double>>, 9> rows;
-  const auto put = [&](int i, int j, std::int32_t column, double weight = 1) {
-    rows[static_cast<std::size_t>(i + 3 * j)].emplace_back(column, weight);
+  const auto put = [&](std::size_t i, std::size_t j, std::int32_t column, double weight = 1) {
+    rows[i + 3 * j].emplace_back(column, weight);
   };
-  const auto mirror = [&](int i, int j, std::int32_t column, std::int32_t curve) {
+  const auto mirror = [&](std::size_t i, std::size_t j, std::int32_t column, std::int32_t curve) {
     put(i, j, curve, 2);
     put(i, j, column, -1);
   };

@@ -57,7 +57,7 @@ class PatchClasses {
   /// Of the smooth class with a ring and a face of few corners; -1 where there is none of them.
   [[nodiscard]] std::int32_t smooth_index(std::int32_t ring_size, std::int32_t face_size) const {
     return ring_size < kTableSize && face_size < kTableSize
-               ? table_[static_cast<std::size_t>(ring_size * kTableSize + face_size)]
+               ? table_[static_cast<std::size_t>(ring_size) * kTableSize + face_size]
                : -1;
   }
   /// The largest K.

@@ -104,8 +104,8 @@ class PatchRunner::Run {
     if (!batch.is_open) {
       batches_.open.push_back(class_index);
       batch.is_open = true;
-      batch.indices.resize(
-          static_cast<std::size_t>(classes_.patch(class_index).column_count() * kPatchLanes));
+      batch.indices.resize(static_cast<std::size_t>(classes_.patch(class_index).column_count()) *
+                           kPatchLanes);
     }
     last_ = &batch;
     last_index_ = class_index;
@@ -115,9 +115,8 @@ class PatchRunner::Run {
     const PatchTemplate& weights = classes_.weights(class_index);
     // Idle lanes repeat the first.
     for (std::int32_t l = batch.lane_count; l < kPatchLanes; ++l) {
-      for (std::int32_t k = 0; k <= weights.column_count; ++k)
-        batch.indices[static_cast<std::size_t>(k * kPatchLanes + l)] =
-            batch.indices[static_cast<std::size_t>(k * kPatchLanes)];
+      for (std::size_t k = 0; k < batch.indices.size(); k += kPatchLanes)
+        batch.indices[k + l] = batch.indices[k];
       batch.targets[l] = batch.targets[0];
     }
     batch_.indices = batch.indices.data();

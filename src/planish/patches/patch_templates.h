@@ -49,7 +49,7 @@ struct PatchTemplate {
   std::vector<double> weights;
 
   [[nodiscard]] std::span<const double> rows(std::int32_t sample) const {
-    const auto size = static_cast<std::size_t>(3 * column_count);
+    const auto size = 3 * static_cast<std::size_t>(column_count);
     return {weights.data() + size * static_cast<std::size_t>(sample), size};
   }
 };

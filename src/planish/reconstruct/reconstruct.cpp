@@ -114,7 +114,7 @@ std::vector<Vector> chosen(const std::vector<Vector>& of_points,
 }
 
 // Drops unused points, moves the mesh to where the file has it and notes the points it came from.
-void finish_mesh(PolygonMesh polygons, const PointCloud& cloud, Reconstruction& result) {
+void finish_mesh(const PolygonMesh& polygons, const PointCloud& cloud, Reconstruction& result) {
   UsedMesh used = without_unused_vertices(polygons);
   result.mesh = std::move(used.mesh);
   for (glm::dvec3& position : result.mesh.positions) position += cloud.origin;

@@ -71,7 +71,8 @@ class CurvatureSums {
     if (only_vertex) {
       piece.rows = {numbering_.vertex_row(corner)};
     } else {
-      piece.rows.resize(static_cast<std::size_t>((side_ + 1) * (side_ + 1)));
+      const auto row_count = static_cast<std::size_t>(side_ + 1);
+      piece.rows.resize(row_count * row_count);
       numbering_.grid(corner, piece.rows.data());
     }
     for (std::int32_t b = 0; b <= (only_vertex ? 0 : side_); ++b) {

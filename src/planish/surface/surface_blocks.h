@@ -133,7 +133,7 @@ template <class Piece, class Make, class Take>
 void in_order(std::span<const RowRange> ranges, const Make& make, const Take& take) {
   namespace tbb = oneapi::tbb;
   // Two pieces a thread, so that none waits while one is taken.
-  const auto slots = static_cast<std::size_t>(2 * tbb::this_task_arena::max_concurrency());
+  const auto slots = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   std::vector<Piece> pieces(slots);
   std::size_t next = 0;
   const StopScope* const stop = AdoptedStop::current();

@@ -30,7 +30,8 @@ constexpr int kSide = 12;  // cells of a wavy sheet
 constexpr int kPointCount = (kSide + 1) * (kSide + 1), kCornerCount = 6 * kSide * kSide;
 
 glm::vec3 sheet_point(int i) {
-  const auto x = static_cast<float>(i % (kSide + 1)), y = static_cast<float>(i / (kSide + 1));
+  const int row = i / (kSide + 1);
+  const auto x = static_cast<float>(i % (kSide + 1)), y = static_cast<float>(row);
   return {x, y, std::sin(0.5f * x) * std::cos(0.4f * y)};
 }
 

@@ -123,7 +123,7 @@ TEST_F(WriteGltfFiles, UnusableSurfacesAreRefusedNamingTheElement) {
   const auto refused = [&](auto change) {
     SurfaceMesh bad = good;
     change(bad);
-    const Error error = error_of([&] { write_gltf(folder_ / "bad.glb", bad, {}); });
+    Error error = error_of([&] { write_gltf(folder_ / "bad.glb", bad, {}); });
     EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
     EXPECT_EQ(file_count(), 0u);
     return error;

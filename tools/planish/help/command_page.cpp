@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <ranges>
+#include <sstream>
 
 namespace planish::command {
 namespace {
@@ -12,8 +12,8 @@ namespace {
 std::vector<std::string> choices_of(const std::string& value) {
   std::vector<std::string> choices;
   if (value.find('|') == std::string::npos) return choices;
-  for (const auto part : std::views::split(value, '|')) {
-    std::string word(part.begin(), part.end());
+  std::istringstream parts(value);
+  for (std::string word; std::getline(parts, word, '|');) {
     if (const std::size_t optional = word.find('['); optional != std::string::npos)
       word.resize(optional);
     const bool is_word = !word.empty() && std::ranges::none_of(word, [](unsigned char c) {

@@ -108,7 +108,7 @@ void claim_outputs(PlannedJob& planned, PathClaims& claims, Faults& faults) {
 DeviceList settle_devices(std::vector<PlannedJob>& jobs) {
   DeviceScope scope = DeviceScope::CpuOnly;
   for (const PlannedJob& planned : jobs) scope = std::max(scope, scope_of(planned.job.settings));
-  const DeviceList list = list_devices(scope);
+  DeviceList list = list_devices(scope);
   for (PlannedJob& planned : jobs) planned.device = choose_device(list, planned.job.settings);
   return list;
 }

@@ -42,7 +42,7 @@ fs::path StagedFiles::stage(const fs::path& path) {
 }
 
 fs::path StagedFiles::stage_with_folder(const fs::path& document, const fs::path& folder) {
-  const fs::path staged = stage(document);
+  fs::path staged = stage(document);
   files_.back().beside = folder;
   return staged;
 }

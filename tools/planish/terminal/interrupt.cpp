@@ -43,7 +43,7 @@ extern "C" void note_signal(int signal) {
 
 // For work that does not come to its next check soon enough.
 [[noreturn]] void end_for_good() {
-  const auto lock = while_files_move();
+  const std::scoped_lock moving_lock(watch().moving);
   if (watch().is_ending.exchange(true)) {
     for (;;) ::pause();
   }
