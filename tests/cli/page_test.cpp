@@ -116,6 +116,23 @@ TEST_F(PageFile, KeepsToItsLimit) {
   EXPECT_THAT(read("p.html"), HasSubstr("larger than the page may be (72.0 KiB;"));
 }
 
+// A large mesh's page is made level by level, up to the first that does not fit.
+TEST_F(PageFile, GrowsLevelByLevelOfALargeMesh) {
+  const std::string plate = write("large.obj", bumpy_plate_obj(200));
+  for (const auto& [limit, level] : {std::pair("500K", 0), {"900K", 1}, {"2M", 2}}) {
+    const ProcessResult result = run_planish(
+        {"fit", plate, "--device", "cpu", "--page", path("p.html"), "--page-limit", limit, "-f"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const std::string page = read("p.html"),
+                      shown = "The view shows level " + std::to_string(level);
+    EXPECT_EQ(head_of(page)["level"], level) << limit;
+    EXPECT_EQ(head_of(page)["base"], 201 * 201);
+    EXPECT_THAT(page, HasSubstr(level == 2 ? shown + "."
+                                           : shown + ", because level " +
+                                                 std::to_string(level + 1) + " is larger"));
+  }
+}
+
 TEST_F(PageFile, ShowsWhatHasNotConverged) {
   const ProcessResult result =
       fit({"--page", path("p.html"), "--max-iterations", "0", "--interpolation", "progressive"});

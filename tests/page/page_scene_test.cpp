@@ -87,33 +87,42 @@ glm::dvec3 direction(const std::vector<std::int64_t>& values, std::size_t i) {
 
 // The same corners of the same faces as the surface's, in place and direction: everything that a
 // viewer draws, after a way on which no index was stored.
+void expect_read_back(const SceneCase& c, int level, const test::PageReader& reader) {
+  const SurfaceMesh surface = surface_of(c, level);
+  const auto positions = reader.values("position"), normals = reader.values("normal");
+  const auto& faces = reader.levels().back().faces;
+  ASSERT_EQ(faces.size(), static_cast<std::size_t>(surface.face_count()));
+  ASSERT_EQ(positions.size(), 3 * static_cast<std::size_t>(reader.levels().back().count));
+  const auto& box = reader.head()["box"];
+  double step = 0;  // half of the grid's
+  for (int k = 0; k < 3; ++k) step = std::hypot(step, box["size"][k].get<double>() / 65535 / 2);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const auto wanted = surface.face(static_cast<std::int64_t>(f));
+    ASSERT_EQ(faces[f].size(), wanted.size()) << f;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      const auto v = static_cast<std::size_t>(faces[f][k]);
+      EXPECT_LE(glm::distance(place(box, positions, v), surface.positions[wanted[k]]), step * 1.001)
+          << "face " << f;
+      EXPECT_LT(glm::distance(direction(normals, v), glm::dvec3(surface.normals[wanted[k]])), 1e-4)
+          << "face " << f;
+    }
+  }
+}
+
 TEST(PageScene, IsReadBackAsTheSurfaceOfEveryLevel) {
   for (const SceneCase& c : scene_cases()) {
     for (int level = 0; level <= 2; ++level) {
-      const SurfaceMesh surface = surface_of(c, level);
-      const test::PageReader reader = read(scene_of(c, surface), level);
-      const auto positions = reader.values("position"), normals = reader.values("normal");
-      const auto& faces = reader.levels().back().faces;
-      ASSERT_EQ(faces.size(), static_cast<std::size_t>(surface.face_count())) << c.name;
-      ASSERT_EQ(positions.size(), 3 * static_cast<std::size_t>(reader.levels().back().count));
-      const auto& box = reader.head()["box"];
-      double step = 0;  // half of the grid's
-      for (int k = 0; k < 3; ++k) step = std::hypot(step, box["size"][k].get<double>() / 65535 / 2);
-      for (std::size_t f = 0; f < faces.size(); ++f) {
-        const auto wanted = surface.face(static_cast<std::int64_t>(f));
-        ASSERT_EQ(faces[f].size(), wanted.size()) << c.name;
-        for (std::size_t k = 0; k < wanted.size(); ++k) {
-          const auto v = static_cast<std::size_t>(faces[f][k]);
-          EXPECT_LE(glm::distance(place(box, positions, v), surface.positions[wanted[k]]),
-                    step * 1.001)
-              << c.name << " level " << level << " face " << f;
-          EXPECT_LT(glm::distance(direction(normals, v), glm::dvec3(surface.normals[wanted[k]])),
-                    1e-4)
-              << c.name << " level " << level << " face " << f;
-        }
-      }
+      SCOPED_TRACE(c.name + " level " + std::to_string(level));
+      expect_read_back(c, level, read(scene_of(c, surface_of(c, level)), level));
     }
   }
+}
+
+TEST(PageScene, IsReadBackWherePackedInPieces) {
+  const SceneCase c{"torus", test::torus(200, 100, 2, 1)};
+  const test::PageReader reader = read(scene_of(c, surface_of(c, 1)), 1);
+  ASSERT_GT(reader.head()["sections"].back()["offset"].get<std::size_t>(), std::size_t{1} << 20);
+  expect_read_back(c, 1, reader);
 }
 
 // Both sides of a crease of one edge share its ends but not the normals at its middle.

@@ -131,8 +131,19 @@ void make_scene(const FittedJob& work, const JobSurface& all, const SurfaceMesh&
   work.context.progress.update("page", 0);
   timed(work.report.timing.write, [&] {
     work.scene = make_payloads({surface, work.made.input.file.mesh, work.fitted, work.job.settings,
-                                work.made.file_vertices, all.doo_sabin()});
+                                work.made.file_vertices, all.doo_sabin()},
+                               work.context.page);
   });
+}
+
+// The same level by level, for large meshes: a finer one takes long and may not fit.
+void make_scene_by_level(const FittedJob& work, JobSurface& all, int deepest) {
+  bool may_fit = true;
+  for (int level = 0; level <= deepest && may_fit; ++level) {
+    JobLevel made = timed(work.report.timing.evaluate, [&] { return all.level(level); });
+    make_scene(work, all, made.whole());
+    may_fit = may_be_finer(work.scene.back(), made.whole().positions.size(), work.context.page);
+  }
 }
 
 }  // namespace
@@ -156,10 +167,15 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   }
   JobSurface all(work.made, work.fitted, work.backend, work.job.settings,
                  callbacks_for(work.report, work.context));
-  const int scene_level =
+  int scene_level =
       work.context.wants_page(work.job)
           ? page_level(work.made.input.file.mesh, work.job.settings.scheme, work.context.page)
           : -1;
+  constexpr std::int32_t kLarge = 1 << 15;
+  if (scene_level > 0 && work.made.input.file.mesh.vertex_count() >= kLarge) {
+    make_scene_by_level(work, all, scene_level);
+    scene_level = -1;
+  }
   for (const Fineness& fineness : finenesses) {
     JobLevel surface = fineness.is_adaptive() ? adaptive_surface(work, all, fineness)
                                               : measured_level(work, all, fineness.level, common);

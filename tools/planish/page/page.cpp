@@ -105,11 +105,10 @@ std::string view_note(const PageJob& job, int level, const PageOptions& options)
     return "The view leaves this job out: even level 0 is larger than the page may be (" +
            byte_size(options.limit_bytes) + "; --page-limit raises it).";
   const std::string shown = "The view shows level " + std::to_string(job.payloads[level].level);
-  if (level + 1 < static_cast<int>(job.payloads.size()))
-    return shown + ", because level " + std::to_string(deepest) +
-           " is larger than the page may be (" + byte_size(options.limit_bytes) +
-           "; --page-limit raises it).";
-  return shown + ".";
+  const int larger = level + 1 < static_cast<int>(job.payloads.size()) ? deepest : deepest + 1;
+  if (larger > kPageLevel) return shown + ".";
+  return shown + ", because level " + std::to_string(larger) + " is larger than the page may be (" +
+         byte_size(options.limit_bytes) + "; --page-limit raises it).";
 }
 
 std::string scene_blocks(const Json& report, const PagePayload& payload, std::size_t number) {

@@ -10,9 +10,15 @@
 
 namespace planish::command {
 
+namespace {
+
+// Vertices a byte: no surface has packed to less than half a byte a vertex.
+constexpr std::uint64_t kMostPacked = 2;
+
+}  // namespace
+
 int page_level(const PolygonMesh& mesh, Scheme scheme, const PageOptions& options) {
-  // No surface has packed to less than half a byte a vertex: one that is finer cannot fit.
-  const std::uint64_t most = 2 * options.limit_bytes;
+  const std::uint64_t most = kMostPacked * options.limit_bytes;
   if (static_cast<std::uint64_t>(mesh.vertex_count()) > most) return -1;
   const bool triangles = scheme == Scheme::Loop;
   int level = 0;
@@ -25,7 +31,7 @@ int page_level(const PolygonMesh& mesh, Scheme scheme, const PageOptions& option
   return level;
 }
 
-std::vector<PagePayload> make_payloads(const PagePayloadInput& input) {
+std::vector<PagePayload> make_payloads(const PagePayloadInput& input, const PageOptions& options) {
   const PolygonMesh cage = control_cage(input.mesh, input.fitted, input.settings.sharp());
   const PageScene scene = make_page_scene({input.surface, input.mesh, cage, input.file_vertices,
                                            input.fitted.placement.diagonal,
@@ -34,8 +40,14 @@ std::vector<PagePayload> make_payloads(const PagePayloadInput& input) {
   for (int level = 0; level <= input.surface.level; ++level) {
     payloads.push_back(encode_scene(scene, level));
     payloads.back().head["up"] = input.settings.up == UpAxis::Z ? "z" : "y";
+    if (payloads.back().packed.size() > options.limit_bytes) break;
   }
   return payloads;
+}
+
+bool may_be_finer(const PagePayload& last, std::size_t vertex_count, const PageOptions& options) {
+  const std::uint64_t new_vertices = 3 * static_cast<std::uint64_t>(vertex_count);
+  return last.packed.size() + new_vertices / kMostPacked <= options.limit_bytes;
 }
 
 std::uint64_t parse_page_limit(std::string_view value, std::string_view where) {

@@ -25,8 +25,15 @@ struct PagePayloadInput {
   const DooSabinSurface* exact;                 ///< the same
 };
 
-/// A fitted job's scene down to each level of the surface, coarsest first.
-[[nodiscard]] std::vector<PagePayload> make_payloads(const PagePayloadInput& input);
+/// A fitted job's scene down to each level of the surface, coarsest first; none after the first
+/// that is larger than a page may be.
+[[nodiscard]] std::vector<PagePayload> make_payloads(const PagePayloadInput& input,
+                                                     const PageOptions& options);
+
+/// Whether the level after that of the last payload, whose surface has so many vertices, may fit
+/// into the limit.
+[[nodiscard]] bool may_be_finer(const PagePayload& last, std::size_t vertex_count,
+                                const PageOptions& options);
 
 /// "8M", "500K", "2G" or bytes. Throws Error{InvalidArgument} naming `where`.
 [[nodiscard]] std::uint64_t parse_page_limit(std::string_view value, std::string_view where);
