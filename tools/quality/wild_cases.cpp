@@ -76,6 +76,8 @@ std::vector<Kind> part_kinds() {
        [] {
          return pipe({50, 2.5});
        }},
+      {"mitred pipe", [] { return mitred_pipe(40, 20, 15); },
+       [] { return mitred_pipe(28, 12, 115); }},
       {"L part, decimated", [] { return simplified(l_part({32}), 2e-3); },
        [] {
          return simplified(l_part({48, 1.3}), 3e-3);

@@ -1,10 +1,12 @@
 #include "quality/wild_shapes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <set>
+#include <vector>
 
 #include "make_scenes/bust.h"
 #include "make_scenes/implicit.h"
@@ -338,6 +340,33 @@ PolygonMesh three_sheets(std::int32_t cells, std::uint32_t seed) {
     }
   }
   return without_unused_vertices(repair(mesh).mesh).mesh;
+}
+
+PolygonMesh mitred_pipe(std::int32_t sides, double length, std::uint32_t seed) {
+  RandomNumbers random(seed);
+  const std::array<dvec3, 4> path{dvec3(0.0), dvec3(length, 0, 0), dvec3(length, 0.4 * length, 0),
+                                  dvec3(1.05 * length, 0.45 * length, 0.45 * length)};
+  std::vector<dvec3> ring;
+  for (std::int32_t i = 0; i < sides; ++i) {
+    const double angle = kTurn * i / sides;
+    ring.emplace_back(0, 0.5 * std::cos(angle), 0.5 * std::sin(angle));
+  }
+  PolygonMesh mesh;
+  for (std::size_t r = 0; r < path.size(); ++r) {
+    const auto leg = [&](std::size_t to) { return glm::normalize(path[to] - path[to - 1]); };
+    const dvec3 along = leg(std::max<std::size_t>(r, 1));
+    const dvec3 mitre = along + (r == 0 || r + 1 == path.size() ? along : leg(r + 1));
+    for (dvec3& p : ring) {
+      p += glm::dot(path[r] - p, mitre) / glm::dot(along, mitre) * along;
+      mesh.positions.push_back(p + 0.004 * dvec3(sway(random), sway(random), sway(random)));
+    }
+  }
+  for (std::int32_t r = 0; r < 3; ++r) add_band(mesh, r * sides, sides, random);
+  for (std::int32_t i = 1; i + 1 < sides; ++i) {
+    add_triangle(mesh, 0, i + 1, i);
+    add_triangle(mesh, 3 * sides, 3 * sides + i, 3 * sides + i + 1);
+  }
+  return mesh;
 }
 
 }  // namespace planish::quality

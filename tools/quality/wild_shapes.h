@@ -33,6 +33,9 @@ namespace planish::quality {
 [[nodiscard]] PolygonMesh folded_sphere(std::int32_t count, std::uint32_t seed);
 /// Three bent sheets that meet at one line, as repair() separates them.
 [[nodiscard]] PolygonMesh three_sheets(std::int32_t cells, std::uint32_t seed);
+/// Thin pipe of three legs with mitre joints, in needles as long as the legs, caps as fans around a
+/// vertex of the rim.
+[[nodiscard]] PolygonMesh mitred_pipe(std::int32_t sides, double length, std::uint32_t seed);
 /// Triangles of a mesh, simplified within a tolerance that is a part of its diagonal.
 [[nodiscard]] PolygonMesh simplified(const PolygonMesh& mesh, double tolerance,
                                      std::int64_t target_vertices = 0);

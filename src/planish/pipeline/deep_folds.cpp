@@ -45,21 +45,39 @@ bool is_even(const MeshTopology& topology, std::span<const glm::dvec3> normals,
   });
 }
 
+// Those on boundaries and sharp edges.
+std::vector<std::uint8_t> curve_vertices(const PolygonMesh& mesh, const MeshTopology& topology,
+                                         const SharpFeatureOptions& sharp) {
+  std::vector<std::uint8_t> on_curve(mesh.positions.size(), 0);
+  for (std::size_t v = 0; v < on_curve.size(); ++v) {
+    on_curve[v] = topology.is_boundary_vertex(static_cast<std::int32_t>(v));
+  }
+  if (!sharp.use_tags) return on_curve;
+  for (const CreaseEdge& crease : mesh.creases) {
+    if (crease.sharpness >= kInfiniteSharpness) on_curve[crease.v0] = on_curve[crease.v1] = 1;
+  }
+  for (const CornerVertex& corner : mesh.corners) on_curve[corner.vertex] = 1;
+  return on_curve;
+}
+
+// Also those of faces at curves: what folds at the curve's end of a needle is as wide at the other.
 std::vector<std::uint8_t> uneven_vertices(const PolygonMesh& mesh, const MeshTopology& topology,
                                           std::span<const glm::dvec3> normals,
                                           const SharpFeatureOptions& sharp) {
+  const std::vector<std::uint8_t> on_curve = curve_vertices(mesh, topology, sharp);
   std::vector<std::uint8_t> uneven(mesh.positions.size(), 0);
   parallel_for(uneven.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const auto vertex = static_cast<std::int32_t>(v);
-      uneven[v] = topology.is_boundary_vertex(vertex) || !is_even(topology, normals, vertex);
+      const auto is_at_curve = [&](std::int32_t c) {
+        return std::ranges::any_of(topology.face(topology.face_of(c)),
+                                   [&](std::int32_t w) { return on_curve[w] != 0; });
+      };
+      uneven[v] = on_curve[v] != 0 ||
+                  std::ranges::any_of(topology.corners_at(vertex), is_at_curve) ||
+                  !is_even(topology, normals, vertex);
     }
   });
-  if (!sharp.use_tags) return uneven;
-  for (const CreaseEdge& crease : mesh.creases) {
-    if (crease.sharpness >= kInfiniteSharpness) uneven[crease.v0] = uneven[crease.v1] = 1;
-  }
-  for (const CornerVertex& corner : mesh.corners) uneven[corner.vertex] = 1;
   return uneven;
 }
 
