@@ -282,6 +282,10 @@ PLANISH_SHARED_CONSTANT kLateShift = 8u;
 PLANISH_SHARED_CONSTANT kReversed = 0x10000u;
 PLANISH_SHARED_CONSTANT kCureShift = 24u;
 
+// The lean of a cured polygon's plane that is not chosen yet: kNoLean of fair/plane_lean.h as a
+// float.
+PLANISH_SHARED_CONSTANT kNoLeanBits = 0x4e800000u;
+
 // What the cure knows of a vertex, in its word of flags. While it looks for what is turned away:
 // the first three, and in place of the others the float whose lowest bits they are: the least
 // cosine that the places around the vertex must have with its faces, 0 where they need not be

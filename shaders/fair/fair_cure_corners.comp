@@ -9,7 +9,7 @@ READ(1, FairPlace, places)
 READ(2, FairLinks, links)
 READ(3, vec4, given)
 READ(4, vec4, face_normals)
-READ(5, vec4, planes)
+UPDATE(5, vec4, planes);
 READ_STORED(6, uint, flags);
 UPDATE(7, vec4, result);
 
@@ -24,6 +24,12 @@ const float kHalfTurn = 3.14159265;
 // edges, and of its outer faces less than a third, has them drawn apart.
 const float kLeastGap = 5.0 * kHalfTurn / 180.0;
 const float kGapShare = 1.0 / 3.0;
+// Gaps as wide as this on either side are left as they are.
+const float kWideGap = kHalfTurn / 4.0;
+// Part of the reflex angle where the drawing begins.
+const float kNearlyReflex = 0.9;
+// A corner's sectors are told apart up to this one.
+const uint kLastSectorBit = 1u << 20;
 const float kReflexAngle = 7.0 * kHalfTurn / 6.0;
 // 1 + cosine of the angle at a corner below which its control point moves away no farther.
 const float kWidestAngle = 0.2;
@@ -49,38 +55,49 @@ uint turned_faces(CurveSector sector) {
 
 vec3 in_plane(vec3 v, vec3 normal) { return unit_or_zero(v - dot(v, normal) * normal); }
 
-// Draws a curve point away from the gap's middle to its side, the one that `sign` says.
-void draw(uint curve, vec3 direction, uint i, vec3 middle, vec3 side, float sign) {
+// Draws a curve point away from the gap's middle to its side, the one that `sign` says, by a share;
+// returns whether it was too near.
+bool draw(uint curve, vec3 direction, uint i, vec3 middle, vec3 side, float sign, float share) {
   float least = min(kLeastGap, kGapShare * angle_of(i));
   float sine = dot(direction, side), cosine = dot(direction, middle);
-  float angle = sine == 0.0 && cosine == 0.0 ? 0.0 : atan(sine, cosine);
-  if (sign * angle >= least) return;
-  result[curve] = vec4(safe_length(result[curve].xyz) *
-                           (cos(least) * middle + sign * sin(least) * side),
-                       0.0);
+  float own = sine == 0.0 && cosine == 0.0 ? 0.0 : sign * atan(sine, cosine);
+  float angle = max(own, least);
+  share *= clamp((kWideGap - angle) / (kWideGap - least), 0.0, 1.0);
+  vec3 offset = result[curve].xyz;
+  vec3 drawn = safe_length(offset) * (cos(angle) * middle + sign * sin(angle) * side);
+  result[curve] = vec4(offset + share * (drawn - offset), 0.0);
+  return own < least;
 }
 
 // Where the sharp edges on both sides of a reflex sector meet or cross, draws their curve points
-// apart in its plane, unless that turns no face back.
-void open_sector(CurveSector sector) {
+// apart in its plane, wide gaps gradually less. Returns whether the gap is narrow.
+bool open_sector(CurveSector sector) {
   uint last = sector.first + sector.count - 1u;
   float sum = 0.0;
   for (uint i = sector.first; i <= last; ++i) sum += angle_of(i);
-  if (!(sum > kReflexAngle)) return;
+  float share = clamp((sum / kReflexAngle - kNearlyReflex) / (1.0 - kNearlyReflex), 0.0, 1.0);
   vec3 normal = angle_weighted_normal(origin, sector.first, sector.count);
-  vec4 own0 = result[sector.curve0], own1 = result[sector.curve1];
-  vec3 a = in_plane(own0.xyz, normal), b = in_plane(own1.xyz, normal);
+  vec3 a = in_plane(result[sector.curve0].xyz, normal);
+  vec3 b = in_plane(result[sector.curve1].xyz, normal);
   vec3 middle = unit_or_zero(a + b), side = cross(normal, middle);
-  if (middle == vec3(0.0)) return;
-  uint own_count = turned_faces(sector);
-  draw(sector.curve0, a, sector.first, middle, side, 1.0);
-  draw(sector.curve1, b, last, middle, side, -1.0);
-  if (turned_faces(sector) < own_count) return;
-  result[sector.curve0] = own0;
-  result[sector.curve1] = own1;
+  if (!(share > 0.0) || middle == vec3(0.0)) return false;
+  bool is_narrow = draw(sector.curve0, a, sector.first, middle, side, 1.0, share);
+  if (draw(sector.curve1, b, last, middle, side, -1.0, share)) is_narrow = true;
+  return is_narrow && sum > kReflexAngle;
 }
 
-void build(FairVertex vertex, float size) {
+// Whether opening the sector turns fewer faces back; does it then.
+bool open_where_better(CurveSector sector) {
+  vec4 own0 = result[sector.curve0], own1 = result[sector.curve1];
+  uint own_count = turned_faces(sector);
+  if (open_sector(sector) && turned_faces(sector) < own_count) return true;
+  result[sector.curve0] = own0;
+  result[sector.curve1] = own1;
+  return false;
+}
+
+void build(FairVertex vertex, uint v) {
+  float size = planes[v].z;
   // Within the size at right angles, where the point is farther than the circle.
   float radius = size * sqrt(2.0) / 2.0;
   uint end = vertex.first + vertex.count;
@@ -94,10 +111,18 @@ void build(FairVertex vertex, float size) {
     if (beside.before >= parameters.corner_count) result[beside.before] = vec4(radius * next, 0.0);
     if (beside.after >= parameters.corner_count) result[beside.after] = vec4(radius * previous, 0.0);
   }
+  bool is_chosen = planes[v].x < uintBitsToFloat(kNoLeanBits);
+  uint opened = is_chosen ? uint(planes[v].x) : 0u, bit = 1u;
   CurveSector sector;
   for (uint first = vertex.first; first < end && sector_from(first, end, sector);
-       first += sector.count)
-    open_sector(sector);
+       first += sector.count) {
+    if (is_chosen && (opened & bit) != 0u)
+      open_sector(sector);
+    else if (!is_chosen && open_where_better(sector))
+      opened |= bit;
+    bit = min(2u * bit, kLastSectorBit);
+  }
+  planes[v].xy = vec2(float(opened), 0.0);
 }
 
 void main() {
@@ -107,7 +132,7 @@ void main() {
     FairVertex vertex = vertices_at(v);
     if (vertex.kind != kCorner) continue;
     origin = given_at(v).xyz;
-    if ((word & kRebuild) != 0u) build(vertex, planes_at(v).w);
+    if ((word & kRebuild) != 0u) build(vertex, v);
     float factor = quarters(word);
     if (factor < 1.0) scale_ring(vertex, factor);
   }

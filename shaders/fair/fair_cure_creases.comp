@@ -9,7 +9,7 @@ READ(1, FairPlace, places)
 READ(2, FairLinks, links)
 READ(3, vec4, given)
 READ(4, vec4, face_normals)
-READ(5, vec4, planes)
+UPDATE(5, vec4, planes);
 READ_STORED(6, uint, flags);
 UPDATE(7, vec4, result);
 
@@ -23,6 +23,9 @@ const int kSectorTiltSteps = 8;
 const float kSeenShareOfSector = 0.2;
 // Of the highest that the edges reach across the curve: what they are balanced about.
 const float kAcrossShare = 0.5;
+// Edges that reach less far across the curve than this, times chain_share()'s own ramp, leave its
+// chain gradually: at 0 there is none.
+const float kFullRise = 0.4;
 const float kHalfTurn = 3.14159265;
 
 // The sector that is done, its plane, and what its edges are balanced about.
@@ -30,6 +33,9 @@ vec3 origin;
 CurveSector sector;
 vec3 along, across;
 float rise, spread;
+// The angles about the curve by which the planes of the vertex's sectors lean.
+vec2 leans;
+bool is_chosen;
 
 // Unit; zero where the edge stands on the plane.
 vec2 edge_direction(uint i) {
@@ -62,8 +68,8 @@ vec3 turned(vec3 v, vec3 otherwise) {
 }
 
 // As tilted_normal(), among directions at right angles to the curve.
-vec3 tilted_sector_normal(vec3 weighted) {
-  vec3 own = turned(weighted, weighted), direction = own, best = own;
+vec3 tilted_sector_normal(vec3 own) {
+  vec3 direction = own, best = own;
   float most = -2.0;
   for (int step = 0; step < kSectorSteps; ++step) {
     vec4 worst = worst_of_sector(direction);
@@ -119,11 +125,27 @@ float highest_across() {
   return max(highest, 0.0);
 }
 
-void enter(CurveSector at, vec3 direction) {
+// The normal of the sector's plane: its faces', about the curve by the angle that is to be chosen where
+// it is not yet.
+vec3 sector_normal(bool is_first) {
+  vec3 weighted = angle_weighted_normal(origin, sector.first, sector.count);
+  vec3 own = turned(weighted, weighted), left = cross(along, own);
+  if (!is_chosen) {
+    vec3 tilted = tilted_sector_normal(own);
+    float angle = tilted == own ? 0.0 : atan(dot(tilted, left), dot(tilted, own));
+    if (is_first)
+      leans.x = angle;
+    else
+      leans.y = angle;
+  }
+  float lean = is_first ? leans.x : leans.y;
+  return lean == 0.0 ? own : cos(lean) * own + sin(lean) * left;
+}
+
+void enter(CurveSector at, FairVertex vertex, vec3 direction) {
   sector = at;
-  along = direction;
-  vec3 normal =
-      tilted_sector_normal(angle_weighted_normal(origin, sector.first, sector.count));
+  along = at.curve0 == vertex.curve0 ? direction : -direction;
+  vec3 normal = sector_normal(at.first == vertex.first);
   across = unit_or_zero(cross(normal, along));
 }
 
@@ -134,11 +156,12 @@ float shape_sector(out vec2 y, out float scale) {
   scale = 0.0;
   for (uint i = 0u; i <= sector.count; ++i)
     if (edge_direction(i) == vec2(0.0)) return 0.0;
-  rise = kAcrossShare * highest_across();
+  float highest = highest_across();
+  rise = kAcrossShare * highest;
   if (!(rise > 0.0)) return 0.0;
   spread = 0.0;
   for (uint i = 0u; i <= sector.count; ++i) spread = max(spread, abs(edge_direction(i).y - rise));
-  float usable = balance(sector.count + 1u, y);
+  float usable = min(balance(sector.count + 1u, y), highest / kFullRise);
   if (!(usable > 0.0)) return 0.0;
   float sum = 0.0;
   for (uint i = 0u; i <= sector.count; ++i) sum += weight(i, y) * edge_direction(i).y;
@@ -178,7 +201,8 @@ void write_points(float chain, float handle, float radius) {
   }
 }
 
-void build(FairVertex vertex, float size) {
+void build(FairVertex vertex, uint v) {
+  float size = planes[v].z;
   vec3 direction = unit_or_zero(result[vertex.curve0].xyz);
   if (!(size > 0.0) || direction == vec3(0.0)) {
     scale_ring(vertex, 0.5);
@@ -187,16 +211,20 @@ void build(FairVertex vertex, float size) {
   uint end = vertex.first + vertex.count;
   float farthest = 1.0, usable = 1.0;
   CurveSector at;
+  is_chosen = planes[v].x < uintBitsToFloat(kNoLeanBits);
+  leans = is_chosen ? planes[v].xy : vec2(0.0);
   for (uint first = vertex.first; first < end && sector_from(first, end, at); first += at.count) {
-    enter(at, at.curve0 == vertex.curve0 ? direction : -direction);
+    enter(at, vertex, direction);
     vec2 measured = measured_chain();
     farthest = max(farthest, measured.x);
     usable = min(usable, measured.y);
   }
+  is_chosen = true;
+  planes[v].xy = leans;
   float chain = chain_share(usable);
   float handle = chain * size / farthest, radius = (1.0 - chain) * size;
   for (uint first = vertex.first; first < end && sector_from(first, end, at); first += at.count) {
-    enter(at, at.curve0 == vertex.curve0 ? direction : -direction);
+    enter(at, vertex, direction);
     write_points(chain, handle, radius);
   }
   result[vertex.curve0] = vec4((handle + radius) * direction, 0.0);
@@ -210,7 +238,7 @@ void main() {
     FairVertex vertex = vertices_at(v);
     if (vertex.kind != kCrease) continue;
     origin = given_at(v).xyz;
-    if ((word & kRebuild) != 0u) build(vertex, planes_at(v).w);
+    if ((word & kRebuild) != 0u) build(vertex, v);
     float factor = quarters(word);
     if (factor < 1.0) scale_ring(vertex, factor);
   }

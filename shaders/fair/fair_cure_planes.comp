@@ -1,18 +1,22 @@
-// The plane of every new perpendicular polygon and how far its points may lie from the vertex; at curves
-// that alone. tilted_normal() of fair/smallest_cap.h, perpendicular_size().
+// How the plane of every new perpendicular polygon leans, where that is not chosen yet, and how far its
+// points may lie from the vertex; at curves that alone. tilted_normal() of fair/smallest_cap.h,
+// lean_towards(), perpendicular_size().
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
 
 READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
-READ(2, vec4, face_normals)
-READ(3, vec4, normals)
+READ(2, vec4, given)
+READ(3, vec4, face_normals)
 READ(4, float, heights)
-READ_STORED(5, uint, flags);
-WRITE(6, vec4, planes);  // the normal, and the size
+READ(5, vec2, circle)
+READ_STORED(6, uint, flags);
+UPDATE(7, vec4, planes);  // the lean, and the size
 
+#include "fair_angles.glsl"
 #include "fair_cap.glsl"
+#include "fair_lean.glsl"
 
 const int kTiltSteps = 8;
 // Of the cap's cosine: what a normal must have with every face to be left as it is.
@@ -52,8 +56,11 @@ void main() {
   FOR_ELEMENTS(v) {
     if ((flags[v] & kRebuild) == 0u) continue;
     FairVertex vertex = vertices_at(v);
-    vec3 normal = normals_at(v).xyz;
-    if (has_polygon(vertex)) normal = tilted_normal(vertex, normal);
-    planes[v] = vec4(normal, perpendicular_size(vertex));
+    if (has_polygon(vertex) && planes[v].x >= NO_LEAN) {
+      vec3 origin = given_at(v).xyz;
+      vec3 normal = angle_weighted_normal(origin, vertex.first, vertex.count);
+      planes[v].xy = lean_towards(vertex, origin, normal, tilted_normal(vertex, normal));
+    }
+    planes[v].z = perpendicular_size(vertex);
   }
 }

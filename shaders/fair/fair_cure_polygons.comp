@@ -7,12 +7,13 @@
 READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
 READ(2, vec4, given)
-READ(3, vec4, planes)
-READ(4, vec2, circle)
-READ_STORED(5, uint, flags);
-UPDATE(6, vec4, result);
+READ(3, vec4, normals)
+READ(4, vec4, planes)
+READ(5, vec2, circle)
+READ_STORED(6, uint, flags);
+UPDATE(7, vec4, result);
 
-#include "fair_plane.glsl"
+#include "fair_lean.glsl"
 
 // Of the vertex that is done. Directions of edges are made where they are needed: no valence needs
 // more memory than another.
@@ -35,31 +36,15 @@ vec2 side(uint i, vec2 y) {
   return weight(i, y) * vec2(-edge.y, edge.x);
 }
 
-// Half way from one direction to another, counter-clockwise.
-vec2 between(vec2 from, vec2 to) {
-  const float kNoTurn = -1e-6;  // the same direction, rounded
-  if (to == vec2(0.0) || from == vec2(0.0)) return from;
-  vec2 difference = to - from;
-  if (dot(from, to) < 0.0) return normalize(vec2(difference.y, -difference.x));
-  return turn(from, to) < kNoTurn ? -normalize(from + to) : normalize(from + to);
-}
-
-// Where on the circle the first of evenly spread points lies that stand nearest to the bisectors of
-// their faces.
+// Where on the circle the first of evenly spread points lies, half a step beyond where the edges point
+// to: near to the bisectors of their faces.
 vec2 circle_start() {
-  vec2 sum = vec2(0.0), first = balance_point(0u), from = first;
-  for (uint i = 0u; i < vertex.count; ++i) {
-    vec2 to = i + 1u == vertex.count ? first : balance_point(i + 1u);
-    vec2 back = circle_at(vertex.circle + i);
-    sum += rotated(between(from, to), vec2(back.x, -back.y));
-    from = to;
-  }
-  float size = length(sum);
-  return size > 0.0 ? sum / size : vec2(0.0);
+  float half_step = 3.14159265 / float(vertex.count);
+  return rotated(ring_direction(vertex, origin, frame), vec2(cos(half_step), sin(half_step)));
 }
 
-void build(vec4 plane) {
-  frame = frame_of(plane.xyz);
+void build(vec3 normal, vec4 plane) {
+  frame = frame_of(leaning_normal(vertex, origin, normal, plane.xy));
   vec2 y;
   float usable = balance(vertex.count, y);
   vec2 mean = vec2(0.0), at = vec2(0.0);
@@ -82,10 +67,10 @@ void build(vec4 plane) {
   vec3 centre = vec3(0.0);
   at = vec2(0.0);
   for (uint i = 0u; i < vertex.count; ++i) {
-    vec2 point = (1.0 - chain) * plane.w * rotated(start, circle_at(vertex.circle + i));
+    vec2 point = (1.0 - chain) * plane.z * rotated(start, circle_at(vertex.circle + i));
     if (chain > 0.0) {
       at += side(i, y);
-      point += chain * plane.w / farthest * (at - mean);
+      point += chain * plane.z / farthest * (at - mean);
     }
     vec3 lifted = lift(frame, point);
     centre += lifted;
@@ -104,7 +89,7 @@ void main() {
     vertex = vertices_at(v);
     if (!has_polygon(vertex)) continue;
     origin = given_at(v).xyz;
-    if ((word & kRebuild) != 0u) build(planes_at(v));
+    if ((word & kRebuild) != 0u) build(normals_at(v).xyz, planes_at(v));
     float factor = quarters(word);
     for (uint i = vertex.first; factor < 1.0 && i < vertex.first + vertex.count; ++i)
       result[places_at(i).corner] *= factor;

@@ -23,6 +23,12 @@ const float kSliverSine = 1e-3;
 
 float turn(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 
+// How far a wedge is to be trusted: 0 where it is not valid, 1 from twice the sliver's angle on.
+float wedge_share(vec2 next, vec2 previous) {
+  float size = length(next) * length(previous);
+  return size > 0.0 ? clamp(turn(next, previous) / (kSliverSine * size) - 1.0, 0.0, 1.0) : 0.0;
+}
+
 Wedge wedge_of(vec2 point, vec2 next, vec2 previous) {
   float determinant = turn(next, previous);
   if (!(determinant > kSliverSine * (length(next) * length(previous))))

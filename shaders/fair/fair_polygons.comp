@@ -50,11 +50,16 @@ float add_corners(Ring ring, float rho) {
   return usable;
 }
 
+// Regular coordinates instead of those that give no direction, and of the first ones beyond these a
+// part.
 Wedge usable_wedge(RingCorner corner) {
   Wedge wedge = wedge_of(corner.offset, corner.next, corner.previous);
-  bool usable = wedge.valid && wedge.along_next >= kLeastUsableCoordinate &&
-                wedge.along_previous >= kLeastUsableCoordinate;
-  return usable ? wedge : Wedge(kRegularCoordinate, kRegularCoordinate, true);
+  float least = min(wedge.along_next, wedge.along_previous);
+  float share = clamp(least / kLeastUsableCoordinate - 1.0, 0.0, 1.0) *
+                wedge_share(corner.next, corner.previous);
+  if (!wedge.valid || !(share > 0.0)) return Wedge(kRegularCoordinate, kRegularCoordinate, true);
+  return Wedge(mix(kRegularCoordinate, wedge.along_next, share),
+               mix(kRegularCoordinate, wedge.along_previous, share), true);
 }
 
 vec2 edge_point(Ring ring, uint i, vec2 y) {

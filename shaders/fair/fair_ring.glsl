@@ -54,8 +54,10 @@ float imbalance(Ring ring) {
         own.along_previous <= kLeastSafeCoordinate)
       return INFINITE;
     Wedge mean = wedge_of(ring.mean, corner.next, corner.previous);
-    worst = max(worst, max(abs(mean.along_next) / above_least(own.along_next),
-                           abs(mean.along_previous) / above_least(own.along_previous)));
+    float ratio = max(abs(mean.along_next) / above_least(own.along_next),
+                      abs(mean.along_previous) / above_least(own.along_previous));
+    // Straight corners too grow to infinity instead of jumping.
+    worst = max(worst, ratio / wedge_share(corner.next, corner.previous));
   }
   return worst;
 }

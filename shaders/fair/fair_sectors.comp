@@ -53,8 +53,9 @@ void main() {
         float next_factor = i == 0u ? handle_factor(handle_length, next) : 1.0;
         float previous_factor =
             i + 1u == sector.count ? handle_factor(handle_length, previous) : 1.0;
-        flat_point = next_factor * wedge.along_next * flat_next +
-                     previous_factor * wedge.along_previous * flat_previous;
+        vec2 scaled = next_factor * wedge.along_next * flat_next +
+                      previous_factor * wedge.along_previous * flat_previous;
+        flat_point += wedge_share(flat_next, flat_previous) * (scaled - flat_point);
       }
       result[place.corner] = vec4(shift.w * (offsets_at(place.corner).xyz + shift.xyz) +
                                       (1.0 - shift.w) * lift(frame, flat_point),

@@ -192,10 +192,8 @@ TEST_F(EmbedFair, KeepsTheRestPosesDecisions) {
   ASSERT_GT(rest.fair->shrunk_vertices, 10);
   SystemOptions options = fair_options(1);
   const auto free = make_topology(mesh, options);
-  // Without the cure, which finds no normal where such a mesh folds over itself.
-  FairDecisions decisions = rest.fair->decisions;
-  decisions.cures.assign(decisions.cures.size(), 0);
-  options.fair_decisions = &decisions;
+  ASSERT_GT(rest.fair->cured_vertices, 10);
+  options.fair_decisions = &rest.fair->decisions;
   const auto kept = make_topology(mesh, options);
   HostFrame free_frame(*context_, *free), kept_frame(*context_, *kept);
   double most = 0;
@@ -211,7 +209,8 @@ TEST_F(EmbedFair, KeepsTheRestPosesDecisions) {
 
 // Where nothing is decided anew, cured polygons follow the mesh as continuously as others.
 TEST_F(EmbedFair, CuredNeedlesDoNotPop) {
-  for (const PolygonMesh& mesh : {test::needle_rod(24, 6), test::uneven_box()}) {
+  for (const PolygonMesh& mesh : {test::needle_rod(24, 6), test::uneven_box(),
+                                  test::jittered(test::needle_tube(24, 4, 0.3), 0.05, 20)}) {
     FitOptions fitting;
     fitting.method = InterpolationMethod::Fair;
     const Fit rest = fit(mesh, *make_cpu_backend(), fitting);

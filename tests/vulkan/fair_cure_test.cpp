@@ -8,6 +8,7 @@
 
 #include "fair/cure_meshes.h"
 #include "planish/fair/fold_cure.h"
+#include "planish/fair/plane_lean.h"
 #include "vulkan/fair_machine.h"
 
 namespace planish::testing {
@@ -49,7 +50,8 @@ class FairCure : public FairReads {
   }
   FairDecisions decisions(const DeviceNet& net) {
     return vulkan::unpack_decisions(
-        download<std::uint32_t>(net.fair.buffers().decisions, net.given.size()));
+        download<std::uint32_t>(net.fair.buffers().decisions, net.given.size()),
+        download<float>(net.fair.buffers().planes, 4 * net.given.size()));
   }
 };
 
@@ -81,7 +83,7 @@ double difference_at(const FairTopology& topology, std::int32_t vertex, std::spa
 constexpr double kPart = 1e-4;
 
 TEST_P(FairCure, EqualsItsTwin) {
-  std::int64_t cured[4] = {}, repeated = 0, vertices = 0, different = 0;
+  std::int64_t cured[4] = {}, repeated = 0, leaning = 0, vertices = 0, different = 0;
   for (const test::NamedMesh& mesh : all_cure_meshes()) {
     SCOPED_TRACE(mesh.name);
     const test::FairCase c(mesh.mesh);
@@ -90,9 +92,11 @@ TEST_P(FairCure, EqualsItsTwin) {
     Uncured before = uncured(net);
     cure(net);
     std::vector<std::uint8_t> cures(net.given.size(), 0);
-    const FoldCount left = cure_folds(before.input(net), cures);
+    std::vector<glm::vec2> leans(net.given.size(), glm::vec2(kNoLean));
+    const FoldCount left = cure_folds(before.input(net), cures, leans);
     const std::vector<dvec3> made = result(net);
-    const std::vector<std::uint8_t> made_cures = decisions(net).cures;
+    const FairDecisions decided = decisions(net);
+    const std::vector<std::uint8_t>& made_cures = decided.cures;
     std::int64_t different_here = 0;
     for (std::size_t v = 0; v < cures.size(); ++v) {
       cured[net.topology.kinds[v]] += cures[v] > 0;
@@ -100,6 +104,8 @@ TEST_P(FairCure, EqualsItsTwin) {
       different_here += made_cures[v] != cures[v];
       if (made_cures[v] != cures[v]) continue;
       EXPECT_LT(difference_at(net.topology, std::int32_t(v), made, before.state), kPart) << v;
+      EXPECT_EQ(is_chosen(decided.leans[v]), is_chosen(leans[v])) << v;
+      leaning += is_chosen(leans[v]) && leans[v] != glm::vec2(0.0F);
     }
     const auto counts =
         download<std::uint32_t>(net.fair.buffers().counts, vulkan::shared::kFairCounts);
@@ -110,35 +116,36 @@ TEST_P(FairCure, EqualsItsTwin) {
   }
   for (const std::int64_t of_kind : cured) EXPECT_GT(of_kind, 20);
   EXPECT_GT(repeated, 100);
+  EXPECT_GT(leaning, 100);
   // Where a look decides by less than single precision knows, it may decide otherwise.
   EXPECT_LT(double(different), 1e-3 * double(vertices)) << different << " of " << vertices;
 }
 
-// Rounds at vertices of every kind that no look would ask for, as other poses have decided them.
+// Rounds at vertices of every kind that no look would ask for, as other poses have decided them;
+// with leans that no choice would make, and at every fifth vertex a choice to make.
 TEST_P(FairCure, RepeatsDecisionsAsItsTwin) {
   std::int64_t compared = 0, different = 0;
   for (const test::NamedMesh& mesh : all_cure_meshes()) {
     SCOPED_TRACE(mesh.name);
     const std::vector<std::uint8_t> none(mesh.mesh.positions.size(), 0);
-    FairDecisions decided{none, none, none, none};
-    for (std::size_t v = 0; v < none.size(); ++v) decided.cures[v] = (7 * v + 3) % 4;
+    FairDecisions decided{none, none, none, none, {}};
+    for (std::size_t v = 0; v < none.size(); ++v) {
+      decided.cures[v] = (7 * v + 3) % 4;
+      decided.leans.emplace_back(v % 5 ? glm::vec2(float(v % 3), 0.1F * float(v % 7))
+                                       : glm::vec2(kNoLean));
+    }
     const test::FairCase c(mesh.mesh);
     DeviceNet net(*machine_, c, 8, &decided);
     make(net);
     Uncured before = uncured(net);
     cure(net);
     EXPECT_EQ(decisions(net).cures, decided.cures);
-    const FoldCount left = repeat_cure(before.input(net), decided.cures);
+    const FoldCount left = repeat_cure(before.input(net), decided.cures, decided.leans);
     const std::vector<dvec3> made = result(net);
     for (std::size_t v = 0; v < none.size(); ++v) {
       if (decided.cures[v] == 0) continue;
       ++compared;
-      double d = difference_at(net.topology, std::int32_t(v), made, before.state);
-      if (!(d <= kPart)) {
-        printf("%s %zu kind %d val %d: %g\n", mesh.name.c_str(), v, net.topology.kinds[v],
-               net.topology.valence(int(v)), d);
-        ++different;
-      }
+      different += !(difference_at(net.topology, std::int32_t(v), made, before.state) <= kPart);
     }
     const auto counts =
         download<std::uint32_t>(net.fair.buffers().counts, vulkan::shared::kFairCounts);

@@ -54,8 +54,9 @@ void build_sector(const FairTopology& topology, std::span<const dvec3> given,
       const double next_factor = i == 0 ? handle_factor(handle_length, next) : 1.0;
       const double previous_factor =
           i + 1 == sector.count ? handle_factor(handle_length, previous) : 1.0;
-      flat = next_factor * wedge.along_next * flat_next +
-             previous_factor * wedge.along_previous * flat_previous;
+      const dvec2 scaled = next_factor * wedge.along_next * flat_next +
+                           previous_factor * wedge.along_previous * flat_previous;
+      flat += wedge_share(flat_next, flat_previous) * (scaled - flat);
     }
     offsets[corner] = shape.share * (offsets[corner] + shape.tensor_shift) +
                       (1 - shape.share) * (flat.x * frame.tangent1 + flat.y * frame.tangent2);

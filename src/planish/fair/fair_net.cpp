@@ -16,6 +16,7 @@
 #include "planish/fair/fold_cure.h"
 #include "planish/fair/fold_repair.h"
 #include "planish/fair/masked_iteration.h"
+#include "planish/fair/plane_lean.h"
 #include "planish/fair/polish.h"
 #include "planish/fair/tensor_share.h"
 #include "planish/fair/vertex_frame.h"
@@ -150,13 +151,14 @@ void settle_folds(const NetBuilder& builder, bool decided, std::vector<std::uint
 }
 
 // What no halving cures; or as it was cured before.
-FoldCount settle_cure(NetBuilder& builder, const FairOptions& options,
-                      std::vector<std::uint8_t>& cures) {
+FoldCount settle_cure(NetBuilder& builder, const FairOptions& options, FairDecisions& decisions) {
   const CureInput input{builder.topology, builder.given, builder.face_normals, builder.normals,
                         builder.offsets};
+  std::vector<std::uint8_t>& cures = decisions.cures;
   if (!options.decisions || !options.cures_folds) cures.assign(builder.given.size(), 0);
-  if (options.decisions || !options.cures_folds) return repeat_cure(input, cures);
-  return cure_folds(input, cures);
+  decisions.leans.resize(builder.given.size(), glm::vec2(kNoLean));
+  if (options.decisions || !options.cures_folds) return repeat_cure(input, cures, decisions.leans);
+  return cure_folds(input, cures, decisions.leans);
 }
 
 void add_given_points(const FairTopology& topology, std::span<const dvec3> given,
@@ -189,6 +191,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     PLANISH_ASSERT(decisions->halvings.size() == given.size());
     PLANISH_ASSERT(decisions->late_halvings.size() == given.size());
     PLANISH_ASSERT(decisions->cures.size() == given.size());
+    PLANISH_ASSERT(decisions->leans.empty() || decisions->leans.size() == given.size());
   }
   const FairTopology topology = make_fair_topology(mesh, subdivision);
   options.callbacks.check_cancelled();
@@ -218,7 +221,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     decisions.late_halvings.assign(given.size(), 0);
   }
   builder.build_curve_points();
-  const FoldCount folds = settle_cure(builder, options, decisions.cures);
+  const FoldCount folds = settle_cure(builder, options, decisions);
   builder.build_dart_points();
   net.flagged_edges = folds.edges;
   net.flagged_faces = folds.faces;

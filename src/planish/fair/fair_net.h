@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -21,6 +22,8 @@ struct FairDecisions {
   std::vector<std::uint8_t> halvings, late_halvings;
   /// How many rounds of the cure changed it after that (see fold_cure.h).
   std::vector<std::uint8_t> cures;
+  /// How the polygons lean that the cure made (see plane_lean.h). Empty: chosen anew.
+  std::vector<glm::vec2> leans;
 };
 
 struct FairOptions {

@@ -10,6 +10,7 @@
 #include "planish/fair/net_samples.h"
 #include "planish/fair/perpendicular_curve.h"
 #include "planish/fair/perpendicular_polygon.h"
+#include "planish/fair/plane_lean.h"
 #include "planish/fair/smallest_cap.h"
 
 namespace planish {
@@ -50,6 +51,7 @@ void flag(Flags& flags, std::int32_t vertex) {
 
 struct Cure {
   const CureInput& input;
+  std::span<glm::vec2> leans;
   const FairTopology& topology = input.topology;
   Flags bad, changed, touched;  // per vertex; touched: in a face with a changed one
 
@@ -62,6 +64,7 @@ struct Cure {
   std::int64_t test_faces(bool count);
   void test_sharp_edges();
   void test_vertices(std::span<const std::uint8_t> cures);
+  void build_smooth(std::int32_t vertex, PerpendicularScratch& scratch);
   void change(std::int32_t vertex, std::int32_t times, bool is_new, PerpendicularScratch& scratch);
   FoldCount count();
 };
@@ -189,19 +192,29 @@ void Cure::test_vertices(std::span<const std::uint8_t> cures) {
   });
 }
 
+void Cure::build_smooth(std::int32_t vertex, PerpendicularScratch& scratch) {
+  const dvec3& normal = input.normals[vertex];
+  glm::vec2& lean = leans[vertex];
+  if (!is_chosen(lean)) {
+    lean = lean_towards(topology, input.given, vertex, normal,
+                        tilted_normal(topology, input.face_normals, vertex, normal));
+  }
+  build_perpendicular_polygon(topology, input.given, vertex,
+                              leaning_normal(topology, input.given, vertex, normal, lean), scratch,
+                              input.offsets);
+}
+
 // `times` more rounds at the vertex, which had some before unless it is new.
 void Cure::change(std::int32_t vertex, std::int32_t times, bool is_new,
                   PerpendicularScratch& scratch) {
   const CurveSite site{topology, input.given, input.face_normals, input.offsets, vertex};
   if (is_new && times > 0) {
     if (topology.kind(vertex) == VertexKind::Crease) {
-      build_perpendicular_crease(site, scratch);
+      build_perpendicular_crease(site, leans[vertex], scratch);
     } else if (topology.kind(vertex) == VertexKind::Corner) {
-      build_perpendicular_corner(site);
+      build_perpendicular_corner(site, leans[vertex]);
     } else {
-      const dvec3 normal =
-          tilted_normal(topology, input.face_normals, vertex, input.normals[vertex]);
-      build_perpendicular_polygon(topology, input.given, vertex, normal, scratch, input.offsets);
+      build_smooth(vertex, scratch);
     }
     --times;
   }
@@ -215,8 +228,9 @@ FoldCount Cure::count() {
 
 }  // namespace
 
-FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures) {
-  Cure cure{input};
+FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures,
+                     std::span<glm::vec2> leans) {
+  Cure cure{input, leans};
   cure.changed.assign(cures.size(), 1);
   for (int round = 0; round < kCureRounds; ++round) {
     cure.bad.assign(cures.size(), 0);
@@ -242,8 +256,9 @@ FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures) {
   return cure.count();
 }
 
-FoldCount repeat_cure(const CureInput& input, std::span<const std::uint8_t> cures) {
-  Cure cure{input};
+FoldCount repeat_cure(const CureInput& input, std::span<const std::uint8_t> cures,
+                      std::span<glm::vec2> leans) {
+  Cure cure{input, leans};
   parallel_for(cures.size(), kCureGrain, [&](std::size_t begin, std::size_t end) {
     PerpendicularScratch scratch;
     for (std::size_t v = begin; v < end; ++v) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 
@@ -21,10 +22,14 @@ struct CureInput {
 /// at a limit normal that is turned too far from a face that it belongs to get perpendicular
 /// polygons (perpendicular_polygon.h), and where that does not do a quarter of them, in at most six
 /// rounds. Smooth and dart vertices only. `cures`, one per vertex, is increased by the rounds that
-/// changed it. Returns what is still turned over by more than a right angle from one of its faces.
-FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures);
+/// changed it; `leans` (plane_lean.h) are chosen where the first one does. Returns what is still
+/// turned over by more than a right angle from one of its faces.
+FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures,
+                     std::span<glm::vec2> leans);
 
-/// The same polygons, as an earlier cure decided them.
-FoldCount repeat_cure(const CureInput& input, std::span<const std::uint8_t> cures);
+/// The same polygons, as an earlier cure decided them; leans that are wanted and were not chosen
+/// then are now.
+FoldCount repeat_cure(const CureInput& input, std::span<const std::uint8_t> cures,
+                      std::span<glm::vec2> leans);
 
 }  // namespace planish

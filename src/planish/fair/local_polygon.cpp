@@ -60,10 +60,17 @@ double balance_corners(const PlanarRing& ring, double rho, LocalPolygon& polygon
   return usable;
 }
 
-PlanarRing::Wedge usable_wedge(const PlanarRing::Wedge& wedge) {
-  const bool usable = wedge.valid && wedge.along_next >= kLeastCoordinate &&
-                      wedge.along_previous >= kLeastCoordinate;
-  return usable ? wedge : PlanarRing::Wedge{kRegularCoordinate, kRegularCoordinate, true};
+// Regular coordinates instead of those that give no direction, and of the first ones beyond these a
+// part, so that nothing jumps.
+PlanarRing::Wedge usable_wedge(const PlanarRing& ring, std::size_t i) {
+  const PlanarRing::Wedge& wedge = ring.wedges[i];
+  if (!wedge.valid) return {kRegularCoordinate, kRegularCoordinate, true};
+  const double least = std::min(wedge.along_next, wedge.along_previous);
+  const double share = std::clamp(least / kLeastCoordinate - 1, 0.0, 1.0) *
+                       wedge_share(ring.next[i], ring.previous[i]);
+  if (!(share > 0)) return {kRegularCoordinate, kRegularCoordinate, true};
+  return {kRegularCoordinate + share * (wedge.along_next - kRegularCoordinate),
+          kRegularCoordinate + share * (wedge.along_previous - kRegularCoordinate), true};
 }
 
 // The same on edges, which surround the vertex more evenly: each edge takes the parts of its two
@@ -71,14 +78,14 @@ PlanarRing::Wedge usable_wedge(const PlanarRing::Wedge& wedge) {
 double balance_edges(const PlanarRing& ring, LocalPolygon& polygon) {
   const auto n = static_cast<std::size_t>(ring.count);
   for (std::size_t i = 0; i < n; ++i) {
-    const PlanarRing::Wedge own = usable_wedge(ring.wedges[i]);
-    const PlanarRing::Wedge before = usable_wedge(ring.wedges[(i + n - 1) % n]);
+    const PlanarRing::Wedge own = usable_wedge(ring, i);
+    const PlanarRing::Wedge before = usable_wedge(ring, (i + n - 1) % n);
     polygon.targets[i] = (own.along_next + before.along_previous) * ring.next[i];
   }
   const auto shares = std::span(polygon.shares).first(n);
   const double usable = balance(std::span(polygon.targets).first(n), shares);
   for (std::size_t i = 0; i < n; ++i) {
-    const PlanarRing::Wedge own = usable_wedge(ring.wedges[i]);
+    const PlanarRing::Wedge own = usable_wedge(ring, i);
     polygon.points[i] = shares[i] * own.along_next * ring.next[i] +
                         shares[(i + 1) % n] * own.along_previous * ring.previous[i];
     polygon.targets[i] = own.along_next * ring.next[i] + own.along_previous * ring.previous[i];

@@ -4,6 +4,7 @@
 #include "planish/fair/perpendicular_curve.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -24,16 +25,11 @@ constexpr double kHalfOfCurve = 0.5;
 constexpr double kSeenShareOfSector = 0.2;
 constexpr int kSectorSteps = 60;
 constexpr int kSectorTiltSteps = 8;
-// A corner's sector that leaves less of a full turn than this on either side of the gap between its
-// sharp edges, and of its outer faces less than a third, has them drawn apart.
-constexpr double kLeastGap = 5 * std::numbers::pi / 180;
-constexpr double kGapShare = 1.0 / 3;
-// From here on a corner's sector is reflex, as doosabin/sharp_features.cpp has it.
-constexpr double kReflexAngle = 7 * std::numbers::pi / 6;
+// Edges that reach less far across the curve than this, times chain_share()'s own ramp, leave its
+// chain gradually: at 0 there is none.
+constexpr double kFullRise = 0.4;
 // Of the highest that the edges reach across the curve: what they are balanced about.
 constexpr double kAcrossShare = 0.5;
-// 1 + cosine of the angle at a corner below which its control point moves away no farther.
-constexpr double kWidestAngle = 0.2;
 
 dvec3 unit(const dvec3& vector) {
   const double length = glm::length(vector);
@@ -91,14 +87,18 @@ WorstOfSector worst_of_sector(const CurveSite& site, const FairTopology::Sector&
   return worst;
 }
 
+// At right angles to the curve, unless it stands on it.
+dvec3 turned_upright(const dvec3& vector, const dvec3& along, const dvec3& otherwise) {
+  const dvec3 upright = unit(vector - glm::dot(vector, along) * along);
+  return upright == dvec3(0.0) ? otherwise : upright;
+}
+
 // As tilted_normal(), among directions at right angles to the curve.
 dvec3 tilted_sector_normal(const CurveSite& site, const FairTopology::Sector& sector,
-                           const dvec3& weighted, const dvec3& along) {
+                           const dvec3& own, const dvec3& along) {
   const auto turned = [&](const dvec3& vector, const dvec3& otherwise) {
-    const dvec3 across = unit(vector - glm::dot(vector, along) * along);
-    return across == dvec3(0.0) ? otherwise : across;
+    return turned_upright(vector, along, otherwise);
   };
-  const dvec3 own = turned(weighted, weighted);
   dvec3 direction = own, best = own;
   double most = -2;
   for (int step = 0; step < kSectorSteps; ++step) {
@@ -121,6 +121,24 @@ dvec3 tilted_sector_normal(const CurveSite& site, const FairTopology::Sector& se
   return turned((1 - enough) * own + enough * best, best);
 }
 
+// The normal of a sector's plane: its faces', about the curve by the angle that is to be chosen
+// where it is not yet.
+dvec3 sector_normal(const CurveSite& site, const FairTopology::Sector& sector, const dvec3& along,
+                    bool is_decided, float& lean) {
+  const dvec3 weighted = angle_weighted_normal(site.topology, site.given, site.face_normals,
+                                               site.vertex, sector.first, sector.count);
+  const dvec3 own = turned_upright(weighted, along, weighted);
+  const dvec3 left = glm::cross(along, own);
+  if (!is_decided) {
+    const dvec3 tilted = tilted_sector_normal(site, sector, own, along);
+    lean = tilted == own
+               ? 0.0F
+               : static_cast<float>(std::atan2(glm::dot(tilted, left), glm::dot(tilted, own)));
+  }
+  if (lean == 0) return own;
+  return std::cos(double{lean}) * own + std::sin(double{lean}) * left;
+}
+
 // Fills the chain of a sector for a handle of length 1; returns how far it is to be used.
 double shape_sector(const CurveSite& site, const FairTopology::Sector& sector,
                     const SectorPlane& plane, PerpendicularScratch& scratch) {
@@ -138,7 +156,7 @@ double shape_sector(const CurveSite& site, const FairTopology::Sector& sector,
     if (!(length > 0)) return 0;
     scratch.edges[i] = flat / length;
   }
-  const double usable = balance_along(scratch);
+  const double usable = std::min(balance_along(scratch), highest_across(scratch.edges) / kFullRise);
   if (!(usable > 0)) return 0;
   double rise = 0;
   for (std::size_t i = 0; i <= k; ++i) rise += scratch.weights[i] * scratch.edges[i].y;
@@ -174,7 +192,8 @@ void scale_curve_vertex(const CurveSite& site, double factor) {
   if (!is_closed) site.offsets[end] *= factor;
 }
 
-void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scratch) {
+void build_perpendicular_crease(const CurveSite& site, glm::vec2& lean,
+                                PerpendicularScratch& scratch) {
   const FairTopology& topology = site.topology;
   const std::int32_t crease = topology.crease_of_vertex[site.vertex];
   const auto sectors = std::span(topology.sectors)
@@ -190,16 +209,16 @@ void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scr
   }
   double farthest = 1;  // of all control points, for a handle of length 1
   double usable = 1;
-  const auto plane_of = [&](const FairTopology::Sector& sector) {
+  const bool is_decided = is_chosen(lean);
+  if (!is_decided) lean = glm::vec2(0.0F);
+  std::array<SectorPlane, 2> planes;
+  for (std::size_t s = 0; s < sectors.size(); ++s) {
+    const FairTopology::Sector& sector = sectors[s];
     const dvec3 along = sector.curve0 == curve0 ? direction : -direction;
-    const dvec3 weighted = angle_weighted_normal(topology, site.given, site.face_normals,
-                                                 site.vertex, sector.first, sector.count);
-    const dvec3 normal = tilted_sector_normal(site, sector, weighted, along);
-    return SectorPlane{along, unit(glm::cross(normal, along))};
-  };
-  for (const FairTopology::Sector& sector : sectors) {
-    usable = std::min(usable, shape_sector(site, sector, plane_of(sector), scratch));
-    if (!(usable > 0)) break;
+    const dvec3 normal = sector_normal(site, sector, along, is_decided, s == 0 ? lean.x : lean.y);
+    planes[s] = {along, unit(glm::cross(normal, along))};
+    usable = std::min(usable, shape_sector(site, sector, planes[s], scratch));
+    if (!(usable > 0)) continue;
     for (std::int32_t i = 0; i < sector.count; ++i) {
       farthest = std::max(farthest, glm::length(scratch.points[i]));
     }
@@ -208,8 +227,9 @@ void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scr
   // but the limit normal is the plane's.
   const double chain = chain_share(usable);
   const double length = chain * size / farthest, radius = (1 - chain) * size;
-  for (const FairTopology::Sector& sector : sectors) {
-    const SectorPlane plane = plane_of(sector);
+  for (std::size_t s = 0; s < sectors.size(); ++s) {
+    const FairTopology::Sector& sector = sectors[s];
+    const SectorPlane& plane = planes[s];
     if (chain > 0) (void)shape_sector(site, sector, plane, scratch);
     for (std::int32_t i = 0; i < sector.count; ++i) {
       const double angle = std::numbers::pi * (2 * i + 1) / (2.0 * sector.count);
@@ -221,100 +241,6 @@ void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scr
   }
   site.offsets[curve0] = (length + radius) * direction;
   site.offsets[curve1] = -site.offsets[curve0];
-}
-
-namespace {
-
-double angle_of(const dvec3& a, const dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-}
-
-// How many faces of a reflex sector see its limit normal from behind.
-std::int32_t turned_faces(const CurveSite& site, const FairTopology::Sector& sector) {
-  const dvec3 normal = glm::cross(site.offsets[sector.curve1], site.offsets[sector.curve0]);
-  std::int32_t count = 0;
-  for (std::int32_t i = sector.first; i < sector.first + sector.count; ++i) {
-    const std::int32_t face = site.topology.corner_faces[site.topology.ring_corners[i]];
-    count += glm::dot(normal, site.face_normals[face]) > 0 ? 0 : 1;
-  }
-  return count;
-}
-
-// Where the sharp edges on both sides of a corner's reflex sector meet or cross, as at the tips of
-// slits, the surface's sector would turn over: draws their curve points apart in its plane, unless
-// that turns no face back.
-void open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
-  const FairTopology& topology = site.topology;
-  const std::int32_t last = sector.first + sector.count - 1;
-  const auto face_angle = [&](std::int32_t place) {
-    return angle_of(edge_at(site, topology.ring_next, place),
-                    edge_at(site, topology.ring_previous, place));
-  };
-  double sum = 0;
-  for (std::int32_t i = sector.first; i <= last; ++i) sum += face_angle(i);
-  if (!(sum > kReflexAngle)) return;
-  const dvec3 normal = angle_weighted_normal(topology, site.given, site.face_normals, site.vertex,
-                                             sector.first, sector.count);
-  const auto in_plane = [&](const dvec3& vector) {
-    return unit(vector - glm::dot(vector, normal) * normal);
-  };
-  const dvec3 a = in_plane(site.offsets[sector.curve0]), b = in_plane(site.offsets[sector.curve1]);
-  const dvec3 middle = unit(a + b), side = glm::cross(normal, middle);
-  if (middle == dvec3(0.0)) return;
-  const dvec3 own0 = site.offsets[sector.curve0], own1 = site.offsets[sector.curve1];
-  const std::int32_t own_count = turned_faces(site, sector);
-  const auto draw = [&](std::int32_t curve, const dvec3& direction, std::int32_t place,
-                        double sign) {
-    const double least = std::min(kLeastGap, kGapShare * face_angle(place));
-    if (sign * std::atan2(glm::dot(direction, side), glm::dot(direction, middle)) >= least) return;
-    site.offsets[curve] = glm::length(site.offsets[curve]) *
-                          (std::cos(least) * middle + sign * std::sin(least) * side);
-  };
-  draw(sector.curve0, a, sector.first, 1);
-  draw(sector.curve1, b, last, -1);
-  if (turned_faces(site, sector) < own_count) return;
-  site.offsets[sector.curve0] = own0;
-  site.offsets[sector.curve1] = own1;
-}
-
-// Calls `use` with every sector between two curve points around a corner.
-template <class Use>
-void for_corner_sectors(const FairTopology& topology, std::int32_t vertex, const Use& use) {
-  const std::int32_t first = topology.ring_offsets[vertex], end = topology.ring_offsets[vertex + 1];
-  for (std::int32_t begin = first; begin < end;) {
-    std::int32_t last = begin;
-    const auto after = [&] { return topology.corner_ccw[topology.ring_corners[last]]; };
-    while (last + 1 < end && after() < topology.corner_count) ++last;
-    const std::int32_t before = topology.corner_cw[topology.ring_corners[begin]];
-    if (before < topology.corner_count || after() < topology.corner_count) return;  // a cone
-    use(FairTopology::Sector{vertex, begin, last + 1 - begin, before, after()});
-    begin = last + 1;
-  }
-}
-
-}  // namespace
-
-void build_perpendicular_corner(const CurveSite& site) {
-  const FairTopology& topology = site.topology;
-  const double size = perpendicular_size(topology, site.given, site.vertex);
-  for (std::int32_t i = topology.ring_offsets[site.vertex];
-       i < topology.ring_offsets[site.vertex + 1]; ++i) {
-    const std::int32_t corner = topology.ring_corners[i];
-    const dvec3 next = unit(edge_at(site, topology.ring_next, i));
-    const dvec3 previous = unit(edge_at(site, topology.ring_previous, i));
-    // Within the size at right angles, where the point is farther than the circle.
-    const double radius = size * std::numbers::sqrt2 / 2;
-    const double widening = std::max(1 + glm::dot(next, previous), kWidestAngle);
-    site.offsets[corner] = radius / widening * (next + previous);
-    if (topology.corner_cw[corner] >= topology.corner_count) {
-      site.offsets[topology.corner_cw[corner]] = radius * next;
-    }
-    if (topology.corner_ccw[corner] >= topology.corner_count) {
-      site.offsets[topology.corner_ccw[corner]] = radius * previous;
-    }
-  }
-  for_corner_sectors(topology, site.vertex,
-                     [&](const FairTopology::Sector& sector) { open_sector(site, sector); });
 }
 
 double least_sector_cosine(const FairTopology& topology, std::span<const dvec3> face_normals,
@@ -336,38 +262,6 @@ double least_sector_cosine(const FairTopology& topology, std::span<const dvec3> 
     }
   }
   return least;
-}
-
-namespace {
-
-// Where a point lies in the wedge of two edges, in the sense of least squares: the sum of its parts
-// along them, 1 on the line between their ends.
-double part_of_wedge(const dvec3& point, const dvec3& next, const dvec3& previous) {
-  const double nn = glm::dot(next, next), pp = glm::dot(previous, previous);
-  const double np = glm::dot(next, previous), determinant = nn * pp - np * np;
-  const double n = glm::dot(point, next), p = glm::dot(point, previous);
-  if (!(determinant > 1e-12 * nn * pp)) return 0;
-  return (n * pp - p * np + p * nn - n * np) / determinant;
-}
-
-}  // namespace
-
-double farthest_fan_point(const FairTopology& topology, std::span<const dvec3> given,
-                          std::span<const dvec3> offsets, std::int32_t vertex) {
-  double farthest = 0;
-  for_corner_sectors(topology, vertex, [&](const FairTopology::Sector& sector) {
-    for (std::int32_t i = sector.first; i < sector.first + sector.count; ++i) {
-      // The convex corner's fan; wider ones reach no farther.
-      const double t = (i - sector.first + 0.5) / sector.count * std::numbers::pi / 2;
-      const dvec3 fan = std::numbers::sqrt2 * (std::cos(t) * offsets[sector.curve0] +
-                                               std::sin(t) * offsets[sector.curve1]);
-      const dvec3 point = (fan + offsets[topology.ring_corners[i]]) / 4.0;
-      const dvec3 next = given[topology.ring_next[i]] - given[vertex];
-      const dvec3 previous = given[topology.ring_previous[i]] - given[vertex];
-      farthest = std::max(farthest, part_of_wedge(point, next, previous));
-    }
-  });
-  return farthest;
 }
 
 }  // namespace planish

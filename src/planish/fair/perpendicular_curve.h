@@ -6,6 +6,7 @@
 
 #include "planish/fair/fair_topology.h"
 #include "planish/fair/perpendicular_polygon.h"
+#include "planish/fair/plane_lean.h"
 
 namespace planish {
 
@@ -23,13 +24,15 @@ struct CurveSite {
 /// sharp ones included. The curve keeps its direction there and takes the length that fits; the
 /// sector's limit normal does not turn over where the curve turns by less than a right angle to
 /// either side. Where a sector's edges all lie to one side the points of a half circle stand in.
-/// The sector's plane is tilted, about the curve, so that it sees all faces if any does.
-void build_perpendicular_crease(const CurveSite& site, PerpendicularScratch& scratch);
+/// The sector's plane leans, about the curve, so that it sees all faces if any does; by how much is
+/// chosen where `lean` is not (plane_lean.h).
+void build_perpendicular_crease(const CurveSite& site, glm::vec2& lean,
+                                PerpendicularScratch& scratch);
 
 /// The same at a corner, where every face has its own plane: the polygon around a circle. Where the
 /// sharp edges on both sides of a sector meet or cross, as at the tip of a slit, they are drawn
-/// apart.
-void build_perpendicular_corner(const CurveSite& site);
+/// apart, where that turns fewer faces back: which sectors is chosen where `lean` is not.
+void build_perpendicular_corner(const CurveSite& site, glm::vec2& lean);
 
 /// Scales all control points of the vertex, those on its curves too.
 void scale_curve_vertex(const CurveSite& site, double factor);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "planish/fair/balanced_weights.h"
+#include "planish/fair/plane_lean.h"
 #include "planish/fair/vertex_frame.h"
 
 namespace planish {
@@ -61,26 +62,11 @@ dvec2 rotated(const dvec2& point, const dvec2& by) {
   return {point.x * by.x - point.y * by.y, point.x * by.y + point.y * by.x};
 }
 
-// Half way from one direction to another, counter-clockwise.
-dvec2 between(const dvec2& from, const dvec2& to) {
-  constexpr double kNoTurn = -1e-9;  // the same direction, rounded
-  double angle = std::atan2(from.x * to.y - from.y * to.x, glm::dot(from, to));
-  if (angle < kNoTurn) angle += 2 * std::numbers::pi;
-  return rotated(from, {std::cos(angle / 2), std::sin(angle / 2)});
-}
-
-// Where on the circle the first of evenly spread points lies that stand nearest to the bisectors of
-// their faces.
-dvec2 circle_start(std::span<const dvec2> edges) {
-  const double step = 2 * std::numbers::pi / static_cast<double>(edges.size());
-  dvec2 sum(0.0);
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const double back = -step * static_cast<double>(i);
-    sum +=
-        rotated(between(edges[i], edges[(i + 1) % edges.size()]), {std::cos(back), std::sin(back)});
-  }
-  const double length = glm::length(sum);
-  return length > 0 ? sum / length : dvec2(0.0);
+// Where on the circle the first of evenly spread points lies: half a step beyond where the edges
+// point to, so that the points stand near to the bisectors of their faces.
+dvec2 circle_start(const dvec2& direction, std::int32_t count) {
+  const double half_step = std::numbers::pi / count;
+  return rotated(direction, {std::cos(half_step), std::sin(half_step)});
 }
 
 }  // namespace
@@ -117,7 +103,8 @@ void build_perpendicular_polygon(const FairTopology& topology, std::span<const d
   const double chain = farthest > 0 ? chain_share(usable) : 0;
   // As far as the edges do not surround the vertex, the points of a circle: its sides cross no
   // edges at right angles, but the limit normal is the plane's.
-  const dvec2 start = chain < 1 ? circle_start(scratch.edges) : dvec2(0.0);
+  const dvec2 start =
+      chain < 1 ? circle_start(ring_direction(topology, given, vertex, frame), n) : dvec2(0.0);
   const auto circle = topology.unit_circle.of(n);
   for (std::int32_t i = 0; i < n; ++i) {
     dvec2 point = (1 - chain) * size * rotated(start, circle[i]);

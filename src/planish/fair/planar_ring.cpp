@@ -38,6 +38,12 @@ PlanarRing::Wedge wedge_of(const dvec2& point, const dvec2& next, const dvec2& p
           true};
 }
 
+double wedge_share(const dvec2& next, const dvec2& previous) {
+  const double size = std::sqrt(glm::dot(next, next) * glm::dot(previous, previous));
+  if (!(size > 0)) return 0;
+  return std::clamp(cross_of_plane(next, previous) / (kSliverSine * size) - 1, 0.0, 1.0);
+}
+
 void project_ring(const FairTopology& topology, std::span<const dvec3> given,
                   std::span<const dvec3> corner_offsets, std::int32_t vertex, std::int32_t first,
                   std::int32_t count, const VertexFrame& frame, PlanarRing& ring) {
@@ -67,8 +73,10 @@ double imbalance(const PlanarRing& ring) {
       return std::numeric_limits<double>::infinity();
     }
     const PlanarRing::Wedge mean = wedge_of(ring.mean, ring.next[i], ring.previous[i]);
-    worst = std::max({worst, std::abs(mean.along_next) / above_least(own.along_next),
-                      std::abs(mean.along_previous) / above_least(own.along_previous)});
+    const double ratio = std::max(std::abs(mean.along_next) / above_least(own.along_next),
+                                  std::abs(mean.along_previous) / above_least(own.along_previous));
+    // Straight corners too grow to infinity instead of jumping.
+    worst = std::max(worst, ratio / wedge_share(ring.next[i], ring.previous[i]));
   }
   return worst;
 }

@@ -32,6 +32,9 @@ struct PlanarRing {
 [[nodiscard]] PlanarRing::Wedge wedge_of(const glm::dvec2& point, const glm::dvec2& next,
                                          const glm::dvec2& previous);
 
+/// How far a wedge is to be trusted: 0 where it is not valid, 1 from twice the sliver's angle on.
+[[nodiscard]] double wedge_share(const glm::dvec2& next, const glm::dvec2& previous);
+
 /// Fills `ring` with the corners [first, first + count) of the ring arrays.
 void project_ring(const FairTopology& topology, std::span<const glm::dvec3> given,
                   std::span<const glm::dvec3> corner_offsets, std::int32_t vertex,

@@ -71,6 +71,13 @@ FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                     " vertices, the mesh has " + std::to_string(given.size()) +
                     "; take those of the same mesh");
   }
+  if (fair.decisions && !fair.decisions->leans.empty() &&
+      fair.decisions->leans.size() != given.size()) {
+    throw Error(ErrorCode::InvalidArgument,
+                "fair_decisions have leans of " + std::to_string(fair.decisions->leans.size()) +
+                    " vertices, the mesh has " + std::to_string(given.size()) +
+                    "; take those of the same mesh, or none");
+  }
   auto* const builder = dynamic_cast<FairBuilder*>(&backend);
   if (!builder) return fair_net(mesh, subdivision, given, fair);
   return builder->build_fair_net(make_fair_topology(mesh, subdivision), given, fair);

@@ -1,5 +1,6 @@
 #include "planish/vulkan/backend/vulkan_fair.h"
 
+#include <bit>
 #include <cstring>
 
 #include "planish/core/assert.h"
@@ -53,7 +54,14 @@ FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
     net.shrunk_vertices += (word & (shared::kReversed - 1)) != 0;
     net.cured_vertices += options.cures_folds && word >> shared::kCureShift != 0;
   }
-  net.decisions = unpack_decisions(decisions);
+  std::vector<float> planes;
+  if (options.cures_folds) {
+    for (const std::uint32_t word :
+         download_words(machine.submitter, fair.buffers().planes, 4 * given.size())) {
+      planes.push_back(std::bit_cast<float>(word));
+    }
+  }
+  net.decisions = unpack_decisions(decisions, planes);
   if (!options.cures_folds) net.decisions.cures.assign(given.size(), 0);
   const std::vector<std::uint32_t> counts =
       download_words(machine.submitter, fair.buffers().counts, shared::kFairCounts);

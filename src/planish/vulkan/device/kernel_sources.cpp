@@ -219,13 +219,13 @@ const KernelSource kSources[kKernelCount] = {
     fair_kernel(spirv::fair_cure_decide, spirv::fair_cure_decide, {Storage, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_face_heights), {Records, Words, Points, Storage}),
     fair_kernel(PLANISH_BOTH(fair_cure_planes),
-                {Records, Records, Points, Points, Floats, Storage, Storage}),
+                {Records, Records, Points, Points, Floats, Pairs, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_cure_polygons),
-                {Records, Records, Points, Points, Pairs, Storage, Storage}),
+                {Records, Records, Points, Points, Points, Pairs, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_cure_creases),
-                {Records, Records, Records, Points, Points, Points, Storage, Storage}),
+                {Records, Records, Records, Points, Points, Storage, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_cure_corners),
-                {Records, Records, Records, Points, Points, Points, Storage, Storage}),
+                {Records, Records, Records, Points, Points, Storage, Storage, Storage}),
 };
 
 #undef PLANISH_BOTH

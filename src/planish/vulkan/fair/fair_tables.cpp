@@ -1,5 +1,9 @@
 #include "planish/vulkan/fair/fair_tables.h"
 
+#include <bit>
+
+#include "planish/fair/plane_lean.h"
+
 namespace planish::vulkan {
 
 namespace {
@@ -8,6 +12,8 @@ static_assert(shared::kSmooth == static_cast<std::uint32_t>(VertexKind::Smooth) 
               shared::kDart == static_cast<std::uint32_t>(VertexKind::Dart) &&
               shared::kCrease == static_cast<std::uint32_t>(VertexKind::Crease) &&
               shared::kCorner == static_cast<std::uint32_t>(VertexKind::Corner));
+
+static_assert(std::bit_cast<float>(std::uint32_t{shared::kNoLeanBits}) == kNoLean);
 
 std::uint32_t word(std::int32_t index) { return static_cast<std::uint32_t>(index); }
 
@@ -115,7 +121,10 @@ std::uint32_t count_of(const Items& items) {
 
 FairRecords fair_records(const FairTopology& topology, const FairDecisions* decisions) {
   FairRecords records;
-  if (decisions) records.decisions = pack_decisions(*decisions);
+  if (decisions) {
+    records.decisions = pack_decisions(*decisions);
+    records.leans = pack_leans(*decisions);
+  }
   add_vertices(topology, records);
   add_corners(topology, records);
   add_edges(topology, records);
@@ -139,8 +148,22 @@ std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions) {
   return words;
 }
 
-FairDecisions unpack_decisions(std::span<const std::uint32_t> words) {
+std::vector<float> pack_leans(const FairDecisions& decisions) {
+  std::vector<float> floats(4 * decisions.reversed.size(), 0.0F);
+  for (std::size_t v = 0; v < decisions.reversed.size(); ++v) {
+    const glm::vec2 lean = decisions.leans.empty() ? glm::vec2(kNoLean) : decisions.leans[v];
+    floats[4 * v] = lean.x;
+    floats[4 * v + 1] = lean.y;
+  }
+  return floats;
+}
+
+FairDecisions unpack_decisions(std::span<const std::uint32_t> words,
+                               std::span<const float> planes) {
   FairDecisions decisions;
+  for (std::size_t v = 0; v < planes.size() / 4; ++v) {
+    decisions.leans.emplace_back(planes[4 * v], planes[4 * v + 1]);
+  }
   for (const std::uint32_t word : words) {
     decisions.reversed.push_back(word & shared::kReversed ? 1 : 0);
     decisions.halvings.push_back(static_cast<std::uint8_t>(word & shared::kHalvingsMask));
@@ -173,6 +196,7 @@ FairTables::FairTables(Context& context, const FairRecords& records)
       curve_points(make_fair_table(context, records.curve_points, "planish fair curve points")),
       circle(make_fair_table(context, records.circle, "planish fair circle")),
       owners(make_fair_table(context, records.owners, "planish fair owners")),
-      decisions(make_fair_table(context, records.decisions, "planish fair decisions")) {}
+      decisions(make_fair_table(context, records.decisions, "planish fair decisions")),
+      leans(make_fair_table(context, records.leans, "planish fair leans")) {}
 
 }  // namespace planish::vulkan

@@ -27,14 +27,18 @@ struct FairRecords {
   std::vector<std::uint32_t> owners;     ///< the vertex of each point of the state
   Placement placement;                   ///< of the unit coordinates
   std::vector<std::uint32_t> decisions;  ///< packed, per vertex; empty: every frame makes its own
+  std::vector<float> leans;              ///< of them: four floats per vertex, two of them its lean
   bool has_regular_vertices = false;     ///< some vertex may have a share of the tensor product
 };
 [[nodiscard]] FairRecords fair_records(const FairTopology& topology,
                                        const FairDecisions* decisions = nullptr);
 
-/// FairDecisions as kernels keep them, a word per vertex.
+/// FairDecisions as kernels keep them, a word per vertex, and leans() apart.
 [[nodiscard]] std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions);
-[[nodiscard]] FairDecisions unpack_decisions(std::span<const std::uint32_t> words);
+[[nodiscard]] std::vector<float> pack_leans(const FairDecisions& decisions);
+/// `planes`: four floats per vertex, the first two its lean; or none.
+[[nodiscard]] FairDecisions unpack_decisions(std::span<const std::uint32_t> words,
+                                             std::span<const float> planes = {});
 
 /// FairRecords on a device. Read-only after its upload ran.
 struct FairTables {
@@ -46,7 +50,7 @@ struct FairTables {
   bool has_regular_vertices, is_decided;
   Placement placement;
   Buffer vertices, places, links, faces, edges, creases, sectors, curve_points, circle, owners,
-      decisions;
+      decisions, leans;
 
   /// Calls take(buffer, bytes) for all of them, in one order.
   template <class Take>
@@ -63,6 +67,7 @@ struct FairTables {
     take(circle, bytes(records.circle));
     take(owners, bytes(records.owners));
     take(decisions, bytes(records.decisions));
+    take(leans, bytes(records.leans));
   }
 };
 

@@ -62,9 +62,10 @@ void GpuFair::plan_cure(Binder& binder) {
   add(Kernel::FairFaceHeights, t.face_count, shared::kRoundFaces,
       {&t.faces, &t.owners, &b.given, &b.heights});
   add(Kernel::FairCurePlanes, t.vertex_count, shared::kRoundVertices,
-      {&t.vertices, &t.places, &b.face_normals, &b.normals, &b.heights, &b.flags, &b.planes});
+      {&t.vertices, &t.places, &b.given, &b.face_normals, &b.heights, &t.circle, &b.flags,
+       &b.planes});
   add(Kernel::FairCurePolygons, t.vertex_count, shared::kRoundVertices,
-      {&t.vertices, &t.places, &b.given, &b.planes, &t.circle, &b.flags, &b.result});
+      {&t.vertices, &t.places, &b.given, &b.normals, &b.planes, &t.circle, &b.flags, &b.result});
   if (t.state_size == t.corner_count) return;
   for (const Kernel kernel : {Kernel::FairCureCreases, Kernel::FairCureCorners}) {
     add(kernel, t.vertex_count, shared::kRoundVertices,

@@ -271,8 +271,14 @@ void GpuFair::record_clear(VkCommandBuffer commands) const noexcept {
     const VkBufferCopy copy{0, 0, b.decisions.size()};
     context_.vk().vkCmdCopyBuffer(commands, tables_.decisions.handle(), b.decisions.handle(), 1,
                                   &copy);
+    if (!b.planes.handle()) return;
+    const VkBufferCopy leans{0, 0, b.planes.size()};
+    context_.vk().vkCmdCopyBuffer(commands, tables_.leans.handle(), b.planes.handle(), 1, &leans);
   } else {
     context_.vk().vkCmdFillBuffer(commands, b.decisions.handle(), 0, VK_WHOLE_SIZE, 0);
+    if (!b.planes.handle()) return;
+    context_.vk().vkCmdFillBuffer(commands, b.planes.handle(), 0, VK_WHOLE_SIZE,
+                                  shared::kNoLeanBits);
   }
 }
 

@@ -58,7 +58,7 @@ class GpuFair {
     Buffer gradient;                  // float per corner
     Buffer precondition;              // float per vertex
     Buffer partials, scalars;         // floats; shared::FairScalars
-    Buffer heights, planes;           // of the cure: float per face; per vertex, normal and size
+    Buffer heights, planes;           // of the cure: float per face; per vertex, lean and size
     Buffer state;                     // per point of the state, model coordinates
     Buffer state_offsets;             // the same as corner patches take it
     Buffer status;                    // shared::SolveStatus

@@ -50,6 +50,11 @@ void check_decisions(const FairDecisions* decisions, std::size_t count) {
                   "fair_decisions are of " + std::to_string(words->size()) +
                       " vertices, but faces name " + std::to_string(count) +
                       "; take those of a fair net of the same mesh");
+  if (!decisions->leans.empty() && decisions->leans.size() != count)
+    throw Error(ErrorCode::InvalidArgument,
+                "fair_decisions have leans of " + std::to_string(decisions->leans.size()) +
+                    " vertices, but faces name " + std::to_string(count) +
+                    "; take those of a fair net of the same mesh, or none");
 }
 
 /// The corners of the output's faces, face by face, without those of hole faces; calls take(corners
