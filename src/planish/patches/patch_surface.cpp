@@ -24,6 +24,14 @@ Scratch& scratch() {
   return instance;
 }
 
+// By the row's own patch alone: of a tile of large polygons each row is dear.
+DegenerateRows normal_of(const PatchSurface& surface, std::span<const glm::dvec3> state,
+                         const Placement& placement, std::int32_t row, glm::vec3& normal) {
+  PatchTarget one;
+  one.normals = std::span(&normal, 1);
+  return patch_rows_at(surface, state, placement, std::span(&row, 1), one);
+}
+
 }  // namespace
 
 PatchSurface::PatchSurface(const PatchMesh& mesh, const PatchSurfaceOptions& options)
@@ -141,10 +149,8 @@ DegenerateRows PatchSurface::grids(std::span<const glm::dvec3> state, const Plac
       for (std::int32_t a = 0; a <= samples.side(); ++a) {
         glm::vec3& normal = target.normals[i * samples.count() + samples.index(a, b)];
         if (normal != glm::vec3(0.0f)) continue;
-        PatchTarget one;
-        one.normals = std::span(&normal, 1);
         const DegenerateRows found =
-            rows(state, placement, {numbering_.row(corners[i], a, b), 1}, one);
+            normal_of(*this, state, placement, numbering_.row(corners[i], a, b), normal);
         if (samples.index(a, b) < samples.owned_count()) owned.add(found);
       }
     }
@@ -160,9 +166,7 @@ DegenerateRows PatchSurface::points(std::span<const glm::dvec3> state, const Pla
     return degenerate;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (target.normals[i] != glm::vec3(0.0f)) continue;
-    PatchTarget one;
-    one.normals = target.normals.subspan(i, 1);
-    degenerate.add(this->rows(state, placement, {rows[i], 1}, one));
+    degenerate.add(normal_of(*this, state, placement, rows[i], target.normals[i]));
   }
   return degenerate;
 }

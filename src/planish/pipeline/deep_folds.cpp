@@ -1,6 +1,7 @@
 #include "planish/pipeline/deep_folds.h"
 
 #include <algorithm>
+#include <array>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numeric>
@@ -10,12 +11,14 @@
 #include "planish/core/parallel.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/folded_edges.h"
+#include "planish/patches/patch_surface.h"
+#include "planish/surface/doo_sabin_surface.h"
 
 namespace planish {
 
 namespace {
 
-constexpr std::size_t kDeepGrain = 512;
+constexpr std::size_t kDeepGrain = 512, kCornersAtOnce = 128;
 constexpr int kDeepLevel = 3;
 constexpr std::int64_t kCells = 16;  // quads of that level over a corner of a face
 // Cosine of a vertex's normal with all its faces from which the fair construction's own places
@@ -95,30 +98,59 @@ std::vector<std::uint8_t> neighbours_of(const MeshTopology& topology,
   return result;
 }
 
-// The quads over the corners of one face after another.
+// The quads over some corners, many at once: patches of one class are evaluated side by side.
 class CornerMeter {
  public:
-  CornerMeter(const SurfaceBlocks& blocks, std::span<const glm::dvec3> normals)
-      : blocks_(blocks), normals_(normals), positions_(4 * kCells), corner_normals_(4 * kCells) {}
+  CornerMeter(const DooSabinSurface& base, const PatchSurface& surface,
+              std::span<const glm::dvec3> normals, std::span<double> folded_areas)
+      : base_(base),
+        surface_(surface),
+        normals_(normals),
+        folded_areas_(folded_areas),
+        cells_(kDeepLevel) {}
 
-  // The folded area over a corner of the face.
-  double operator()(std::int32_t corner, std::int32_t face) {
-    blocks_.corners({kCells * corner, kCells}, positions_, corner_normals_);
+  // Writes the folded area over each of the corners.
+  void measure(std::span<const std::int32_t> corners) {
+    const PatchSamples& samples = surface_.numbering().samples();
+    const auto count = static_cast<std::size_t>(samples.count());
+    positions_.resize(corners.size() * count);
+    corner_normals_.resize(positions_.size());
+    PatchTarget target;
+    target.positions = positions_;
+    target.normals = corner_normals_;
+    (void)surface_.grids(base_.state(), base_.placement(), corners, target);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      folded_areas_[corners[i]] = folded_area(corners[i], i * count);
+    }
+  }
+
+ private:
+  // `first`: where the corner's samples begin.
+  [[nodiscard]] double folded_area(std::int32_t corner, std::size_t first) const {
+    const PatchSamples& samples = surface_.numbering().samples();
+    const std::int32_t side = samples.side() + 1;
+    const glm::dvec3& normal = normals_[base_.topology().face_of(corner)];
     double folded = 0;
-    for (std::size_t q = 0; q < positions_.size(); q += 4) {
-      const double share = glm::length(glm::cross(positions_[q + 2] - positions_[q],
-                                                  positions_[q + 3] - positions_[q + 1])) /
+    for (const std::array<std::int32_t, 4>& cell : cells_.of(base_.topology(), corner)) {
+      std::array<std::size_t, 4> at;
+      std::ranges::transform(cell, at.begin(), [&](std::int32_t place) {
+        return first + static_cast<std::size_t>(samples.index(place % side, place / side));
+      });
+      const double share = glm::length(glm::cross(positions_[at[2]] - positions_[at[0]],
+                                                  positions_[at[3]] - positions_[at[1]])) /
                            8;
-      for (std::size_t k = q; k < q + 4; ++k) {
-        if (glm::dot(glm::dvec3(corner_normals_[k]), normals_[face]) < 0) folded += share;
+      for (const std::size_t k : at) {
+        if (glm::dot(glm::dvec3(corner_normals_[k]), normal) < 0) folded += share;
       }
     }
     return folded;
   }
 
- private:
-  const SurfaceBlocks& blocks_;
+  const DooSabinSurface& base_;
+  const PatchSurface& surface_;
   std::span<const glm::dvec3> normals_;
+  std::span<double> folded_areas_;
+  PatchCells cells_;
   std::vector<glm::dvec3> positions_;
   std::vector<glm::vec3> corner_normals_;
 };
@@ -156,23 +188,31 @@ DeepFolds deep_folds(const PolygonMesh& mesh,
   evaluation.rest_positions = whole.positions;
   evaluation.prepared = prepared_of_used(whole, topology_of);
   const DooSabinSurface surface(whole, level_one, evaluation);
-  const auto blocks = surface.level(kDeepLevel, std::numeric_limits<std::uint64_t>::max());
+  const PatchSurface patches(surface.patches(), {.level = kDeepLevel, .weights = options.weights});
   const FoldedEdges folds = folded_edges(whole, topology);
   result.at_vertex.assign(mesh.positions.size(), 0);
   std::vector<double> areas(mesh.positions.size(), 0);
+  std::vector<double> corner_areas(static_cast<std::size_t>(topology.corner_count()), 0);
   const auto look_at = [&](std::span<const std::uint8_t> wanted) {
-    parallel_for(areas.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
-      CornerMeter measure(*blocks, normals);
-      for (std::size_t v = begin; v < end; ++v) {
-        if (!wanted[v]) continue;
-        areas[v] = 0;
-        for (const std::int32_t c : topology.corners_at(static_cast<std::int32_t>(v))) {
-          const std::int32_t face = topology.face_of(c);
-          if (!folds.is_beside[face]) areas[v] += measure(c, face);
-        }
-        result.at_vertex[v] = areas[v] > 0;
+    parallel_for(corner_areas.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
+      CornerMeter meter(surface, patches, normals, corner_areas);
+      std::vector<std::int32_t> corners;
+      for (std::size_t c = begin; c < end; ++c) {
+        const auto corner = static_cast<std::int32_t>(c);
+        if (wanted[topology.vertex_of(corner)] && !folds.is_beside[topology.face_of(corner)])
+          corners.push_back(corner);
+        if (corners.size() < kCornersAtOnce && c + 1 < end) continue;
+        meter.measure(corners);
+        corners.clear();
       }
     });
+    for (std::size_t v = 0; v < areas.size(); ++v) {
+      if (!wanted[v]) continue;
+      areas[v] = 0;
+      for (const std::int32_t c : topology.corners_at(static_cast<std::int32_t>(v)))
+        areas[v] += corner_areas[c];
+      result.at_vertex[v] = areas[v] > 0;
+    }
   };
   look_at(uneven);
   if (std::ranges::find(result.at_vertex, 1) == result.at_vertex.end()) return result;
