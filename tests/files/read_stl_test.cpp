@@ -92,6 +92,14 @@ TEST(ReadStl, RefusesWrongSizes) {
             "a.stl: neither begins with `solid` nor has a binary header of 84 bytes");
 }
 
+// Its header says `solid`, but an empty mesh would hide the loss.
+TEST(ReadStl, RefusesABinaryFileThatWasCutShort) {
+  std::string bytes = binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}});
+  bytes.pop_back();
+  EXPECT_EQ(stl_error(bytes),
+            "a.stl: header promises 1 triangles in 134 bytes, but the file has 133");
+}
+
 TEST(ReadStl, RefusesNonFiniteNumbers) {
   EXPECT_EQ(
       stl_error(binary_stl({{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}},

@@ -29,8 +29,11 @@ bool is_word(std::string_view word, std::string_view expected) {
                             [](unsigned char a, unsigned char b) { return std::tolower(a) == b; });
 }
 
+// Many binary files begin with `solid`, too: their first triangle has a byte that no text has.
 bool is_text(std::span<const std::byte> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.substr(0, kHeaderBytes + kTriangleBytes).find('\0') != std::string_view::npos)
+    return false;
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   return begin != std::string_view::npos && is_word(text.substr(begin, 5), "solid");
 }
