@@ -156,6 +156,9 @@ TEST(ReadPly, RefusesWrongHeaders) {
             "a.ply:4: unknown type `half`");
   EXPECT_EQ(ply_error(header("ascii", "element vertex 1\nproperty float\n")),
             "a.ply:4: property without a name");
+  EXPECT_EQ(ply_error(header(
+                "ascii", "element vertex 1\n" + std::string(kPositions) + "property double x\n")),
+            "a.ply:7: element `vertex` has two properties `x`; rename one");
   EXPECT_EQ(ply_error(header("ascii", "element face 1\nproperty list float int vertex_indices\n")),
             "a.ply:4: a list cannot be counted by a floating-point number");
   EXPECT_EQ(ply_error(header("binary_little_endian", "element face 0\n")),

@@ -68,6 +68,16 @@ PlyProperty read_property(Words words, const TextLines& lines) {
   return property;
 }
 
+// Of two properties of one name nobody could say which counts.
+void add_property(Words words, const TextLines& lines, PlyElement& element) {
+  PlyProperty property = read_property(words, lines);
+  if (std::ranges::find(element.properties, property.name, &PlyProperty::name) !=
+      element.properties.end())
+    lines.fail("element " + quote(element.name) + " has two properties " + quote(property.name) +
+               "; rename one");
+  element.properties.push_back(std::move(property));
+}
+
 }  // namespace
 
 std::size_t byte_count_of(PlyType type) {
@@ -117,7 +127,7 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, std::string_view nam
       header.elements.push_back(read_element(words, lines));
     } else if (keyword == "property") {
       if (header.elements.empty()) lines.fail("property before the first element");
-      header.elements.back().properties.push_back(read_property(words, lines));
+      add_property(words, lines, header.elements.back());
     } else if (keyword == "comment") {
       const std::size_t begin = words.rest().find_first_not_of(' ');
       header.comments.emplace_back(begin == std::string_view::npos ? ""
