@@ -67,9 +67,10 @@ TEST(Check, NonFinitePosition) {
   mesh.positions[5].z = -std::numeric_limits<double>::infinity();
   mesh.positions[6].x = 1e151;
   mesh.positions[7].x = -kMaxCoordinate;
-  EXPECT_THAT(messages(mesh), ElementsAre("non-finite-position 2: vertex 2 is at (0, nan, 0)",
-                                          "non-finite-position 5: vertex 5 is at (1, 0, -inf)",
-                                          "non-finite-position 6: vertex 6 is at (1e+151, 1, 1)"));
+  EXPECT_THAT(messages(mesh),
+              ElementsAre("non-finite-position 2: vertex 2 is at (0, nan, 0)",
+                          "non-finite-position 5: vertex 5 is at (1, 0, -inf)",
+                          "non-finite-position 6: vertex 6 is at (1e+151, 1, 1), beyond 1e150"));
 }
 
 TEST(Check, IndexOutOfRange) {

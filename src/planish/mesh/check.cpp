@@ -91,7 +91,9 @@ void Inspection::check_positions() {
     // The negated comparison catches NaN.
     const double magnitude = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     if (magnitude <= kMaxCoordinate && !std::isnan(p.x + p.y + p.z)) continue;
-    add(Kind::NonFinitePosition, vertex, vertex_name(vertex) + " is at " + text_of(p));
+    const bool is_far = magnitude > kMaxCoordinate && std::isfinite(p.x + p.y + p.z);
+    add(Kind::NonFinitePosition, vertex,
+        vertex_name(vertex) + " is at " + text_of(p) + (is_far ? ", beyond 1e150" : ""));
   }
 }
 
