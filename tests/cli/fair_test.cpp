@@ -182,8 +182,13 @@ TEST_F(Fair, CutsConcaveFaces) {
   // Left as they are, they fold and are named.
   flags.insert(flags.end(), {"--repair", "none"});
   EXPECT_GT(fit(bracket, flags)["surface"]["folded_area"], 0.01);
-  EXPECT_THAT(messages_, HasSubstr("may fold beside corners that turn inward: 2 faces"));
+  EXPECT_THAT(messages_, HasSubstr("beside which the fair surface may fold: 2; "));
   EXPECT_EQ(run_planish({"verify", path("c.obj"), bracket}).exit_code, 0);
+  // What nothing can cut is not promised to be.
+  fit(write("bow.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n"),
+      {"-o", path("s.glb"), "--interpolation", "fair"});
+  EXPECT_THAT(messages_, HasSubstr("may fold: 1; with_convex_faces() and --repair safe cut them in "
+                                   "parts unless they cross themselves"));
 }
 
 TEST_F(Fair, TheReportSaysWhatWasDone) {

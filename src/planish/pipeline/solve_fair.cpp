@@ -53,10 +53,10 @@ void warn_of_concave_faces(const PolygonMesh& mesh, const Callbacks& callbacks) 
   const std::vector<std::int32_t> faces = concave_faces(mesh);
   if (faces.empty()) return;
   callbacks.warn({"concave-faces",
-                  "the fair surface may fold beside corners that turn inward: " +
+                  "faces with corners that turn inward, beside which the fair surface may fold: " +
                       std::to_string(faces.size()) +
-                      " faces have some; cut them in parts, as "
-                      "with_convex_faces() and --repair safe do",
+                      "; with_convex_faces() and --repair safe cut them in parts unless they cross "
+                      "themselves",
                   static_cast<std::int64_t>(faces.size()), -1});
 }
 
