@@ -68,6 +68,16 @@ TEST_F(ManyFiles, OneThatFailsDoesNotStopTheOthers) {
   EXPECT_EQ(report["jobs"][1]["exit_code"], 0);
 }
 
+TEST_F(ManyFiles, WarningsSayOfWhichTheyAre) {
+  const std::string soft = cube_obj() + "t crease 2/1/0 0 1 2.0\n";
+  write("soft.obj", soft);
+  write("loose.obj", cube_obj() + "v 9 9 9\n");
+  const ProcessResult result = fit({"soft.obj", "loose.obj", "-o", "out/"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("warning: soft: creases of a sharpness below 10"));
+  EXPECT_THAT(result.err, HasSubstr("warning: loose.obj: 1 of 9 vertices"));
+}
+
 TEST_F(ManyFiles, AreTheSameBytesForAnyNumberAtOnce) {
   ASSERT_EQ(fit({"cube.obj", "scans", "-o", "one/", "-j", "1"}).exit_code, 0);
   ASSERT_EQ(fit({"cube.obj", "scans", "-o", "four/", "-j", "4"}).exit_code, 0);

@@ -87,6 +87,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
                   const JobContext& context) {
   JobReport report;
   report.job = job.name;
+  report.input.path = job.input;
   report.arguments = context.arguments;
   report.settings = job.settings;
   report.device = backend.description();

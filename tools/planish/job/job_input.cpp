@@ -20,7 +20,10 @@ void add_warning(JobReport& report, Console& console, const Warning& warning) {
   // Every level of a surface meets the same places.
   if (std::ranges::any_of(report.warnings, same)) return;
   report.warnings.push_back(warning);
-  console.warning(warning.message);
+  // Of several inputs nobody knows otherwise whose it is.
+  const std::string name = report.job + ": ";
+  console.warning(warning.message.starts_with(report.input.path) ? warning.message
+                                                                 : name + warning.message);
 }
 
 Callbacks callbacks_for(JobReport& report, const JobContext& context) {
@@ -124,7 +127,6 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
                  file.name + ": --creases normals found no edge where normals are split"});
   if (!job.source.empty()) made.source = read_source(job.source);
   for (const Warning& warning : input.file.warnings) add_warning(report, console, warning);
-  report.input.path = job.input;
   report.input.sha256 = file.sha256();
   report.input.dropped = input.file.dropped_element_count;
   report.input.file_vertices = input.file.mesh.vertex_count();
