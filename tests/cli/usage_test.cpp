@@ -98,6 +98,21 @@ TEST(Usage, AFileInThePlaceOfACommandIsAnsweredWithTheLineToType) {
   expect_usage_error({"run", "a.obj"}, "did you mean: planish fit a.obj -o a.glb");
 }
 
+TEST(Usage, WhatAnUnsetVariableLeavesEmptyIsRefused) {
+  expect_usage_error({"fit", ""}, "an argument is empty; is a variable not set?");
+  expect_usage_error({"fit", "a.obj", "-o", "a.glb", "--report", ""},
+                     "--report: what follows is empty; is a variable not set?");
+  for (const char* command : {"reconstruct", "inspect", "run"})
+    expect_usage_error({command, ""}, "an argument is empty");
+  expect_usage_error({"query", "a.obj", "--points", ""}, "--points: what follows is empty");
+}
+
+// It would be refused: the input is not written over.
+TEST(Usage, TheInputIsNotProposedAsOutput) {
+  expect_usage_error({"fit", "a.glb"}, "did you mean: planish fit a.glb -o a_surface.glb");
+  expect_usage_error({"dir/a.glb"}, "did you mean: planish fit dir/a.glb -o a.glb");
+}
+
 TEST(Usage, AnArgumentMayBeCalledAsACommandIs) {
   const ProcessResult result = run_planish({"inspect", "fit"});
   EXPECT_EQ(result.exit_code, 3);

@@ -60,9 +60,9 @@ void check_inputs(const FitFlags& flags, const FitPlan& plan, std::optional<File
 // What to type where nothing is to be written.
 std::string nothing_to_write(const FitPlan& plan) {
   const std::string& first = plan.inputs.paths.empty() ? "mesh.obj" : plan.inputs.paths.front();
-  const std::string line =
-      is_batch(plan) ? "planish fit ... -o out/"
-                     : "planish fit " + visible(first) + " -o " + job_name_of(first) + ".glb";
+  const std::string line = is_batch(plan)
+                               ? "planish fit ... -o out/"
+                               : "planish fit " + visible(first) + " -o " + output_beside(first);
   return "nothing to write; did you mean: " + line +
          "  (or --cage FILE, --page FILE, --report FILE)";
 }

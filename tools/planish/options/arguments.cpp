@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "job/input_path.h"
+#include "options/input_list.h"
 #include "options/nearest.h"
 #include "planish/core/visible_text.h"
 
@@ -18,7 +19,7 @@ Error usage_error(const std::string& message) { return Error(ErrorCode::InvalidA
 std::string line_for(const std::string& input) {
   const fs::path path(input);
   if (path.extension() == ".json") return "planish run " + visible(input);
-  return "planish fit " + visible(input) + " -o " + visible(path.stem().string()) + ".glb";
+  return "planish fit " + visible(input) + " -o " + output_beside(input);
 }
 
 bool looks_like_a_file(const std::string& argument) {
@@ -45,6 +46,17 @@ void check_flag_names(const CLI::App& command, const std::vector<std::string>& a
   }
 }
 
+// No file and no value is named so. What is left out would be missed late, if at all.
+void refuse_empty(const std::vector<std::string>& arguments) {
+  for (std::size_t i = 1; i < arguments.size(); ++i) {
+    if (!arguments[i].empty()) continue;
+    const std::string& before = arguments[i - 1];
+    throw usage_error((before.starts_with('-') && i > 1 ? visible(before) + ": what follows"
+                                                        : std::string("an argument")) +
+                      " is empty; is a variable not set?");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> with_reflexes_understood(std::vector<std::string> arguments) {
@@ -58,6 +70,7 @@ std::vector<std::string> with_reflexes_understood(std::vector<std::string> argum
 }
 
 void check_names(const CLI::App& app, const std::vector<std::string>& arguments) {
+  refuse_empty(arguments);
   const auto first =
       std::find_if(arguments.begin() + 1, arguments.end(),
                    [](const std::string& argument) { return !argument.starts_with('-'); });

@@ -18,7 +18,8 @@ namespace planish::command {
 
 /// Names the command or flag that is not known before anything else is found amiss: "INPUT is
 /// required" would hide the slip that moved the input into a flag's place. A file in the place of a
-/// command is answered with the whole line to type. Throws Error{InvalidArgument}.
+/// command is answered with the whole line to type, and an empty argument with whose it is. Throws
+/// Error{InvalidArgument}.
 void check_names(const CLI::App& app, const std::vector<std::string>& arguments);
 
 /// What CLI11 found wrong, in words of ours, with what to type.

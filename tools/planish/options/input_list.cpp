@@ -75,6 +75,12 @@ std::string path_in_folder(const std::string& folder, const std::string& input, 
   return (fs::path(folder) / (stem_of(input) + "." + std::string(name_of(format)))).string();
 }
 
+std::string output_beside(const std::string& input) {
+  const std::string name = stem_of(input);
+  return visible(name) +
+         (fs::path(input).lexically_normal() == name + ".glb" ? "_surface.glb" : ".glb");
+}
+
 std::string job_name_of(const std::string& input) { return visible(stem_of(input)); }
 
 }  // namespace planish::command

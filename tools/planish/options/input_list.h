@@ -29,6 +29,9 @@ void require_distinct_stems(const std::vector<std::string>& paths);
 [[nodiscard]] std::string path_in_folder(const std::string& folder, const std::string& input,
                                          FileFormat format);
 
+/// A surface's name to propose in a message: NAME.glb, unless that is the input.
+[[nodiscard]] std::string output_beside(const std::string& input);
+
 /// What a job of that input is called: its stem, made visible.
 [[nodiscard]] std::string job_name_of(const std::string& input);
 
