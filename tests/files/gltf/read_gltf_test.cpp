@@ -198,7 +198,8 @@ TEST(ReadGltf, ReadsFilesBesideTheDocumentOnly) {
         << message;
   }
   EXPECT_EQ(test::message_of(ErrorCode::UnreadableInput, [&] { (void)read_with("no.bin"); }),
-            (inside / "no.bin").string() + ": cannot read: No such file or directory");
+            name + ": buffers[0].uri: " + (inside / "no.bin").string() +
+                ": cannot read: No such file or directory; it belongs to this file, copy it along");
   EXPECT_EQ(glb_error(replaced(square_json(), "{\"byteLength\":60}",
                                "{\"byteLength\":60,\"uri\":\"a.bin\"}")),
             "a.glb: buffers[0].uri: `a.bin` is another file, but only embedded data can be read");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/files/gltf/meshopt_stream.h"
 #include "planish/files/mesh_file.h"
@@ -80,7 +81,12 @@ std::span<const std::byte> GltfSource::fetch(const JsonPlace& uri) {
     const std::optional<std::string> file = decode_relative_uri(text);
     if (!file) uri.fail(quote(text) + " leads away from the folder of the file");
     if (!folder_) uri.fail(quote(text) + " is another file, but only embedded data can be read");
-    bytes = read_file(*folder_ / *file);
+    try {
+      bytes = read_file(*folder_ / *file);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::UnreadableInput) throw;
+      uri.fail(std::string(error.what()) + "; it belongs to this file, copy it along");
+    }
   }
   return fetched_.emplace(text, std::move(bytes)).first->second;
 }
