@@ -5,7 +5,8 @@
 //
 // - System: topology, limit masks and corner patches of a mesh, on the CPU; immutable, shared by
 //   all.
-// - Context: functions, limits and pipelines of the host's VkDevice (planish/vulkan/context.h).
+// - Context: functions, limits and pipelines of the host's VkDevice
+//   (planish/vulkan/device/context.h).
 // - DeviceSystem: the tables of one System on the device; read-only once its upload ran.
 // - Solve: work buffers and descriptor sets of one frame in flight.
 // - Places: the surface of a Solve at a list of places, for particles, cameras, baking.

@@ -1,9 +1,8 @@
 #pragma once
 
-// No Vulkan symbol is linked: every function is asked of the host's vkGetInstanceProcAddr.
-#ifndef VK_NO_PROTOTYPES
-#define VK_NO_PROTOTYPES
-#endif
+// No Vulkan symbol is linked: every function is asked of the host's vkGetInstanceProcAddr. Whether
+// there are prototypes is the host's to say (VK_NO_PROTOTYPES): one that includes this first and
+// its own Vulkan header after it may call them.
 #include <vulkan/vulkan_core.h>
 
 #include <cstdint>
