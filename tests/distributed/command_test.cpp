@@ -54,6 +54,39 @@ TEST_F(MpiCommand, WritesACageThatVerifyConfirmsAndAReport) {
   EXPECT_EQ(report["exit_code"], 0);
 }
 
+TEST_F(MpiCommand, FairTilesHaveTheBytesOfPlanish) {
+  const std::string one = std::string(PLANISH_PROGRAM) + " fit " + torus_ +
+                          " --interpolation fair --repair none --precision double -o " +
+                          path("t.json") + " > " + path("one.txt") + " 2>&1";
+  ASSERT_EQ(std::system(one.c_str()), 0) << read("one.txt");
+  const auto expected = files_below(path("t"));
+  const std::string document = read("t.json");
+  for (const char* polish : {"8", "2"}) {
+    const ProcessResult result =
+        on(3, {"fit", torus_, "--interpolation", "fair", "-o", path("t.json"), "-f", "--report",
+               path("r.json"), "--polish", polish});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("fair, largest vertex error"));
+    EXPECT_THAT(result.err, HasSubstr("level 1: 1 tile, "));
+    const bool is_same = files_below(path("t")) == expected && read("t.json") == document;
+    EXPECT_EQ(is_same, polish == std::string("8"));
+    std::ifstream file(PLANISH_REPORT_SCHEMA);
+    const json report = read_json("r.json");
+    EXPECT_THAT(schema_problems(report, json::parse(file)), IsEmpty());
+    EXPECT_EQ(report["solve"]["fair"]["polish"], std::stoi(polish));
+  }
+}
+
+TEST_F(MpiCommand, SaysWhyItTookAMethod) {
+  const ProcessResult by_itself = on(2, {"fit", torus_, "--report", path("r.json")});
+  EXPECT_THAT(by_itself.err, HasSubstr("method progressive: ranks do not measure both"));
+  EXPECT_TRUE(read_json("r.json")["solve"]["choice"].is_string());
+  const ProcessResult named =
+      on(2, {"fit", torus_, "--report", path("r.json"), "-f", "--interpolation", "progressive"});
+  EXPECT_THAT(named.err, testing::Not(HasSubstr("method")));
+  EXPECT_TRUE(read_json("r.json")["solve"]["choice"].is_null());
+}
+
 TEST_F(MpiCommand, RefusesByNameWhatItHasNot) {
   const auto refusal = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"fit", torus_, "--cage", path("c.ply")});
@@ -69,7 +102,8 @@ TEST_F(MpiCommand, RefusesByNameWhatItHasNot) {
   EXPECT_THAT(refusal({"--skirts"}), HasSubstr("--skirts: belongs to 3D Tiles"));
   EXPECT_THAT(refusal({"--resume"}), HasSubstr("--resume: belongs to 3D Tiles"));
   EXPECT_THAT(refusal({"--weld", "0.1"}), HasSubstr("--weld: nothing is mended over ranks"));
-  EXPECT_THAT(refusal({"--interpolation", "fair"}), HasSubstr("--interpolation: fair"));
+  EXPECT_THAT(refusal({"--interpolation", "fair"}), HasSubstr("--cage: the fair method's cage"));
+  EXPECT_THAT(refusal({"--polish", "3"}), HasSubstr("--polish: belongs to the fair method"));
   EXPECT_THAT(refusal({"--solver", "cg"}), HasSubstr("--solver: cg"));
   EXPECT_THAT(refusal({"--scheme", "loop"}), HasSubstr("--scheme: loop"));
   EXPECT_THAT(refusal({"--repair", "safe"}), HasSubstr("--repair: safe"));

@@ -7,9 +7,11 @@
 #include <memory>
 
 #include "distributed/rank_runs.h"
+#include "planish/backend/cpu_backend.h"
 #include "planish/distributed/block_records.h"
 #include "planish/distributed/fit_distributed.h"
 #include "planish/distributed/sub_mesh.h"
+#include "planish/fair/fair_net.h"
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/pipeline/fit_mesh.h"
@@ -38,7 +40,8 @@ DistributedFit fit_with_tiles(const Ranks& ranks, const TilesCase& job, const st
   DistributedOptions options = job.options;
   options.name = job.input;
   options.tiles = shared_path(folder + "/t.json");
-  options.cage = shared_path(folder + ".ply");
+  if (options.method == InterpolationMethod::Progressive)
+    options.cage = shared_path(folder + ".ply");
   return fit_distributed(
       ranks, [&] { return read_slices(ranks, job.input); }, options, watch);
 }
@@ -54,19 +57,24 @@ class OneMachine {
     given_.groups.clear();
     given_.colors.clear();
     cage_ = given_;
-    cage_.positions = read_mesh(cage).mesh.positions;
     EvaluateOptions options;
     options.weights = job.options.weights;
     options.sharp = job.options.sharp;
     options.rest_positions = given_.positions;
-    surface_ = std::make_unique<DooSabinSurface>(cage_, options);
+    if (is_fair()) {
+      level_one_ = fair_points();
+      surface_ = std::make_unique<DooSabinSurface>(given_, level_one_, options);
+    } else {
+      cage_.positions = read_mesh(cage).mesh.positions;
+      surface_ = std::make_unique<DooSabinSurface>(cage_, options);
+    }
     tiles_ = job.options.tiles_options;
     tiles_.given = given_.positions;
     tiles_.gltf.double_sided = false;
     for (std::int32_t e = 0; e < surface_->topology().edge_count(); ++e)
       tiles_.gltf.double_sided |= surface_->topology().is_boundary_edge(e);
     FitOptions fitted;
-    fitted.method = InterpolationMethod::Progressive;
+    fitted.method = job.options.method;
     fitted.weights = job.options.weights;
     fitted.solver = job.options.solver;
     fitted.tolerance = job.options.tolerance;
@@ -89,8 +97,19 @@ class OneMachine {
   }
 
  private:
+  [[nodiscard]] bool is_fair() const { return job_.options.method == InterpolationMethod::Fair; }
+  [[nodiscard]] LevelOne fair_points() const {
+    FitOptions options;
+    options.method = InterpolationMethod::Fair;
+    options.weights = job_.options.weights;
+    options.sharp = job_.options.sharp;
+    const auto backend = make_cpu_backend();
+    return planish::fit(given_, *backend, options).fair->level_one;
+  }
+
   const TilesCase& job_;
   PolygonMesh given_, cage_;
+  LevelOne level_one_;
   std::unique_ptr<DooSabinSurface> surface_;
   TilesOptions tiles_;
 };
@@ -197,6 +216,21 @@ TEST(PartTiles, FoldsAndUnusedVerticesAreThoseOfOneMachine) {
   mesh.positions.insert(mesh.positions.begin() + 40, {40, 50, 60});
   for (std::int32_t& v : mesh.face_vertices) v += v >= 40 ? 1 : 0;
   expect_tiles_of_one_machine({shared_file("folded.ply", ply_of(mesh)), tiles_of(2)});
+}
+
+// Closed; open with creases, corners and darts; with holes and folds.
+TEST(PartTiles, FairSurfacesAreThoseOfOneMachine) {
+  const std::string creased =
+      shared_file("fair_tiles.obj", obj_of(with_random_creases(random_open_mesh(3), 0.2, 3)));
+  PolygonMesh folded = mixed_torus(24, 12);
+  for (const std::size_t v : {30u, 100u, 200u}) folded.positions[v] *= 0.7;
+  for (const std::string& input : {creased, shared_file("fair_folded.ply", ply_of(folded)),
+                                   std::string(PLANISH_SCENES) + "/cube_with_windows.obj"}) {
+    TilesCase job{input, tiles_of(3, true)};
+    job.options.method = InterpolationMethod::Fair;
+    job.options.weights = input == creased ? Weights::Averaged : Weights::DooSabin;
+    expect_tiles_of_one_machine(job);
+  }
 }
 
 TEST(PartTiles, ARecordIsTakenOnlyOfTheSameJob) {

@@ -24,7 +24,7 @@ namespace {
 
 struct MpiFlags {
   std::string input, input_format, output, levels, tile_vertices, cage, report, tolerance;
-  std::string max_iterations, block, watchdog;
+  std::string max_iterations, polish, block, watchdog;
   SettingWords words;
   bool force = false, skirts = false, resume = false;
   std::vector<std::string> refused;  // what they were given
@@ -41,7 +41,6 @@ constexpr std::array kMissing{
     Missing{"--chord-error", "tiles have levels; take --levels"},
     Missing{"--angle", "tiles have levels; take --levels"},
     Missing{"--source", "the report compares with the input only"},
-    Missing{"--polish", "the fair method is not available over ranks"},
     Missing{"-j,--jobs", "one input at a time; mpirun -n says how many ranks work on it"},
     Missing{"--output-format", "cages are PLY, surfaces 3D Tiles"}};
 
@@ -55,7 +54,7 @@ struct Allowed {
 constexpr std::array kAllowed{
     Allowed{"preset", " paper ", ""},
     Allowed{"weights", " doo-sabin averaged ", ""},
-    Allowed{"interpolation", " auto progressive ", "the fair method is not available over ranks"},
+    Allowed{"interpolation", " auto progressive fair ", ""},
     Allowed{"solver", " chebyshev plain ", "take chebyshev or plain"},
     Allowed{"precision", " auto double ", "ranks solve in double precision"},
     Allowed{"boundary", " edge edge-and-corner ", ""},
@@ -127,6 +126,19 @@ void take_tiles(const MpiFlags& flags, MpiJob& job) {
   tiles.gltf.z_up = settings.up == UpAxis::Z;
 }
 
+void take_method(const MpiFlags& flags, MpiJob& job) {
+  Settings& settings = job.settings;
+  const bool is_fair = settings.interpolation == InterpolationChoice::Fair;
+  if (!flags.polish.empty()) {
+    if (!is_fair) refuse("--polish", "belongs to the fair method; take --interpolation fair");
+    set_polish_steps(settings, parse_whole(flags.polish, "--polish"), "--polish");
+  }
+  if (is_fair && !flags.cage.empty())
+    refuse("--cage", "the fair method's cage is its mesh of level 1, which ranks do not write");
+  job.options.method = is_fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
+  job.options.polish_steps = settings.polish_steps;
+}
+
 MpiJob job_of(const MpiFlags& flags) {
   require_allowed(flags);
   MpiJob job;
@@ -142,6 +154,7 @@ MpiJob job_of(const MpiFlags& flags) {
   if (!flags.max_iterations.empty())
     set_max_iterations(settings, parse_whole(flags.max_iterations, "--max-iterations"),
                        "--max-iterations");
+  take_method(flags, job);
   DistributedOptions& options = job.options;
   if (!flags.block.empty()) {
     options.block_vertices = parse_whole(flags.block, "--block-vertices");
@@ -163,7 +176,7 @@ MpiJob job_of(const MpiFlags& flags) {
     refuse("-o",
            "nothing to write; name tiles (-o NAME.json), a cage (--cage FILE.ply) or a report");
   if (!job.cage.empty()) require_ply(job.cage);
-  options.cage_header = cage_header_lines(settings, InterpolationMethod::Progressive, job.input);
+  options.cage_header = cage_header_lines(settings, options.method, job.input);
   return job;
 }
 
@@ -191,6 +204,9 @@ void add_flags(CLI::App& fit, MpiFlags& flags) {
                  "largest vertex error, relative to the bounding-box diagonal [1e-6]")
       ->type_name("T");
   fit.add_option("--max-iterations", flags.max_iterations, "give up after so many [200]")
+      ->type_name("N");
+  fit.add_option("--polish", flags.polish,
+                 "steps that even out the curvature of a fair surface [8]")
       ->type_name("N");
   fit.add_option("--block-vertices", flags.block, "vertices of a unit of work [65536]")
       ->type_name("N");

@@ -16,18 +16,36 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Why a method was taken where none was named.
+Json choice_of(const MpiJob& job) {
+  if (job.settings.interpolation != InterpolationChoice::Auto) return nullptr;
+  return "progressive: ranks do not measure both methods; --interpolation fair takes the other";
+}
+
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json fair_json(const MpiJob& job, const DistributedFit& fit) {
+  if (!fit.fair) return nullptr;
+  return {{"polish", job.settings.polish_steps},
+          {"shrunk_vertices", fit.fair->shrunk_vertices},
+          {"reversed_vertices", fit.fair->reversed_vertices},
+          {"cured_vertices", fit.fair->cured_vertices},
+          {"flagged_edges", fit.fair->flagged_edges},
+          {"flagged_faces", fit.fair->flagged_faces}};
+}
 
 Json solve_json(const MpiJob& job, const DistributedFit& fit) {
   const PetscSolution& solution = fit.solution;
   Json history = Json::array();
   for (const double error : solution.history) history.push_back(number(error));
   return {{"scheme", "doo-sabin"},
-          {"interpolation", "progressive"},
+          {"interpolation", fit.fair ? "fair" : "progressive"},
+          {"choice", choice_of(job)},
+          {"fair", fair_json(job, fit)},
           {"weights", name_of(job.settings.weights)},
           {"boundary", name_of(job.settings.boundary)},
           {"creases", name_of(job.settings.creases)},
-          {"solver", name_of(job.settings.solver)},
+          {"solver", fit.fair ? "none" : name_of(job.settings.solver)},
           {"engine", "PETSc " + PetscSession::version()},
           {"tolerance", job.settings.tolerance},
           {"spectral_bound", fit.spectral_bound},
@@ -137,9 +155,22 @@ std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& 
 std::string mpi_summary(const MpiJob& job, const DistributedFit& fit) {
   std::ostringstream text;
   text << visible(job.input) << ": " << fit.vertices << " vertices, " << fit.faces << " faces on "
-       << fit.ranks.size() << (fit.ranks.size() == 1 ? " rank, " : " ranks, ")
-       << fit.solution.iterations << " iterations, largest vertex error " << std::setprecision(3)
-       << fit.solution.error.max << (fit.solution.converged ? "" : " (not converged)") << "\n";
+       << fit.ranks.size() << (fit.ranks.size() == 1 ? " rank, " : " ranks, ");
+  if (fit.fair) {
+    text << "fair, ";
+  } else {
+    text << fit.solution.iterations << " iterations, ";
+  }
+  text << "largest vertex error " << std::setprecision(3) << fit.solution.error.max
+       << (fit.solution.converged ? "" : " (not converged)") << "\n";
+  if (const Json choice = choice_of(job); choice.is_string())
+    text << "  method " << choice.get<std::string>() << "\n";
+  if (fit.tiles) {
+    for (const TileLevel& level : fit.tiles->file.levels)
+      text << "  level " << level.level << ": " << level.tiles
+           << (level.tiles == 1 ? " tile, " : " tiles, ") << level.vertex_count << " vertices, "
+           << level.bytes << " bytes\n";
+  }
   for (std::size_t p = 0; p < std::size(kPhases); ++p) {
     double slowest = 0;
     for (const RankFigures& rank : fit.ranks) slowest = std::max(slowest, rank.milliseconds[p]);

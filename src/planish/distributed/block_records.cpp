@@ -72,7 +72,17 @@ class ElementHash {
   std::uint64_t state_[2] = {1, 2};
 };
 
-enum ElementKind : std::uint64_t { kVertex, kFace, kCrease, kCorner, kHole, kOptions, kGrid };
+enum ElementKind : std::uint64_t {
+  kVertex,
+  kFace,
+  kCrease,
+  kCorner,
+  kHole,
+  kOptions,
+  kGrid,
+  kControlPoint,
+  kCurvePoint
+};
 
 void add_part(const MeshPart& part, std::span<const glm::dvec3> cage, TilesKey& key) {
   for (std::int32_t v = 0; v < part.owned_count(); ++v) {
@@ -108,12 +118,35 @@ void add_part(const MeshPart& part, std::span<const glm::dvec3> cage, TilesKey& 
   }
 }
 
+// Of a fair surface: at corners of owned vertices, and on their curves.
+void add_fair(const MeshPart& part, const PartFair& fair, TilesKey& key) {
+  for (std::int32_t f = 0; f < part.face_count(); ++f) {
+    for (std::int32_t c = part.face_offsets[f]; c < part.face_offsets[f + 1]; ++c) {
+      if (part.face_vertices[c] >= part.owned_count()) continue;
+      ElementHash hash(kControlPoint);
+      hash.add(part.face_ids[f]);
+      hash.add(std::int64_t{c - part.face_offsets[f]});
+      hash.add(fair.state[c]);
+      hash.add_to(key);
+    }
+  }
+  for (const CurveKey& curve : fair.keys) {
+    if (part.local_of(curve.vertex) >= part.owned_count()) continue;
+    ElementHash hash(kCurvePoint);
+    hash.add(curve.vertex);
+    hash.add(curve.other);
+    hash.add(fair.state[curve.index]);
+    hash.add_to(key);
+  }
+}
+
 }  // namespace
 
 TilesKey tiles_key(const Ranks& ranks, const MeshPart& part, std::span<const glm::dvec3> cage,
                    const PartTilesOptions& options) {
   TilesKey key{};
   add_part(part, cage, key);
+  if (options.fair != nullptr) add_fair(part, *options.fair, key);
   MPI_Allreduce(MPI_IN_PLACE, key.data(), 2, MPI_UINT64_T, MPI_SUM, ranks.comm);
   for (const std::int64_t hole : part.holes) {
     ElementHash hash(kHole);
@@ -129,7 +162,7 @@ TilesKey tiles_key(const Ranks& ranks, const MeshPart& part, std::span<const glm
         std::int64_t{tiles.gltf.double_sided}, std::int64_t{tiles.gltf.z_up},
         static_cast<std::int64_t>(options.weights),
         static_cast<std::int64_t>(options.sharp.boundary), std::int64_t{options.sharp.use_tags},
-        std::int64_t{sizeof(WrittenTile)}})
+        std::int64_t{options.fair != nullptr}, std::int64_t{sizeof(WrittenTile)}})
     hash.add(value);
   hash.add(options.placement.diagonal);
   hash.add(options.placement.centre);

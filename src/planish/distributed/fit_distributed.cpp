@@ -15,7 +15,9 @@
 #include "planish/core/parallel.h"
 #include "planish/distributed/staged_tileset.h"
 #include "planish/distributed/write_cage.h"
+#include "planish/fair/fair_net.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/solve_fair.h"
 
 namespace planish {
 
@@ -105,27 +107,26 @@ class DistributedJob {
     fit_.has_boundary = rows.has_boundary;
     note_figures(rows);
     // The solve needs rows and owned vertices only.
-    if (options_.tiles.empty()) drop_rings();
+    if (options_.tiles.empty() && !is_fair()) drop_rings();
     watch_.fault_point();
     return rows;
   }
 
-  void solve(PartRows rows) {
+  void find_points(PartRows rows) {
     watch_.begin("solve");
-    const PetscSolveOptions options{options_.solver, options_.tolerance, options_.max_iterations,
-                                    block_vertices(), [&] { watch_.tick(); }};
-    const auto owned = static_cast<std::size_t>(part_.owned_count());
-    const auto given = unit_points(fit_.placement, std::span(part_.positions).first(owned));
-    const auto ghosts = unit_points(fit_.placement, rows.ghost_points);
-    fit_.solution = petsc_solve(ranks_, part_.layout, rows, given, ghosts,
-                                fit_.vertices - fit_.unused_vertices, options);
-    own_.peers = fit_.solution.peers;
+    if (is_fair()) {
+      rows = {};
+      build_fair();
+    } else {
+      solve(std::move(rows));
+    }
     watch_.fault_point();
   }
 
   void place_cage() {
-    const std::vector<glm::dvec3>& moves = fit_.solution.displacement;
     cage_.assign(part_.positions.begin(), part_.positions.begin() + part_.owned_count());
+    if (is_fair()) return;
+    const std::vector<glm::dvec3>& moves = fit_.solution.displacement;
     for (std::size_t v = 0; v < cage_.size(); ++v) cage_[v] += fit_.placement.diagonal * moves[v];
   }
 
@@ -139,13 +140,14 @@ class DistributedJob {
     options.tiles.gltf.extras = extras();
     options.weights = options_.weights;
     options.sharp = options_.sharp;
-    options.placement = placement_over(ranks_, part_, cage_);
+    options.placement = is_fair() ? fit_.placement : placement_over(ranks_, part_, cage_);
+    options.fair = fit_.fair ? &*fit_.fair : nullptr;
     options.records = staged_tiles_->records();
     options.after_block = [&] {
       watch_.tick();
       watch_.fault_point();
     };
-    fetch_ghost_tags(ranks_, part_);
+    if (!is_fair()) fetch_ghost_tags(ranks_, part_);
     std::vector<glm::dvec3> cage = cage_;
     const auto ghosts = fetch<glm::dvec3>(ranks_, part_.ghosts, part_.layout,
                                           [&](std::int64_t place) { return cage_[place]; });
@@ -167,6 +169,10 @@ class DistributedJob {
     }
     watch_.fault_point();
     watch_.end();
+    if (fit_.fair) {
+      fit_.fair->state = {};
+      fit_.fair->keys = {};
+    }
     gather_figures();
     fit_.file_ids = std::move(part_.file_ids);
     if (before_commit) before_commit(fit_);
@@ -176,6 +182,38 @@ class DistributedJob {
   }
 
  private:
+  [[nodiscard]] bool is_fair() const { return options_.method == InterpolationMethod::Fair; }
+
+  void solve(PartRows rows) {
+    const PetscSolveOptions options{options_.solver, options_.tolerance, options_.max_iterations,
+                                    block_vertices(), [&] { watch_.tick(); }};
+    const auto owned = static_cast<std::size_t>(part_.owned_count());
+    const auto given = unit_points(fit_.placement, std::span(part_.positions).first(owned));
+    const auto ghosts = unit_points(fit_.placement, rows.ghost_points);
+    fit_.solution = petsc_solve(ranks_, part_.layout, rows, given, ghosts,
+                                fit_.vertices - fit_.unused_vertices, options);
+    own_.peers = fit_.solution.peers;
+  }
+
+  void build_fair() {
+    PartFairOptions options;
+    options.fit.weights = options_.weights;
+    options.fit.sharp = options_.sharp;
+    options.fit.tolerance = options_.tolerance;
+    options.fit.polish_steps = options_.polish_steps;
+    options.placement = fit_.placement;
+    options.block_vertices = block_vertices();
+    options.after_exchange = [&] { watch_.tick(); };
+    fetch_ghost_tags(ranks_, part_);
+    const PartFair& fair = fit_.fair.emplace(make_part_fair(ranks_, part_, options));
+    fit_.solution.converged = fair.converged;
+    fit_.solution.stop_reason = fair.converged ? StopReason::Converged : StopReason::Stagnated;
+    fit_.solution.error = fair.error;
+    if (fair.flagged_edges + fair.flagged_faces > 0)
+      fit_.warnings.push_back(folds_left_warning(fair.flagged_edges, fair.flagged_faces));
+    if (fair.concave_faces > 0) fit_.warnings.push_back(concave_faces_warning(fair.concave_faces));
+  }
+
   // As planish fit warns; rank 0 alone knows.
   void warn_of_tiles(const PartTiles& tiles) {
     const std::int64_t degenerate = tiles.file.degenerate.count;
@@ -207,7 +245,7 @@ class DistributedJob {
 
   [[nodiscard]] FileExtras extras() const {
     FitOptions fitted;
-    fitted.method = InterpolationMethod::Progressive;
+    fitted.method = options_.method;
     fitted.weights = options_.weights;
     fitted.solver = options_.solver;
     fitted.tolerance = options_.tolerance;
@@ -280,12 +318,18 @@ DistributedFit fit_distributed(const Ranks& ranks, const std::function<MeshSlice
       throw Error(ErrorCode::InvalidArgument, "blocks of " +
                                                   std::to_string(options.block_vertices) +
                                                   " vertices; 1 to 16777216 are wanted");
+    if (options.method == InterpolationMethod::Fair && !options.cage.empty())
+      throw Error(ErrorCode::InvalidArgument,
+                  "the fair method has no cage over ranks; take tiles, or the progressive method");
+    FairOptions fair;
+    fair.polish_steps = options.polish_steps;
+    require_valid(fair);
   });
   DistributedJob job(ranks, options, watch);
   job.read(read);
   job.distribute();
   PartRows rows = job.make_part_rows();
-  job.solve(std::move(rows));
+  job.find_points(std::move(rows));
   job.place_cage();
   job.write_tiles();
   return job.finish(before_commit);

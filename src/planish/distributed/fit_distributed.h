@@ -9,22 +9,27 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/distributed/job_watch.h"
+#include "planish/distributed/part_fair.h"
 #include "planish/distributed/part_tiles.h"
 #include "planish/distributed/petsc_solve.h"
 #include "planish/distributed/read_slices.h"
+#include "planish/fair/interpolation_method.h"
 #include "planish/mesh/placement.h"
 
 namespace planish {
 
 struct DistributedOptions {
+  InterpolationMethod method = InterpolationMethod::Progressive;
+  std::int32_t polish_steps = 8;  ///< of the fair method
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;
   Solver solver = Solver::Chebyshev;  ///< or Plain
   double tolerance = 1e-6;
   std::int32_t max_iterations = 200;
   std::int64_t block_vertices = kBlockVertices;
-  std::string name = "mesh";             ///< of the input, in messages
-  std::string cage;                      ///< path of a .ply; empty: none
+  std::string name = "mesh";  ///< of the input, in messages
+  /// Path of a .ply; empty: none. The fair method has no cage on the mesh's faces.
+  std::string cage;
   std::vector<std::string> cage_header;  ///< comment lines of it
   /// Path of a document of 3D Tiles; empty: none. Its blocks are then a quarter of tile_vertices,
   /// and block_vertices does not count.
@@ -52,6 +57,7 @@ struct DistributedFit {
   bool has_boundary = false;
   std::optional<PartTiles> tiles;      ///< where they were asked for
   PetscSolution solution;              ///< the displacement is of this rank's vertices
+  std::optional<PartFair> fair;        ///< with that method: its figures, also in `solution`
   std::vector<std::int64_t> file_ids;  ///< of those: numbers in the file
   std::vector<Warning> warnings;
   std::vector<RankFigures> ranks;  ///< on rank 0

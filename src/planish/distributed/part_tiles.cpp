@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
-#include <memory>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,13 +13,12 @@
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/distributed/block_records.h"
+#include "planish/distributed/block_surface.h"
 #include "planish/distributed/sub_mesh.h"
 #include "planish/files/tiles/tile_plan.h"
 #include "planish/files/tiles/tileset.h"
 #include "planish/files/tiles/write_tile.h"
 #include "planish/mesh/folded_edges.h"
-#include "planish/mesh/prepared_mesh.h"
-#include "planish/mesh/sound_topology.h"
 #include "planish/surface/block_quality.h"
 #include "planish/surface/doo_sabin_blocks.h"
 #include "planish/surface/doo_sabin_surface.h"
@@ -48,19 +45,6 @@ struct TileFact {
 };
 
 constexpr std::int32_t kInOtherBlock = std::numeric_limits<std::int32_t>::max();
-
-// Connectivity of a block's faces and those around them, which have been found sound.
-std::shared_ptr<const PreparedMesh> prepared_block(const PolygonMesh& mesh) {
-  auto prepared = std::make_shared<PreparedMesh>();
-  prepared->given_vertex_count = mesh.vertex_count();
-  prepared->vertices.resize(mesh.positions.size());
-  std::iota(prepared->vertices.begin(), prepared->vertices.end(), 0);
-  // Nothing where all vertices are at one place, which is no problem of a part.
-  std::optional<MeshTopology> topology = sound_topology(mesh);
-  if (!topology) topology.emplace(mesh);
-  prepared->topology = std::make_shared<const MeshTopology>(std::move(*topology));
-  return prepared;
-}
 
 class PartTilesWriter {
  public:
@@ -259,15 +243,8 @@ class PartTilesWriter {
 
   bool write_levels(std::size_t index, const SubMesh& sub, const TileGrid& grid) {
     const PlannedBlock& block = blocks_[index];
-    PolygonMesh cage = sub.mesh;
-    for (std::size_t v = 0; v < sub.vertices.size(); ++v)
-      cage.positions[v] = cage_[sub.vertices[v]];
-    EvaluateOptions evaluate;
-    evaluate.weights = options_.weights;
-    evaluate.sharp = options_.sharp;
-    evaluate.rest_positions = sub.mesh.positions;
-    evaluate.prepared = prepared_block(cage);
-    const DooSabinSurface surface(cage, options_.placement, evaluate);
+    const BlockSurface block_surface(part_, cage_, sub, options_);
+    const DooSabinSurface& surface = block_surface.surface();
     const TilePlan plan = plan_of(block, places_of(block, sub));
     TilesOptions tiles = options_.tiles;
     tiles.given = sub.mesh.positions;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planish/distributed/mesh_part.h"
+#include "planish/distributed/part_fair.h"
 #include "planish/doosabin/face_rule.h"
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/mesh/placement.h"
@@ -21,6 +22,7 @@ struct PartTilesOptions {
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;
   Placement placement;                ///< of the whole cage
+  const PartFair* fair = nullptr;     ///< instead of a cage, which is the given mesh then
   std::filesystem::path records;      ///< folder of what is known of finished blocks
   std::function<void()> after_block;  ///< a sign of life, from any thread
 };

@@ -51,7 +51,7 @@ void SubMeshMaker::choose_faces(std::int32_t begin, std::int32_t end, Rings ring
     for (std::int32_t v = begin; v < end; ++v) take_around(v, faces_);
   }
   take_vertices(faces_, vertices_);
-  if (rings == Rings::Two || rings == Rings::Whole) {
+  if (rings == Rings::Two || rings == Rings::TwoTagged || rings == Rings::Whole) {
     const std::size_t inner = vertices_.size();
     std::vector<std::int32_t> outer;
     for (std::size_t i = 0; i < inner; ++i) take_around(vertices_[i], outer);
@@ -207,6 +207,7 @@ SubMesh SubMeshMaker::make(std::int32_t begin, std::int32_t end, Rings rings) {
     sub.mesh.face_vertices[sub.mesh.face_offsets[place] + within] = corner_numbers_[i + 1];
   }
   if (rings == Rings::One || rings == Rings::Two) add_tags(begin, end, sub);
+  if (rings == Rings::TwoTagged) add_all_tags(sub);
   if (rings == Rings::Whole) add_whole(sub);
   return sub;
 }

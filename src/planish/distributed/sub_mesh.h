@@ -25,6 +25,8 @@ enum class Rings {
   None,  ///< those whose first vertex along the curve is in the run
   One,   ///< those with a vertex in the run
   Two,   ///< and those that share a vertex with one of them
+  /// Those of Two, with the tags at all vertices whose faces are all there.
+  TwoTagged,
   /// Those of None, which come with all that meets them: the others share a vertex with one of
   /// them. Tags are those at their vertices, ghosts' too.
   Whole,

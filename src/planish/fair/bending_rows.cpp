@@ -245,8 +245,16 @@ Lanes RowBuilder::write_products(std::span<const std::int32_t> firsts, std::int3
   return own.line1 * own.line1 + own.line2 * own.line2;
 }
 
-RawVector<float> make_preconditioner(const FairTopology& topology,
-                                     std::span<const float> diagonals) {
+float largest_of(std::span<const float> diagonals, FairHalo* halo) {
+  if (!halo) return *std::max_element(diagonals.begin(), diagonals.end());
+  float largest = 0;
+  for (std::size_t v = 0; v < diagonals.size(); ++v)
+    if (halo->owned_vertices()[v] != 0) largest = std::max(largest, diagonals[v]);
+  return halo->largest(largest);
+}
+
+RawVector<float> make_preconditioner(const FairTopology& topology, std::span<const float> diagonals,
+                                     FairHalo* halo) {
   RawVector<float> result(static_cast<std::size_t>(topology.vertex_count));
   parallel_for(result.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
@@ -258,7 +266,7 @@ RawVector<float> make_preconditioner(const FairTopology& topology,
       result[v] = sum / static_cast<float>(topology.valence(vertex));
     }
   });
-  const float largest = *std::max_element(result.begin(), result.end());
+  const float largest = largest_of(result, halo);
   for (float& diagonal : result) {
     diagonal = diagonal > 0 ? 1 / std::max(diagonal, kLeastDiagonal * largest) : 0;
   }
@@ -268,7 +276,8 @@ RawVector<float> make_preconditioner(const FairTopology& topology,
 }  // namespace
 
 BendingRows make_bending_rows(const FairTopology& topology, std::span<const dvec3> given,
-                              std::span<const dvec3> directions, std::span<const dvec3> offsets) {
+                              std::span<const dvec3> directions, std::span<const dvec3> offsets,
+                              FairHalo* halo) {
   BendingRows bending;
   bending.rows.resize(topology.ring_corners.size());
   bending.products.resize(bending.rows.size());
@@ -277,7 +286,7 @@ BendingRows make_bending_rows(const FairTopology& topology, std::span<const dvec
     return [builder = RowBuilder{topology, given, directions, offsets, bending, diagonals}](
                std::int32_t begin, std::int32_t end) mutable { return builder.build(begin, end); };
   });
-  bending.preconditioner = make_preconditioner(topology, diagonals);
+  bending.preconditioner = make_preconditioner(topology, diagonals, halo);
   return bending;
 }
 

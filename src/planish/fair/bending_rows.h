@@ -4,6 +4,7 @@
 #include <span>
 
 #include "planish/core/raw_vector.h"
+#include "planish/fair/fair_halo.h"
 #include "planish/fair/fair_topology.h"
 
 namespace planish {
@@ -35,11 +36,12 @@ struct BendingRows {
 /// `offsets`: the state of level 1 relative to the given points; `directions`: those in which
 /// heights move the control points, per vertex. In single precision, which coordinates near unit
 /// diagonal suit. A line one of whose two parts is too short to measure bending on counts for
-/// nothing.
+/// nothing. `halo`: where the mesh is a part, whose value_square is its own.
 [[nodiscard]] BendingRows make_bending_rows(const FairTopology& topology,
                                             std::span<const glm::dvec3> given,
                                             std::span<const glm::dvec3> directions,
-                                            std::span<const glm::dvec3> offsets);
+                                            std::span<const glm::dvec3> offsets,
+                                            FairHalo* halo = nullptr);
 
 /// The product of one corner from the lines through it and through its face's neighbours.
 struct BendingLines {

@@ -55,6 +55,7 @@ std::vector<double> tensor_shares(const FairTopology& topology, std::span<const 
 struct NetBuilder {
   const FairTopology& topology;
   std::span<const dvec3> given;
+  FairHalo* halo = nullptr;
   std::vector<dvec3> face_normals{}, normals{};
   std::vector<double> shares{};
   std::vector<dvec3> points{};  // of the masked iteration; empty where no vertex has a share
@@ -67,6 +68,9 @@ struct NetBuilder {
   void build_crease(std::int32_t vertex);
   void build_curve_points();
   void build_dart_points();
+  void exchange_state() {
+    if (halo) halo->exchange_state(offsets);
+  }
 };
 
 void NetBuilder::prepare() {
@@ -75,9 +79,10 @@ void NetBuilder::prepare() {
   offsets.resize(static_cast<std::size_t>(topology.state_size));
   corner_offsets(topology, given, given, offsets);
   shares = tensor_shares(topology, given, normals, offsets);
-  if (std::any_of(shares.begin(), shares.end(), [](double share) { return share > 0; })) {
-    points = masked_iteration(topology, given, shares, offsets);
-  }
+  if (halo) halo->exchange_vertices(shares);
+  bool any = std::any_of(shares.begin(), shares.end(), [](double share) { return share > 0; });
+  if (halo) any = halo->sum(any ? 1 : 0) > 0;
+  if (any) points = masked_iteration(topology, given, shares, offsets, halo);
 }
 
 void NetBuilder::build_polygons(std::vector<std::uint8_t>& reversed) {
@@ -128,6 +133,7 @@ void NetBuilder::build_curve_points() {
         (end - given[place.vertex]) / 4.0;
   }
   build_dart_points();
+  exchange_state();
 }
 
 void NetBuilder::build_dart_points() {
@@ -140,25 +146,39 @@ void NetBuilder::build_dart_points() {
 }
 
 // Repairs the folds, or halves what was halved before.
-void settle_folds(const NetBuilder& builder, bool decided, std::vector<std::uint8_t>& halvings,
-                  std::span<dvec3> offsets) {
+void settle_folds(NetBuilder& builder, bool decided, std::vector<std::uint8_t>& halvings) {
   if (decided) {
-    halve_polygons(builder.topology, halvings, offsets);
+    halve_polygons(builder.topology, halvings, builder.offsets);
+    builder.exchange_state();
     return;
   }
   halvings.assign(builder.given.size(), 0);
-  repair_folds(builder.topology, builder.given, builder.face_normals, offsets, halvings);
+  repair_folds(builder.topology, builder.given, builder.face_normals, builder.offsets, halvings,
+               builder.halo);
 }
 
 // What no halving cures; or as it was cured before.
 FoldCount settle_cure(NetBuilder& builder, const FairOptions& options, FairDecisions& decisions) {
-  const CureInput input{builder.topology, builder.given, builder.face_normals, builder.normals,
-                        builder.offsets};
+  const CureInput input{builder.topology, builder.given,   builder.face_normals,
+                        builder.normals,  builder.offsets, builder.halo};
   std::vector<std::uint8_t>& cures = decisions.cures;
   if (!options.decisions || !options.cures_folds) cures.assign(builder.given.size(), 0);
   decisions.leans.resize(builder.given.size(), glm::vec2(kNoLean));
   if (options.decisions || !options.cures_folds) return repeat_cure(input, cures, decisions.leans);
   return cure_folds(input, cures, decisions.leans);
+}
+
+void count_decisions(FairNet& net, FairHalo* halo) {
+  const FairDecisions& decisions = net.decisions;
+  for (std::size_t v = 0; v < decisions.reversed.size(); ++v) {
+    if (halo && halo->owned_vertices()[v] == 0) continue;
+    net.reversed_vertices += decisions.reversed[v];
+    net.cured_vertices += decisions.cures[v] > 0;
+    net.shrunk_vertices += decisions.halvings[v] + decisions.late_halvings[v] > 0;
+  }
+  if (!halo) return;
+  for (auto* count : {&net.reversed_vertices, &net.cured_vertices, &net.shrunk_vertices})
+    *count = halo->sum(*count);
 }
 
 void add_given_points(const FairTopology& topology, std::span<const dvec3> given,
@@ -193,43 +213,42 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     PLANISH_ASSERT(decisions->cures.size() == given.size());
     PLANISH_ASSERT(decisions->leans.empty() || decisions->leans.size() == given.size());
   }
-  const FairTopology topology = make_fair_topology(mesh, subdivision);
+  const FairTopology topology = make_fair_topology(mesh, subdivision, options.halo);
   options.callbacks.check_cancelled();
 
   FairNet net;
   FairDecisions& decisions = net.decisions;
   const bool decided = options.decisions != nullptr;
   if (decided) decisions = *options.decisions;
-  NetBuilder builder{topology, given};
+  NetBuilder builder{topology, given, options.halo};
   builder.prepare();
   builder.build_polygons(decisions.reversed);
   builder.build_curve_points();
   options.callbacks.check_cancelled();
 
-  settle_folds(builder, decided, decisions.halvings, builder.offsets);
+  settle_folds(builder, decided, decisions.halvings);
   if (options.polish_steps > 0) {
     options.callbacks.check_cancelled();
     builder.build_curve_points();
     const std::vector<dvec3> directions =
         polish_directions(topology, builder.normals, builder.shares);
-    BendingRows bending = make_bending_rows(topology, given, directions, builder.offsets);
+    BendingRows bending =
+        make_bending_rows(topology, given, directions, builder.offsets, options.halo);
     apply_heights(topology, directions,
-                  polish_heights(topology, std::move(bending), options.polish_steps),
+                  polish_heights(topology, std::move(bending), options.polish_steps, options.halo),
                   builder.offsets);
-    settle_folds(builder, decided, decisions.late_halvings, builder.offsets);
+    builder.exchange_state();
+    settle_folds(builder, decided, decisions.late_halvings);
   } else if (!decided) {
     decisions.late_halvings.assign(given.size(), 0);
   }
   builder.build_curve_points();
   const FoldCount folds = settle_cure(builder, options, decisions);
   builder.build_dart_points();
+  builder.exchange_state();
   net.flagged_edges = folds.edges;
   net.flagged_faces = folds.faces;
-  for (std::size_t v = 0; v < given.size(); ++v) {
-    net.reversed_vertices += decisions.reversed[v];
-    net.cured_vertices += decisions.cures[v] > 0;
-    net.shrunk_vertices += decisions.halvings[v] + decisions.late_halvings[v] > 0;
-  }
+  count_decisions(net, options.halo);
   net.state = std::move(builder.offsets);
   add_given_points(topology, given, net.state);
   return net;

@@ -8,6 +8,7 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/doosabin/subdivision.h"
+#include "planish/fair/fair_halo.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
@@ -33,6 +34,9 @@ struct FairOptions {
   const FairDecisions* decisions = nullptr;
   /// False: without the cure of needles and sharp turns (fold_cure.h).
   bool cures_folds = true;
+  /// Where the mesh is a part of a larger one: `given` are of all vertices of the part, and counts
+  /// are those of all parts; decisions of vertices that others own say nothing.
+  FairHalo* halo = nullptr;
 };
 
 /// Throws Error{InvalidArgument} for polish_steps out of range.

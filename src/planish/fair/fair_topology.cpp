@@ -7,6 +7,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
 #include "planish/doosabin/vertex_ring.h"
+#include "planish/fair/fair_halo.h"
 
 namespace planish {
 
@@ -125,13 +126,14 @@ void gather_sharp_places(const Subdivision& subdivision, FairTopology& topology)
   }
 }
 
-void mark_near_curves(FairTopology& topology) {
+void mark_near_curves(FairTopology& topology, FairHalo* halo) {
   std::vector<std::uint8_t>& near = topology.is_near_curve;
   near.resize(static_cast<std::size_t>(topology.vertex_count));
   for (std::int32_t v = 0; v < topology.vertex_count; ++v) near[v] = !topology.has_polygon(v);
-  if (std::find(near.begin(), near.end(), 1) == near.end()) return;
+  if (!halo && std::find(near.begin(), near.end(), 1) == near.end()) return;
   constexpr int kEdges = 2;
   for (int edge = 0; edge < kEdges; ++edge) {
+    if (halo) halo->exchange_vertices(near);
     const std::vector<std::uint8_t> last = near;
     for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
       for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
@@ -139,6 +141,7 @@ void mark_near_curves(FairTopology& topology) {
       }
     }
   }
+  if (halo) halo->exchange_vertices(near);
 }
 
 void gather_edges(const Subdivision& subdivision, FairTopology& topology) {
@@ -181,13 +184,14 @@ void fill_unit_circle(FairTopology& topology) {
 
 }  // namespace
 
-FairTopology make_fair_topology(const PolygonMesh& mesh, const Subdivision& subdivision) {
+FairTopology make_fair_topology(const PolygonMesh& mesh, const Subdivision& subdivision,
+                                FairHalo* halo) {
   FairTopology topology;
   topology.state_size = static_cast<std::int32_t>(subdivision.state_layout(1).size);
   number_corners(mesh, topology);
   gather_rings(subdivision, topology);
   gather_sharp_places(subdivision, topology);
-  mark_near_curves(topology);
+  mark_near_curves(topology, halo);
   gather_edges(subdivision, topology);
   fill_unit_circle(topology);
   return topology;

@@ -12,6 +12,8 @@
 
 namespace planish {
 
+class FairHalo;
+
 /// What the fair construction needs to know of a mesh, in flat arrays that a device can take as
 /// they are. A *corner* is a corner of a face of the mesh; its number, its place in
 /// PolygonMesh::face_vertices, is also that of its control point in the state of level 1.
@@ -95,8 +97,9 @@ struct FairTopology {
   }
 };
 
-/// `mesh` and `subdivision` must outlive it.
+/// `mesh` and `subdivision` must outlive it. `halo`: where `mesh` is a part.
 [[nodiscard]] FairTopology make_fair_topology(const PolygonMesh& mesh,
-                                              const Subdivision& subdivision);
+                                              const Subdivision& subdivision,
+                                              FairHalo* halo = nullptr);
 
 }  // namespace planish

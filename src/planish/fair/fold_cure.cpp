@@ -65,6 +65,11 @@ struct Cure {
   void test_sharp_edges();
   void test_vertices(std::span<const std::uint8_t> cures);
   void build_smooth(std::int32_t vertex, PerpendicularScratch& scratch);
+  [[nodiscard]] bool counts(std::int32_t face) const {
+    return !input.halo || input.halo->owned_faces()[face] != 0;
+  }
+  // What is near others' vertices, from them; whether any vertex changed.
+  bool exchange(bool any);
   void change(std::int32_t vertex, std::int32_t times, bool is_new, PerpendicularScratch& scratch);
   FoldCount count();
 };
@@ -106,7 +111,7 @@ std::int64_t Cure::test_edges(bool count) {
       if (!count && !changed[v] && !changed[w]) continue;
       const double cosine = edge_cosine(edge);
       if (count) {
-        folded += cosine < 0;
+        folded += cosine < 0 && counts(edge.faces[0]);
         continue;
       }
       const double turn =
@@ -135,7 +140,7 @@ std::int64_t Cure::test_faces(bool count) {
           }
           const double cosine = face_cosine(f);
           if (count) {
-            folded += cosine < 0;
+            folded += cosine < 0 && counts(f);
           } else if (cosine < kPartOfBest) {
             for (const std::int32_t v : corners) flag(bad, v);
           }
@@ -221,9 +226,20 @@ void Cure::change(std::int32_t vertex, std::int32_t times, bool is_new,
   if (times > 0) scale_curve_vertex(site, std::pow(kQuarter, times));
 }
 
+bool Cure::exchange(bool any) {
+  FairHalo* const halo = input.halo;
+  if (!halo) return any;
+  halo->exchange_vertices(changed);
+  const bool is_any = std::ranges::find(changed, 1) != changed.end();
+  if (halo->sum(is_any ? 1 : 0) == 0) return false;
+  halo->exchange_state(input.offsets);
+  return true;
+}
+
 FoldCount Cure::count() {
-  const std::int64_t edges = test_edges(true);
-  return {edges, test_faces(true)};
+  const std::int64_t edges = test_edges(true), faces = test_faces(true);
+  if (!input.halo) return {edges, faces};
+  return {input.halo->sum(edges), input.halo->sum(faces)};
 }
 
 }  // namespace
@@ -251,7 +267,7 @@ FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures,
         ++cures[v];
       }
     });
-    if (!any) break;
+    if (!cure.exchange(any)) break;
   }
   return cure.count();
 }
@@ -265,6 +281,7 @@ FoldCount repeat_cure(const CureInput& input, std::span<const std::uint8_t> cure
       if (cures[v] > 0) cure.change(static_cast<std::int32_t>(v), cures[v], true, scratch);
     }
   });
+  if (input.halo) input.halo->exchange_state(input.offsets);
   return cure.count();
 }
 

@@ -16,6 +16,7 @@ struct CureInput {
   const FairTopology& topology;
   std::span<const glm::dvec3> given, face_normals, normals;
   std::span<glm::dvec3> offsets;
+  FairHalo* halo = nullptr;  ///< where the mesh is a part; counts are those of all
 };
 
 /// After the last repair: cures folds at edges, faces and vertices that no halving cures. Vertices

@@ -27,6 +27,12 @@ bool agrees(const dvec3& normal, const dvec3& reference, double cosine) {
 struct FoldTest {
   const FairTopology& topology;
   std::span<const dvec3> given, face_normals, offsets;
+  FairHalo* halo = nullptr;
+
+  // Whether what is at the face counts here.
+  [[nodiscard]] bool counts(std::int32_t face) const {
+    return !halo || halo->owned_faces()[face] != 0;
+  }
 
   [[nodiscard]] dvec3 point(std::int32_t corner) const {
     return given[topology.corner_vertices[corner]] + offsets[corner];
@@ -72,7 +78,7 @@ FoldCount find_folds(const FoldTest& test, VertexFlags& flags) {
     for (std::size_t e = begin; e < end; ++e) {
       const FairTopology::Edge& edge = topology.edges[e];
       if (!test.edge_is_folded(edge)) continue;
-      ++edges;
+      if (test.counts(edge.faces[0])) ++edges;
       flags.set(topology.corner_vertices[edge.corners[0]]);
       flags.set(topology.corner_vertices[edge.corners[1]]);
     }
@@ -80,15 +86,17 @@ FoldCount find_folds(const FoldTest& test, VertexFlags& flags) {
   parallel_for(static_cast<std::size_t>(topology.face_count), kRepairGrain,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t f = begin; f < end; ++f) {
-                   if (!test.face_is_folded(static_cast<std::int32_t>(f))) continue;
-                   ++faces;
+                   const auto face = static_cast<std::int32_t>(f);
+                   if (!test.face_is_folded(face)) continue;
+                   if (test.counts(face)) ++faces;
                    for (std::int32_t c = topology.face_offsets[f]; c < topology.face_offsets[f + 1];
                         ++c) {
                      flags.set(topology.corner_vertices[c]);
                    }
                  }
                });
-  return {edges, faces};
+  if (!test.halo) return {edges, faces};
+  return {test.halo->sum(edges), test.halo->sum(faces)};
 }
 
 }  // namespace
@@ -120,8 +128,8 @@ FoldCount count_folds(const FairTopology& topology, std::span<const dvec3> given
 
 FoldCount repair_folds(const FairTopology& topology, std::span<const dvec3> given,
                        std::span<const dvec3> face_normals, std::span<dvec3> offsets,
-                       std::span<std::uint8_t> halvings) {
-  const FoldTest test{topology, given, face_normals, offsets};
+                       std::span<std::uint8_t> halvings, FairHalo* halo) {
+  const FoldTest test{topology, given, face_normals, offsets, halo};
   std::vector<std::uint8_t> round_halvings(halvings.size());
   for (int round = 0;; ++round) {
     VertexFlags flags(topology.vertex_count);
@@ -135,6 +143,7 @@ FoldCount repair_folds(const FairTopology& topology, std::span<const dvec3> give
       halvings[v] = static_cast<std::uint8_t>(halvings[v] + round_halvings[v]);
     }
     halve_polygons(topology, round_halvings, offsets);
+    if (halo) halo->exchange_state(offsets);
   }
 }
 

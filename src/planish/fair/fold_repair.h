@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "planish/fair/fair_halo.h"
 #include "planish/fair/fair_topology.h"
 
 namespace planish {
@@ -18,10 +19,10 @@ struct FoldCount {
 /// folds no size helps, so that more rounds do not.
 /// `offsets`: the state of level 1 relative to the given points, changed in place; `face_normals`:
 /// unit, one per face. `halvings`, one per vertex, is increased by what was done. Returns what is
-/// still folded.
+/// still folded. `halo`: where the mesh is a part; counts are those of all.
 FoldCount repair_folds(const FairTopology& topology, std::span<const glm::dvec3> given,
                        std::span<const glm::dvec3> face_normals, std::span<glm::dvec3> offsets,
-                       std::span<std::uint8_t> halvings);
+                       std::span<std::uint8_t> halvings, FairHalo* halo = nullptr);
 
 /// The halving alone, as an earlier repair decided it.
 void halve_polygons(const FairTopology& topology, std::span<const std::uint8_t> halvings,

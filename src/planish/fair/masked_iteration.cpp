@@ -34,7 +34,8 @@ dvec3 limit_error(const FairTopology& topology, std::span<const dvec3> given,
 }
 
 std::vector<dvec3> masked_iteration(const FairTopology& topology, std::span<const dvec3> given,
-                                    std::span<const double> shares, std::span<dvec3> offsets) {
+                                    std::span<const double> shares, std::span<dvec3> offsets,
+                                    FairHalo* halo) {
   std::vector<dvec3> points(given.begin(), given.end());
   std::vector<dvec3> next = points;
   for (int step = 0; step < kSteps; ++step) {
@@ -46,6 +47,7 @@ std::vector<dvec3> masked_iteration(const FairTopology& topology, std::span<cons
       }
     });
     std::swap(points, next);
+    if (halo) halo->exchange_vertices(points);
     corner_offsets(topology, given, points, offsets);
   }
   return points;

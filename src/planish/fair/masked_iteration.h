@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "planish/fair/fair_halo.h"
 #include "planish/fair/fair_topology.h"
 
 namespace planish {
@@ -19,10 +20,11 @@ namespace planish {
 /// Three plain steps of progressive interpolation, P += share (given - B P) from P = given: keeps
 /// the accuracy of tensor products where the mesh is a regular grid. `shares`: one per vertex; 0 at
 /// corners. Returns P and leaves its control points in `offsets`, which must hold those of
-/// `given` on entry (corner_offsets).
+/// `given` on entry (corner_offsets). `halo`: where the mesh is a part.
 [[nodiscard]] std::vector<glm::dvec3> masked_iteration(const FairTopology& topology,
                                                        std::span<const glm::dvec3> given,
                                                        std::span<const double> shares,
-                                                       std::span<glm::dvec3> offsets);
+                                                       std::span<glm::dvec3> offsets,
+                                                       FairHalo* halo = nullptr);
 
 }  // namespace planish

@@ -24,7 +24,7 @@ constexpr double kConverged = 1e-12;
 
 // Conjugate gradients in the making.
 struct Polisher {
-  Polisher(const FairTopology& net_topology, BendingRows&& rows);
+  Polisher(const FairTopology& net_topology, BendingRows&& rows, FairHalo* net_halo);
 
   template <class Size>
   double multiply(std::int32_t first, Size m, std::vector<BendingLines>& scratch);
@@ -37,13 +37,14 @@ struct Polisher {
   void run(std::int32_t steps);
 
   const FairTopology& topology;
+  FairHalo* halo;
   BendingRows bending;                 // its products: J^t J direction
   RawVector<float> heights, residual;  // per place
   RawVector<float> direction;          // per state index: 0 beyond the corners
 };
 
-Polisher::Polisher(const FairTopology& net_topology, BendingRows&& rows)
-    : topology(net_topology), bending(std::move(rows)) {
+Polisher::Polisher(const FairTopology& net_topology, BendingRows&& rows, FairHalo* net_halo)
+    : topology(net_topology), halo(net_halo), bending(std::move(rows)) {
   const std::size_t count = bending.rows.size();
   for (auto* vector : {&heights, &residual, &direction}) vector->resize(count);
   direction.resize(static_cast<std::size_t>(topology.state_size), 0.0f);
@@ -124,19 +125,34 @@ void Polisher::climb_all(double step) {
   });
 }
 
+// body(i) of all elements, whose sum is the halo's.
+template <class MakeBody>
+std::vector<double> values_of(std::int32_t count, const MakeBody& make_body) {
+  std::vector<double> values(static_cast<std::size_t>(count));
+  parallel_for(values.size(), kPolishGrain, [&](std::size_t begin, std::size_t end) {
+    auto body = make_body();
+    for (std::size_t i = begin; i < end; ++i) values[i] = body(static_cast<std::int32_t>(i));
+  });
+  return values;
+}
+
 double Polisher::multiply_all() {
-  return piecewise_sum(topology.face_count, [&] {
+  const auto make_body = [&] {
     return [&, scratch = std::vector<BendingLines>{}](std::int32_t face) mutable {
       return for_face_size(topology, face,
                            [&](std::int32_t first, auto m) { return multiply(first, m, scratch); });
     };
-  });
+  };
+  if (halo) return halo->sum_of_faces(values_of(topology.face_count, make_body));
+  return piecewise_sum(topology.face_count, make_body);
 }
 
 double Polisher::descend_all(double step) {
-  return piecewise_sum(topology.vertex_count, [&] {
+  const auto make_body = [&] {
     return [&](std::int32_t v) { return descend(v, static_cast<float>(step)); };
-  });
+  };
+  if (halo) return halo->sum_of_vertices(values_of(topology.vertex_count, make_body));
+  return piecewise_sum(topology.vertex_count, make_body);
 }
 
 void Polisher::turn_all(double step, double momentum) {
@@ -147,6 +163,10 @@ void Polisher::turn_all(double step, double momentum) {
                         static_cast<float>(momentum));
                  }
                });
+  if (halo) {
+    halo->exchange_corners(
+        std::span<float>(direction).first(static_cast<std::size_t>(topology.corner_count)));
+  }
 }
 
 void Polisher::run(std::int32_t steps) {
@@ -180,8 +200,8 @@ std::vector<dvec3> polish_directions(const FairTopology& topology, std::span<con
 }
 
 RawVector<float> polish_heights(const FairTopology& topology, BendingRows&& bending,
-                                std::int32_t steps) {
-  Polisher polisher(topology, std::move(bending));
+                                std::int32_t steps, FairHalo* halo) {
+  Polisher polisher(topology, std::move(bending), halo);
   polisher.run(steps);
   return std::move(polisher.heights);
 }

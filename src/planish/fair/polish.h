@@ -21,9 +21,9 @@ namespace planish {
 
 /// Heights, one per place of the ring arrays, that lower the bending: `steps` steps of conjugate
 /// gradients from 0 on the heights whose sum over each polygon is 0. The same bits for every thread
-/// count. `bending` is used up.
+/// count. `bending` is used up. `halo`: where the mesh is a part.
 [[nodiscard]] RawVector<float> polish_heights(const FairTopology& topology, BendingRows&& bending,
-                                              std::int32_t steps);
+                                              std::int32_t steps, FairHalo* halo = nullptr);
 
 /// Moves the control points in `offsets` by heights along the directions, those of each polygon
 /// scaled so that none moves by more than 0.3 of its distance to the vertex: beyond that the

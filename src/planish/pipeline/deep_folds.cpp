@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t kDeepGrain = 512, kCornersAtOnce = 128;
 constexpr int kDeepLevel = 3;
+constexpr int kDeepRounds = 6;
 constexpr std::int64_t kCells = 16;  // quads of that level over a corner of a face
 // Cosine of a vertex's normal with all its faces from which the fair construction's own places
 // speak for all others, as in fair/fold_cure.cpp.
@@ -155,6 +156,35 @@ class CornerMeter {
   std::vector<glm::vec3> corner_normals_;
 };
 
+bool is_anywhere(std::span<const std::uint8_t> flags, FairHalo* halo) {
+  const bool is_here = std::ranges::find(flags, 1) != flags.end();
+  return halo ? halo->sum(is_here ? 1 : 0) > 0 : is_here;
+}
+
+// Of all faces.
+double area_of(const PolygonMesh& mesh, FairHalo* halo) {
+  std::vector<double> areas;
+  double all = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const double area = glm::length(area_vector(mesh.positions, mesh.face(f)));
+    all += area;
+    if (halo) areas.push_back(area);
+  }
+  return halo ? halo->sum_of_faces(areas) : all;
+}
+
+// Whether corners of that level can be numbered, of the whole mesh.
+bool can_look(const MeshTopology& topology, FairHalo* halo) {
+  std::int64_t corners = topology.corner_count();
+  if (halo) {
+    corners = 0;
+    for (std::int32_t f = 0; f < topology.face_count(); ++f)
+      if (halo->owned_faces()[f] != 0) corners += std::ssize(topology.face(f));
+    corners = halo->sum(corners);
+  }
+  return corners <= std::numeric_limits<std::int32_t>::max() / (4 * kCells);
+}
+
 std::shared_ptr<const PreparedMesh> prepared_of_used(
     const PolygonMesh& mesh, const std::shared_ptr<const MeshTopology>& topology) {
   auto prepared = std::make_shared<PreparedMesh>();
@@ -165,65 +195,114 @@ std::shared_ptr<const PreparedMesh> prepared_of_used(
   return prepared;
 }
 
-}  // namespace
+// The finished surface. A part of a mesh may have no faces: there is nothing to look at then.
+class DeepLook {
+ public:
+  DeepLook(const PolygonMesh& mesh, const std::shared_ptr<const MeshTopology>& topology,
+           const LevelOne& level_one, const FitOptions& options, FairHalo* halo)
+      : topology_(*topology),
+        halo_(halo),
+        whole_(mesh.hole_faces.empty() ? mesh : without_holes_.emplace(mesh)),
+        areas_(mesh.positions.size(), 0),
+        corner_areas_(static_cast<std::size_t>(topology->corner_count()), 0) {
+    if (mesh.face_count() == 0) return;
+    // Holes shape the surface like all other faces.
+    if (without_holes_) without_holes_->hole_faces.clear();
+    EvaluateOptions evaluation;
+    evaluation.weights = options.weights;
+    evaluation.sharp = options.sharp;
+    evaluation.rest_positions = whole_.positions;
+    evaluation.prepared = prepared_of_used(whole_, topology);
+    surface_.emplace(whole_, level_one, evaluation);
+    patches_.emplace(surface_->patches(),
+                     PatchSurfaceOptions{.level = kDeepLevel, .weights = options.weights});
+    folds_ = folded_edges(whole_, topology_);
+  }
 
-DeepFolds deep_folds(const PolygonMesh& mesh,
-                     const std::shared_ptr<const MeshTopology>& topology_of,
-                     const LevelOne& level_one, const FitOptions& options) {
-  const MeshTopology& topology = *topology_of;
-  DeepFolds result;
-  if (topology.corner_count() > std::numeric_limits<std::int32_t>::max() / (4 * kCells))
-    return result;  // that level's corners cannot be numbered
-  const std::vector<glm::dvec3> normals = unit_normals(mesh);
-  const std::vector<std::uint8_t> uneven = uneven_vertices(mesh, topology, normals, options.sharp);
-  if (std::ranges::find(uneven, 1) == uneven.end()) return result;
-
-  // Holes shape the surface like all other faces.
-  std::optional<PolygonMesh> without_holes;
-  if (!mesh.hole_faces.empty()) without_holes.emplace(mesh).hole_faces.clear();
-  const PolygonMesh& whole = without_holes ? *without_holes : mesh;
-  EvaluateOptions evaluation;
-  evaluation.weights = options.weights;
-  evaluation.sharp = options.sharp;
-  evaluation.rest_positions = whole.positions;
-  evaluation.prepared = prepared_of_used(whole, topology_of);
-  const DooSabinSurface surface(whole, level_one, evaluation);
-  const PatchSurface patches(surface.patches(), {.level = kDeepLevel, .weights = options.weights});
-  const FoldedEdges folds = folded_edges(whole, topology);
-  result.at_vertex.assign(mesh.positions.size(), 0);
-  std::vector<double> areas(mesh.positions.size(), 0);
-  std::vector<double> corner_areas(static_cast<std::size_t>(topology.corner_count()), 0);
-  const auto look_at = [&](std::span<const std::uint8_t> wanted) {
-    parallel_for(corner_areas.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
-      CornerMeter meter(surface, patches, normals, corner_areas);
+  // At the wanted vertices, those of other parts left out.
+  void at(std::span<const std::uint8_t> wanted, std::span<const glm::dvec3> normals,
+          std::span<std::uint8_t> at_vertex) {
+    if (!patches_) return;
+    const auto is_looked_at = [&](std::int32_t vertex) {
+      return wanted[vertex] != 0 && (!halo_ || halo_->owned_vertices()[vertex] != 0);
+    };
+    parallel_for(corner_areas_.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
+      CornerMeter meter(*surface_, *patches_, normals, corner_areas_);
       std::vector<std::int32_t> corners;
       for (std::size_t c = begin; c < end; ++c) {
         const auto corner = static_cast<std::int32_t>(c);
-        if (wanted[topology.vertex_of(corner)] && !folds.is_beside[topology.face_of(corner)])
+        if (is_looked_at(topology_.vertex_of(corner)) &&
+            !folds_.is_beside[topology_.face_of(corner)])
           corners.push_back(corner);
         if (corners.size() < kCornersAtOnce && c + 1 < end) continue;
         meter.measure(corners);
         corners.clear();
       }
     });
-    for (std::size_t v = 0; v < areas.size(); ++v) {
-      if (!wanted[v]) continue;
-      areas[v] = 0;
-      for (const std::int32_t c : topology.corners_at(static_cast<std::int32_t>(v)))
-        areas[v] += corner_areas[c];
-      result.at_vertex[v] = areas[v] > 0;
+    for (std::size_t v = 0; v < areas_.size(); ++v) {
+      const auto vertex = static_cast<std::int32_t>(v);
+      if (!is_looked_at(vertex)) continue;
+      areas_[v] = 0;
+      for (const std::int32_t c : topology_.corners_at(vertex)) areas_[v] += corner_areas_[c];
+      at_vertex[v] = areas_[v] > 0;
     }
-  };
-  look_at(uneven);
-  if (std::ranges::find(result.at_vertex, 1) == result.at_vertex.end()) return result;
-  look_at(neighbours_of(topology, result.at_vertex, uneven));
-  double all = 0;
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    all += glm::length(area_vector(mesh.positions, mesh.face(f)));
   }
-  for (const double area : areas) result.area += area;
-  if (all > 0) result.area /= all;
+
+  // As a share of the mesh's.
+  [[nodiscard]] double area() const {
+    const double folded =
+        halo_ ? halo_->sum_of_vertices(areas_) : std::accumulate(areas_.begin(), areas_.end(), 0.0);
+    const double all = area_of(whole_, halo_);
+    return all > 0 ? folded / all : folded;
+  }
+
+ private:
+  const MeshTopology& topology_;
+  FairHalo* halo_;
+  std::optional<PolygonMesh> without_holes_;
+  const PolygonMesh& whole_;
+  std::optional<DooSabinSurface> surface_;
+  std::optional<PatchSurface> patches_;
+  FoldedEdges folds_;
+  std::vector<double> areas_, corner_areas_;  // folded, per vertex and per corner
+};
+
+}  // namespace
+
+DeepFolds deep_folds(const PolygonMesh& mesh, const std::shared_ptr<const MeshTopology>& topology,
+                     const LevelOne& level_one, const FitOptions& options, FairHalo* halo) {
+  DeepFolds result;
+  if (!can_look(*topology, halo)) return result;
+  const std::vector<glm::dvec3> normals = unit_normals(mesh);
+  const std::vector<std::uint8_t> uneven = uneven_vertices(mesh, *topology, normals, options.sharp);
+  if (!is_anywhere(uneven, halo)) return result;
+
+  DeepLook look(mesh, topology, level_one, options, halo);
+  result.at_vertex.assign(mesh.positions.size(), 0);
+  look.at(uneven, normals, result.at_vertex);
+  if (halo) halo->exchange_vertices(result.at_vertex);
+  if (!is_anywhere(result.at_vertex, halo)) return result;
+  look.at(neighbours_of(*topology, result.at_vertex, uneven), normals, result.at_vertex);
+  result.area = look.area();
   return result;
+}
+
+FairNet deeply_cured_net(const std::function<FairNet(const FairDecisions* decisions)>& make_net,
+                         const std::function<DeepFolds(FairNet& net)>& folds_of) {
+  FairNet net = make_net(nullptr);
+  DeepFolds folds = folds_of(net);
+  double least = folds.area;
+  FairDecisions decisions = net.decisions;
+  for (int round = 0; round < kDeepRounds && folds.area > kNoDeepFolds; ++round) {
+    for (std::size_t v = 0; v < folds.at_vertex.size(); ++v)
+      decisions.cures[v] += folds.at_vertex[v];
+    FairNet next = make_net(&decisions);
+    folds = folds_of(next);
+    if (folds.area >= least) continue;
+    least = folds.area;
+    net = std::move(next);
+  }
+  return net;
 }
 
 }  // namespace planish

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "planish/fair/fair_halo.h"
+#include "planish/fair/fair_net.h"
 #include "planish/pipeline/fit.h"
 
 namespace planish {
@@ -22,9 +25,18 @@ inline constexpr double kNoDeepFolds = 1e-8;
 /// more than about 25 degrees from their normal and, where there are folds, those around. Faces at
 /// folded edges (mesh/folded_edges.h) do not count. `mesh`: without unused vertices; `topology` is
 /// its. `level_one` in any coordinates; the options' weights and sharp features are those of the
-/// fit. Empty where no vertex is to be looked at.
+/// fit. Empty where no vertex is to be looked at. `halo`: where the mesh is a part; the area is a
+/// share of the whole then.
 [[nodiscard]] DeepFolds deep_folds(const PolygonMesh& mesh,
                                    const std::shared_ptr<const MeshTopology>& topology,
-                                   const LevelOne& level_one, const FitOptions& options);
+                                   const LevelOne& level_one, const FitOptions& options,
+                                   FairHalo* halo = nullptr);
+
+/// Folds between the places that the construction looks at shrink with the polygons around: those
+/// of the vertices beside them are cured once more, in a net of the same decisions otherwise. Not
+/// every round helps: the best net counts. `make_net` takes decisions or makes its own.
+[[nodiscard]] FairNet deeply_cured_net(
+    const std::function<FairNet(const FairDecisions* decisions)>& make_net,
+    const std::function<DeepFolds(FairNet& net)>& folds_of);
 
 }  // namespace planish

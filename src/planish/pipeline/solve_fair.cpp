@@ -15,8 +15,6 @@ namespace planish {
 
 namespace {
 
-constexpr int kDeepRounds = 6;
-
 // The error of the finished net: nothing that built it is taken at its word.
 Interpolation measured(const Subdivision& subdivision, std::span<const glm::dvec3> state,
                        std::span<const glm::dvec3> given, double tolerance) {
@@ -38,33 +36,11 @@ Interpolation measured(const Subdivision& subdivision, std::span<const glm::dvec
   return result;
 }
 
-void warn_of_folds(const FairFit& fair, const Callbacks& callbacks) {
-  const std::int64_t count = fair.flagged_edges + fair.flagged_faces;
-  if (count == 0) return;
-  callbacks.warn({"folds-left",
-                  "the fair surface still turns over at " + std::to_string(fair.flagged_edges) +
-                      " edges and " + std::to_string(fair.flagged_faces) +
-                      " faces, where the mesh itself is folded or too sharp for a smooth surface; "
-                      "--creases auto keeps sharp edges sharp",
-                  count, -1});
-}
-
-void warn_of_concave_faces(const PolygonMesh& mesh, const Callbacks& callbacks) {
-  const std::vector<std::int32_t> faces = concave_faces(mesh);
-  if (faces.empty()) return;
-  callbacks.warn({"concave-faces",
-                  "faces with corners that turn inward, beside which the fair surface may fold: " +
-                      std::to_string(faces.size()) +
-                      "; with_convex_faces() and --repair safe cut them in parts unless they cross "
-                      "themselves",
-                  static_cast<std::int64_t>(faces.size()), -1});
-}
-
 // On the backend's device where it can.
 FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
-                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
-  const FairOptions fair{options.polish_steps, options.callbacks, options.fair_decisions,
-                         options.cures_folds};
+                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options,
+                 const FairDecisions* decisions) {
+  const FairOptions fair{options.polish_steps, options.callbacks, decisions, options.cures_folds};
   if (fair.decisions && fair.decisions->reversed.size() != given.size()) {
     throw Error(ErrorCode::InvalidArgument,
                 "fair_decisions are of " + std::to_string(fair.decisions->reversed.size()) +
@@ -83,44 +59,49 @@ FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   return builder->build_fair_net(make_fair_topology(mesh, subdivision), given, fair);
 }
 
-// Folds between the places that the construction looks at shrink with the polygons around: those of
-// the vertices beside them are cured once more, in a net of the same decisions otherwise. Not
-// every round helps: the best net counts.
-FairNet deeply_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
-                         std::span<const glm::dvec3> given, Backend& backend,
-                         const FitOptions& options) {
-  FairNet net = make_net(mesh, subdivision, given, backend, options);
-  const bool cures = options.cures_folds && options.fair_decisions == nullptr &&
-                     net.decisions.cures.size() == given.size();
-  if (!cures) return net;
-  const auto folds_of = [&](FairNet& of) {
-    LevelOne level_one{std::move(of.state), result.placement};
-    DeepFolds folds = deep_folds(mesh, result.prepared->topology, level_one, options);
-    of.state = std::move(level_one.state);
-    return folds;
-  };
-  DeepFolds folds = folds_of(net);
-  double least = folds.area;
-  FairDecisions decisions = net.decisions;
-  for (int round = 0; round < kDeepRounds && folds.area > kNoDeepFolds; ++round) {
-    options.callbacks.check_cancelled();
-    for (std::size_t v = 0; v < given.size(); ++v) decisions.cures[v] += folds.at_vertex[v];
-    FitOptions decided = options;
-    decided.fair_decisions = &decisions;
-    FairNet next = make_net(mesh, subdivision, given, backend, decided);
-    folds = folds_of(next);
-    if (folds.area >= least) continue;
-    least = folds.area;
-    net = std::move(next);
-  }
-  return net;
+// With a look at the finished surface.
+FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
+                       std::span<const glm::dvec3> given, Backend& backend,
+                       const FitOptions& options) {
+  if (!options.cures_folds || options.fair_decisions != nullptr)
+    return make_net(mesh, subdivision, given, backend, options, options.fair_decisions);
+  return deeply_cured_net(
+      [&](const FairDecisions* decisions) {
+        options.callbacks.check_cancelled();
+        return make_net(mesh, subdivision, given, backend, options, decisions);
+      },
+      [&](FairNet& net) -> DeepFolds {
+        if (net.decisions.cures.size() != given.size()) return {};
+        LevelOne level_one{std::move(net.state), result.placement};
+        DeepFolds folds = deep_folds(mesh, result.prepared->topology, level_one, options);
+        net.state = std::move(level_one.state);
+        return folds;
+      });
 }
 
 }  // namespace
 
+Warning folds_left_warning(std::int64_t edges, std::int64_t faces) {
+  return {"folds-left",
+          "the fair surface still turns over at " + std::to_string(edges) + " edges and " +
+              std::to_string(faces) +
+              " faces, where the mesh itself is folded or too sharp for a smooth surface; "
+              "--creases auto keeps sharp edges sharp",
+          edges + faces, -1};
+}
+
+Warning concave_faces_warning(std::int64_t faces) {
+  return {"concave-faces",
+          "faces with corners that turn inward, beside which the fair surface may fold: " +
+              std::to_string(faces) +
+              "; with_convex_faces() and --repair safe cut them in parts unless they cross "
+              "themselves",
+          faces, -1};
+}
+
 void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options) {
-  FairNet net = deeply_cured_net(result, mesh, subdivision, given, backend, options);
+  FairNet net = make_cured_net(result, mesh, subdivision, given, backend, options);
   result.interpolation = measured(subdivision, net.state, given, options.tolerance);
   FairFit& fair = result.fair.emplace();
   fair.level_one = {std::move(net.state), result.placement};
@@ -130,8 +111,10 @@ void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivi
   fair.flagged_edges = net.flagged_edges;
   fair.flagged_faces = net.flagged_faces;
   fair.decisions = std::move(net.decisions);
-  warn_of_folds(fair, options.callbacks);
-  warn_of_concave_faces(mesh, options.callbacks);
+  if (fair.flagged_edges + fair.flagged_faces > 0)
+    options.callbacks.warn(folds_left_warning(fair.flagged_edges, fair.flagged_faces));
+  const auto concave = std::ssize(concave_faces(mesh));
+  if (concave > 0) options.callbacks.warn(concave_faces_warning(concave));
 }
 
 }  // namespace planish

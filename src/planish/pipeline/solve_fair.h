@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 
@@ -12,5 +13,9 @@ namespace planish {
 /// which has no iterations. `subdivision` has Weights::DooSabin. Throws and warns as fit().
 void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
                 std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options);
+
+/// What fit() warns of such counts.
+[[nodiscard]] Warning folds_left_warning(std::int64_t edges, std::int64_t faces);
+[[nodiscard]] Warning concave_faces_warning(std::int64_t faces);
 
 }  // namespace planish

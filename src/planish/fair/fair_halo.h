@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+
+namespace planish {
+
+/// What the construction of a fair net needs where a mesh is spread over several processes. Each
+/// builds the net of its part: the faces around the vertices that it owns and around those faces'
+/// vertices. What it finds for others is replaced by what their owners found; all call the same
+/// functions in the same order. Without a halo the mesh is in one piece.
+class FairHalo {
+ public:
+  virtual ~FairHalo() = default;
+
+  /// Values of vertices that others own become theirs. One per vertex of the part.
+  virtual void exchange_vertices(std::span<double> values) = 0;
+  virtual void exchange_vertices(std::span<glm::dvec3> values) = 0;
+  virtual void exchange_vertices(std::span<std::uint8_t> values) = 0;
+  /// The same of the control points around such vertices; one per corner.
+  virtual void exchange_corners(std::span<float> values) = 0;
+  /// And of those on curves; the state of level 1. Curve points at the part's rim, where the mesh
+  /// goes on, are nobody's.
+  virtual void exchange_state(std::span<glm::dvec3> values) = 0;
+
+  /// Sums over the elements that each process owns: the same bits however the mesh is spread.
+  [[nodiscard]] virtual double sum_of_vertices(std::span<const double> values) = 0;
+  [[nodiscard]] virtual double sum_of_faces(std::span<const double> values) = 0;
+  [[nodiscard]] virtual std::int64_t sum(std::int64_t value) = 0;
+  [[nodiscard]] virtual float largest(float value) = 0;
+
+  /// One flag per vertex and per face; a face belongs to one process, its edges to that of the face
+  /// that they were found in.
+  [[nodiscard]] virtual std::span<const std::uint8_t> owned_vertices() const = 0;
+  [[nodiscard]] virtual std::span<const std::uint8_t> owned_faces() const = 0;
+};
+
+}  // namespace planish
