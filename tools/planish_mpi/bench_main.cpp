@@ -119,9 +119,10 @@ std::int64_t wanted_vertices(int argc, char** argv) {
     (void)std::from_chars(text.data(), text.data() + text.size(), count);
   }
   if (count < 64)
-    throw Error(ErrorCode::InvalidArgument,
-                "usage: planish-mpi-bench --generate torus:N [CAGE.ply] [TILES.json [LEVEL]], N "
-                "from 64");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        "usage: planish-mpi-bench --generate torus:N [fair] [CAGE.ply] [TILES.json [LEVEL]], N "
+        "from 64");
   return count;
 }
 
@@ -132,6 +133,8 @@ void take_outputs(const std::vector<std::string>& arguments, DistributedOptions&
     } else if (argument.ends_with(".json")) {
       options.tiles = argument;
       options.tiles_options.gltf.name = "torus";
+    } else if (argument == "fair") {
+      options.method = InterpolationMethod::Fair;
     } else {
       options.tiles_options.level = std::stoi(argument);
     }
@@ -189,6 +192,10 @@ PLANISH_TIMED(Exscan, (const void* a, void* b, int n, MPI_Datatype t, MPI_Op o, 
 PLANISH_TIMED(Allgather,
               (const void* a, int n, MPI_Datatype t, void* b, int m, MPI_Datatype u, MPI_Comm c),
               (a, n, t, b, m, u, c))
+PLANISH_TIMED(Allgatherv,
+              (const void* a, int n, MPI_Datatype t, void* b, const int* m, const int* p,
+               MPI_Datatype u, MPI_Comm c),
+              (a, n, t, b, m, p, u, c))
 PLANISH_TIMED(Alltoall,
               (const void* a, int n, MPI_Datatype t, void* b, int m, MPI_Datatype u, MPI_Comm c),
               (a, n, t, b, m, u, c))

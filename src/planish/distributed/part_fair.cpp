@@ -99,12 +99,10 @@ FairNet make_net(const PartMesh& mesh, PartHalo& halo, const PartFairOptions& op
 
 }  // namespace
 
-PartFair make_part_fair(const Ranks& ranks, const MeshPart& part,
-                        const PartFairOptions& options) {
+PartFair make_part_fair(const Ranks& ranks, const MeshPart& part, const PartFairOptions& options) {
   std::unique_ptr<PartMesh> mesh;
   agree(ranks, [&] { mesh = std::make_unique<PartMesh>(part, options); });
-  PartHalo halo(ranks, part, mesh->sub, mesh->keys, options.block_vertices,
-                options.after_exchange);
+  PartHalo halo(ranks, part, mesh->sub, mesh->keys, options.block_vertices, options.after_exchange);
   FairNet net = make_net(*mesh, halo, options);
   PartFair fair;
   fair.state = std::move(net.state);

@@ -33,14 +33,14 @@ struct PartFair {
   std::int64_t concave_faces = 0;
 };
 
-/// fair_net() and the looks at the finished surface, with exchanges: the bits of one machine but for
-/// sums over blocks, which single precision follows; the same for every count of ranks. The part
-/// needs its ghosts' tags. Throws AgreedError where a rank cannot make its part's topology.
+/// fair_net() and the looks at the finished surface, with exchanges: the bits of one machine but
+/// for sums over blocks, which single precision follows; the same for every count of ranks. The
+/// part needs its ghosts' tags. Throws AgreedError where a rank cannot make its part's topology.
 [[nodiscard]] PartFair make_part_fair(const Ranks& ranks, const MeshPart& part,
                                       const PartFairOptions& options);
 
-/// The control points of a sub mesh of the part, as LevelOne has them. Those on curves that the part
-/// does not know, at the sub mesh's rim, stand at their vertices.
+/// The control points of a sub mesh of the part, as LevelOne has them. Those on curves that the
+/// part does not know, at the sub mesh's rim, stand at their vertices.
 [[nodiscard]] LevelOne level_one_of(const MeshPart& part, const PartFair& fair, const SubMesh& sub,
                                     const MeshTopology& topology, const SharpFeatures& features);
 

@@ -32,8 +32,8 @@ void sort_keys(std::vector<CurveKey>& keys);
 [[nodiscard]] std::optional<std::int32_t> index_of(std::span<const CurveKey> sorted_keys,
                                                    const CurveKey& key);
 
-/// The halo of a rank's part, which a sub mesh with all of its faces is: what vertices' owners found
-/// goes where else those vertices are. Sums are those of blocks, added in their order.
+/// The halo of a rank's part, which a sub mesh with all of its faces is: what vertices' owners
+/// found goes where else those vertices are. Sums are those of blocks, added in their order.
 class PartHalo final : public FairHalo {
  public:
   /// `keys`: of the sub mesh, sorted. `after_exchange`: a sign of life. All must outlive it but the
