@@ -14,6 +14,31 @@ copy_libraries() {
     done
 }
 
+# set_common_apart FOLDER: moves those that drivers load, too, to common/NAME/NAME, for common.sh to choose.
+set_common_apart() {
+  local library name
+  for library in "$1"/lib{stdc++,gcc_s,z,EGL,GLdispatch}.so.*; do
+    name=${library##*/}
+    [ -e "$library" ] || continue
+    mkdir -p "$1/common/$name"
+    mv "$library" "$1/common/$name/"
+  done
+  install -m 644 "$(dirname "${BASH_SOURCE[0]}")/common.sh" "$1/common.sh"
+}
+
+# make_runnable FOLDER: adds the libraries of FOLDER/bin's programs, which move to FOLDER/libexec; what starts
+# them with the right ones takes their place.
+make_runnable() {
+  local program
+  copy_libraries "$1/lib" "$1"/bin/*
+  set_common_apart "$1/lib"
+  mkdir -p "$1/libexec"
+  for program in "$1"/bin/*; do
+    mv "$program" "$1/libexec/"
+    install -m 755 "$(dirname "${BASH_SOURCE[0]}")/launch" "$program"
+  done
+}
+
 # copy_licences FOLDER LIBRARY...: what Debian's packages say of the libraries.
 copy_licences() {
   local folder=$1 owner

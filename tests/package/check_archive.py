@@ -1,0 +1,90 @@
+"""check_archive.py SOURCE BUILD WORK: makes the folder of tools/package's archive of BUILD's command, and runs
+it in a root of its own whose libstdc++ is as old as the archive's, newer, older, or missing: the newer of
+both is loaded, and Mesa's driver with it.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import check_gpu_check as empty
+from check_gpu_check import ENVIRONMENT, ICD, clear, make_root, way_into
+
+TRIPLET = "x86_64-linux-gnu"
+LIBRARY = "libstdc++.so.6"
+# What newest_symbols() of common.sh finds, behind the end of the library itself.
+NEWER = b"\0GLIBCXX_3.4.999\0"
+
+
+def make_archive(source, build, folder):
+    (folder / "bin").mkdir(parents=True)
+    shutil.copy2(build / "bin/planish", folder / "bin/planish")
+    script = f'set -euo pipefail; . "{source}/tools/portable/libraries.sh"; make_runnable "{folder}"'
+    subprocess.run(["bash", "-c", script], check=True)
+    assert not list((folder / "lib").glob("libstdc++*")), "in the way of the system's"
+
+
+def run(way, *command, **environment):
+    done = subprocess.run([*way, *command], env={**ENVIRONMENT, **environment}, capture_output=True, text=True)
+    assert done.returncode == 0, (command, done.stdout[-2000:], done.stderr[-2000:])
+    return done
+
+
+def loaded(way):
+    """The file that `planish devices` takes its libstdc++ from, having found Mesa's device."""
+    done = run(way, "/archive/bin/planish", "devices", "--json", LD_DEBUG="files")
+    assert "llvmpipe" in done.stdout, done.stdout
+    paths = {line.split("calling init: ")[1].strip() for line in done.stderr.splitlines()
+             if "calling init: " in line and LIBRARY in line}
+    assert len(paths) == 1, paths
+    return os.path.normpath(paths.pop())
+
+
+def append(path, tail):
+    path.write_bytes(path.read_bytes() + tail)
+
+
+def main():
+    source, build, work = (Path(argument).resolve() for argument in sys.argv[1:])
+    required = os.environ.get("PLANISH_REQUIRE_VULKAN") == "1"
+    if not ICD.exists():
+        print("skipped: Mesa's software driver is not installed")
+        sys.exit(1 if required else 77)
+    clear(work)
+    root = work / "root"
+    root.mkdir(parents=True)
+    empty.TOOLS += ["readlink"]
+    make_root(root)
+    # The command loads it by name: without one there are no devices.
+    loader = Path(f"/usr/lib/{TRIPLET}/libvulkan.so.1")
+    empty.copy_into(root, loader)
+    make_archive(source, build, root / "archive")
+    way = way_into(root)
+    if not way:
+        print("skipped: no chroot is allowed here")
+        sys.exit(77)
+    own = f"/archive/lib/common/{LIBRARY}/{LIBRARY}"
+    system = next(path for path in root.rglob(LIBRARY) if "archive" not in path.parts)
+    systems = "/" + str(system.relative_to(root))
+    run(way, "/archive/bin/planish", "--version")
+    expected = {"as old": systems}
+    found = {"as old": loaded(way)}
+    append(system, NEWER)
+    expected["newer"], found["newer"] = systems, loaded(way)
+    append(root / own.lstrip("/"), NEWER.replace(b"999", b"1000"))
+    expected["older"], found["older"] = own, loaded(way)
+    system.unlink()
+    run(way, "ldconfig")
+    expected["missing"], found["missing"] = own, loaded(way)
+    # By another name, from another folder.
+    (root / "usr/bin/surface").symlink_to("/archive/bin/planish")
+    run(way, "surface", "--version")
+    print(found)
+    assert found == expected, expected
+    clear(work)
+
+
+if __name__ == "__main__":
+    main()
