@@ -51,6 +51,10 @@ PLANISH_SHARED_CONSTANT kStateNotFinite = 2u;  // the last error measured is inf
 // Words of an indirect dispatch's arguments.
 PLANISH_SHARED_CONSTANT kArgumentWords = 3u;
 
+// Instances of a mesh are a dispatch's work groups in y. Their vectors stand one after another in a
+// buffer, and so do their records of a step. Where a kernel's parameters count further_instances,
+// zeros are one instance.
+
 // Push constants of the kernels that walk a table. Rows are counted from the start of the bound
 // window; a row number in a chunk minus first_row is the place in it.
 struct TableParameters {
@@ -64,6 +68,8 @@ struct TableParameters {
   float stop_square;    // negative: never stop
   uint target_stride;   // floats from one point of the target to the next
   uint normal_offset;   // floats from a point's position to its normal
+  uint instance_rows;   // points from an instance's vectors to the next one's
+  uint further_instances;
 };
 
 // Push constants of apply_stencils. Offsets are in floats, from the start of the bound window.
@@ -145,6 +151,10 @@ struct CornerPatchParameters {
   uint first_target;  // floats from the window's start to first_row's position
   uint target_stride;
   uint normal_offset;
+  // From an instance to the next: points of the state, given points, floats of the target.
+  uint instance_points;
+  uint instance_rows;
+  uint instance_floats;
 };
 
 // The surface at lists of places. Words of a place: face, u, v. Words of a class of corners:
@@ -189,6 +199,9 @@ struct FirstStepParameters {
   uint first_vertex;  // that the windows of points begin with
   uint first_target;  // of the state, that the target's window begins with
   uint first_word;    // of the sharp points
+  // From an instance to the next: points of the state, given points.
+  uint instance_points;
+  uint instance_rows;
 };
 
 // Push constants of the kernels that walk vectors or partial sums.
@@ -198,11 +211,14 @@ struct VectorParameters {
   float stop_square;
   uint first_side;
   float x, y, z;
-  uint step_count;     // steps that move; one more only measures
-  uint first_vertex;   // that a window of strided points begins with
-  uint source_shift;   // floats between the window's start and it
-  uint source_stride;  // floats from one point to the next
-  uint warm;           // 1: from the last displacement, 0: from none
+  uint step_count;       // steps that move; one more only measures
+  uint first_vertex;     // that a window of strided points begins with
+  uint source_shift;     // floats between the window's start and it
+  uint source_stride;    // floats from one point to the next
+  uint warm;             // 1: from the last displacement, 0: from none
+  uint instance_rows;    // points from an instance's vectors to the next one's
+  uint instance_floats;  // of strided points, from an instance to the next
+  uint further_instances;
 };
 
 // The fair construction: topology records, see FairTopology. Indices of control points are those of

@@ -30,9 +30,12 @@ PatchGroup group_of(uint i) {
 
 // The corner counter-clockwise at the same vertex, and the next one in the face.
 uvec2 link_of(uint corner) { return links_at(corner - parameters.first_state); }
-vec4 point_of(uint i) { return state_at(i - parameters.first_state); }
+// Where the instance's points of the state and given points begin.
+uint first_point, first_given;
+vec4 point_of(uint i) { return state_at(first_point + (i - parameters.first_state)); }
 vec3 vertex_of(vec4 point) {
-  return given_at((floatBitsToUint(point.w) & ~kVertexTag) - parameters.first_vertex).xyz;
+  uint vertex = floatBitsToUint(point.w) & ~kVertexTag;
+  return given_at(first_given + (vertex - parameters.first_vertex)).xyz;
 }
 
 vec4 own;
@@ -128,7 +131,7 @@ void gather_list(uint word, uint columns) {
 void write_rows(uint row, uint flags) {
   for (uint s = 0u; s < kSamples; ++s) {
     uint place = (row + s - parameters.first_row) * parameters.target_stride +
-                 parameters.first_target;
+                 parameters.first_target + gl_WorkGroupID.y * parameters.instance_floats;
     precise vec3 limit = own_vertex + (own.xyz + position[s]);
     if ((flags & kHasPositions) != 0u) write_vector(place, limit);
     if ((flags & kHasNormals) != 0u)
@@ -138,6 +141,8 @@ void write_rows(uint row, uint flags) {
 
 void main() {
   uint lane = gl_LocalInvocationIndex;
+  first_point = gl_WorkGroupID.y * parameters.instance_points;
+  first_given = gl_WorkGroupID.y * parameters.instance_rows;
   for (uint i = 0u; i < kUnitsPerGroup; ++i) {
     uint unit = gl_WorkGroupID.x * kUnitsPerGroup + i;
     if (unit >= parameters.unit_count) return;

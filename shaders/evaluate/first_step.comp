@@ -21,11 +21,14 @@ uint next_corner(uint corner) { return links_at(corner - parameters.first_corner
 
 // A control point of the cage seen from a given vertex.
 vec3 from(vec3 origin, uint vertex) {
-  uint i = vertex - parameters.first_vertex;
+  uint i = gl_WorkGroupID.y * parameters.instance_rows + (vertex - parameters.first_vertex);
   precise vec3 x = (given_at(i).xyz - origin) + moved_at(i).xyz;
   return x;
 }
-vec3 origin_of(uint vertex) { return given_at(vertex - parameters.first_vertex).xyz; }
+vec3 origin_of(uint vertex) {
+  return given_at(gl_WorkGroupID.y * parameters.instance_rows + (vertex - parameters.first_vertex))
+      .xyz;
+}
 
 // The words begin with the place of each size's weights.
 vec3 of_face(uint corner, vec3 origin) {
@@ -68,5 +71,6 @@ void main() {
     vertex = vertices_at(point - parameters.first_corner);
     offset = of_face(point, origin_of(vertex));
   }
-  state[point - parameters.first_target] = vec4(offset, uintBitsToFloat(vertex | kVertexTag));
+  state[gl_WorkGroupID.y * parameters.instance_points + (point - parameters.first_target)] =
+      vec4(offset, uintBitsToFloat(vertex | kVertexTag));
 }

@@ -5,15 +5,17 @@
 
 layout(local_size_x = 1) in;
 layout(std430, set = 0, binding = 0) restrict readonly buffer Steps { StepRecord steps[]; };
-layout(std430, set = 0, binding = 1) restrict writeonly buffer Status { SolveStatus status; };
+layout(std430, set = 0, binding = 1) restrict writeonly buffer Status { SolveStatus statuses[]; };
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
 void main() {
+  uint instance = gl_WorkGroupID.y;
+  uint instances = parameters.further_instances + 1u;
   uint state = kStateRunning;
   uint largest = 0u;
   uint step = 0u;
   for (; step < parameters.count; ++step) {
-    largest = steps[step].max_square_bits;
+    largest = steps[step * instances + instance].max_square_bits;
     if (uintBitsToFloat(largest) <= parameters.stop_square) {
       state = kStateConverged;
       break;
@@ -22,9 +24,9 @@ void main() {
   float square = uintBitsToFloat(largest);
   if (isinf(square)) state = kStateNotFinite;
   step = min(step, parameters.step_count);
-  status.iterations = step;
-  status.state = state;
-  status.residual = sqrt(square);
-  status.max_square_bits = largest;
-  status.side = (parameters.first_side + step) % 3u;
+  statuses[instance].iterations = step;
+  statuses[instance].state = state;
+  statuses[instance].residual = sqrt(square);
+  statuses[instance].max_square_bits = largest;
+  statuses[instance].side = (parameters.first_side + step) % 3u;
 }

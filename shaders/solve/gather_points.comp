@@ -12,7 +12,8 @@ layout(push_constant) uniform Parameters { VectorParameters parameters; };
 void main() {
   uint row = gl_GlobalInvocationID.x;
   if (row >= parameters.count) return;
-  uint place = parameters.source_shift +
+  uint place = parameters.source_shift + gl_WorkGroupID.y * parameters.instance_floats +
                (vertices[row] - parameters.first_vertex) * parameters.source_stride;
-  target[row] = vec4(source[place], source[place + 1u], source[place + 2u], 0.0);
+  target[gl_WorkGroupID.y * parameters.instance_rows + row] =
+      vec4(source[place], source[place + 1u], source[place + 2u], 0.0);
 }

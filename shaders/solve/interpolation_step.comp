@@ -21,14 +21,15 @@ shared uint group_maxima[kChunkRows];
 
 // Returns |residual|^2 of the row, having written its next displacement.
 float advance(ChunkRow at, float momentum, float gain) {
+  uint first = gl_WorkGroupID.y * parameters.instance_rows;
   precise vec3 image = vec3(0.0);
   for (uint k = 0u; k < at.width; ++k) {
     uvec2 entry = entry_at(at.first + k * kChunkRows);
-    image += uintBitsToFloat(entry.y) * current_at(entry.x);
+    image += uintBitsToFloat(entry.y) * current_at(first + entry.x);
   }
-  uint own = at.row - parameters.first_row;
+  uint own = first + (at.row - parameters.first_row);
   precise vec3 residual = initial_at(own) - image;
-  vec3 position = current_at(at.row - parameters.first_source);
+  vec3 position = current_at(first + (at.row - parameters.first_source));
   precise vec3 moved = position + (momentum * (position - previous_at(own)) + gain * residual);
   next[own] = vec4(moved, 0.0);
   precise float square =
@@ -37,7 +38,7 @@ float advance(ChunkRow at, float momentum, float gain) {
 }
 
 // Sums over the work group in two short serial levels: few barriers, and a fixed order.
-void share_results(float own_sum, uint largest, uint place) {
+void share_results(float own_sum, uint largest, uint step, uint place) {
   uint lane = gl_LocalInvocationIndex;
   precise float sum = own_sum;
   group_sums[lane] = sum;
@@ -57,19 +58,21 @@ void share_results(float own_sum, uint largest, uint place) {
       sum += group_sums[i];
       largest = max(largest, group_maxima[i]);
     }
-    atomicMax(steps[parameters.step].max_square_bits, largest);
-    partials[place] = sum;
+    atomicMax(steps[step].max_square_bits, largest);
+    if (parameters.partials_total > 0u) partials[place] = sum;
   }
 }
 
 void main() {
   // The errors before this step were complete with the last dispatch: stop without a host.
-  if (parameters.step > 0u && uintBitsToFloat(steps[parameters.step - 1u].max_square_bits) <=
-                                  parameters.stop_square)
+  uint instances = parameters.further_instances + 1u;
+  uint step = parameters.step * instances + gl_WorkGroupID.y;
+  if (parameters.step > 0u &&
+      uintBitsToFloat(steps[step - instances].max_square_bits) <= parameters.stop_square)
     return;
 
-  float momentum = steps[parameters.step].momentum;
-  float gain = steps[parameters.step].gain;
+  float momentum = steps[step].momentum;
+  float gain = steps[step].gain;
   precise float sum = 0.0;
   uint largest = 0u;
   for (uint i = 0u; i < kChunksPerGroup; ++i) {
@@ -84,10 +87,10 @@ void main() {
   uint place = parameters.step * parameters.partials_total;
   uint group = parameters.first_group + gl_WorkGroupID.x;
   if (kLaneSums) {
-    if (largest > steps[parameters.step].max_square_bits)
-      atomicMax(steps[parameters.step].max_square_bits, largest);
-    partials[place + group * kChunkRows + gl_LocalInvocationIndex] = sum;
+    if (largest > steps[step].max_square_bits) atomicMax(steps[step].max_square_bits, largest);
+    if (parameters.partials_total > 0u)
+      partials[place + group * kChunkRows + gl_LocalInvocationIndex] = sum;
   } else {
-    share_results(sum, largest, place + group);
+    share_results(sum, largest, step, place + group);
   }
 }

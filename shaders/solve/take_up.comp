@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) restrict buffer Side0 { vec4 side0[]; };
 layout(std430, set = 0, binding = 1) restrict readonly buffer Side1 { vec4 side1[]; };
 layout(std430, set = 0, binding = 2) restrict buffer Side2 { vec4 side2[]; };
-layout(std430, set = 0, binding = 3) restrict readonly buffer Status { SolveStatus status; };
+layout(std430, set = 0, binding = 3) restrict readonly buffer Status { SolveStatus statuses[]; };
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
 
 bool is_finite(float x) { return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u; }
@@ -15,11 +15,13 @@ bool is_finite(float x) { return (floatBitsToUint(x) & 0x7f800000u) != 0x7f80000
 void main() {
   uint row = gl_GlobalInvocationID.x;
   if (row >= parameters.count) return;
+  row += gl_WorkGroupID.y * parameters.instance_rows;
   vec3 start = vec3(0.0);
   if (parameters.warm != 0u) {
-    if (status.side == 0u)
+    uint side = statuses[gl_WorkGroupID.y].side;
+    if (side == 0u)
       start = side0[row].xyz;
-    else if (status.side == 1u)
+    else if (side == 1u)
       start = side1[row].xyz;
     else
       start = side2[row].xyz;

@@ -23,7 +23,8 @@ using namespace vulkan;
 
 class EmbedDrivers : public Embedding {
  protected:
-  /// Vertices and status of frames of both methods, one by one and beside each other.
+  /// Vertices and status of frames of both methods, one by one, beside each other and as instances,
+  /// and places on a surface.
   std::vector<std::byte> frames() {
     std::vector<std::byte> bytes;
     const PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(2), 0.1, 3);
@@ -32,13 +33,17 @@ class EmbedDrivers : public Embedding {
     fair.method = InterpolationMethod::Fair;
     HostTopology first(*context_, mesh, progressive), second(*context_, mesh, fair);
     HostFrame one(*context_, first), other(*context_, second);
+    HostFrame crowd(*context_, first, {}, 64, 3);
     SolveParameters stopped = iterations(20);
     stopped.stop_error = 1e-4f;
     for (HostTopology* topology : {&first, &second}) topology->upload(*submitter_);
     for (const int pose : {0, 1}) {
       one.set_points(posed(mesh, pose));
       other.set_points(posed(mesh, pose));
+      for (std::uint32_t i = 0; i < 3; ++i)
+        crowd.set_points(posed(mesh, pose + static_cast<int>(i)), i);
       submitter_->run([&](VkCommandBuffer commands) {
+        crowd.record(commands, stopped);
         if (pose == 0) {
           one.record(commands, stopped);
           other.record(commands, {});
@@ -51,9 +56,10 @@ class EmbedDrivers : public Embedding {
         one.solve.record_status(commands, one.report.handle(), 0);
         other.solve.record_status(commands, other.report.handle(), 0);
       });
-      for (HostFrame* frame : {&one, &other}) {
-        const std::vector<Vertex> vertices = frame->vertices();
-        const GpuStatus status = frame->status();
+      for (const auto& [frame, instance] :
+           {std::pair{&one, 0u}, {&other, 0u}, {&crowd, 0u}, {&crowd, 1u}, {&crowd, 2u}}) {
+        const std::vector<Vertex> vertices = frame->vertices(instance);
+        const GpuStatus status = frame->status(instance);
         const auto add = [&](std::span<const std::byte> more) {
           bytes.insert(bytes.end(), more.begin(), more.end());
         };
@@ -61,7 +67,47 @@ class EmbedDrivers : public Embedding {
         add(std::as_bytes(std::span(&status, 1)));
       }
     }
+    const std::vector<std::byte> more = places(mesh);
+    bytes.insert(bytes.end(), more.begin(), more.end());
     return bytes;
+  }
+
+  /// Position, normal and derivatives at places all over a solved surface.
+  std::vector<std::byte> places(const PolygonMesh& mesh) {
+    const System system(mesh);
+    const DeviceSystem tables(*context_, system, {.answers_places = true});
+    const auto mapped = [&](std::span<const std::byte> bytes) {
+      Buffer buffer(*context_, bytes.size(), MemoryUse::Upload);
+      std::memcpy(buffer.mapped().data(), bytes.data(), bytes.size());
+      buffer.flush();
+      return buffer;
+    };
+    Buffer staging(*context_, tables.upload_bytes(), MemoryUse::Upload);
+    tables.write_upload(system, staging.mapped().first(tables.upload_bytes()));
+    staging.flush();
+    const std::vector<glm::vec3> given(mesh.positions.begin(), mesh.positions.end());
+    const Buffer points = mapped(std::as_bytes(std::span(given)));
+    struct Record {
+      std::int32_t face;
+      float u, v;
+    };
+    std::vector<Record> records;
+    for (std::int32_t face = 0; face < mesh.face_count(); ++face)
+      for (const float at : {0.0f, 0.2f, 0.49f}) records.push_back({face, at, 0.5f * at});
+    const Buffer list = mapped(std::as_bytes(std::span(records)));
+    const auto count = static_cast<std::uint32_t>(records.size());
+    Buffer results(*context_, 88 * count, MemoryUse::Download);
+    const vulkan::Solve solve(*context_, tables, {.given = {points.handle()}});
+    const Places asked(*context_, tables, solve,
+                       {{list.handle(), 0, 12, count}, {.buffer = results.handle()}});
+    submitter_->run([&](VkCommandBuffer commands) {
+      tables.record_upload(commands, staging.handle(), 0);
+      solve.record_solve(commands, iterations(5));
+      solve.record_surface(commands);
+      asked.record_evaluate(commands);
+    });
+    results.invalidate();
+    return {results.mapped().begin(), results.mapped().begin() + 88 * count};
   }
 
   /// The same on the driver as it is and on one that differs, reading both ways.
@@ -87,7 +133,7 @@ class EmbedDrivers : public Embedding {
 };
 
 TEST_F(EmbedDrivers, SubgroupsOfAnySize) {
-  for (const std::uint32_t size : {1u, 128u})
+  for (const std::uint32_t size : {1u, 32u, 64u, 128u})
     expect_equal_frames([&](auto& pretence) { pretence.subgroup_size = size; },
                         [&] { EXPECT_EQ(own_->capabilities().subgroup_size, size); });
 }

@@ -103,48 +103,57 @@ void HostTopology::upload(Submitter& submitter) {
 
 namespace {
 
-SolveOptions options_of(const HostFrame& frame, std::uint32_t max_iterations) {
+SolveOptions options_of(const HostFrame& frame, std::uint32_t max_iterations,
+                        std::uint32_t instances) {
   SolveOptions options;
   options.max_iterations = max_iterations;
   options.given = {frame.points.handle(), 0, sizeof(glm::vec3)};
-  options.vertices = {frame.output.handle(), frame.layout.offset, frame.layout.stride,
-                      frame.layout.position_offset, frame.layout.normal_offset};
+  options.vertices = {frame.output.handle(),      frame.layout.offset,
+                      frame.layout.stride,        frame.layout.position_offset,
+                      frame.layout.normal_offset, frame.instance_stride()};
+  options.instances = instances;
   return options;
 }
 
 }  // namespace
 
 HostFrame::HostFrame(Context& context, const HostTopology& topology, const Layout& wanted,
-                     std::uint32_t max_iterations)
+                     std::uint32_t max_iterations, std::uint32_t instances)
     : vertex_count(topology.system.vertex_count()),
       layout(wanted),
-      points(context, topology.system.given_count() * sizeof(glm::vec3), MemoryUse::Upload),
-      output(context, wanted.offset + std::uint64_t(vertex_count) * wanted.stride,
-             MemoryUse::Download),
-      report(context, sizeof(GpuStatus), MemoryUse::Download),
-      solve(context, topology.device, options_of(*this, max_iterations)) {}
+      points(context, instances * topology.system.given_count() * sizeof(glm::vec3),
+             MemoryUse::Upload),
+      output(context, wanted.offset + instances * instance_stride(), MemoryUse::Download),
+      report(context, instances * sizeof(GpuStatus), MemoryUse::Download),
+      solve(context, topology.device, options_of(*this, max_iterations, instances)) {}
 
-void HostFrame::set_points(const PolygonMesh& pose) {
+std::uint64_t HostFrame::instance_stride() const {
+  return std::uint64_t(vertex_count) * layout.stride + layout.gap;
+}
+
+void HostFrame::set_points(const PolygonMesh& pose, std::uint32_t instance) {
   std::vector<glm::vec3> rounded(pose.positions.begin(), pose.positions.end());
-  std::memcpy(points.mapped().data(), rounded.data(), rounded.size() * sizeof(glm::vec3));
+  const std::size_t bytes = rounded.size() * sizeof(glm::vec3);
+  std::memcpy(points.mapped().data() + instance * bytes, rounded.data(), bytes);
   points.flush();
 }
 
-std::vector<Vertex> HostFrame::vertices() {
+std::vector<Vertex> HostFrame::vertices(std::uint32_t instance) {
   output.invalidate();
   std::vector<Vertex> result(vertex_count);
   for (std::size_t i = 0; i < result.size(); ++i) {
-    const std::byte* vertex = &output.mapped()[layout.offset + i * layout.stride];
+    const std::byte* vertex =
+        &output.mapped()[layout.offset + instance * instance_stride() + i * layout.stride];
     std::memcpy(&result[i].position, vertex + layout.position_offset, sizeof(glm::vec3));
     std::memcpy(&result[i].normal, vertex + layout.normal_offset, sizeof(glm::vec3));
   }
   return result;
 }
 
-GpuStatus HostFrame::status() {
+GpuStatus HostFrame::status(std::uint32_t instance) {
   report.invalidate();
   GpuStatus result;
-  std::memcpy(&result, report.mapped().data(), sizeof result);
+  std::memcpy(&result, report.mapped().data() + instance * sizeof result, sizeof result);
   return result;
 }
 

@@ -37,6 +37,7 @@ struct Difference {
 /// Where a host wants its vertices.
 struct Layout {
   std::uint32_t offset = 0, stride = 24, position_offset = 0, normal_offset = 12;
+  std::uint32_t gap = 0;  ///< bytes between instances
 };
 
 /// What a host keeps for one topology: tables, and an index buffer.
@@ -51,14 +52,16 @@ struct HostTopology {
   vulkan::Buffer indices, staging;  // mapped
 };
 
-/// What a host keeps for one frame in flight of one instance; its buffers are mapped.
+/// What a host keeps for one frame in flight of one instance or of several; its buffers are mapped.
 struct HostFrame {
   HostFrame(vulkan::Context& context, const HostTopology& topology, const Layout& layout = {},
-            std::uint32_t max_iterations = 64);
+            std::uint32_t max_iterations = 64, std::uint32_t instances = 1);
 
-  void set_points(const PolygonMesh& pose);
-  [[nodiscard]] std::vector<Vertex> vertices();
-  [[nodiscard]] vulkan::GpuStatus status();
+  void set_points(const PolygonMesh& pose, std::uint32_t instance = 0);
+  [[nodiscard]] std::vector<Vertex> vertices(std::uint32_t instance = 0);
+  [[nodiscard]] vulkan::GpuStatus status(std::uint32_t instance = 0);
+  /// Of vertices, from an instance to the next.
+  [[nodiscard]] std::uint64_t instance_stride() const;
   /// Solve, evaluation and status in one command buffer.
   void record(VkCommandBuffer commands, const vulkan::SolveParameters& parameters) const;
 

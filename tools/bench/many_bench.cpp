@@ -4,6 +4,7 @@
 
 #include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
+#include "planish/mesh/merged_meshes.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/vulkan_backend.h"
@@ -18,26 +19,31 @@ constexpr std::int32_t kMeshes = 64;
 constexpr SolveParameters kSteps{.iterations = 16};
 constexpr std::uint32_t kBytesOfVertex = 24;
 
-// Instances of one mesh, each with points and vertices of its own.
+// Instances of one mesh, each with points and vertices of its own: Solves of `each` instances.
 struct Instances {
-  Instances(VulkanMachine& machine, const PolygonMesh& mesh, std::int32_t count)
+  Instances(VulkanMachine& machine, const PolygonMesh& mesh, std::int32_t count,
+            std::int32_t each = 1)
       : system(mesh, {.level = 1}), device(machine.context, system) {
     Buffer staging(machine.context, device.upload_bytes(), MemoryUse::Upload);
     device.write_upload(system, staging.mapped().first(device.upload_bytes()));
     staging.flush();
     machine.submitter.run(
         [&](VkCommandBuffer commands) { device.record_upload(commands, staging.handle(), 0); });
-    const std::vector<glm::vec3> rounded(mesh.positions.begin(), mesh.positions.end());
+    std::vector<glm::vec3> rounded;
+    for (std::int32_t i = 0; i < each; ++i)
+      rounded.insert(rounded.end(), mesh.positions.begin(), mesh.positions.end());
     for (std::int32_t i = 0; i < count; ++i) {
       const Buffer& given = points.emplace_back(machine.context, rounded.size() * sizeof(glm::vec3),
                                                 MemoryUse::Device);
       machine.submitter.upload(whole(given), std::as_bytes(std::span(rounded)));
       const Buffer& target = vertices.emplace_back(
-          machine.context, std::uint64_t(system.vertex_count()) * kBytesOfVertex,
+          machine.context, std::uint64_t(each) * system.vertex_count() * kBytesOfVertex,
           MemoryUse::Device);
       solves.push_back(std::make_unique<vulkan::Solve>(
           machine.context, device,
-          SolveOptions{.given = {given.handle()}, .vertices = {target.handle()}}));
+          SolveOptions{.given = {given.handle()},
+                       .vertices = {target.handle()},
+                       .instances = static_cast<std::uint32_t>(each)}));
       solve_calls.push_back({solves.back().get(), kSteps});
       evaluate_calls.push_back({solves.back().get(), {}});
     }
@@ -53,17 +59,10 @@ struct Instances {
 
 // `count` of the mesh side by side, as one.
 PolygonMesh side_by_side(const PolygonMesh& mesh, std::int32_t count) {
-  PolygonMesh all;
-  for (std::int32_t i = 0; i < count; ++i) {
-    const auto first = static_cast<std::int32_t>(all.positions.size());
-    for (const glm::dvec3& p : mesh.positions) all.positions.push_back(p + glm::dvec3(3 * i, 0, 0));
-    for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
-      std::vector<std::int32_t> vertices(mesh.face(face).begin(), mesh.face(face).end());
-      for (std::int32_t& vertex : vertices) vertex += first;
-      all.add_face(vertices);
-    }
-  }
-  return all;
+  std::vector<PolygonMesh> meshes(static_cast<std::size_t>(count), mesh);
+  for (std::int32_t i = 0; i < count; ++i)
+    for (glm::dvec3& p : meshes[i].positions) p.x += 3 * i;
+  return merged_meshes(meshes).mesh;
 }
 
 void add_peers(Group& group, const std::string& name, VulkanMachine& machine,
@@ -98,6 +97,7 @@ std::vector<Row> bench_many(const Options& options) {
   const auto one = std::make_shared<Instances>(machine, torus_grid(large), 1);
   const PolygonMesh small = torus_grid(large / kMeshes);
   const auto many = std::make_shared<Instances>(machine, small, kMeshes);
+  const auto instances = std::make_shared<Instances>(machine, small, 1, kMeshes);
   // One System whose mesh has as many components.
   const auto merged = std::make_shared<Instances>(machine, side_by_side(small, kMeshes), 1);
   // So small that what a dispatch costs is all.
@@ -114,6 +114,7 @@ std::vector<Row> bench_many(const Options& options) {
   group.baseline = "solve-one";
   add_peers(group, "one", machine, one);
   add_peers(group, "merged", machine, merged);
+  add_peers(group, "instances", machine, instances);
   add_peers(group, "many", machine, many);
   add_peers(group, "tiny", machine, tiny);
   return run_group(group, options.repetitions);

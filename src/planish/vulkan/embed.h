@@ -23,7 +23,12 @@
 //   Places places(context, tables, solve, options);      // if wanted
 //   each frame: solve.record_solve(commands, parameters); solve.record_evaluate(commands);
 //               places.record_evaluate(commands);
-//   or for many instances: record_solves(commands, calls); record_evaluates(commands, calls);
+//
+// Many meshes. Instances of one mesh, each with points of its own, are best one Solve with
+//   SolveOptions::instances: its dispatches do all of them, and cost what one mesh of their size
+//   costs. Different meshes that are always solved together are best one System, of the mesh that
+//   merged_meshes() (mesh/merged_meshes.h) makes of them. What is left are Solves beside each
+//   other: record_solves(commands, calls); record_evaluates(commands, calls);
 //
 // Errors. Making objects may fail: planish::Error, whose code is InvalidArgument (an option),
 //   UnusableMesh, NoDevice (the device lacks something, which the message names), OutOfMemory (the
@@ -210,6 +215,8 @@ struct GivenPoints {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;
   std::uint32_t stride = 12;
+  /// Bytes from an instance's first point to the next one's; 0: given_count() strides.
+  VkDeviceSize instance_stride = 0;
 };
 
 /// Where record_evaluate writes: for each vertex three floats of position and three of unit normal
@@ -221,6 +228,8 @@ struct VertexLayout {
   std::uint32_t stride = 24;  ///< bytes
   std::uint32_t position_offset = 0;
   std::uint32_t normal_offset = 12;
+  /// Bytes from an instance's first vertex to the next one's; 0: vertex_count() strides.
+  VkDeviceSize instance_stride = 0;
 };
 
 struct SolveOptions {
@@ -229,6 +238,12 @@ struct SolveOptions {
   std::uint32_t polish_steps = 8;
   GivenPoints given;
   VertexLayout vertices;
+  /// Of the progressive method, 1 to 65,535: instances of the mesh that every recorded call does,
+  /// in the dispatches of one, with one SolveParameters. Each has points, displacement, vertices
+  /// and status of its own, stops by itself, and gets the bits that a Solve of its own would give
+  /// it. Vectors of all instances (16 bytes a point of level 1, which are the mesh's corners) are
+  /// one binding: Error{OutOfMemory} says how many a device can have.
+  std::uint32_t instances = 1;
 };
 
 /// Two timestamps in a host's query pool, `first` before and `first` + 1 after the recorded work.
@@ -282,8 +297,8 @@ struct EvaluateCall {
   Timestamps timestamps;
 };
 
-/// One frame in flight of one instance: moves control points until the limit surface passes through
-/// the given points, then evaluates it. Externally synchronised.
+/// One frame in flight of one instance or of several: moves control points until the limit surface
+/// passes through the given points, then evaluates it. Externally synchronised.
 class Solve {
  public:
   /// Throws Error{InvalidArgument} for a layout, Error{OutOfMemory} naming the limit, VulkanError.
@@ -294,9 +309,9 @@ class Solve {
 
   /// Forgets the last displacement. After a jump of the pose, and before a first warm start.
   void record_reset(VkCommandBuffer commands) const noexcept;
-  /// Copies given points, 12 tight bytes each, from a host's buffer with
-  /// VK_BUFFER_USAGE_TRANSFER_SRC_BIT; offset is a multiple of 4. Only without a GivenPoints
-  /// buffer.
+  /// Copies given points, 12 tight bytes each, all of an instance after those of the last, from a
+  /// host's buffer with VK_BUFFER_USAGE_TRANSFER_SRC_BIT; offset is a multiple of 4. Only without a
+  /// GivenPoints buffer.
   void record_given(VkCommandBuffer commands, VkBuffer source, VkDeviceSize offset) const noexcept;
   /// Finds the displacement of the control points from the given points as they are when it runs.
   void record_solve(VkCommandBuffer commands, const SolveParameters& parameters) const noexcept;
@@ -306,21 +321,25 @@ class Solve {
   /// The part of record_evaluate that Places need, the surface's control points, for who wants no
   /// vertices: record_evaluate does it, too.
   void record_surface(VkCommandBuffer commands) const noexcept;
-  /// Copies a GpuStatus of the last solve to a host's buffer with VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  /// offset is a multiple of 4. The host polls it when it likes, after its own fence.
+  /// Copies a GpuStatus of the last solve for each instance, one after another, to a host's buffer
+  /// with VK_BUFFER_USAGE_TRANSFER_DST_BIT; offset is a multiple of 4. The host polls it when it
+  /// likes, after its own fence.
   void record_status(VkCommandBuffer commands, VkBuffer target, VkDeviceSize offset) const noexcept;
 
   /// The control cage's points after record_evaluate: four floats each (the last is 0), one per
   /// used vertex; may be bound as a vertex or storage buffer. Where the method is Fair the state of
   /// level 1, as Subdivision documents it, after record_solve. Owned by the Solve.
   [[nodiscard]] VkBuffer control_points() const;
+  /// Bytes from an instance's control points to the next one's there.
+  [[nodiscard]] VkDeviceSize control_point_stride() const;
+  [[nodiscard]] std::uint32_t instance_count() const;
 
  private:
   struct Parts;
   friend void record_solves(VkCommandBuffer, std::span<const SolveCall>) noexcept;
   friend void record_evaluates(VkCommandBuffer, std::span<const EvaluateCall>) noexcept;
   friend class Places;
-  [[nodiscard]] SolvePoints surface_points() const;
+  [[nodiscard]] SolvePoints surface_points(std::uint32_t instance) const;
   std::unique_ptr<Parts> parts_;
 };
 
@@ -354,8 +373,7 @@ class Places {
 /// itself would have one, so that small meshes fill a device together. Results are the same bits.
 /// Each call is of another Solve; Contexts are of one device; systems, methods and parameters may
 /// differ. Each call's timestamps stand around the whole. Nothing is recorded for no calls.
-/// Dispatches are not shared: meshes that are always solved together are best one System, whose
-/// mesh has them as its components.
+/// Dispatches are not shared: see "Many meshes" above.
 void record_solves(VkCommandBuffer commands, std::span<const SolveCall> calls) noexcept;
 /// The same of record_evaluate. Vertices of several Solves in one buffer start at multiples of 256
 /// bytes: elsewhere validation layers may suspect a hazard where bindings overlap.

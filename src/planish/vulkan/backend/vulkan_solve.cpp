@@ -54,10 +54,7 @@ void VulkanSolve::begin(std::span<const glm::dvec3> initial_residual) {
 std::uint32_t VulkanSolve::run_piece(std::span<const StepCoefficients> steps, float stop_square,
                                      std::vector<ErrorNorms>& errors) {
   const auto count = static_cast<std::uint32_t>(steps.size());
-  for (std::uint32_t i = 0; i < count; ++i)
-    solve_.plan()[i] = {static_cast<float>(steps[i].momentum), static_cast<float>(steps[i].gain), 0,
-                        0};
-  solve_.flush_plan();
+  solve_.set_plan(steps);
   machine_->submitter.run([&](VkCommandBuffer commands) {
     solve_.record_steps(commands, {side_, count, stop_square});
     // Within the same submission: each wait costs the host as much as a small step.

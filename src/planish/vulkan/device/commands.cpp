@@ -26,14 +26,17 @@ void bind(const Context& context, VkCommandBuffer commands, const Pipeline& pipe
 }  // namespace
 
 void record_dispatch(const Context& context, VkCommandBuffer commands, Kernel kernel,
-                     VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept {
-  record_dispatch(context, commands, context.pipelines()[kernel], set, parameters, groups);
+                     VkDescriptorSet set, const void* parameters, std::uint32_t groups,
+                     std::uint32_t instances) noexcept {
+  record_dispatch(context, commands, context.pipelines()[kernel], set, parameters, groups,
+                  instances);
 }
 
 void record_dispatch(const Context& context, VkCommandBuffer commands, const Pipeline& pipeline,
-                     VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept {
+                     VkDescriptorSet set, const void* parameters, std::uint32_t groups,
+                     std::uint32_t instances) noexcept {
   bind(context, commands, pipeline, set, parameters);
-  context.vk().vkCmdDispatch(commands, groups, 1, 1);
+  context.vk().vkCmdDispatch(commands, groups, instances, 1);
 }
 
 void record_dispatch_indirect(const Context& context, VkCommandBuffer commands, Kernel kernel,

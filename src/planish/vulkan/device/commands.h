@@ -24,11 +24,13 @@ class LabelScope {
 void record_barrier(const Context& context, VkCommandBuffer commands, const Scope& from,
                     const Scope& to) noexcept;
 
-/// `parameters` points to the kernel's own push constants.
+/// `parameters` points to the kernel's own push constants; `instances` are work groups in y.
 void record_dispatch(const Context& context, VkCommandBuffer commands, const Pipeline& pipeline,
-                     VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept;
+                     VkDescriptorSet set, const void* parameters, std::uint32_t groups,
+                     std::uint32_t instances = 1) noexcept;
 void record_dispatch(const Context& context, VkCommandBuffer commands, Kernel kernel,
-                     VkDescriptorSet set, const void* parameters, std::uint32_t groups) noexcept;
+                     VkDescriptorSet set, const void* parameters, std::uint32_t groups,
+                     std::uint32_t instances = 1) noexcept;
 
 /// A VkDispatchIndirectCommand in a buffer.
 struct IndirectGroups {

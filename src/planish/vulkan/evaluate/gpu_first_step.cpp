@@ -14,10 +14,13 @@ constexpr std::uint32_t kStepLanes = 64;
 }  // namespace
 
 GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const StepTables& tables,
-                           const Buffer& given, const Buffer& displacement)
+                           const Buffer& given, const Buffer& displacement,
+                           std::uint64_t vertex_count, const Instances& instances)
     : context_(context),
-      state_(context, static_cast<std::uint64_t>(patches.point_count) * kPointBytes,
+      instances_(instances),
+      state_(context, instances.bytes(static_cast<std::uint64_t>(patches.point_count)),
              MemoryUse::Device, "planish points of level 1") {
+  const auto point_count = static_cast<std::uint64_t>(patches.point_count);
   std::vector<BoundKernel> bound;
   for (const StepSlice& slice : tables.slices) {
     const std::int64_t shift = slice.points.first % kStepLanes;
@@ -32,14 +35,17 @@ GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const S
     parameters.first_vertex = static_cast<std::uint32_t>(slice.vertices.first);
     parameters.first_target = static_cast<std::uint32_t>(target.first);
     parameters.first_word = tables.first_sharp_word;
+    parameters.instance_points = static_cast<std::uint32_t>(instances.stride(point_count));
+    parameters.instance_rows = static_cast<std::uint32_t>(instances.stride(vertex_count));
     dispatch.groups = (parameters.count + kStepLanes - 1) / kStepLanes;
-    bound.push_back({Kernel::FirstStep,
-                     {whole(tables.words),
-                      window_range(patches.links, slice.corners, sizeof(PatchRecords::Link)),
-                      window_range(tables.vertices, slice.corners, sizeof(std::uint32_t)),
-                      window_range(given, slice.vertices, kPointBytes),
-                      window_range(displacement, slice.vertices, kPointBytes),
-                      window_range(state_, target, kPointBytes)}});
+    bound.push_back(
+        {Kernel::FirstStep,
+         {whole(tables.words),
+          window_range(patches.links, slice.corners, sizeof(PatchRecords::Link)),
+          window_range(tables.vertices, slice.corners, sizeof(std::uint32_t)),
+          instances.widened(window_range(given, slice.vertices, kPointBytes), vertex_count),
+          instances.widened(window_range(displacement, slice.vertices, kPointBytes), vertex_count),
+          instances.widened(window_range(state_, target, kPointBytes), point_count)}});
   }
   sets_ = DescriptorSets(context, bound);
 }
@@ -49,7 +55,7 @@ Wait GpuFirstStep::record_round(VkCommandBuffer commands, std::size_t round) con
   if (round >= dispatches_.size()) return {};
   const Dispatch& dispatch = dispatches_[round];
   record_dispatch(context_, commands, dispatch.pipeline, sets_[round], &dispatch.parameters,
-                  dispatch.groups);
+                  dispatch.groups, instances_.count);
   return kKernelWait;
 }
 

@@ -4,6 +4,7 @@
 
 #include "planish/vulkan/device/rounds.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
+#include "planish/vulkan/tables/instances.h"
 
 namespace planish::vulkan {
 
@@ -11,9 +12,11 @@ namespace planish::vulkan {
 /// as GpuPatches reads it. Externally synchronised; tables and points outlive it.
 class GpuFirstStep {
  public:
-  /// `given`, `displacement`: shared::kPointFloats floats per vertex.
+  /// `given`, `displacement`: shared::kPointFloats floats for each of `vertex_count` vertices,
+  /// instance by instance.
   GpuFirstStep(Context& context, const PatchTables& patches, const StepTables& tables,
-               const Buffer& given, const Buffer& displacement);
+               const Buffer& given, const Buffer& displacement, std::uint64_t vertex_count = 0,
+               const Instances& instances = {});
 
   /// Only records, within kEntryScope; all that it writes is ready for kernels.
   void record(VkCommandBuffer commands) const noexcept;
@@ -21,7 +24,7 @@ class GpuFirstStep {
   Wait record_round(VkCommandBuffer commands, std::size_t round) const noexcept;
   [[nodiscard]] std::size_t round_count() const { return dispatches_.size(); }
 
-  /// shared::kPointFloats floats per point.
+  /// shared::kPointFloats floats per point, instance by instance.
   [[nodiscard]] const Buffer& state() const { return state_; }
 
  private:
@@ -32,6 +35,7 @@ class GpuFirstStep {
   };
 
   Context& context_;
+  Instances instances_;
   Buffer state_;
   std::vector<Dispatch> dispatches_;
   DescriptorSets sets_;

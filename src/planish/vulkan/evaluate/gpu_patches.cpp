@@ -23,14 +23,17 @@ FloatElements elements_of(const VertexLayout& layout) {
 }  // namespace
 
 GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer& given,
-                       const Buffer& state, const VertexLayout& layout)
-    : context_(context) {
+                       const Buffer& state, const VertexLayout& layout, std::uint64_t vertex_count,
+                       const Instances& instances)
+    : context_(context), instances_(instances) {
+  const auto point_count = static_cast<std::uint64_t>(tables.point_count);
   const std::uint32_t units_per_group = context.variant().chunks_per_group;
   std::vector<BoundKernel> bound;
   for (const PatchSlice& slice : tables.slices) {
-    const ElementWindow target =
+    ElementWindow target =
         element_window(elements_of(layout), static_cast<std::uint64_t>(slice.rows.first),
                        static_cast<std::uint64_t>(slice.rows.count));
+    target.range.size += instances.further() * layout.instance_stride;
     check_range(context, target);
     const std::uint32_t constants[] = {slice.gather, slice.samples};
     Dispatch& dispatch = dispatches_.emplace_back();
@@ -50,6 +53,9 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
     // May be negative: the kernel's sum wraps around.
     parameters.normal_offset =
         layout.normal_offset / sizeof(float) - layout.position_offset / sizeof(float);
+    parameters.instance_points = static_cast<std::uint32_t>(instances.stride(point_count));
+    parameters.instance_rows = static_cast<std::uint32_t>(instances.stride(vertex_count));
+    parameters.instance_floats = static_cast<std::uint32_t>(layout.instance_stride / sizeof(float));
     dispatch.groups = (parameters.unit_count + units_per_group - 1) / units_per_group;
     // Points behind the corners' have no links.
     const std::uint64_t link_bytes = sizeof(PatchRecords::Link);
@@ -61,8 +67,8 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
         {Kernel::CornerPatches,
          {whole(tables.groups), window_range(tables.words, slice.words, sizeof(std::uint32_t)),
           window_range(tables.links, links, link_bytes),
-          window_range(state, slice.points, kPointBytes),
-          window_range(given, slice.vertices, kPointBytes),
+          instances.widened(window_range(state, slice.points, kPointBytes), point_count),
+          instances.widened(window_range(given, slice.vertices, kPointBytes), vertex_count),
           window_range(tables.weights, slice.weights, sizeof(PatchRecords::Weight)),
           target.range}});
   }
@@ -74,7 +80,7 @@ Wait GpuPatches::record_round(VkCommandBuffer commands, std::size_t round) const
   if (round >= dispatches_.size()) return {};
   const Dispatch& dispatch = dispatches_[round];
   record_dispatch(context_, commands, dispatch.pipeline, sets_[round], &dispatch.parameters,
-                  dispatch.groups);
+                  dispatch.groups, instances_.count);
   return kKernelWait;
 }
 

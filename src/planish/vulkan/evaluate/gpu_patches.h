@@ -6,6 +6,7 @@
 #include "planish/vulkan/device/rounds.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
+#include "planish/vulkan/tables/instances.h"
 
 namespace planish::vulkan {
 
@@ -15,9 +16,12 @@ class GpuPatches {
  public:
   /// `given`: per vertex of the mesh, where points of the state are seen from; `state`: their
   /// offsets from it, the vertex with shared::kVertexTag in the fourth float. Both of
-  /// shared::kPointFloats floats. The layout's stride is at most that of the tables' limits.
+  /// shared::kPointFloats floats, instance by instance, `vertex_count` vertices each. The layout's
+  /// stride is at most that of the tables' limits; its instance_stride is not 0 where there are
+  /// several.
   GpuPatches(Context& context, const PatchTables& tables, const Buffer& given, const Buffer& state,
-             const VertexLayout& layout);
+             const VertexLayout& layout, std::uint64_t vertex_count = 0,
+             const Instances& instances = {});
 
   /// Only records, within kEntryScope; all that it writes is ready for kernels.
   void record(VkCommandBuffer commands) const noexcept;
@@ -33,6 +37,7 @@ class GpuPatches {
   };
 
   Context& context_;
+  Instances instances_;
   std::vector<Dispatch> dispatches_;
   DescriptorSets sets_;
 };

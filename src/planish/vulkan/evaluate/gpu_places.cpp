@@ -37,11 +37,11 @@ std::uint64_t places_at_once(const Context& context, std::uint32_t stride) {
 }
 
 // The kernel reads any point.
-void require_bindable(const Context& context, const Buffer& points, const char* what) {
-  const std::uint64_t count = points.size() / (shared::kPointFloats * kWord);
-  if (points.size() <= context.max_storage_range() && count <= context.max_texel_elements()) return;
+void require_bindable(const Context& context, const BufferRange& points, const char* what) {
+  const std::uint64_t count = points.size / (shared::kPointFloats * kWord);
+  if (points.size <= context.max_storage_range() && count <= context.max_texel_elements()) return;
   throw Error(ErrorCode::OutOfMemory,
-              context.capabilities().name + ": " + what + " span " + std::to_string(points.size()) +
+              context.capabilities().name + ": " + what + " span " + std::to_string(points.size) +
                   " bytes of one binding, but maxStorageBufferRange is " +
                   std::to_string(context.max_storage_range()) + " and maxTexelBufferElements " +
                   std::to_string(context.max_texel_elements()) + "; take a smaller mesh");
@@ -67,7 +67,7 @@ PlaceTables::PlaceTables(Context& context, const PlaceRecords& records)
                             "planish weights of places")) {}
 
 GpuPlaces::GpuPlaces(Context& context, const PatchTables& patches, const PlaceTables& tables,
-                     const Buffer& given, const Buffer& state, const PlaceList& list,
+                     const BufferRange& given, const BufferRange& state, const PlaceList& list,
                      const PlaceLayout& layout)
     : context_(context), pipeline_(context.pipelines().specialised(Kernel::SurfacePlaces, {})) {
   require_bindable(context, state, "control points");
@@ -99,8 +99,8 @@ GpuPlaces::GpuPlaces(Context& context, const PatchTables& patches, const PlaceTa
     parameters.dvv = words_of(layout.dvv_offset);
     parameters.state = words_of(layout.state_offset);
     bound.push_back({Kernel::SurfacePlaces,
-                     {from.range, whole(tables.words), whole(patches.links), whole(state),
-                      whole(given), whole(tables.weights), to.range}});
+                     {from.range, whole(tables.words), whole(patches.links), state, given,
+                      whole(tables.weights), to.range}});
   }
   sets_ = DescriptorSets(context, bound);
 }

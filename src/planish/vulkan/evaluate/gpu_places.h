@@ -36,7 +36,7 @@ class GpuPlaces {
   /// `given`, `state` as GpuPatches takes them. List and layout have been checked. Throws
   /// Error{OutOfMemory} naming the limit that control points exceed.
   GpuPlaces(Context& context, const PatchTables& patches, const PlaceTables& tables,
-            const Buffer& given, const Buffer& state, const PlaceList& list,
+            const BufferRange& given, const BufferRange& state, const PlaceList& list,
             const PlaceLayout& layout);
 
   /// The first `count` places. Only records, within kEntryScope and kExitScope.

@@ -48,6 +48,7 @@ struct PlaceLayout {
 struct PlacesOptions {
   PlaceList list;
   PlaceLayout results;
+  std::uint32_t instance = 0;  ///< of the Solve's
 };
 
 }  // namespace planish::vulkan

@@ -43,11 +43,11 @@ struct DeviceSystem::Parts {
   std::uint64_t device_bytes = 0;
 };
 
-/// What a Solve has of its surface, for Places. Both of shared::kPointFloats floats a point, as
-/// GpuPatches takes them.
+/// What a Solve has of an instance's surface, for Places. Both of shared::kPointFloats floats a
+/// point, as GpuPatches takes them.
 struct SolvePoints {
-  const Buffer& given;
-  const Buffer& state;
+  BufferRange given;
+  BufferRange state;
 };
 
 }  // namespace planish::vulkan

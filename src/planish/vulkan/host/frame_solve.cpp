@@ -1,6 +1,7 @@
 // Based on: the paper, section 3.2, with Golub & Varga's semi-iteration for its steps: everything
 // between a host's points and the vertices that it draws, in the host's command buffer.
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "planish/vulkan/evaluate/gpu_patches.h"
 #include "planish/vulkan/fair/gpu_fair.h"
 #include "planish/vulkan/host/device_system.h"
+#include "planish/vulkan/host/instance_limits.h"
 #include "planish/vulkan/host/write_timestamps.h"
 #include "planish/vulkan/solve/gpu_given.h"
 #include "planish/vulkan/solve/gpu_solve.h"
@@ -55,6 +57,7 @@ GpuSolveOptions solve_options(const Context& context, const SolveOptions& option
   GpuSolveOptions result;
   result.max_steps = options.max_iterations + 1;  // one more only measures
   result.sums_squares = false;
+  result.instances = {options.instances};
   return result;
 }
 
@@ -96,14 +99,23 @@ struct Solve::Parts {
     GpuFair fair;
   };
 
-  Parts(Context& on, const DeviceSystem::Parts& system, const SolveOptions& options);
+  Parts(Context& on, const DeviceSystem::Parts& system, const SolveOptions& wanted);
 
   [[nodiscard]] const Buffer& control_points() const {
     return fair ? fair->fair.buffers().state : progressive->given.control_points();
   }
-  [[nodiscard]] SolvePoints surface_points() const {
-    if (fair) return {fair->gather.points(), fair->fair.buffers().state_offsets};
-    return {progressive->given.given(), step->state()};
+  /// Of all instances.
+  [[nodiscard]] const Buffer& given_points() const {
+    return fair ? fair->gather.points() : progressive->given.given();
+  }
+  [[nodiscard]] const Buffer& state_points() const {
+    return fair ? fair->fair.buffers().state_offsets : step->state();
+  }
+  /// Of one.
+  [[nodiscard]] BufferRange points_of(const Buffer& points, std::uint64_t count,
+                                      std::uint32_t instance) const {
+    return {points.handle(), instance * instances.stride(count) * kPointBytes,
+            std::max<std::uint64_t>(count, 1) * kPointBytes};
   }
   [[nodiscard]] const Buffer& status() const {
     return fair ? fair->fair.buffers().status : progressive->solve.status();
@@ -117,7 +129,9 @@ struct Solve::Parts {
 
   Context& context;
   std::uint32_t max_iterations;
-  std::uint64_t given_bytes;
+  InstanceSizes sizes;
+  Instances instances;
+  std::uint64_t given_bytes;               // of all instances
   std::optional<Buffer> own_given;         // where the host gives no buffer
   std::optional<Progressive> progressive;  // one of these two
   std::optional<Fair> fair;
@@ -125,6 +139,9 @@ struct Solve::Parts {
   std::optional<GpuPatches> patches;
 
  private:
+  Parts(Context& on, const DeviceSystem::Parts& system, const InstanceSizes& sizes,
+        const SolveOptions& options);
+  static InstanceSizes sizes_of(const DeviceSystem::Parts& system, const SolveOptions& options);
   static std::optional<Buffer> make_given(Context& context, std::uint64_t bytes,
                                           const GivenPoints& given);
 };
@@ -135,10 +152,17 @@ Solve::Parts::Progressive::Progressive(Context& context, const DeviceSystem::Par
       given(context, system.masks, solve, system.vertices, system.used_vertices, points) {
   const std::vector<StepCoefficients> steps =
       chebyshev_steps(system.spectral_bound, static_cast<std::int32_t>(options.max_iterations));
-  for (std::size_t i = 0; i < steps.size(); ++i)
-    solve.plan()[i] = {static_cast<float>(steps[i].momentum), static_cast<float>(steps[i].gain), 0,
-                       0};
-  solve.flush_plan();
+  solve.set_plan(steps);
+}
+
+InstanceSizes Solve::Parts::sizes_of(const DeviceSystem::Parts& system,
+                                     const SolveOptions& options) {
+  return {static_cast<std::uint64_t>(system.given_count),
+          system.used_vertices.size(),
+          static_cast<std::uint64_t>(system.patches->point_count),
+          static_cast<std::uint64_t>(system.vertex_count),
+          system.fair.has_value(),
+          options.vertices.buffer != VK_NULL_HANDLE || system.places};
 }
 
 std::optional<Buffer> Solve::Parts::make_given(Context& context, std::uint64_t bytes,
@@ -148,25 +172,31 @@ std::optional<Buffer> Solve::Parts::make_given(Context& context, std::uint64_t b
   return Buffer(context, bytes, MemoryUse::Device, "planish host points");
 }
 
-Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const SolveOptions& options)
+Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const SolveOptions& wanted)
+    : Parts(on, system, sizes_of(system, wanted), wanted) {}
+
+Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const InstanceSizes& of,
+                    const SolveOptions& wanted)
     : context(on),
-      max_iterations(options.max_iterations),
-      given_bytes(std::uint64_t(system.given_count) * kVectorBytes),
-      own_given(make_given(on, given_bytes, options.given)) {
-  const GivenPoints points =
-      own_given ? GivenPoints{own_given->handle(), 0, kVectorBytes} : options.given;
+      max_iterations(wanted.max_iterations),
+      sizes(of),
+      instances{wanted.instances},
+      given_bytes(wanted.instances * of.given * kVectorBytes) {
+  const SolveOptions options = checked_instances(on, of, wanted);
+  own_given = make_given(on, given_bytes, options.given);
+  GivenPoints points = options.given;
+  if (own_given) points.buffer = own_given->handle(), points.offset = 0;
   if (system.fair)
     fair.emplace(on, system, fair_options(options), points);
   else
     progressive.emplace(on, system, options, points);
-  const bool has_vertices = options.vertices.buffer != VK_NULL_HANDLE;
-  if (progressive && (has_vertices || system.places))
+  if (progressive && sizes.has_surface)
     step.emplace(on, *system.patches, *system.step, progressive->given.given(),
-                 progressive->given.displacement());
-  if (!has_vertices) return;
+                 progressive->given.displacement(), sizes.rows, instances);
+  if (!options.vertices.buffer) return;
   check_layout(options.vertices, system.max_vertex_stride);
-  patches.emplace(on, *system.patches, surface_points().given, surface_points().state,
-                  options.vertices);
+  patches.emplace(on, *system.patches, given_points(), state_points(), options.vertices, sizes.rows,
+                  instances);
 }
 
 Solve::Solve(Context& context, const DeviceSystem& system, const SolveOptions& options)
@@ -208,7 +238,15 @@ Wait Solve::Parts::record_evaluate(VkCommandBuffer commands, std::size_t round) 
   return patches ? patches->record_round(commands, round - surface_rounds) : Wait{};
 }
 
-SolvePoints Solve::surface_points() const { return parts_->surface_points(); }
+SolvePoints Solve::surface_points(std::uint32_t instance) const {
+  return {parts_->points_of(parts_->given_points(), parts_->sizes.rows, instance),
+          parts_->points_of(parts_->state_points(), parts_->sizes.points, instance)};
+}
+std::uint32_t Solve::instance_count() const { return parts_->instances.count; }
+VkDeviceSize Solve::control_point_stride() const {
+  const InstanceSizes& sizes = parts_->sizes;
+  return parts_->instances.stride(sizes.is_fair ? sizes.points : sizes.rows) * kPointBytes;
+}
 VkBuffer Solve::control_points() const { return parts_->control_points().handle(); }
 
 void Solve::record_reset(VkCommandBuffer commands) const noexcept {
@@ -246,8 +284,17 @@ void Solve::record_surface(VkCommandBuffer commands) const noexcept {
 void Solve::record_status(VkCommandBuffer commands, VkBuffer target,
                           VkDeviceSize offset) const noexcept {
   record_barrier(parts_->context, commands, kExitScope, kEntryScope);
-  const VkBufferCopy copy{0, offset, sizeof(GpuStatus)};
-  parts_->context.vk().vkCmdCopyBuffer(commands, parts_->status().handle(), target, 1, &copy);
+  // The first words of each instance's, some at a time: recording takes no memory.
+  std::array<VkBufferCopy, 64> copies;
+  const std::uint32_t count = parts_->instances.count;
+  for (std::uint32_t first = 0; first < count; first += copies.size()) {
+    const std::uint32_t some = std::min<std::uint32_t>(count - first, copies.size());
+    for (std::uint32_t i = 0; i < some; ++i)
+      copies[i] = {(first + i) * sizeof(shared::SolveStatus),
+                   offset + (first + i) * sizeof(GpuStatus), sizeof(GpuStatus)};
+    parts_->context.vk().vkCmdCopyBuffer(commands, parts_->status().handle(), target, some,
+                                         copies.data());
+  }
 }
 
 void record_solves(VkCommandBuffer commands, std::span<const SolveCall> calls) noexcept {

@@ -83,8 +83,11 @@ struct Places::Parts {
 Places::Places(Context& context, const DeviceSystem& system, const Solve& solve,
                const PlacesOptions& options) {
   const PlaceTables& tables = tables_of(system.parts_->places);
-  parts_ = std::make_unique<Parts>(context, *system.parts_->patches, tables, solve.surface_points(),
-                                   options);
+  if (options.instance >= solve.instance_count())
+    refuse_places("instance " + std::to_string(options.instance) +
+                  " of places is none of the Solve's " + std::to_string(solve.instance_count()));
+  parts_ = std::make_unique<Parts>(context, *system.parts_->patches, tables,
+                                   solve.surface_points(options.instance), options);
 }
 Places::~Places() = default;
 Places::Places(Places&&) noexcept = default;

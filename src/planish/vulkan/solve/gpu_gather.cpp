@@ -15,11 +15,14 @@ constexpr std::int32_t kGatherLanes = 64;
 }  // namespace
 
 GpuGather::GpuGather(Context& context, const Buffer& vertices,
-                     std::span<const std::int32_t> row_vertices, const GivenPoints& given)
+                     std::span<const std::int32_t> row_vertices, const GivenPoints& given,
+                     const Instances& instances)
     : context_(context),
+      instances_(instances),
+      row_count_(row_vertices.size()),
       source_stride_(given.stride / sizeof(float)),
-      points_(context, row_vertices.size() * kPointBytes, MemoryUse::Device,
-              "planish given points") {
+      instance_floats_(static_cast<std::uint32_t>(given.instance_stride / sizeof(float))),
+      points_(context, instances.bytes(row_count_), MemoryUse::Device, "planish given points") {
   cut_gathers(row_vertices, given);
   bind(vertices);
 }
@@ -34,7 +37,8 @@ void GpuGather::cut_gathers(std::span<const std::int32_t> row_vertices, const Gi
     const VkDeviceSize aligned = start - start % kBindingAlignment;
     const VkDeviceSize bytes =
         start - aligned + 3 * sizeof(float) +
-        VkDeviceSize(row_vertices[end - 1] - row_vertices[first]) * given.stride;
+        VkDeviceSize(row_vertices[end - 1] - row_vertices[first]) * given.stride +
+        instances_.further() * given.instance_stride;
     return BufferRange{given.buffer, aligned, bytes};
   };
   for (std::size_t first = 0; first < row_vertices.size();) {
@@ -68,21 +72,28 @@ void GpuGather::bind(const Buffer& vertices) {
                      {{vertices.handle(), std::uint64_t(gather.first_row) * sizeof(std::uint32_t),
                        std::uint64_t(gather.row_count) * sizeof(std::uint32_t)},
                       gather.source,
-                      point_range(points_, gather.first_row, gather.row_count)}});
+                      instances_.widened(point_range(points_, gather.first_row, gather.row_count),
+                                         row_count_)}});
   sets_ = DescriptorSets(context_, bound);
 }
 
 void GpuGather::record(VkCommandBuffer commands) const noexcept {
   for (std::size_t i = 0; i < gathers_.size(); ++i) {
     const Gather& gather = gathers_[i];
+    // Windows of instances overlap.
+    if (i > 0 && instances_.count > 1)
+      record_barrier(context_, commands, kKernelScope, kKernelScope);
     shared::VectorParameters parameters{};
     parameters.count = static_cast<std::uint32_t>(gather.row_count);
     parameters.first_vertex = gather.first_vertex;
     parameters.source_shift = gather.shift;
     parameters.source_stride = source_stride_;
+    parameters.instance_rows = static_cast<std::uint32_t>(instances_.stride(row_count_));
+    parameters.instance_floats = instance_floats_;
     record_dispatch(
         context_, commands, Kernel::GatherPoints, sets_[i], &parameters,
-        static_cast<std::uint32_t>((gather.row_count + kGatherLanes - 1) / kGatherLanes));
+        static_cast<std::uint32_t>((gather.row_count + kGatherLanes - 1) / kGatherLanes),
+        instances_.count);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/tables/device_table.h"
+#include "planish/vulkan/tables/instances.h"
 
 namespace planish::vulkan {
 
@@ -13,13 +14,14 @@ namespace planish::vulkan {
 class GpuGather {
  public:
   /// `vertices` holds the index of each row's point, which `row_vertices` has on the host.
+  /// Instances are given.instance_stride apart, which is not 0 where there are several.
   GpuGather(Context& context, const Buffer& vertices, std::span<const std::int32_t> row_vertices,
-            const GivenPoints& given);
+            const GivenPoints& given, const Instances& instances = {});
 
   /// Within kEntryScope; a barrier from kKernelScope comes before the points are read.
   void record(VkCommandBuffer commands) const noexcept;
 
-  /// shared::kPointFloats floats per row.
+  /// shared::kPointFloats floats per row, instance by instance.
   [[nodiscard]] const Buffer& points() const { return points_; }
 
  private:
@@ -33,7 +35,9 @@ class GpuGather {
   void bind(const Buffer& vertices);
 
   Context& context_;
-  std::uint32_t source_stride_;  // floats
+  Instances instances_;
+  std::uint64_t row_count_;
+  std::uint32_t source_stride_, instance_floats_;  // floats
   std::vector<Gather> gathers_;
   Buffer points_;
   DescriptorSets sets_;

@@ -9,19 +9,23 @@ GpuGiven::GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& s
                    const GivenPoints& given)
     : context_(context),
       masks_(masks),
+      instances_(solve.instances()),
+      row_count_(static_cast<std::uint64_t>(masks.row_count())),
       pieces_(cut_rows(context, masks.row_count(), kPointBytes)),
-      gather_(context, vertices, row_vertices, given),
-      control_(context, masks.row_count() * kPointBytes, MemoryUse::Device,
-               "planish control points"),
-      moved_(context, masks.row_count() * kPointBytes, MemoryUse::Device,
+      gather_(context, vertices, row_vertices, given, instances_),
+      control_(context, instances_.bytes(row_count_), MemoryUse::Device, "planish control points"),
+      moved_(context, instances_.bytes(row_count_), MemoryUse::Device,
              "planish last displacement") {
   bind(solve);
 }
 
 void GpuGiven::bind(const GpuSolve& solve) {
   std::vector<BoundKernel> bound;
-  const auto own = [](const Buffer& points, const VectorPiece& piece) {
-    return point_range(points, piece.first_row, piece.row_count);
+  const auto range = [&](const Buffer& points, std::int32_t first, std::int32_t count) {
+    return instances_.widened(point_range(points, first, count), row_count_);
+  };
+  const auto own = [&](const Buffer& points, const VectorPiece& piece) {
+    return range(points, piece.first_row, piece.row_count);
   };
   for (const VectorPiece& piece : pieces_)
     bound.push_back({Kernel::TakeUp,
@@ -33,22 +37,29 @@ void GpuGiven::bind(const GpuSolve& solve) {
                       own(solve.side(2), piece), whole(solve.status()),
                       own(gather_.points(), piece), own(control_, piece), own(moved_, piece)}});
   for (const DeviceTable::Slice& slice : masks_.slices())
-    bound.push_back(
-        {Kernel::InitialResidual,
-         {whole(slice.entries), whole(slice.chunks),
-          point_range(gather_.points(), slice.rows.first_source, slice.rows.source_count),
-          point_range(solve.initial(), slice.rows.first_row, slice.rows.row_count)}});
+    bound.push_back({Kernel::InitialResidual,
+                     {whole(slice.entries), whole(slice.chunks),
+                      range(gather_.points(), slice.rows.first_source, slice.rows.source_count),
+                      range(solve.initial(), slice.rows.first_row, slice.rows.row_count)}});
   sets_ = DescriptorSets(context_, bound);
+}
+
+// Windows of several instances overlap.
+void GpuGiven::separate(VkCommandBuffer commands, std::size_t part) const noexcept {
+  if (part > 0 && instances_.count > 1)
+    record_barrier(context_, commands, kKernelScope, kKernelScope);
 }
 
 void GpuGiven::record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_t first_set,
                              bool warm_start) const noexcept {
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    separate(commands, i);
     shared::VectorParameters parameters{};
     parameters.count = static_cast<std::uint32_t>(pieces_[i].row_count);
     parameters.warm = warm_start ? 1 : 0;
+    parameters.instance_rows = static_cast<std::uint32_t>(instances_.stride(row_count_));
     record_dispatch(context_, commands, kernel, sets_[first_set + i], &parameters,
-                    pieces_[i].group_count);
+                    pieces_[i].group_count, instances_.count);
   }
 }
 
@@ -60,9 +71,13 @@ Wait GpuGiven::record_points(VkCommandBuffer commands, bool warm_start) const no
 
 Wait GpuGiven::record_residual(VkCommandBuffer commands) const noexcept {
   const std::size_t first_set = 2 * pieces_.size();
-  for (std::size_t i = 0; i < masks_.slices().size(); ++i)
-    masks_.record_dispatch(commands, Kernel::InitialResidual, sets_[first_set + i], i,
-                           masks_.parameters(i));
+  for (std::size_t i = 0; i < masks_.slices().size(); ++i) {
+    separate(commands, i);
+    shared::TableParameters parameters = masks_.parameters(i);
+    parameters.instance_rows = static_cast<std::uint32_t>(instances_.stride(row_count_));
+    masks_.record_dispatch(commands, Kernel::InitialResidual, sets_[first_set + i], i, parameters,
+                           instances_.count);
+  }
   return kKernelWait;
 }
 

@@ -16,7 +16,8 @@ namespace planish::vulkan {
 /// to control points. Externally synchronised; solve and tables outlive it.
 class GpuGiven {
  public:
-  /// `vertices` holds the index of each row's point, which `row_vertices` has on the host.
+  /// For the solve's instances. `vertices` holds the index of each row's point, which
+  /// `row_vertices` has on the host.
   GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& solve,
            const Buffer& vertices, std::span<const std::int32_t> row_vertices,
            const GivenPoints& given);
@@ -28,18 +29,21 @@ class GpuGiven {
   /// control_points() = given() + displacement(). Within kEntryScope; kKernelWait comes after it.
   void record_control_points(VkCommandBuffer commands) const noexcept;
 
-  // Of shared::kPointFloats floats per row.
+  // Of shared::kPointFloats floats per row, instance by instance.
   [[nodiscard]] const Buffer& given() const { return gather_.points(); }
   [[nodiscard]] const Buffer& displacement() const { return moved_; }
   [[nodiscard]] const Buffer& control_points() const { return control_; }
 
  private:
   void bind(const GpuSolve& solve);
+  void separate(VkCommandBuffer commands, std::size_t part) const noexcept;
   void record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_t first_set,
                      bool warm_start) const noexcept;
 
   Context& context_;
   const DeviceTable& masks_;
+  Instances instances_;
+  std::uint64_t row_count_;
   std::vector<VectorPiece> pieces_;
   GpuGather gather_;
   Buffer control_, moved_;

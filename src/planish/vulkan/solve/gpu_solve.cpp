@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "planish/core/assert.h"
 #include "planish/vulkan/device/commands.h"
 
 namespace planish::vulkan {
@@ -31,18 +32,22 @@ GpuSolve::GpuSolve(Context& context, const DeviceTable& masks, const GpuSolveOpt
     : context_(context),
       masks_(masks),
       sums_squares_(options.sums_squares),
+      instances_(options.instances),
       max_steps_(options.max_steps ? options.max_steps
                                    : steps_that_fit(context, masks.partials_total())) {
-  const std::uint64_t point_bytes =
-      std::uint64_t(masks.row_count()) * shared::kPointFloats * sizeof(float);
+  PLANISH_ASSERT(!sums_squares_ || instances_.count == 1);
+  const auto rows = static_cast<std::uint64_t>(masks.row_count());
+  const std::uint64_t point_bytes = instances_.bytes(rows);
   for (Buffer& side : sides_)
     side = Buffer(context, point_bytes, MemoryUse::Device, "planish displacement");
   initial_ = Buffer(context, point_bytes, MemoryUse::Device, "planish first residual");
-  const std::uint64_t step_bytes = max_steps_ * sizeof(shared::StepRecord);
+  const std::uint64_t step_bytes =
+      std::uint64_t(max_steps_) * instances_.count * sizeof(shared::StepRecord);
   plan_ = Buffer(context, step_bytes, MemoryUse::Upload, "planish plan");
   steps_ = Buffer(context, step_bytes, MemoryUse::Device, "planish steps");
-  status_ = Buffer(context, sizeof(shared::SolveStatus), MemoryUse::Device, "planish status");
-  const std::uint64_t summed_steps = sums_squares_ ? max_steps_ : 1;
+  status_ = Buffer(context, instances_.count * sizeof(shared::SolveStatus), MemoryUse::Device,
+                   "planish status");
+  const std::uint64_t summed_steps = sums_squares_ ? max_steps_ : 0;
   partials_ = Buffer(context, summed_steps * masks.partials_total() * sizeof(float),
                      MemoryUse::Device, "planish partial sums");
   const std::uint64_t argument_bytes = masks.slices().size() * sizeof(VkDispatchIndirectCommand);
@@ -55,7 +60,7 @@ GpuSolve::GpuSolve(Context& context, const DeviceTable& masks, const GpuSolveOpt
 void GpuSolve::write_full_arguments() {
   std::byte* place = full_arguments_.mapped().data();
   for (const DeviceTable::Slice& slice : masks_.slices()) {
-    const VkDispatchIndirectCommand command{slice.group_count, 1, 1};
+    const VkDispatchIndirectCommand command{slice.group_count, instances_.count, 1};
     std::memcpy(place, &command, sizeof command);
     place += sizeof command;
   }
@@ -63,18 +68,20 @@ void GpuSolve::write_full_arguments() {
 }
 
 void GpuSolve::bind(Context& context) {
+  const auto row_count = static_cast<std::uint64_t>(masks_.row_count());
   std::vector<BoundKernel> bound;
   for (const DeviceTable::Slice& slice : masks_.slices())
     for (std::uint32_t side = 0; side < 3; ++side) {
       const TableSlice& rows = slice.rows;
       const auto own = [&](const Buffer& points) {
-        return point_range(points, rows.first_row, rows.row_count);
+        return instances_.widened(point_range(points, rows.first_row, rows.row_count), row_count);
       };
       bound.push_back(
           {Kernel::InterpolationStep,
            {whole(slice.entries), whole(slice.chunks), own(sides_[(side + 2) % 3]),
-            point_range(sides_[side], rows.first_source, rows.source_count), own(initial_),
-            own(sides_[(side + 1) % 3]), whole(steps_), whole(partials_)}});
+            instances_.widened(point_range(sides_[side], rows.first_source, rows.source_count),
+                               row_count),
+            own(initial_), own(sides_[(side + 1) % 3]), whole(steps_), whole(partials_)}});
     }
   step_sets_ = DescriptorSets(context, bound);
   const BoundKernel finish[] = {{Kernel::ReduceRms, {whole(partials_), whole(steps_)}},
@@ -83,8 +90,16 @@ void GpuSolve::bind(Context& context) {
   finish_sets_ = DescriptorSets(context, finish);
 }
 
-std::span<shared::StepRecord> GpuSolve::plan() {
-  return {reinterpret_cast<shared::StepRecord*>(plan_.mapped().data()), max_steps_};
+void GpuSolve::set_plan(std::span<const StepCoefficients> steps) {
+  PLANISH_ASSERT(steps.size() <= max_steps_);
+  std::byte* place = plan_.mapped().data();
+  for (const StepCoefficients& step : steps) {
+    const shared::StepRecord record{static_cast<float>(step.momentum),
+                                    static_cast<float>(step.gain), 0, 0};
+    for (std::uint32_t i = 0; i < instances_.count; ++i, place += sizeof record)
+      std::memcpy(place, &record, sizeof record);
+  }
+  plan_.flush();
 }
 
 void GpuSolve::record_clear(VkCommandBuffer commands) const noexcept {
@@ -96,12 +111,12 @@ void GpuSolve::record_clear(VkCommandBuffer commands) const noexcept {
 
 Wait GpuSolve::record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept {
   const DeviceFunctions& vk = context_.vk();
-  const std::uint64_t bytes = run.count * sizeof(shared::StepRecord);
+  const std::uint64_t step_bytes = instances_.count * sizeof(shared::StepRecord);
+  const std::uint64_t bytes = run.count * step_bytes;
   const VkBufferCopy plan{0, 0, bytes};
   if (bytes) vk.vkCmdCopyBuffer(commands, plan_.handle(), steps_.handle(), 1, &plan);
   // A step that goes nowhere still measures.
-  if (run.measures_last)
-    vk.vkCmdFillBuffer(commands, steps_.handle(), bytes, sizeof(shared::StepRecord), 0);
+  if (run.measures_last) vk.vkCmdFillBuffer(commands, steps_.handle(), bytes, step_bytes, 0);
   const VkBufferCopy arguments{0, 0, arguments_.size()};
   vk.vkCmdCopyBuffer(commands, full_arguments_.handle(), arguments_.handle(), 1, &arguments);
   return {kEntryScope, kEntryScope};
@@ -112,6 +127,7 @@ Wait GpuSolve::record_stop_test(VkCommandBuffer commands, const StepRun& run,
   shared::VectorParameters parameters{};
   parameters.step_count = step;
   parameters.count = static_cast<std::uint32_t>(masks_.slices().size());
+  parameters.further_instances = instances_.further();
   parameters.stop_square = run.stop_square;
   record_dispatch(context_, commands, Kernel::StopTest, finish_sets_[2], &parameters, 1);
   return {kKernelScope, kIndirectScope};
@@ -123,13 +139,17 @@ Wait GpuSolve::record_step(VkCommandBuffer commands, const StepRun& run, std::ui
   shared::TableParameters parameters = masks_.parameters(slice);
   parameters.step = step;
   parameters.stop_square = run.stop_square;
-  if (!sums_squares_) parameters.partials_total = 0;  // all steps write the same place
+  parameters.further_instances = instances_.further();
+  parameters.instance_rows =
+      static_cast<std::uint32_t>(instances_.stride(std::uint64_t(masks_.row_count())));
+  if (!sums_squares_) parameters.partials_total = 0;  // none is written
   const VkDescriptorSet set = step_sets_[3 * slice + side];
   if (run.stop_square >= 0)
     record_dispatch_indirect(context_, commands, Kernel::InterpolationStep, set, &parameters,
                              {arguments_.handle(), slice * sizeof(VkDispatchIndirectCommand)});
   else
-    masks_.record_dispatch(commands, Kernel::InterpolationStep, set, slice, parameters);
+    masks_.record_dispatch(commands, Kernel::InterpolationStep, set, slice, parameters,
+                           instances_.count);
   // Also between slices: all of them raise the same maximum.
   return kKernelWait;
 }
@@ -148,7 +168,9 @@ Wait GpuSolve::record_end(VkCommandBuffer commands, const StepRun& run,
   parameters.count = measured;
   parameters.step_count = run.count;
   parameters.first_side = run.first_side;
-  record_dispatch(context_, commands, Kernel::FinishSolve, finish_sets_[1], &parameters, 1);
+  parameters.further_instances = instances_.further();
+  record_dispatch(context_, commands, Kernel::FinishSolve, finish_sets_[1], &parameters, 1,
+                  instances_.count);
   return {kKernelScope, kEntryScope};
 }
 

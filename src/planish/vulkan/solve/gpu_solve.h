@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <span>
 
+#include "planish/backend/backend.h"
 #include "planish/vulkan/device/rounds.h"
 #include "planish/vulkan/tables/device_table.h"
+#include "planish/vulkan/tables/instances.h"
 
 namespace planish::vulkan {
 
@@ -13,6 +15,7 @@ struct GpuSolveOptions {
   /// Steps that one record_steps can hold, measuring included; 0: as many as suit batches.
   std::uint32_t max_steps = 0;
   bool sums_squares = true;  ///< false: StepRecord::square_sum stays 0, which saves memory
+  Instances instances;       ///< one where squares are summed
 };
 
 /// What record_steps records.
@@ -35,10 +38,9 @@ class GpuSolve {
   /// Steps that one record_steps can hold.
   [[nodiscard]] std::uint32_t max_steps() const { return max_steps_; }
 
-  /// Momentum and gain of the steps to come; max_steps() of them, the rest of a record zero. Read
-  /// by the device whenever recorded steps run; flush_plan() after writing.
-  [[nodiscard]] std::span<shared::StepRecord> plan();
-  void flush_plan() { plan_.flush(); }
+  /// Momentum and gain of the steps to come, at most max_steps() of them. Read by the device
+  /// whenever recorded steps run.
+  void set_plan(std::span<const StepCoefficients> steps);
 
   /// Displacement and step = 0, and a status of zeros.
   void record_clear(VkCommandBuffer commands) const noexcept;
@@ -50,10 +52,11 @@ class GpuSolve {
   Wait record_round(VkCommandBuffer commands, const StepRun& run,
                     std::uint32_t round) const noexcept;
 
-  /// shared::kPointFloats floats per row.
+  [[nodiscard]] const Instances& instances() const { return instances_; }
+  /// shared::kPointFloats floats per row, instance by instance.
   [[nodiscard]] const Buffer& side(std::uint32_t i) const { return sides_[i]; }
   [[nodiscard]] const Buffer& initial() const { return initial_; }
-  /// shared::StepRecord per step, and shared::SolveStatus.
+  /// shared::StepRecord per step and instance, and shared::SolveStatus per instance.
   [[nodiscard]] const Buffer& steps() const { return steps_; }
   [[nodiscard]] const Buffer& status() const { return status_; }
 
@@ -70,6 +73,7 @@ class GpuSolve {
   Context& context_;
   const DeviceTable& masks_;
   bool sums_squares_ = true;
+  Instances instances_;
   std::uint32_t max_steps_ = 0;
   std::array<Buffer, 3> sides_;
   Buffer initial_, plan_, steps_, status_, partials_;

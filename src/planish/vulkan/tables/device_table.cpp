@@ -62,10 +62,10 @@ shared::TableParameters DeviceTable::parameters(std::size_t i) const noexcept {
 }
 
 void DeviceTable::record_dispatch(VkCommandBuffer commands, Kernel kernel, VkDescriptorSet set,
-                                  std::size_t i,
-                                  const shared::TableParameters& parameters) const noexcept {
+                                  std::size_t i, const shared::TableParameters& parameters,
+                                  std::uint32_t instances) const noexcept {
   planish::vulkan::record_dispatch(context_, commands, kernel, set, &parameters,
-                                   slices_[i].group_count);
+                                   slices_[i].group_count, instances);
 }
 
 template DeviceTable::DeviceTable(Context&, const StencilView<float>&,

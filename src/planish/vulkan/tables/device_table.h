@@ -51,9 +51,10 @@ class DeviceTable {
   /// Parameters of a dispatch over slice `i` whose target window begins with the slice's rows.
   [[nodiscard]] shared::TableParameters parameters(std::size_t i) const noexcept;
 
-  /// Binds pipeline and set and dispatches the slice's work groups.
+  /// Binds pipeline and set and dispatches the slice's work groups for each instance.
   void record_dispatch(VkCommandBuffer commands, Kernel kernel, VkDescriptorSet set, std::size_t i,
-                       const shared::TableParameters& parameters) const noexcept;
+                       const shared::TableParameters& parameters,
+                       std::uint32_t instances = 1) const noexcept;
 
  private:
   Context& context_;
