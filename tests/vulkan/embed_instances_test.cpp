@@ -78,8 +78,7 @@ TEST_F(EmbedInstances, BitsAreThoseOfSolvesOfTheirOwn) {
       together.output.flush();
       SolveParameters stopped = iterations(40);
       stopped.stop_error = 1e-4f;
-      const std::vector<std::uint32_t> taken =
-          expect_same_bits(together, alone, 0, mesh, stopped);
+      const std::vector<std::uint32_t> taken = expect_same_bits(together, alone, 0, mesh, stopped);
       EXPECT_GT(std::set(taken.begin(), taken.end()).size(), 1u);
       EXPECT_LT(*std::max_element(taken.begin(), taken.end()), 40u);
       expect_same_bits(together, alone, 1, mesh, iterations(7));
@@ -199,7 +198,8 @@ TEST_F(EmbedInstances, DispatchesAreThoseOfOne) {
 
 TEST_F(EmbedInstances, WrongOptionsAreRefusedByName) {
   const PolygonMesh mesh = test::icosphere(1);
-  HostTopology topology(*context_, mesh), fair(*context_, mesh, {.method = InterpolationMethod::Fair});
+  HostTopology topology(*context_, mesh),
+      fair(*context_, mesh, {.method = InterpolationMethod::Fair});
   const Buffer vertices(*context_, 1 << 20, MemoryUse::Device);
   SolveOptions options;
   options.vertices.buffer = vertices.handle();
@@ -211,7 +211,8 @@ TEST_F(EmbedInstances, WrongOptionsAreRefusedByName) {
   options.instances = 2;
   expect_refusal(fair.device, options, ErrorCode::InvalidArgument, "record_solves()");
   options.vertices.instance_stride = topology.device.vertex_count() * 24 - 4;
-  expect_refusal(topology.device, options, ErrorCode::InvalidArgument, "vertices of an instance take");
+  expect_refusal(topology.device, options, ErrorCode::InvalidArgument,
+                 "vertices of an instance take");
   options.vertices.instance_stride += 2;
   expect_refusal(topology.device, options, ErrorCode::InvalidArgument, "multiples of 4 bytes");
 }

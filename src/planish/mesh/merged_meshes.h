@@ -18,8 +18,8 @@ struct MergedMeshes {
 
 /// Where only some of the meshes have uvs, colors or groups, corners of the others have none,
 /// vertices are white, and faces are of a group without a name. Indices must be in range
-/// (check.h). Throws Error{UnusableMesh} for more than `most` vertices, corners, faces or uvs, whose
-/// element is the first mesh too many.
+/// (check.h). Throws Error{UnusableMesh} for more than `most` vertices, corners, faces or uvs,
+/// whose element is the first mesh too many.
 [[nodiscard]] MergedMeshes merged_meshes(
     std::span<const PolygonMesh> meshes,
     std::int32_t most = std::numeric_limits<std::int32_t>::max());

@@ -45,9 +45,9 @@ void check_strides(const SolveOptions& options, std::uint64_t vertex_count) {
       vertices.instance_stride % sizeof(float) != 0)
     refuse_instances("strides between instances are multiples of 4 bytes");
   if (!vertices.buffer || options.instances == 1 || vertex_count == 0) return;
-  const std::uint64_t needed =
-      (vertex_count - 1) * vertices.stride +
-      std::max(vertices.position_offset, vertices.normal_offset) + kGivenBytes;
+  const std::uint64_t needed = (vertex_count - 1) * vertices.stride +
+                               std::max(vertices.position_offset, vertices.normal_offset) +
+                               kGivenBytes;
   if (vertices.instance_stride < needed)
     refuse_instances("vertices of an instance take " + std::to_string(needed) +
                      " bytes, but the next one's begin after " +
@@ -79,10 +79,12 @@ SolveOptions checked_instances(const Context& context, const InstanceSizes& size
       (std::uint64_t(options.max_iterations) + 1) * sizeof(shared::StepRecord);
   const std::uint64_t row_bytes = instances.bytes(sizes.rows) / count;
   const std::uint64_t point_bytes = instances.bytes(sizes.points) / count;
-  check_span(context, count, {"points", count * row_bytes, std::max<std::uint64_t>(row_bytes, 1), true});
+  check_span(context, count,
+             {"points", count * row_bytes, std::max<std::uint64_t>(row_bytes, 1), true});
   if (sizes.has_surface)
-    check_span(context, count,
-             {"points of level 1", count * point_bytes, std::max<std::uint64_t>(point_bytes, 1), true});
+    check_span(
+        context, count,
+        {"points of level 1", count * point_bytes, std::max<std::uint64_t>(point_bytes, 1), true});
   check_span(context, count, {"steps", count * step_bytes, step_bytes});
   for (const auto& [what, stride, wanted] :
        {std::tuple{"given points", result.given.instance_stride, true},
