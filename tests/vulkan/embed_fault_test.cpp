@@ -84,6 +84,7 @@ TEST_F(EmbedFaults, EveryFailingCallOfAFrameUnwinds) {
           const Buffer vertices(*context_, 1 << 20, MemoryUse::Device);
           SolveOptions solve;
           solve.vertices.buffer = vertices.handle();
+          solve.instances = 3;
           const vulkan::Solve frame(*context_, tables, solve);
           const Places places(*context_, tables, frame,
                               {.list = {.count = 9}, .results = {.buffer = vertices.handle()}});
