@@ -4,6 +4,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <cstring>
+#include <numeric>
 
 #include "patches/patch_oracle.h"
 #include "planish/core/parallel.h"
@@ -109,6 +110,40 @@ TEST(PatchSurface, BitsDoNotDependOnInstructionsPlansOrRanges) {
         EXPECT_EQ(rows.degenerate.count, wanted.degenerate.count);
         EXPECT_EQ(rows.degenerate.first, wanted.degenerate.first);
         if (level > 1) break;
+      }
+    }
+  }
+}
+
+// Quads of regular patches are evaluated at once: all samples of a corner are the rows that it
+// names.
+TEST(PatchSurface, GridsHaveTheBitsOfRows) {
+  for (const PolygonMesh& mesh : {torus(40, 30, 1, .4), random_open_mesh(2)}) {
+    const PatchCase c(mesh, Weights::DooSabin, {}, 0);
+    const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
+    const Placement placement{{3, 4, 5}, 17};
+    const PatchSurface kept(c.patches, {.level = 2, .keep_plans = true});
+    const Rows wanted = all_rows(kept, state, placement, 1 << 30);
+    const PatchSamples& samples = kept.numbering().samples();
+    std::vector<std::int32_t> corners(static_cast<std::size_t>(c.topology.corner_count() - 3));
+    std::iota(corners.begin(), corners.end(), 3);  // not from a quad's first corner
+    for (const auto instructions :
+         {PatchInstructions::Baseline, PatchInstructions::Avx2, PatchInstructions::Avx512}) {
+      if (!can_run(instructions)) continue;
+      const PatchSurface surface(c.patches, {.level = 2, .instructions = instructions});
+      std::vector<glm::dvec3> positions(corners.size() * samples.count());
+      std::vector<glm::vec3> normals(positions.size());
+      PatchTarget target;
+      target.positions = positions;
+      target.normals = normals;
+      (void)surface.grids(state, placement, corners, target);
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        for (std::int32_t s = 0; s < samples.owned_count(); ++s) {
+          const auto row = static_cast<std::size_t>(surface.numbering().corner_row(corners[i]) + s);
+          const std::size_t at = i * samples.count() + s;
+          ASSERT_EQ(positions[at], wanted.positions[row]) << corners[i] << " " << s;
+          ASSERT_EQ(normals[at], wanted.normals[row]) << corners[i] << " " << s;
+        }
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "patches/patch_oracle.h"
+#include "planish/patches/face_kernel.h"
 #include "planish/patches/patch_numbering.h"
 #include "planish/patches/patch_plan.h"
 #include "planish/patches/split_rows.h"
@@ -159,6 +160,23 @@ TEST(PatchTemplates, OwnPointsAreOriginsOfTheOthers) {
   for (const double weight : quad.rows(0).first(8)) sum += weight;
   // The midpoint of V and E1: (1, 6, 1) / 8 along u of the mean of two across.
   EXPECT_NEAR(sum, 1 - 6.0 / 16, 1e-15);
+}
+
+TEST(FaceKernel, LeavesOutJustTheColumnsWithoutWeight) {
+  const PatchClass regular{PatchKind::Smooth, 4, 0, 4};
+  for (const Weights weights : {Weights::DooSabin, Weights::Averaged}) {
+    PatchTemplates templates(weights);
+    const PatchTemplate patch = templates.make(regular, 2);
+    ASSERT_EQ(patch.sample_count, kFaceSamples);
+    ASSERT_EQ(patch.column_count, 8);
+    for (std::int32_t s = 0; s < kFaceSamples; ++s) {
+      unsigned needed = 0;
+      for (std::int32_t i = 0; i < 3 * 8; ++i) {
+        if (patch.rows(s)[static_cast<std::size_t>(i)] != 0) needed |= 1U << (i % 8);
+      }
+      EXPECT_EQ(needed, kFaceSampleColumns[s]) << "sample " << s;
+    }
+  }
 }
 
 }  // namespace

@@ -43,7 +43,8 @@ void raise(const Error& error) {
 }  // namespace
 
 void register_errors() {
-  py::register_exception_translator([](const std::exception_ptr& failure) {
+  // As pybind11 calls it.  NOLINTNEXTLINE(performance-unnecessary-value-param)
+  py::register_exception_translator([](std::exception_ptr failure) {
     try {
       if (failure) std::rethrow_exception(failure);
     } catch (const Error& error) {

@@ -3,6 +3,7 @@
 // every width (the flags forbid fused ones).
 #pragma once
 
+#include "planish/patches/face_kernel.h"
 #include "planish/patches/kernel_lanes.h"
 #include "planish/patches/patch_kernel.h"
 
@@ -26,13 +27,97 @@ PLANISH_INLINE Mask unit_normals(const Vector (&du)[3], const Vector (&dv)[3],
   return keep;
 }
 
-// Column and sample counts above 0 are known when compiling.
+// All samples of patches whose control points are given relative to their own points. Column and
+// sample counts above 0 are known when compiling; with kSparse the columns that samples need are
+// too. `put` takes each sample's rows.
+template <int kColumns, int kSamples, bool kSparse, class Put>
+PLANISH_INLINE Mask make_samples(const PatchBatch& batch, const PatchOutput& output,
+                                 const Vector (&own)[3], const Vector* points, const Put& put) {
+  const int column_count = kColumns > 0 ? kColumns : batch.column_count;
+  const int sample_count = kSamples > 0 ? kSamples : batch.sample_count;
+  const double* weights = batch.weights;
+  // Rows that nobody takes are not made.
+  const bool takes_positions = output.positions != nullptr || output.stored != nullptr;
+  const bool takes_normals = output.normals != nullptr;
+  const bool wanted[3] = {takes_positions, takes_normals, takes_normals};
+  Mask kept = ~Mask{};
+  Vector sums[kSamples > 0 ? kSamples : 1][3][3];  // of a row, of a coordinate
+  const auto add_up = [&](const double* rows, Vector(&sum)[3][3], const Vector* x, int d,
+                          unsigned needed) PLANISH_INLINE_LAMBDA {
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) {
+      if (!wanted[r]) continue;
+      Vector total{};
+#pragma GCC unroll 12
+      for (int k = 0; k < column_count; ++k) {
+        if (kSparse && (needed >> k & 1) == 0) continue;
+        total += rows[r * column_count + k] * x[k];
+      }
+      sum[r][d] = total;
+    }
+  };
+  if constexpr (kSamples > 0) {
+    // A coordinate at a time: its points stay in registers.
+#pragma GCC unroll 3
+    for (int d = 0; d < 3; ++d) {
+      Vector x[kColumns];
+      for (int k = 0; k < kColumns; ++k) x[k] = points[d * column_count + k];
+#pragma GCC unroll 9
+      for (int s = 0; s < kSamples; ++s)
+        add_up(weights + s * 3 * column_count, sums[s], x, d, kSparse ? kFaceSampleColumns[s] : 0);
+    }
+  }
+  for (int s = 0; s < sample_count; ++s, weights += 3 * column_count) {
+    if constexpr (kSamples == 0) {
+      for (int d = 0; d < 3; ++d) add_up(weights, sums[0], points + d * column_count, d, 0);
+    }
+    const auto& sum = sums[kSamples > 0 ? s : 0];
+    Vector position[3];
+    const auto &du = sum[1], &dv = sum[2];
+    for (int d = 0; wanted[0] && d < 3; ++d) {
+      position[d] = output.centre[d] + output.diagonal * (sum[0][d] + own[d]);
+    }
+    if (output.positions) put.positions(s, position);
+    if (output.stored) {
+      const Vector stored[3] = {position[0] - output.origin[0], position[1] - output.origin[1],
+                                position[2] - output.origin[2]};
+      put.stored(s, stored);
+    }
+    if (output.normals) {
+      Vector normal[3];
+      kept &= unit_normals(du, dv, normal);
+      put.normals(s, normal);
+    }
+  }
+  return kept;
+}
+
+PLANISH_INLINE bool has_zero(const Mask& kept) {
+  bool any = false;
+  for (int l = 0; l < kLanes; ++l) any |= kept[l] == 0;
+  return any;
+}
+
+// Rows of lanes that lie anywhere.
+struct PutAnywhere {
+  const PatchOutput& output;
+  const std::int32_t* targets;
+
+  PLANISH_INLINE void positions(int sample, const Vector (&p)[3]) const {
+    store_doubles(output.positions, targets, sample, p);
+  }
+  PLANISH_INLINE void stored(int sample, const Vector (&p)[3]) const {
+    store_floats(output.stored, targets, sample, p);
+  }
+  PLANISH_INLINE void normals(int sample, const Vector (&p)[3]) const {
+    store_floats(output.normals, targets, sample, p);
+  }
+};
+
 template <int kColumns, int kSamples>
 PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output, int lane) {
   const int column_count = kColumns > 0 ? kColumns : batch.column_count;
-  const int sample_count = kSamples > 0 ? kSamples : batch.sample_count;
   const std::int32_t* indices = batch.indices + lane;
-  const std::int32_t* targets = batch.targets + lane;
   Vector own[3];
   load_points(batch.state, indices, own[0], own[1], own[2]);
   Vector* points = reinterpret_cast<Vector*>(batch.points);
@@ -41,60 +126,55 @@ PLANISH_INLINE bool run_lanes(const PatchBatch& batch, const PatchOutput& output
     load_points(batch.state, indices + (k + 1) * kPatchLanes, p[0], p[1], p[2]);
     for (int d = 0; d < 3; ++d) points[d * column_count + k] = p[d] - own[d];
   }
-  const double* weights = batch.weights;
-  // Rows that nobody takes are not made.
-  const bool takes_positions = output.positions != nullptr || output.stored != nullptr;
-  const bool takes_normals = output.normals != nullptr;
-  const bool wanted[3] = {takes_positions, takes_normals, takes_normals};
+  return has_zero(make_samples<kColumns, kSamples, false>(
+      batch, output, own, points, PutAnywhere{output, batch.targets + lane}));
+}
+
+// Where the four patches of a quad put their rows first.
+template <int kSamples>
+struct PutInFace {
+  Vector* face;     // positions
+  Vector* offsets;  // stored
+  Vector* units;    // normals
+  int corner;
+
+  PLANISH_INLINE void put(Vector* to, int sample, const Vector (&p)[3]) const {
+    for (int d = 0; d < 3; ++d) to[(corner * kSamples + sample) * 3 + d] = p[d];
+  }
+  PLANISH_INLINE void positions(int sample, const Vector (&p)[3]) const { put(face, sample, p); }
+  PLANISH_INLINE void stored(int sample, const Vector (&p)[3]) const { put(offsets, sample, p); }
+  PLANISH_INLINE void normals(int sample, const Vector (&p)[3]) const { put(units, sample, p); }
+};
+
+// The four patches of each quad: its 16 points are read once, its rows follow one another.
+template <int kSamples>
+PLANISH_INLINE bool run_face_lanes(const PatchBatch& batch, const PatchOutput& output, int lane) {
+  constexpr int kRegular = 8, kNumbers = 4 * kSamples * 3;
+  Vector points[kFaceColumns][3], face[kNumbers], offsets[kNumbers], units[kNumbers];
+  for (int k = 0; k < kFaceColumns; ++k) {
+    load_points(batch.state, batch.indices + lane + k * kPatchLanes, points[k][0], points[k][1],
+                points[k][2]);
+  }
   Mask kept = ~Mask{};
-  Vector sums[kSamples > 0 ? kSamples : 1][3][3];  // of a row, of a coordinate
-  const auto add_up = [&](const double* rows, Vector(&sum)[3][3], const Vector* x, int d)
-                          PLANISH_INLINE_LAMBDA {
-#pragma GCC unroll 3
-                            for (int r = 0; r < 3; ++r) {
-                              if (!wanted[r]) continue;
-                              Vector total{};
-#pragma GCC unroll 12
-                              for (int k = 0; k < column_count; ++k)
-                                total += rows[r * column_count + k] * x[k];
-                              sum[r][d] = total;
-                            }
-                          };
-  if constexpr (kSamples > 0) {
-    // A coordinate at a time: its points stay in registers.
-#pragma GCC unroll 3
+  for (int c = 0; c < 4; ++c) {
+    const int before = (c + 3) & 3, ring = 4, behind = 8, across = 12;
+    // In the order of the class's columns.
+    const int columns[kRegular] = {ring + before, across + c,  behind + c, (c + 1) & 3,
+                                   (c + 2) & 3,   (c + 3) & 3, ring + c,   behind + before};
+    Vector own[3], from_own[3 * kRegular];
     for (int d = 0; d < 3; ++d) {
-      Vector x[kColumns];
-      for (int k = 0; k < kColumns; ++k) x[k] = points[d * column_count + k];
-#pragma GCC unroll 3
-      for (int s = 0; s < kSamples; ++s) add_up(weights + s * 3 * column_count, sums[s], x, d);
+      own[d] = points[c][d];
+      for (int k = 0; k < kRegular; ++k)
+        from_own[d * kRegular + k] = points[columns[k]][d] - own[d];
     }
+    kept &= make_samples<kRegular, kSamples, true>(batch, output, own, from_own,
+                                                   PutInFace<kSamples>{face, offsets, units, c});
   }
-  for (int s = 0; s < sample_count; ++s, weights += 3 * column_count) {
-    if constexpr (kSamples == 0) {
-      for (int d = 0; d < 3; ++d) add_up(weights, sums[0], points + d * column_count, d);
-    }
-    const auto& sum = sums[kSamples > 0 ? s : 0];
-    Vector position[3];
-    const auto &du = sum[1], &dv = sum[2];
-    for (int d = 0; wanted[0] && d < 3; ++d) {
-      position[d] = output.centre[d] + output.diagonal * (sum[0][d] + own[d]);
-    }
-    if (output.positions) store_doubles(output.positions, targets, s, position);
-    if (output.stored) {
-      const Vector stored[3] = {position[0] - output.origin[0], position[1] - output.origin[1],
-                                position[2] - output.origin[2]};
-      store_floats(output.stored, targets, s, stored);
-    }
-    if (output.normals) {
-      Vector normal[3];
-      kept &= unit_normals(du, dv, normal);
-      store_floats(output.normals, targets, s, normal);
-    }
-  }
-  bool degenerate = false;
-  for (int l = 0; l < kLanes; ++l) degenerate |= kept[l] == 0;
-  return degenerate;
+  const std::int32_t* targets = batch.targets + lane;
+  if (output.positions) store_runs<kNumbers>(output.positions, targets, face);
+  if (output.stored) store_runs<kNumbers>(output.stored, targets, offsets);
+  if (output.normals) store_runs<kNumbers>(output.normals, targets, units);
+  return has_zero(kept);
 }
 
 // The sizes that have code of their own: patches of 4 to 8 triangles around a vertex, or 4 quads;
@@ -119,6 +199,15 @@ inline bool run_batch(const PatchBatch& batch, const PatchOutput& output) {
     } else {
       degenerate |= run_known<0, 8, 9, 7, 10>(batch, output, lane);
     }
+  }
+  return degenerate;
+}
+
+inline bool run_face_batch(const PatchBatch& batch, const PatchOutput& output) {
+  bool degenerate = false;
+  for (int lane = 0; lane < batch.lane_count; lane += kLanes) {
+    degenerate |= batch.sample_count == 3 ? run_face_lanes<3>(batch, output, lane)
+                                          : run_face_lanes<9>(batch, output, lane);
   }
   return degenerate;
 }

@@ -136,6 +136,82 @@ PLANISH_INLINE void store_floats(float* rows, const std::int32_t* targets, std::
 #endif
 }
 
+// As many numbers as a vector has, or two; to floats they are rounded.
+#if defined(__AVX512VL__)
+PLANISH_INLINE void put_numbers(double* to, __m512d v) { _mm512_storeu_pd(to, v); }
+PLANISH_INLINE void put_numbers(float* to, __m512d v) { _mm256_storeu_ps(to, _mm512_cvtpd_ps(v)); }
+PLANISH_INLINE void put_numbers(double* to, __m128d v) { _mm_storeu_pd(to, v); }
+PLANISH_INLINE void put_numbers(float* to, __m128d v) {
+  _mm_storel_pi(reinterpret_cast<__m64*>(to), _mm_cvtpd_ps(v));
+}
+#elif defined(__AVX2__)
+PLANISH_INLINE void put_numbers(double* to, __m256d v) { _mm256_storeu_pd(to, v); }
+PLANISH_INLINE void put_numbers(float* to, __m256d v) { _mm_storeu_ps(to, _mm256_cvtpd_ps(v)); }
+#elif defined(__SSE2__)
+PLANISH_INLINE void put_numbers(double* to, __m128d v) { _mm_storeu_pd(to, v); }
+PLANISH_INLINE void put_numbers(float* to, __m128d v) {
+  _mm_storel_pi(reinterpret_cast<__m64*>(to), _mm_cvtpd_ps(v));
+}
+#endif
+
+// kCount numbers of each lane, a multiple of four: to row targets[lane] and on from there.
+template <int kCount, class Number>
+PLANISH_INLINE void store_runs(Number* rows, const std::int32_t* targets, const Vector* v) {
+  static_assert(kCount % 4 == 0);
+  Number* to[kLanes];
+  for (int l = 0; l < kLanes; ++l) to[l] = rows + 3 * static_cast<std::int64_t>(targets[l]);
+#if defined(__AVX512VL__)
+  int i = 0;
+  for (; i + 8 <= kCount; i += 8) {
+    // Even lanes by the low halves of pairs, odd ones by the high halves.
+    const auto put = [&](int lane, __m512d a, __m512d b, __m512d c,
+                         __m512d d) PLANISH_INLINE_LAMBDA {
+      const __m512d ab = _mm512_shuffle_f64x2(a, b, 0x44), cd = _mm512_shuffle_f64x2(c, d, 0x44);
+      const __m512d AB = _mm512_shuffle_f64x2(a, b, 0xEE), CD = _mm512_shuffle_f64x2(c, d, 0xEE);
+      put_numbers(to[lane] + i, _mm512_shuffle_f64x2(ab, cd, 0x88));
+      put_numbers(to[lane + 2] + i, _mm512_shuffle_f64x2(ab, cd, 0xDD));
+      put_numbers(to[lane + 4] + i, _mm512_shuffle_f64x2(AB, CD, 0x88));
+      put_numbers(to[lane + 6] + i, _mm512_shuffle_f64x2(AB, CD, 0xDD));
+    };
+    put(0, _mm512_unpacklo_pd(v[i], v[i + 1]), _mm512_unpacklo_pd(v[i + 2], v[i + 3]),
+        _mm512_unpacklo_pd(v[i + 4], v[i + 5]), _mm512_unpacklo_pd(v[i + 6], v[i + 7]));
+    put(1, _mm512_unpackhi_pd(v[i], v[i + 1]), _mm512_unpackhi_pd(v[i + 2], v[i + 3]),
+        _mm512_unpackhi_pd(v[i + 4], v[i + 5]), _mm512_unpackhi_pd(v[i + 6], v[i + 7]));
+  }
+  for (; i < kCount; i += 2) {
+    const __m512d even = _mm512_unpacklo_pd(v[i], v[i + 1]),
+                  odd = _mm512_unpackhi_pd(v[i], v[i + 1]);
+    put_numbers(to[0] + i, _mm512_castpd512_pd128(even));
+    put_numbers(to[1] + i, _mm512_castpd512_pd128(odd));
+    put_numbers(to[2] + i, _mm512_extractf64x2_pd(even, 1));
+    put_numbers(to[3] + i, _mm512_extractf64x2_pd(odd, 1));
+    put_numbers(to[4] + i, _mm512_extractf64x2_pd(even, 2));
+    put_numbers(to[5] + i, _mm512_extractf64x2_pd(odd, 2));
+    put_numbers(to[6] + i, _mm512_extractf64x2_pd(even, 3));
+    put_numbers(to[7] + i, _mm512_extractf64x2_pd(odd, 3));
+  }
+#elif defined(__AVX2__)
+  for (int i = 0; i < kCount; i += 4) {
+    const __m256d a = _mm256_unpacklo_pd(v[i], v[i + 1]), b = _mm256_unpackhi_pd(v[i], v[i + 1]),
+                  c = _mm256_unpacklo_pd(v[i + 2], v[i + 3]),
+                  d = _mm256_unpackhi_pd(v[i + 2], v[i + 3]);
+    put_numbers(to[0] + i, _mm256_permute2f128_pd(a, c, 0x20));
+    put_numbers(to[1] + i, _mm256_permute2f128_pd(b, d, 0x20));
+    put_numbers(to[2] + i, _mm256_permute2f128_pd(a, c, 0x31));
+    put_numbers(to[3] + i, _mm256_permute2f128_pd(b, d, 0x31));
+  }
+#elif defined(__SSE2__)
+  for (int i = 0; i < kCount; i += 2) {
+    put_numbers(to[0] + i, _mm_unpacklo_pd(v[i], v[i + 1]));
+    put_numbers(to[1] + i, _mm_unpackhi_pd(v[i], v[i + 1]));
+  }
+#else
+  for (int i = 0; i < kCount; ++i) {
+    for (int l = 0; l < kLanes; ++l) to[l][i] = static_cast<Number>(v[i][l]);
+  }
+#endif
+}
+
 PLANISH_INLINE Vector square_root(Vector v) {
 #if defined(__AVX512VL__)
   return _mm512_sqrt_pd(v);

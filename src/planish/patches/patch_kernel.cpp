@@ -1,5 +1,7 @@
 #include "planish/patches/patch_kernel.h"
 
+#include "planish/patches/face_kernel.h"
+
 namespace planish {
 
 bool can_run(PatchInstructions instructions) {
@@ -24,6 +26,15 @@ PatchKernel patch_kernel(PatchInstructions instructions) {
 #endif
   (void)instructions;
   return run_patches_baseline;
+}
+
+PatchKernel face_kernel(PatchKernel kernel) {
+#ifdef PLANISH_X86_KERNELS
+  if (kernel == run_patches_avx512) return run_faces_avx512;
+  if (kernel == run_patches_avx2) return run_faces_avx2;
+#endif
+  (void)kernel;
+  return run_faces_baseline;
 }
 
 PatchInstructions best_instructions() {

@@ -4,6 +4,7 @@
 
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
+#include "planish/patches/face_kernel.h"
 
 namespace planish {
 
@@ -48,6 +49,48 @@ void put_face(std::int32_t first, std::int32_t size, std::int32_t corner, std::i
   for (std::int32_t c = first; c < corner; ++c, to += kPatchLanes) *to = c;
 }
 
+// Whether the weights that the kernel leaves out are zero.
+bool fits_face_kernel(const PatchTemplate& weights) {
+  constexpr std::int32_t kColumns = 8;
+  if (weights.column_count != kColumns || weights.sample_count != kFaceSamples) return false;
+  for (std::int32_t s = 0; s < kFaceSamples; ++s) {
+    const std::span<const double> rows = weights.rows(s);
+    for (std::int32_t i = 0; i < 3 * kColumns; ++i) {
+      if ((kFaceSampleColumns[s] >> i % kColumns & 1) == 0 &&
+          rows[static_cast<std::size_t>(i)] != 0)
+        return false;
+    }
+  }
+  return true;
+}
+
+// Adds the four patches of a quad, whose first corner is named, if all are regular. Returns whether
+// they are.
+template <class Run>
+bool add_face(const PatchMesh& mesh, std::int32_t first, std::int32_t target, Run& run) {
+  const MeshTopology& topology = mesh.topology();
+  const auto next = [](std::int32_t corner) { return (corner & ~3) | ((corner + 1) & 3); };
+  std::int32_t ring[4];
+  for (std::int32_t i = 0; i < 4; ++i) {
+    const std::int32_t vertex = topology.vertex_of(first + i);
+    if (mesh.features().vertex_kinds[static_cast<std::size_t>(vertex)] != VertexKind::Smooth ||
+        topology.corners_at(vertex).size() != 4)
+      return false;
+    ring[i] = topology.twin(first + i);
+    run.fetch(ring[i]);
+  }
+  std::int32_t* to = run.face_lane(target);
+  for (std::int32_t i = 0; i < 4; ++i, to += kPatchLanes) {
+    const std::int32_t behind = next(ring[i]), across = next(topology.twin(behind));
+    run.fetch(across);
+    to[0] = first + i;
+    to[4 * kPatchLanes] = ring[i];
+    to[8 * kPatchLanes] = behind;
+    to[12 * kPatchLanes] = across;
+  }
+  return true;
+}
+
 }  // namespace
 
 // One call: what is evaluated of each patch, and to where.
@@ -56,10 +99,12 @@ class PatchRunner::Run {
   Run(const PatchRunner& runner, const PatchOutput& output, const double* state,
       std::int32_t sample_count)
       : classes_(runner.classes_),
+        face_index_(runner.classes_.count()),
         kernel_(runner.kernel_),
+        face_kernel_(face_kernel(runner.kernel_)),
         output_(output),
         batches_(open_batches()) {
-    const auto count = static_cast<std::size_t>(classes_.count());
+    const auto count = static_cast<std::size_t>(classes_.count()) + 1;  // and faces
     if (batches_.of_class.size() < count) batches_.of_class.resize(count);
     // 64-byte aligned.
     const std::size_t size =
@@ -70,6 +115,11 @@ class PatchRunner::Run {
     batch_.points = static_cast<double*>(std::align(64, size * sizeof(double), place, space));
     batch_.state = state;
     batch_.sample_count = sample_count;
+    // The kernel for quads knows the samples of level 2.
+    const std::int32_t regular = classes_.smooth_index(4, 4);
+    if (runner.quads_ && regular >= 0 && (sample_count == 3 || sample_count == 9) &&
+        fits_face_kernel(classes_.weights(regular)))
+      regular_index_ = regular;
   }
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
@@ -82,6 +132,10 @@ class PatchRunner::Run {
     last_->targets[lane] = target;
     return last_indices_ + lane;
   }
+  /// Whether quads of regular patches are evaluated at once.
+  [[nodiscard]] bool takes_faces() const { return regular_index_ >= 0; }
+  /// The same for the four patches of a quad, kFaceColumns points.
+  std::int32_t* face_lane(std::int32_t target) { return lane(face_index_, target); }
   /// Has a control point fetched by the time its batch is full.
   void fetch(std::int32_t index) const {
     __builtin_prefetch(batch_.state + 3 * static_cast<std::ptrdiff_t>(index));
@@ -104,19 +158,21 @@ class PatchRunner::Run {
     if (!batch.is_open) {
       batches_.open.push_back(class_index);
       batch.is_open = true;
-      batch.indices.resize(static_cast<std::size_t>(classes_.patch(class_index).column_count()) *
-                           kPatchLanes);
+      const std::int32_t columns =
+          class_index == face_index_ ? kFaceColumns : classes_.patch(class_index).column_count();
+      batch.indices.resize(static_cast<std::size_t>(columns) * kPatchLanes);
     }
     last_ = &batch;
     last_index_ = class_index;
     last_indices_ = batch.indices.data();
   }
   void run(std::int32_t class_index, OpenBatch& batch) {
-    const PatchTemplate& weights = classes_.weights(class_index);
+    const bool is_face = class_index == face_index_;
+    const PatchTemplate& weights = classes_.weights(is_face ? regular_index_ : class_index);
     // Idle lanes repeat the first.
     for (std::int32_t l = batch.lane_count; l < kPatchLanes; ++l) {
-      for (std::size_t k = 0; k < batch.indices.size(); k += kPatchLanes)
-        batch.indices[k + l] = batch.indices[k];
+      for (std::size_t first = 0; first < batch.indices.size(); first += kPatchLanes)
+        batch.indices[first + static_cast<std::size_t>(l)] = batch.indices[first];
       batch.targets[l] = batch.targets[0];
     }
     batch_.indices = batch.indices.data();
@@ -124,12 +180,14 @@ class PatchRunner::Run {
     batch_.lane_count = batch.lane_count;
     batch_.weights = weights.rows(0).data();
     batch_.column_count = weights.column_count;
-    degenerate_ |= kernel_(batch_, output_);
+    degenerate_ |= (is_face ? face_kernel_ : kernel_)(batch_, output_);
     batch.lane_count = 0;
   }
 
   const PatchClasses& classes_;
-  PatchKernel kernel_;
+  std::int32_t face_index_;          // the batch of quads: behind those of classes
+  std::int32_t regular_index_ = -1;  // the class of their patches
+  PatchKernel kernel_, face_kernel_;
   const PatchOutput& output_;
   OpenBatches& batches_;
   PatchBatch batch_{};
@@ -229,6 +287,11 @@ void PatchRunner::add_tile(const PatchTile& tile, Run& run) const {
   std::int32_t row = 0;
   for (std::int64_t i = tile.first_item; i < end; ++i, row += rows) {
     if (tile.part == Part::Corners) {
+      if (run.takes_faces() && i % 4 == 0 && i + 4 <= end &&
+          add_face(mesh_, static_cast<std::int32_t>(i), row, run)) {
+        i += 3, row += 3 * rows;
+        continue;
+      }
       add_corner<kQuads>(static_cast<std::int32_t>(i), row, run);
     } else {
       add_point<kQuads>(tile.part, i, row, run);
@@ -249,7 +312,18 @@ bool PatchRunner::run_grids(std::span<const std::int32_t> corners, const PatchOu
   const std::int32_t count = numbering_.samples().count();
   Run run(*this, output, state, count);
   std::int32_t target = 0;
-  for (const std::int32_t corner : corners) {
+  const auto has_face_at = [&](std::size_t i) {
+    if (corners[i] % 4 != 0 || i + 4 > corners.size()) return false;
+    for (std::int32_t k = 1; k < 4; ++k)
+      if (corners[i + static_cast<std::size_t>(k)] != corners[i] + k) return false;
+    return true;
+  };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const std::int32_t corner = corners[i];
+    if (run.takes_faces() && has_face_at(i) && add_face(mesh_, corner, target, run)) {
+      i += 3, target += 4 * count;
+      continue;
+    }
     quads_ ? add_corner<true>(corner, target, run) : add_corner<false>(corner, target, run);
     target += count;
   }
