@@ -1,8 +1,10 @@
 #include "planish/files/gltf/write_gltf.h"
+#include "planish/files/gltf/float_box.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -193,6 +195,36 @@ TEST(WriteGltf, NameThatIsNotUtf8IsReplaced) {
   GltfOptions options;
   options.name = "a\xFF";
   EXPECT_EQ(parsed(encode_glb(wavy_grid(2, 2), options)).meshes.at(0).name, "a\xEF\xBF\xBD");
+}
+
+TEST(FloatBox, HoldsEveryPointAndSeesWhatIsNotFinite) {
+  for (std::size_t count = 1; count <= 9; ++count) {
+    for (std::size_t at = 0; at < count; ++at) {
+      std::vector<glm::vec3> points(count, glm::vec3(1, 2, 3));
+      points[at] = {-4, 7, 3.5f};
+      const FloatBox box = box_of(points);
+      EXPECT_TRUE(box.is_finite);
+      EXPECT_EQ(box.maximum, glm::vec3(count > 1 ? 1 : -4, 7, 3.5f));
+      EXPECT_EQ(box.minimum, glm::vec3(-4, count > 1 ? 2 : 7, count > 1 ? 3 : 3.5f));
+      for (const float wrong :
+           {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
+        for (int d = 0; d < 3; ++d) {
+          std::vector<glm::vec3> bad = points;
+          bad[at][d] = wrong;
+          EXPECT_FALSE(box_of(bad).is_finite) << at << " of " << count;
+        }
+      }
+    }
+  }
+}
+
+TEST(FloatBox, TakesNoLengthBeyondTheToleranceForAUnit) {
+  for (const float length : {1.0f, 1.0004f, 0.9996f, 1.00051f, 0.99949f, 0.0f, 2.0f,
+                             std::numeric_limits<float>::quiet_NaN()}) {
+    const std::vector<glm::vec3> vectors{{1, 0, 0}, {0, length, 0}};
+    const bool is_near = std::abs(length - 1.0f) < 4.5e-4f;
+    EXPECT_EQ(are_surely_units(vectors, 5e-4f), is_near) << length;
+  }
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "planish/core/parallel.h"
+#include "planish/files/gltf/float_box.h"
 #include "planish/files/gltf/gltf_checks.h"
 #include "planish/files/gltf/gltf_face_writer.h"
 #include "planish/files/gltf/stored_position.h"
@@ -24,6 +25,9 @@ static_assert(std::endian::native == std::endian::little, "glTF buffers are litt
 
 // Rows or faces converted at once: about a MB of output, written while still in the cache.
 constexpr std::int64_t kBufferRows = std::int64_t{1} << 16, kBufferFaces = std::int64_t{1} << 15;
+
+// Rows surveyed at once, which fit into a core's own cache.
+constexpr std::int64_t kSurveyedRows = std::int64_t{1} << 13;
 
 // As the Khronos validator allows.
 constexpr float kUnitLengthTolerance = 5e-4f;
@@ -89,31 +93,38 @@ class Surveyor {
     target.origin = origin_;
     Survey survey;
     survey.degenerate = surface_.rows(range, target);
-    for (std::size_t i = 0; i < count; ++i) {
-      const glm::vec3 position = stored_.turn(positions_[i]);
-      const auto row = range.first + static_cast<std::int64_t>(i);
-      if (!is_finite(position)) note({row, true}, survey);
-      const float length = glm::length(normals_[i]);
-      if (!(std::abs(length - 1.0f) <= kUnitLengthTolerance)) note({row, false, length}, survey);
-      positions_[i] = position;
-    }
-    add_bounds(range, survey);
+    const FloatBox box = box_of(positions_);
+    if (!box.is_finite || !are_surely_units(normals_, kUnitLengthTolerance))
+      look_for_faults(range, survey);
+    add_bounds(range, box, survey);
     return survey;
   }
 
  private:
-  void add_bounds(RowRange range, Survey& survey) const {
+  void look_for_faults(RowRange range, Survey& survey) const {
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      const auto row = range.first + static_cast<std::int64_t>(i);
+      if (!is_finite(positions_[i])) note({row, true}, survey);
+      const float length = glm::length(normals_[i]);
+      if (!(std::abs(length - 1.0f) <= kUnitLengthTolerance)) note({row, false, length}, survey);
+    }
+  }
+  void add_bounds(RowRange range, const FloatBox& box, Survey& survey) const {
     survey.parts.resize(vertices_.parts.size());
     // One primitive has all rows: its copies have the places of others.
     if (survey.parts.size() == 1) {
-      for (const glm::vec3& position : positions_) survey.parts[0].add({position, position});
+      for (const glm::vec3& corner : {box.minimum, box.maximum}) {
+        const glm::vec3 position = stored_.turn(corner);
+        survey.parts[0].add({position, position});
+      }
       return;
     }
     for (const CopiedRow& copy : copies_in(copied_, range)) {
       const auto part = std::ranges::upper_bound(vertices_.parts, copy.vertex, std::less<>(),
                                                  &GltfPart::first_vertex) -
                         1;
-      const glm::vec3& position = positions_[static_cast<std::size_t>(copy.row - range.first)];
+      const glm::vec3 position =
+          stored_.turn(positions_[static_cast<std::size_t>(copy.row - range.first)]);
       survey.parts[static_cast<std::size_t>(part - vertices_.parts.begin())].add(
           {position, position});
     }
@@ -287,7 +298,7 @@ GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertice
 GltfSurvey gltf_survey(const SurfaceBlocks& surface, const GltfVertices& vertices,
                        const GltfOptions& options, std::span<const std::int32_t> surface_rows) {
   const std::vector<CopiedRow> copied = copied_rows(vertices);
-  const std::vector<RowRange> pieces = surface.row_blocks(kBufferRows);
+  const std::vector<RowRange> pieces = surface.row_blocks(kSurveyedRows);
   Survey all;
   std::mutex mutex;
   parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
