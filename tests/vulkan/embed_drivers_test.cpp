@@ -11,6 +11,7 @@
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/backend/vulkan_solve.h"
 #include "planish/vulkan/device/result.h"
+#include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"
@@ -149,6 +150,27 @@ TEST_F(EmbedDrivers, MemoryThatIsNotCoherent) {
   EXPECT_GT(PretendedDriver::count("vkFlushMappedMemoryRanges"), 4);
   EXPECT_GT(PretendedDriver::count("vkInvalidateMappedMemoryRanges"), 4);
   EXPECT_EQ(PretendedDriver::illegal_maps(), 0);
+}
+
+// As of a discrete GPU: a heap of its own, one that the host sees too, too small for an upload, and
+// the host's, smaller than what the device's holds.
+TEST_F(EmbedDrivers, ASmallHeapThatDeviceAndHostSee) {
+  expect_equal_frames([](auto& pretence) {
+    pretence.bar_bytes = 4096;
+    pretence.host_bytes = 1u << 20;
+  });
+  EXPECT_EQ(PretendedDriver::illegal_maps(), 0);
+}
+
+TEST_F(EmbedDrivers, AHeapThatIsFullIsNamedWithItsOwnBytes) {
+  PretendedDriver::pretence().bar_bytes = 4096;
+  PretendedDriver::pretence().host_bytes = 8192;
+  open();
+  const Buffer small(*context_, 8000, MemoryUse::Upload);
+  const Buffer on_device(*context_, 1u << 20, MemoryUse::Device);
+  EXPECT_THAT(test::message_of(ErrorCode::OutOfMemory,
+                               [&] { const Buffer more(*context_, 8000, MemoryUse::Upload); }),
+              ::testing::HasSubstr("memory heap 1 has 4096 bytes, of which 0 are taken"));
 }
 
 TEST_F(EmbedDrivers, RangesOf128MebibytesAndFewTexels) {

@@ -79,15 +79,29 @@ void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperti
   }
 }
 
+bool is_other_memory() { return state.pretence.split_memory || state.pretence.bar_bytes > 0; }
+
 void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties* memory) {
   real.vkGetPhysicalDeviceMemoryProperties(device, memory);
-  if (!state.pretence.split_memory) return;
+  if (!is_other_memory()) return;
   constexpr VkMemoryPropertyFlags kMapped =
       VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   state.mapped_type = 0;
   while (state.mapped_type + 1 < memory->memoryTypeCount &&
          (memory->memoryTypes[state.mapped_type].propertyFlags & kMapped) != kMapped)
     ++state.mapped_type;
+  if (state.pretence.bar_bytes > 0) {
+    memory->memoryTypeCount = 4;
+    memory->memoryTypes[0] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
+    memory->memoryTypes[1] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kMapped, 1};
+    memory->memoryTypes[2] = {kMapped, 2};
+    memory->memoryTypes[3] = {kMapped | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, 2};
+    memory->memoryHeapCount = 3;
+    memory->memoryHeaps[0] = {64u << 20, VK_MEMORY_HEAP_DEVICE_LOCAL_BIT};
+    memory->memoryHeaps[1] = {state.pretence.bar_bytes, VK_MEMORY_HEAP_DEVICE_LOCAL_BIT};
+    memory->memoryHeaps[2] = {state.pretence.host_bytes, 0};
+    return;
+  }
   const std::uint32_t heap = memory->memoryTypes[state.mapped_type].heapIndex;
   memory->memoryTypeCount = 3;
   memory->memoryTypes[0] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, heap};
@@ -191,15 +205,16 @@ void VKAPI_CALL get_requirements(VkDevice device, VkBuffer buffer,
                                  VkMemoryRequirements* requirements) {
   real.vkGetBufferMemoryRequirements(device, buffer, requirements);
   if (state.pretence.split_memory) requirements->memoryTypeBits = 7;
+  if (state.pretence.bar_bytes > 0) requirements->memoryTypeBits = 15;
 }
 
 VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAllocateInfo* info,
                                     const VkAllocationCallbacks* callbacks,
                                     VkDeviceMemory* memory) {
   VkMemoryAllocateInfo changed = *info;
-  if (state.pretence.split_memory) changed.memoryTypeIndex = state.mapped_type;
+  if (is_other_memory()) changed.memoryTypeIndex = state.mapped_type;
   const VkResult result = real.vkAllocateMemory(device, &changed, callbacks, memory);
-  if (state.pretence.split_memory && result == VK_SUCCESS) {
+  if (is_other_memory() && result == VK_SUCCESS) {
     const std::lock_guard lock(state.mutex);
     if (info->memoryTypeIndex == 0)
       state.device_only.insert(*memory);

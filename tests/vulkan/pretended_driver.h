@@ -26,6 +26,9 @@ class PretendedDriver {
     /// Memory that only the device sees, and two types that the host sees, of which none is
     /// coherent.
     bool split_memory = false;
+    /// Bytes of a heap of device memory that the host sees too, named before the host's own heap;
+    /// 0: the real heaps. Device and host have 64 MiB and `host_bytes` beside it.
+    std::uint64_t bar_bytes = 0, host_bytes = 64u << 20;
     bool no_subgroup_operations = false;
     std::uint32_t subgroup_size = 0;  ///< that is told of; 0: the real one
     bool no_timestamps = false;

@@ -9,20 +9,6 @@
 
 namespace planish::vulkan {
 
-namespace {
-
-constexpr std::uint32_t kNoType = ~0u;
-
-/// First type among `allowed` that has all of `flags`.
-std::uint32_t find_type(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
-                        VkMemoryPropertyFlags flags) {
-  for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-    if ((allowed >> i & 1u) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
-  return kNoType;
-}
-
-}  // namespace
-
 MemoryAllocator::MemoryAllocator(const DeviceFunctions& functions, VkDevice device,
                                  const Capabilities& capabilities,
                                  const VkAllocationCallbacks* callbacks, MemoryHooks hooks)
@@ -32,6 +18,8 @@ MemoryAllocator::MemoryAllocator(const DeviceFunctions& functions, VkDevice devi
       callbacks_(callbacks),
       hooks_(std::move(hooks)) {}
 
+// The first type with the flags wished for most whose heap has room: device memory that the host
+// sees too is a small heap of many devices, and may come before their host's.
 std::uint32_t MemoryAllocator::pick_type(const MemoryRequest& request) const {
   constexpr VkMemoryPropertyFlags kVisible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
   constexpr VkMemoryPropertyFlags kCoherent = VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
@@ -39,37 +27,45 @@ std::uint32_t MemoryAllocator::pick_type(const MemoryRequest& request) const {
   constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
   const std::initializer_list<VkMemoryPropertyFlags> wishes[] = {
       {kLocal, 0}, {kVisible | kCoherent, kVisible}, {kVisible | kCached, kVisible}};
+  const VkPhysicalDeviceMemoryProperties& memory = capabilities_.memory;
+  std::string lacking;
   for (const VkMemoryPropertyFlags wish : wishes[static_cast<int>(request.use)]) {
-    const std::uint32_t type =
-        find_type(capabilities_.memory, request.requirements.memoryTypeBits, wish);
-    if (type != kNoType) return type;
+    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+      if ((request.requirements.memoryTypeBits >> i & 1u) == 0) continue;
+      if ((memory.memoryTypes[i].propertyFlags & wish) != wish) continue;
+      const std::string reason = lacking_room(i, request.requirements.size);
+      if (reason.empty()) return i;
+      if (lacking.empty()) lacking = reason;
+    }
+    // Kernels that work in the host's memory are slower than the CPU.
+    if (request.use == MemoryUse::Device && !lacking.empty()) break;
   }
-  throw Error(ErrorCode::OutOfMemory, capabilities_.name + " has no memory type for a buffer");
+  if (lacking.empty())
+    throw Error(ErrorCode::OutOfMemory, capabilities_.name + " has no memory type for a buffer");
+  throw Error(ErrorCode::OutOfMemory,
+              capabilities_.name + ": a buffer needs " + std::to_string(request.requirements.size) +
+                  " bytes, but " + lacking + "; use --device cpu or a smaller mesh");
 }
 
-void MemoryAllocator::check_room(std::uint32_t type, std::uint64_t size) const {
+std::string MemoryAllocator::lacking_room(std::uint32_t type, std::uint64_t size) const {
+  if (size > capabilities_.max_allocation)
+    return "maxMemoryAllocationSize is " + std::to_string(capabilities_.max_allocation);
   const std::uint32_t heap = capabilities_.memory.memoryTypes[type].heapIndex;
   const std::uint64_t heap_size = capabilities_.memory.memoryHeaps[heap].size;
-  std::string limit;
-  if (size > capabilities_.max_allocation)
-    limit = "maxMemoryAllocationSize is " + std::to_string(capabilities_.max_allocation);
-  else if (used_ > heap_size || size > heap_size - used_)
-    limit = "memory heap " + std::to_string(heap) + " has " + std::to_string(heap_size) +
-            " bytes, of which " + std::to_string(used_) + " are taken";
-  if (!limit.empty())
-    throw Error(ErrorCode::OutOfMemory, capabilities_.name + ": a buffer needs " +
-                                            std::to_string(size) + " bytes, but " + limit +
-                                            "; use --device cpu or a smaller mesh");
+  const std::uint64_t taken = heap_bytes_[heap];
+  if (taken <= heap_size && size <= heap_size - taken) return "";
+  return "memory heap " + std::to_string(heap) + " has " + std::to_string(heap_size) +
+         " bytes, of which " + std::to_string(taken) + " are taken";
 }
 
 MemoryBlock MemoryAllocator::allocate_own(const MemoryRequest& request) {
   const std::uint32_t type = pick_type(request);
-  check_room(type, request.requirements.size);
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   info.allocationSize = request.requirements.size;
   info.memoryTypeIndex = type;
   MemoryBlock block;
   check(vk_.vkAllocateMemory(device_, &info, callbacks_, &block.memory), "vkAllocateMemory");
+  block.heap = capabilities_.memory.memoryTypes[type].heapIndex;
   block.coherent =
       capabilities_.memory.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   if (request.use == MemoryUse::Device) return block;
@@ -83,6 +79,7 @@ MemoryBlock MemoryAllocator::allocate_own(const MemoryRequest& request) {
 MemoryBlock MemoryAllocator::allocate(const MemoryRequest& request) {
   const std::lock_guard lock(mutex_);
   const MemoryBlock block = hooks_.allocate ? hooks_.allocate(request) : allocate_own(request);
+  if (!hooks_.allocate) heap_bytes_[block.heap] += request.requirements.size;
   used_ += request.requirements.size;
   peak_ = std::max(peak_, used_);
   return block;
@@ -91,10 +88,12 @@ MemoryBlock MemoryAllocator::allocate(const MemoryRequest& request) {
 void MemoryAllocator::free(const MemoryBlock& block, VkDeviceSize size) noexcept {
   const std::lock_guard lock(mutex_);
   used_ -= size;
-  if (hooks_.free)
+  if (hooks_.free) {
     hooks_.free(block);
-  else
-    vk_.vkFreeMemory(device_, block.memory, callbacks_);
+    return;
+  }
+  heap_bytes_[block.heap] -= size;
+  vk_.vkFreeMemory(device_, block.memory, callbacks_);
 }
 
 std::uint64_t MemoryAllocator::peak_bytes() const {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <string>
 
 #include "planish/vulkan/device/capabilities.h"
 #include "planish/vulkan/device/functions.h"
@@ -26,8 +28,9 @@ struct MemoryBlock {
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;
   void* mapped = nullptr;
-  bool coherent = true;   ///< false: planish flushes and invalidates [offset, offset + size)
-  void* owner = nullptr;  ///< the host allocator's own handle
+  bool coherent = true;    ///< false: planish flushes and invalidates [offset, offset + size)
+  void* owner = nullptr;   ///< the host allocator's own handle
+  std::uint32_t heap = 0;  ///< without hooks: the heap that it is taken from
 };
 
 /// How a host's allocator serves every allocation. Both or neither are set. `allocate` may throw
@@ -54,7 +57,8 @@ class MemoryAllocator {
 
  private:
   [[nodiscard]] std::uint32_t pick_type(const MemoryRequest& request) const;
-  void check_room(std::uint32_t type, std::uint64_t size) const;
+  /// Why so many bytes of a type cannot be had; empty if they can.
+  [[nodiscard]] std::string lacking_room(std::uint32_t type, std::uint64_t size) const;
   [[nodiscard]] MemoryBlock allocate_own(const MemoryRequest& request);
 
   const DeviceFunctions& vk_;
@@ -63,6 +67,7 @@ class MemoryAllocator {
   const VkAllocationCallbacks* callbacks_;
   MemoryHooks hooks_;
   mutable std::mutex mutex_;
+  std::array<std::uint64_t, VK_MAX_MEMORY_HEAPS> heap_bytes_{};  // taken without hooks
   std::uint64_t used_ = 0;
   std::uint64_t peak_ = 0;
 };
