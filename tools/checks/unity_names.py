@@ -2,7 +2,8 @@
 
 Unnamed namespaces of one module's sources become one there, so that a constant, a type or a
 function may stand in one of them only. A function of other parameters would compile, but take calls
-that are meant for its namesake.
+that are meant for its namesake. Nor may a constant have the name of one in a header of the module,
+which another of its sources may include.
 """
 
 import collections
@@ -38,13 +39,24 @@ def names_in(part):
             yield match[1], match[1] + "()"
 
 
+def header_constants(text):
+    return re.findall(r"(?m)^inline constexpr [^;(){}]*?(\w+)(?:\[[^\]]*\])*(?: =|\{)", text)
+
+
 def met_names(texts):
+    in_headers = collections.defaultdict(set)
+    for name, text in texts.items():
+        if name.endswith(".h"):
+            for constant in header_constants(text):
+                in_headers[unit_of(name), constant].add(name)
     places = collections.defaultdict(lambda: collections.defaultdict(set))
     for name, text in texts.items():
         if name.endswith(".cpp") and not name.endswith("/main.cpp"):  # compiled alone
             for part in unnamed_parts(text):
                 for what, written in names_in(part):
                     places[unit_of(name), what][name].add(written)
+                    for header in sorted(in_headers[unit_of(name), what]):
+                        yield f"{what} is a name in {name} and in {header}"
     for (_, what), found in sorted(places.items()):
         written = set().union(*found.values())
         alias = all(" = " in each for each in written)

@@ -16,7 +16,7 @@ constexpr int kDeepest = 36;
 constexpr int kMostSteps = 30;
 // Pieces of a corner after which no more are looked at: a ray in a plane patch meets more of them
 // with every split, and has touched some by then.
-constexpr int kMostPieces = 1 << 16;
+constexpr int kMostNets = 1 << 16;
 // From further away (of diagonals) differences are those of rounding: the ray begins nearer.
 constexpr double kFarAway = 100;
 constexpr double kOverlap = 1e-9;  // of a piece, so that none falls between two
@@ -174,7 +174,7 @@ bool RaySearch::solve(const Net& net, const PieceFrame& frame) {
 void RaySearch::search_net(const Net& net, const PieceFrame& frame) {
   if (is_done() || !can_meet(net, 1) || is_beside(net)) return;
   if (is_seen_once(net) && solve(net, frame)) return;
-  if (++pieces_ > kMostPieces) return;
+  if (++pieces_ > kMostNets) return;
   if (frame.depth >= kDeepest) {
     add(frame, glm::dvec2(0.5), true, false);
     return;
