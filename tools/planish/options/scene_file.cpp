@@ -267,6 +267,16 @@ class JobParser {
   std::filesystem::path folder_;
 };
 
+// "a, b and c", but not hundreds of them.
+std::string listed(const std::vector<std::string_view>& names) {
+  constexpr std::size_t kMost = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+    text += (i == 0 ? "" : ", ") + std::string(names[i]);
+  return names.size() > kMost ? text + ", and " + std::to_string(names.size() - kMost) + " more"
+                              : text;
+}
+
 }  // namespace
 
 std::vector<std::string_view> scene_keys(SceneObject object) {
@@ -368,20 +378,6 @@ std::vector<Job> read_scene_file(const std::filesystem::path& path) {
   return parse_scene({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, visible(path),
                      path.parent_path());
 }
-
-namespace {
-
-// "a, b and c", but not hundreds of them.
-std::string listed(const std::vector<std::string_view>& names) {
-  constexpr std::size_t kMost = 12;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
-    text += (i == 0 ? "" : ", ") + std::string(names[i]);
-  return names.size() > kMost ? text + ", and " + std::to_string(names.size() - kMost) + " more"
-                              : text;
-}
-
-}  // namespace
 
 std::vector<Job> select_jobs(std::vector<Job> jobs, const std::vector<std::string>& names) {
   if (names.empty()) return jobs;
