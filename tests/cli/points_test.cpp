@@ -13,8 +13,13 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "job/sampling.h"
+#include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_points.h"
+#include "planish/limit/surface_queries.h"
+#include "planish/pipeline/fit.h"
+#include "support/meshes.h"
 
 namespace planish::test {
 namespace {
@@ -48,6 +53,20 @@ class Points : public testing::Test {
 
   fs::path folder_;
 };
+
+// Not on the triangles that they are drawn from.
+TEST(Sampling, DrawsFromTheExactSurface) {
+  command::Input input;
+  input.file.mesh = torus(12, 8, 2, 0.7);
+  const PolygonMesh& mesh = input.file.mesh;
+  const PointCloud cloud = command::sample_surface(input, {.points = 2000}, {});
+  ASSERT_EQ(cloud.points.size(), 2000u);
+  const Fit fitted = fit(mesh, *make_cpu_backend({Precision::Double, 0}));
+  const LimitSurface limit(fitted_surface(mesh, fitted));
+  const SurfaceQueries queries(limit);
+  for (const glm::dvec3& point : cloud.points)
+    EXPECT_LT(queries.closest(cloud.origin + point).distance, 1e-12);
+}
 
 TEST_F(Points, WithoutTheMesherEndInExitSix) {
   const PlanishProcess::Options missing{.environment = {"PLANISH_RECONSTRUCT=/nonexistent"}};

@@ -9,7 +9,8 @@
 
 namespace planish::command {
 
-/// Points that stand in for a mesh: drawn from the interpolating surface through its vertices.
+/// Points that stand in for a mesh: drawn from the interpolating surface through its vertices, by
+/// area.
 struct Sampling {
   std::int64_t points = 0;
   bool poisson_disk = true;  ///< no two near each other; else independent
