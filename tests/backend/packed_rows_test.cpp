@@ -36,7 +36,7 @@ void expect_plain_sums(const StencilView<double>& table, const PackedRows& rows)
       ASSERT_EQ(row, next++);
       Point expected{};
       for (std::int32_t k = 0; k < table.sizes[row]; ++k) {
-        const auto at = static_cast<std::size_t>(table.offsets[row] + k);
+        const std::int32_t at = table.offsets[row] + k;
         const Point term = static_cast<float>(table.weights[at]) *
                            source[static_cast<std::size_t>(table.indices[at])];
         expected = expected + term;

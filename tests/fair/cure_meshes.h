@@ -39,7 +39,7 @@ inline PolygonMesh uneven_box() {
   PolygonMesh mesh;
   std::vector<int> index(216, -1);
   const auto vertex = [&](int i, int j, int k) {
-    int& known = index[static_cast<std::size_t>(36 * i + 6 * j + k)];
+    int& known = index[36 * i + 6 * j + k];
     if (known < 0) {
       known = mesh.vertex_count();
       mesh.positions.emplace_back(lines[static_cast<std::size_t>(i)],

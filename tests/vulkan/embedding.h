@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -39,6 +41,11 @@ struct Layout {
   std::uint32_t offset = 0, stride = 24, position_offset = 0, normal_offset = 12;
   std::uint32_t gap = 0;  ///< bytes between instances
 };
+
+/// Of a status, to compare: all of its 12 bytes.
+[[nodiscard]] inline std::array<std::uint32_t, 3> bits_of(const vulkan::GpuStatus& status) {
+  return std::bit_cast<std::array<std::uint32_t, 3>>(status);
+}
 
 /// What a host keeps for one topology: tables, and an index buffer.
 struct HostTopology {

@@ -116,6 +116,7 @@ std::string closest_ply(const SurfaceQueries& queries, std::span<const glm::dvec
   std::vector<ClosestPoint> closest(points.size());
   queries.closest(points, closest);
   std::vector<PlyAnswer> answers;
+  answers.reserve(closest.size());
   for (const ClosestPoint& found : closest)
     answers.push_back(
         {found.position, found.normal, found.distance, found.at.face, found.at.u, found.at.v});

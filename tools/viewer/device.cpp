@@ -40,6 +40,7 @@ std::vector<Candidate> find_candidates(VkInstance instance, VkSurfaceKHR surface
   vulkan::check(vkEnumeratePhysicalDevices(instance, &count, handles.data()),
                 "vkEnumeratePhysicalDevices");
   std::vector<Candidate> candidates;
+  candidates.reserve(handles.size());
   for (VkPhysicalDevice handle : handles)
     candidates.push_back({handle,
                           vulkan::query_capabilities(vkGetInstanceProcAddr, instance, handle),

@@ -41,7 +41,8 @@ PLANISH_INLINE Mask make_samples(const PatchBatch& batch, const PatchOutput& out
   const bool takes_normals = output.normals != nullptr;
   const bool wanted[3] = {takes_positions, takes_normals, takes_normals};
   Mask kept = ~Mask{};
-  Vector sums[kSamples > 0 ? kSamples : 1][3][3];  // of a row, of a coordinate
+  constexpr int kSumCount = kSamples + (kSamples == 0);
+  Vector sums[kSumCount][3][3];  // of a row, of a coordinate
   const auto add_up = [&](const double* rows, Vector(&sum)[3][3], const Vector* x, int d,
                           unsigned needed) PLANISH_INLINE_LAMBDA {
 #pragma GCC unroll 3

@@ -212,7 +212,7 @@ void measure_and_pair(Work& work) {
     polygons = polygons_of(work.triangles);
     polygons.positions = std::move(work.points);
   }
-  finish_mesh(std::move(polygons), work.cloud, result);
+  finish_mesh(polygons, work.cloud, result);
   result.timing.measure = work.watch.lap();
 }
 

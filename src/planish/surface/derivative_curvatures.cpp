@@ -71,7 +71,7 @@ class CurvatureSums {
     if (only_vertex) {
       piece.rows = {numbering_.vertex_row(corner)};
     } else {
-      const auto row_count = static_cast<std::size_t>(side_ + 1);
+      const auto row_count = static_cast<std::size_t>(side_) + 1;
       piece.rows.resize(row_count * row_count);
       numbering_.grid(corner, piece.rows.data());
     }

@@ -19,6 +19,7 @@ std::vector<std::string> all_flags(const HelpPage& page) {
 
 std::vector<std::string> command_names(const std::vector<HelpPage>& commands) {
   std::vector<std::string> names;
+  names.reserve(commands.size());
   for (const HelpPage& command : commands) names.push_back(command.name);
   return names;
 }

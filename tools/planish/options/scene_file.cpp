@@ -382,6 +382,7 @@ std::vector<Job> read_scene_file(const std::filesystem::path& path) {
 std::vector<Job> select_jobs(std::vector<Job> jobs, const std::vector<std::string>& names) {
   if (names.empty()) return jobs;
   std::vector<std::string_view> known;
+  known.reserve(jobs.size());
   for (const Job& job : jobs) known.push_back(job.name);
   for (const std::string& name : names) {
     if (std::ranges::find(known, name) == known.end())

@@ -151,11 +151,12 @@ std::string timing_bar(const Json& timing, const std::string& id) {
     if (step == "total" || !(milliseconds > 0)) continue;
     const double width = kWidth * milliseconds / sum;
     const std::string text = step + " " + duration(milliseconds);
-    const std::string shade = "class=\"c" + std::to_string(colour++ % 8) + "\"";
-    bar += "<rect " + shade + " x=\"" + fixed(x, 2) + "\" width=\"" + fixed(width, 2) +
-           "\" height=\"22\"><title>" + text + "</title></rect>";
-    list += "<li><svg class=\"swatch\" viewBox=\"0 0 9 9\" aria-hidden=\"true\"><rect " + shade +
-            " width=\"9\" height=\"9\"/></svg> " + text;
+    const std::string rectangle = "<rect class=\"c" + std::to_string(colour++ % 8) + "\"";
+    bar += rectangle;
+    bar += " x=\"" + fixed(x, 2) + "\" width=\"" + fixed(width, 2) + "\" height=\"22\"><title>";
+    bar += text + "</title></rect>";
+    list += "<li><svg class=\"swatch\" viewBox=\"0 0 9 9\" aria-hidden=\"true\">" + rectangle;
+    list += " width=\"9\" height=\"9\"/></svg> " + text;
     words += (words.empty() ? "" : ", ") + text;
     x += width;
   }

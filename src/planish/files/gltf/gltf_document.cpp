@@ -174,7 +174,7 @@ void append_arrays(const GltfDocument& block, const BlockPlace& place, GltfDocum
     // The arrays that streams stand for lie in a buffer of their own.
     array.offset += array.stream ? all.decoded_bytes : place.buffer_offset;
     if (array.stream) array.stream->offset += place.buffer_offset;
-    all.arrays.push_back(std::move(array));
+    all.arrays.push_back(array);
   }
   for (GltfArrays primitive : block.primitives) {
     for (auto& [name, array] : primitive.attributes) array += first;
