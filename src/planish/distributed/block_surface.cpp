@@ -1,31 +1,10 @@
 #include "planish/distributed/block_surface.h"
 
-#include <memory>
-#include <numeric>
-#include <utility>
-
 #include "planish/distributed/part_fair.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/prepared_mesh.h"
-#include "planish/mesh/sound_topology.h"
 
 namespace planish {
-
-namespace {
-
-std::shared_ptr<const PreparedMesh> prepared_block(const PolygonMesh& mesh) {
-  auto prepared = std::make_shared<PreparedMesh>();
-  prepared->given_vertex_count = mesh.vertex_count();
-  prepared->vertices.resize(mesh.positions.size());
-  std::iota(prepared->vertices.begin(), prepared->vertices.end(), 0);
-  // Nothing where all vertices are at one place, which is no problem of a part.
-  std::optional<MeshTopology> topology = sound_topology(mesh);
-  if (!topology) topology.emplace(mesh);
-  prepared->topology = std::make_shared<const MeshTopology>(std::move(*topology));
-  return prepared;
-}
-
-}  // namespace
 
 BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cage,
                            const SubMesh& sub, const PartTilesOptions& options)
@@ -36,7 +15,7 @@ BlockSurface::BlockSurface(const MeshPart& part, std::span<const glm::dvec3> cag
   evaluate.weights = options.weights;
   evaluate.sharp = options.sharp;
   evaluate.rest_positions = sub.mesh.positions;
-  evaluate.prepared = prepared_block(cage_);
+  evaluate.prepared = prepared_whole(cage_, topology_of_sound(cage_));
   if (options.fair == nullptr) {
     surface_.emplace(cage_, options.placement, evaluate);
     return;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "planish/core/parallel.h"
@@ -14,7 +13,6 @@
 #include "planish/doosabin/subdivision.h"
 #include "planish/fair/fair_net.h"
 #include "planish/mesh/convex_faces.h"
-#include "planish/mesh/sound_topology.h"
 #include "planish/pipeline/deep_folds.h"
 #include "planish/stencil/quad_split.h"
 
@@ -24,19 +22,11 @@ namespace {
 
 using glm::dvec3;
 
-// Connectivity of faces that have been found sound.
-std::shared_ptr<const MeshTopology> topology_of(const PolygonMesh& mesh) {
-  std::optional<MeshTopology> topology = sound_topology(mesh);
-  // Nothing where all vertices are at one place, which is no problem of a part.
-  if (!topology) topology.emplace(mesh);
-  return std::make_shared<const MeshTopology>(std::move(*topology));
-}
-
 // The part as fair_net() takes it.
 struct PartMesh {
   PartMesh(const MeshPart& part, const PartFairOptions& options)
       : sub(SubMeshMaker(part).make(0, part.owned_count(), Rings::TwoTagged)),
-        topology(topology_of(sub.mesh)),
+        topology(topology_of_sound(sub.mesh)),
         split(sub.mesh, topology),
         features(find_sharp_features(sub.mesh, split, sub.mesh.positions, options.fit.sharp)),
         // The first step takes the weights of 1978 whatever the later levels take.

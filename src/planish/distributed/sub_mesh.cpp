@@ -1,9 +1,19 @@
 #include "planish/distributed/sub_mesh.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
+#include "planish/mesh/sound_topology.h"
+
 namespace planish {
+
+std::shared_ptr<const MeshTopology> topology_of_sound(const PolygonMesh& mesh) {
+  std::optional<MeshTopology> topology = sound_topology(mesh);
+  // Nothing where all vertices are at one place, which is no problem of a part.
+  if (!topology) topology.emplace(mesh);
+  return std::make_shared<const MeshTopology>(std::move(*topology));
+}
 
 SubMeshMaker::SubMeshMaker(const MeshPart& part)
     : part_(part),

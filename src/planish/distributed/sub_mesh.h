@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "planish/distributed/mesh_part.h"
+#include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
@@ -19,6 +21,9 @@ struct SubMesh {
   std::vector<std::uint8_t> is_own;    ///< of each face, with Rings::Whole: it would be in None
   std::int32_t copy_count = 0;
 };
+
+/// The connectivity of a sub mesh, whose faces have been found sound.
+[[nodiscard]] std::shared_ptr<const MeshTopology> topology_of_sound(const PolygonMesh& mesh);
 
 /// Which faces a sub mesh has.
 enum class Rings {

@@ -249,7 +249,7 @@ float largest_of(std::span<const float> diagonals, FairHalo* halo) {
   if (!halo) return *std::max_element(diagonals.begin(), diagonals.end());
   float largest = 0;
   for (std::size_t v = 0; v < diagonals.size(); ++v)
-    if (halo->owned_vertices()[v] != 0) largest = std::max(largest, diagonals[v]);
+    if (owns_vertex(halo, static_cast<std::int32_t>(v))) largest = std::max(largest, diagonals[v]);
   return halo->largest(largest);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -35,5 +36,19 @@ class FairHalo {
   [[nodiscard]] virtual std::span<const std::uint8_t> owned_vertices() const = 0;
   [[nodiscard]] virtual std::span<const std::uint8_t> owned_faces() const = 0;
 };
+
+/// Without a halo all is this process's own.
+[[nodiscard]] inline bool owns_vertex(const FairHalo* halo, std::int32_t vertex) {
+  return halo == nullptr || halo->owned_vertices()[static_cast<std::size_t>(vertex)] != 0;
+}
+[[nodiscard]] inline bool owns_face(const FairHalo* halo, std::int32_t face) {
+  return halo == nullptr || halo->owned_faces()[static_cast<std::size_t>(face)] != 0;
+}
+[[nodiscard]] inline std::int64_t sum_of_parts(FairHalo* halo, std::int64_t value) {
+  return halo == nullptr ? value : halo->sum(value);
+}
+[[nodiscard]] inline bool is_in_any_part(FairHalo* halo, bool is_here) {
+  return sum_of_parts(halo, is_here ? 1 : 0) > 0;
+}
 
 }  // namespace planish

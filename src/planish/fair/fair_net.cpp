@@ -80,9 +80,9 @@ void NetBuilder::prepare() {
   corner_offsets(topology, given, given, offsets);
   shares = tensor_shares(topology, given, normals, offsets);
   if (halo) halo->exchange_vertices(shares);
-  bool any = std::any_of(shares.begin(), shares.end(), [](double share) { return share > 0; });
-  if (halo) any = halo->sum(any ? 1 : 0) > 0;
-  if (any) points = masked_iteration(topology, given, shares, offsets, halo);
+  const bool any =
+      std::any_of(shares.begin(), shares.end(), [](double share) { return share > 0; });
+  if (is_in_any_part(halo, any)) points = masked_iteration(topology, given, shares, offsets, halo);
 }
 
 void NetBuilder::build_polygons(std::vector<std::uint8_t>& reversed) {
@@ -171,14 +171,13 @@ FoldCount settle_cure(NetBuilder& builder, const FairOptions& options, FairDecis
 void count_decisions(FairNet& net, FairHalo* halo) {
   const FairDecisions& decisions = net.decisions;
   for (std::size_t v = 0; v < decisions.reversed.size(); ++v) {
-    if (halo && halo->owned_vertices()[v] == 0) continue;
+    if (!owns_vertex(halo, static_cast<std::int32_t>(v))) continue;
     net.reversed_vertices += decisions.reversed[v];
     net.cured_vertices += decisions.cures[v] > 0;
     net.shrunk_vertices += decisions.halvings[v] + decisions.late_halvings[v] > 0;
   }
-  if (!halo) return;
   for (auto* count : {&net.reversed_vertices, &net.cured_vertices, &net.shrunk_vertices})
-    *count = halo->sum(*count);
+    *count = sum_of_parts(halo, *count);
 }
 
 void add_given_points(const FairTopology& topology, std::span<const dvec3> given,

@@ -65,9 +65,6 @@ struct Cure {
   void test_sharp_edges();
   void test_vertices(std::span<const std::uint8_t> cures);
   void build_smooth(std::int32_t vertex, PerpendicularScratch& scratch);
-  [[nodiscard]] bool counts(std::int32_t face) const {
-    return !input.halo || input.halo->owned_faces()[face] != 0;
-  }
   // What is near others' vertices, from them; whether any vertex changed.
   bool exchange(bool any);
   void change(std::int32_t vertex, std::int32_t times, bool is_new, PerpendicularScratch& scratch);
@@ -111,7 +108,7 @@ std::int64_t Cure::test_edges(bool count) {
       if (!count && !changed[v] && !changed[w]) continue;
       const double cosine = edge_cosine(edge);
       if (count) {
-        folded += cosine < 0 && counts(edge.faces[0]);
+        folded += cosine < 0 && owns_face(input.halo, edge.faces[0]);
         continue;
       }
       const double turn =
@@ -140,7 +137,7 @@ std::int64_t Cure::test_faces(bool count) {
           }
           const double cosine = face_cosine(f);
           if (count) {
-            folded += cosine < 0 && counts(f);
+            folded += cosine < 0 && owns_face(input.halo, f);
           } else if (cosine < kPartOfBest) {
             for (const std::int32_t v : corners) flag(bad, v);
           }
@@ -230,16 +227,14 @@ bool Cure::exchange(bool any) {
   FairHalo* const halo = input.halo;
   if (!halo) return any;
   halo->exchange_vertices(changed);
-  const bool is_any = std::ranges::find(changed, 1) != changed.end();
-  if (halo->sum(is_any ? 1 : 0) == 0) return false;
+  if (!is_in_any_part(halo, std::ranges::find(changed, 1) != changed.end())) return false;
   halo->exchange_state(input.offsets);
   return true;
 }
 
 FoldCount Cure::count() {
   const std::int64_t edges = test_edges(true), faces = test_faces(true);
-  if (!input.halo) return {edges, faces};
-  return {input.halo->sum(edges), input.halo->sum(faces)};
+  return sum_of_parts(input.halo, {edges, faces});
 }
 
 }  // namespace

@@ -29,11 +29,6 @@ struct FoldTest {
   std::span<const dvec3> given, face_normals, offsets;
   FairHalo* halo = nullptr;
 
-  // Whether what is at the face counts here.
-  [[nodiscard]] bool counts(std::int32_t face) const {
-    return !halo || halo->owned_faces()[face] != 0;
-  }
-
   [[nodiscard]] dvec3 point(std::int32_t corner) const {
     return given[topology.corner_vertices[corner]] + offsets[corner];
   }
@@ -78,7 +73,7 @@ FoldCount find_folds(const FoldTest& test, VertexFlags& flags) {
     for (std::size_t e = begin; e < end; ++e) {
       const FairTopology::Edge& edge = topology.edges[e];
       if (!test.edge_is_folded(edge)) continue;
-      if (test.counts(edge.faces[0])) ++edges;
+      if (owns_face(test.halo, edge.faces[0])) ++edges;
       flags.set(topology.corner_vertices[edge.corners[0]]);
       flags.set(topology.corner_vertices[edge.corners[1]]);
     }
@@ -88,15 +83,14 @@ FoldCount find_folds(const FoldTest& test, VertexFlags& flags) {
                  for (std::size_t f = begin; f < end; ++f) {
                    const auto face = static_cast<std::int32_t>(f);
                    if (!test.face_is_folded(face)) continue;
-                   if (test.counts(face)) ++faces;
+                   if (owns_face(test.halo, face)) ++faces;
                    for (std::int32_t c = topology.face_offsets[f]; c < topology.face_offsets[f + 1];
                         ++c) {
                      flags.set(topology.corner_vertices[c]);
                    }
                  }
                });
-  if (!test.halo) return {edges, faces};
-  return {test.halo->sum(edges), test.halo->sum(faces)};
+  return sum_of_parts(test.halo, {edges, faces});
 }
 
 }  // namespace

@@ -24,6 +24,10 @@ FoldCount repair_folds(const FairTopology& topology, std::span<const glm::dvec3>
                        std::span<const glm::dvec3> face_normals, std::span<glm::dvec3> offsets,
                        std::span<std::uint8_t> halvings, FairHalo* halo = nullptr);
 
+[[nodiscard]] inline FoldCount sum_of_parts(FairHalo* halo, const FoldCount& count) {
+  return {sum_of_parts(halo, count.edges), sum_of_parts(halo, count.faces)};
+}
+
 /// The halving alone, as an earlier repair decided it.
 void halve_polygons(const FairTopology& topology, std::span<const std::uint8_t> halvings,
                     std::span<glm::dvec3> offsets);

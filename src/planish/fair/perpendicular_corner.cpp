@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "planish/core/unit_vector.h"
 #include "planish/fair/perpendicular_curve.h"
 #include "planish/fair/vertex_frame.h"
 
@@ -29,15 +30,6 @@ constexpr double kReflexAngle = 7 * std::numbers::pi / 6;
 // 1 + cosine of the angle at a corner below which its control point moves away no farther.
 constexpr double kWidestAngle = 0.2;
 
-dvec3 direction_of(const dvec3& vector) {
-  const double length = glm::length(vector);
-  return length > 0 ? vector / length : dvec3(0.0);
-}
-
-dvec3 corner_edge(const CurveSite& site, std::span<const std::int32_t> ends, std::int32_t place) {
-  return site.given[ends[place]] - site.given[site.vertex];
-}
-
 double angle_of(const dvec3& a, const dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
@@ -61,8 +53,7 @@ bool open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
   const FairTopology& topology = site.topology;
   const std::int32_t last = sector.first + sector.count - 1;
   const auto face_angle = [&](std::int32_t place) {
-    return angle_of(corner_edge(site, topology.ring_next, place),
-                    corner_edge(site, topology.ring_previous, place));
+    return angle_of(site.edge(topology.ring_next, place), site.edge(topology.ring_previous, place));
   };
   double sum = 0;
   for (std::int32_t i = sector.first; i <= last; ++i) sum += face_angle(i);
@@ -71,10 +62,10 @@ bool open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
   const dvec3 normal = angle_weighted_normal(topology, site.given, site.face_normals, site.vertex,
                                              sector.first, sector.count);
   const auto in_plane = [&](const dvec3& vector) {
-    return direction_of(vector - glm::dot(vector, normal) * normal);
+    return unit_or_zero(vector - glm::dot(vector, normal) * normal);
   };
   const dvec3 a = in_plane(site.offsets[sector.curve0]), b = in_plane(site.offsets[sector.curve1]);
-  const dvec3 middle = direction_of(a + b), side = glm::cross(normal, middle);
+  const dvec3 middle = unit_or_zero(a + b), side = glm::cross(normal, middle);
   if (!(reflex_share > 0) || middle == dvec3(0.0)) return false;
   bool is_narrow = false;
   const auto draw = [&](std::int32_t curve, const dvec3& direction, std::int32_t place,
@@ -128,8 +119,8 @@ void build_perpendicular_corner(const CurveSite& site, glm::vec2& lean) {
   for (std::int32_t i = topology.ring_offsets[site.vertex];
        i < topology.ring_offsets[site.vertex + 1]; ++i) {
     const std::int32_t corner = topology.ring_corners[i];
-    const dvec3 next = direction_of(corner_edge(site, topology.ring_next, i));
-    const dvec3 previous = direction_of(corner_edge(site, topology.ring_previous, i));
+    const dvec3 next = unit_or_zero(site.edge(topology.ring_next, i));
+    const dvec3 previous = unit_or_zero(site.edge(topology.ring_previous, i));
     // Within the size at right angles, where the point is farther than the circle.
     const double radius = size * std::numbers::sqrt2 / 2;
     const double widening = std::max(1 + glm::dot(next, previous), kWidestAngle);

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "planish/core/unit_vector.h"
 #include "planish/fair/balanced_weights.h"
 #include "planish/fair/vertex_frame.h"
 
@@ -30,15 +31,6 @@ constexpr int kSectorTiltSteps = 8;
 constexpr double kFullRise = 0.4;
 // Of the highest that the edges reach across the curve: what they are balanced about.
 constexpr double kAcrossShare = 0.5;
-
-dvec3 unit(const dvec3& vector) {
-  const double length = glm::length(vector);
-  return length > 0 ? vector / length : dvec3(0.0);
-}
-
-dvec3 edge_at(const CurveSite& site, std::span<const std::int32_t> ends, std::int32_t place) {
-  return site.given[ends[place]] - site.given[site.vertex];
-}
 
 // Where the convex hull of the edges' directions crosses the line across the curve, the farther of
 // the two times; 0 where they all lie to one side.
@@ -89,7 +81,7 @@ WorstOfSector worst_of_sector(const CurveSite& site, const FairTopology::Sector&
 
 // At right angles to the curve, unless it stands on it.
 dvec3 turned_upright(const dvec3& vector, const dvec3& along, const dvec3& otherwise) {
-  const dvec3 upright = unit(vector - glm::dot(vector, along) * along);
+  const dvec3 upright = unit_or_zero(vector - glm::dot(vector, along) * along);
   return upright == dvec3(0.0) ? otherwise : upright;
 }
 
@@ -147,10 +139,9 @@ double shape_sector(const CurveSite& site, const FairTopology::Sector& sector,
   scratch.weights.resize(k + 1);
   for (std::size_t i = 0; i <= k; ++i) {
     const std::int32_t place = sector.first + static_cast<std::int32_t>(std::min(i, k - 1));
-    const dvec3 edge = edge_at(site,
-                               i < k ? std::span<const std::int32_t>(site.topology.ring_next)
-                                     : std::span<const std::int32_t>(site.topology.ring_previous),
-                               place);
+    const dvec3 edge = site.edge(i < k ? std::span<const std::int32_t>(site.topology.ring_next)
+                                       : std::span<const std::int32_t>(site.topology.ring_previous),
+                                 place);
     const dvec2 flat(glm::dot(edge, plane.along), glm::dot(edge, plane.across));
     const double length = glm::length(flat);
     if (!(length > 0)) return 0;
@@ -201,7 +192,7 @@ void build_perpendicular_crease(const CurveSite& site, glm::vec2& lean,
                                     static_cast<std::size_t>(topology.sector_offsets[crease + 1] -
                                                              topology.sector_offsets[crease]));
   const std::int32_t curve0 = sectors[0].curve0, curve1 = sectors[0].curve1;
-  const dvec3 direction = unit(site.offsets[curve0]);
+  const dvec3 direction = unit_or_zero(site.offsets[curve0]);
   const double size = perpendicular_size(topology, site.given, site.vertex);
   if (!(size > 0) || direction == dvec3(0.0)) {
     scale_curve_vertex(site, kHalfOfCurve);
@@ -216,7 +207,7 @@ void build_perpendicular_crease(const CurveSite& site, glm::vec2& lean,
     const FairTopology::Sector& sector = sectors[s];
     const dvec3 along = sector.curve0 == curve0 ? direction : -direction;
     const dvec3 normal = sector_normal(site, sector, along, is_decided, s == 0 ? lean.x : lean.y);
-    planes[s] = {along, unit(glm::cross(normal, along))};
+    planes[s] = {along, unit_or_zero(glm::cross(normal, along))};
     usable = std::min(usable, shape_sector(site, sector, planes[s], scratch));
     if (!(usable > 0)) continue;
     for (std::int32_t i = 0; i < sector.count; ++i) {
@@ -255,7 +246,8 @@ double least_sector_cosine(const FairTopology& topology, std::span<const dvec3> 
       across += std::sin(std::numbers::pi * (2 * i + 1) / (2.0 * sector.count)) *
                 offsets[topology.ring_corners[sector.first + i]];
     }
-    const dvec3 normal = unit(glm::cross(offsets[sector.curve0] - offsets[sector.curve1], across));
+    const dvec3 normal =
+        unit_or_zero(glm::cross(offsets[sector.curve0] - offsets[sector.curve1], across));
     for (std::int32_t i = 0; i < sector.count; ++i) {
       const std::int32_t corner = topology.ring_corners[sector.first + i];
       least = std::min(least, glm::dot(normal, face_normals[topology.corner_faces[corner]]));

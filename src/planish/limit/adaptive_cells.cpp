@@ -12,6 +12,7 @@
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
+#include "planish/core/unit_vector.h"
 #include "planish/limit/fewest_cells.h"
 
 namespace planish {
@@ -57,11 +58,6 @@ AdaptiveCell quarter_cell(const AdaptiveCell& cell, int quarter, int turns) {
     b = before;
   }
   return part_of_cell(cell, a, 2, b, 2);
-}
-
-glm::dvec3 unit_or_zero_vector(const glm::dvec3& v) {
-  const double length = glm::length(v);
-  return length > 0 ? v / length : glm::dvec3(0.0);
 }
 
 // Points whose hull holds a patch. Where weights are negative it leaves the hull of its control
@@ -249,7 +245,7 @@ void CellSplitter::split_form(const PatchForm& form, std::span<const glm::dvec3>
   }
   glm::dvec3 mean(0.0);
   for (const glm::dvec3& n : normals) mean += n;
-  CellBound bound = hull_bound(hull, unit_or_zero_vector(mean));
+  CellBound bound = hull_bound(hull, unit_or_zero(mean));
   bound.turn = spread_of(normals);
   if (is_on_border(cell) && limits_.distance > 0)
     bound.distance = std::max(bound.distance, border_bound(cell));

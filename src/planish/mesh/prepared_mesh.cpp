@@ -1,5 +1,6 @@
 #include "planish/mesh/prepared_mesh.h"
 
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -49,6 +50,16 @@ std::shared_ptr<const PreparedMesh> prepare_mesh(const PolygonMesh& mesh, std::s
     topology.emplace(mesh);
   }
   return prepared_of(mesh, std::move(topology));
+}
+
+std::shared_ptr<const PreparedMesh> prepared_whole(const PolygonMesh& mesh,
+                                                   std::shared_ptr<const MeshTopology> topology) {
+  auto prepared = std::make_shared<PreparedMesh>();
+  prepared->given_vertex_count = mesh.vertex_count();
+  prepared->vertices.resize(mesh.positions.size());
+  std::iota(prepared->vertices.begin(), prepared->vertices.end(), 0);
+  prepared->topology = std::move(topology);
+  return prepared;
 }
 
 UsedPart used_part(const PolygonMesh& mesh, std::shared_ptr<const PreparedMesh> prepared) {

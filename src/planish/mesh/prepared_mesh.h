@@ -31,6 +31,10 @@ struct PreparedMesh {
 [[nodiscard]] std::shared_ptr<const PreparedMesh> prepare_mesh(const PolygonMesh& mesh,
                                                                std::string_view name);
 
+/// Of a mesh whose faces name all vertices and have been found sound; `topology` is its.
+[[nodiscard]] std::shared_ptr<const PreparedMesh> prepared_whole(
+    const PolygonMesh& mesh, std::shared_ptr<const MeshTopology> topology);
+
 /// A mesh without the vertices that no face names: the given mesh itself where there are none, else
 /// a copy.
 struct UsedPart {

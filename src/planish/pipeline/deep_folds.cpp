@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "planish/core/parallel.h"
+#include "planish/core/unit_vector.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/patches/patch_surface.h"
@@ -30,9 +31,8 @@ std::vector<glm::dvec3> unit_normals(const PolygonMesh& mesh) {
   std::vector<glm::dvec3> normals(static_cast<std::size_t>(mesh.face_count()));
   parallel_for(normals.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      const glm::dvec3 area = area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f)));
-      const double length = glm::length(area);
-      normals[f] = length > 0 ? area / length : glm::dvec3(0.0);
+      normals[f] =
+          unit_or_zero(area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f))));
     }
   });
   return normals;
@@ -157,8 +157,7 @@ class CornerMeter {
 };
 
 bool is_anywhere(std::span<const std::uint8_t> flags, FairHalo* halo) {
-  const bool is_here = std::ranges::find(flags, 1) != flags.end();
-  return halo ? halo->sum(is_here ? 1 : 0) > 0 : is_here;
+  return is_in_any_part(halo, std::ranges::find(flags, 1) != flags.end());
 }
 
 // Of all faces.
@@ -175,24 +174,10 @@ double area_of(const PolygonMesh& mesh, FairHalo* halo) {
 
 // Whether corners of that level can be numbered, of the whole mesh.
 bool can_look(const MeshTopology& topology, FairHalo* halo) {
-  std::int64_t corners = topology.corner_count();
-  if (halo) {
-    corners = 0;
-    for (std::int32_t f = 0; f < topology.face_count(); ++f)
-      if (halo->owned_faces()[f] != 0) corners += std::ssize(topology.face(f));
-    corners = halo->sum(corners);
-  }
-  return corners <= std::numeric_limits<std::int32_t>::max() / (4 * kCells);
-}
-
-std::shared_ptr<const PreparedMesh> prepared_of_used(
-    const PolygonMesh& mesh, const std::shared_ptr<const MeshTopology>& topology) {
-  auto prepared = std::make_shared<PreparedMesh>();
-  prepared->given_vertex_count = mesh.vertex_count();
-  prepared->vertices.resize(mesh.positions.size());
-  std::iota(prepared->vertices.begin(), prepared->vertices.end(), 0);
-  prepared->topology = topology;
-  return prepared;
+  std::int64_t corners = 0;
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
+    if (owns_face(halo, f)) corners += topology.face_size(f);
+  return sum_of_parts(halo, corners) <= std::numeric_limits<std::int32_t>::max() / (4 * kCells);
 }
 
 // The finished surface. A part of a mesh may have no faces: there is nothing to look at then.
@@ -212,7 +197,7 @@ class DeepLook {
     evaluation.weights = options.weights;
     evaluation.sharp = options.sharp;
     evaluation.rest_positions = whole_.positions;
-    evaluation.prepared = prepared_of_used(whole_, topology);
+    evaluation.prepared = prepared_whole(whole_, topology);
     surface_.emplace(whole_, level_one, evaluation);
     patches_.emplace(surface_->patches(),
                      PatchSurfaceOptions{.level = kDeepLevel, .weights = options.weights});
@@ -224,7 +209,7 @@ class DeepLook {
           std::span<std::uint8_t> at_vertex) {
     if (!patches_) return;
     const auto is_looked_at = [&](std::int32_t vertex) {
-      return wanted[vertex] != 0 && (!halo_ || halo_->owned_vertices()[vertex] != 0);
+      return wanted[vertex] != 0 && owns_vertex(halo_, vertex);
     };
     parallel_for(corner_areas_.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
       CornerMeter meter(*surface_, *patches_, normals, corner_areas_);
