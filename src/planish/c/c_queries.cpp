@@ -23,8 +23,10 @@ LimitSurface limit_of(const planish_fit& fit) {
       fitted_surface(fit.fitted.mesh, fit.fitted.fit, fit.fitted.evaluate_options()));
 }
 
-// Before memory is taken for so many questions.
-void require_askable(std::size_t count) {
+// The parts of every question, before memory is taken for so many.
+void require_question(const planish_queries* queries, std::size_t count, const void* answers) {
+  require(queries, "queries");
+  require(answers, "answers");
   constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
   if (count > kMost)
     refuse("count is " + std::to_string(count) + ", more than 2^31 - 1; ask in parts");
@@ -113,10 +115,8 @@ void planish_queries_free(planish_queries* queries) { delete queries; }
 planish_status planish_queries_evaluate(const planish_queries* queries, const planish_place* places,
                                         size_t count, const planish_place_answers* answers) {
   return call([&] {
-    require(queries, "queries");
-    require(answers, "answers");
+    require_question(queries, count, answers);
     if (count > 0) require(places, "places");
-    require_askable(count);
     const planish_place_answers to = taken(answers, planish_place_answers_init, "answers");
     std::vector<planish::SurfaceParameter> at(count);
     for (std::size_t i = 0; i < count; ++i) at[i] = {places[i].face, places[i].u, places[i].v};
@@ -134,10 +134,8 @@ planish_status planish_queries_evaluate(const planish_queries* queries, const pl
 planish_status planish_queries_closest(const planish_queries* queries, const double* points,
                                        size_t count, const planish_closest_answers* answers) {
   return call([&] {
-    require(queries, "queries");
-    require(answers, "answers");
+    require_question(queries, count, answers);
     if (count > 0) require(points, "points");
-    require_askable(count);
     const planish_closest_answers to = taken(answers, planish_closest_answers_init, "answers");
     std::vector<glm::dvec3> from(count);
     for (std::size_t i = 0; i < count; ++i) from[i] = vector_at(points, i);
@@ -157,11 +155,9 @@ planish_status planish_queries_first_hit(const planish_queries* queries, const d
                                          const double* directions, size_t count, double t_min,
                                          double t_max, const planish_ray_answers* answers) {
   return call([&] {
-    require(queries, "queries");
-    require(answers, "answers");
+    require_question(queries, count, answers);
     if (count > 0) require(origins, "origins");
     if (count > 0) require(directions, "directions");
-    require_askable(count);
     if (std::isnan(t_min) || std::isnan(t_max)) refuse("t_min or t_max is no number");
     const planish_ray_answers to = taken(answers, planish_ray_answers_init, "answers");
     std::vector<std::optional<planish::SurfaceHit>> hits(count);
