@@ -6,6 +6,7 @@
 
 #include "planish/limit/sheet_gap.h"
 #include "planish/limit/surface_queries.h"
+#include "planish/mesh/used_vertices.h"
 #include "planish/reconstruct/compare_source.h"
 #include "planish/reconstruct/triangle_edges.h"
 #include "planish/surface/block_quality.h"
@@ -166,14 +167,9 @@ void measure_points(const JobInput& made, const Fit& fitted, JobSurface& surface
 
 void measure_source(const JobInput& made, const Fit& fitted, JobSurface& surface,
                     JobReport& report) {
-  const PolygonMesh& source = made.source->file.mesh;
-  std::vector<std::uint8_t> is_used(source.positions.size(), 0);
-  for (const std::int32_t v : source.face_vertices) is_used[static_cast<std::size_t>(v)] = 1;
-  std::vector<glm::dvec3> points;
-  for (std::size_t v = 0; v < is_used.size(); ++v)
-    if (is_used[v] != 0) points.push_back(source.positions[v]);
+  const UsedMesh source = without_unused_vertices(made.source->file.mesh);
   report.surface->distances_from_source =
-      distances_from(points, surface.limit(), fitted.placement.diagonal);
+      distances_from(source.mesh.positions, surface.limit(), fitted.placement.diagonal);
 }
 
 bool note_chosen_surface(const JobInput& made, JobReport& report, const JobContext& context) {
