@@ -112,4 +112,14 @@ std::vector<Row> run_group(const Group& group, int repetitions) {
   return rows;
 }
 
+void initialize_benchmark(int& argc, char** argv) {
+  std::vector<char*> arguments(argv, argv + argc);
+  std::string interleave = "--benchmark_enable_random_interleaving=true";
+  arguments.insert(arguments.begin() + 1, interleave.data());
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  std::copy_n(arguments.begin(), count, argv);
+  argc = count;
+}
+
 }  // namespace planish::bench

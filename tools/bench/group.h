@@ -41,6 +41,9 @@ struct Row {
 [[nodiscard]] Row row_of_times(const Group& group, const std::string& peer,
                                const std::vector<double>& times_ms);
 
+/// Takes Google Benchmark's flags out of a program's, before run_group(). Runs are interleaved.
+void initialize_benchmark(int& argc, char** argv);
+
 /// Runs every peer once to warm up, then `repetitions` times each in one process, in random order
 /// (Google Benchmark's interleaving), so that what disturbs the machine disturbs all alike.
 [[nodiscard]] std::vector<Row> run_group(const Group& group, int repetitions);

@@ -25,16 +25,6 @@ const std::vector<std::pair<std::string, std::vector<Row> (*)(const Options&)>> 
     {"query", bench_query},       {"osd", bench_osd},         {"fair", bench_fair}};
 
 // Google Benchmark takes its --benchmark_* flags and leaves the rest.
-void initialize_benchmark(int& argc, char** argv) {
-  std::vector<char*> arguments(argv, argv + argc);
-  std::string interleave = "--benchmark_enable_random_interleaving=true";
-  arguments.insert(arguments.begin() + 1, interleave.data());
-  int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
-  std::copy_n(arguments.begin(), count, argv);
-  argc = count;
-}
-
 std::vector<Row> rows_or_refusal(const std::string& name, std::vector<Row> (*bench)(const Options&),
                                  const Options& options) {
   try {

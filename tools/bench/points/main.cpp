@@ -168,11 +168,8 @@ int main(int argc, char** argv) {
     options.tolerance = 1e-3;
     options.repetitions = 1;
   }
-  std::string name = "planish-point-bench",
-              interleave = "--benchmark_enable_random_interleaving=true";
-  std::vector<char*> arguments{name.data(), interleave.data()};
-  int count = static_cast<int>(arguments.size());
-  benchmark::Initialize(&count, arguments.data());
+  int own = 1;  // none of the flags are Google Benchmark's
+  initialize_benchmark(own, argv);
   try {
     run(options);
   } catch (const std::exception& error) {
