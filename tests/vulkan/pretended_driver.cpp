@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "vulkan/pretended_memory.h"
+
 namespace planish::testing {
 
 namespace {
@@ -84,30 +86,14 @@ bool is_other_memory() { return state.pretence.split_memory || state.pretence.ba
 void VKAPI_CALL get_memory(VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties* memory) {
   real.vkGetPhysicalDeviceMemoryProperties(device, memory);
   if (!is_other_memory()) return;
-  constexpr VkMemoryPropertyFlags kMapped =
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   state.mapped_type = 0;
   while (state.mapped_type + 1 < memory->memoryTypeCount &&
-         (memory->memoryTypes[state.mapped_type].propertyFlags & kMapped) != kMapped)
+         (memory->memoryTypes[state.mapped_type].propertyFlags & kMappedMemory) != kMappedMemory)
     ++state.mapped_type;
-  if (state.pretence.bar_bytes > 0) {
-    memory->memoryTypeCount = 4;
-    memory->memoryTypes[0] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
-    memory->memoryTypes[1] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kMapped, 1};
-    memory->memoryTypes[2] = {kMapped, 2};
-    memory->memoryTypes[3] = {kMapped | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, 2};
-    memory->memoryHeapCount = 3;
-    memory->memoryHeaps[0] = {64u << 20, VK_MEMORY_HEAP_DEVICE_LOCAL_BIT};
-    memory->memoryHeaps[1] = {state.pretence.bar_bytes, VK_MEMORY_HEAP_DEVICE_LOCAL_BIT};
-    memory->memoryHeaps[2] = {state.pretence.host_bytes, 0};
-    return;
-  }
-  const std::uint32_t heap = memory->memoryTypes[state.mapped_type].heapIndex;
-  memory->memoryTypeCount = 3;
-  memory->memoryTypes[0] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, heap};
-  memory->memoryTypes[1] = {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, heap};
-  memory->memoryTypes[2] = {
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, heap};
+  if (state.pretence.bar_bytes > 0)
+    *memory = discrete_memory(state.pretence.bar_bytes, state.pretence.host_bytes);
+  else
+    split_memory(memory->memoryTypes[state.mapped_type].heapIndex, *memory);
 }
 
 // What a pretended family is in truth.
@@ -382,11 +368,7 @@ std::map<std::string, int> PretendedDriver::counts() {
   return result;
 }
 
-int PretendedDriver::count(const std::string& function) {
-  const std::map<std::string, int> all = counts();
-  const auto found = all.find(function);
-  return found == all.end() ? 0 : found->second;
-}
+int PretendedDriver::count(const std::string& function) { return counts()[function]; }
 
 int PretendedDriver::fallible_calls() { return state.fallible; }
 
