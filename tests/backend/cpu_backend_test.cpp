@@ -143,20 +143,23 @@ TEST(CpuSolve, IsTheSameToTheBitForEveryThreadCount) {
 TEST(CpuSolve, InFloatAgreesWithDoubleToItsPrecision) {
   const auto masks = random_masks(5000, 11);
   const auto initial = random_points(5000, 5);
-  const std::vector<StepCoefficients> steps(10, {0, 1});
   const auto float_backend = make_cpu_backend({Precision::Float});
   const auto double_backend = make_cpu_backend({Precision::Double});
-  const auto in_float = float_backend->make_solve(masks.view());
-  const auto in_double = double_backend->make_solve(masks.view());
-  in_float->begin(initial);
-  in_double->begin(initial);
-  in_float->run(steps, 0);
-  in_double->run(steps, 0);
-  const auto a = in_float->displacement(), b = in_double->displacement();
-  double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, glm::length(a[i] - b[i]));
-  EXPECT_LT(largest, 3e-6);
-  EXPECT_GT(largest, 0.0);
+  for (const StepCoefficients step : {StepCoefficients{0, 1}, {0.3, 1.1}}) {
+    const std::vector<StepCoefficients> steps(10, step);
+    const auto in_float = float_backend->make_solve(masks.view());
+    const auto in_double = double_backend->make_solve(masks.view());
+    in_float->begin(initial);
+    in_double->begin(initial);
+    in_float->run(steps, 0);
+    in_double->run(steps, 0);
+    const auto a = in_float->displacement(), b = in_double->displacement();
+    double largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      largest = std::max(largest, glm::length(a[i] - b[i]));
+    EXPECT_LT(largest, 3e-6);
+    EXPECT_GT(largest, 0.0);
+  }
 }
 
 TEST(CpuSolve, ANanCountsAsAnInfiniteError) {
@@ -169,6 +172,7 @@ TEST(CpuSolve, ANanCountsAsAnInfiniteError) {
   const StepLog log = solve->run(std::vector<StepCoefficients>(2, {0, 1}), 1e9);
   EXPECT_EQ(log.steps_taken, 2);
   EXPECT_TRUE(std::isinf(log.errors[0].max));
+  EXPECT_TRUE(std::isinf(solve->error().max));
 }
 
 TEST(CpuBackend, AppliesTablesAtAnOffset) {

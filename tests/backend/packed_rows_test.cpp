@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <random>
+#include <vector>
 
 #include "planish/doosabin/limit_masks.h"
 #include "planish/doosabin/subdivision.h"
@@ -103,6 +106,63 @@ TEST(PackedRows, EveryLengthIsTheSameBits) {
     // 15 rows each of 0, 17, 18 and 19 sources, but for the last one.
     EXPECT_EQ(rows.plain_row_count(), 60u - 1 + (last == 0 || last == 17 ? 1 : 0));
   }
+}
+
+// Rows one after another of a piece with equal weights and differences of 16 bits, in runs of at
+// least 8 and a multiple of that.
+std::size_t alike_rows(const StencilView<double>& table) {
+  const auto are_alike = [&](std::size_t a, std::size_t b) {
+    if (table.sizes[a] != table.sizes[b]) return false;
+    for (std::int32_t k = 0; k < table.sizes[a]; ++k) {
+      const std::int32_t in_a = table.offsets[a] + k, in_b = table.offsets[b] + k;
+      if (table.weights[in_a] != table.weights[in_b] ||
+          table.indices[in_b] - table.indices[in_a] != static_cast<std::int32_t>(b - a))
+        return false;
+    }
+    return true;
+  };
+  std::size_t count = 0;
+  for (std::size_t begin = 0, end = 0; begin < table.sizes.size(); begin = end) {
+    const std::size_t piece_end =
+        std::min(table.sizes.size(), (begin / PackedRows::kPieceRows + 1) * PackedRows::kPieceRows);
+    for (end = begin + 1; end < piece_end && are_alike(end - 1, end);) ++end;
+    bool is_packed = table.sizes[begin] > 0 && table.sizes[begin] <= 16;
+    for (std::int32_t k = 0; k < table.sizes[begin]; ++k)
+      if (std::abs(table.indices[table.offsets[begin] + k] - static_cast<std::int32_t>(begin)) >
+          32767)
+        is_packed = false;
+    if (is_packed) count += (end - begin) / 8 * 8;
+  }
+  return count;
+}
+
+TEST(PackedRows, RowsThatAreAlikeMakeRuns) {
+  // 1 to 40 rows of each kind, one after another over the end of a piece.
+  std::vector<std::int32_t> kinds;
+  for (std::int32_t kind = 0; kinds.size() < 6000; ++kind)
+    kinds.insert(kinds.end(), static_cast<std::size_t>(1 + kind % 40), kind);
+  const StencilTable<double> table = table_of(
+      static_cast<std::int32_t>(kinds.size()),
+      [&](std::int32_t i) { return kinds[static_cast<std::size_t>(i)] % 19; },
+      [&](std::int32_t i, std::int32_t k) {
+        return i + k * (1 + kinds[static_cast<std::size_t>(i)] % 3);
+      },
+      [&](std::int32_t i, std::int32_t k) {
+        return 0.1 * (1 + kinds[static_cast<std::size_t>(i)] % 2) - 0.01 * k;
+      });
+  const PackedRows rows(table.view());
+  expect_plain_sums(table.view(), rows);
+  EXPECT_GT(rows.alike_row_count(), 3000u);
+  EXPECT_EQ(rows.alike_row_count(), alike_rows(table.view()));
+}
+
+TEST(PackedRows, OfAGridOfQuadsAreNearlyAllAlike) {
+  const StencilTable<double> masks = masks_of(test::torus(300, 200, 2, 0.7));
+  const PackedRows rows(masks.view());
+  expect_plain_sums(masks.view(), rows);
+  EXPECT_EQ(rows.alike_row_count(), alike_rows(masks.view()));
+  EXPECT_GT(rows.alike_row_count(), masks.view().sizes.size() * 9 / 10);
+  EXPECT_LT(rows.packed_bytes(), 4 * masks.view().sizes.size());
 }
 
 TEST(PackedRows, FarSourcesTakeTheTableOrIndices) {

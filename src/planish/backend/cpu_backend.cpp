@@ -33,11 +33,29 @@ struct PieceSums {
   }
 };
 
-// max() would drop a NaN.
-void keep_largest(double& largest, double value) {
-  if (std::isnan(value)) value = std::numeric_limits<double>::infinity();
-  largest = std::max(largest, value);
-}
+// Squares of residuals, in registers while rows go by.
+class SquareSums {
+ public:
+  template <class Real>
+  void add(const PointLanes<Real>& residual) {
+    const PointLanes<double> squares = (residual * residual).in_double();
+    sum_ = sum_ + squares;
+    const PointLanes<double>::Register pair = squares.xy + squares.z0;
+    const double square = pair[0] + pair[1];
+    if (square > max_square_) max_square_ = square;
+  }
+
+  // Comparisons pass a NaN by, sums do not.
+  [[nodiscard]] PieceSums total() const {
+    const glm::dvec3 sum = sum_.point();
+    const bool is_nan = std::isnan(sum.x + sum.y + sum.z);
+    return {is_nan ? std::numeric_limits<double>::infinity() : max_square_, sum};
+  }
+
+ private:
+  PointLanes<double> sum_{};
+  double max_square_ = 0;
+};
 
 // `body(p)` sums over piece p.
 template <class Body>
@@ -103,11 +121,11 @@ class CpuSolve final : public Solve {
 
   void begin(std::span<const glm::dvec3> initial_residual) override {
     PLANISH_ASSERT(initial_residual.size() == row_count_);
-    for (Points* points : {&initial_residual_, &displacement_, &next_displacement_, &step_})
+    for (Points* points : {&initial_residual_, &displacement_, &other_displacement_})
       points->resize(row_count_);
     for_pieces(row_count_, [&](std::size_t i) {
       initial_residual_[i] = Point::of(initial_residual[i]);
-      displacement_[i] = step_[i] = Point{};
+      displacement_[i] = other_displacement_[i] = Point{};
     });
   }
 
@@ -119,7 +137,7 @@ class CpuSolve final : public Solve {
       log.errors.push_back(norms(squares, row_count_));
       // The step is already computed, but displacement_ is still the one that was measured.
       if (log.errors.back().max <= stop_error) return log;
-      std::swap(displacement_, next_displacement_);
+      std::swap(displacement_, other_displacement_);
       ++log.steps_taken;
     }
     return log;
@@ -128,8 +146,8 @@ class CpuSolve final : public Solve {
   ErrorNorms error() override {
     PieceSums squares;
     arena_.execute([&] {
-      squares = sum_rows(displacement_, [&](std::size_t i, const Point& image, PieceSums& piece) {
-        add_square(initial_residual_[i] - image, piece);
+      squares = sum_rows([initial = initial_residual_.data()](std::size_t i, const Point& image) {
+        return initial[i] - image;
       });
     });
     return norms(squares, row_count_);
@@ -166,13 +184,13 @@ class CpuSolve final : public Solve {
     PieceSums squares;
     arena_.execute([&] {
       squares = sum_pieces(row_count_, [&](std::size_t begin, std::size_t end) {
-        PieceSums piece;
+        SquareSums piece;
         for (std::size_t i = begin; i < end; ++i) {
           displacement_[i] = displacement_[i] + factor * step_[i];
           residual_[i] = residual_[i] - factor * image_[i];
-          add_square(residual_[i], piece);
+          piece.add(residual_[i]);
         }
-        return piece;
+        return piece.total();
       });
     });
     return {inner_product(residual_, residual_), norms(squares, row_count_)};
@@ -201,38 +219,38 @@ class CpuSolve final : public Solve {
     });
   }
 
-  // Calls body(i, row i of the table applied to `source`, sums of i's piece).
-  template <class Body>
-  [[nodiscard]] PieceSums sum_rows(const Points& source, const Body& body) const {
+  // Squares of what residual_of(i, row i of the table applied to the displacement) returns.
+  template <class Residual>
+  [[nodiscard]] PieceSums sum_rows(const Residual& residual_of) const {
     return add_pieces(rows_->piece_count(), [&](std::size_t p) {
-      PieceSums piece;
-      rows_->for_each_sum(p, source.data(),
-                          [&](std::size_t i, const Point& image) { body(i, image, piece); });
-      return piece;
+      return sum_piece(*rows_, p, displacement_.data(), residual_of);
     });
   }
 
-  static void add_square(const Point& residual, PieceSums& piece) {
-    const Point square = residual * residual;
-    const glm::dvec3 squares = square.point();
-    piece.sum += squares;
-    keep_largest(piece.max_square, squares.x + squares.y + squares.z);
+  // All in line, or sums go to memory and back with every row.
+  template <class Residual>
+  [[gnu::flatten]] static PieceSums sum_piece(const Rows& rows, std::size_t piece,
+                                              const Point* source, const Residual& residual_of) {
+    SquareSums squares;
+    rows.for_each_sum(piece, source, [&squares, residual_of](std::size_t i, const Point& image) {
+      squares.add(residual_of(i, image));
+    });
+    return squares.total();
   }
 
-  // One pass: residual, step and next displacement of each row.
+  // One pass over each row: residual and next displacement. That is written over the last one,
+  // which tells the last step: no vector of steps goes to memory and back.
   PieceSums take_step(const StepCoefficients& coefficients) {
     const Real momentum = static_cast<Real>(coefficients.momentum);
     const Real gain = static_cast<Real>(coefficients.gain);
     // Pointers that stay where they are: what is written might else move the vectors.
-    return sum_rows(displacement_, [momentum, gain, initial = initial_residual_.data(),
-                                    from = displacement_.data(), step = step_.data(),
-                                    to = next_displacement_.data()](
-                                       std::size_t i, const Point& image, PieceSums& piece) {
+    return sum_rows([momentum, gain, initial = initial_residual_.data(),
+                     from = displacement_.data(),
+                     other = other_displacement_.data()](std::size_t i, const Point& image) {
       const Point residual = initial[i] - image;
-      const Point next = momentum * step[i] + gain * residual;
-      step[i] = next;
-      to[i] = from[i] + next;
-      add_square(residual, piece);
+      const Point last_step = from[i] - other[i];
+      other[i] = from[i] + (momentum * last_step + gain * residual);
+      return residual;
     });
   }
 
@@ -253,8 +271,9 @@ class CpuSolve final : public Solve {
   oneapi::tbb::task_arena& arena_;
   std::size_t row_count_;
   std::optional<Rows> rows_;
-  Points initial_residual_, displacement_, next_displacement_, step_;
-  Points residual_, image_;
+  // The other displacement is the last step's, and becomes the next one.
+  Points initial_residual_, displacement_, other_displacement_;
+  Points step_, residual_, image_;  // of conjugate gradients
   std::vector<double> row_weights_;
 };
 

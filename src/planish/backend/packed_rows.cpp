@@ -46,10 +46,12 @@ class PackedRows::Packer {
     piece.is_near = far_count_ * kFewFarRows <= end - begin;
     if (piece.is_near) {
       if (far_count_ > 0) leave_far_rows();
+      join_alike_rows();
       piece.differences.resize(static_cast<std::size_t>(place_ - places_.data()));
       std::transform(places_.data(), place_, piece.differences.begin(),
                      [](std::int32_t place) { return static_cast<std::int16_t>(place); });
     } else {
+      piece.runs.push_back({static_cast<std::uint16_t>(end - begin), 0});
       write_indices(begin);
     }
   }
@@ -140,6 +142,41 @@ class PackedRows::Packer {
     }
   }
 
+  // Of rows one after another that are alike, a multiple of kLeastRun leaves one code and one set
+  // of differences.
+  void join_alike_rows() {
+    std::vector<std::uint16_t>& codes = piece_->codes;
+    const std::int32_t* from = places_.data();
+    place_ = places_.data();
+    std::size_t single_count = 0, kept = 0;
+    const auto close = [&](std::size_t alike_count) {
+      piece_->runs.push_back(
+          {static_cast<std::uint16_t>(single_count), static_cast<std::uint16_t>(alike_count)});
+      single_count = 0;
+    };
+    for (std::size_t i = 0; i < codes.size();) {
+      const std::uint16_t code = codes[i];
+      const std::uint32_t length = code == kPlain ? 0 : piece_->classes[code].length;
+      std::size_t count = 1;
+      if (code != kPlain) {
+        while (i + count < codes.size() && codes[i + count] == code &&
+               std::equal(from, from + length, from + count * length))
+          ++count;
+        count = count < kLeastRun ? 1 : count - count % kLeastRun;
+      }
+      codes[kept++] = code;
+      place_ = std::copy_n(from, length, place_);
+      from += count * length;
+      i += count;
+      if (count == 1)
+        ++single_count;
+      else
+        close(count);
+    }
+    if (single_count > 0) close(0);
+    codes.resize(kept);
+  }
+
   void write_indices(std::size_t begin) {
     const std::int32_t* from = places_.data();
     piece_->indices.resize(static_cast<std::size_t>(place_ - from));
@@ -174,9 +211,16 @@ std::uint64_t PackedRows::packed_bytes() const {
   const auto bytes = [](const auto& values) { return values.size() * sizeof values[0]; };
   std::uint64_t total = 0;
   for (const Piece& piece : pieces_)
-    total += bytes(piece.codes) + bytes(piece.classes) + bytes(piece.weights) +
+    total += bytes(piece.runs) + bytes(piece.codes) + bytes(piece.classes) + bytes(piece.weights) +
              bytes(piece.differences) + bytes(piece.indices);
   return total;
+}
+
+std::size_t PackedRows::alike_row_count() const {
+  std::size_t count = 0;
+  for (const Piece& piece : pieces_)
+    for (const Run& run : piece.runs) count += run.alike_rows;
+  return count;
 }
 
 std::size_t PackedRows::plain_row_count() const {

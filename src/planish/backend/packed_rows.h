@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,8 +17,10 @@ namespace planish {
 /// from its valence and its faces' sizes, so few rows differ: each piece of rows has a palette of
 /// them, and a row holds a number of that and its sources as 16-bit differences to its own index
 /// (32-bit indices in pieces where many do not fit). Rows are filled up to few lengths with weights
-/// of 0, which the machine foretells better than true lengths. Sums are the bits of plain ones, in
-/// index order. Rows that do not fit are read from the table itself, which must outlive this.
+/// of 0, which the machine foretells better than true lengths. Where rows one after another have
+/// the same weights and differences, as in a grid of quads, they are one run that has them once.
+/// Sums are the bits of plain ones, in index order. Rows that do not fit are read from the table
+/// itself, which must outlive this.
 class PackedRows {
  public:
   using Point = PointLanes<float>;
@@ -25,6 +28,8 @@ class PackedRows {
   static constexpr std::size_t kPieceRows = 4096;
   /// Sources that a row has after filling up, where it has no more; longer ones are not packed.
   static constexpr std::array<std::uint32_t, 4> kLengths{8, 9, 12, 16};
+  /// Rows that are alike make a run from so many on; it has a multiple of this.
+  static constexpr std::size_t kLeastRun = 8;
 
   /// Packs on TBB's threads. Weights are rounded once.
   explicit PackedRows(const StencilView<double>& table);
@@ -42,18 +47,25 @@ class PackedRows {
       walk<false>(piece, rows.indices.data(), source, take);
   }
 
-  /// What all pieces take, and rows that are read from the table.
+  /// What all pieces take, rows that are read from the table, and rows of runs.
   [[nodiscard]] std::uint64_t packed_bytes() const;
   [[nodiscard]] std::size_t plain_row_count() const;
+  [[nodiscard]] std::size_t alike_row_count() const;
 
  private:
   static constexpr std::uint16_t kPlain = 0xffff;
   struct Class {
     std::uint32_t first_weight, length;
   };
+  // Rows one after another: first those that are single, then those that are alike.
+  struct Run {
+    std::uint16_t single_rows, alike_rows;
+  };
   struct Piece {
-    bool is_near = true;               // differences, else indices
-    std::vector<std::uint16_t> codes;  // each row's class, or kPlain
+    bool is_near = true;  // differences, else indices
+    std::vector<Run> runs;
+    // The class of each single row, or kPlain; then that of all that are alike.
+    std::vector<std::uint16_t> codes;
     std::vector<Class> classes;
     std::vector<float> weights;
     RawVector<std::int16_t> differences;
@@ -86,10 +98,33 @@ class PackedRows {
   template <bool kIsNear, class Index, class Take>
   void walk(std::size_t piece, const Index* at, const Point* source, const Take& take) const {
     const Piece& rows = pieces_[piece];
+    const std::uint16_t* code = rows.codes.data();
+    std::size_t row = piece * kPieceRows;
+    for (const Run& run : rows.runs) {
+      at = walk_singles<kIsNear>(rows, {code, run.single_rows}, row, at, source, take);
+      code += run.single_rows;
+      row += run.single_rows;
+      if (run.alike_rows == 0) continue;
+      const Class& alike = rows.classes[*code++];
+      const float* weight = rows.weights.data() + alike.first_weight;
+      const auto walk_run = [&]<std::size_t... kPlace>(std::index_sequence<kPlace...>) {
+        ((alike.length == kLengths[kPlace] &&
+          (walk_alike<kLengths[kPlace]>(row, run.alike_rows, source, at, weight, take), true)) ||
+         ...);
+      };
+      walk_run(std::make_index_sequence<kLengths.size()>());
+      at += alike.length;
+      row += run.alike_rows;
+    }
+  }
+
+  template <bool kIsNear, class Index, class Take>
+  const Index* walk_singles(const Piece& rows, std::span<const std::uint16_t> codes,
+                            std::size_t row, const Index* at, const Point* source,
+                            const Take& take) const {
     const Class* classes = rows.classes.data();
     const float* weights = rows.weights.data();
-    std::size_t row = piece * kPieceRows;
-    for (const std::uint16_t code : rows.codes) {
+    for (const std::uint16_t code : codes) {
       Point sum;
       if (code == kPlain) {
         sum = plain_sum(row, source);
@@ -110,8 +145,36 @@ class PackedRows {
       // In one place, so that it becomes part of the loop.
       take(row++, sum);
     }
+    return at;
   }
 
+  // Sources of rows that are alike lie one after another, too: each weight and difference is read
+  // once for four rows.
+  template <std::size_t kLength, class Index, class Take>
+  static void walk_alike(std::size_t row, std::size_t count, const Point* source, const Index* at,
+                         const float* weight, const Take& take) {
+    for (const std::size_t end = row + count; row < end; row += 4) {
+      const Point* base = source + row;
+      Point a{}, b{}, c{}, d{};
+      const auto add = [&](std::size_t k) {
+        const Point* from = base + at[k];
+        const float w = weight[k];
+        a = a + w * from[0];
+        b = b + w * from[1];
+        c = c + w * from[2];
+        d = d + w * from[3];
+      };
+      [&]<std::size_t... kNumbers>(std::index_sequence<kNumbers...>) { (add(kNumbers), ...); }
+      (std::make_index_sequence<kLength>());
+      const auto take_four = [&](const auto&... sums) {
+        std::size_t next = row;
+        (take(next++, sums), ...);
+      };
+      take_four(a, b, c, d);
+    }
+  }
+
+  static_assert(kLeastRun % 4 == 0);
   StencilView<double> table_;
   std::vector<Piece> pieces_;
 };

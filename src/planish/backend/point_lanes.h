@@ -19,6 +19,7 @@ struct PointLanes<float> {
     return {Register{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), 0}};
   }
   [[nodiscard]] glm::dvec3 point() const { return {xyz0[0], xyz0[1], xyz0[2]}; }
+  [[nodiscard]] PointLanes<double> in_double() const;
   friend PointLanes operator+(PointLanes a, PointLanes b) { return {a.xyz0 + b.xyz0}; }
   friend PointLanes operator-(PointLanes a, PointLanes b) { return {a.xyz0 - b.xyz0}; }
   friend PointLanes operator*(PointLanes a, PointLanes b) { return {a.xyz0 * b.xyz0}; }
@@ -32,10 +33,17 @@ struct PointLanes<double> {
 
   static PointLanes of(const glm::dvec3& v) { return {Register{v.x, v.y}, Register{v.z, 0}}; }
   [[nodiscard]] glm::dvec3 point() const { return {xy[0], xy[1], z0[0]}; }
+  [[nodiscard]] PointLanes in_double() const { return *this; }
   friend PointLanes operator+(PointLanes a, PointLanes b) { return {a.xy + b.xy, a.z0 + b.z0}; }
   friend PointLanes operator-(PointLanes a, PointLanes b) { return {a.xy - b.xy, a.z0 - b.z0}; }
   friend PointLanes operator*(PointLanes a, PointLanes b) { return {a.xy * b.xy, a.z0 * b.z0}; }
   friend PointLanes operator*(double a, PointLanes b) { return {a * b.xy, a * b.z0}; }
 };
+
+inline PointLanes<double> PointLanes<float>::in_double() const {
+  using Pair = PointLanes<double>::Register;
+  return {__builtin_convertvector(__builtin_shufflevector(xyz0, xyz0, 0, 1), Pair),
+          __builtin_convertvector(__builtin_shufflevector(xyz0, xyz0, 2, 3), Pair)};
+}
 
 }  // namespace planish
