@@ -1,8 +1,10 @@
 // planish-mpi as people start it: exit codes, files, faults.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 
 #include "cli/json_schema.h"
 #include "cli/planish_process.h"
@@ -74,6 +76,57 @@ TEST_F(MpiCommand, FairTilesHaveTheBytesOfPlanish) {
     const json report = read_json("r.json");
     EXPECT_THAT(schema_problems(report, json::parse(file)), IsEmpty());
     EXPECT_EQ(report["solve"]["fair"]["polish"], std::stoi(polish));
+  }
+}
+
+// With colours, texture coordinates that have a seam, and materials that begin within the file.
+std::string with_attributes(const std::string& obj) {
+  std::istringstream lines(obj);
+  std::string text;
+  int vertices = 0, faces = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("v ")) {
+      text += line + " 0." + std::to_string(++vertices % 10) + " 0.5 1\n";
+      text += "vt 0." + std::to_string(vertices) + " " + std::to_string(vertices % 16) + "\n";
+    } else if (line.starts_with("f ")) {
+      if (++faces % 60 == 30) text += "usemtl m" + std::to_string(faces % 7) + "\n";
+      if (faces % 50 == 20) text += "g part " + std::to_string(faces) + "\n";
+      std::istringstream corners(line.substr(2));
+      text += "f";
+      for (int v = 0; corners >> v;)
+        text += " " + std::to_string(v) + "/" + std::to_string(faces > 100 ? v : 257 - v);
+      text += "\n";
+    } else {
+      text += line + "\n";
+    }
+  }
+  return text;
+}
+
+TEST_F(MpiCommand, TilesWithAttributesHaveTheBytesOfPlanish) {
+  const std::string input = write("laden.obj", with_attributes(read("torus.obj")));
+  const std::vector<std::string> flags{"fit",     input,          "--interpolation", "fair",
+                                       "-o",      path("t.json"), "--tile-vertices", "256",
+                                       "--skirts"};
+  std::string one = PLANISH_PROGRAM;
+  for (const std::string& flag : flags) one += " " + flag;
+  one += " --repair none --precision double > " + path("one.txt") + " 2>&1";
+  ASSERT_EQ(std::system(one.c_str()), 0) << read("one.txt");
+  const auto expected = files_below(path("t"));
+  const std::string document = read("t.json");
+  ASSERT_GT(expected.size(), 4u);
+  for (const char* name : {"TEXCOORD_0", "COLOR_0", "m0", "m6"})
+    EXPECT_TRUE(std::ranges::any_of(expected, [&](const auto& file) {
+      return file.second.find(name) != std::string::npos;
+    })) << name;
+  for (const int ranks : {1, 2, 3, 5, 8}) {
+    std::vector<std::string> again = flags;
+    again.push_back("-f");
+    const ProcessResult result = on(ranks, again);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, testing::Not(HasSubstr("warning")));
+    EXPECT_TRUE(files_below(path("t")) == expected) << ranks;
+    EXPECT_TRUE(read("t.json") == document) << ranks;
   }
 }
 
@@ -227,6 +280,28 @@ TEST_F(MpiTiles, AnEndedJobLeavesTheOldSetAndIsResumed) {
   const json output = read_report()["outputs"][0];
   EXPECT_EQ(output["resumed_blocks"], output["blocks"]);
   EXPECT_EQ(names(), (std::vector<std::string>{"r.json", "t", "t.json", "torus.obj"}));
+}
+
+// In each phase, with all that may ride on a mesh.
+TEST_F(MpiTiles, WithAttributesAreResumedAfterAnyPhase) {
+  torus_ = write("laden.obj", with_attributes(read("torus.obj")));
+  ASSERT_EQ(tiles_on(1, {"--levels", "2"}).exit_code, 0);
+  const auto undisturbed = files_below(path("t"));
+  const std::string document = read("t.json");
+  std::int64_t resumed = 0;
+  for (const char* phase : {"read", "sort", "faces", "rings", "rows", "solve", "tiles", "write"}) {
+    ASSERT_EQ(tiles_on(2, {"--levels", "1"}).exit_code, 0);
+    const auto old = files_below(path("t"));
+    EXPECT_NE(tiles_on(3, {"--levels", "2"}, std::string("1:") + phase).exit_code, 0) << phase;
+    EXPECT_TRUE(files_below(path("t")) == old) << phase;
+    const ProcessResult result =
+        tiles_on(2, {"--levels", "2", "--resume", "--report", path("r.json")});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(files_below(path("t")) == undisturbed) << phase;
+    EXPECT_TRUE(read("t.json") == document) << phase;
+    resumed += read_report()["outputs"][0]["resumed_blocks"].get<std::int64_t>();
+  }
+  EXPECT_GT(resumed, 0);
 }
 
 TEST_F(MpiTiles, FullDisksLeaveTheOldSet) {

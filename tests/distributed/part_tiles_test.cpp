@@ -51,12 +51,6 @@ class OneMachine {
  public:
   OneMachine(const TilesCase& job, const std::string& cage, const DistributedFit& fit)
       : job_(job), given_(read_mesh(job.input).mesh), cage_(given_) {
-    given_.face_uvs.clear();
-    given_.uvs.clear();
-    given_.face_groups.clear();
-    given_.groups.clear();
-    given_.colors.clear();
-    cage_ = given_;
     EvaluateOptions options;
     options.weights = job.options.weights;
     options.sharp = job.options.sharp;
@@ -192,7 +186,7 @@ TEST_P(TiledScene, HasTheTilesOfOneMachineInTheSameBytesForEveryRankCount) {
 
 INSTANTIATE_TEST_SUITE_P(PartTiles, TiledScene,
                          testing::Values("bearing_block", "cube", "cube_with_windows", "goblet",
-                                         "l_bracket", "mixed_polygons", "open_grid",
+                                         "l_bracket", "mapped_cube", "mixed_polygons", "open_grid",
                                          "plate_with_holes", "pole64", "wavy_patch"),
                          [](const auto& scene) { return std::string(scene.param); });
 
@@ -231,6 +225,33 @@ TEST(PartTiles, FairSurfacesAreThoseOfOneMachine) {
     job.options.weights = input == creased ? Weights::Averaged : Weights::DooSabin;
     expect_tiles_of_one_machine(job);
   }
+}
+
+// Seams, shared and missing coordinates, colours, groups, holes, creases.
+TEST(PartTiles, AttributesAreThoseOfOneMachine) {
+  PolygonMesh mesh = laden_mesh(7);
+  // A corner without a coordinate, faces without any, and one vt for corners far from each other.
+  mesh.face_uvs[50] = -1;
+  for (std::int32_t c = mesh.face_offsets[30]; c < mesh.face_offsets[33]; ++c)
+    mesh.face_uvs[c] = -1;
+  for (std::size_t c = 5; c < mesh.face_uvs.size(); c += 40) mesh.face_uvs[c] = 3;
+  mesh.groups.push_back({});
+  for (const std::size_t f : {0u, 40u, 41u}) mesh.face_groups[f] = 2;
+  TilesCase job{written("laden.obj", FileFormat::Obj, mesh), tiles_of(3, true)};
+  expect_tiles_of_one_machine(job);
+  job.options.tiles_options.level = 1;
+  expect_tiles_of_one_machine(job);
+  job.options.method = InterpolationMethod::Fair;
+  job.options.tiles_options.level = 2;
+  expect_tiles_of_one_machine(job);
+}
+
+TEST(PartTiles, AttributesOfUnusedVerticesAreThoseOfOneMachine) {
+  PolygonMesh mesh = mixed_torus(24, 12);
+  mesh.positions.insert(mesh.positions.begin() + 40, {4, 5, 6});
+  for (std::int32_t& v : mesh.face_vertices) v += v >= 40 ? 1 : 0;
+  expect_tiles_of_one_machine(
+      {shared_file("mapped.ply", ply_with_attributes(mesh)), tiles_of(2, true)});
 }
 
 TEST(PartTiles, ARecordIsTakenOnlyOfTheSameJob) {
@@ -288,7 +309,22 @@ TEST(PartTiles, TheKeyIsTheSameForEveryRankCountAndOfAllThatTilesDependOn) {
   PartTilesOptions other;
   other.tiles.skirts = true;
   const TilesKey with_skirts = key_on(2, input, other);
+  PolygonMesh laden = laden_mesh(5);
+  const auto key_of_laden = [&](int count) {
+    return key_on(count, written("key.obj", FileFormat::Obj, laden), options);
+  };
+  std::vector<TilesKey> keys{key_of_laden(3), key_of_laden(1)};
+  laden.colors[17].g = 0.75f;
+  keys.push_back(key_of_laden(3));
+  laden.uvs[laden.face_uvs[40]].x += 0.5;
+  keys.push_back(key_of_laden(3));
+  laden.face_groups[5] = 0;
+  keys.push_back(key_of_laden(3));
+  laden.groups[1].material = "green";
+  keys.push_back(key_of_laden(3));
   if (is_first_rank()) {
+    EXPECT_EQ(keys[0], keys[1]);
+    for (std::size_t i = 2; i < keys.size(); ++i) EXPECT_NE(keys[i], keys[i - 1]) << i;
     EXPECT_NE(moved, key);
     EXPECT_NE(with_skirts, key);
   }

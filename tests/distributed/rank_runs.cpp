@@ -7,11 +7,13 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <sstream>
 #include <thread>
 
+#include "planish/files/mesh_file.h"
 #include "support/temporary_folder.h"
 
 namespace planish::test {
@@ -108,7 +110,32 @@ PolygonMesh gathered(const Ranks& ranks, const MeshSlice& slice) {
         {static_cast<std::int32_t>(c.v0), static_cast<std::int32_t>(c.v1), c.sharpness});
   for (const SliceCorner& c : all_of(slice.corners))
     mesh.corners.push_back({static_cast<std::int32_t>(c.vertex), c.sharpness});
+  const auto take = [](const auto& from, auto& to) { to.assign(from.begin(), from.end()); };
+  take(all_of(slice.attributes.colors), mesh.colors);
+  take(all_of(slice.attributes.uvs), mesh.uvs);
+  take(all_of(slice.attributes.face_uvs), mesh.face_uvs);
+  take(all_of(slice.attributes.face_groups), mesh.face_groups);
+  mesh.groups = slice.attributes.groups;
   return mesh;
+}
+
+void expect_same_attributes(const PolygonMesh& a, const PolygonMesh& b, const std::string& what) {
+  EXPECT_EQ(a.colors, b.colors) << what;
+  EXPECT_EQ(a.uvs, b.uvs) << what;
+  EXPECT_EQ(a.face_uvs, b.face_uvs) << what;
+  EXPECT_EQ(a.face_groups, b.face_groups) << what;
+  ASSERT_EQ(a.groups.size(), b.groups.size()) << what;
+  for (std::size_t i = 0; i < a.groups.size(); ++i) {
+    EXPECT_EQ(a.groups[i].name, b.groups[i].name) << what;
+    EXPECT_EQ(a.groups[i].material, b.groups[i].material) << what;
+  }
+}
+
+std::string written(const std::string& name, FileFormat format, const PolygonMesh& mesh) {
+  const std::string path = shared_path(name);
+  if (world_rank() == 0) write_mesh(path, format, mesh);
+  MPI_Barrier(MPI_COMM_WORLD);
+  return path;
 }
 
 std::string obj_of(const PolygonMesh& mesh) {
@@ -138,6 +165,34 @@ std::string ply_of(const PolygonMesh& mesh) {
     text.append(reinterpret_cast<const char*>(&value), sizeof(value));
   };
   for (const glm::dvec3& p : mesh.positions) put(p);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    put(static_cast<std::uint8_t>(mesh.face_size(f)));
+    for (const std::int32_t v : mesh.face(f)) put(v);
+  }
+  return text;
+}
+
+std::string ply_with_attributes(const PolygonMesh& mesh) {
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex " +
+      std::to_string(mesh.vertex_count()) +
+      "\nproperty uchar red\nproperty uchar green\nproperty float s\nproperty double x"
+      "\nproperty double y\nproperty double z\nproperty ushort blue\nproperty uchar alpha"
+      "\nproperty float t\nproperty float nx\nelement face " +
+      std::to_string(mesh.face_count()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  const auto put = [&](const auto& value) {
+    text.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  };
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    put(static_cast<std::uint8_t>(v * 37));
+    put(static_cast<std::uint8_t>(v * 11));
+    put(0.125f * static_cast<float>(v % 19));
+    put(mesh.positions[v]);
+    put(static_cast<std::uint16_t>(v * 1001));
+    put(static_cast<std::uint8_t>(255 - v % 3));
+    put(0.1f * static_cast<float>(v % 23));
+    put(std::numeric_limits<float>::quiet_NaN());
+  }
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     put(static_cast<std::uint8_t>(mesh.face_size(f)));
     for (const std::int32_t v : mesh.face(f)) put(v);

@@ -6,6 +6,7 @@
 
 #include "planish/distributed/fit_distributed.h"
 #include "planish/distributed/messages.h"
+#include "planish/files/formats.h"
 #include "planish/mesh/polygon_mesh.h"
 
 // Every rank of the test program runs every test, and calls these together.
@@ -38,9 +39,19 @@ struct Outcome {
 /// The whole mesh on every rank of the job.
 [[nodiscard]] PolygonMesh gathered(const Ranks& ranks, const MeshSlice& slice);
 
+/// Expects the same colours, texture coordinates and groups, numbers of them too.
+void expect_same_attributes(const PolygonMesh& a, const PolygonMesh& b, const std::string& what);
+
+/// The path of a file there that the first rank writes with all that the format holds.
+[[nodiscard]] std::string written(const std::string& name, FileFormat format,
+                                  const PolygonMesh& mesh);
+
 /// A mesh as OBJ text with its tags, and as binary PLY.
 [[nodiscard]] std::string obj_of(const PolygonMesh& mesh);
 [[nodiscard]] std::string ply_of(const PolygonMesh& mesh);
+
+/// As binary PLY with texture coordinates and colours of 8 bits, made up of the vertices' numbers.
+[[nodiscard]] std::string ply_with_attributes(const PolygonMesh& mesh);
 
 /// Closed: a torus of 3-, 4- and 6-gons, `around` a multiple of 4 and `across` of 2, with noise.
 [[nodiscard]] PolygonMesh mixed_torus(int around, int across);

@@ -27,6 +27,7 @@ void expect_same(const PolygonMesh& a, const PolygonMesh& b, const std::string& 
   ASSERT_EQ(a.corners.size(), b.corners.size()) << what;
   for (std::size_t i = 0; i < a.corners.size(); ++i)
     EXPECT_EQ(a.corners[i].vertex, b.corners[i].vertex) << what;
+  expect_same_attributes(a, b, what);
 }
 
 // What ranks read is what one machine reads.

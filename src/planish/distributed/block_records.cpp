@@ -81,8 +81,19 @@ enum ElementKind : std::uint64_t {
   kOptions,
   kGrid,
   kControlPoint,
-  kCurvePoint
+  kCurvePoint,
+  kColor,
+  kFaceAttributes,
+  kGroup
 };
+
+// Whether the face's first vertex along the curve is: each face is one rank's.
+bool is_of_owned(const MeshPart& part, std::int32_t face) {
+  const auto named = part.face(face);
+  const auto first =
+      *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part.number_of(v); });
+  return first < part.owned_count();
+}
 
 void add_part(const MeshPart& part, std::span<const glm::dvec3> cage, TilesKey& key) {
   for (std::int32_t v = 0; v < part.owned_count(); ++v) {
@@ -93,13 +104,10 @@ void add_part(const MeshPart& part, std::span<const glm::dvec3> cage, TilesKey& 
     hash.add_to(key);
   }
   for (std::int32_t f = 0; f < part.face_count(); ++f) {
-    const auto named = part.face(f);
-    const auto first =
-        *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part.number_of(v); });
-    if (first >= part.owned_count()) continue;
+    if (!is_of_owned(part, f)) continue;
     ElementHash hash(kFace);
     hash.add(part.face_ids[f]);
-    for (const std::int32_t v : named) hash.add(part.file_ids[v]);
+    for (const std::int32_t v : part.face(f)) hash.add(part.file_ids[v]);
     hash.add_to(key);
   }
   for (const PartCrease& crease : part.creases) {
@@ -114,6 +122,30 @@ void add_part(const MeshPart& part, std::span<const glm::dvec3> cage, TilesKey& 
     hash.add(corner.index);
     hash.add(part.file_ids[corner.vertex]);
     hash.add(static_cast<double>(corner.sharpness));
+    hash.add_to(key);
+  }
+}
+
+// A texture coordinate's number in the file tells where seams are.
+void add_riding(const MeshPart& part, TilesKey& key) {
+  const PartAttributes& own = part.attributes;
+  for (std::int32_t v = 0; v < part.owned_count() && !own.colors.empty(); ++v) {
+    ElementHash hash(kColor);
+    hash.add(part.file_ids[v]);
+    for (int k = 0; k < 4; ++k) hash.add(static_cast<double>(own.colors[v][k]));
+    hash.add_to(key);
+  }
+  for (std::int32_t f = 0; f < part.face_count(); ++f) {
+    if (!is_of_owned(part, f) || (own.face_uvs.empty() && own.face_groups.empty())) continue;
+    ElementHash hash(kFaceAttributes);
+    hash.add(part.face_ids[f]);
+    if (!own.face_groups.empty()) hash.add(std::int64_t{own.face_groups[f]});
+    for (std::int32_t c = part.face_offsets[f];
+         c < part.face_offsets[f + 1] && !own.face_uvs.empty(); ++c) {
+      const std::int32_t uv = own.face_uvs[c];
+      hash.add(uv < 0 ? std::int64_t{-1} : own.uv_ids[uv]);
+      for (int k = 0; k < 2 && uv >= 0; ++k) hash.add(own.uvs[uv][k]);
+    }
     hash.add_to(key);
   }
 }
@@ -146,11 +178,19 @@ TilesKey tiles_key(const Ranks& ranks, const MeshPart& part, std::span<const glm
                    const PartTilesOptions& options) {
   TilesKey key{};
   add_part(part, cage, key);
+  add_riding(part, key);
   if (options.fair != nullptr) add_fair(part, *options.fair, key);
   MPI_Allreduce(MPI_IN_PLACE, key.data(), 2, MPI_UINT64_T, MPI_SUM, ranks.comm);
   for (const std::int64_t hole : part.holes) {
     ElementHash hash(kHole);
     hash.add(hole);
+    hash.add_to(key);
+  }
+  for (std::size_t i = 0; i < part.attributes.groups.size(); ++i) {
+    ElementHash hash(kGroup);
+    hash.add(static_cast<std::int64_t>(i));
+    hash.add(part.attributes.groups[i].name);
+    hash.add(part.attributes.groups[i].material);
     hash.add_to(key);
   }
   const TilesOptions& tiles = options.tiles;

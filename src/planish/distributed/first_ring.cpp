@@ -75,6 +75,8 @@ FaceStream send_first_ring(const Ranks& ranks, MeshSlice& slice, const CurveOrde
     for (SliceCorner& corner : slice.corners) corner.vertex = numbers.of(corner.vertex);
   }
   const std::int64_t first_face = slice.faces[ranks.rank];
+  SliceAttributes& attributes = slice.attributes;
+  const FaceForm form(attributes);
   std::vector<int> owners;
   const auto for_owners = [&](std::int64_t face, const auto& take) {
     owners.clear();
@@ -87,7 +89,7 @@ FaceStream send_first_ring(const Ranks& ranks, MeshSlice& slice, const CurveOrde
   std::vector<std::int64_t> counts(ranks.size, 0);
   for (std::int64_t f = 0; f < slice.face_count(); ++f)
     for_owners(f, [&](int owner) {
-      counts[owner] += 2 + static_cast<std::int64_t>(slice.face(f).size());
+      counts[owner] += form.length(static_cast<std::int64_t>(slice.face(f).size()));
     });
   std::vector<std::int64_t> places(counts.size(), 0);
   std::exclusive_scan(counts.begin(), counts.end(), places.begin(), std::int64_t{0});
@@ -99,9 +101,17 @@ FaceStream send_first_ring(const Ranks& ranks, MeshSlice& slice, const CurveOrde
       send[at++] = first_face + f;
       send[at++] = static_cast<std::int64_t>(corners.size());
       at = std::ranges::copy(corners, send.begin() + at).out - send.begin();
+      if (form.has_uvs) {
+        const auto uvs =
+            std::span(attributes.face_uvs).subspan(slice.face_offsets[f], corners.size());
+        at = std::ranges::copy(uvs, send.begin() + at).out - send.begin();
+      }
+      if (form.has_groups) send[at++] = attributes.face_groups[f];
     });
   slice.face_offsets = {0};
   slice.face_vertices = {};
+  attributes.face_uvs = {};
+  attributes.face_groups = {};
   return all_to_all<std::int64_t>(ranks, send, counts);
 }
 

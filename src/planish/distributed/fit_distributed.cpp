@@ -75,6 +75,7 @@ class DistributedJob {
     vertices_ = slice_.vertices;
     if (options_.sharp.use_tags) warn_of_semi_sharp(ranks_, slice_, fit_.warnings);
     if (!options_.cage.empty()) cage_faces_ = encode_cage_faces(ranks_, slice_);
+    if (options_.tiles.empty()) slice_.attributes = {};
     watch_.fault_point();
   }
 

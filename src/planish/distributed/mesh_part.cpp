@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/parallel.h"
+#include "planish/distributed/part_attributes.h"
 
 namespace planish {
 
@@ -22,10 +24,12 @@ struct StreamFace {
 };
 
 // Ascending by id, each once.
-RawVector<StreamFace> faces_of(std::initializer_list<std::span<const std::int64_t>> streams) {
+RawVector<StreamFace> faces_of(const FaceForm& form,
+                               std::initializer_list<std::span<const std::int64_t>> streams) {
   RawVector<StreamFace> faces;
   for (const std::span<const std::int64_t> stream : streams)
-    for (std::size_t k = 0; k < stream.size(); k += 2 + static_cast<std::size_t>(stream[k + 1]))
+    for (std::size_t k = 0; k < stream.size();
+         k += static_cast<std::size_t>(form.length(stream[k + 1])))
       faces.push_back({stream[k], stream.data() + k + 2, stream[k + 1]});
   oneapi::tbb::parallel_sort(faces.begin(), faces.end(),
                              [](const StreamFace& a, const StreamFace& b) { return a.id < b.id; });
@@ -74,8 +78,8 @@ Around around_owned(const RawVector<StreamFace>& faces, const CurveOrder& order,
 }
 
 // The faces around other ranks' vertices that faces here name.
-FaceStream fetch_second_ring(const Ranks& ranks, const RawVector<StreamFace>& faces,
-                             const CurveOrder& order) {
+FaceStream fetch_second_ring(const Ranks& ranks, const FaceForm& form,
+                             const RawVector<StreamFace>& faces, const CurveOrder& order) {
   if (ranks.size == 1) return {};
   const std::vector<std::int64_t> ghosts = ghosts_of(faces, order, ranks.rank);
   std::vector<std::int64_t> asked(ranks.size, 0), counts(ranks.size, 0), asking;
@@ -92,9 +96,8 @@ FaceStream fetch_second_ring(const Ranks& ranks, const RawVector<StreamFace>& fa
       for (std::size_t i = around.first[v]; i < around.first[v + 1]; ++i) {
         const std::size_t f = around.faces[i];
         if (std::exchange(sent_to[f], r) == r) continue;
-        reply.push_back(faces[f].id);
-        reply.push_back(faces[f].size);
-        reply.insert(reply.end(), faces[f].corners, faces[f].corners + faces[f].size);
+        const std::int64_t* face = faces[f].corners - 2;
+        reply.insert(reply.end(), face, face + form.length(faces[f].size));
       }
     }
     counts[r] = static_cast<std::int64_t>(reply.size() - before);
@@ -123,6 +126,34 @@ void take_faces(const RawVector<StreamFace>& faces, MeshPart& part) {
       part.face_vertices.push_back(part.local_of(face.corners[k]));
     part.face_offsets.push_back(static_cast<std::int32_t>(part.face_vertices.size()));
   }
+}
+
+// Texture coordinates by their places among those here.
+void take_face_attributes(const FaceForm& form, const RawVector<StreamFace>& faces,
+                          PartAttributes& attributes) {
+  if (form.has_groups) {
+    attributes.face_groups.reserve(faces.size());
+    for (const StreamFace& face : faces)
+      attributes.face_groups.push_back(
+          static_cast<std::int32_t>(face.corners[form.length(face.size) - 3]));
+  }
+  if (!form.has_uvs) return;
+  RawVector<std::int64_t> named;
+  for (const StreamFace& face : faces)
+    named.insert(named.end(), face.corners + face.size, face.corners + 2 * face.size);
+  std::vector<std::int64_t>& ids = attributes.uv_ids;
+  ids.assign(named.begin(), named.end());
+  oneapi::tbb::parallel_sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  if (!ids.empty() && ids.front() < 0) ids.erase(ids.begin());
+  attributes.face_uvs.resize(named.size());
+  parallel_for(named.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      attributes.face_uvs[c] =
+          named[c] < 0
+              ? -1
+              : static_cast<std::int32_t>(std::ranges::lower_bound(ids, named[c]) - ids.begin());
+  });
 }
 
 void gather_around(MeshPart& part) {
@@ -199,20 +230,26 @@ std::int32_t MeshPart::local_of(std::int64_t number) const {
 
 MeshPart make_part(const Ranks& ranks, FaceStream first_ring, MeshSlice& slice, CurveOrder order) {
   MeshPart part;
+  const FaceForm form(slice.attributes);
   {
-    RawVector<StreamFace> faces = faces_of({first_ring});
-    const FaceStream second_ring = fetch_second_ring(ranks, faces, order);
-    if (!second_ring.empty()) faces = faces_of({first_ring, second_ring});
+    RawVector<StreamFace> faces = faces_of(form, {first_ring});
+    const FaceStream second_ring = fetch_second_ring(ranks, form, faces, order);
+    if (!second_ring.empty()) faces = faces_of(form, {first_ring, second_ring});
     part.layout = order.layout;
     part.rank = ranks.rank;
     part.ghosts = ghosts_of(faces, order, ranks.rank);
     part.file_ids = std::move(order.file_ids);
     part.positions = std::move(order.positions);
+    part.attributes.colors = std::move(order.colors);
     order.number_of = {};
-    agree(ranks, [&] { take_faces(faces, part); });
+    agree(ranks, [&] {
+      take_faces(faces, part);
+      take_face_attributes(form, faces, part.attributes);
+    });
   }
   first_ring = {};
   fetch_ghosts(ranks, part);
+  fetch_attributes(ranks, slice.attributes, part);
   gather_around(part);
   route_tags(ranks, slice, part);
   gather_holes(ranks, slice, part);

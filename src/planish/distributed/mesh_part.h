@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 #include <vector>
 
@@ -26,6 +28,16 @@ struct PartCorner {
   std::int64_t index;
 };
 
+/// What rides on a part; empty where the mesh has none.
+struct PartAttributes {
+  std::vector<glm::vec4> colors;       ///< linear RGBA, by local vertex
+  std::vector<std::int64_t> uv_ids;    ///< texture coordinates here: numbers in the file, ascending
+  std::vector<glm::dvec2> uvs;         ///< their values
+  std::vector<std::int32_t> face_uvs;  ///< one per corner: a place in these; -1: none there
+  std::vector<FaceGroup> groups;       ///< of the whole mesh
+  std::vector<std::int32_t> face_groups;  ///< one per face
+};
+
 /// What one rank works on: a run of vertices along the curve, and two rings of faces around them.
 /// Local vertices are the owned ones by number, then the ghosts by number. Faces ascend with their
 /// numbers in the file, whatever the ranks, so that sums over them have the same bits.
@@ -44,6 +56,7 @@ struct MeshPart {
   std::vector<PartCrease> ghost_creases;
   std::vector<PartCorner> ghost_corners;
   std::vector<std::int64_t> holes;  ///< faces of the whole mesh that are not shown, ascending
+  PartAttributes attributes;
 
   [[nodiscard]] std::int32_t owned_count() const {
     return static_cast<std::int32_t>(layout[rank + 1] - layout[rank]);
@@ -72,10 +85,24 @@ struct MeshPart {
   [[nodiscard]] std::int32_t local_of(std::int64_t number) const;
 };
 
-/// Faces on their way, by numbers along the curve: id, size, corners, id, size, ...
+/// Faces on their way, by numbers along the curve: id, size, corners, texture coordinates of the
+/// corners and the group where the mesh has them, id, size, ...
 using FaceStream = RawVector<std::int64_t>;
 
-/// Sends each face to the owners of all its vertices: the first ring. Takes the slice's faces;
+/// How a face stands there.
+struct FaceForm {
+  explicit FaceForm(const SliceAttributes& attributes)
+      : has_uvs(attributes.has_uvs), has_groups(attributes.has_groups) {}
+
+  /// Numbers of a face.
+  [[nodiscard]] std::int64_t length(std::int64_t size) const {
+    return 2 + size * (has_uvs ? 2 : 1) + (has_groups ? 1 : 0);
+  }
+  bool has_uvs, has_groups;
+};
+
+/// Sends each face to the owners of all its vertices: the first ring. Takes the slice's faces, with
+/// what rides on them;
 /// numbers of its tags in the file become numbers along the curve.
 [[nodiscard]] FaceStream send_first_ring(const Ranks& ranks, MeshSlice& slice,
                                          const CurveOrder& order);

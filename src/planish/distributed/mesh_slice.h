@@ -7,6 +7,7 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/distributed/messages.h"
+#include "planish/distributed/slice_attributes.h"
 
 namespace planish {
 
@@ -36,7 +37,8 @@ struct MeshSlice {
   std::vector<SliceCrease> creases;
   std::vector<SliceCorner> corners;
   std::vector<std::int64_t> holes;  ///< faces that are not shown; numbers in the file, any rank's
-  std::vector<Warning> warnings;    ///< the same on all ranks
+  SliceAttributes attributes;
+  std::vector<Warning> warnings;  ///< the same on all ranks
 
   [[nodiscard]] std::int64_t vertex_total() const { return vertices.back(); }
   [[nodiscard]] std::int64_t face_total() const { return faces.back(); }

@@ -5,6 +5,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/distributed/obj_attributes.h"
 #include "planish/distributed/range_file.h"
 #include "planish/distributed/read_slices.h"
 #include "planish/files/obj/obj_part.h"
@@ -69,11 +70,12 @@ struct ObjSlice {
   std::int64_t first_unknown = std::numeric_limits<std::int64_t>::max();
   std::string largest_place, unknown;
   std::int64_t unknown_count = 0, dropped = 0;
-  bool has_attributes = false;
+  ObjAttributes attributes;
 };
 
 void append_part(ObjPart& part, const ObjTags& tags, const std::string& place, ObjSlice& to) {
   MeshSlice& slice = to.slice;
+  to.attributes.append(part, place, slice);
   const auto first_vertex = static_cast<std::int64_t>(slice.positions.size());
   const std::size_t first_corner = slice.face_vertices.size();
   const PolygonMesh& mesh = part.mesh;
@@ -108,7 +110,6 @@ void append_part(ObjPart& part, const ObjTags& tags, const std::string& place, O
       to.unknown = place + ":" + std::to_string(word->line) + ": " + word->name;
     to.unknown_count += word->count;
   }
-  to.has_attributes |= !mesh.colors.empty() || !mesh.face_uvs.empty();
   to.dropped += part.dropped_element_count;
 }
 
@@ -181,9 +182,6 @@ void add_warnings(const Ranks& ranks, const ObjSlice& read, std::vector<Warning>
     warnings.push_back({.code = "unknown-keyword",
                         .message = std::to_string(count) + " lines of unknown keywords are ignored",
                         .count = count});
-  if (max_over(ranks, std::int64_t{read.has_attributes}) > 0)
-    warnings.push_back({.code = "attributes-dropped",
-                        .message = "colours and texture coordinates are not carried over ranks"});
 }
 
 }  // namespace
@@ -210,6 +208,7 @@ MeshSlice read_obj_slices(const Ranks& ranks, const std::string& path) {
   });
   settle(ranks, path, read);
   add_warnings(ranks, read, read.slice.warnings);
+  read.attributes.settle(ranks, path, read.slice);
   return std::move(read.slice);
 }
 

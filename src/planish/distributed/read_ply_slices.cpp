@@ -127,31 +127,41 @@ std::int64_t fixed_bytes_of(const PlyElement& element) {
   return bytes;
 }
 
-void read_positions(const RangeFile& file, const PlyElement& element, std::int64_t body,
-                    std::int64_t first, std::int64_t last, std::vector<glm::dvec3>& positions) {
+// The vertices [first, last) with their texture coordinates and colours.
+void read_vertices(const RangeFile& file, const PlyElement& element, std::int64_t body,
+                   std::int64_t first, std::int64_t last, MeshSlice& slice) {
   const PlyVertexLayout layout = ply_vertex_layout(element);
   if (layout.missing_axis != 0)
     fail(file.path(),
          std::string("element `vertex` has no property `") + layout.missing_axis + "`");
   const std::int64_t stride = fixed_bytes_of(element);
   const RawVector<std::byte> bytes = file.read(body + first * stride, body + last * stride);
-  positions.resize(static_cast<std::size_t>(last - first));
+  const auto count = static_cast<std::size_t>(last - first);
+  SliceAttributes& attributes = slice.attributes;
+  slice.positions.resize(count);
+  attributes.uvs.resize(layout.has_uvs ? count : 0);
+  attributes.colors.resize(layout.has_colors ? count : 0);
   for (std::int64_t v = first; v < last; ++v) {
     std::int64_t at = (v - first) * stride;
+    double values[9] = {0, 0, 0, 0, 0, 0, 0, 0, 1};  // opaque
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const PlyType type = element.properties[p].type;
       const int slot = layout.slots[p];
-      if (slot >= 0 && slot < 3) {
+      if (slot >= 0 && slot < 9) {
         const auto value = number_at<double>(std::span(bytes).subspan(at), type);
         if (!std::isfinite(value))
           fail(file.path(),
                "vertex " + std::to_string(v) + " of " + std::to_string(element.count) + ": " +
                    element.properties[p].name + " is " + shortest(value),
                v);
-        positions[v - first][slot] = value;
+        values[slot] = slot < 5 ? value : ply_color(value, type, slot == 8);
       }
       at += static_cast<std::int64_t>(byte_count_of(type));
     }
+    const std::int64_t i = v - first;
+    slice.positions[i] = {values[0], values[1], values[2]};
+    if (layout.has_uvs) attributes.uvs[i] = {values[3], values[4]};
+    if (layout.has_colors) attributes.colors[i] = {values[5], values[6], values[7], values[8]};
   }
 }
 
@@ -243,8 +253,8 @@ MeshSlice read_ply_slices(const Ranks& ranks, const std::string& path, const Ply
                      std::to_string(stride) + " bytes, but only " +
                      std::to_string(file->size() - body) + " bytes follow");
     slice.vertices = even_layout(vertex.count, ranks.size);
-    read_positions(*file, vertex, body, slice.vertices[ranks.rank], slice.vertices[ranks.rank + 1],
-                   slice.positions);
+    read_vertices(*file, vertex, body, slice.vertices[ranks.rank], slice.vertices[ranks.rank + 1],
+                  slice);
   });
   const FaceRecord record(face, vertex.count);
   FaceRange(ranks, *file, record, body + vertex.count * stride).read(slice);
@@ -254,6 +264,13 @@ MeshSlice read_ply_slices(const Ranks& ranks, const std::string& path, const Ply
       fail(path, "header promises " + std::to_string(face.count) + " of element `face`, but " +
                      std::to_string(slice.face_total()) + " follow");
   });
+  const PlyVertexLayout layout = ply_vertex_layout(vertex);
+  slice.attributes.has_colors = layout.has_colors;
+  slice.attributes.has_uvs = layout.has_uvs;
+  if (layout.has_uvs) {
+    slice.attributes.uv_runs = slice.vertices;
+    slice.attributes.face_uvs = slice.face_vertices;
+  }
   return slice;
 }
 

@@ -49,7 +49,8 @@ MeshSlice read_by_first_rank(const Ranks& ranks, const std::string& path, FileFo
 }
 
 // Face sizes, then corners, each rank's in a run.
-void scatter_faces(const Ranks& ranks, const PolygonMesh& mesh, MeshSlice& slice) {
+void scatter_faces(const Ranks& ranks, const PolygonMesh& mesh,
+                   std::span<const std::int64_t> vertex_counts, MeshSlice& slice) {
   std::vector<std::int64_t> size_counts(ranks.size, 0), corner_counts(ranks.size, 0);
   RawVector<std::int64_t> sizes, corners;
   if (ranks.rank == 0) {
@@ -64,6 +65,7 @@ void scatter_faces(const Ranks& ranks, const PolygonMesh& mesh, MeshSlice& slice
     slice.face_offsets.push_back(slice.face_offsets.back() + size);
   const auto named = all_to_all<std::int64_t>(ranks, corners, corner_counts);
   slice.face_vertices.assign(named.begin(), named.end());
+  slice.attributes = scatter_attributes(ranks, mesh, {vertex_counts, size_counts, corner_counts});
 }
 
 }  // namespace
@@ -89,7 +91,7 @@ MeshSlice scatter_mesh(const Ranks& ranks, const PolygonMesh& mesh) {
   }
   const auto own = all_to_all<glm::dvec3>(ranks, positions, counts);
   slice.positions.assign(own.begin(), own.end());
-  scatter_faces(ranks, mesh, slice);
+  scatter_faces(ranks, mesh, counts, slice);
   return slice;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "planish/distributed/part_attributes.h"
 #include "planish/mesh/sound_topology.h"
 
 namespace planish {
@@ -218,7 +219,10 @@ SubMesh SubMeshMaker::make(std::int32_t begin, std::int32_t end, Rings rings) {
   }
   if (rings == Rings::One || rings == Rings::Two) add_tags(begin, end, sub);
   if (rings == Rings::TwoTagged) add_all_tags(sub);
-  if (rings == Rings::Whole) add_whole(sub);
+  if (rings == Rings::Whole) {
+    add_whole(sub);
+    add_attributes(part_, sub);
+  }
   return sub;
 }
 

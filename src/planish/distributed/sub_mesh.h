@@ -33,7 +33,7 @@ enum class Rings {
   /// Those of Two, with the tags at all vertices whose faces are all there.
   TwoTagged,
   /// Those of None, which come with all that meets them: the others share a vertex with one of
-  /// them. Tags are those at their vertices, ghosts' too.
+  /// them. Tags are those at their vertices, ghosts' too, and the mesh has its attributes.
   Whole,
 };
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "planish/core/parallel.h"
+#include "planish/distributed/part_attributes.h"
 #include "planish/files/tiles/curve_order.h"
 
 namespace planish {
@@ -106,6 +107,7 @@ CurveOrder order_along_curve(const Ranks& ranks, MeshSlice& slice, std::int64_t 
     return owner_of(slice.vertices, pair.file_id);
   });
   for (const Numbered& pair : pairs) order.number_of[pair.file_id - first] = pair.number;
+  order.colors = colors_along_curve(ranks, slice.attributes, order);
   return order;
 }
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "planish/core/error.h"
+#include "planish/files/shared/srgb.h"
 
 namespace planish {
 
@@ -20,21 +22,47 @@ void put(RawVector<std::byte>& bytes, Value value) {
   bytes.insert(bytes.end(), from, from + sizeof(Value));
 }
 
-std::string head_of(std::int64_t vertices, std::int64_t faces, bool has_short_counts,
+std::string head_of(std::int64_t vertices, std::int64_t face_total, const CageFaces& faces,
                     const std::vector<std::string>& header) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   for (const std::string& line : header) text += "comment " + line + "\n";
   text += "element vertex " + std::to_string(vertices) +
-          "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-          std::to_string(faces);
-  text += has_short_counts ? "\nproperty list uchar" : "\nproperty list int";
+          "\nproperty double x\nproperty double y\nproperty double z\n";
+  if (faces.has_colors)
+    text += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+  text += "element face " + std::to_string(face_total);
+  text += faces.has_short_counts ? "\nproperty list uchar" : "\nproperty list int";
   return text + " int vertex_indices\nend_header\n";
+}
+
+// As the writer of PLY has them.
+std::vector<std::array<std::uint8_t, 4>> encoded_colors(std::span<const glm::vec4> colors) {
+  std::vector<std::array<std::uint8_t, 4>> encoded;
+  encoded.reserve(colors.size());
+  for (const glm::vec4& color : colors) {
+    const glm::dvec4 share = srgb_of_linear(color);
+    std::array<std::uint8_t, 4>& to = encoded.emplace_back();
+    for (int k = 0; k < 4; ++k) to[k] = static_cast<std::uint8_t>(std::lround(255 * share[k]));
+  }
+  return encoded;
+}
+
+RawVector<std::byte> vertex_bytes(std::span<const glm::dvec3> positions, const CageFaces& faces) {
+  RawVector<std::byte> bytes;
+  bytes.reserve(positions.size() * (sizeof(glm::dvec3) + 4));
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    put(bytes, positions[v]);
+    put(bytes, faces.colors[v]);
+  }
+  return bytes;
 }
 
 }  // namespace
 
 CageFaces encode_cage_faces(const Ranks& ranks, const MeshSlice& slice) {
   CageFaces faces;
+  faces.has_colors = slice.attributes.has_colors;
+  faces.colors = encoded_colors(slice.attributes.colors);
   std::int64_t largest = 0;
   for (std::int64_t f = 0; f < slice.face_count(); ++f)
     largest = std::max(largest, static_cast<std::int64_t>(slice.face(f).size()));
@@ -64,12 +92,16 @@ void write_cage(const Ranks& ranks, const Layout& vertices, std::int64_t face_to
                 std::span<const glm::dvec3> positions, const CageFaces& faces,
                 const std::vector<std::string>& header, StagedFile& file) {
   static_assert(sizeof(glm::dvec3) == 24);
-  const std::string head = head_of(vertices.back(), face_total, faces.has_short_counts, header);
+  const std::int64_t vertex_stride = faces.has_colors ? 28 : 24;
+  const std::string head = head_of(vertices.back(), face_total, faces, header);
   const auto head_bytes = static_cast<std::int64_t>(head.size());
   file.write(0, ranks.rank == 0 ? std::as_bytes(std::span(head)) : std::span<const std::byte>());
-  file.write(head_bytes + 24 * vertices[ranks.rank], std::as_bytes(positions));
+  const RawVector<std::byte> colored =
+      faces.has_colors ? vertex_bytes(positions, faces) : RawVector<std::byte>();
+  file.write(head_bytes + vertex_stride * vertices[ranks.rank],
+             faces.has_colors ? std::span<const std::byte>(colored) : std::as_bytes(positions));
   const auto own = static_cast<std::int64_t>(faces.bytes.size());
-  const std::int64_t faces_at = head_bytes + 24 * vertices.back();
+  const std::int64_t faces_at = head_bytes + vertex_stride * vertices.back();
   const std::int64_t before = sum_before(ranks, own);
   file.write(faces_at + before, faces.bytes);
   file.close(faces_at + sum_over(ranks, own));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -13,11 +14,13 @@
 
 namespace planish {
 
-/// The faces of a slice as they stand in a cage's PLY, which are kept from reading to writing: 17
-/// bytes a quad.
+/// The faces of a slice as they stand in a cage's PLY, and the colours of its vertices, which are
+/// kept from reading to writing: 17 bytes a quad, 4 a vertex.
 struct CageFaces {
   bool has_short_counts = true;  ///< no face of any rank has more than 255 corners
   RawVector<std::byte> bytes;
+  bool has_colors = false;  ///< on any rank
+  std::vector<std::array<std::uint8_t, 4>> colors;
 };
 
 /// Throws AgreedError{InvalidArgument} above 2^31 - 1 vertices, which the file's indices cannot
