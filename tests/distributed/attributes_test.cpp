@@ -32,7 +32,8 @@ std::string strip(const std::function<std::string(int)>& before_face, bool some_
   std::ostringstream text;
   for (int i = 0; i < 60; ++i) {
     text << "v " << i << " 0 0" << (some_colors && i % 7 == 3 ? " 0.5 0.25 1" : "") << "\n";
-    text << "v " << i << " 1 0\nvt " << i << " 0.5\n" << "vt " << i << " 0.75\n";
+    text << "v " << i << " 1 0\nvt " << i << " 0.5\n"
+         << "vt " << i << " 0.75\n";
     if (i == 0) continue;
     text << before_face(i);
     if (i % 11 == 0) {
@@ -47,17 +48,20 @@ std::string strip(const std::function<std::string(int)>& before_face, bool some_
 TEST(Attributes, OfObjAreReadAsOnOneRank) {
   expect_attributes_as_on_one(written("all.obj", FileFormat::Obj, laden_mesh(3)));
   expect_attributes_as_on_one(shared_file("strip.obj", strip([](int i) {
-    // Names hold on over ranks; an object ends a group, not a material.
-    if (i == 20) return std::string("usemtl red\n");
-    if (i == 21) return std::string("g left part\n");
-    if (i == 35) return std::string("o second\n");
-    if (i == 50) return std::string("g left part\no first\ng left part\n");
-    if (i == 55) return std::string("o\nusemtl\n");
-    return std::string();
-  })));
+                                            // Names hold on over ranks; an object ends a group, not
+                                            // a material.
+                                            if (i == 20) return std::string("usemtl red\n");
+                                            if (i == 21) return std::string("g left part\n");
+                                            if (i == 35) return std::string("o second\n");
+                                            if (i == 50)
+                                              return std::string(
+                                                  "g left part\no first\ng left part\n");
+                                            if (i == 55) return std::string("o\nusemtl\n");
+                                            return std::string();
+                                          })));
   // None of the coordinates is named; names without faces.
-  expect_attributes_as_on_one(shared_file("unnamed.obj", "vt 1 1\n" + obj_of(mixed_torus(8, 4)) +
-                                                             "g behind\nusemtl all\n"));
+  expect_attributes_as_on_one(shared_file(
+      "unnamed.obj", "vt 1 1\n" + obj_of(mixed_torus(8, 4)) + "g behind\nusemtl all\n"));
   expect_attributes_as_on_one(
       shared_file("object.obj", "o whole\n" + strip([](int) { return std::string(); }, false)));
 }
@@ -65,8 +69,7 @@ TEST(Attributes, OfObjAreReadAsOnOneRank) {
 // Ranges of more than one part each.
 TEST(Attributes, OfALongObjAreReadAsOnOneRank) {
   PolygonMesh mesh = mixed_torus(200, 120);
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
-    mesh.colors.emplace_back(v % 2, 1, 1, 1);
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) mesh.colors.emplace_back(v % 2, 1, 1, 1);
   mesh.face_uvs.assign(mesh.face_vertices.rbegin(), mesh.face_vertices.rend());
   for (const glm::dvec3& p : mesh.positions) mesh.uvs.emplace_back(p.x, p.y);
   mesh.groups = {{"a", ""}, {"", "b"}, {"", ""}};
@@ -129,8 +132,9 @@ TEST(Attributes, FaultsAreFoundOnWhateverRank) {
 }
 
 TEST(Attributes, ColorsOutsideTheirRangeAreSpokenOf) {
-  const std::string path = shared_file("bright.obj", "v 0 0 0 2 0 0\nv 1 0 0 -1 0 0\nv 0 1 0\n"
-                                                     "f 1 2 3\n");
+  const std::string path = shared_file("bright.obj",
+                                       "v 0 0 0 2 0 0\nv 1 0 0 -1 0 0\nv 0 1 0\n"
+                                       "f 1 2 3\n");
   on_ranks(2, [&](const Ranks& ranks) {
     const MeshSlice slice = read_slices(ranks, path);
     ASSERT_EQ(slice.warnings.size(), 1u);

@@ -50,8 +50,7 @@ class GroupList {
 
 }  // namespace
 
-void ObjAttributes::append(const ObjPart& part, const std::string& place,
-                           const MeshSlice& before) {
+void ObjAttributes::append(const ObjPart& part, const std::string& place, const MeshSlice& before) {
   const PolygonMesh& mesh = part.mesh;
   if (!mesh.colors.empty()) {
     colors_.resize(before.positions.size(), kNoObjColor);
@@ -125,7 +124,8 @@ void ObjAttributes::settle_names(const Ranks& ranks, MeshSlice& slice) {
   const std::vector<std::string> all = texts_of_all(ranks, own.set);
   NamesInForce names;
   for (int r = 0; r < ranks.rank; ++r)
-    names.take(std::span(all).subspan(static_cast<std::size_t>(r) * own.set.size(), own.set.size()));
+    names.take(
+        std::span(all).subspan(static_cast<std::size_t>(r) * own.set.size(), own.set.size()));
   GroupList list;
   std::vector<std::int32_t> face_groups;
   const auto name_until = [&](std::int64_t face) {

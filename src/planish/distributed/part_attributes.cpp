@@ -61,8 +61,7 @@ void add_attributes(const MeshPart& part, SubMesh& sub) {
   if (!used.empty() && used.front() < 0) used.erase(used.begin());
   for (const std::int32_t uv : used) sub.mesh.uvs.push_back(from.uvs[uv]);
   for (std::int32_t& uv : named)
-    if (uv >= 0)
-      uv = static_cast<std::int32_t>(std::ranges::lower_bound(used, uv) - used.begin());
+    if (uv >= 0) uv = static_cast<std::int32_t>(std::ranges::lower_bound(used, uv) - used.begin());
 }
 
 }  // namespace planish

@@ -12,8 +12,8 @@ template <class T>
 std::vector<T> scattered(const Ranks& ranks, std::span<const T> values,
                          std::span<const std::int64_t> counts) {
   const std::vector<std::int64_t> none(static_cast<std::size_t>(ranks.size), 0);
-  const auto own = ranks.rank == 0 ? all_to_all<T>(ranks, values, counts)
-                                   : all_to_all<T>(ranks, {}, none);
+  const auto own =
+      ranks.rank == 0 ? all_to_all<T>(ranks, values, counts) : all_to_all<T>(ranks, {}, none);
   return {own.begin(), own.end()};
 }
 
