@@ -56,6 +56,18 @@ TEST_F(Forecasts, SizesAreThoseOfTheFiles) {
                           HasSubstr("would end with exit code 0")));
 }
 
+TEST_F(Forecasts, AllBuffersOfALargeSurfaceAreNamed) {
+  write("torus.obj", torus_obj(150));  // 22,500 quads: 92 million at level 6, 4.1 GiB of numbers
+  const ProcessResult result = fit({"torus.obj", "--levels", "6", "-o", "a.gltf", "--dry-run"});
+  for (const char* name : {"a.bin  (its", "a-2.bin  (further", "a-3.bin  (further",
+                           "a-4.bin  (further", "a-5.bin  (further"})
+    EXPECT_THAT(result.out, HasSubstr(std::string("would write  ") + name + " numbers)"));
+  EXPECT_THAT(result.out, Not(HasSubstr("a-6.bin")));
+  EXPECT_THAT(
+      fit({"torus.obj", "--levels", "6", "-o", "a.gltf", "--compress", "meshopt", "--dry-run"}).out,
+      Not(HasSubstr("a-2.bin")));
+}
+
 TEST_F(Forecasts, WhatWouldBeRefusedIsListedAndTheExitCodeComes) {
   write("cube.obj", cube_obj());
   write("a.bin", "precious");

@@ -7,6 +7,7 @@
 #include "job/prepare.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_polygons.h"
 #include "planish/mesh/check.h"
 #include "terminal/text.h"
@@ -44,25 +45,33 @@ std::string describe_points(const PlannedJob& planned, const PointInput& input,
   return text;
 }
 
-// The file beside an output; that of an OBJ is written for materials only.
-std::string companion_line(const PlannedOutput& output, const PolygonMesh& mesh,
-                           const PathClaims& claims) {
+// The files beside an output of about so many bytes: a .gltf's buffers; that of an OBJ is written
+// for materials only.
+std::string companion_lines(const PlannedOutput& output, std::uint64_t bytes,
+                            const PolygonMesh& mesh, GltfCompression compression,
+                            const PathClaims& claims) {
   const std::filesystem::path beside = companion_of(output.path, output.format);
   if (output.to_stdout || beside.empty()) return {};
   const bool is_gltf = info_of(output.format).is_gltf;
   if (!is_gltf && materials_of(mesh.groups).empty() && claims.refusal(beside).empty()) return {};
-  return write_line(beside, is_gltf ? "  (its numbers)" : "  (its materials)", claims);
+  std::string text = write_line(beside, is_gltf ? "  (its numbers)" : "  (its materials)", claims);
+  if (!is_gltf || compression != GltfCompression::None) return text;
+  const std::size_t count = gltf_buffer_count(bytes);
+  for (std::size_t i = 1; i < count; ++i)
+    text += write_line(gltf_buffer_path(output.path, i), "  (further numbers)", claims);
+  return text;
 }
 
 std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
                          const Forecast& forecast, const PathClaims& claims) {
+  const GltfCompression compression = planned.job.settings.compression;
   std::string text;
   for (std::size_t i = 0; i < planned.outputs.size(); ++i) {
     const PlannedOutput& output = planned.outputs[i];
     const std::string size = ", about " + byte_size(forecast.output_bytes[i]) + ")";
     if (output.kind == OutputKind::Cage) {
       text += write_line(output.path, "  (control cage" + size, claims) +
-              companion_line(output, mesh, claims);
+              companion_lines(output, forecast.output_bytes[i], mesh, compression, claims);
       continue;
     }
     const Fineness& fineness = output.fineness;
@@ -72,7 +81,9 @@ std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
                 ? ")"
                 : ", " + face_count_text(mesh, planned.job.settings.scheme, fineness.level) + size;
     text += write_line(output.path, what, claims);
-    text += companion_line(output, mesh, claims);
+    // A size that is not known may be anything.
+    const std::uint64_t bytes = fineness.is_adaptive() ? 0 : forecast.output_bytes[i];
+    text += companion_lines(output, bytes, mesh, compression, claims);
   }
   return text;
 }

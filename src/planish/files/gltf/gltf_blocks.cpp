@@ -3,6 +3,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "planish/core/parallel.h"
@@ -110,6 +111,12 @@ PackedGltf pack_by_blocks(const SurfaceBlocks& surface, const GltfOptions& optio
   }
   if (options.decoded) options.decoded(decoded);
   return all;
+}
+
+std::size_t gltf_buffer_count(std::uint64_t surface_bytes, std::uint64_t buffer_bytes) {
+  if (surface_bytes <= buffer_bytes) return 1;
+  return static_cast<std::size_t>(
+      std::ceil(static_cast<double>(surface_bytes) / (kFill * static_cast<double>(buffer_bytes))));
 }
 
 RowRange faces_of_buffer(const SurfaceBlocks& surface, std::int64_t first,
