@@ -73,9 +73,8 @@ void explain_stagnation(const LimitSystem& system, Interpolation& interpolation)
 }
 
 // The iteration of the paper, or one of its accelerations, in coordinates of unit diagonal.
-void solve_progressive(Fit& result, const UsedPart& used, const LimitSystem& system,
-                       std::span<const glm::dvec3> given, Backend& backend,
-                       const FitOptions& options, Stopwatch& watch) {
+void solve_progressive(Fit& result, const LimitSystem& system, std::span<const glm::dvec3> given,
+                       Backend& backend, const FitOptions& options, Stopwatch& watch) {
   result.spectral_bound = system.spectral_bound;
   result.stencil_entries = static_cast<std::int64_t>(system.masks.weights.size());
   result.timing.stencils = watch.lap();
@@ -91,8 +90,12 @@ void solve_progressive(Fit& result, const UsedPart& used, const LimitSystem& sys
   explain_stagnation(system, result.interpolation);
   result.timing.upload = result.interpolation.upload_milliseconds;
   result.timing.solve = watch.lap() - result.timing.upload;
+}
 
-  parallel_for(given.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+// The mesh with its vertices moved.
+void move_to_cage(Fit& result, const PolygonMesh& mesh, const UsedPart& used) {
+  result.cage = mesh;
+  parallel_for(used.vertices.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       result.cage.positions[used.vertices[v]] +=
           result.placement.diagonal * result.interpolation.displacement[v];
@@ -116,8 +119,8 @@ void fit_doo_sabin(Fit& result, const UsedPart& used, std::span<const glm::dvec3
     result.timing.solve = watch.lap();
   } else {
     const Subdivision subdivision(split, features, options.weights);
-    solve_progressive(result, used, doo_sabin_system(used.mesh, subdivision, options), given,
-                      backend, options, watch);
+    solve_progressive(result, doo_sabin_system(used.mesh, subdivision, options), given, backend,
+                      options, watch);
   }
 }
 
@@ -130,7 +133,7 @@ void fit_primal(Fit& result, const UsedPart& used, PrimalScheme scheme,
   result.sharp_edge_count = split.sharp_edge_count();
   result.boundary_edge_count = split.boundary_edge_count();
   result.corner_count = split.corner_count();
-  solve_progressive(result, used, primal_system(split, options), given, backend, options, watch);
+  solve_progressive(result, primal_system(split, options), given, backend, options, watch);
 }
 
 }  // namespace
@@ -151,12 +154,14 @@ Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
   result.timing.check = watch.lap();
 
   options.callbacks.report("stencils", 0);
-  if (options.method == InterpolationMethod::Progressive) result.cage = mesh;
   if (const auto scheme = primal_scheme(options.scheme)) {
     fit_primal(result, used, *scheme, given, backend, options, watch);
   } else {
     fit_doo_sabin(result, used, given, backend, options, watch);
   }
+  // Here, in memory that the solve has given back.
+  if (options.method == InterpolationMethod::Progressive) move_to_cage(result, mesh, used);
+  result.timing.solve += watch.lap();
   if (result.interpolation.worst_vertex >= 0) {
     result.interpolation.worst_vertex = used.vertices[result.interpolation.worst_vertex];
   }
