@@ -18,6 +18,7 @@ namespace planish {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr std::size_t kSharedPieces = 8;
 
 using Sums = QualitySums;
 
@@ -177,15 +178,27 @@ SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& 
                                const Callbacks& callbacks) {
   BlockQuality quality(surface, input, is_beside_folds);
   const std::vector<RowRange> pieces = swept_pieces(surface.info());
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
+  // At level 1 the quads of a range share their points, so that long ones make fewer of them.
+  const std::size_t together = surface.info().level == 1 ? kSharedPieces : 1;
+  const std::size_t range_count = (pieces.size() + together - 1) / together;
+  parallel_for(range_count, 1, [&](std::size_t begin, std::size_t end) {
     RawVector<glm::dvec3> positions;
     RawVector<glm::vec3> normals;
     for (std::size_t i = begin; i < end; ++i) {
       callbacks.check_cancelled();
-      positions.resize(static_cast<std::size_t>(4 * pieces[i].count));
+      const auto some =
+          std::span(pieces).subspan(i * together, std::min(together, pieces.size() - i * together));
+      const std::int64_t first = some.front().first;
+      const RowRange faces{first, some.back().first + some.back().count - first};
+      positions.resize(static_cast<std::size_t>(4 * faces.count));
       normals.resize(positions.size());
-      surface.corners(pieces[i], positions, normals);
-      quality.add(pieces[i], positions, normals);
+      surface.corners(faces, positions, normals);
+      for (const RowRange& piece : some) {
+        const auto at = static_cast<std::size_t>(4 * (piece.first - first)),
+                   count = static_cast<std::size_t>(4 * piece.count);
+        quality.add(piece, std::span(positions).subspan(at, count),
+                    std::span(normals).subspan(at, count));
+      }
     }
   });
   return quality.result();

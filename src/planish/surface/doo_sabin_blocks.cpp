@@ -1,11 +1,10 @@
 #include "planish/surface/doo_sabin_blocks.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "planish/core/parallel.h"
-
 #include "planish/patches/patch_run.h"
+#include "planish/surface/shared_points.h"
 
 namespace planish {
 
@@ -24,13 +23,18 @@ void DooSabinBlocks::take_base_vertices() {
 
 void DooSabinBlocks::count_faces() {
   const auto hidden = base_.hidden();
-  if (level() == 0) {
+  if (level() == 0 && hidden.empty()) {
+    const auto offsets = topology_.face_offsets();
+    info_.face_offsets.assign(offsets.begin(), offsets.end());
+  } else if (level() == 0) {
     info_.face_offsets.push_back(0);
     for (std::int32_t f = 0; f < topology_.face_count(); ++f) {
-      if (!hidden.empty() && hidden[f] != 0) continue;
-      if (!hidden.empty()) visible_.push_back(f);
+      if (hidden[f] != 0) continue;
+      visible_.push_back(f);
       info_.face_offsets.push_back(info_.face_offsets.back() + topology_.face_size(f));
     }
+  }
+  if (level() == 0) {
     info_.face_count = static_cast<std::int64_t>(info_.face_offsets.size()) - 1;
     info_.corner_count = info_.face_offsets.back();
     return;
@@ -280,50 +284,48 @@ DegenerateRows DooSabinBlocks::quad_corners(RowRange faces, std::span<glm::dvec3
   return owned;
 }
 
-// At levels 0 and 1 every corner is a row of a vertex, a face or an edge. Those of a mesh's face
-// are made once for all of its quads.
+// At levels 0 and 1 every corner is a row of a vertex, a face or an edge.
 void DooSabinBlocks::point_corners(RowRange faces, std::span<glm::dvec3> positions,
                                    std::span<glm::vec3> normals) const {
-  thread_local RawVector<std::int32_t> rows, of_corner;
-  thread_local RawVector<glm::dvec3> made_positions;
-  thread_local RawVector<glm::vec3> made_normals;
-  const PatchNumbering& numbering = surface_.numbering();
-  rows.clear();
-  of_corner.resize(positions.size());
+  if (faces.count == 0) return;
+  PatchTarget target;
   if (level() == 0) {
+    thread_local RawVector<std::int32_t> rows;
     rows.resize(positions.size());
     face_vertices(faces, rows);
-    std::iota(of_corner.begin(), of_corner.end(), 0);
-  } else {
-    std::int32_t mesh_face = -1, first_row = 0;
-    for (std::int64_t i = 0; i < faces.count; ++i) {
-      const std::int32_t corner = visible_corner(faces.first + i);
-      const std::int32_t face = topology_.face_of(corner), first = topology_.first_corner(face),
-                         size = topology_.face_size(face);
-      if (face != mesh_face) {
-        mesh_face = face;
-        first_row = static_cast<std::int32_t>(rows.size());
-        rows.push_back(numbering.face_row(face));
-        for (std::int32_t c = first; c < first + size; ++c) {
-          rows.push_back(numbering.vertex_row(c));
-          rows.push_back(numbering.edge_row(c));
-        }
-      }
-      const auto vertex = [&](std::int32_t c) { return first_row + 1 + 2 * (c - first); };
-      // By places: (0, 0), (1, 0), (0, 1), (1, 1).
-      const std::int32_t made[4] = {vertex(corner), vertex(corner) + 1,
-                                    vertex(topology_.prev(corner)) + 1, first_row};
-      const auto& cell = cells_.of(topology_, corner).front();
-      for (std::size_t k = 0; k < 4; ++k)
-        of_corner[4 * static_cast<std::size_t>(i) + k] = made[cell[k]];
-    }
+    target.positions = positions;
+    target.normals = normals;
+    (void)surface_.points(base_.state(), base_.placement(), rows, target);
+    return;
   }
-  made_positions.resize(rows.size());
-  made_normals.resize(rows.size());
-  PatchTarget target;
+  thread_local RawVector<std::int32_t> of_corner;
+  thread_local RawVector<glm::dvec3> made_positions;
+  thread_local RawVector<glm::vec3> made_normals;
+  of_corner.resize(positions.size());
+  // Of the mesh's faces at both ends all corners count.
+  const auto corner_count_of = [&](std::int64_t quad) {
+    return topology_.face_size(topology_.face_of(visible_corner(quad)));
+  };
+  SharedPoints points(
+      topology_, surface_.numbering(),
+      faces.count + corner_count_of(faces.first) + corner_count_of(faces.first + faces.count - 1));
+  std::int32_t mesh_face = -1;
+  std::int32_t* to = of_corner.data();
+  for (std::int64_t i = 0; i < faces.count; ++i, to += 4) {
+    const std::int32_t corner = visible_corner(faces.first + i);
+    const std::int32_t face = topology_.face_of(corner);
+    if (face != mesh_face) points.add_face(mesh_face = face);
+    // By places: (0, 0), (1, 0), (0, 1), (1, 1).
+    const std::int32_t made[4] = {points.vertex(corner), points.midpoint(corner),
+                                  points.midpoint(topology_.prev(corner)), points.centre()};
+    const auto& cell = cells_.of(topology_, corner).front();
+    for (std::size_t k = 0; k < 4; ++k) to[k] = made[cell[k]];
+  }
+  made_positions.resize(points.rows().size());
+  made_normals.resize(points.rows().size());
   target.positions = made_positions;
   target.normals = made_normals;
-  (void)surface_.points(base_.state(), base_.placement(), rows, target);
+  (void)surface_.points(base_.state(), base_.placement(), points.rows(), target);
   for (std::size_t i = 0; i < of_corner.size(); ++i) {
     positions[i] = made_positions[static_cast<std::size_t>(of_corner[i])];
     normals[i] = made_normals[static_cast<std::size_t>(of_corner[i])];
