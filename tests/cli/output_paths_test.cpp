@@ -1,5 +1,8 @@
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
+#include <csignal>
 #include <filesystem>
 
 #include "cli/planish_process.h"
@@ -111,6 +114,60 @@ TEST_F(OutputPaths, ADryRunWritesNothing) {
   for (const char* part : {"8 vertices", "6 faces", "a.glb", "96 quads", "c.obj", "r.json"}) {
     EXPECT_THAT(result.out, HasSubstr(part));
   }
+}
+
+TEST_F(OutputPaths, PipesAreNotReplacedByFiles) {
+  ASSERT_EQ(::mkfifo(path("pipe.obj").c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/null", path("null.glb"));
+  for (const char* name : {"pipe.obj", "null.glb"}) {
+    expect_refused({"-o", path(name)}, 7, "is a pipe or a device");
+    expect_refused({"-o", path(name), "-f"}, 7, "\"-o -\" writes a GLB to stdout");
+  }
+  EXPECT_TRUE(std::filesystem::is_fifo(path("pipe.obj")));
+  EXPECT_TRUE(std::filesystem::is_symlink(path("null.glb")));
+}
+
+TEST_F(OutputPaths, NamesAsLongAsTheyCanBeAreWritten) {
+  const auto named = [&](const std::string& extension) {
+    return path(std::string(255 - extension.size(), 'n') + extension);
+  };
+  const ProcessResult result =
+      run_planish({"fit", cube_, "-o", named(".glb"), "-o", named(".ply"), "--cage", named(".obj"),
+                   "--report", named(".r.json"), "--page", named(".html")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(names().size(), 6u);
+  // A set of tiles over another one, both names at their longest.
+  const std::string folder(255 - 5, 't');
+  for (const char* force : {"-v", "-f"}) {
+    const ProcessResult tiles =
+        run_planish({"fit", cube_, "-o", path(folder + ".json"), force, "--device", "cpu"});
+    EXPECT_EQ(tiles.exit_code, 0) << tiles.err;
+  }
+  EXPECT_EQ(names().size(), 8u);
+}
+
+TEST_F(OutputPaths, WhatCannotBeWrittenIsNamedAsItWasAskedFor) {
+  // A process inherits the limit: no file beyond 1 KB.
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  rlimit small = before;
+  small.rlim_cur = 1 << 10;
+  ::setrlimit(RLIMIT_FSIZE, &small);
+  const auto old_handler = ::signal(SIGXFSZ, SIG_IGN);
+  for (const char* name : {"a.glb", "a.obj", "a.gltf", "a.usda"}) {
+    const ProcessResult result = run_planish({"fit", cube_, "-o", name, "--device", "cpu"},
+                                             {.input = {}, .environment = {}, .folder = path("")});
+    EXPECT_EQ(result.exit_code, 7);
+    const std::string shown = std::string(name) == "a.gltf" ? "a.bin" : name;
+    EXPECT_THAT(result.err, testing::ContainsRegex(": " + shown + ": cannot (write|take room)"));
+    EXPECT_THAT(result.err, testing::Not(HasSubstr(".planish-")));
+  }
+  const ProcessResult result =
+      run_planish({"fit", cube_, "-o", path("a.stl"), "--report", path("r.json")});
+  EXPECT_THAT(result.err, HasSubstr(path("a.stl") + ": cannot"));
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  ::signal(SIGXFSZ, old_handler);
+  EXPECT_THAT(names(), ElementsAre("cube.obj"));
 }
 
 }  // namespace

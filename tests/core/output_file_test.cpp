@@ -65,6 +65,32 @@ TEST_F(OutputFileTest, NamesPathAndReasonWhenTheFolderIsMissing) {
   }
 }
 
+// As long as the system lets any be.
+TEST_F(OutputFileTest, ANameThatFitsIsWritten) {
+  const std::string umlauts = [] {
+    std::string text;
+    for (int i = 0; i < 120; ++i) text += "\u00fc";
+    return text;
+  }();
+  for (const std::string& name : {std::string(255, 'n'), std::string(241, 'n'),
+                                  std::string(101, 'n'), umlauts + "x", "x" + umlauts}) {
+    OutputFile file(directory_ / name);
+    file.write("hello");
+    std::string temporary;
+    for (const auto& entry : std::filesystem::directory_iterator(directory_))
+      temporary = entry.path().filename().string();
+    EXPECT_LE(temporary.size(), name.size());
+    if (name.find('n') == std::string::npos) {  // whole characters
+      EXPECT_EQ((temporary.find('.') - (name[0] == 'x' ? 1 : 0)) % 2, 0u) << temporary;
+    }
+    file.commit();
+    EXPECT_EQ(content(name), "hello");
+    std::filesystem::remove(directory_ / name);
+    EXPECT_EQ(file_count(), 0);
+  }
+  EXPECT_THROW(OutputFile(directory_ / std::string(256, 'n')), Error);
+}
+
 TEST_F(OutputFileTest, FailsWhenTheTargetIsAFolder) {
   std::filesystem::create_directories(directory_ / "target" / "inside");
   OutputFile file(directory_ / "target");

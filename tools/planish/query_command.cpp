@@ -17,7 +17,6 @@
 #include "output/answers_ply.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
-#include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_points.h"
 #include "planish/limit/surface_queries.h"
@@ -169,9 +168,7 @@ void write_answers(const QueryFlags& flags, const std::string& text) {
     return;
   }
   StagedFiles staged;
-  OutputFile file(staged.stage(flags.output));
-  file.write(text);
-  file.commit();
+  staged.write(flags.output, text);
   check_interrupt();
   staged.commit();
 }

@@ -11,7 +11,6 @@
 #include "output/output_plan.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
-#include "planish/core/output_file.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
 #include "report/report.h"
@@ -63,9 +62,7 @@ void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::
     write_stdout(json_text(json));
     return;
   }
-  OutputFile file(staged.stage(flags.report));
-  file.write(json_text(json));
-  file.commit();
+  staged.write(flags.report, json_text(json));
 }
 
 ReconstructOptions reconstruct_options(const ReconstructFlags& flags) {
@@ -125,8 +122,10 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
   const PointInput input = read_cloud(flags.input, input_format_of(flags));
   const Reconstruction result = reconstruct_input(input, options);
   StagedFiles staged;
-  for (const std::string& path : flags.outputs)
-    write_mesh(staged.stage(path), output_format(path), result.mesh);
+  for (const std::string& path : flags.outputs) {
+    const std::filesystem::path target = staged.stage(path);
+    staged.naming_targets([&] { write_mesh(target, output_format(path), result.mesh); });
+  }
   all.finish();
   check_interrupt();
   if (!flags.report.empty())

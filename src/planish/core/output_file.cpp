@@ -15,13 +15,31 @@
 
 namespace planish {
 
+namespace {
+
+// A name beside `path` that fits wherever that of `path` does: a long one gives up its end.
+std::filesystem::path temporary_beside(const std::filesystem::path& path, unsigned number) {
+  constexpr std::size_t kShortName = 100;
+  const std::string end = "." + std::to_string(number) + ".tmp";
+  std::string name = path.filename().string();
+  if (name.size() > kShortName) {
+    std::size_t kept = name.size() - end.size();
+    // No character of UTF-8 is cut: some file systems refuse such names.
+    while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0u) == 0x80) --kept;
+    name.resize(kept);
+  }
+  return path.parent_path() / (name + end);
+}
+
+}  // namespace
+
 OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)) {
   // Unlike mkstemp, O_EXCL with mode 0666 leaves the permissions to the user's umask.
   constexpr int kAttempts = 100;
   std::random_device random;
   int descriptor = -1;
   for (int attempt = 0; descriptor < 0 && attempt < kAttempts; ++attempt) {
-    temporary_ = path_.string() + "." + std::to_string(random()) + ".tmp";
+    temporary_ = temporary_beside(path_, random());
     descriptor = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0 && errno != EEXIST) break;
   }

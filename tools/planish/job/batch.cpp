@@ -13,7 +13,6 @@
 #include "build_info.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
-#include "planish/core/output_file.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
 #include "terminal/interrupt.h"
@@ -185,9 +184,7 @@ std::string failed_jobs_text(const std::vector<JobOutcome>& outcomes) {
 void write_batch_report(const std::string& path, const nlohmann::ordered_json& json) {
   if (path == "-") return write_stdout(json_text(json));
   StagedFiles staged;
-  OutputFile file(staged.stage(path));
-  file.write(json_text(json));
-  file.commit();
+  staged.write(path, json_text(json));
   staged.commit();
 }
 
@@ -199,9 +196,7 @@ void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes
   const std::string text = make_page(page_jobs, options, std::filesystem::current_path());
   if (path == "-") return write_stdout(text);
   StagedFiles staged;
-  OutputFile file(staged.stage(path));
-  file.write(text);
-  file.commit();
+  staged.write(path, text);
   staged.commit();
   console.info(visible(path) + ": " + byte_size(text.size()) + ", page of " +
                counted(static_cast<std::int64_t>(page_jobs.size()), "job"));

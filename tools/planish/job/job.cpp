@@ -10,7 +10,6 @@
 #include "job/point_input.h"
 #include "job/timed.h"
 #include "output/job_outputs.h"
-#include "planish/core/output_file.h"
 #include "planish/mesh/check.h"
 #include "report/details.h"
 #include "terminal/interrupt.h"
@@ -21,9 +20,7 @@ namespace {
 
 void write_report(const Job& job, const JobReport& report, StagedFiles& staged) {
   if (job.report.empty() || job.report == "-") return;
-  OutputFile file(staged.stage(job.report));
-  file.write(json_text(to_json(report)));
-  file.commit();
+  staged.write(job.report, json_text(to_json(report)));
 }
 
 // The job's own page, as text where it is for stdout; its part of a page of all jobs.
@@ -35,11 +32,7 @@ std::string write_page(const Job& job, PageJob&& page, JobReport& report, Staged
   if (!job.page.empty()) {
     text = make_page({&page, 1}, context.page, std::filesystem::current_path());
     report.page = {job.page, text.size()};
-    if (job.page != "-") {
-      OutputFile file(staged.stage(job.page));
-      file.write(text);
-      file.commit();
-    }
+    if (job.page != "-") staged.write(job.page, text);
   }
   if (context.page_jobs != nullptr) context.page_jobs->push_back(std::move(page));
   return text;
@@ -108,8 +101,10 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     const bool was_open = made.unprepared.has_value();
     const Fit result = fit_input(made, backend, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context.console);
-    stdout_bytes = write_outputs(
-        {job, outputs, backend, context, made, result, report, staged, page.payloads});
+    stdout_bytes = staged.naming_targets([&] {
+      return write_outputs(
+          {job, outputs, backend, context, made, result, report, staged, page.payloads});
+    });
   });
   report.host_peak_bytes = peak_host_bytes();
   report.device_bytes = backend.peak_device_bytes();

@@ -107,6 +107,12 @@ void PathClaims::add_output(const fs::path& path, std::string_view where) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
     refuse_place(path, where, " is a folder");
+  } else if (fs::is_other(fs::status(path, error))) {
+    // A whole file would take its place, and who reads there would wait for ever.
+    refuse_place(
+        path, where,
+        " is a pipe or a device, where files are put in place whole; \"-o -\" writes a GLB "
+        "to stdout");
   } else if (!rules_.overwrite && fs::exists(fs::symlink_status(path, error))) {
     refuse_place(path, where, " exists; --force overwrites it");
   } else {

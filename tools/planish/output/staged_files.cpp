@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "planish/core/error.h"
+#include "planish/core/output_file.h"
 #include "planish/core/visible_text.h"
 #include "terminal/interrupt.h"
 
@@ -47,6 +47,26 @@ fs::path StagedFiles::stage_with_folder(const fs::path& document, const fs::path
   return staged;
 }
 
+void StagedFiles::write(const fs::path& path, std::string_view text) {
+  const fs::path staged = stage(path);
+  naming_targets([&] {
+    OutputFile file(staged);
+    file.write(text);
+    file.commit();
+  });
+}
+
+std::string StagedFiles::with_targets(std::string message) const {
+  for (const Folder& folder : folders_) {
+    const std::string hidden = visible(folder.temporary / "");
+    const std::string shown = folder.target == "." ? std::string() : visible(folder.target / "");
+    for (std::size_t at = message.find(hidden); at != std::string::npos;
+         at = message.find(hidden, at))
+      message.replace(at, hidden.size(), shown);
+  }
+  return message;
+}
+
 void StagedFiles::commit() {
   const auto lock = while_files_move();
   check_interrupt();  // the last moment at which nothing has happened
@@ -69,9 +89,16 @@ void StagedFiles::move(const File& file) {
     }
   };
   if (!file.beside.empty()) {
+    // The names may be as long as names can be, so that nothing can be added to them.
+    const fs::path folder = file.temporary.parent_path();
+    int number = 0;
     const auto put_away = [&](const fs::path& old) {
-      if (fs::exists(fs::symlink_status(old, error)))
-        rename(old, file.temporary.parent_path() / (old.filename().string() + ".replaced"));
+      if (!fs::exists(fs::symlink_status(old, error))) return;
+      fs::path away;
+      do {
+        away = folder / (".replaced-" + std::to_string(number++));
+      } while (fs::exists(fs::symlink_status(away, error)));
+      rename(old, away);
     };
     put_away(file.target);
     put_away(file.beside);

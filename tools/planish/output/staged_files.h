@@ -1,7 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
+
+#include "planish/core/error.h"
 
 namespace planish::command {
 
@@ -23,6 +27,20 @@ class StagedFiles {
   [[nodiscard]] std::filesystem::path stage_with_folder(const std::filesystem::path& document,
                                                         const std::filesystem::path& folder);
 
+  /// Writes what shall become `path`. Throws as above.
+  void write(const std::filesystem::path& path, std::string_view text);
+
+  /// What `work` returns. Errors of files that are staged by then name what shall become of them:
+  /// nobody has asked for the hidden folder.
+  template <class Work>
+  auto naming_targets(const Work& work) {
+    try {
+      return work();
+    } catch (const Error& error) {
+      throw Error(error.code(), with_targets(error.what()), error.element());
+    }
+  }
+
   /// A file beside one that was staged, which goes when that has come: what an earlier one needed.
   void remove_later(const std::filesystem::path& path) { remains_.push_back(path); }
 
@@ -38,6 +56,8 @@ class StagedFiles {
     std::filesystem::path beside;  // a folder that goes with it; empty: none
   };
   static void move(const File& file);
+  [[nodiscard]] std::string with_targets(std::string message) const;
+
   std::vector<Folder> folders_;
   std::vector<File> files_;
   std::vector<std::filesystem::path> remains_;
