@@ -58,5 +58,19 @@ TEST(ReadPts, HoldsCountsAgainstPoints) {
   EXPECT_THAT(xyz_error("-3\n", FileFormat::Pts), HasSubstr("`-3`"));
 }
 
+TEST(ReadPts, TellsOfPointsThatNoCountPromises) {
+  const PointCloud cloud = xyz_of("# scan\n2\n1 2 3\n4 5 6\n7 8 9\nnan 1 1\n", FileFormat::Pts);
+  EXPECT_EQ(cloud.points.size(), 3u);
+  ASSERT_EQ(cloud.warnings.size(), 1u);
+  EXPECT_EQ(cloud.warnings[0].code, "point-count");
+  EXPECT_EQ(cloud.warnings[0].message,
+            "a.xyz:5: 2 points stand behind the 2 that line 2 counts; they are read as well");
+  EXPECT_EQ(cloud.warnings[0].count, 2);
+  EXPECT_EQ(cloud.warnings[0].first, 2);
+  EXPECT_EQ(xyz_of("0\n1 2 3\n", FileFormat::Pts).warnings.size(), 1u);
+  EXPECT_TRUE(xyz_of("1 2 3\n4 5 6\n", FileFormat::Pts).warnings.empty());
+  EXPECT_TRUE(xyz_of("2\n1 2 3\n4 5 6\n", FileFormat::Pts).warnings.empty());
+}
+
 }  // namespace
 }  // namespace planish

@@ -33,13 +33,14 @@ bool is_nan(std::string_view word) {
 class TextPointReader {
  public:
   TextPointReader(std::span<const std::byte> bytes, std::string_view name, TextPoints kind)
-      : lines_(bytes, name), kind_(kind) {}
+      : name_(name), lines_(bytes, name), kind_(kind) {}
 
   PointCloud read() {
     while (lines_.next()) read_line(lines_.line());
     if (promised_ > read_since_promise_)
       lines_.fail("the file ends after " + std::to_string(read_since_promise_) + " of " +
                   std::to_string(promised_) + " points");
+    if (excess_.count > 0) warn_of_excess();
     return std::move(cloud_);
   }
 
@@ -77,8 +78,25 @@ class TextPointReader {
       lines_.fail("a point count stands after " + std::to_string(read_since_promise_) + " of " +
                   std::to_string(promised_) + " points");
     promised_ = count;
+    promise_line_ = lines_.number();
     read_since_promise_ = 0;
     has_content_ = true;
+  }
+
+  void note_excess(std::int64_t index) {
+    if (excess_.count++ == 0) excess_ = {1, index, lines_.number(), promised_, promise_line_};
+  }
+
+  // All are there, so that nothing is lost.
+  void warn_of_excess() {
+    cloud_.warnings.push_back(
+        {.code = "point-count",
+         .message = name_ + ":" + std::to_string(excess_.line) + ": " +
+                    std::to_string(excess_.count) + " points stand behind the " +
+                    std::to_string(excess_.promised) + " that line " +
+                    std::to_string(excess_.promise_line) + " counts; they are read as well",
+         .count = excess_.count,
+         .first = excess_.first});
   }
 
   void read_point(const std::array<std::string_view, 3>& columns) {
@@ -96,6 +114,7 @@ class TextPointReader {
       }
     }
     ++read_since_promise_;
+    if (promise_line_ > 0 && read_since_promise_ > promised_) note_excess(index);
     if (missing) {
       ++cloud_.missing_count;
     } else {
@@ -103,11 +122,17 @@ class TextPointReader {
     }
   }
 
+  std::string name_;
   TextLines lines_;
   TextPoints kind_;
   PointCloud cloud_;
   bool has_content_ = false;
-  std::int64_t promised_ = 0, read_since_promise_ = 0;
+  std::int64_t promised_ = 0, read_since_promise_ = 0, promise_line_ = 0;
+  // Points that no count promises: the first, its line, and the count before it.
+  struct Excess {
+    std::int64_t count = 0, first = -1, line = 0, promised = 0, promise_line = 0;
+  };
+  Excess excess_;
 };
 
 }  // namespace
