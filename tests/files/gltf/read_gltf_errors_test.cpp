@@ -143,7 +143,7 @@ TEST(ReadGltfErrors, RefusesWrongAccessors) {
   EXPECT_EQ(square_error("5126", "5124"),
             "a.glb: accessors[0].componentType: 5124 cannot be used for positions");
   EXPECT_EQ(square_error("\"count\":4", "\"count\":4,\"sparse\":{}"),
-            "a.glb: accessors[0]: sparse accessors cannot be read; save the file without");
+            "a.glb: accessors[0].sparse: has no `indices`");
   EXPECT_EQ(square_error("\"count\":4", "\"count\":4,\"normalized\":1"),
             "a.glb: accessors[0].normalized: 1 is neither true nor false");
   EXPECT_EQ(square_error("{\"bufferView\":0,", "{"), "a.glb: accessors[0]: has no `bufferView`");

@@ -2,6 +2,7 @@
 #include "planish/files/gltf/gltf_accessor.h"
 
 #include <algorithm>
+#include <array>
 
 #include "planish/core/number_text.h"
 #include "planish/files/shared/bytes.h"
@@ -32,12 +33,29 @@ Wanted wanted_of(GltfAccessor::Use use, std::string_view type) {
   return {type == "VEC3" ? "VEC3" : "VEC4", "colours"};
 }
 
+// What an accessor without a buffer view has where it is not sparse: as many as a VEC4 of floats.
+constexpr std::array<std::byte, 16> kZeros{};
+
+// The bytes of a part of a sparse accessor: `bytes` of them, without gaps.
+std::span<const std::byte> tight_part(const JsonPlace& root, const JsonPlace& place,
+                                      std::int64_t bytes, GltfSource& source) {
+  const std::int64_t view_index = place["bufferView"].integer();
+  const std::span<const std::byte> view = source.view(view_index);
+  const JsonPlace at = root["bufferViews"][view_index];
+  if (at.find("byteStride")) at["byteStride"].fail("the parts of sparse accessors have no stride");
+  // Both are at most 2^53 and 2^57, so that the sum cannot overflow.
+  const std::int64_t offset = place.integer_or("byteOffset", 0);
+  if (offset + bytes > static_cast<std::int64_t>(view.size()))
+    place.fail("reaches to byte " + std::to_string(offset + bytes) + " of " + at.path() +
+               ", which has " + std::to_string(view.size()));
+  return view.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(bytes));
+}
+
 }  // namespace
 
 GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source,
                            const UnpackedElements* unpacked) {
   const JsonPlace place = root["accessors"][index];
-  if (place.find("sparse")) place.fail("sparse accessors cannot be read; save the file without");
   const Wanted wanted = wanted_of(use, place["type"].text());
   if (place["type"].text() != wanted.type)
     place["type"].fail(quote(place["type"].text()) + " stands in the place of " +
@@ -55,11 +73,14 @@ GltfAccessor::GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, G
   if (const auto normalized = place.find("normalized")) normalized_ = normalized->boolean();
 
   count_ = place["count"].integer(1);
+  const bool is_sparse = place.find("sparse").has_value();
   if (unpacked) {
+    if (is_sparse) place["sparse"].fail("Draco streams cannot be sparse");
     use_elements(place, *unpacked);
-  } else {
+  } else if (!is_sparse || place.find("bufferView")) {
     use_view(root, place, source);
   }
+  if (is_sparse) use_sparse(root, place, index, source);
 }
 
 // Indices come in the width that they were unpacked to, whatever the accessor says.
@@ -95,6 +116,61 @@ void GltfAccessor::use_view(const JsonPlace& root, const JsonPlace& place, GltfS
   bytes_ = bytes_.subspan(static_cast<std::size_t>(offset));
 }
 
+void GltfAccessor::use_sparse(const JsonPlace& root, const JsonPlace& place, std::int64_t index,
+                              GltfSource& source) {
+  const JsonPlace sparse = place["sparse"], indices = sparse["indices"];
+  sparse_count_ = sparse["count"].integer(1);
+  if (sparse_count_ > count_)
+    sparse["count"].fail(std::to_string(sparse_count_) + " is more than the accessor has (" +
+                         std::to_string(count_) + ")");
+  const std::int64_t type = indices["componentType"].integer();
+  if (type != UByte && type != UShort && type != UInt)
+    indices["componentType"].fail(std::to_string(type) + " cannot be used for indices");
+  sparse_index_bytes_ = type == UByte ? 1 : type == UShort ? 2 : 4;
+  sparse_indices_ = tight_part(root, indices, sparse_count_ * sparse_index_bytes_, source);
+  sparse_values_ =
+      tight_part(root, sparse["values"], sparse_count_ * component_bytes_ * number_count_, source);
+  // Once, however often nodes place what uses it.
+  if (source.is_new_sparse(index)) require_ascending(indices);
+}
+
+void GltfAccessor::require_ascending(const JsonPlace& indices) const {
+  std::int64_t before = -1;
+  for (std::int64_t i = 0; i < sparse_count_; ++i) {
+    const std::int64_t at = sparse_index(i);
+    if (at >= count_)
+      indices.fail("entry " + std::to_string(i) + " names element " + std::to_string(at) + " of " +
+                   std::to_string(count_));
+    if (at <= before)
+      indices.fail("entry " + std::to_string(i) + " is " + std::to_string(at) + " behind " +
+                   std::to_string(before) + "; they must ascend");
+    before = at;
+  }
+}
+
+std::uint32_t GltfAccessor::sparse_index(std::int64_t place) const {
+  const auto bytes = sparse_indices_.subspan(static_cast<std::size_t>(place * sparse_index_bytes_));
+  if (sparse_index_bytes_ == 1) return load<std::uint8_t>(bytes);
+  if (sparse_index_bytes_ == 2) return load<std::uint16_t>(bytes);
+  return load<std::uint32_t>(bytes);
+}
+
+std::span<const std::byte> GltfAccessor::element(std::int64_t index) const {
+  std::int64_t low = 0, high = sparse_count_;  // the first that is not before `index`
+  while (low < high) {
+    const std::int64_t middle = low + (high - low) / 2;
+    if (sparse_index(middle) < index) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  if (low < sparse_count_ && sparse_index(low) == index)
+    return sparse_values_.subspan(static_cast<std::size_t>(low * component_bytes_ * number_count_));
+  if (bytes_.empty()) return kZeros;
+  return bytes_.subspan(static_cast<std::size_t>(index * stride_));
+}
+
 double GltfAccessor::component(std::span<const std::byte> bytes) const {
   const auto scaled = [&](double value, double largest) {
     return normalized_ ? std::max(value / largest, -1.0) : value;
@@ -117,8 +193,7 @@ double GltfAccessor::component(std::span<const std::byte> bytes) const {
 }
 
 double GltfAccessor::number(std::int64_t index, std::int64_t k) const {
-  return component(
-      bytes_.subspan(static_cast<std::size_t>(index * stride_ + k * component_bytes_)));
+  return component(element(index).subspan(static_cast<std::size_t>(k * component_bytes_)));
 }
 
 glm::dvec3 GltfAccessor::position(std::int64_t index) const {
@@ -135,7 +210,7 @@ glm::vec4 GltfAccessor::color(std::int64_t index) const {
 }
 
 std::uint32_t GltfAccessor::index(std::int64_t index) const {
-  const auto bytes = bytes_.subspan(static_cast<std::size_t>(index * stride_));
+  const auto bytes = element(index);
   if (component_ == UByte) return load<std::uint8_t>(bytes);
   if (component_ == UShort) return load<std::uint16_t>(bytes);
   return load<std::uint32_t>(bytes);

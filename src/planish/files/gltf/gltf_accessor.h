@@ -18,8 +18,9 @@ class GltfAccessor {
   enum class Use { Positions, Normals, Indices, TextureCoordinates, Colors, Numbers };
 
   /// Checks everything before any element can be asked for: component and element type for the
-  /// use, count, offset, stride. Sparse accessors are refused. The elements come from `unpacked`
-  /// where it is given, which must live longer. Throws Error{UnreadableInput}.
+  /// use, count, offset, stride, and the same of the elements that a sparse accessor has in the
+  /// place of others. The elements come from `unpacked` where it is given, which must live longer
+  /// and cannot be sparse. Throws Error{UnreadableInput}.
   GltfAccessor(const JsonPlace& root, std::int64_t index, Use use, GltfSource& source,
                const UnpackedElements* unpacked = nullptr);
 
@@ -47,11 +48,19 @@ class GltfAccessor {
 
   void use_view(const JsonPlace& root, const JsonPlace& place, GltfSource& source);
   void use_elements(const JsonPlace& place, const UnpackedElements& unpacked);
+  void use_sparse(const JsonPlace& root, const JsonPlace& place, std::int64_t index,
+                  GltfSource& source);
+  void require_ascending(const JsonPlace& indices) const;
+  [[nodiscard]] std::uint32_t sparse_index(std::int64_t place) const;
+  [[nodiscard]] std::span<const std::byte> element(std::int64_t index) const;
   [[nodiscard]] double component(std::span<const std::byte> bytes) const;
   // The k-th number of an element.
   [[nodiscard]] double number(std::int64_t index, std::int64_t k) const;
 
-  std::span<const std::byte> bytes_;
+  std::span<const std::byte> bytes_;  // empty: zeros, but for sparse elements
+  // Elements in the place of others: their numbers, ascending, and the elements, packed tightly.
+  std::span<const std::byte> sparse_indices_, sparse_values_;
+  std::int64_t sparse_count_ = 0, sparse_index_bytes_ = 0;
   std::int64_t count_ = 0, stride_ = 0, component_bytes_ = 0, number_count_ = 0;
   Component component_ = Float;
   bool normalized_ = false;

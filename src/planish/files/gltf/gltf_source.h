@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +27,10 @@ class GltfSource {
   [[nodiscard]] std::span<const std::byte> buffer(std::int64_t index);
   /// The bytes of a buffer view, which lie within its buffer; unpacked where they are packed.
   [[nodiscard]] std::span<const std::byte> view(std::int64_t index);
+  /// True the first time that it is asked of an accessor: what is looked at once for all its uses.
+  [[nodiscard]] bool is_new_sparse(std::int64_t accessor) {
+    return sparse_accessors_.insert(accessor).second;
+  }
 
  private:
   [[nodiscard]] std::span<const std::byte> fetch(const JsonPlace& uri);
@@ -37,6 +42,7 @@ class GltfSource {
   std::optional<std::filesystem::path> folder_;
   std::map<std::string, RawVector<std::byte>> fetched_;    // by URI, so that none is read twice
   std::map<std::int64_t, RawVector<std::byte>> unpacked_;  // by buffer view
+  std::set<std::int64_t> sparse_accessors_;
 };
 
 /// Decodes base64 (RFC 4648) with or without its padding; empty if `text` is none.
