@@ -13,6 +13,7 @@
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/gltf_accessor.h"
+#include "planish/files/gltf/gltf_budget.h"
 #include "planish/files/gltf/gltf_nodes.h"
 #include "planish/files/gltf/gltf_points.h"
 #include "planish/files/gltf/gltf_primitive.h"
@@ -25,9 +26,7 @@
 namespace planish {
 namespace {
 
-// A few bytes of nodes can place any number of triangles; more than these could not be handled by
-// what follows anyway.
-constexpr std::int64_t kMaxCorners = std::int64_t{1} << 28;
+// A few bytes of nodes can place any number of them.
 constexpr std::int64_t kMaxPrimitives = std::int64_t{1} << 20;
 
 // Extensions that change nothing about the triangles, or are read; any other that a file requires
@@ -38,8 +37,11 @@ constexpr std::array<std::string_view, 6> kHarmlessExtensions = {
 
 class SceneReader {
  public:
-  SceneReader(JsonPlace root, GltfSource& source, bool creases_from_normals)
-      : root_(std::move(root)), source_(source), creases_from_normals_(creases_from_normals) {}
+  SceneReader(JsonPlace root, GltfSource& source, GltfBudget budget, bool creases_from_normals)
+      : root_(std::move(root)),
+        source_(source),
+        budget_(std::move(budget)),
+        creases_from_normals_(creases_from_normals) {}
 
   MeshFile read(FileFormat format) {
     require_version();
@@ -76,6 +78,7 @@ class SceneReader {
 
   JsonPlace root_;
   GltfSource& source_;
+  GltfBudget budget_;
   Welder welder_;
   TriangleCollector triangles_;
   AttributeCollector attributes_;
@@ -87,8 +90,7 @@ class SceneReader {
   // By corner of the current primitive: its vertex, and what that is welded to.
   std::vector<std::int32_t> corners_, vertices_;
   MeshFile file_;
-  std::int64_t deformed_count_ = 0, point_primitive_count_ = 0, primitive_count_ = 0,
-               corner_count_ = 0;
+  std::int64_t deformed_count_ = 0, point_primitive_count_ = 0, primitive_count_ = 0;
   // By vertex of the current primitive: its welded vertex, valid where the stamp is the current.
   std::vector<std::int32_t> welded_vertices_;
   std::vector<std::int64_t> stamps_;
@@ -135,9 +137,7 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
   const std::optional<GltfAccessor> indices = primitive.indices();
   const std::int64_t vertex_count = primitive.positions().count();
   const std::int64_t count = indices ? indices->count() : vertex_count;
-  corner_count_ += count * (mode == kTriangles ? 1 : 3);
-  if (corner_count_ > kMaxCorners)
-    place.fail("the scene has more than " + std::to_string(kMaxCorners) + " triangle corners");
+  budget_.add_triangles(place, vertex_count, count * (mode == kTriangles ? 1 : 3));
   if (stamps_.size() < static_cast<std::size_t>(vertex_count)) {
     stamps_.resize(static_cast<std::size_t>(vertex_count), 0);
     welded_vertices_.resize(stamps_.size());
@@ -178,9 +178,7 @@ void SceneReader::read_uvs(const JsonPlace& place, const SourcePrimitive& primit
   const auto uvs = primitive.attribute("TEXCOORD_0", GltfAccessor::Use::TextureCoordinates);
   if (!uvs) return;
   const JsonPlace attribute = place["attributes"]["TEXCOORD_0"];
-  if (static_cast<std::int64_t>(uvs_.size()) + uvs->count() > kMaxCorners)
-    attribute.fail("the scene has more than " + std::to_string(kMaxCorners) +
-                   " texture coordinates");
+  budget_.add_uvs(attribute, uvs->count());
   first_uv_ = static_cast<std::int64_t>(uvs_.size());
   for (std::int64_t i = 0; i < uvs->count(); ++i) {
     const glm::dvec2 uv = uvs->texture_coordinate(i);
@@ -194,8 +192,7 @@ void SceneReader::read_normals(const SourcePrimitive& primitive, const GltfInsta
   first_normal_ = -1;
   const auto normals = primitive.attribute("NORMAL", GltfAccessor::Use::Normals);
   if (!normals) return;
-  if (static_cast<std::int64_t>(normals_.values.size()) + normals->count() > kMaxCorners)
-    root_["meshes"].fail("the scene has more than " + std::to_string(kMaxCorners) + " normals");
+  budget_.add_normals(root_["meshes"], normals->count());
   first_normal_ = static_cast<std::int64_t>(normals_.values.size());
   for (std::int64_t i = 0; i < normals->count(); ++i)
     normals_.values.emplace_back(placed_normal(normals->position(i), instance));
@@ -212,10 +209,7 @@ void SceneReader::color_vertices(const SourcePrimitive& primitive) {
 void SceneReader::read_point_primitive(const JsonPlace& place, const GltfInstance& instance) {
   const SourcePrimitive primitive(root_, place, source_);
   ++point_primitive_count_;
-  corner_count_ += primitive.positions().count();
-  if (corner_count_ > kMaxCorners)
-    place.fail("the scene has more than " + std::to_string(kMaxCorners) +
-               " triangle corners and points");
+  budget_.add_points(place, primitive.positions().count());
   points_.add(primitive, instance);
 }
 
@@ -261,14 +255,17 @@ void SceneReader::add_triangles(const JsonPlace& place, std::int64_t mode, bool 
 
 }  // namespace
 
-MeshFile read_gltf(const FileBytes& file) {
+MeshFile read_gltf(const FileBytes& file) { return read_gltf_within(file, {}); }
+
+MeshFile read_gltf_within(const FileBytes& file, const GltfLimits& limits) {
   const GlbParts parts = split_glb(file.bytes, file.name);
   const nlohmann::json document = parse_json(parts.json, file.name);
   const JsonPlace root(document, file.name, "");
   std::optional<std::filesystem::path> folder;
   if (!file.path.empty()) folder = file.path.parent_path();
   GltfSource source(root, parts.chunk, std::move(folder));
-  return SceneReader(root, source, file.split_normals_crease).read(parts.format);
+  return SceneReader(root, source, GltfBudget(limits, file.name), file.split_normals_crease)
+      .read(parts.format);
 }
 
 }  // namespace planish

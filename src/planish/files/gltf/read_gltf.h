@@ -1,5 +1,6 @@
 #pragma once
 
+#include "planish/files/gltf/gltf_budget.h"
 #include "planish/files/mesh_file.h"
 
 namespace planish {
@@ -10,7 +11,11 @@ namespace planish {
 /// names become groups. External buffers are read from beside the file only; absolute and parent
 /// paths are refused.
 /// Without a path buffers must be embedded (GLB chunk or data URI).
-/// Throws Error{UnreadableInput}: what is out of range, its JSON path and value.
+/// Throws Error{UnreadableInput}: what is out of range, its JSON path and value;
+/// Error{OutOfMemory} for a scene that needs more than the machine has free.
 [[nodiscard]] MeshFile read_gltf(const FileBytes& file);
+
+/// The same within other limits.
+[[nodiscard]] MeshFile read_gltf_within(const FileBytes& file, const GltfLimits& limits);
 
 }  // namespace planish
