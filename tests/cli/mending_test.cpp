@@ -11,6 +11,7 @@ namespace planish::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class Mending : public FolderTest {
  protected:
@@ -29,7 +30,7 @@ class Mending : public FolderTest {
 };
 
 // The cube's quads, each with corners of its own, a little apart from the others'.
-std::string torn_cube_obj() {
+std::string torn_cube_obj(double apart = 1e-5) {
   std::istringstream cube(cube_obj());
   std::ostringstream torn;
   std::vector<std::array<double, 3>> points;
@@ -45,8 +46,8 @@ std::string torn_cube_obj() {
       faces += "f";
       for (int v = 0; words >> v;) {
         const auto& point = points[v - 1];
-        torn << "v " << point[0] + 1e-5 * (count % 3) << " " << point[1] - 1e-5 * (count % 5) << " "
-             << point[2] << "\n";
+        torn << "v " << point[0] + apart * (count % 3) << " " << point[1] - apart * (count % 5)
+             << " " << point[2] << "\n";
         faces += " " + std::to_string(++count);
       }
       faces += "\n";
@@ -75,6 +76,31 @@ TEST_F(Mending, WeldsATornMeshWhereAsked) {
   report = report_of(torn, {"--weld", "1e-3", "--interpolation", "fair"});
   EXPECT_EQ(report["input"]["welded"], 16);
   EXPECT_EQ(run_planish({"verify", path("cage.obj"), torn}).exit_code, 0);
+}
+
+TEST_F(Mending, TornVerticesAreTold) {
+  const std::string torn = write("torn.obj", torn_cube_obj(0));
+  const std::string wanted =
+      "16 vertices at open edges lie exactly where another one does; --weld 0 makes them one";
+  nlohmann::json report = report_of(torn, {});
+  EXPECT_THAT(summary_, HasSubstr(torn + ": " + wanted));
+  ASSERT_EQ(report["warnings"].size(), 1u);
+  EXPECT_EQ(report["warnings"][0]["code"], "torn-vertices");
+  EXPECT_EQ(report["warnings"][0]["count"], 16);
+  EXPECT_THAT(run_planish({"inspect", torn}).out, HasSubstr(wanted));
+  EXPECT_EQ(nlohmann::json::parse(run_planish({"inspect", torn, "--json"}).out)["torn_vertices"],
+            16);
+  report = report_of(torn, {"--weld", "0"});
+  EXPECT_EQ(report["input"]["boundary_loops"], 0);
+  EXPECT_TRUE(report["warnings"].empty());
+  // Those of other meshes are not: a little apart, or sheets that meet at a vertex.
+  EXPECT_TRUE(report_of(write("apart.obj", torn_cube_obj()), {})["warnings"].empty());
+  EXPECT_THAT(summary_, Not(HasSubstr("--weld")));
+  const std::string tips = write("tips.obj",
+                                 "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
+                                 "v 2 2 0\nv 1 2 0\nf 1 2 3 4\nf 5 6 7 8\n");
+  EXPECT_TRUE(report_of(tips, {})["warnings"].empty());
+  EXPECT_THAT(run_planish({"inspect", tips}).out, Not(HasSubstr("torn")));
 }
 
 TEST_F(Mending, WeldsEveryFormatAndSceneFilesToo) {

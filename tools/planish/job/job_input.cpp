@@ -5,6 +5,7 @@
 
 #include "job/point_input.h"
 #include "job/prepare.h"
+#include "job/torn_vertices.h"
 #include "options/point_settings.h"
 #include "planish/core/error.h"
 #include "planish/files/formats.h"
@@ -100,6 +101,19 @@ void note_preparation(JobInput& made, ReadyMesh& ready, JobReport& report, Conso
   made.prepared = std::move(ready.prepared);
 }
 
+// Whoever has welded, or had sheets separated, knows of vertices at one place.
+void warn_of_torn_vertices(const JobInput& made, JobReport& report, Console& console) {
+  if (!made.prepared || !made.prepared->uses_all() || report.settings.weld ||
+      !made.separated_edges.empty())
+    return;
+  const TornVertices torn = torn_vertices(made.input.file.mesh, *made.prepared->topology);
+  if (torn.count == 0) return;
+  const auto first = static_cast<std::size_t>(torn.first);
+  add_warning(report, console,
+              {"torn-vertices", made.input.name + ": " + torn_text(torn), torn.count,
+               made.file_vertices.empty() ? torn.first : made.file_vertices[first]});
+}
+
 }  // namespace
 
 JobInput read_job_input(const Job& job, JobReport& report, const JobContext& context) {
@@ -155,6 +169,7 @@ void prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs, Jo
     ReadyMesh ready = prepare(std::move(input.file.mesh), report.settings, report.method);
     note_preparation(made, ready, report, console);
     input.file.mesh = std::move(ready.mesh);
+    if (made.points.empty()) warn_of_torn_vertices(made, report, console);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::UnusableMesh) require_usable(input.file.mesh, input.name);
     throw;

@@ -5,6 +5,7 @@
 
 #include "planish/core/visible_text.h"
 #include "planish/mesh/placement.h"
+#include "planish/mesh/prepared_mesh.h"
 #include "planish/reconstruct/clean.h"
 #include "report/report.h"
 #include "terminal/text.h"
@@ -92,6 +93,8 @@ std::string mesh_text(const Inspection& inspection) {
     text += statistics_text(*inspection.statistics);
     text += inspection_line("diagonal", short_number(inspection.diagonal));
     if (inspection.folds->count > 0) text += folds_line(*inspection.folds);
+    if (inspection.torn.count > 0)
+      text += inspection_line("torn vertices", torn_text(inspection.torn));
   }
   const auto count = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
   text += inspection_line("crease edges", with_separators(count(file.mesh.creases)));
@@ -129,6 +132,7 @@ void add_mesh(const Inspection& inspection, nlohmann::ordered_json& json) {
     json["folded_edges"] = {{"count", inspection.folds->count},
                             {"area", inspection.folds->area},
                             {"first_face", inspection.folds->first_face}};
+    json["torn_vertices"] = inspection.torn.count;
   }
   json["header"] = file.header;
 }
@@ -165,6 +169,9 @@ Inspection inspect(const std::string& path, std::optional<FileFormat> requested)
     inspection.statistics = statistics(mesh);
     inspection.folds = folded_edges(mesh);
     inspection.diagonal = placement_of(mesh).diagonal;
+    const auto prepared = prepare_if_sound(mesh);
+    if (prepared && prepared->uses_all())
+      inspection.torn = torn_vertices(mesh, *prepared->topology);
   }
   return inspection;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "job/point_input.h"
+#include "job/torn_vertices.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
@@ -19,6 +20,7 @@ struct Inspection {
   std::vector<MeshProblem> problems;         ///< of a mesh
   std::optional<MeshStatistics> statistics;  ///< of a mesh without problems
   std::optional<FoldedEdges> folds;          ///< the same
+  TornVertices torn;                         ///< the same
   std::optional<PointInput> points;          ///< of a file without faces
   double diagonal = 0;
   double spacing = 0;  ///< median distance of a point to its nearest neighbour
