@@ -125,7 +125,8 @@ Figures measure(const Case& what, const Method& method) {
     compare_with_truth(figures, surface, what.truth);
   } else {
     const PolygonMesh& source = what.source.face_count() > 0 ? what.source : what.mesh;
-    const SourceComparison comparison = compare_with_source(surface, source);
+    const SourceComparison comparison =
+        compare_with_source(*blocks_of(surface, fitted.mesh), source);
     note_quality(
         figures,
         what.has_smooth_source ? comparison.quality : own_quality(surface, fitted, what.mesh),

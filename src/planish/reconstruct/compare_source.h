@@ -1,8 +1,9 @@
 #pragma once
 
+#include "planish/core/callbacks.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/reconstruct/triangle_tree.h"
-#include "planish/surface/surface_mesh.h"
+#include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_quality.h"
 
 namespace planish {
@@ -15,9 +16,11 @@ struct SourceComparison {
 
 /// Looks up the nearest point of the source, its polygons cut into fans, from every vertex of the
 /// surface and from beside every corner of its faces: normals are compared within faces, so that
-/// those on both sides of a crease find their own sides of the source. Throws Error{UnusableMesh}
-/// for a source without faces.
-[[nodiscard]] SourceComparison compare_with_source(const SurfaceMesh& surface,
-                                                   const PolygonMesh& source);
+/// those on both sides of a crease find their own sides of the source. The surface is taken piece
+/// by piece; the same bits for every thread count. Throws Error{UnusableMesh} for a source without
+/// faces, Error{Cancelled}.
+[[nodiscard]] SourceComparison compare_with_source(const SurfaceBlocks& surface,
+                                                   const PolygonMesh& source,
+                                                   const Callbacks& callbacks = {});
 
 }  // namespace planish

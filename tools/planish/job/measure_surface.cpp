@@ -59,7 +59,8 @@ void note_quality(const JobInput& made, const Fit& fitted, JobLevel& surface,
     measured.quality = quality_of(made, surface, stored_about, callbacks);
     return;
   }
-  const SourceComparison comparison = compare_with_source(surface.whole(), made.source->file.mesh);
+  const SourceComparison comparison =
+      compare_with_source(surface.blocks(), made.source->file.mesh, callbacks);
   measured.quality = comparison.quality;
   measured.reference = made.source->name;
   measured.source_distances = relative(comparison.distances, fitted.placement.diagonal);
