@@ -183,7 +183,14 @@ TEST_F(Fair, CutsConcaveFaces) {
   flags.insert(flags.end(), {"--repair", "none"});
   EXPECT_GT(fit(bracket, flags)["surface"]["folded_area"], 0.01);
   EXPECT_THAT(messages_, HasSubstr("beside which the fair surface may fold: 2; "));
+  EXPECT_THAT(messages_, HasSubstr("--creases auto may help"));
   EXPECT_EQ(run_planish({"verify", path("c.obj"), bracket}).exit_code, 0);
+  // What was asked for already is not the advice.
+  std::vector<std::string> with_creases = flags;
+  with_creases.insert(with_creases.end(), {"--creases", "auto"});
+  EXPECT_GT(fit(bracket, with_creases)["surface"]["folded_area"], 0.01);
+  EXPECT_THAT(messages_, HasSubstr("found creases do not help there"));
+  EXPECT_THAT(messages_, Not(HasSubstr("--creases auto may help")));
   // What nothing can cut is not promised to be.
   fit(write("bow.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n"),
       {"-o", path("s.glb"), "--interpolation", "fair"});

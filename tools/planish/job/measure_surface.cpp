@@ -107,8 +107,10 @@ std::string places_text(const std::vector<FoldedPlace>& places, const JobInput& 
 
 std::string remedy_for_folds(const JobReport& report, bool only_the_input_is) {
   if (report.method == InterpolationMethod::Fair) {
-    return only_the_input_is ? "the input itself is folded there"
-                             : "the input is sharp there, --creases auto may help";
+    if (only_the_input_is) return "the input itself is folded there";
+    return report.settings.creases.dihedral_degrees
+               ? "found creases do not help there, a finer or more even mesh may"
+               : "the input is sharp there, --creases auto may help";
   }
   return report.settings.scheme == Scheme::DooSabin
              ? "--interpolation fair is made for such meshes"
