@@ -35,12 +35,16 @@ vec3 chord_handle(CreaseArms arms) {
 const float kCorridor = 1.0 / 12.0;
 const float kLeastCorridorFactor = 0.02;
 
+// Wider corners than of 174 degrees count as that.
+const float kWidestSine = 0.1;
+
 // In one face, between its sharp edge and its other one; `inward` at right angles to the former.
-float face_factor(vec3 handle, vec3 inward, vec3 other) {
+float face_factor(vec3 handle, vec3 sharp, vec3 inward, vec3 other) {
   float size = safe_length(inward);
   if (!(size > 0.0)) return 1.0;
-  float lateral = dot(handle, inward / size), height = kCorridor * dot(other, inward / size);
-  return height > 0.0 && lateral > height ? height / lateral : 1.0;
+  float lateral = dot(handle, inward / size), height = dot(other, inward / size);
+  if (dot(other, sharp) < 0.0 || height < 0.0) height = max(height, kWidestSine * safe_length(other));
+  return height > 0.0 && lateral > kCorridor * height ? kCorridor * height / lateral : 1.0;
 }
 
 float corridor_factor(FairCrease crease, vec3 own, vec3 handle) {
@@ -51,10 +55,10 @@ float corridor_factor(FairCrease crease, vec3 own, vec3 handle) {
     vec3 normal = face_normals_at(place.face).xyz;
     if (place.next == crease.before || place.next == crease.after)
       factor = min(factor, face_factor(place.next == crease.before ? handle : -handle,
-                                       cross(normal, next), previous));
+                                       next, cross(normal, next), previous));
     if (place.previous == crease.before || place.previous == crease.after)
       factor = min(factor, face_factor(place.previous == crease.before ? handle : -handle,
-                                       cross(previous, normal), next));
+                                       previous, cross(previous, normal), next));
   }
   return max(factor, kLeastCorridorFactor);
 }

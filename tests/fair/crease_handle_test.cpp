@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
+#include <vector>
+
+#include "fair/fair_case.h"
+#include "planish/fair/vertex_frame.h"
 
 namespace planish::test {
 namespace {
@@ -35,6 +41,38 @@ TEST(CreaseHandle, IsFiniteForCuspsAndCoincidentPoints) {
   EXPECT_EQ(crease_handle({arm, arm}, imbalance(CreaseArms{arm, arm})), dvec3(0.0));
   const CreaseArms none{arm, dvec3(0.0)};
   EXPECT_EQ(crease_handle(none, imbalance(none)), dvec3(0.0));
+}
+
+// A boundary vertex of one polygon whose corner passes through a straight angle, and a handle that
+// leads into it.
+double factor_at_corner(double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
+  PolygonMesh mesh;
+  mesh.positions = {{0, 0, 0},
+                    {1, 0, 0},
+                    {1, 2, 0},
+                    {-1, 2, 0},
+                    {0.7 * std::cos(angle), 0.7 * std::sin(angle), 0}};
+  mesh.add_face(std::array{0, 1, 2, 3, 4});
+  const FairCase c(mesh);
+  const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+  const std::vector<dvec3> normals = unit_face_normals(topology, mesh.positions);
+  return corridor_factor(
+      topology, mesh.positions, normals, 0,
+      topology.crease_neighbours(0)[0] == 1 ? dvec3(0.2, 0.1, 0) : dvec3(-0.2, -0.1, 0));
+}
+
+TEST(CreaseHandle, KeepsToItsCorridorContinuouslyThroughStraightCorners) {
+  // Into a corner of 100 degrees by a twelfth of its other edge's height.
+  EXPECT_NEAR(factor_at_corner(100), 0.7 * std::sin(100 * std::numbers::pi / 180) / 12 / 0.1,
+              1e-12);
+  double before = factor_at_corner(100);
+  for (double degrees = 100.1; degrees < 260; degrees += 0.1) {
+    const double factor = factor_at_corner(degrees);
+    EXPECT_NEAR(factor, before, 0.01) << degrees;
+    EXPECT_GT(factor, 0.025) << degrees;  // nowhere at the least that is left, 0.02
+    before = factor;
+  }
 }
 
 }  // namespace

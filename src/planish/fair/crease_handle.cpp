@@ -19,11 +19,19 @@ constexpr double kLongestHandle = 1.15;
 constexpr double kCorridor = 1.0 / 12.0;
 constexpr double kLeastCorridorFactor = 0.02;
 
+// Wider corners than of 174 degrees count as that: the handle does not run into what lies behind
+// it, and polygons' corners pass through 180 degrees.
+constexpr double kWidestSine = 0.1;
+
 // The factor in one face, between its sharp edge and its other one; `inward` is in the face and at
 // right angles to the sharp edge.
-double face_factor(const dvec3& handle, const dvec3& inward, const dvec3& other) {
-  const double lateral = glm::dot(handle, inward), height = kCorridor * glm::dot(other, inward);
-  return height > 0 && lateral > height ? height / lateral : 1.0;
+double face_factor(const dvec3& handle, const dvec3& sharp, const dvec3& inward,
+                   const dvec3& other) {
+  const double lateral = glm::dot(handle, inward);
+  double height = glm::dot(other, inward);
+  if (glm::dot(other, sharp) < 0 || height < 0)
+    height = std::max(height, kWidestSine * glm::length(other));
+  return height > 0 && lateral > kCorridor * height ? kCorridor * height / lateral : 1.0;
 }
 
 }  // namespace
@@ -51,17 +59,18 @@ double corridor_factor(const FairTopology& topology, std::span<const dvec3> give
     const dvec3 next = given[topology.ring_next[i]] - given[vertex];
     const dvec3 previous = given[topology.ring_previous[i]] - given[vertex];
     const dvec3& normal = face_normals[topology.corner_faces[corner]];
-    const auto note = [&](std::int32_t neighbour, const dvec3& inward, const dvec3& other) {
+    const auto note = [&](std::int32_t neighbour, const dvec3& sharp, const dvec3& inward,
+                          const dvec3& other) {
       const double length = glm::length(inward);
       if (!(length > 0)) return;
       const dvec3 along = neighbour == before ? handle : -handle;
-      factor = std::min(factor, face_factor(along, inward / length, other));
+      factor = std::min(factor, face_factor(along, sharp, inward / length, other));
     };
     if (topology.corner_cw[corner] >= topology.corner_count) {
-      note(topology.ring_next[i], glm::cross(normal, next), previous);
+      note(topology.ring_next[i], next, glm::cross(normal, next), previous);
     }
     if (topology.corner_ccw[corner] >= topology.corner_count) {
-      note(topology.ring_previous[i], glm::cross(previous, normal), next);
+      note(topology.ring_previous[i], previous, glm::cross(previous, normal), next);
     }
   }
   return std::max(factor, kLeastCorridorFactor);
