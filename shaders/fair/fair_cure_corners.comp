@@ -55,9 +55,8 @@ uint turned_faces(CurveSector sector) {
 
 vec3 in_plane(vec3 v, vec3 normal) { return unit_or_zero(v - dot(v, normal) * normal); }
 
-// Draws a curve point away from the gap's middle to its side, the one that `sign` says, by a share;
-// returns whether it was too near.
-bool draw(uint curve, vec3 direction, uint i, vec3 middle, vec3 side, float sign, float share) {
+// Draws a curve point away from the gap's middle to its side, the one that `sign` says, by a share.
+void draw(uint curve, vec3 direction, uint i, vec3 middle, vec3 side, float sign, float share) {
   float least = min(kLeastGap, kGapShare * angle_of(i));
   float sine = dot(direction, side), cosine = dot(direction, middle);
   float own = sine == 0.0 && cosine == 0.0 ? 0.0 : sign * atan(sine, cosine);
@@ -66,11 +65,10 @@ bool draw(uint curve, vec3 direction, uint i, vec3 middle, vec3 side, float sign
   vec3 offset = result[curve].xyz;
   vec3 drawn = safe_length(offset) * (cos(angle) * middle + sign * sin(angle) * side);
   result[curve] = vec4(offset + share * (drawn - offset), 0.0);
-  return own < least;
 }
 
 // Where the sharp edges on both sides of a reflex sector meet or cross, draws their curve points
-// apart in its plane, wide gaps gradually less. Returns whether the gap is narrow.
+// apart in its plane, wide gaps gradually less. Returns whether the sector is reflex.
 bool open_sector(CurveSector sector) {
   uint last = sector.first + sector.count - 1u;
   float sum = 0.0;
@@ -81,9 +79,9 @@ bool open_sector(CurveSector sector) {
   vec3 b = in_plane(result[sector.curve1].xyz, normal);
   vec3 middle = unit_or_zero(a + b), side = cross(normal, middle);
   if (!(share > 0.0) || middle == vec3(0.0)) return false;
-  bool is_narrow = draw(sector.curve0, a, sector.first, middle, side, 1.0, share);
-  if (draw(sector.curve1, b, last, middle, side, -1.0, share)) is_narrow = true;
-  return is_narrow && sum > kReflexAngle;
+  draw(sector.curve0, a, sector.first, middle, side, 1.0, share);
+  draw(sector.curve1, b, last, middle, side, -1.0, share);
+  return sum > kReflexAngle;
 }
 
 // Whether opening the sector turns fewer faces back; does it then.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -30,6 +31,18 @@ TEST(CuspCorners, AreWhereTheBoundaryTurnsByMoreThan120Degrees) {
   EXPECT_EQ(tagged.corners[0].vertex, 0);
   EXPECT_EQ(tagged.corners[0].sharpness, kInfiniteSharpness);
   EXPECT_TRUE(with_cusp_corners(slit_fan(70)).corners.empty());
+}
+
+TEST(CuspCorners, AreAlsoWhereALittleSlitsLipsBendApart) {
+  // The lips stand up and hang down: there the boundary turns by a right angle only.
+  const auto bent = [](double degrees) {
+    PolygonMesh mesh = slit_fan(degrees);
+    mesh.positions[1].z = 1;
+    mesh.positions[7].z = -1;
+    return std::ranges::count(with_cusp_corners(mesh).corners, 0, &CornerVertex::vertex);
+  };
+  EXPECT_EQ(bent(2), 1);
+  EXPECT_EQ(bent(80), 0);
 }
 
 TEST(CuspCorners, KeepTagsAndTagNothingTwice) {

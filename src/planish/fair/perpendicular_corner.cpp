@@ -47,8 +47,9 @@ std::int32_t turned_faces(const CurveSite& site, const FairTopology::Sector& sec
 
 // Where the sharp edges on both sides of a corner's reflex sector meet or cross, as at the tips of
 // slits, the surface's sector would turn over: draws their curve points apart in its plane. Wide
-// gaps are left gradually, so that what was opened once stays continuous. Returns whether the gap
-// is narrow.
+// gaps are left gradually, so that what was opened once stays continuous. Beside steep faces the
+// edges may stand over each other: their own plane says nothing then. Returns whether the sector is
+// reflex.
 bool open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
   const FairTopology& topology = site.topology;
   const std::int32_t last = sector.first + sector.count - 1;
@@ -67,12 +68,10 @@ bool open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
   const dvec3 a = in_plane(site.offsets[sector.curve0]), b = in_plane(site.offsets[sector.curve1]);
   const dvec3 middle = unit_or_zero(a + b), side = glm::cross(normal, middle);
   if (!(reflex_share > 0) || middle == dvec3(0.0)) return false;
-  bool is_narrow = false;
   const auto draw = [&](std::int32_t curve, const dvec3& direction, std::int32_t place,
                         double sign) {
     const double least = std::min(kLeastGap, kGapShare * face_angle(place));
     const double own = sign * std::atan2(glm::dot(direction, side), glm::dot(direction, middle));
-    is_narrow = is_narrow || own < least;
     const double angle = std::max(own, least);
     const double share =
         reflex_share * std::clamp((kWideGap - angle) / (kWideGap - least), 0.0, 1.0);
@@ -83,7 +82,7 @@ bool open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
   };
   draw(sector.curve0, a, sector.first, 1);
   draw(sector.curve1, b, last, -1);
-  return is_narrow && sum > kReflexAngle;
+  return sum > kReflexAngle;
 }
 
 // Whether opening the sector turns fewer faces back; does it then.
