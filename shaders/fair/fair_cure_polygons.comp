@@ -1,5 +1,6 @@
 // The perpendicular polygon of every smooth or dart vertex that is to have one, and quarters of those that
-// have. build_perpendicular_polygon() of fair/perpendicular_polygon.h.
+// have. build_perpendicular_polygon() of fair/perpendicular_polygon.h, build_hub_ellipse() of
+// fair/hub_ellipse.h.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "fair.glsl"
@@ -8,7 +9,7 @@ READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
 READ(2, vec4, given)
 READ(3, vec4, normals)
-READ(4, vec4, planes)
+READ(4, vec4, planes)  // and behind them, where they were decided, the ellipses
 READ(5, vec2, circle)
 READ_STORED(6, uint, flags);
 UPDATE(7, vec4, result);
@@ -82,6 +83,22 @@ void build(vec3 normal, vec4 plane) {
     result[places_at(i).corner].xyz -= centre;
 }
 
+void build_ellipse(vec3 normal, vec4 plane, vec4 ellipse) {
+  frame = frame_of(leaning_normal(vertex, origin, normal, plane.xy));
+  vec2 along = ring_direction(vertex, origin, frame);
+  vec3 centre = vec3(0.0);
+  for (uint i = 0u; i < vertex.count; ++i) {
+    vec2 at = circle_at(vertex.circle + i);
+    vec2 point = plane.z * rotated(vec2(dot(ellipse.xy, at), dot(ellipse.zw, at)), along);
+    vec3 lifted = lift(frame, point);
+    centre += lifted;
+    result[places_at(vertex.first + i).corner] = vec4(lifted, 0.0);
+  }
+  centre /= float(vertex.count);
+  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i)
+    result[places_at(i).corner].xyz -= centre;
+}
+
 void main() {
   FOR_ELEMENTS(v) {
     uint word = flags[v];
@@ -89,7 +106,11 @@ void main() {
     vertex = vertices_at(v);
     if (!has_polygon(vertex)) continue;
     origin = given_at(v).xyz;
-    if ((word & kRebuild) != 0u) build(normals_at(v).xyz, planes_at(v));
+    vec4 ellipse = parameters.decided != 0u ? planes_at(parameters.count + v) : vec4(0.0);
+    if ((word & kRebuild) != 0u && ellipse != vec4(0.0))
+      build_ellipse(normals_at(v).xyz, planes_at(v), ellipse);
+    else if ((word & kRebuild) != 0u)
+      build(normals_at(v).xyz, planes_at(v));
     float factor = quarters(word);
     for (uint i = vertex.first; factor < 1.0 && i < vertex.first + vertex.count; ++i)
       result[places_at(i).corner] *= factor;

@@ -128,11 +128,13 @@ TEST_P(FairCure, RepeatsDecisionsAsItsTwin) {
   for (const test::NamedMesh& mesh : all_cure_meshes()) {
     SCOPED_TRACE(mesh.name);
     const std::vector<std::uint8_t> none(mesh.mesh.positions.size(), 0);
-    FairDecisions decided{none, none, none, none, {}};
+    FairDecisions decided{none, none, none, none, {}, {}};
     for (std::size_t v = 0; v < none.size(); ++v) {
       decided.cures[v] = (7 * v + 3) % 4;
       decided.leans.emplace_back(v % 5 ? glm::vec2(float(v % 3), 0.1F * float(v % 7))
                                        : glm::vec2(kNoLean));
+      decided.ellipses.push_back(v % 3 ? glm::vec4(0.0F)
+                                       : glm::vec4(0.9F, 0.2F, -0.3F, 0.1F * float(v % 8 + 1)));
     }
     const test::FairCase c(mesh.mesh);
     DeviceNet net(*machine_, c, 8, &decided);
@@ -140,7 +142,9 @@ TEST_P(FairCure, RepeatsDecisionsAsItsTwin) {
     Uncured before = uncured(net);
     cure(net);
     EXPECT_EQ(decisions(net).cures, decided.cures);
-    const FoldCount left = repeat_cure(before.input(net), decided.cures, decided.leans);
+    CureInput input = before.input(net);
+    input.ellipses = decided.ellipses;
+    const FoldCount left = repeat_cure(input, decided.cures, decided.leans);
     const std::vector<dvec3> made = result(net);
     for (std::size_t v = 0; v < none.size(); ++v) {
       if (decided.cures[v] == 0) continue;

@@ -12,6 +12,7 @@
 #include "planish/doosabin/sharp_features.h"
 #include "planish/doosabin/subdivision.h"
 #include "planish/fair/fair_net.h"
+#include "planish/fair/hub_ellipse.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/pipeline/deep_folds.h"
 #include "planish/stencil/quad_split.h"
@@ -79,12 +80,17 @@ FairNet make_net(const PartMesh& mesh, PartHalo& halo, const PartFairOptions& op
                     {options.fit.polish_steps, {}, decisions, options.fit.cures_folds, &halo});
   };
   if (!options.fit.cures_folds) return net_of(nullptr);
-  return deeply_cured_net(net_of, [&](FairNet& net) {
+  const auto folds_of = [&](FairNet& net) {
     LevelOne level_one{std::move(net.state), options.placement};
     DeepFolds folds = deep_folds(mesh.sub.mesh, mesh.topology, level_one, options.fit, &halo);
     net.state = std::move(level_one.state);
     return folds;
-  });
+  };
+  const auto choose = [&](std::span<const std::uint8_t> flagged, FairDecisions& decisions) {
+    const FairTopology topology = make_fair_topology(mesh.sub.mesh, mesh.subdivision, &halo);
+    return choose_ellipses(topology, mesh.given, flagged, decisions);
+  };
+  return deeply_cured_net({net_of, folds_of, choose});
 }
 
 }  // namespace

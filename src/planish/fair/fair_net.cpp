@@ -159,8 +159,8 @@ void settle_folds(NetBuilder& builder, bool decided, std::vector<std::uint8_t>& 
 
 // What no halving cures; or as it was cured before.
 FoldCount settle_cure(NetBuilder& builder, const FairOptions& options, FairDecisions& decisions) {
-  const CureInput input{builder.topology, builder.given,   builder.face_normals,
-                        builder.normals,  builder.offsets, builder.halo};
+  const CureInput input{builder.topology, builder.given,      builder.face_normals, builder.normals,
+                        builder.offsets,  decisions.ellipses, builder.halo};
   std::vector<std::uint8_t>& cures = decisions.cures;
   if (!options.decisions || !options.cures_folds) cures.assign(builder.given.size(), 0);
   decisions.leans.resize(builder.given.size(), glm::vec2(kNoLean));
@@ -211,6 +211,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     PLANISH_ASSERT(decisions->late_halvings.size() == given.size());
     PLANISH_ASSERT(decisions->cures.size() == given.size());
     PLANISH_ASSERT(decisions->leans.empty() || decisions->leans.size() == given.size());
+    PLANISH_ASSERT(decisions->ellipses.empty() || decisions->ellipses.size() == given.size());
   }
   const FairTopology topology = make_fair_topology(mesh, subdivision, options.halo);
   options.callbacks.check_cancelled();

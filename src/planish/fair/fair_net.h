@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct FairDecisions {
   std::vector<std::uint8_t> cures;
   /// How the polygons lean that the cure made (see plane_lean.h). Empty: chosen anew.
   std::vector<glm::vec2> leans;
+  /// The ellipses of smooth and dart vertices where that polygon still folds (see hub_ellipse.h),
+  /// zero elsewhere. Empty: none.
+  std::vector<glm::vec4> ellipses;
 };
 
 struct FairOptions {

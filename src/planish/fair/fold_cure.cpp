@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/fair/hub_ellipse.h"
 #include "planish/fair/net_samples.h"
 #include "planish/fair/perpendicular_curve.h"
 #include "planish/fair/perpendicular_polygon.h"
@@ -201,9 +202,13 @@ void Cure::build_smooth(std::int32_t vertex, PerpendicularScratch& scratch) {
     lean = lean_towards(topology, input.given, vertex, normal,
                         tilted_normal(topology, input.face_normals, vertex, normal));
   }
-  build_perpendicular_polygon(topology, input.given, vertex,
-                              leaning_normal(topology, input.given, vertex, normal, lean), scratch,
-                              input.offsets);
+  const dvec3 plane = leaning_normal(topology, input.given, vertex, normal, lean);
+  if (!input.ellipses.empty() && is_ellipse(input.ellipses[vertex])) {
+    build_hub_ellipse(topology, input.given, vertex, plane, input.ellipses[vertex],
+                      perpendicular_size(topology, input.given, vertex), input.offsets);
+  } else {
+    build_perpendicular_polygon(topology, input.given, vertex, plane, scratch, input.offsets);
+  }
 }
 
 // `times` more rounds at the vertex, which had some before unless it is new.

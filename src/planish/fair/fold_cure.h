@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 
 #include "planish/fair/fair_topology.h"
@@ -16,6 +17,8 @@ struct CureInput {
   const FairTopology& topology;
   std::span<const glm::dvec3> given, face_normals, normals;
   std::span<glm::dvec3> offsets;
+  /// Per vertex where not empty: what stands in for the perpendicular polygon (hub_ellipse.h).
+  std::span<const glm::vec4> ellipses{};
   FairHalo* halo = nullptr;  ///< where the mesh is a part; counts are those of all
 };
 

@@ -26,12 +26,6 @@ dvec2 ring_direction(const FairTopology& topology, std::span<const dvec3> given,
   return length > 0 ? sum / length : dvec2(1.0, 0.0);
 }
 
-namespace {
-
-struct RingAxes {
-  dvec3 along, left;
-};
-
 RingAxes ring_axes(const FairTopology& topology, std::span<const dvec3> given, std::int32_t vertex,
                    const dvec3& normal) {
   const VertexFrame frame = frame_of(normal);
@@ -39,8 +33,6 @@ RingAxes ring_axes(const FairTopology& topology, std::span<const dvec3> given, s
   return {direction.x * frame.tangent1 + direction.y * frame.tangent2,
           direction.x * frame.tangent2 - direction.y * frame.tangent1};
 }
-
-}  // namespace
 
 glm::vec2 lean_towards(const FairTopology& topology, std::span<const dvec3> given,
                        std::int32_t vertex, const dvec3& normal, const dvec3& target) {

@@ -25,6 +25,13 @@ inline constexpr float kNoLean = 0x1p30F;  ///< not chosen yet
                                         std::span<const glm::dvec3> given, std::int32_t vertex,
                                         const VertexFrame& frame);
 
+/// That direction and the one left of it in space, in the plane of a unit normal.
+struct RingAxes {
+  glm::dvec3 along, left;
+};
+[[nodiscard]] RingAxes ring_axes(const FairTopology& topology, std::span<const glm::dvec3> given,
+                                 std::int32_t vertex, const glm::dvec3& normal);
+
 /// The lean of a smooth or dart vertex's plane from one unit normal to another.
 [[nodiscard]] glm::vec2 lean_towards(const FairTopology& topology,
                                      std::span<const glm::dvec3> given, std::int32_t vertex,

@@ -259,8 +259,11 @@ DeepFolds deep_folds(const PolygonMesh& mesh, const std::shared_ptr<const MeshTo
   DeepFolds result;
   if (!can_look(*topology, halo)) return result;
   const std::vector<glm::dvec3> normals = unit_normals(mesh);
-  const std::vector<std::uint8_t> uneven = uneven_vertices(mesh, *topology, normals, options.sharp);
+  std::vector<std::uint8_t> uneven = uneven_vertices(mesh, *topology, normals, options.sharp);
+  if (halo) halo->exchange_vertices(uneven);
   if (!is_anywhere(uneven, halo)) return result;
+  const std::vector<std::uint8_t> around = neighbours_of(*topology, uneven, uneven);
+  for (std::size_t v = 0; v < uneven.size(); ++v) uneven[v] |= around[v];
 
   DeepLook look(mesh, topology, level_one, options, halo);
   result.at_vertex.assign(mesh.positions.size(), 0);
@@ -268,24 +271,32 @@ DeepFolds deep_folds(const PolygonMesh& mesh, const std::shared_ptr<const MeshTo
   if (halo) halo->exchange_vertices(result.at_vertex);
   if (!is_anywhere(result.at_vertex, halo)) return result;
   look.at(neighbours_of(*topology, result.at_vertex, uneven), normals, result.at_vertex);
+  if (halo) halo->exchange_vertices(result.at_vertex);
   result.area = look.area();
   return result;
 }
 
-FairNet deeply_cured_net(const std::function<FairNet(const FairDecisions* decisions)>& make_net,
-                         const std::function<DeepFolds(FairNet& net)>& folds_of) {
-  FairNet net = make_net(nullptr);
-  DeepFolds folds = folds_of(net);
-  double least = folds.area;
-  FairDecisions decisions = net.decisions;
-  for (int round = 0; round < kDeepRounds && folds.area > kNoDeepFolds; ++round) {
-    for (std::size_t v = 0; v < folds.at_vertex.size(); ++v)
-      decisions.cures[v] += folds.at_vertex[v];
-    FairNet next = make_net(&decisions);
-    folds = folds_of(next);
-    if (folds.area >= least) continue;
-    least = folds.area;
-    net = std::move(next);
+FairNet deeply_cured_net(const DeepCure& cure) {
+  FairNet net = cure.make_net(nullptr);
+  const DeepFolds first = cure.folds_of(net);
+  const FairDecisions first_decisions = first.area > kNoDeepFolds ? net.decisions : FairDecisions{};
+  double least = first.area;
+  for (const bool with_ellipses : {false, true}) {
+    FairDecisions decisions = first_decisions;
+    DeepFolds folds = first;
+    for (int round = 0; round < kDeepRounds && least > kNoDeepFolds; ++round) {
+      std::vector<std::uint8_t> has_changed(folds.at_vertex.size(), 0);
+      if (with_ellipses) has_changed = cure.choose_ellipses(folds.at_vertex, decisions);
+      for (std::size_t v = 0; v < folds.at_vertex.size(); ++v)
+        decisions.cures[v] += folds.at_vertex[v] != 0 && has_changed[v] == 0 ? 1 : 0;
+      FairNet next = cure.make_net(&decisions);
+      folds = cure.folds_of(next);
+      // Vertices that this net cures for the first time have chosen how they lean.
+      decisions.leans = next.decisions.leans;
+      if (folds.area >= least) continue;
+      least = folds.area;
+      net = std::move(next);
+    }
   }
   return net;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "planish/fair/fair_halo.h"
@@ -32,11 +33,20 @@ inline constexpr double kNoDeepFolds = 1e-8;
                                    const LevelOne& level_one, const FitOptions& options,
                                    FairHalo* halo = nullptr);
 
+struct DeepCure {
+  /// Takes decisions or makes its own.
+  std::function<FairNet(const FairDecisions* decisions)> make_net;
+  std::function<DeepFolds(FairNet& net)> folds_of;
+  /// choose_ellipses() of fair/hub_ellipse.h.
+  std::function<std::vector<std::uint8_t>(std::span<const std::uint8_t> flagged,
+                                          FairDecisions& decisions)>
+      choose_ellipses;
+};
+
 /// Folds between the places that the construction looks at shrink with the polygons around: those
-/// of the vertices beside them are cured once more, in a net of the same decisions otherwise. Not
-/// every round helps: the best net counts. `make_net` takes decisions or makes its own.
-[[nodiscard]] FairNet deeply_cured_net(
-    const std::function<FairNet(const FairDecisions* decisions)>& make_net,
-    const std::function<DeepFolds(FairNet& net)>& folds_of);
+/// of the vertices beside them are cured once more, in a net of the same decisions otherwise; where
+/// that leaves folds all over again, with ellipses that cross the edges. Not every round helps: the
+/// best net counts.
+[[nodiscard]] FairNet deeply_cured_net(const DeepCure& cure);
 
 }  // namespace planish

@@ -8,6 +8,7 @@
 
 #include "planish/core/error.h"
 #include "planish/fair/fair_builder.h"
+#include "planish/fair/hub_ellipse.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/pipeline/deep_folds.h"
 
@@ -54,6 +55,13 @@ FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                     " vertices, the mesh has " + std::to_string(given.size()) +
                     "; take those of the same mesh, or none");
   }
+  if (fair.decisions && !fair.decisions->ellipses.empty() &&
+      fair.decisions->ellipses.size() != given.size()) {
+    throw Error(ErrorCode::InvalidArgument,
+                "fair_decisions have ellipses of " +
+                    std::to_string(fair.decisions->ellipses.size()) + " vertices, the mesh has " +
+                    std::to_string(given.size()) + "; take those of the same mesh, or none");
+  }
   auto* const builder = dynamic_cast<FairBuilder*>(&backend);
   if (!builder) return fair_net(mesh, subdivision, given, fair);
   return builder->build_fair_net(make_fair_topology(mesh, subdivision), given, fair);
@@ -66,17 +74,23 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
   if (!options.cures_folds || options.fair_decisions != nullptr)
     return make_net(mesh, subdivision, given, backend, options, options.fair_decisions);
   return deeply_cured_net(
-      [&](const FairDecisions* decisions) {
-        options.callbacks.check_cancelled();
-        return make_net(mesh, subdivision, given, backend, options, decisions);
-      },
-      [&](FairNet& net) -> DeepFolds {
-        if (net.decisions.cures.size() != given.size()) return {};
-        LevelOne level_one{std::move(net.state), result.placement};
-        DeepFolds folds = deep_folds(mesh, result.prepared->topology, level_one, options);
-        net.state = std::move(level_one.state);
-        return folds;
-      });
+      {.make_net =
+           [&](const FairDecisions* decisions) {
+             options.callbacks.check_cancelled();
+             return make_net(mesh, subdivision, given, backend, options, decisions);
+           },
+       .folds_of = [&](FairNet& net) -> DeepFolds {
+         if (net.decisions.cures.size() != given.size()) return {};
+         LevelOne level_one{std::move(net.state), result.placement};
+         DeepFolds folds = deep_folds(mesh, result.prepared->topology, level_one, options);
+         net.state = std::move(level_one.state);
+         return folds;
+       },
+       .choose_ellipses =
+           [&](std::span<const std::uint8_t> flagged, FairDecisions& decisions) {
+             return choose_ellipses(make_fair_topology(mesh, subdivision), given, flagged,
+                                    decisions);
+           }});
 }
 
 }  // namespace

@@ -62,6 +62,7 @@ FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
     }
   }
   net.decisions = unpack_decisions(decisions, planes);
+  if (options.decisions) net.decisions.ellipses = options.decisions->ellipses;
   if (!options.cures_folds) net.decisions.cures.assign(given.size(), 0);
   const std::vector<std::uint32_t> counts =
       download_words(machine.submitter, fair.buffers().counts, shared::kFairCounts);

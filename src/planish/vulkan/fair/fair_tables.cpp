@@ -149,12 +149,15 @@ std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions) {
 }
 
 std::vector<float> pack_leans(const FairDecisions& decisions) {
-  std::vector<float> floats(4 * decisions.reversed.size(), 0.0F);
+  std::vector<float> floats(8 * decisions.reversed.size(), 0.0F);
   for (std::size_t v = 0; v < decisions.reversed.size(); ++v) {
     const glm::vec2 lean = decisions.leans.empty() ? glm::vec2(kNoLean) : decisions.leans[v];
     floats[4 * v] = lean.x;
     floats[4 * v + 1] = lean.y;
   }
+  auto place = floats.begin() + std::ssize(floats) / 2;
+  for (const glm::vec4& ellipse : decisions.ellipses)
+    for (const int i : {0, 1, 2, 3}) *place++ = ellipse[i];
   return floats;
 }
 

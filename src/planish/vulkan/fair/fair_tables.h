@@ -27,16 +27,17 @@ struct FairRecords {
   std::vector<std::uint32_t> owners;     ///< the vertex of each point of the state
   Placement placement;                   ///< of the unit coordinates
   std::vector<std::uint32_t> decisions;  ///< packed, per vertex; empty: every frame makes its own
-  std::vector<float> leans;              ///< of them: four floats per vertex, two of them its lean
-  bool has_regular_vertices = false;     ///< some vertex may have a share of the tensor product
+  /// Of them: four floats per vertex, two of them its lean; then four per vertex, its ellipse.
+  std::vector<float> leans;
+  bool has_regular_vertices = false;  ///< some vertex may have a share of the tensor product
 };
 [[nodiscard]] FairRecords fair_records(const FairTopology& topology,
                                        const FairDecisions* decisions = nullptr);
 
-/// FairDecisions as kernels keep them, a word per vertex, and leans() apart.
+/// FairDecisions as kernels keep them, a word per vertex, and leans with ellipses apart.
 [[nodiscard]] std::vector<std::uint32_t> pack_decisions(const FairDecisions& decisions);
 [[nodiscard]] std::vector<float> pack_leans(const FairDecisions& decisions);
-/// `planes`: four floats per vertex, the first two its lean; or none.
+/// `planes`: four floats per vertex, the first two its lean; or none. Ellipses stay none.
 [[nodiscard]] FairDecisions unpack_decisions(std::span<const std::uint32_t> words,
                                              std::span<const float> planes = {});
 

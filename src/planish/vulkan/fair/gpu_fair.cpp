@@ -61,7 +61,7 @@ void GpuFair::make_buffers() {
   make(b.status, sizeof(shared::SolveStatus));
   if (options_.cures_folds) {
     make(b.heights, tables_.face_count * sizeof(float));
-    make(b.planes, vertices * kPointBytes);
+    make(b.planes, 2 * vertices * kPointBytes);
   }
   if (options_.polish_steps == 0) return;
   make(b.directions, vertices * kPointBytes);

@@ -55,6 +55,11 @@ void check_decisions(const FairDecisions* decisions, std::size_t count) {
                 "fair_decisions have leans of " + std::to_string(decisions->leans.size()) +
                     " vertices, but faces name " + std::to_string(count) +
                     "; take those of a fair net of the same mesh, or none");
+  if (!decisions->ellipses.empty() && decisions->ellipses.size() != count)
+    throw Error(ErrorCode::InvalidArgument,
+                "fair_decisions have ellipses of " + std::to_string(decisions->ellipses.size()) +
+                    " vertices, but faces name " + std::to_string(count) +
+                    "; take those of a fair net of the same mesh, or none");
 }
 
 /// The corners of the output's faces, face by face, without those of hole faces; calls take(corners
