@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "quality/loft_shapes.h"
 #include "quality/part_shapes.h"
 #include "quality/wild_shapes.h"
 
@@ -41,6 +42,8 @@ std::vector<Kind> organic_kinds() {
        [] { return needle_spindle(140, 7, 0); }},
       {"folded sphere", [] { return folded_sphere(4, 11); }, [] { return folded_sphere(7, 111); }},
       {"three sheets", [] { return three_sheets(6, 12); }, [] { return three_sheets(10, 112); }},
+      {"torn sheet", [] { return torn_sheet(20, 3, 16); }, [] { return torn_sheet(14, 4, 116); }},
+      {"flat loft", [] { return flat_loft(24, 17); }, [] { return flat_loft(29, 117); }},
   };
 }
 
