@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "patches/patch_oracle.h"
@@ -42,8 +44,31 @@ struct FormCase : PatchCase {
   PatchScratch scratch;
 };
 
+// Two n-gons, and a ring of quads that one of them is cut into triangles at, so that n faces meet.
+PolygonMesh drum(std::int32_t n) {
+  PolygonMesh mesh;
+  for (const double z : {0.0, 0.6}) {
+    for (std::int32_t i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n;
+      mesh.positions.emplace_back(std::cos(angle), (1 + 0.2 * z) * std::sin(angle),
+                                  z + 0.05 * std::sin(3 * angle));
+    }
+  }
+  mesh.positions.emplace_back(0.1, 0, 0.9);
+  std::vector<std::int32_t> floor;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t next = (i + 1) % n;
+    mesh.add_face(std::array{i, next, n + next, n + i});
+    mesh.add_face(std::array{n + i, n + next, 2 * n});
+    floor.push_back(n - 1 - i);
+  }
+  mesh.add_face(floor);
+  return mesh;
+}
+
 std::vector<NamedMesh> form_meshes() {
   std::vector<NamedMesh> meshes = all_meshes();
+  meshes.push_back({"rings of 40", drum(40)});
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     PolygonMesh closed = with_random_creases(random_closed_mesh(seed), 0.1 * seed, seed);
     for (std::int32_t v = 0; v < closed.vertex_count(); v += 7) closed.corners.push_back({v, 10});
@@ -100,6 +125,20 @@ TEST(PatchForm, AgreesWithTheTemplates) {
       }
     }
   });
+}
+
+TEST(PatchForm, TakesLargeRingsBySums) {
+  constexpr std::int32_t kSize = 500;
+  for (const Weights weights : kBothWeights) {
+    PatchForms forms(weights);
+    for (const PatchClass patch :
+         {PatchClass{PatchKind::Smooth, 3, 0, kSize}, PatchClass{PatchKind::Smooth, kSize, 0, 3}}) {
+      const PatchForm& form = forms.of(patch);
+      for (const PatchStep& step : form.steps) {
+        EXPECT_LE(step.rows.columns.size() + step.sums.columns.size(), 14 * kSize);
+      }
+    }
+  }
 }
 
 TEST(PatchForm, DerivativesAreThoseOfThePositions) {

@@ -134,16 +134,6 @@ glm::dvec3 combine(const double* row, std::span<const glm::dvec3> points) {
   return sum;
 }
 
-PatchRows sparse(const std::vector<double>& dense, std::int32_t columns) {
-  PatchRows rows;
-  for (std::size_t i = 0; i < dense.size(); ++i) {
-    const auto column = static_cast<std::int32_t>(i % static_cast<std::size_t>(columns));
-    if (dense[i] != 0) rows.add(column, dense[i]);
-    if (column == columns - 1) rows.end_row();
-  }
-  return rows;
-}
-
 PatchPoint corner_point(const PatchForm& form, std::span<const glm::dvec3> points) {
   const auto row = [&](std::size_t i) {
     return combine(form.corner.data() + i * points.size(), points);
@@ -154,21 +144,6 @@ PatchPoint corner_point(const PatchForm& form, std::span<const glm::dvec3> point
   result.du = row(3);
   result.dv = row(4);
   result.has_second = false;
-  return result;
-}
-
-// Rows over the points that `map` makes, as rows over those that it takes.
-std::vector<double> product(const std::vector<double>& rows, const PatchRows& map,
-                            std::size_t columns) {
-  const std::size_t inner = map.row_count();
-  std::vector<double> result(rows.size() / inner * columns, 0.0);
-  for (std::size_t r = 0; r * inner < rows.size(); ++r) {
-    for (std::size_t k = 0; k < inner; ++k) {
-      for (auto i = map.offsets[k]; i < map.offsets[k + 1]; ++i)
-        result[r * columns + static_cast<std::size_t>(map.columns[i])] +=
-            rows[r * inner + k] * map.weights[i];
-    }
-  }
   return result;
 }
 
@@ -195,7 +170,7 @@ void turn_rows(std::vector<double>& rows, std::size_t count, int c, int s) {
 
 std::vector<double> weights_down(const PatchForm& form, double u, double v, int halvings) {
   const auto count = static_cast<std::size_t>(form.column_count);
-  if (form.is_polynomial()) return product(net_rows(u, v), form.net, count);
+  if (form.is_polynomial()) return pulled_back(net_rows(u, v), form.net, count);
   if ((u == 0 && v == 0 && form.is_singular_at_vertex()) || halvings == 0) {
     std::vector<double> rows(form.corner.begin(),
                              form.corner.begin() + static_cast<std::ptrdiff_t>(count));
@@ -205,8 +180,8 @@ std::vector<double> weights_down(const PatchForm& form, double u, double v, int 
   }
   const int quarter = quarter_of(u, v);
   const auto [qu, qv] = in_quarter(quarter, u, v);
-  std::vector<double> rows = product(weights_down(*form.quarters[quarter], qu, qv, halvings - 1),
-                                     form.steps[quarter], count);
+  std::vector<double> rows = pulled_back(
+      weights_down(*form.quarters[quarter], qu, qv, halvings - 1), form.steps[quarter], count);
   turn_rows(rows, count, kTurns[quarter][0], kTurns[quarter][1]);
   return rows;
 }
@@ -240,7 +215,7 @@ const PatchForm& PatchForms::of(const PatchClass& patch) {
   if (form.is_polynomial()) return form;
   const PatchRings rings(patch);
   for (int q = 0; q < 4; ++q) {
-    form.steps[q] = sparse(rings.quarter_points(q, weights_), patch.column_count());
+    form.steps[q] = make_step(rings, q, weights_, patch.column_count());
     form.quarters[q] = &of(rings.quarter_class(q));
   }
   make_corner(form);
@@ -274,17 +249,9 @@ void PatchForms::make_corner(PatchForm& form) const {
   }
 }
 
-void PatchRows::add(std::int32_t column, double weight) {
-  columns.push_back(column);
-  weights.push_back(weight);
-}
-
 void quarter_points(const PatchForm& form, int quarter, std::span<const glm::dvec3> points,
                     std::vector<glm::dvec3>& result) {
-  const PatchRows& step = form.steps[quarter];
-  result.resize(step.row_count());
-  for (std::size_t k = 0; k < result.size(); ++k)
-    result[k] = step.combine(k, points.data()).value();
+  form.steps[quarter].apply(points, result);
 }
 
 PatchPoint patch_point(const PatchForm& form, std::span<const glm::dvec3> points, PatchParameter at,

@@ -10,7 +10,7 @@
 
 #include "planish/doosabin/face_rule.h"
 #include "planish/patches/patch_class.h"
-#include "planish/patches/vector_sum.h"
+#include "planish/patches/patch_step.h"
 
 namespace planish {
 
@@ -29,25 +29,6 @@ struct PatchPoint {
   [[nodiscard]] PatchPoint turned(int c, int s, double factor) const;
 };
 
-/// Rows of weights that are mostly zeros: how points follow from a patch's control points.
-struct PatchRows {
-  std::vector<std::int32_t> offsets{0};  ///< row_count + 1
-  std::vector<std::int32_t> columns;
-  std::vector<double> weights;
-
-  [[nodiscard]] bool empty() const { return columns.empty(); }
-  [[nodiscard]] std::size_t row_count() const { return offsets.size() - 1; }
-  void end_row() { offsets.push_back(static_cast<std::int32_t>(columns.size())); }
-  void add(std::int32_t column, double weight);
-  [[nodiscard]] VectorSum combine(std::size_t row, const glm::dvec3* points) const {
-    VectorSum sum;
-    for (auto i = static_cast<std::size_t>(offsets[row]);
-         i < static_cast<std::size_t>(offsets[row + 1]); ++i)
-      sum.add(weights[i], points[columns[i]]);
-    return sum;
-  }
-};
-
 /// What a class's patches are as functions of (u, v): biquadratic where all rings are regular, else
 /// quarters, each a patch of a class with control points of its own after a step. See PatchClass.
 /// A quarter is seen from its own corner: (u, v) become (2u, 2v), (2v, 2 - 2u), (2 - 2u, 2 - 2v)
@@ -60,7 +41,7 @@ struct PatchForm {
   PatchRows net;
   /// Else the forms of the quarters, and the maps to their points.
   std::array<const PatchForm*, 4> quarters{};
-  std::array<PatchRows, 4> steps;
+  std::array<PatchStep, 4> steps;
   /// At V: the limit point, tangents that span its plane, and the derivatives along the leading and
   /// the trailing edge; 5 x K, where the patch is not one polynomial.
   std::vector<double> corner;

@@ -2,8 +2,6 @@
 // each is seen from its own corner: so the rules of the rings are all there is to know.
 #include "planish/patches/patch_rings.h"
 
-#include <algorithm>
-
 #include "planish/doosabin/sector_rules.h"
 #include "planish/stencil/stencil_builder.h"
 
@@ -58,10 +56,42 @@ VertexRing crease_ring(std::int32_t first, std::int32_t second, std::int32_t cur
   return ring;
 }
 
-void spread(const StencilRow& row, PatchRowsOfWeights& dense) {
-  std::fill(dense.begin(), dense.end(), 0.0);
-  for (const StencilRow::Entry& entry : row.entries()) dense[entry.index] += entry.weight;
-}
+// Rows of points after a step, in the columns of `patch`.
+struct RowMaker {
+  const FaceWeights& weights;
+  const PatchClass& patch;
+  const PatchRings::UseRow& use;
+  std::vector<double> scratch{};
+  StencilRow row{};
+  PatchRowsOfWeights dense{};
+
+  void face(const VertexRing& ring, std::int32_t place) {
+    row.clear();
+    add_refined_face(weights, ring, place, 1.0, scratch, row);
+    hand_over();
+  }
+  // The one before a ring's sector or behind it; a dart has one.
+  void curve(const VertexRing& ring, bool behind) {
+    std::int32_t own = patch.curve_column(0);
+    if (!ring.sectors.empty()) {
+      const VertexRing::Sector& sector = ring.sectors.front();
+      own = behind ? sector.curve1 : sector.curve0;
+    }
+    row.clear();
+    add_refined_curve_point(weights, ring, own, scratch, row);
+    hand_over();
+  }
+  void point(std::int32_t column) {
+    row.clear();
+    row.add(column, 1.0);
+    hand_over();
+  }
+  void hand_over() {
+    dense.assign(static_cast<std::size_t>(patch.column_count()), 0.0);
+    for (const StencilRow::Entry& entry : row.entries()) dense[entry.index] += entry.weight;
+    use(dense);
+  }
+};
 
 }  // namespace
 
@@ -109,65 +139,49 @@ PatchClass PatchRings::quarter_class(int quarter) const {
           4};
 }
 
-void PatchRings::visit_quarter_points(
-    int quarter, const FaceWeights& weights,
-    const std::function<void(std::span<const double> row)>& use) const {
-  const PatchClass quarter_class = this->quarter_class(quarter);
-  std::vector<double> scratch;
-  PatchRowsOfWeights dense(static_cast<std::size_t>(class_.column_count()));
-  StencilRow row;
-  const auto hand_over = [&] {
-    spread(row, dense);
-    use(dense);
-  };
-  const auto add_face = [&](int corner, std::int32_t offset) {
-    row.clear();
-    add_refined_face(weights, rings_[corner], place(corner, offset), 1.0, scratch, row);
-    hand_over();
-  };
-  // The one before a ring's sector or behind it; a dart has one.
-  const auto add_curve = [&](int corner, bool behind) {
-    std::int32_t own = class_.curve_column(0);
-    if (!rings_[corner].sectors.empty()) {
-      const VertexRing::Sector& sector = rings_[corner].sectors.front();
-      own = behind ? sector.curve1 : sector.curve0;
-    }
-    row.clear();
-    add_refined_curve_point(weights, rings_[corner], own, scratch, row);
-    hand_over();
-  };
-
-  const int next = (quarter + 1) % 4, previous = (quarter + 3) % 4;
+std::span<const std::int32_t> PatchRings::ring_columns(int quarter) const {
   const VertexRing& ring = rings_[quarter];
-  add_face(quarter, 0);
-  for (std::int32_t i = 0; i < quarter_class.ring_size; ++i) {
-    if (i != own_[quarter]) add_face(quarter, i - own_[quarter]);
-  }
-  for (std::int32_t i = 0; i < quarter_class.curve_count(); ++i) add_curve(quarter, i == 1);
-  if (quarter_class.has_vertex()) {
-    row.clear();
-    row.add(ring.corner_point, 1.0);
-    hand_over();
-  }
-  for (int j = 1; j < 4; ++j) add_face((quarter + j) % 4, 0);
-  if (sharp_[quarter]) {
-    add_curve(next, true);
-  } else {
-    add_face(next, 1);
-  }
-  if (sharp_[previous]) {
-    add_curve(previous, false);
-  } else {
-    add_face(previous, -1);
+  if (ring.kind != VertexKind::Smooth || own_[quarter] != 0) return {};
+  return ring.faces;
+}
+
+void PatchRings::visit_ring_points(int quarter, const FaceWeights& weights,
+                                   const UseRow& use) const {
+  RowMaker make{weights, class_, use};
+  make.face(rings_[quarter], own_[quarter]);
+  for (std::int32_t i = 0; i < quarter_class(quarter).ring_size; ++i) {
+    if (i != own_[quarter]) make.face(rings_[quarter], i);
   }
 }
 
-PatchRowsOfWeights PatchRings::quarter_points(int quarter, const FaceWeights& weights) const {
-  PatchRowsOfWeights rows;
-  visit_quarter_points(quarter, weights, [&](std::span<const double> row) {
-    rows.insert(rows.end(), row.begin(), row.end());
-  });
-  return rows;
+void PatchRings::visit_further_points(int quarter, const FaceWeights& weights,
+                                      const UseRow& use) const {
+  RowMaker make{weights, class_, use};
+  const PatchClass quarter_class = this->quarter_class(quarter);
+  for (std::int32_t i = 0; i < quarter_class.curve_count(); ++i)
+    make.curve(rings_[quarter], i == 1);
+  if (quarter_class.has_vertex()) make.point(rings_[quarter].corner_point);
+  const int next = (quarter + 1) % 4, previous = (quarter + 3) % 4;
+  for (int j = 1; j < 4; ++j) {
+    const int corner = (quarter + j) % 4;
+    make.face(rings_[corner], own_[corner]);
+  }
+  if (sharp_[quarter]) {
+    make.curve(rings_[next], true);
+  } else {
+    make.face(rings_[next], place(next, 1));
+  }
+  if (sharp_[previous]) {
+    make.curve(rings_[previous], false);
+  } else {
+    make.face(rings_[previous], place(previous, -1));
+  }
+}
+
+void PatchRings::visit_quarter_points(int quarter, const FaceWeights& weights,
+                                      const UseRow& use) const {
+  visit_ring_points(quarter, weights, use);
+  visit_further_points(quarter, weights, use);
 }
 
 }  // namespace planish

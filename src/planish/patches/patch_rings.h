@@ -19,6 +19,8 @@ using PatchRowsOfWeights = std::vector<double>;
 /// columns as numbers.
 class PatchRings {
  public:
+  using UseRow = std::function<void(std::span<const double> row)>;
+
   explicit PatchRings(const PatchClass& patch);
 
   /// Weights of the limit point and of the tangents du and dv, whose cross product is the outward
@@ -30,9 +32,13 @@ class PatchRings {
   [[nodiscard]] PatchClass quarter_class(int quarter) const;
   /// That class's points after one step: use(row) for each in the order of its columns. All of them
   /// together are the square of a face's corners.
-  void visit_quarter_points(int quarter, const FaceWeights& weights,
-                            const std::function<void(std::span<const double> row)>& use) const;
-  [[nodiscard]] PatchRowsOfWeights quarter_points(int quarter, const FaceWeights& weights) const;
+  void visit_quarter_points(int quarter, const FaceWeights& weights, const UseRow& use) const;
+  /// The first of them, of the ring around the quarter's corner, and those behind.
+  void visit_ring_points(int quarter, const FaceWeights& weights, const UseRow& use) const;
+  void visit_further_points(int quarter, const FaceWeights& weights, const UseRow& use) const;
+  /// The columns around the quarter's corner, in the order of its ring points, where it is smooth;
+  /// else none.
+  [[nodiscard]] std::span<const std::int32_t> ring_columns(int quarter) const;
 
  private:
   [[nodiscard]] std::int32_t place(int corner, std::int32_t offset) const;

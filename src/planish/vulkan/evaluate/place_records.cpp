@@ -24,20 +24,6 @@ constexpr std::size_t kFurtherQuarters = 3;
 // Rows over a patch's points, the coefficients of one cell.
 using CellRows = std::vector<double>;
 
-// rows over the points that `map` makes, as rows over those that it takes.
-CellRows pulled_back(const CellRows& rows, const PatchRows& map, std::size_t columns) {
-  const std::size_t inner = map.row_count(), row_count = rows.size() / inner;
-  CellRows result(row_count * columns, 0.0);
-  for (std::size_t r = 0; r < row_count; ++r)
-    for (std::size_t k = 0; k < inner; ++k) {
-      const double weight = rows[r * inner + k];
-      if (weight == 0) continue;
-      for (auto i = map.offsets[k]; i < map.offsets[k + 1]; ++i)
-        result[r * columns + static_cast<std::size_t>(map.columns[i])] += weight * map.weights[i];
-    }
-  return result;
-}
-
 std::size_t columns_of(const PatchForm& form) {
   return static_cast<std::size_t>(form.column_count);
 }
