@@ -51,7 +51,7 @@ TEST(FairTopology, RingsAreThoseOfTheSubdivision) {
 }
 
 TEST(FairTopology, EdgesHaveTheirFourCorners) {
-  for_each_topology([](const FairCase& c, const FairTopology& topology) {
+  for_each_topology([](const FairCase&, const FairTopology& topology) {
     for (const FairTopology::Edge& edge : topology.edges) {
       const auto vertex = [&](int k) { return topology.corner_vertices[edge.corners[k]]; };
       EXPECT_EQ(vertex(1), vertex(2));

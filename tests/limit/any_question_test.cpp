@@ -66,8 +66,9 @@ class Asker {
     ASSERT_NEAR(glm::length(p.normal), 1, 1e-12);
     for (const glm::dvec3& d : {p.du, p.dv, p.duu, p.duv, p.dvv}) ASSERT_TRUE(is_finite_vector(d));
     const PointCurvature curvature = p.curvature();
-    if (curvature.is_known)
+    if (curvature.is_known) {
       ASSERT_TRUE(std::isfinite(curvature.mean) && std::isfinite(curvature.gaussian));
+    }
   }
   void closest() {
     glm::dvec3 point = any_point();

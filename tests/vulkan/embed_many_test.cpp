@@ -165,8 +165,9 @@ TEST_F(EmbedMany, BarriersAreThoseOfOne) {
       since = {total().barriers - before.barriers, total().dispatches - before.dispatches};
       for (const auto& [name, count] : PretendedDriver::counts()) {
         const auto found = counts.find(name);
-        if (found == counts.end() || found->second != count)
+        if (found == counts.end() || found->second != count) {
           EXPECT_THAT(name, ::testing::StartsWith("vkCmd"));
+        }
       }
     });
     return since;

@@ -78,9 +78,10 @@ TEST_F(PlaceLists, RecordsOfAnyContentAreAnsweredOrNone) {
         const bool is_place = is_place_of(oracle.limit.topology(), at);
         answered += is_place ? 1 : 0;
         // Places within 1e-6 of a face count here, within 1e-9 there.
-        if (is_place || !is_beside_face(oracle.limit.topology(), at))
+        if (is_place || !is_beside_face(oracle.limit.topology(), at)) {
           ASSERT_EQ(result.state != PlaceState::None, is_place)
               << at.face << " " << at.u << " " << at.v;
+        }
         ASSERT_TRUE(std::isfinite(result.position.x + result.du.x + result.duv.y)) << i;
       }
       EXPECT_GT(answered, 100);

@@ -14,8 +14,8 @@ inline void split_memory(std::uint32_t heap, VkPhysicalDeviceMemoryProperties& m
   memory.memoryTypeCount = 3;
   memory.memoryTypes[0] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, heap};
   memory.memoryTypes[1] = {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT, heap};
-  memory.memoryTypes[2] = {
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, heap};
+  memory.memoryTypes[2] = {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
+                           heap};
 }
 
 /// A discrete GPU's: 64 MiB of its own, so many bytes that the host sees too, and the host's.

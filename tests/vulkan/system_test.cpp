@@ -75,7 +75,9 @@ TEST(System, TellsWhatItsCopiesStandFor) {
       of_given += static_cast<std::size_t>(copied[i]) < system.used_vertices().size();
     }
     EXPECT_GT(of_given, 0u);
-    if (level > 0) EXPECT_GT(copies, of_given);
+    if (level > 0) {
+      EXPECT_GT(copies, of_given);
+    }
   }
 }
 
