@@ -20,7 +20,7 @@ constexpr double kOpenForm = 1e-9;
 
 // The faces at each vertex.
 struct FacesAround {
-  std::vector<std::int64_t> offsets;
+  std::vector<std::int32_t> offsets;  // corners are counted by int32
   std::vector<std::int32_t> faces;
 };
 
@@ -30,12 +30,15 @@ FacesAround faces_around(const SurfaceMesh& surface) {
   for (const std::int32_t v : surface.face_vertices) ++around.offsets[v + 1];
   for (std::size_t v = 1; v < around.offsets.size(); ++v)
     around.offsets[v] += around.offsets[v - 1];
-  std::vector<std::int64_t> next(around.offsets.begin(), around.offsets.end() - 1);
   around.faces.resize(surface.face_vertices.size());
   for (std::int64_t f = 0; f < surface.face_count(); ++f) {
     for (const std::int32_t v : surface.face(f))
-      around.faces[next[v]++] = static_cast<std::int32_t>(f);
+      around.faces[around.offsets[v]++] = static_cast<std::int32_t>(f);
   }
+  // Each offset is now the next one's.
+  for (std::size_t v = around.offsets.size() - 1; v > 0; --v)
+    around.offsets[v] = around.offsets[v - 1];
+  around.offsets[0] = 0;
   return around;
 }
 

@@ -113,9 +113,11 @@ VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh, 
                            const DooSabinSurface* exact) {
   VertexFields fields;
   fields.error.assign(surface.positions.size(), 0.0f);
-  const std::vector<LevelFaces> levels = level_faces(surface, mesh);
-  note_given_errors(surface, mesh, levels[0], diagonal, fields.error);
-  for (std::size_t l = 1; l < levels.size(); ++l) spread(levels[l - 1], levels[l], fields.error);
+  {
+    const std::vector<LevelFaces> levels = level_faces(surface, mesh);
+    note_given_errors(surface, mesh, levels[0], diagonal, fields.error);
+    for (std::size_t l = 1; l < levels.size(); ++l) spread(levels[l - 1], levels[l], fields.error);
+  }
   compare_normals(surface, mesh, fields);
   fields.curvatures = curvatures_of_normals(surface);
   if (exact != nullptr) {

@@ -7,7 +7,7 @@
 namespace planish::command {
 
 JobLevel::JobLevel(std::unique_ptr<const SurfaceMesh> whole, const PolygonMesh& mesh)
-    : whole_(std::move(whole)), blocks_(blocks_of(*whole_, mesh)) {}
+    : made_whole_(std::move(whole)), blocks_(blocks_of(*made_whole_, mesh)) {}
 
 void JobLevel::keep(const glm::dvec3& origin, QuadVisit visit) {
   kept_ =
@@ -19,8 +19,9 @@ JobLevel::JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive)
 
 const SurfaceMesh& JobLevel::whole() {
   if (adaptive_) return adaptive_->mesh;
-  if (!whole_) whole_ = std::make_unique<const SurfaceMesh>(collect(blocks(), callbacks_));
-  return *whole_;
+  if (made_whole_) return *made_whole_;
+  if (!collected_) collected_ = std::make_unique<const SurfaceMesh>(collect(blocks(), callbacks_));
+  return *collected_;
 }
 
 JobSurface::JobSurface(const JobInput& made, const Fit& fitted, Backend& backend,

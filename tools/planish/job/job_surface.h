@@ -27,16 +27,18 @@ class JobLevel {
 
   [[nodiscard]] int level() const { return blocks().info().level; }
   [[nodiscard]] const SurfaceBlocks& blocks() const { return kept_ ? *kept_ : *blocks_; }
-  [[nodiscard]] bool is_whole() const { return whole_ != nullptr || adaptive_ != nullptr; }
+  [[nodiscard]] bool is_whole() const { return made_whole_ != nullptr || adaptive_ != nullptr; }
   /// Makes rows and quads once for all who read them from now on: see KeepOptions.
   void keep(const glm::dvec3& origin, QuadVisit visit);
   [[nodiscard]] bool is_kept() const { return kept_ != nullptr; }
   /// All of it in memory, for those who need neighbours; collected when first asked for.
   [[nodiscard]] const SurfaceMesh& whole();
+  /// Frees what whole() collected, unless that is all that there is.
+  void let_go() { collected_.reset(); }
 
  private:
   std::unique_ptr<const AdaptiveSurface> adaptive_;
-  std::unique_ptr<const SurfaceMesh> whole_;
+  std::unique_ptr<const SurfaceMesh> made_whole_, collected_;
   std::unique_ptr<SurfaceBlocks> blocks_, kept_;  // kept_ reads blocks_
   Callbacks callbacks_;
 };

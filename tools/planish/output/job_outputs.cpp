@@ -126,13 +126,16 @@ void add_attributes(const FittedJob& work, const JobSurface& all, JobLevel& surf
 }
 
 // The scene of the page, of the surface of page_level().
-void make_scene(const FittedJob& work, const JobSurface& all, const SurfaceMesh& surface) {
+void make_scene(const FittedJob& work, const JobSurface& all, JobLevel& surface) {
   check_interrupt();
   work.context.progress.update("page", 0);
   timed(work.report.timing.write, [&] {
-    work.scene = make_payloads({surface, work.made.input.file.mesh, work.fitted, work.job.settings,
-                                work.made.file_vertices, all.doo_sabin()},
-                               work.context.page);
+    const Settings& settings = work.job.settings;
+    work.scene.clear();
+    const PageScene scene = job_scene({surface.whole(), work.made.input.file.mesh, work.fitted,
+                                       settings, work.made.file_vertices, all.doo_sabin()});
+    surface.let_go();
+    work.scene = make_payloads(scene, settings, work.context.page);
   });
 }
 
@@ -141,8 +144,9 @@ void make_scene_by_level(const FittedJob& work, JobSurface& all, int deepest) {
   bool may_fit = true;
   for (int level = 0; level <= deepest && may_fit; ++level) {
     JobLevel made = timed(work.report.timing.evaluate, [&] { return all.level(level); });
-    make_scene(work, all, made.whole());
-    may_fit = may_be_finer(work.scene.back(), made.whole().positions.size(), work.context.page);
+    const auto rows = static_cast<std::size_t>(made.blocks().info().row_count);
+    make_scene(work, all, made);
+    may_fit = may_be_finer(work.scene.back(), rows, work.context.page);
   }
 }
 
@@ -194,8 +198,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
         write_one(work, planned, &surface, options, written[i], stdout_bytes);
       }
     }
-    if (!fineness.is_adaptive() && fineness.level == scene_level)
-      make_scene(work, all, surface.whole());
+    if (!fineness.is_adaptive() && fineness.level == scene_level) make_scene(work, all, surface);
   }
   for (std::size_t i = 0; i < work.outputs.size(); ++i) {
     if (info_of(work.outputs[i].format).is_tiles)
@@ -204,7 +207,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   // What is seen on the page is what is measured.
   if (scene_level >= 0 && work.scene.empty()) {
     JobLevel surface = measured_level(work, all, scene_level, common);
-    make_scene(work, all, surface.whole());
+    make_scene(work, all, surface);
   }
   // What cannot be seen on the cage or at level 0.
   const bool asks_for_result =

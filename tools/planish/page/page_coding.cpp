@@ -42,6 +42,7 @@ std::vector<std::uint8_t> deflated(std::span<const std::uint8_t> before,
   const int state = deflate(&stream, is_last ? Z_FINISH : Z_SYNC_FLUSH);
   PLANISH_ASSERT(state == (is_last ? Z_STREAM_END : Z_OK) && stream.avail_in == 0);
   packed.resize(packed.size() - stream.avail_out);
+  packed.shrink_to_fit();  // all pieces are held at once
   deflateEnd(&stream);
   return packed;
 }

@@ -31,15 +31,19 @@ int page_level(const PolygonMesh& mesh, Scheme scheme, const PageOptions& option
   return level;
 }
 
-std::vector<PagePayload> make_payloads(const PagePayloadInput& input, const PageOptions& options) {
+PageScene job_scene(const PagePayloadInput& input) {
   const PolygonMesh cage = control_cage(input.mesh, input.fitted, input.settings.sharp());
-  const PageScene scene = make_page_scene({input.surface, input.mesh, cage, input.file_vertices,
-                                           input.fitted.placement.diagonal,
-                                           input.fitted.interpolation.worst_vertex, input.exact});
+  return make_page_scene({input.surface, input.mesh, cage, input.file_vertices,
+                          input.fitted.placement.diagonal, input.fitted.interpolation.worst_vertex,
+                          input.exact});
+}
+
+std::vector<PagePayload> make_payloads(const PageScene& scene, const Settings& settings,
+                                       const PageOptions& options) {
   std::vector<PagePayload> payloads;
-  for (int level = 0; level <= input.surface.level; ++level) {
+  for (int level = 0; level < static_cast<int>(scene.order.counts.size()); ++level) {
     payloads.push_back(encode_scene(scene, level));
-    payloads.back().head["up"] = input.settings.up == UpAxis::Z ? "z" : "y";
+    payloads.back().head["up"] = settings.up == UpAxis::Z ? "z" : "y";
     if (payloads.back().packed.size() > options.limit_bytes) break;
   }
   return payloads;

@@ -25,9 +25,13 @@ struct PagePayloadInput {
   const DooSabinSurface* exact;                 ///< the same
 };
 
-/// A fitted job's scene down to each level of the surface, coarsest first; none after the first
-/// that is larger than a page may be.
-[[nodiscard]] std::vector<PagePayload> make_payloads(const PagePayloadInput& input,
+/// What a page draws of a fitted job.
+[[nodiscard]] PageScene job_scene(const PagePayloadInput& input);
+
+/// A scene down to each level of its surface, coarsest first; none after the first that is larger
+/// than a page may be.
+[[nodiscard]] std::vector<PagePayload> make_payloads(const PageScene& scene,
+                                                     const Settings& settings,
                                                      const PageOptions& options);
 
 /// Whether the level after that of the last payload, whose surface has so many vertices, may fit

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <unordered_map>
 
 #include "planish/core/assert.h"
@@ -9,9 +10,13 @@
 namespace planish::command {
 namespace {
 
-std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
+std::uint64_t edge_hash(std::int32_t a, std::int32_t b) {
   const auto low = static_cast<std::uint64_t>(std::min(a, b));
-  return static_cast<std::uint64_t>(std::max(a, b)) << 32 | low;
+  // The constants are those of the splitmix64 generator.
+  std::uint64_t hash = static_cast<std::uint64_t>(std::max(a, b)) << 32 | low;
+  hash = (hash ^ hash >> 30) * 0xbf58476d1ce4e5b9u;
+  hash = (hash ^ hash >> 27) * 0x94d049bb133111ebu;
+  return hash ^ hash >> 31;
 }
 
 // Level 0: given vertices keep their numbers, a vertex's further rows follow as copies.
@@ -51,7 +56,10 @@ void start(PageOrder& order, const LevelFaces& faces, const SurfaceMesh& surface
 class Splitter {
  public:
   Splitter(PageOrder& order, const LevelFaces& faces, const LevelFaces& fine)
-      : order_(order), faces_(faces), fine_(fine) {}
+      : order_(order),
+        faces_(faces),
+        fine_(fine),
+        edges_(std::bit_ceil(faces.vertices.size() + 1), -1) {}
 
   LevelFaces run() {
     if (!order_.triangles) add_middles();
@@ -87,13 +95,25 @@ class Splitter {
     }
   }
 
+  // Whether a new vertex is that of the edge between two.
+  [[nodiscard]] bool halves(std::int32_t vertex, std::int32_t a, std::int32_t b) const {
+    const PageSplit& split = order_.splits.back();
+    const auto first = static_cast<std::size_t>(
+        split.parent_offsets[static_cast<std::size_t>(vertex) - order_.counts.back()]);
+    const std::int32_t p = split.parents[first], q = split.parents[first + 1];
+    return (p == a && q == b) || (p == b && q == a);
+  }
+
   // The vertex of the edge that begins at a corner.
   std::int32_t edge_vertex(std::size_t corner, std::int32_t a, std::int32_t b, std::int32_t row) {
-    const auto found = edges_.find(edge_key(a, b));
-    if (found != edges_.end() && order_.rows[found->second] == row) return found->second;
+    const std::size_t mask = edges_.size() - 1;
+    std::size_t slot = edge_hash(a, b) & mask;
+    while (edges_[slot] >= 0 && !halves(edges_[slot], a, b)) slot = (slot + 1) & mask;
+    const std::int32_t found = edges_[slot];
+    if (found >= 0 && order_.rows[static_cast<std::size_t>(found)] == row) return found;
     const std::int32_t vertex = add_vertex(row, std::array{a, b});
-    if (found == edges_.end()) {
-      edges_.emplace(edge_key(a, b), vertex);
+    if (found < 0) {
+      edges_[slot] = vertex;
     } else {
       order_.splits.back().cuts.push_back(static_cast<std::int32_t>(corner));
     }
@@ -135,7 +155,9 @@ class Splitter {
   PageOrder& order_;
   const LevelFaces& faces_;
   const LevelFaces& fine_;
-  std::unordered_map<std::uint64_t, std::int32_t> edges_;
+  // By hash of the ends, the next free place: the first vertex of each edge; -1: none. There are no
+  // more edges than corners.
+  std::vector<std::int32_t> edges_;
   std::vector<std::int32_t> edge_of_corner_;  // of the face at hand
 };
 

@@ -253,14 +253,20 @@ nlohmann::ordered_json folds_json(const PageScene& scene) {
 
 PageScene make_page_scene(const PageSceneInput& input) {
   PageScene scene;
-  scene.order = page_order(input.surface, input.mesh);
+  {
+    // Before the order, so that what both take on the way is not held at once.
+    const VertexFields fields =
+        vertex_fields(input.surface, input.mesh, input.diagonal, input.exact);
+    scene.order = page_order(input.surface, input.mesh);
+    add_fields(fields, input.diagonal, scene);
+  }
   scene.diagonal = input.diagonal;
+  scene.positions.reserve(scene.order.rows.size());
+  scene.normals.reserve(scene.order.rows.size());
   for (const std::int32_t row : scene.order.rows) {
     scene.positions.push_back(input.surface.positions[row]);
     scene.normals.push_back(input.surface.normals[row]);
   }
-  add_fields(vertex_fields(input.surface, input.mesh, input.diagonal, input.exact), input.diagonal,
-             scene);
   if (input.surface.level > 0) add_folds(input, scene);
   scene.cage = input.cage;
   scene.file_vertices.resize(input.mesh.positions.size());
