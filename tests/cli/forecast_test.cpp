@@ -56,6 +56,86 @@ TEST_F(Forecasts, SizesAreThoseOfTheFiles) {
                           HasSubstr("would end with exit code 0")));
 }
 
+// Texture coordinates with seams, groups, colours and creases, in every format that has them.
+TEST_F(Forecasts, SizesCountWhatAMeshCarries) {
+  struct Case {
+    const char *scene, *levels;
+    std::vector<std::string> files, flags;
+  };
+  const std::vector<std::string> with_fields{"a.glb", "a.ply", "a.usda"};
+  const std::vector<std::string> all{"a.glb", "a.gltf", "a.ply", "a.obj",
+                                     "a.off", "a.stl",  "a.usda"};
+  const std::vector<std::string> fields{"--attributes", "error,fold,curvature"};
+  for (const Case& c :
+       {Case{"mapped_cube.obj", "3", all, {}}, Case{"mapped_cube.obj", "0", {"a.glb", "a.stl"}, {}},
+        Case{"mapped_cube.obj", "2", with_fields, fields}, Case{"bearing_block.obj", "2", all, {}},
+        Case{"icosphere.obj", "1", {"a.stl"}, {"--scheme", "loop"}},
+        Case{"goblet.obj", "1", with_fields, fields}}) {
+    std::vector<std::string> arguments{std::string(PLANISH_SCENES) + "/" + c.scene, "-f",
+                                       "--levels", c.levels};
+    arguments.insert(arguments.end(), c.flags.begin(), c.flags.end());
+    for (const std::string& file : c.files) arguments.insert(arguments.end(), {"-o", file});
+    std::vector<std::string> dry = arguments;
+    dry.emplace_back("--dry-run");
+    const std::string text = fit(dry).out;
+    const ProcessResult run = fit(arguments);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    for (const std::string& file : c.files) {
+      auto bytes = static_cast<double>(std::filesystem::file_size(path(file)));
+      if (file == "a.gltf") bytes += static_cast<double>(std::filesystem::file_size(path("a.bin")));
+      // Numbers in text are counted at their full length, those of planes and cubes are shorter.
+      const bool is_text = file == "a.obj" || file == "a.off" || file == "a.usda";
+      const double forecast = forecast_bytes(text, file), header = 512;
+      EXPECT_GT(forecast, (is_text ? 0.88 : 0.97) * bytes - header)
+          << c.scene << " level " << c.levels << ", " << file;
+      EXPECT_LT(forecast, (is_text ? 1.35 : 1.03) * bytes + header)
+          << c.scene << " level " << c.levels << ", " << file;
+    }
+  }
+}
+
+TEST_F(Forecasts, CagesHaveNoNormals) {
+  write("torus.obj", torus_obj(64));
+  for (const std::string file : {"a.obj", "a.ply", "a.off", "a.usda"}) {
+    const std::string text = fit({"torus.obj", "--cage", file, "--dry-run"}).out;
+    ASSERT_EQ(fit({"torus.obj", "--cage", file}).exit_code, 0);
+    const auto bytes = static_cast<double>(std::filesystem::file_size(path(file)));
+    EXPECT_NEAR(forecast_bytes(text, file), bytes, (file == "a.ply" ? 0.03 : 0.15) * bytes) << file;
+  }
+}
+
+// "  memory       at most about 340.0 MiB" holds, and is not far off.
+TEST_F(Forecasts, MemoryIsEnoughForEveryFormatAndItsAttributes) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers hold memory of their own";
+#endif
+  write("torus.obj", torus_obj(300));  // 1.4 million rows at level 2
+  const std::string fields = "error,deviation,fold,curvature";
+  for (const std::vector<std::string>& what : {std::vector<std::string>{"a.glb"},
+                                               {"a.stl"},
+                                               {"a.obj"},
+                                               {"a.usda"},
+                                               {"a.glb", "--attributes", fields},
+                                               {"a.ply", "--attributes", fields},
+                                               {"a.glb", "--compress", "meshopt"}}) {
+    std::vector<std::string> arguments{"torus.obj", "-f",     "--levels",        "2",
+                                       "--report",  "r.json", "--interpolation", "progressive",
+                                       "-o"};
+    arguments.insert(arguments.end(), what.begin(), what.end());
+    std::vector<std::string> dry = arguments;
+    dry.emplace_back("--dry-run");
+    const std::string text = fit(dry).out;
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(text, found, std::regex("at most about ([0-9.]+) (MiB|GiB)")))
+        << text;
+    const double forecast = std::stod(found[1]) * (found[2] == "GiB" ? 1024.0 : 1.0) * 1024 * 1024;
+    ASSERT_EQ(fit(arguments).exit_code, 0);
+    const double peak = read_json("r.json")["memory"]["host_peak_bytes"].get<double>();
+    EXPECT_LE(peak, forecast) << what.front() << " " << what.back();
+    EXPECT_GE(peak, 0.25 * forecast) << what.front() << " " << what.back();
+  }
+}
+
 TEST_F(Forecasts, AllBuffersOfALargeSurfaceAreNamed) {
   write("torus.obj", torus_obj(150));  // 22,500 quads: 92 million at level 6, 4.1 GiB of numbers
   const ProcessResult result = fit({"torus.obj", "--levels", "6", "-o", "a.gltf", "--dry-run"});

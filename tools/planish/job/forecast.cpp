@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "job/job_input.h"
+#include "job/output_bytes.h"
 #include "planish/core/error.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/surface/memory_need.h"
@@ -18,7 +19,7 @@ struct MeshCounts {
   std::int64_t corners;
 };
 
-MeshCounts counts_of(const PreparedMesh& mesh) {
+MeshCounts mesh_counts_of(const PreparedMesh& mesh) {
   const MeshTopology& topology = *mesh.topology;
   return {{topology.vertex_count(), topology.edge_count(), topology.face_count()},
           topology.corner_count()};
@@ -38,35 +39,6 @@ std::vector<LevelCounts> levels_to(const MeshCounts& mesh, Scheme scheme, int la
     levels.push_back(next);
   }
   return levels;
-}
-
-std::uint64_t digits_of(std::int64_t number) {
-  return static_cast<std::uint64_t>(std::to_string(number).size());
-}
-
-std::uint64_t surface_bytes(const PolygonMesh& mesh, const LevelCounts& counts, bool quads,
-                            std::uint64_t level_corners, const PlannedOutput& output) {
-  const auto vertices = static_cast<std::uint64_t>(counts.vertices);
-  const auto faces = static_cast<std::uint64_t>(counts.faces);
-  const std::uint64_t corners = quads ? 4 * faces : level_corners;
-  const bool has_colors = !mesh.colors.empty(), has_uvs = !mesh.face_uvs.empty();
-  switch (output.format) {
-    case FileFormat::Glb:
-    case FileFormat::Gltf:
-    case FileFormat::Tiles: {
-      // 32-bit floats; two bytes an index while that reaches.
-      const std::uint64_t index = vertices < 65535 ? 2 : 4;
-      return 1500 + vertices * (24 + (has_uvs ? 8 : 0) + (has_colors ? 8 : 0)) +
-             index * 3 * (corners - 2 * faces);
-    }
-    case FileFormat::Ply:
-      return 400 + vertices * (24 + 12 + (has_colors ? 4 : 0)) + faces + 4 * corners;
-    case FileFormat::Off:
-      return 40 + vertices * 58 + faces * 2 + corners * (digits_of(counts.vertices) + 1);
-    default:  // OBJ: a normal is written with each position, and both numbers at each corner
-      return vertices * (60 + 36) + 2 * faces +
-             corners * (2 * digits_of(counts.vertices) + 3 + (has_uvs ? 8 : 0));
-  }
 }
 
 // Seconds a million points of one level take on one thread, reading and writing included, and a
@@ -96,6 +68,10 @@ std::uint64_t peak_bytes(const PolygonMesh& mesh, const std::vector<LevelCounts>
                          : settings.attributes.any()         ? LastLevel::None
                                                              : LastLevel::Blocks;
   std::uint64_t surface = tessellation_bytes(levels, last, RefinedAttributes::of(mesh));
+  // Fields, and what they are made from: who is a vertex's neighbour.
+  constexpr std::uint64_t kFieldBytes = 120;
+  if (settings.attributes.any())
+    surface += kFieldBytes * static_cast<std::uint64_t>(levels.back().vertices);
   if (settings.compression != GltfCompression::None) surface += packing_bytes(levels.back());
   return std::max(solve, surface + solve / 4);
 }
@@ -114,26 +90,27 @@ int highest_level(const std::vector<PlannedOutput>& outputs) {
 
 Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
                      const Settings& settings, const std::vector<PlannedOutput>& outputs) {
-  const MeshCounts counts = counts_of(prepared);
+  const MeshCounts counts = mesh_counts_of(prepared);
   int highest = highest_level(outputs);
   const std::vector<LevelCounts> held = levels_to(counts, settings.scheme, highest);
   for (const PlannedOutput& output : outputs) highest = std::max(highest, output.fineness.level);
   const std::vector<LevelCounts> levels = levels_to(counts, settings.scheme, highest);
+  const WrittenShape shape = written_shape(mesh, prepared);
+  const bool triangles = settings.scheme == Scheme::Loop;
   Forecast forecast;
   double points = 0;
   for (const PlannedOutput& output : outputs) {
     const int level = output.kind == OutputKind::Surface ? output.fineness.level : 0;
-    const bool triangles = settings.scheme == Scheme::Loop && level > 0;
-    const LevelCounts& at = levels[static_cast<std::size_t>(level)];
-    const auto corners =
-        static_cast<std::uint64_t>(level == 0 ? counts.corners : (triangles ? 3 : 4) * at.faces);
-    std::uint64_t bytes = surface_bytes(mesh, at, level > 0 && !triangles, corners, output);
-    points += static_cast<double>(at.vertices);
+    const auto bytes_of = [&](int l) {
+      return output_bytes(shape, {l, levels[static_cast<std::size_t>(l)], triangles}, output,
+                          settings);
+    };
+    std::uint64_t bytes = bytes_of(level);
+    points += static_cast<double>(levels[static_cast<std::size_t>(level)].vertices);
     // Tiles have every level.
     for (int l = 1; info_of(output.format).is_tiles && l < level; ++l) {
-      const LevelCounts& coarser = levels[static_cast<std::size_t>(l)];
-      bytes += surface_bytes(mesh, coarser, true, 0, output);
-      points += static_cast<double>(coarser.vertices);
+      bytes += bytes_of(l);
+      points += static_cast<double>(levels[static_cast<std::size_t>(l)].vertices);
     }
     forecast.output_bytes.push_back(bytes);
   }
@@ -149,7 +126,7 @@ Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
 void require_memory_for(const PolygonMesh& mesh, const PreparedMesh& prepared,
                         const Settings& settings, const std::vector<PlannedOutput>& outputs) {
   const int wanted = highest_level(outputs);
-  const MeshCounts counts = counts_of(prepared);
+  const MeshCounts counts = mesh_counts_of(prepared);
   const std::uint64_t free = available_memory_bytes();
   require_indices(levels_to(counts, settings.scheme, wanted));
   const auto need = [&](int level) {

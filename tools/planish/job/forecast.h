@@ -16,7 +16,7 @@ struct Forecast {
   double seconds = 0;                       ///< roughly, on this machine's threads
 };
 
-/// Binary formats to a few bytes, text within a tenth.
+/// Sizes as output_bytes() has them.
 [[nodiscard]] Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
                                    const Settings& settings,
                                    const std::vector<PlannedOutput>& outputs);
