@@ -14,6 +14,7 @@
 #include "planish/mesh/convex_faces.h"
 #include "planish/reconstruct/compare_source.h"
 #include "planish/surface/attributes.h"
+#include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_quality.h"
 
 namespace planish::quality {
