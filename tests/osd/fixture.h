@@ -15,7 +15,20 @@ class OsdTest : public VulkanTest {
   void SetUp() override {
     VulkanTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
+    make_device();
+  }
+
+  void TearDown() override {
+    close();
+    VulkanTest::TearDown();
+  }
+
+  /// By the loader's own function, or by one that pretends.
+  void make_device(PFN_vkGetInstanceProcAddr get_proc = nullptr) {
+    close();
     vulkan::OwnDeviceOptions options;
+    options.wanted = test::wanted_device();
+    options.instance.get_proc = get_proc;
     options.instance.validation = true;
     options.instance.message = [this](std::string_view message) {
       const std::lock_guard lock(mutex_);
@@ -25,11 +38,10 @@ class OsdTest : public VulkanTest {
     make_context({});
   }
 
-  void TearDown() override {
+  void close() {
     device_context_.reset();
     context_.reset();
     device_.reset();
-    VulkanTest::TearDown();
   }
 
   void make_context(const vulkan::ContextOptions& options) {

@@ -1,4 +1,4 @@
-// EvalPatches in all its forms, recorded, cut into dispatches, refused.
+// EvalPatches in all its forms, recorded, cut into dispatches, refused, on drivers that differ.
 #include <gmock/gmock.h>
 #include <opensubdiv/osd/cpuEvaluator.h>
 #include <opensubdiv/osd/cpuPatchTable.h>
@@ -7,6 +7,8 @@
 #include "osd/fixture.h"
 #include "osd/host_side.h"
 #include "planish/osd/vk_compute_evaluator.h"
+#include "planish/vulkan/device/result.h"
+#include "vulkan/pretended_driver.h"
 
 namespace planish::testing {
 namespace {
@@ -16,6 +18,7 @@ using Far::PatchTableFactory;
 using Osd::BufferDescriptor;
 using osd::VkComputeEvaluator;
 using osd::VkPatchTable;
+using osd::VkStencilTable;
 using osd::VkVertexBuffer;
 
 constexpr int kForms = 6;
@@ -79,11 +82,36 @@ struct Evaluation {
 class OsdPatches : public OsdTest {
  protected:
   void TearDown() override {
+    forget();
+    OsdTest::TearDown();
+  }
+  void forget() {
     source_.reset();
     coords_.reset();
     table_.reset();
     for (auto& target : targets_) target.reset();
-    OsdTest::TearDown();
+  }
+
+  /// Patches in all forms and the stencils before them, on a driver that differs, against
+  /// OpenSubdiv's own evaluator.
+  void expect_on_pretended_driver(const Evaluation& from) {
+    forget();
+    make_device(PretendedDriver::get_proc());
+    upload(from);
+    const BufferDescriptor& d = from.desc;
+    EXPECT_TRUE(VkComputeEvaluator::EvalPatches(
+        source_.get(), d, targets_[0].get(), d, targets_[1].get(), d, targets_[2].get(), d,
+        targets_[3].get(), d, targets_[4].get(), d, targets_[5].get(), d, from.count(),
+        coords_.get(), table_.get(), nullptr, device_context_.get()));
+    expect(from, kForms);
+    const Far::StencilTable& stencils = *from.refined.vertices;
+    const auto first = from.points.begin() + 3 * stencils.GetNumControlVertices();
+    const std::unique_ptr<VkStencilTable> table(
+        VkStencilTable::Create(&stencils, device_context_.get()));
+    const auto target = buffer_of(std::vector<float>(from.points.end() - first, 9.0f));
+    EXPECT_TRUE(VkComputeEvaluator::EvalStencils(source_.get(), d, target.get(), d, table.get(),
+                                                 nullptr, device_context_.get()));
+    EXPECT_EQ(floats_of(*target), std::vector<float>(first, from.points.end()));
   }
 
   void upload(const Evaluation& from) {
@@ -235,6 +263,62 @@ TEST_F(OsdPatches, WhatDoesNotFitIsRefused) {
     EXPECT_FALSE(VkComputeEvaluator::EvalPatchesFaceVarying(
         source_.get(), prism.desc, targets_[0].get(), prism.desc, 1, coords_.get(), table_.get(),
         channel, nullptr, device_context_.get()));
+}
+
+TEST_F(OsdPatches, DriversThatDifferGiveTheSame) {
+  const Evaluation prism;
+  using Pretence = PretendedDriver::Pretence;
+  const std::vector<std::pair<const char*, void (*)(Pretence&)>> drivers = {
+      {"as it is", [](Pretence&) {}},
+      {"1 lane", [](Pretence& p) { p.subgroup_size = 1; }},
+      {"128 lanes", [](Pretence& p) { p.subgroup_size = 128; }},
+      {"no subgroups", [](Pretence& p) { p.no_subgroup_operations = true; }},
+      {"not coherent", [](Pretence& p) { p.split_memory = true; }},
+      {"small heap",
+       [](Pretence& p) {
+         p.bar_bytes = 4096;
+         p.host_bytes = 1u << 20;
+       }},
+      {"small ranges", [](Pretence& p) { p.storage_range = 128u << 20; }},
+      {"no timestamps", [](Pretence& p) { p.no_timestamps = true; }},
+      {"portability subset", [](Pretence& p) { p.portability_subset = true; }},
+      {"queue that only computes", [](Pretence& p) { p.separate_compute = true; }}};
+  for (const auto& [name, differ] : drivers) {
+    SCOPED_TRACE(name);
+    forget();
+    close();
+    PretendedDriver::reset();
+    differ(PretendedDriver::pretence());
+    expect_on_pretended_driver(prism);
+    EXPECT_GT(PretendedDriver::count("vkCmdDispatch"), 1);
+    EXPECT_EQ(PretendedDriver::illegal_maps(), 0);
+  }
+  forget();
+  close();
+  EXPECT_TRUE(PretendedDriver::alive().empty());
+  PretendedDriver::reset();
+}
+
+TEST_F(OsdPatches, ADeviceThatIsLostInTheMiddleIsReported) {
+  const Evaluation prism;
+  close();
+  PretendedDriver::reset();
+  int lost = 0;
+  for (bool done = false; !done; lost += lost < 2 ? 1 : 6) {
+    ASSERT_LT(lost, 100);
+    PretendedDriver::pretence().submissions_left = lost;
+    try {
+      expect_on_pretended_driver(prism);
+      done = true;
+    } catch (const vulkan::VulkanError& error) {
+      EXPECT_EQ(error.code(), ErrorCode::DeviceLost);
+    }
+    forget();
+    close();
+    ASSERT_TRUE(PretendedDriver::alive().empty()) << "after " << lost << " submissions";
+  }
+  EXPECT_GT(lost, 5);
+  PretendedDriver::reset();
 }
 
 }  // namespace

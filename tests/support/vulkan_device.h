@@ -9,6 +9,12 @@
 
 namespace planish::test {
 
+/// The device that tests take, as in vulkan::pick_device: PLANISH_TEST_DEVICE, or the best one.
+[[nodiscard]] inline std::string wanted_device() {
+  const char* wanted = std::getenv("PLANISH_TEST_DEVICE");
+  return wanted ? wanted : "";
+}
+
 /// All of a SetUp(): a test without a Vulkan device is skipped, or fails where
 /// PLANISH_REQUIRE_VULKAN=1.
 inline void require_vulkan_device() {

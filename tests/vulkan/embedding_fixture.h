@@ -31,6 +31,7 @@ class Embedding : public VulkanTest {
 
   vulkan::OwnDeviceOptions device_options() {
     vulkan::OwnDeviceOptions options;
+    options.wanted = test::wanted_device();
     options.instance.get_proc = PretendedDriver::get_proc();
     options.instance.validation = validation_wanted();
     options.instance.message = [this](std::string_view message) {

@@ -40,6 +40,7 @@ class FairMachine : public VulkanTest {
 
   void make_machine(const vulkan::ContextOptions& context) {
     vulkan::OwnDeviceOptions options;
+    options.wanted = test::wanted_device();
     options.instance.validation = validation_wanted();
     options.instance.message = [this](std::string_view message) {
       const std::lock_guard lock(mutex_);

@@ -34,6 +34,7 @@ class VulkanTest : public ::testing::Test {
 
   std::unique_ptr<Backend> make_backend(VulkanBackendOptions options = {}) {
     options.validation = validation_wanted();
+    if (options.device.empty()) options.device = test::wanted_device();
     options.validation_message = [this](std::string_view message) {
       const std::lock_guard lock(mutex_);
       messages_.emplace_back(message);

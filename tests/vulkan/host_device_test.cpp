@@ -23,6 +23,7 @@ class HostDevices : public VulkanTest {
     if (IsSkipped() || HasFatalFailure()) return;
     PretendedDriver::reset();
     OwnDeviceOptions options;
+    options.wanted = test::wanted_device();
     options.instance.get_proc = PretendedDriver::get_proc();
     options.instance.validation = validation_wanted();
     options.instance.message = [this](std::string_view message) {
@@ -138,6 +139,7 @@ TEST_F(HostDevices, LayersOverAnotherApiGetTheirExtension) {
   // The pretended driver refuses a device without VK_KHR_portability_subset, as its rule wants.
   PretendedDriver::pretence().portability_subset = true;
   OwnDeviceOptions options;
+  options.wanted = test::wanted_device();
   options.instance.get_proc = PretendedDriver::get_proc();
   const OwnDevice device(options);
   EXPECT_TRUE(device.capabilities().portability_subset);

@@ -44,6 +44,7 @@ struct Real {
 
 struct State {
   PretendedDriver::Pretence pretence;
+  VkDevice device = VK_NULL_HANDLE;  // the last one made
   std::array<std::atomic<int>, kSlotCount> counts{};
   std::atomic<int> fallible{0}, illegal_maps{0};
   std::mutex mutex;  // guards what follows
@@ -156,7 +157,9 @@ VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const VkDeviceCreat
   VkDeviceQueueCreateInfo queue = info->pQueueCreateInfos[0];
   queue.queueFamilyIndex = real_family(queue.queueFamilyIndex);
   changed.pQueueCreateInfos = &queue;
-  return real.vkCreateDevice(physical, &changed, callbacks, device);
+  const VkResult result = real.vkCreateDevice(physical, &changed, callbacks, device);
+  if (result == VK_SUCCESS) state.device = *device;
+  return result;
 }
 
 void VKAPI_CALL get_queue(VkDevice device, std::uint32_t family, std::uint32_t index,
@@ -222,7 +225,11 @@ VkResult VKAPI_CALL map_memory(VkDevice device, VkDeviceMemory memory, VkDeviceS
 VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos,
                            VkFence fence) {
   if (state.pretence.submit_result != VK_SUCCESS) return state.pretence.submit_result;
-  if (state.pretence.submissions_left == 0) return VK_ERROR_DEVICE_LOST;
+  if (state.pretence.submissions_left == 0) {
+    // A lost device runs nothing any more.
+    real.vkDeviceWaitIdle(state.device);
+    return VK_ERROR_DEVICE_LOST;
+  }
   if (state.pretence.submissions_left > 0) --state.pretence.submissions_left;
   return real.vkQueueSubmit(queue, count, infos, fence);
 }

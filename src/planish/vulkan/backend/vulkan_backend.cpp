@@ -154,6 +154,10 @@ void VulkanBackend::apply_limit(const LimitStencilView<double>& view, const Devi
 
 }  // namespace
 
+std::unique_ptr<Backend> make_backend(std::shared_ptr<VulkanMachine> machine) {
+  return std::make_unique<VulkanBackend>(std::move(machine));
+}
+
 }  // namespace vulkan
 
 VulkanDeviceList list_vulkan_devices() {
@@ -196,8 +200,7 @@ std::unique_ptr<Backend> make_vulkan_backend(const VulkanBackendOptions& options
   context.max_group_count = options.max_work_groups;
   if (options.reads == VulkanReads::StorageBuffers) context.variant = vulkan::kHardwareVariant;
   if (options.reads == VulkanReads::TexelBuffers) context.variant = vulkan::kSoftwareVariant;
-  return std::make_unique<vulkan::VulkanBackend>(
-      std::make_shared<vulkan::VulkanMachine>(device, context));
+  return vulkan::make_backend(std::make_shared<vulkan::VulkanMachine>(device, context));
 }
 
 }  // namespace planish

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "planish/backend/backend.h"
 #include "planish/vulkan/device/own_device.h"
 #include "planish/vulkan/device/submitter.h"
 #include "planish/vulkan/tables/device_table.h"
@@ -29,5 +31,8 @@ struct VulkanMachine {
   void upload_points(const Buffer& target, std::span<const glm::dvec3> points);
   [[nodiscard]] std::vector<glm::dvec3> download_points(const Buffer& source, std::size_t count);
 };
+
+/// The backend on it.
+[[nodiscard]] std::unique_ptr<Backend> make_backend(std::shared_ptr<VulkanMachine> machine);
 
 }  // namespace planish::vulkan
