@@ -12,6 +12,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from json_schema import problems
+
 MOST_BYTES = 60_000_000
 ICD = Path("/usr/share/vulkan/icd.d/lvp_icd.x86_64.json")
 PROGRAMS = ["planish", "planish-bench", "vulkan_test"]
@@ -87,10 +89,23 @@ def make_folder(source, build, folder):
     print(f"{folder}: {size} bytes")
 
 
-def check_result(folder, in_root):
+def read_result(folder):
+    """result.json, which is as the schemas beside it say."""
     result = json.loads((folder / "result.json").read_text())
+    schema, bench = (json.loads((folder / "doc" / f"{name}.schema.json").read_text())
+                     for name in ("check", "bench"))
+    assert problems(result, schema) == []
+    assert problems({**result, "quick": "yes", "more": 1}, schema) != []
+    for group in result["bench"].values():
+        assert group["result"] is None or problems(group["result"], bench) == []
+    return result
+
+
+def check_result(folder, in_root):
+    result = read_result(folder)
     text = (folder / "result.txt").read_text()
     assert result["all_passed"] is True, text[-2000:]
+    assert result["device"] == "llvmpipe"
     assert result["devices"]["devices"], "no devices are listed"
     validations = [run["validation"] for run in result["tests"]]
     assert validations[0] is False and len(validations) == len(set(validations))
@@ -109,6 +124,19 @@ def check_result(folder, in_root):
         assert result["system"] == "An empty root"
         assert "libvulkan.so.1" in result["own_libraries"], result["own_libraries"]
         assert validations == [False] and "is not installed" in text
+
+
+def check_without_device(place, check):
+    """No driver, and a device that is not there: each is said, and nothing takes its time."""
+    none = {**ENVIRONMENT, "VK_DRIVER_FILES": "/none.json", "VK_ICD_FILENAMES": "/none.json"}
+    done = subprocess.run(check, env=none, capture_output=True, text=True)
+    assert done.returncode == 6 and "No device, so nothing else was run" in done.stdout, done
+    result = read_result(place)
+    assert result["all_passed"] is False and result["tests"] == [] and result["bench"] == {}
+    assert result["devices"]["no_vulkan_because"]
+    done = subprocess.run([*check, "--device", "no such device"], env=ENVIRONMENT, capture_output=True, text=True)
+    assert done.returncode == 6 and "no such device" in done.stdout and "llvmpipe" in done.stdout, done
+    assert read_result(place)["device"] == "no such device"
 
 
 def main():
@@ -130,8 +158,9 @@ def main():
         shutil.copytree(folder, place)
     else:
         print("no chroot is allowed: run in an empty environment of this system")
-    command = [*(way or []), "/gpu_check/check" if way else str(folder / "check"), "--quick",
-               "--max-range", "65536", "--points", "2500", "--points", "900"]
+    check = [*(way or []), "/gpu_check/check" if way else str(folder / "check"), "--quick"]
+    check_without_device(place, check)
+    command = [*check, "--device", "llvmpipe", "--max-range", "65536", "--points", "2500", "--points", "900"]
     done = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True)
     print(done.stdout[-3000:], done.stderr[-2000:])
     check_result(place, way is not None)

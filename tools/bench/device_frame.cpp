@@ -11,7 +11,7 @@ using namespace vulkan;
 
 std::unique_ptr<VulkanMachine> traced_machine(const Options& options) {
   if (list_vulkan_devices().best < 0) return nullptr;
-  OwnDeviceOptions device;
+  OwnDeviceOptions device{.wanted = options.device};
   device.instance.get_proc = DeviceTrace::get_proc();
   ContextOptions context;
   context.max_storage_range = options.max_range;

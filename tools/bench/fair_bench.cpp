@@ -96,7 +96,7 @@ std::vector<Row> bench_fair(const Options& options) {
       {"planish-cpu-polish-rows", [&] { (void)net.rows(); }}};
 #ifdef PLANISH_HAS_VULKAN
   std::unique_ptr<Backend> vulkan;
-  if (list_vulkan_devices().best >= 0) vulkan = make_vulkan_backend();
+  if (list_vulkan_devices().best >= 0) vulkan = make_vulkan_backend({.device = options.device});
   auto* const builder = dynamic_cast<FairBuilder*>(vulkan.get());
   const FairTopology topology = make_fair_topology(prepared.mesh, subdivision);
   if (builder) {

@@ -80,6 +80,9 @@ int main(int argc, char** argv) {
   app.add_option("--points", options.point_counts, "given points of the groups kernels and frame")
       ->check(CLI::Range(64, 100'000'000));
   app.add_option(
+      "--device", options.device,
+      "the Vulkan device: a number, name or UUID of planish devices; the best by default");
+  app.add_option(
       "--max-range", options.max_range,
       "bytes that a binding may span in these two and in evaluate; the device's limit by default");
   app.add_flag("--hardware-kernels", options.hardware_kernels,

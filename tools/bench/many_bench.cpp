@@ -90,7 +90,7 @@ void add_peers(Group& group, const std::string& name, VulkanMachine& machine,
 
 std::vector<Row> bench_many(const Options& options) {
   if (list_vulkan_devices().best < 0) return {};
-  VulkanMachine machine({}, {});
+  VulkanMachine machine({.wanted = options.device}, {});
   // 128,000 points by default, as many as the small ones together.
   // Tori of 4 x 4 quads at least.
   const std::int32_t large = std::max(options.quad_count * 16 / 125, 16 * kMeshes);

@@ -18,6 +18,7 @@ struct Options {
   std::vector<std::int32_t> point_counts = {10'000, 100'000, 1'000'000};
   int loop_frames = 240;
   std::uint64_t copy_bytes = 256u << 20;  ///< of each buffer of the copies; as far as it fits
+  std::string device;                     ///< Vulkan's, as in vulkan::pick_device; empty: the best
   bool hardware_kernels = false;          ///< kernels as hardware gets them, whatever the device
   std::uint64_t max_range = 0;            ///< as ContextOptions::max_storage_range
   std::vector<std::string> groups;        ///< empty: all

@@ -103,8 +103,8 @@ Peer cpu_peer(const Refinement& from) {
 #ifdef PLANISH_HAS_VULKAN
 /// The evaluator submits; the peer waits for its end.
 struct VulkanState {
-  explicit VulkanState(const Refinement& from)
-      : device(vulkan::OwnDeviceOptions{}),
+  VulkanState(const Refinement& from, const std::string& wanted)
+      : device(vulkan::OwnDeviceOptions{.wanted = wanted}),
         context(device),
         where(context, device.queue(), device.capabilities().compute_family),
         source(osd::VkVertexBuffer::Create(3, static_cast<int>(from.source.size() / 3), &where)),
@@ -127,12 +127,12 @@ struct VulkanState {
   std::unique_ptr<osd::VkComputeEvaluator> kernels;
 };
 
-void add_vulkan(const Refinement& from, Group& group) {
+void add_vulkan(const Refinement& from, const std::string& wanted, Group& group) {
   if (list_vulkan_devices().best < 0) {
     group.size += ", no Vulkan";
     return;
   }
-  const auto state = std::make_shared<VulkanState>(from);
+  const auto state = std::make_shared<VulkanState>(from, wanted);
   state->run();
   std::vector<float> result(from.target.size());
   state->target->ReadData(result.data(), 0, state->target->GetNumVertices(), &state->where);
@@ -168,7 +168,7 @@ std::vector<Row> bench_osd(const Options& options) {
                  {"osd-omp", [&] { refinement.run<Osd::OmpEvaluator>(); }},
                  cpu_peer(refinement)};
 #ifdef PLANISH_HAS_VULKAN
-  add_vulkan(refinement, group);
+  add_vulkan(refinement, options.device, group);
 #endif
   add_gl(refinement, group);
   return run_group(group, options.repetitions);

@@ -188,7 +188,7 @@ std::vector<Row> bench_update(const Options& options) {
 #ifdef PLANISH_HAS_VULKAN
   std::unique_ptr<Backend> vulkan;
   if (list_vulkan_devices().best >= 0) {
-    vulkan = make_vulkan_backend();
+    vulkan = make_vulkan_backend({.device = options.device});
     add("planish-vulkan", *vulkan);
     group.size += "; vulkan on " + vulkan->description().name;
   }
