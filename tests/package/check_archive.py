@@ -20,7 +20,9 @@ NEWER = b"\0GLIBCXX_3.4.999\0"
 
 def make_archive(source, build, folder):
     (folder / "bin").mkdir(parents=True)
-    shutil.copy2(build / "bin/planish", folder / "bin/planish")
+    for program in ("planish", "planish-reconstruct"):
+        if (build / "bin" / program).exists():
+            shutil.copy2(build / "bin" / program, folder / "bin" / program)
     script = f'set -euo pipefail; . "{source}/tools/portable/libraries.sh"; make_runnable "{folder}"'
     subprocess.run(["bash", "-c", script], check=True)
     assert not list((folder / "lib").glob("libstdc++*")), "in the way of the system's"
@@ -40,6 +42,21 @@ def loaded(way):
              if "calling init: " in line and LIBRARY in line}
     assert len(paths) == 1, paths
     return os.path.normpath(paths.pop())
+
+
+def make_surfaces(source, root, way):
+    """A surface and its page from a mesh, and from points, for which the command starts the mesher."""
+    shutil.copy(source / "scenes/goblet.obj", root / "tmp")
+    run(way, "/archive/bin/planish", "fit", "/tmp/goblet.obj", "-o", "/tmp/goblet.glb", "--page", "/tmp/goblet.html",
+        "--device", "vulkan")
+    assert (root / "tmp/goblet.glb").read_bytes()[:4] == b"glTF"
+    assert "<canvas" in (root / "tmp/goblet.html").read_text()
+    if (root / "archive/libexec/planish-reconstruct").exists():
+        side = [0, 0.25, 0.5, 0.75, 1]
+        points = {(x, y, z) for x in side for y in side for z in side if {x, y, z} & {0, 1}}
+        (root / "tmp/box.xyz").write_text("".join(f"{x} {y} {z}\n" for x, y, z in sorted(points)))
+        run(way, "/archive/bin/planish", "fit", "/tmp/box.xyz", "-o", "/tmp/box.obj")
+        assert "\nf " in (root / "tmp/box.obj").read_text()
 
 
 def append(path, tail):
@@ -69,6 +86,7 @@ def main():
     system = next(path for path in root.rglob(LIBRARY) if "archive" not in path.parts)
     systems = "/" + str(system.relative_to(root))
     run(way, "/archive/bin/planish", "--version")
+    make_surfaces(source, root, way)
     expected = {"as old": systems}
     found = {"as old": loaded(way)}
     append(system, NEWER)
