@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "cli/json_schema.h"
 #include "support/temporary_folder.h"
@@ -67,6 +69,63 @@ TEST_F(BenchDevice, KernelsBindTheBytesThatTheirLayoutsHold) {
   // points from them.
   EXPECT_NEAR(per_element("control_points"), 6 * 16 + 20 / 2500.0, 1e-9);
   EXPECT_EQ(row(bench, "interpolation_step")["figures"]["dispatches"], 5);
+}
+
+// Numbers of the last column, commas left out, and names in backquotes.
+struct DocumentedKernels {
+  std::string line;
+  std::vector<std::string> names;
+  std::vector<double> bytes;
+};
+
+std::vector<DocumentedKernels> documented_kernels() {
+  std::ifstream file(PLANISH_BENCH_README);
+  std::vector<DocumentedKernels> rows;
+  std::string line;
+  while (std::getline(file, line) && line != "| kernel | an element | bytes |") {
+  }
+  std::getline(file, line);
+  while (std::getline(file, line) && line.starts_with("|")) {
+    DocumentedKernels& row = rows.emplace_back(DocumentedKernels{line, {}, {}});
+    for (std::size_t at = 0; (at = line.find('`', at)) != std::string::npos;) {
+      const std::size_t end = line.find('`', at + 1);
+      row.names.push_back(line.substr(at + 1, end - at - 1));
+      at = end + 1;
+    }
+    std::string cell = line.substr(line.rfind('|', line.size() - 2) + 1);
+    std::erase(cell, ',');
+    std::istringstream numbers(cell);
+    for (double number = 0; numbers >> number; numbers.ignore()) row.bytes.push_back(number);
+  }
+  return rows;
+}
+
+// Of 99,856 points; here rows of chunks that are not full are up to a hundredth of all.
+TEST_F(BenchDevice, TheTableOfBytesIsWhatIsCounted) {
+  const json bench = run("--group kernels --hardware-kernels --repetitions 1 --points 10000");
+  json of_progressive = json::object(), of_fair = json::object();
+  double net = 0;
+  for (const json& row : bench["rows"]) {
+    json& rows =
+        row["size"].get<std::string>().find("fair") == std::string::npos ? of_progressive : of_fair;
+    const std::string peer = row["peer"].get<std::string>();
+    rows[peer] = row["figures"]["bytes_per_element"];
+    if (peer.starts_with("fair_")) net += rows[peer].get<double>();
+  }
+  of_fair["frame"] = net;  // the table has the net without its evaluation
+  int compared = 0;
+  for (DocumentedKernels& documented : documented_kernels()) {
+    SCOPED_TRACE(documented.line);
+    const bool is_fair = documented.line.find("fair") != std::string::npos;
+    if (documented.names.empty()) documented.names = {"frame"};
+    ASSERT_EQ(documented.names.size(), documented.bytes.size());
+    for (std::size_t i = 0; i < documented.names.size(); ++i, ++compared) {
+      const json& counted = (is_fair ? of_fair : of_progressive)[documented.names[i]];
+      ASSERT_TRUE(counted.is_number()) << documented.names[i];
+      EXPECT_NEAR(counted.get<double>(), documented.bytes[i], 0.01 * documented.bytes[i]);
+    }
+  }
+  EXPECT_GE(compared, 14);
 }
 
 TEST_F(BenchDevice, TheWholeFrameIsTheSumOfItsKernels) {
