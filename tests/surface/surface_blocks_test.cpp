@@ -160,6 +160,40 @@ TEST(SurfaceBlocks, KeptRowsAreThoseMadeAnew) {
   }
 }
 
+// Of quads, whose faces make the rows of vertices and edges along at level 2: with a hole, creases
+// and a boundary.
+TEST(SurfaceBlocks, RowsOfQuadsAreTheSameByFaces) {
+  PolygonMesh creased = test::torus(9, 7, 1.0, 0.4);
+  creased.creases = {{0, 1}, {1, 2}, {30, 37}};
+  for (const PolygonMesh& mesh : {test::torus(40, 30, 1.0, 0.4), creased, test::flat_grid(7, 6)}) {
+    const DooSabinSurface base(mesh, {});
+    const auto blocks = base.level(2);
+    EXPECT_TRUE(blocks->makes_face_rows());
+    const auto count = static_cast<std::size_t>(blocks->info().row_count);
+    std::vector<glm::dvec3> positions[2];
+    std::vector<glm::vec3> normals[2];
+    RowTarget target[2];
+    for (const int k : {0, 1}) {
+      positions[k].resize(count), normals[k].resize(count);
+      target[k].positions = positions[k];
+      target[k].normals = normals[k];
+    }
+    (void)blocks->rows({0, blocks->info().row_count}, target[0]);
+    (void)make_all_rows(*blocks, target[1], {});
+    EXPECT_EQ(positions[0], positions[1]);
+    EXPECT_EQ(normals[0], normals[1]);
+    const auto corners = static_cast<std::size_t>(4 * blocks->info().face_count);
+    Visited visited{std::vector<glm::dvec3>(corners), std::vector<glm::vec3>(corners)};
+    const auto visit = [&](RowRange faces, std::span<const glm::dvec3> at,
+                           std::span<const glm::vec3> along) {
+      std::copy(at.begin(), at.end(), visited.positions.begin() + 4 * faces.first);
+      std::copy(along.begin(), along.end(), visited.normals.begin() + 4 * faces.first);
+    };
+    const auto kept = keep_rows(*blocks, {.origin = glm::dvec3(0.5, -1, 2), .visit = visit});
+    expect_kept(*blocks, *kept, visited);
+  }
+}
+
 // A vertex with two opposite faces alone has no tangents.
 TEST(SurfaceBlocks, KeptRowsTellOfDegenerateNormalsOnce) {
   const PolygonMesh mesh =

@@ -116,17 +116,10 @@ struct Rows {
     });
   }
   void evaluate(const SurfaceBlocks& blocks) {
-    const std::vector<RowRange> pieces = blocks.row_blocks(1 << 14);
-    parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        RowTarget target;
-        const auto first = static_cast<std::size_t>(pieces[i].first);
-        const auto count = static_cast<std::size_t>(pieces[i].count);
-        target.positions = std::span(positions).subspan(first, count);
-        target.normals = std::span(normals).subspan(first, count);
-        (void)blocks.rows(pieces[i], target);
-      }
-    });
+    RowTarget all;
+    all.positions = positions;
+    all.normals = normals;
+    (void)make_all_rows(blocks, all, {});
   }
 
   RawVector<glm::dvec3> positions;

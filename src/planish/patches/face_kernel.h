@@ -15,14 +15,29 @@ inline constexpr int kFaceSamples = 9;
 inline constexpr unsigned char kFaceSampleColumns[kFaceSamples] = {0x4F, 0xFF, 0x7C, 0xA7, 0x07,
                                                                    0x4C, 0xA1, 0xB9, 0x38};
 
-/// The kernel for quads with four regular patches beside one for patches: a lane is a quad, with
-/// kFaceColumns columns of indices and the first corner's target, whose rows those of the other
-/// corners follow. Weights are the regular class's, 3 or 9 samples a corner. The same bits as patch
-/// by patch.
-[[nodiscard]] PatchKernel face_kernel(PatchKernel kernel);
+/// Limit points that a quad has: of the vertex of corner i by its ring from that corner on (i), of
+/// the midpoint of its leading edge (4 + i), of the centre (8).
+inline constexpr int kFacePoints = 9;
 
-bool run_faces_baseline(const PatchBatch& batch, const PatchOutput& output);
-bool run_faces_avx2(const PatchBatch& batch, const PatchOutput& output);
-bool run_faces_avx512(const PatchBatch& batch, const PatchOutput& output);
+/// Quads side by side: a lane is a quad with kFaceColumns columns of indices and the first corner's
+/// target, whose rows those of the other corners follow. Weights are the regular class's, 3 or 9
+/// samples a corner.
+struct FaceBatch : PatchBatch {
+  /// A bit for each limit point that is made as well; then the output has positions and normals.
+  unsigned wanted_points;
+  const double* point_weights;  ///< of limit points between four
+  double* point_positions;      ///< of point q and lane l row kPatchLanes q + l
+  float* point_normals;
+};
+
+/// The same bits as patch by patch and point by point. Returns whether a normal came out zero.
+using FaceKernel = bool (*)(const FaceBatch& batch, const PatchOutput& output);
+
+/// The kernel for quads with four regular patches beside one for patches.
+[[nodiscard]] FaceKernel face_kernel(PatchKernel kernel);
+
+bool run_faces_baseline(const FaceBatch& batch, const PatchOutput& output);
+bool run_faces_avx2(const FaceBatch& batch, const PatchOutput& output);
+bool run_faces_avx512(const FaceBatch& batch, const PatchOutput& output);
 
 }  // namespace planish

@@ -6,7 +6,7 @@ bool run_patches_baseline(const PatchBatch& batch, const PatchOutput& output) {
   return run_batch(batch, output);
 }
 
-bool run_faces_baseline(const PatchBatch& batch, const PatchOutput& output) {
+bool run_faces_baseline(const FaceBatch& batch, const PatchOutput& output) {
   return run_face_batch(batch, output);
 }
 

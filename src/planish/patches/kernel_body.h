@@ -147,9 +147,50 @@ struct PutInFace {
   PLANISH_INLINE void normals(int sample, const Vector (&p)[3]) const { put(units, sample, p); }
 };
 
+// Where a limit point of a quad is put.
+struct PutPoint {
+  const FaceBatch& batch;
+  int point, lane;
+
+  PLANISH_INLINE void positions(int, const Vector (&p)[3]) const {
+    store_doubles(batch.point_positions, kPlaces + lane, point * kPatchLanes, p);
+  }
+  PLANISH_INLINE void stored(int, const Vector (&)[3]) const {}
+  PLANISH_INLINE void normals(int, const Vector (&p)[3]) const {
+    store_floats(batch.point_normals, kPlaces + lane, point * kPatchLanes, p);
+  }
+  static constexpr std::int32_t kPlaces[kPatchLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+};
+
+// The limit points that are wanted of each quad, in the order of their own class's columns.
+PLANISH_INLINE Mask make_face_points(const FaceBatch& batch, const PatchOutput& output,
+                                     const Vector (&points)[kFaceColumns][3], int lane) {
+  constexpr int kColumns = 3, ring = 4, behind = 8, across = 12;
+  PatchBatch limit = batch;
+  limit.weights = batch.point_weights;
+  Mask kept = ~Mask{};
+  for (int point = 0; point < kFacePoints; ++point) {
+    if ((batch.wanted_points >> point & 1) == 0) continue;
+    const int i = point & 3;
+    const int vertex[4] = {i, ring + ((i + 3) & 3), across + i, behind + i};
+    const int midpoint[4] = {(i + 1) & 3, i, behind + i, ring + i};
+    const int centre[4] = {0, 1, 2, 3};
+    const int* const columns = point < 4 ? vertex : point < 8 ? midpoint : centre;
+    Vector own[3], from_own[3 * kColumns];
+    for (int d = 0; d < 3; ++d) {
+      own[d] = points[columns[0]][d];
+      for (int k = 0; k < kColumns; ++k)
+        from_own[d * kColumns + k] = points[columns[k + 1]][d] - own[d];
+    }
+    kept &= make_samples<kColumns, 1, false>(limit, output, own, from_own,
+                                             PutPoint{batch, point, lane});
+  }
+  return kept;
+}
+
 // The four patches of each quad: its 16 points are read once, its rows follow one another.
 template <int kSamples>
-PLANISH_INLINE bool run_face_lanes(const PatchBatch& batch, const PatchOutput& output, int lane) {
+PLANISH_INLINE bool run_face_lanes(const FaceBatch& batch, const PatchOutput& output, int lane) {
   constexpr int kRegular = 8, kNumbers = 4 * kSamples * 3;
   Vector points[kFaceColumns][3], face[kNumbers], offsets[kNumbers], units[kNumbers];
   for (int k = 0; k < kFaceColumns; ++k) {
@@ -171,6 +212,7 @@ PLANISH_INLINE bool run_face_lanes(const PatchBatch& batch, const PatchOutput& o
     kept &= make_samples<kRegular, kSamples, true>(batch, output, own, from_own,
                                                    PutInFace<kSamples>{face, offsets, units, c});
   }
+  if (batch.wanted_points != 0) kept &= make_face_points(batch, output, points, lane);
   const std::int32_t* targets = batch.targets + lane;
   if (output.positions) store_runs<kNumbers>(output.positions, targets, face);
   if (output.stored) store_runs<kNumbers>(output.stored, targets, offsets);
@@ -204,7 +246,7 @@ inline bool run_batch(const PatchBatch& batch, const PatchOutput& output) {
   return degenerate;
 }
 
-inline bool run_face_batch(const PatchBatch& batch, const PatchOutput& output) {
+inline bool run_face_batch(const FaceBatch& batch, const PatchOutput& output) {
   bool degenerate = false;
   for (int lane = 0; lane < batch.lane_count; lane += kLanes) {
     degenerate |= batch.sample_count == 3 ? run_face_lanes<3>(batch, output, lane)

@@ -28,7 +28,7 @@ PatchKernel patch_kernel(PatchInstructions instructions) {
   return run_patches_baseline;
 }
 
-PatchKernel face_kernel(PatchKernel kernel) {
+FaceKernel face_kernel(PatchKernel kernel) {
 #ifdef PLANISH_X86_KERNELS
   if (kernel == run_patches_avx512) return run_faces_avx512;
   if (kernel == run_patches_avx2) return run_faces_avx2;

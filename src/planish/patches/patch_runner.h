@@ -3,12 +3,16 @@
 #include <cstdint>
 #include <span>
 
+#include "planish/core/raw_vector.h"
 #include "planish/patches/patch_kernel.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/patches/patch_numbering.h"
 #include "planish/patches/patch_plan.h"
+#include "planish/patches/point_rows.h"
 
 namespace planish {
+
+class PatchBatches;
 
 /// Evaluates patches without a plan of them: each is gathered into a batch of its class, which runs
 /// as soon as it is full, its indices still in the nearest cache. The same bits as with plans. Safe
@@ -21,25 +25,35 @@ class PatchRunner {
   /// Whether tiles of that part are run here: not those with two sides of a cut or hidden faces.
   [[nodiscard]] bool runs(PatchNumbering::Part part) const;
 
+  /// Whether corners can make the rows of vertices, faces and edges along: at level 2, of quads.
+  [[nodiscard]] bool makes_points() const;
+
   // All return whether a normal came out zero.
-  /// All rows of a tile, whose first one is the output's first.
-  bool run_tile(const PatchTile& tile, const PatchOutput& output, const double* state) const;
-  /// All samples of some corners, in the order of PatchSamples one corner after another.
+  /// All rows of a tile, whose first one is the output's first; of one of corners in `points` those
+  /// of the vertices, faces and edges that its corners stand for: see
+  /// PatchNumbering::item_corner().
+  bool run_tile(const PatchTile& tile, const PatchOutput& output, const double* state,
+                PointRows* points = nullptr) const;
+  /// All samples of some corners, in the order of PatchSamples one corner after another; points as
+  /// above.
   bool run_grids(std::span<const std::int32_t> corners, const PatchOutput& output,
-                 const double* state) const;
+                 const double* state, PointRows* points = nullptr) const;
   /// Rows of vertices, faces, edges and further sectors, anyhow.
   bool run_points(std::span<const std::int32_t> rows, const PatchOutput& output,
                   const double* state) const;
 
  private:
-  class Run;
   template <bool kQuads>
-  void add_corner(std::int32_t corner, std::int32_t target, Run& run) const;
+  void add_corner(std::int32_t corner, std::int32_t target, PatchBatches& run) const;
   template <bool kQuads>
-  void add_point(PatchNumbering::Part part, std::int64_t item, std::int32_t target, Run& run) const;
+  void add_point(PatchNumbering::Part part, std::int64_t item, std::int32_t target,
+                 PatchBatches& run) const;
   template <bool kQuads>
-  void add_tile(const PatchTile& tile, Run& run) const;
-  void add_place(const PatchPlace& place, std::int32_t target, Run& run) const;
+  void add_tile(const PatchTile& tile, PatchBatches& run) const;
+  static RawVector<std::int32_t>& further_points();
+  static void begin_points(std::int64_t corner_count, PointRows* points);
+  bool finish_points(const PatchOutput& output, const double* state, PointRows* points) const;
+  void add_place(const PatchPlace& place, std::int32_t target, PatchBatches& run) const;
 
   const PatchMesh& mesh_;
   const MeshTopology& topology_;

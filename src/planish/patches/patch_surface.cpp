@@ -137,25 +137,58 @@ DegenerateRows PatchSurface::rows(std::span<const glm::dvec3> state, const Place
   return degenerate;
 }
 
+// Normals of points that came out zero.
+DegenerateRows PatchSurface::mend(std::span<const glm::dvec3> state, const Placement& placement,
+                                  PointRows* points) const {
+  DegenerateRows found;
+  for (std::size_t i = 0; points != nullptr && i < points->size(); ++i) {
+    glm::vec3& normal = points->normals()[i];
+    if (normal == glm::vec3(0.0f))
+      found.add(normal_of(*this, state, placement, points->rows()[i], normal));
+  }
+  return found;
+}
+
 DegenerateRows PatchSurface::grids(std::span<const glm::dvec3> state, const Placement& placement,
-                                   std::span<const std::int32_t> corners,
-                                   const PatchTarget& target) const {
-  DegenerateRows owned;
-  if (corners.empty()) return owned;
-  if (!runner_.run_grids(corners, output_at(placement, target, 0), &state[0].x)) return owned;
+                                   std::span<const std::int32_t> corners, const PatchTarget& target,
+                                   PointRows* points) const {
+  DegenerateRows found;
+  if (points != nullptr) points->reset(0);
+  if (corners.empty()) return found;
+  if (!runner_.run_grids(corners, output_at(placement, target, 0), &state[0].x, points))
+    return found;
   const PatchSamples& samples = numbering_.samples();
   for (std::size_t i = 0; i < corners.size(); ++i) {
     for (std::int32_t b = 0; b <= samples.side(); ++b) {
       for (std::int32_t a = 0; a <= samples.side(); ++a) {
         glm::vec3& normal = target.normals[i * samples.count() + samples.index(a, b)];
         if (normal != glm::vec3(0.0f)) continue;
-        const DegenerateRows found =
+        const DegenerateRows one =
             normal_of(*this, state, placement, numbering_.row(corners[i], a, b), normal);
-        if (samples.index(a, b) < samples.owned_count()) owned.add(found);
+        if (samples.index(a, b) < samples.owned_count()) found.add(one);
       }
     }
   }
-  return owned;
+  found.add(mend(state, placement, points));
+  return found;
+}
+
+DegenerateRows PatchSurface::owned(std::span<const glm::dvec3> state, const Placement& placement,
+                                   std::int32_t first, std::int32_t corner_count,
+                                   const PatchTarget& target, PointRows& points) const {
+  const std::int64_t first_row = numbering_.corner_row(first),
+                     row_count = std::int64_t{corner_count} * numbering_.samples().owned_count();
+  const PatchTile tile{PatchNumbering::Part::Corners, first, corner_count, first_row, row_count};
+  DegenerateRows found;
+  if (!runner_.run_tile(tile, output_at(placement, target, 0), &state[0].x, &points)) return found;
+  for (std::int64_t i = 0; i < row_count; ++i) {
+    glm::vec3& normal = target.normals[static_cast<std::size_t>(i)];
+    if (normal == glm::vec3(0.0f))
+      found.add(
+          normal_of(*this, state, placement, static_cast<std::int32_t>(first_row + i), normal));
+  }
+  found.add(mend(state, placement, &points));
+  return found;
 }
 
 DegenerateRows PatchSurface::points(std::span<const glm::dvec3> state, const Placement& placement,

@@ -62,9 +62,19 @@ class PatchSurface {
                       const PatchTarget& target) const;
 
   /// All samples of some visible corners, one corner after another, each in the order of
-  /// PatchSamples. Returns the degenerate ones of their own samples.
+  /// PatchSamples. Returns the degenerate ones of their own samples. With `points`, where
+  /// makes_points(), and positions and normals the target: also the rows of vertices, faces and
+  /// edges that these corners stand for (PatchNumbering::item_corner()), the same bits as rows().
   DegenerateRows grids(std::span<const glm::dvec3> state, const Placement& placement,
-                       std::span<const std::int32_t> corners, const PatchTarget& target) const;
+                       std::span<const std::int32_t> corners, const PatchTarget& target,
+                       PointRows* points = nullptr) const;
+  /// The same of the corners from `first` on, but their own samples only: to their rows. The target
+  /// holds positions and normals of the rows from the first corner's on.
+  DegenerateRows owned(std::span<const glm::dvec3> state, const Placement& placement,
+                       std::int32_t first, std::int32_t corner_count, const PatchTarget& target,
+                       PointRows& points) const;
+  /// Whether corners can make those rows along.
+  [[nodiscard]] bool makes_points() const { return runner_.makes_points(); }
 
   /// Some rows of vertices, faces, edges and their further sectors, in any order: as rows() gives
   /// them. Returns the degenerate ones, as often as they come.
@@ -75,6 +85,8 @@ class PatchSurface {
   bool run_plan(const PatchPlan& plan, const PatchOutput& output, const double* state) const;
   DegenerateRows run_tile(std::size_t index, const PatchOutput& output, const double* state,
                           const Placement& placement, RowRange wanted) const;
+  DegenerateRows mend(std::span<const glm::dvec3> state, const Placement& placement,
+                      PointRows* points) const;
   DegenerateRows run_part(std::size_t index, std::span<const glm::dvec3> state,
                           const Placement& placement, RowRange wanted,
                           const PatchTarget& target) const;

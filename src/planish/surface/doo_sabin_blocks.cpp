@@ -248,6 +248,7 @@ DegenerateRows DooSabinBlocks::quad_corners(RowRange faces, std::span<glm::dvec3
   thread_local std::vector<std::int32_t> of;
   thread_local RawVector<glm::dvec3> grid_positions;
   thread_local RawVector<glm::vec3> grid_normals;
+  thread_local PointRows points;
   const std::int64_t cells = cell_count(), first = faces.first / cells,
                      last = (faces.first + faces.count + cells - 1) / cells;
   const PatchNumbering& numbering = surface_.numbering();
@@ -259,7 +260,14 @@ DegenerateRows DooSabinBlocks::quad_corners(RowRange faces, std::span<glm::dvec3
   PatchTarget target;
   target.positions = grid_positions;
   target.normals = grid_normals;
-  const DegenerateRows owned = surface_.grids(base_.state(), base_.placement(), of, target);
+  const bool makes_points = !along.stored.empty() && surface_.makes_points();
+  const DegenerateRows owned = surface_.grids(base_.state(), base_.placement(), of, target,
+                                              makes_points ? &points : nullptr);
+  for (std::size_t i = 0; makes_points && i < points.size(); ++i) {
+    const std::int32_t row = points.rows()[i];
+    FaceRows::at(along.stored, row) = glm::vec3(points.positions()[i] - along.origin);
+    FaceRows::at(along.normals, row) = points.normals()[i];
+  }
   std::size_t to = 0;
   for (std::size_t i = 0; i < of.size(); ++i) {
     const glm::dvec3* p = grid_positions.data() + i * count;
@@ -282,6 +290,26 @@ DegenerateRows DooSabinBlocks::quad_corners(RowRange faces, std::span<glm::dvec3
     }
   }
   return owned;
+}
+
+DegenerateRows DooSabinBlocks::face_rows(RowRange faces, const PatchTarget& all) const {
+  thread_local PointRows points;
+  const std::int64_t cells = cell_count(), first = faces.first / cells,
+                     last = (faces.first + faces.count + cells - 1) / cells;
+  const auto corner = static_cast<std::int32_t>(first);
+  const std::int64_t row = surface_.numbering().corner_row(corner);
+  PatchTarget target;
+  target.positions = all.positions.subspan(static_cast<std::size_t>(row));
+  target.normals = all.normals.subspan(static_cast<std::size_t>(row));
+  const DegenerateRows found =
+      surface_.owned(base_.state(), base_.placement(), corner,
+                     static_cast<std::int32_t>(last - first), target, points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto at = static_cast<std::size_t>(points.rows()[i]);
+    all.positions[at] = points.positions()[i];
+    all.normals[at] = points.normals()[i];
+  }
+  return found;
 }
 
 // At levels 0 and 1 every corner is a row of a vertex, a face or an edge.

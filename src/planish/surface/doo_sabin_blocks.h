@@ -97,9 +97,14 @@ class DooSabinBlocks final : public SurfaceBlocks {
     const PatchNumbering& numbering = surface_.numbering();
     // Beside hidden faces there are rows that no visible one makes; a device has made them all.
     if (level() < 2 || numbering.has_hidden() || !device_rows_.empty()) return {0, 0};
-    const std::int64_t first = numbering.first_row(PatchNumbering::Part::Corners);
+    const std::int64_t first =
+        surface_.makes_points() ? 0 : numbering.first_row(PatchNumbering::Part::Corners);
     return {first, numbering.end_row(PatchNumbering::Part::Corners) - first};
   }
+  [[nodiscard]] bool makes_face_rows() const override {
+    return device_rows_.empty() && surface_.makes_points();
+  }
+  DegenerateRows face_rows(RowRange faces, const PatchTarget& all) const override;
   DegenerateRows corners_and_rows(RowRange faces, std::span<glm::dvec3> positions,
                                   std::span<glm::vec3> normals,
                                   const FaceRows& along) const override {

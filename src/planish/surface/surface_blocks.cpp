@@ -13,6 +13,10 @@ namespace {
 
 // Rows and faces of a piece: those of several tiles, still within a core's cache.
 constexpr std::int64_t kPieceRows = 1 << 14;
+
+// Also of faces whose rows are made along.
+constexpr std::int64_t kPieceFaces = 1 << 13;
+
 template <class T>
 std::span<T> part_of(RawVector<T>& values, std::int64_t first, std::int64_t count) {
   return std::span(values).subspan(static_cast<std::size_t>(first),
@@ -75,6 +79,41 @@ void warn_of(const DegenerateRows& rows, const Callbacks& callbacks) {
                   rows.count, rows.first});
 }
 
+DegenerateRows make_all_rows(const SurfaceBlocks& blocks, const RowTarget& all,
+                             const Callbacks& callbacks) {
+  DegenerateRows degenerate;
+  std::mutex mutex;
+  const auto add = [&](const DegenerateRows& found) {
+    if (found.count == 0) return;
+    const std::lock_guard lock(mutex);
+    degenerate.add(found);
+  };
+  const bool by_faces = blocks.makes_face_rows() && all.stored.empty() && all.colors.empty();
+  const RowRange along = by_faces ? blocks.rows_of_faces() : RowRange{0, 0};
+  if (by_faces) {
+    for_pieces(ranges_of(blocks.info().face_count, kPieceFaces), callbacks, 0, 0.8,
+               [&](RowRange faces) { add(blocks.face_rows(faces, all)); });
+  }
+  std::vector<RowRange> pieces = blocks.row_blocks(kPieceRows);
+  std::erase_if(pieces, [&](const RowRange& piece) {
+    return piece.first >= along.first && piece.first + piece.count <= along.first + along.count;
+  });
+  for_pieces(pieces, callbacks, by_faces ? 0.8 : 0, by_faces ? 0 : 0.8, [&](RowRange rows) {
+    RowTarget target = all;
+    const auto take = [&](auto& values) {
+      if (!values.empty())
+        values = values.subspan(static_cast<std::size_t>(rows.first),
+                                static_cast<std::size_t>(rows.count));
+    };
+    take(target.positions);
+    take(target.stored);
+    take(target.normals);
+    take(target.colors);
+    add(blocks.rows(rows, target));
+  });
+  return degenerate;
+}
+
 SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
   const SurfaceInfo& info = blocks.info();
   SurfaceMesh surface;
@@ -86,18 +125,11 @@ SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
   surface.positions.resize(row_count);
   surface.normals.resize(row_count);
   if (info.has_colors) surface.colors.resize(row_count);
-  DegenerateRows degenerate;
-  std::mutex mutex;
-  for_pieces(blocks.row_blocks(kPieceRows), callbacks, 0, 0.8, [&](RowRange rows) {
-    RowTarget target;
-    target.positions = part_of(surface.positions, rows.first, rows.count);
-    target.normals = part_of(surface.normals, rows.first, rows.count);
-    if (info.has_colors) target.colors = part_of(surface.colors, rows.first, rows.count);
-    const DegenerateRows found = blocks.rows(rows, target);
-    if (found.count == 0) return;
-    const std::lock_guard lock(mutex);
-    degenerate.add(found);
-  });
+  RowTarget all;
+  all.positions = surface.positions;
+  all.normals = surface.normals;
+  all.colors = surface.colors;
+  const DegenerateRows degenerate = make_all_rows(blocks, all, callbacks);
 
   surface.face_vertices.resize(static_cast<std::size_t>(info.corner_count));
   if (info.uv_count > 0) surface.face_uvs.resize(surface.face_vertices.size());

@@ -102,6 +102,14 @@ class SurfaceBlocks {
   }
   /// Which quads are cut from corner 1 to 3: see is_cut_from_1(). Of surfaces of quads alone.
   virtual void cuts(RowRange faces, std::span<std::uint8_t> from_1) const;
+  /// Whether face_rows() is cheaper than rows() of rows_of_faces().
+  [[nodiscard]] virtual bool makes_face_rows() const { return false; }
+  /// Those of rows_of_faces() that lie on these faces. Faces of one patch must come together.
+  /// `all`: positions and normals of all rows of the surface.
+  virtual DegenerateRows face_rows([[maybe_unused]] RowRange faces,
+                                   [[maybe_unused]] const PatchTarget& all) const {
+    return {};
+  }
 
  protected:
   SurfaceInfo info_;
@@ -115,6 +123,11 @@ class SurfaceBlocks {
 /// from.
 [[nodiscard]] std::unique_ptr<SurfaceBlocks> blocks_of(const SurfaceMesh& surface,
                                                        const PolygonMesh& mesh);
+
+/// All rows of a surface, into arrays of all of them. Callbacks: step "evaluate" to 0.8, but for no
+/// warning. Throws Error{Cancelled}.
+DegenerateRows make_all_rows(const SurfaceBlocks& blocks, const RowTarget& all,
+                             const Callbacks& callbacks);
 
 /// The whole surface. Callbacks: step "evaluate", warning "degenerate-normals". Throws
 /// Error{Cancelled}.
