@@ -74,6 +74,13 @@ TEST_F(OutputPaths, WhatTheDiskRefusesIsAnOutputErrorWhateverItIs) {
   expect_refused({"-o", path("a.glb"), "--report", path("folder.json")}, 7, "is a folder");
 }
 
+TEST_F(OutputPaths, ANameThatNoFileSystemTakesIsRefusedAtOnce) {
+  const std::string stem(251, 'a');
+  EXPECT_EQ(run_planish({"fit", cube_, "-o", path(stem + ".glb")}).exit_code, 0);
+  EXPECT_EQ(read(stem + ".glb").substr(0, 4), "glTF");
+  expect_refused({"-o", path(stem + "a.glb")}, 7, "no file name is longer than 255 bytes");
+}
+
 TEST_F(OutputPaths, FormatsOfOthersAreToldHowToGetThere) {
   expect_refused({"-o", path("a.fbx")}, 2, "from a .glb \"assimp export ");
   expect_refused({"-o", path("a.usdz")}, 2, "Blender converts it");

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <climits>
 
 #include "job/input_path.h"
 #include "options/refuse.h"
@@ -105,7 +106,11 @@ void PathClaims::add_output(const fs::path& path, std::string_view where) {
   if (outputs_.contains(target.parent_path()))
     refuse(where, visible(path) + " lies in the folder of tiles; choose another");
   std::error_code error;
-  if (fs::is_directory(path, error)) {
+  if (path.filename().native().size() > NAME_MAX) {
+    refuse_place(path, where,
+                 ": no file name is longer than " + std::to_string(NAME_MAX) +
+                     " bytes; choose a shorter one");
+  } else if (fs::is_directory(path, error)) {
     refuse_place(path, where, " is a folder");
   } else if (fs::is_other(fs::status(path, error))) {
     // A whole file would take its place, and who reads there would wait for ever.
