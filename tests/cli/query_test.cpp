@@ -80,7 +80,8 @@ TEST_F(QueryCommand, WritesAFileAndKeepsToTheRulesOfOutputs) {
   EXPECT_EQ(run_planish({"query", torus_, "--points", probes_, "-o", path("a.json")}).exit_code, 0);
   EXPECT_EQ(read_json("a.json")["closest"].size(), 3u);
   EXPECT_THAT(refused({"--points", probes_, "-o", path("a.json")}, 7).err, HasSubstr("--force"));
-  EXPECT_THAT(refused({"--points", probes_, "-o", path("a.txt")}, 2).err, HasSubstr(".json"));
+  EXPECT_THAT(refused({"--points", probes_, "-o", path("a.txt")}, 2).err,
+              HasSubstr("a.txt: answers are written as .json or .ply"));
 }
 
 // One vertex an answer, which the mesh readers take as points.

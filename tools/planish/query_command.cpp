@@ -199,8 +199,10 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   claims.add_input(flags.input);
   claims.add_input(flags.points);
   faults.note([&] {
-    if (wants_ply(flags)) return claims.add_output(flags.output, "-o");
-    claims.add_report(flags.output, "-o");
+    const std::filesystem::path output(flags.output);
+    if (output != "-" && output.extension() != ".json" && !wants_ply(flags))
+      refuse("-o", visible(output) + ": answers are written as .json or .ply");
+    claims.add_output(output, "-o");
   });
   faults.throw_if_any();
 
