@@ -189,3 +189,14 @@ def test_no_program_for_points_is_said(grid, monkeypatch, tmp_path):
 def test_reading_points(tmp_path):
     (tmp_path / "p.xyz").write_text("1 2 3\n4 5 6.5\n")
     assert planish.read_points(tmp_path / "p.xyz").tolist() == [[1, 2, 3], [4, 5, 6.5]]
+
+
+def test_none_is_refused(cube):
+    mesh = planish.Mesh(*cube)
+    for call in (
+        lambda: planish.LimitSurface(None),
+        lambda: planish.verify(None, mesh),
+        lambda: planish.verify(mesh, None),
+    ):
+        with pytest.raises(TypeError):
+            call()

@@ -136,7 +136,7 @@ void add_limit(py::module_& module) {
                           "The limit surface of a Fit as a function, exact to rounding. Places are "
                           "(face, u, v): a face of fit.mesh, and parameters as OpenSubdiv's "
                           "Bfr::Parameterization has them.")
-      .def(py::init(&limit_of), py::arg("fit"))
+      .def(py::init(&limit_of), py::arg("fit").none(false))
       .def("evaluate", &evaluate_limit, py::arg("faces"), py::arg("u"), py::arg("v"),
            "Arrays by name for n places: position, normal, du, dv (n, 3); mean_curvature, "
            "gaussian_curvature (n,), NaN where there is none. Raises InvalidArgument for places "

@@ -245,7 +245,7 @@ void add_mesh(py::module_& module) {
              "A mesh near every one of these points, numbers (n, 3): within `tolerance` of the "
              "diagonal. Needs the program planish-reconstruct. Raises NoDevice without it, "
              "UnusableMesh for points that span no surface.");
-  module.def("verify", &verify_mesh, py::arg("cage"), py::arg("given"),
+  module.def("verify", &verify_mesh, py::arg("cage").none(false), py::arg("given").none(false),
              "How far the vertices of the mesh `given` are from the surface of the control mesh "
              "`cage`, by limit points in double. Further keywords are those of fit() that shaped "
              "the surface; `method` is \"progressive\" unless it is given. Raises UnusableMesh for "
