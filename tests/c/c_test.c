@@ -109,7 +109,8 @@ static void test_fit(void) {
   options.progress = NULL;
   options.max_iterations = 1;
   options.method = PLANISH_METHOD_PROGRESSIVE;
-  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_NOT_CONVERGED);
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_NOT_CONVERGED,
+                 " of the diagonal after iteration 1, and options.tolerance ");
   EXPECT(fit != NULL && planish_fit_get_info(fit, &info) == PLANISH_OK && !info.converged);
   EXPECT(info.iterations == 1 && info.method == PLANISH_METHOD_PROGRESSIVE);
   planish_fit_free(fit);
@@ -382,7 +383,8 @@ static void test_wrong_options(void) {
   EXPECT_REFUSED(planish_fit_file(NULL, "a.glb", 2, NULL, NULL), PLANISH_INVALID_ARGUMENT, "input");
   EXPECT_REFUSED(planish_verify(mesh, mesh, NULL, NULL), PLANISH_INVALID_ARGUMENT, "is NULL");
   options.tolerance = -1;
-  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "tolerance");
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.tolerance is -1; ");
   planish_fit_options_init(&options, sizeof options);
   options.method = 77;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "method");

@@ -6,6 +6,7 @@
 #include "planish/c/call.h"
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
+#include "planish/core/number_text.h"
 #include "planish/mesh/weld_vertices.h"
 #include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/verify_cage.h"
@@ -17,7 +18,7 @@ constexpr std::int32_t kMaxThreads = 4096;
 
 void require_options(const planish_fit_options& options) {
   const auto out_of_range = [](const char* name, double value, const char* wanted) {
-    refuse(std::string("options.") + name + " is " + std::to_string(value) + "; " + wanted);
+    refuse(std::string("options.") + name + " is " + shortest(value) + "; " + wanted);
   };
   if (options.method < PLANISH_METHOD_AUTO || options.method > PLANISH_METHOD_FAIR)
     out_of_range("method", options.method, "a planish_method is wanted");
@@ -75,7 +76,15 @@ planish_fit_info info_of(const FittedMesh& fitted) {
 }
 
 planish_status convergence_status(const FittedMesh& fitted) {
-  return fitted.fit.interpolation.converged ? PLANISH_OK : PLANISH_NOT_CONVERGED;
+  const Interpolation& found = fitted.fit.interpolation;
+  if (found.converged) return PLANISH_OK;
+  const std::string message = "not converged: the largest error is " + shortest(found.error.max) +
+                              " of the diagonal after iteration " +
+                              std::to_string(found.iterations) + ", and options.tolerance " +
+                              shortest(fitted.options.tolerance) +
+                              "; allow more of either, or take PLANISH_METHOD_FAIR";
+  note(message.c_str(), -1);
+  return PLANISH_NOT_CONVERGED;
 }
 
 }  // namespace

@@ -17,15 +17,6 @@ struct LastError {
 
 thread_local LastError last_error;
 
-void note(const char* message, std::int64_t element) noexcept {
-  try {
-    last_error = {message, element};
-  } catch (...) {  // no memory for the message
-    last_error.message.clear();
-    last_error.element = -1;
-  }
-}
-
 planish_status status_of(ErrorCode code) {
   switch (code) {
     case ErrorCode::InvalidArgument:
@@ -47,6 +38,15 @@ planish_status status_of(ErrorCode code) {
 }
 
 }  // namespace
+
+void note(const char* message, std::int64_t element) noexcept {
+  try {
+    last_error = {message, element};
+  } catch (...) {  // no memory for the message
+    last_error.message.clear();
+    last_error.element = -1;
+  }
+}
 
 planish_status call(const std::function<planish_status()>& work) noexcept {
   try {

@@ -14,6 +14,9 @@ namespace planish::c {
 /// Runs `work` and turns what it throws into a status and this thread's last error.
 [[nodiscard]] planish_status call(const std::function<planish_status()>& work) noexcept;
 
+/// Sets this thread's last error, for a status that comes with results.
+void note(const char* message, std::int64_t element) noexcept;
+
 /// Runs `work` on so many threads; 0: all.
 void run_on(int thread_count, const std::function<void()>& work);
 

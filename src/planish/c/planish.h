@@ -7,8 +7,8 @@
  * - Handles (planish_mesh, planish_fit, planish_surface, planish_queries) are opaque; each *_free()
  * takes NULL. What a handle was made from may be freed before it.
  * - Every function that can fail returns a status and leaves its outputs as they were unless it is
- *   PLANISH_OK or PLANISH_NOT_CONVERGED. planish_last_error() then says what, where, the value and
- *   the remedy. No C++ exception leaves the library.
+ *   PLANISH_OK or PLANISH_NOT_CONVERGED. Of every status but PLANISH_OK planish_last_error() says
+ *   what, where, the value and the remedy. No C++ exception leaves the library.
  * - Structs begin with their size. Their *_init(&it, sizeof it) sets it and the defaults. A caller
  *   that was compiled with an older header passes a smaller size; what it does not know takes its
  *   default.
