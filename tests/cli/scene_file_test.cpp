@@ -57,6 +57,22 @@ TEST(SceneFile, ReadsTheDocumentedExample) {
   EXPECT_EQ(job.report, "dir/out/goblet.json");
 }
 
+// For who has not all settings, and refuses one by its place.
+TEST(SceneFile, SaysWhereSettingsStandAndWhatTheyAre) {
+  const std::vector<Job> jobs =
+      parse(std::string("{\"version\":1,\n\"defaults\":{\"skirts\":true},\n"
+                        "\"jobs\":[{\"input\":\"a.obj\",\n"
+                        "\"solve\":{\n\"solver\":\"plain\"},\n"
+                        "\"levels\":[3,1],\"source\":\"b.obj\"}]}"));
+  std::vector<std::string> given;
+  for (const GivenSetting& one : jobs.at(0).given)
+    given.push_back(one.name + " " + one.where + " " + one.value);
+  EXPECT_THAT(given, ElementsAre("skirts s.json:2: defaults.skirts true",
+                                 "solver s.json:5: jobs[0].solve.solver plain",
+                                 "levels s.json:6: jobs[0].levels [3,1]",
+                                 "source s.json:6: jobs[0].source b.obj"));
+}
+
 TEST(SceneFile, JobsOverrideDefaultsAndPresetsComeFirst) {
   const std::vector<Job> jobs =
       parse(scene_with({{"input", "a.obj"}, {"solve", {{"preset", "paper"}, {"solver", "cg"}}}},

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "job/sampling.h"
+#include "options/given_setting.h"
 #include "options/settings.h"
 #include "output/output_plan.h"
 #include "page/page.h"
@@ -26,6 +27,9 @@ struct Job {
   std::vector<OutputRequest> outputs;
   /// Names of the settings that flags gave, for a warning where one has no effect.
   std::vector<std::string> given_settings;
+  /// Settings, "sample", "source" and "page" of a scene file as they stand there, those of the
+  /// defaults first.
+  std::vector<GivenSetting> given;
   std::string source;  ///< mesh that the surface is compared with; empty: the input
   std::string report;  ///< path, "-" for stdout, empty for none
   std::string page;    ///< the same

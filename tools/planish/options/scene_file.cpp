@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -9,8 +10,8 @@
 #include "job/point_input.h"
 #include "options/json_lines.h"
 #include "options/nearest.h"
-#include "options/point_settings.h"
 #include "options/refuse.h"
+#include "options/scene_settings.h"
 #include "options/scene_values.h"
 #include "options/strict_json.h"
 #include "page/page_job.h"
@@ -20,133 +21,6 @@
 
 namespace planish::command {
 namespace {
-
-void check_keys(const Json& json, SceneObject kind, const std::string& where) {
-  require_object(json, where);
-  const std::vector<std::string_view> known = scene_keys(kind);
-  for (const auto& [key, value] : json.items()) {
-    if (std::ranges::find(known, key) == known.end())
-      refuse(key_path(where, key), "this key is not known" + did_you_mean(key, known));
-  }
-}
-
-template <class Read>
-auto list_of(const Json& json, const std::string& where, const char* wanted, const Read& read) {
-  if (!json.is_array())
-    refuse(where, std::string("a list of ") + wanted + " is wanted, not " + json.type_name());
-  std::vector<decltype(read(json, where))> values;
-  for (std::size_t i = 0; i < json.size(); ++i)
-    values.push_back(read(json[i], entry_path(where, i)));
-  return values;
-}
-
-std::vector<int> levels_of(const Json& json, const std::string& where) {
-  return checked_levels(list_of(json, where, "levels such as [2]", integer_of), where);
-}
-
-std::vector<double> chord_errors_of(const Json& json, const std::string& where) {
-  return checked_chord_errors(list_of(json, where, "errors such as [0.001]", number_of), where);
-}
-
-// What says how fine a surface is takes the place of what said so before.
-void apply_fineness(const Json& json, const std::string& where, std::vector<int>& levels,
-                    AdaptiveChoice& adaptive) {
-  const bool is_adaptive = json.contains("chord_errors") || json.contains("angle");
-  if (json.contains("levels")) {
-    if (is_adaptive) {
-      refuse(key_path(where, "levels"),
-             "a surface has levels or chord_errors and an angle, not both; leave one of them out");
-    }
-    levels = levels_of(json["levels"], key_path(where, "levels"));
-    adaptive = {};
-  }
-  if (json.contains("chord_errors"))
-    adaptive.chord_errors = chord_errors_of(json["chord_errors"], key_path(where, "chord_errors"));
-  if (json.contains("angle")) {
-    const std::string path = key_path(where, "angle");
-    adaptive.angle = checked_angle(number_of(json["angle"], path), path);
-  }
-}
-
-template <class Visit>
-void for_entries(const Json& json, const std::string& where, const Visit& visit) {
-  if (!json.is_array()) refuse(where, std::string("a list is wanted, not ") + json.type_name());
-  for (std::size_t i = 0; i < json.size(); ++i) visit(json[i], entry_path(where, i));
-}
-
-std::int32_t vertex_of(const Json& json, const std::string& where) {
-  const std::int64_t vertex = integer_of(json, where);
-  if (vertex < 0) refuse(where, "a vertex counted from 0 is wanted, not " + std::to_string(vertex));
-  return static_cast<std::int32_t>(vertex);
-}
-
-// Settings of one object. A key may stand in the object or in its "solve", not in both.
-void apply_settings(Settings& settings, const Json& json, const std::string& where) {
-  const bool has_solve = json.contains("solve");
-  const Json solve = has_solve ? json["solve"] : Json::object();
-  const std::string solve_path = key_path(where, "solve");
-  if (has_solve) check_keys(solve, SceneObject::Solve, solve_path);
-
-  const auto visit = [&](std::string_view key, const auto& set) {
-    const bool here = json.contains(key);
-    const bool in_solve = solve.contains(key);
-    if (here && in_solve) {
-      refuse(key_path(solve_path, key), "stands in " + where + " as well; once is enough");
-    }
-    if (here) set(json[std::string(key)], key_path(where, key));
-    if (in_solve) set(solve[std::string(key)], key_path(solve_path, key));
-  };
-  for (const WordSetting& setting : word_settings()) {
-    visit(setting.name, [&](const Json& value, const std::string& path) {
-      setting.set(settings, text_of(value, path), path);
-    });
-  }
-  for (const PointSetting& setting : point_settings()) {
-    visit(setting.name, [&](const Json& value, const std::string& path) {
-      const bool as_number = setting.is_number && value.is_number();
-      setting.set(settings.points, as_number ? value.dump() : text_of(value, path), path);
-    });
-  }
-  visit("tolerance", [&](const Json& value, const std::string& path) {
-    set_tolerance(settings, number_of(value, path), path);
-  });
-  visit("weld", [&](const Json& value, const std::string& path) {
-    if (!value.is_number())
-      refuse(path, std::string("a number is wanted, not ") + value.type_name());
-    set_weld(settings, value.get<double>(), path);
-  });
-  visit("max_iterations", [&](const Json& value, const std::string& path) {
-    set_max_iterations(settings, integer_of(value, path), path);
-  });
-  visit("polish", [&](const Json& value, const std::string& path) {
-    set_polish_steps(settings, integer_of(value, path), path);
-  });
-  visit("tile_vertices", [&](const Json& value, const std::string& path) {
-    set_tile_vertices(settings, integer_of(value, path), path);
-  });
-  visit("skirts", [&](const Json& value, const std::string& path) {
-    if (!value.is_boolean())
-      refuse(path, std::string("true or false is wanted, not ") + value.type_name());
-    settings.skirts = value.get<bool>();
-  });
-  visit("crease_edges", [&](const Json& value, const std::string& path) {
-    settings.crease_edges.clear();
-    for_entries(value, path, [&](const Json& edge, const std::string& entry) {
-      if (!edge.is_array() || edge.size() != 2) {
-        refuse(entry, "two vertices such as [0, 1] are wanted");
-      }
-      settings.crease_edges.push_back(
-          {vertex_of(edge[0], entry_path(entry, 0)), vertex_of(edge[1], entry_path(entry, 1))});
-    });
-  });
-  visit("corner_vertices", [&](const Json& value, const std::string& path) {
-    settings.corner_vertices.clear();
-    for_entries(value, path, [&](const Json& vertex, const std::string& entry) {
-      settings.corner_vertices.push_back({vertex_of(vertex, entry)});
-    });
-  });
-  apply_fineness(json, where, settings.levels, settings.adaptive);
-}
 
 Sampling sampling_of(const Json& json, const std::string& where) {
   constexpr std::int64_t kMostPoints = 10'000'000;
@@ -173,14 +47,17 @@ Sampling sampling_of(const Json& json, const std::string& where) {
 
 class JobParser {
  public:
-  JobParser(const Settings& defaults, std::filesystem::path folder)
-      : defaults_(defaults), folder_(std::move(folder)) {}
+  JobParser(const Settings& defaults, std::vector<GivenSetting> given, std::filesystem::path folder)
+      : defaults_(defaults), given_(std::move(given)), folder_(std::move(folder)) {}
 
   Job parse(const Json& json, const std::string& where) const {
     check_keys(json, SceneObject::Job, where);
     Job job;
     job.settings = defaults_;
-    apply_settings(job.settings, json, where);
+    job.given = given_;
+    apply_settings(job.settings, job.given, json, where);
+    for (const char* const key : {"sample", "source", "page"})
+      note_given(job.given, json, key, where);
     check_consistent_at(job.settings, where);
     if (!json.contains("input")) refuse(where, "has no \"input\"");
     job.input = path_of(json["input"], key_path(where, "input"));
@@ -264,6 +141,7 @@ class JobParser {
   }
 
   Settings defaults_;
+  std::vector<GivenSetting> given_;
   std::filesystem::path folder_;
 };
 
@@ -277,39 +155,6 @@ std::string listed(const std::vector<std::string_view>& names) {
                               : text;
 }
 
-}  // namespace
-
-std::vector<std::string_view> scene_keys(SceneObject object) {
-  std::vector<std::string_view> solve{"tolerance", "max_iterations", "polish",
-                                      "weld",      "crease_edges",   "corner_vertices"};
-  std::vector<std::string_view> all = solve;
-  all.insert(all.end(), {"levels", "chord_errors", "angle", "tile_vertices", "skirts", "solve"});
-  for (const WordSetting& setting : word_settings()) {
-    all.push_back(setting.name);
-    if (setting.belongs_to_solve) solve.push_back(setting.name);
-  }
-  for (const PointSetting& setting : point_settings()) all.push_back(setting.name);
-  switch (object) {
-    case SceneObject::Scene:
-      return {"$schema", "version", "defaults", "jobs"};
-    case SceneObject::Defaults:
-      return all;
-    case SceneObject::Job:
-      all.insert(all.end(), {"name", "input", "input_format", "sample", "outputs", "source",
-                             "report", "page"});
-      return all;
-    case SceneObject::Solve:
-      return solve;
-    case SceneObject::Output:
-      return {"path", "what", "levels", "chord_errors", "angle"};
-    case SceneObject::Sample:
-      return {"points", "pattern", "seed", "noise", "outliers"};
-  }
-  return {};
-}
-
-namespace {
-
 std::vector<Job> jobs_of(const Json& scene, const std::string& name,
                          const std::filesystem::path& folder) {
   check_keys(scene, SceneObject::Scene, name);
@@ -320,15 +165,16 @@ std::vector<Job> jobs_of(const Json& scene, const std::string& name,
   }
   if (!scene.contains("jobs")) refuse(name, "has no \"jobs\"");
   Settings defaults;
+  std::vector<GivenSetting> given;
   if (scene.contains("defaults")) {
     const std::string where = key_path(name, "defaults");
     check_keys(scene["defaults"], SceneObject::Defaults, where);
-    apply_settings(defaults, scene["defaults"], where);
+    apply_settings(defaults, given, scene["defaults"], where);
   }
   const Json& list = scene["jobs"];
   const std::string where = key_path(name, "jobs");
   if (list.is_array() && list.empty()) refuse(where, "is empty");
-  const JobParser parser(defaults, folder);
+  const JobParser parser(defaults, std::move(given), folder);
   std::vector<Job> jobs;
   std::set<std::string> names;
   for_entries(list, where, [&](const Json& json, const std::string& entry) {
@@ -341,11 +187,11 @@ std::vector<Job> jobs_of(const Json& scene, const std::string& name,
 }
 
 // "scene.json: jobs[0].name: ..." with the line of that key, or of the nearest above it.
-std::string with_line(const std::string& message, const std::string& name, std::string_view text) {
+std::string with_line(const std::string& message, const std::string& name,
+                      const std::map<std::string, int>& lines) {
   const std::string head = name + ": ";
   if (!message.starts_with(head)) return message;
   std::string path = message.substr(head.size(), message.find(": ", head.size()) - head.size());
-  const auto lines = lines_of_json(text);
   while (!path.empty()) {
     const auto found = lines.find(path);
     if (found != lines.end())
@@ -361,22 +207,28 @@ std::string with_line(const std::string& message, const std::string& name, std::
 std::vector<Job> parse_scene(std::string_view text, const std::string& name,
                              const std::filesystem::path& folder) {
   const Json scene = parse_json(text, name);
+  const std::map<std::string, int> lines = lines_of_json(text);
   try {
-    return jobs_of(scene, name, folder);
+    std::vector<Job> jobs = jobs_of(scene, name, folder);
+    for (Job& job : jobs)
+      for (GivenSetting& given : job.given) given.where = with_line(given.where, name, lines);
+    return jobs;
   } catch (const Error& error) {
-    throw Error(error.code(), with_line(error.what(), name, text), error.element());
+    throw Error(error.code(), with_line(error.what(), name, lines), error.element());
+  }
+}
+
+std::string read_scene_text(const std::filesystem::path& path) {
+  try {
+    const RawVector<std::byte> bytes = read_file(path);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  } catch (const Error& error) {
+    throw Error(ErrorCode::InvalidArgument, error.what());
   }
 }
 
 std::vector<Job> read_scene_file(const std::filesystem::path& path) {
-  RawVector<std::byte> bytes;
-  try {
-    bytes = read_file(path);
-  } catch (const Error& error) {
-    throw Error(ErrorCode::InvalidArgument, error.what());
-  }
-  return parse_scene({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, visible(path),
-                     path.parent_path());
+  return parse_scene(read_scene_text(path), visible(path), path.parent_path());
 }
 
 std::vector<Job> select_jobs(std::vector<Job> jobs, const std::vector<std::string>& names) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "job/job.h"
+#include "options/scene_settings.h"
 
 namespace planish::command {
 
@@ -13,6 +14,9 @@ namespace planish::command {
 /// file's folder. Throws Error{InvalidArgument}: `scene.json: jobs[0].solve.solver: what, value`;
 /// for a key that is not known the nearest known one is named.
 [[nodiscard]] std::vector<Job> read_scene_file(const std::filesystem::path& path);
+
+/// The text of a scene file. Throws Error{InvalidArgument} where it cannot be read.
+[[nodiscard]] std::string read_scene_text(const std::filesystem::path& path);
 
 /// The same from text; `name` stands in messages, `folder` is what paths are relative to.
 [[nodiscard]] std::vector<Job> parse_scene(std::string_view text, const std::string& name,
@@ -22,9 +26,5 @@ namespace planish::command {
 /// Throws Error{InvalidArgument} for a name that no job has.
 [[nodiscard]] std::vector<Job> select_jobs(std::vector<Job> jobs,
                                            const std::vector<std::string>& names);
-
-/// The keys that each kind of object in a scene file may have; the schema is held against them.
-enum class SceneObject { Scene, Defaults, Job, Solve, Output, Sample };
-[[nodiscard]] std::vector<std::string_view> scene_keys(SceneObject object);
 
 }  // namespace planish::command

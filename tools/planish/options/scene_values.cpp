@@ -36,6 +36,12 @@ std::string entry_path(const std::string& where, std::size_t index) {
   return where + "[" + std::to_string(index) + "]";
 }
 
+void for_entries(const Json& json, const std::string& where,
+                 const std::function<void(const Json&, const std::string&)>& visit) {
+  if (!json.is_array()) refuse(where, std::string("a list is wanted, not ") + json.type_name());
+  for (std::size_t i = 0; i < json.size(); ++i) visit(json[i], entry_path(where, i));
+}
+
 double number_of(const Json& json, const std::string& where) {
   if (!json.is_number()) refuse(where, std::string("a number is wanted, not ") + json.type_name());
   return json.get<double>();

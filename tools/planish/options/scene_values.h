@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -25,5 +27,9 @@ void require_object(const Json& json, const std::string& where);
 // Where a value stands: "scene.json: jobs[0].solve".
 [[nodiscard]] std::string key_path(const std::string& where, std::string_view key);
 [[nodiscard]] std::string entry_path(const std::string& where, std::size_t index);
+
+/// Calls visit(entry, its place) for each entry of a list.
+void for_entries(const Json& json, const std::string& where,
+                 const std::function<void(const Json&, const std::string&)>& visit);
 
 }  // namespace planish::command
