@@ -28,9 +28,10 @@ bool no_color_is_set() {
 
 }  // namespace
 
-Console::Console(LogLevel level, ColorMode color, MessageForm form)
+Console::Console(LogLevel level, ColorMode color, MessageForm form, std::string_view program)
     : level_(level),
       form_(form),
+      program_(program),
       terminal_(is_capable_terminal()),
       color_(color == ColorMode::Always ||
              (color == ColorMode::Auto && terminal_ && !no_color_is_set())) {}
@@ -52,7 +53,7 @@ void Console::say(std::string_view level, std::string_view color, std::string_vi
   }
   std::string line;
   if (!color.empty()) {
-    line = "planish: ";
+    line = program_ + ": ";
     if (color_) line += color;
     line += level;
     if (color_) line += "\033[0m";

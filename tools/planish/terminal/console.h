@@ -25,7 +25,9 @@ struct MessageStyle {
 /// threads.
 class Console {
  public:
-  Console(LogLevel level, ColorMode color, MessageForm form = MessageForm::Text);
+  /// `program`: what messages begin with.
+  Console(LogLevel level, ColorMode color, MessageForm form = MessageForm::Text,
+          std::string_view program = "planish");
   ~Console() { clear_status(); }
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -49,6 +51,7 @@ class Console {
 
   LogLevel level_;
   MessageForm form_;
+  std::string program_;
   bool terminal_;
   bool color_;
   std::mutex mutex_;
