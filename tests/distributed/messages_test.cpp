@@ -37,6 +37,25 @@ TEST(Messages, ExchangeInRoundsGivesWhatOneRoundGives) {
   }
 }
 
+TEST(Messages, PeersGetWhatAllToAllGives) {
+  for (const int count : {1, 3, 8}) {
+    on_ranks(count, [](const Ranks& ranks) {
+      // To oneself, and to the two ranks behind; none to the others.
+      std::vector<std::int64_t> counts(static_cast<std::size_t>(ranks.size), 0), sent;
+      for (int k = 0; k < 3; ++k) counts[(ranks.rank + k) % ranks.size] = 5 + k + ranks.rank;
+      for (int r = 0; r < ranks.size; ++r)
+        for (std::int64_t k = 0; k < counts[r]; ++k)
+          sent.push_back(1000 * ranks.rank + 100 * r + k);
+      std::vector<std::int64_t> received;
+      const auto expected = all_to_all<std::int64_t>(ranks, sent, counts, &received);
+      RawVector<std::int64_t> got(expected.size());
+      exchange_with_peers(ranks, reinterpret_cast<const std::byte*>(sent.data()), counts,
+                          reinterpret_cast<std::byte*>(got.data()), received, sizeof(std::int64_t));
+      EXPECT_TRUE(got == expected);
+    });
+  }
+}
+
 TEST(Messages, FetchAsksOwners) {
   on_ranks(5, [](const Ranks& ranks) {
     const Layout layout = even_layout(17, ranks.size);

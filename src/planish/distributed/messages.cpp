@@ -169,4 +169,38 @@ void exchange_bytes(const Ranks& ranks, const std::byte* from, std::span<const s
   MPI_Type_free(&element);
 }
 
+void exchange_with_peers(const Ranks& ranks, const std::byte* from,
+                         std::span<const std::int64_t> sent, std::byte* to,
+                         std::span<const std::int64_t> received, std::size_t element_bytes) {
+  constexpr int kTag = 1;
+  MPI_Datatype element;
+  MPI_Type_contiguous(static_cast<int>(element_bytes), MPI_BYTE, &element);
+  MPI_Type_commit(&element);
+  std::vector<MPI_Request> requests;
+  const std::byte* own = from;
+  std::byte* own_place = to;
+  for (int r = 0; r < ranks.size; ++r) {
+    const auto count = static_cast<int>(received[r]);
+    if (r == ranks.rank) {
+      own_place = to;
+    } else if (count > 0) {
+      MPI_Irecv(to, count, element, r, kTag, ranks.comm, &requests.emplace_back());
+    }
+    to += static_cast<std::size_t>(received[r]) * element_bytes;
+  }
+  for (int r = 0; r < ranks.size; ++r) {
+    const auto count = static_cast<int>(sent[r]);
+    if (r == ranks.rank) {
+      own = from;
+    } else if (count > 0) {
+      MPI_Isend(from, count, element, r, kTag, ranks.comm, &requests.emplace_back());
+    }
+    from += static_cast<std::size_t>(sent[r]) * element_bytes;
+  }
+  const std::size_t own_bytes = static_cast<std::size_t>(sent[ranks.rank]) * element_bytes;
+  if (own_bytes > 0) std::memcpy(own_place, own, own_bytes);
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  MPI_Type_free(&element);
+}
+
 }  // namespace planish

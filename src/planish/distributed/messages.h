@@ -62,6 +62,12 @@ void exchange_bytes(const Ranks& ranks, const std::byte* from, std::span<const s
                     std::byte* to, std::span<const std::int64_t> received,
                     std::size_t element_bytes, std::size_t round_bytes = kRoundBytes);
 
+/// The same where most counts are 0 and none is above 2^31 - 1, as in a halo: messages to and from
+/// those with a count alone.
+void exchange_with_peers(const Ranks& ranks, const std::byte* from,
+                         std::span<const std::int64_t> sent, std::byte* to,
+                         std::span<const std::int64_t> received, std::size_t element_bytes);
+
 /// The elements from rank 0, rank 1, ...; `send` holds `counts[r]` for each rank r.
 template <class T>
 [[nodiscard]] RawVector<T> all_to_all(const Ranks& ranks, std::span<const T> send,

@@ -177,8 +177,8 @@ void PartHalo::exchange(const Link& link, std::span<T> values) {
   RawVector<T> send(link.sources.size()), got(link.targets.size());
   for (std::size_t i = 0; i < send.size(); ++i)
     send[i] = link.sources[i] >= 0 ? values[link.sources[i]] : T{};
-  exchange_bytes(ranks_, reinterpret_cast<const std::byte*>(send.data()), link.sent,
-                 reinterpret_cast<std::byte*>(got.data()), link.received, sizeof(T));
+  exchange_with_peers(ranks_, reinterpret_cast<const std::byte*>(send.data()), link.sent,
+                      reinterpret_cast<std::byte*>(got.data()), link.received, sizeof(T));
   for (std::size_t i = 0; i < got.size(); ++i)
     if (link.targets[i] >= 0) values[link.targets[i]] = got[i];
   if (after_exchange_) after_exchange_();
