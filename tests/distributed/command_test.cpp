@@ -155,7 +155,6 @@ TEST_F(MpiCommand, RefusesByNameWhatItHasNot) {
   EXPECT_THAT(refusal({"--skirts"}), HasSubstr("--skirts: belongs to 3D Tiles"));
   EXPECT_THAT(refusal({"--resume"}), HasSubstr("--resume: belongs to 3D Tiles"));
   EXPECT_THAT(refusal({"--weld", "0.1"}), HasSubstr("--weld: nothing is mended over ranks"));
-  EXPECT_THAT(refusal({"--interpolation", "fair"}), HasSubstr("--cage: the fair method's cage"));
   EXPECT_THAT(refusal({"--polish", "3"}), HasSubstr("--polish: belongs to the fair method"));
   EXPECT_THAT(refusal({"--solver", "cg"}), HasSubstr("--solver: cg"));
   EXPECT_THAT(refusal({"--scheme", "loop"}), HasSubstr("--scheme: loop"));

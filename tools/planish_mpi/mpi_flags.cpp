@@ -133,8 +133,6 @@ void take_method(const MpiFlags& flags, MpiJob& job) {
     if (!is_fair) refuse("--polish", "belongs to the fair method; take --interpolation fair");
     set_polish_steps(settings, parse_whole(flags.polish, "--polish"), "--polish");
   }
-  if (is_fair && !flags.cage.empty())
-    refuse("--cage", "the fair method's cage is its mesh of level 1, which ranks do not write");
   job.options.method = is_fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive;
   job.options.polish_steps = settings.polish_steps;
 }

@@ -13,6 +13,7 @@
 
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
+#include "planish/distributed/fair_cage.h"
 #include "planish/distributed/staged_tileset.h"
 #include "planish/distributed/write_cage.h"
 #include "planish/fair/fair_net.h"
@@ -74,7 +75,8 @@ class DistributedJob {
     fit_.warnings = slice_.warnings;
     vertices_ = slice_.vertices;
     if (options_.sharp.use_tags) warn_of_semi_sharp(ranks_, slice_, fit_.warnings);
-    if (!options_.cage.empty()) cage_faces_ = encode_cage_faces(ranks_, slice_);
+    if (!options_.cage.empty() && is_fair()) corners_ = corner_starts_of(ranks_, slice_);
+    if (!options_.cage.empty() && !is_fair()) cage_faces_ = encode_cage_faces(ranks_, slice_);
     if (options_.tiles.empty()) slice_.attributes = {};
     watch_.fault_point();
   }
@@ -155,19 +157,13 @@ class DistributedJob {
     cage.insert(cage.end(), ghosts.begin(), ghosts.end());
     fit_.tiles = write_part_tiles(ranks_, staged_tiles_->document(), part_, cage, options);
     warn_of_tiles(*fit_.tiles);
-    drop_rings();
+    if (!is_fair() || options_.cage.empty()) drop_rings();
   }
 
   DistributedFit finish(const std::function<void(const DistributedFit&)>& before_commit) {
     watch_.begin("write");
     std::optional<StagedFile> cage;
-    if (!options_.cage.empty()) {
-      const std::vector<glm::dvec3> points =
-          in_file_order(ranks_, vertices_, part_.file_ids, cage_);
-      cage_ = {};
-      cage.emplace(ranks_, options_.cage);
-      write_cage(ranks_, vertices_, fit_.faces, points, cage_faces_, options_.cage_header, *cage);
-    }
+    if (!options_.cage.empty()) write_cage_to(cage);
     watch_.fault_point();
     watch_.end();
     if (fit_.fair) {
@@ -175,6 +171,7 @@ class DistributedJob {
       fit_.fair->keys = {};
     }
     gather_figures();
+    part_.file_ids.resize(static_cast<std::size_t>(part_.owned_count()));
     fit_.file_ids = std::move(part_.file_ids);
     if (before_commit) before_commit(fit_);
     if (staged_tiles_) staged_tiles_->commit();
@@ -184,6 +181,20 @@ class DistributedJob {
 
  private:
   [[nodiscard]] bool is_fair() const { return options_.method == InterpolationMethod::Fair; }
+
+  void write_cage_to(std::optional<StagedFile>& file) {
+    if (is_fair()) {
+      const FairCage cage = make_fair_cage(ranks_, part_, *fit_.fair, corners_, options_.sharp);
+      file.emplace(ranks_, options_.cage);
+      write_cage(ranks_, cage.vertices, cage.face_total, cage.positions, cage.faces,
+                 options_.cage_header, *file);
+      return;
+    }
+    const std::vector<glm::dvec3> points = in_file_order(ranks_, vertices_, part_.file_ids, cage_);
+    cage_ = {};
+    file.emplace(ranks_, options_.cage);
+    write_cage(ranks_, vertices_, fit_.faces, points, cage_faces_, options_.cage_header, *file);
+  }
 
   void solve(PartRows rows) {
     const PetscSolveOptions options{options_.solver, options_.tolerance, options_.max_iterations,
@@ -302,6 +313,7 @@ class DistributedJob {
   MeshSlice slice_;
   Layout vertices_;
   CageFaces cage_faces_;
+  CornerStarts corners_;
   MeshPart part_;
   std::vector<glm::dvec3> cage_;  // of owned vertices
   std::optional<StagedTileset> staged_tiles_;
@@ -319,9 +331,6 @@ DistributedFit fit_distributed(const Ranks& ranks, const std::function<MeshSlice
       throw Error(ErrorCode::InvalidArgument, "blocks of " +
                                                   std::to_string(options.block_vertices) +
                                                   " vertices; 1 to 16777216 are wanted");
-    if (options.method == InterpolationMethod::Fair && !options.cage.empty())
-      throw Error(ErrorCode::InvalidArgument,
-                  "the fair method has no cage over ranks; take tiles, or the progressive method");
     FairOptions fair;
     fair.polish_steps = options.polish_steps;
     require_valid(fair);

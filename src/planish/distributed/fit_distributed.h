@@ -28,7 +28,7 @@ struct DistributedOptions {
   std::int32_t max_iterations = 200;
   std::int64_t block_vertices = kBlockVertices;
   std::string name = "mesh";  ///< of the input, in messages
-  /// Path of a .ply; empty: none. The fair method has no cage on the mesh's faces.
+  /// Path of a .ply; empty: none. That of the fair method is its mesh of level 1.
   std::string cage;
   std::vector<std::string> cage_header;  ///< comment lines of it
   /// Path of a document of 3D Tiles; empty: none. Its blocks are then a quarter of tile_vertices,

@@ -59,32 +59,41 @@ RawVector<std::byte> vertex_bytes(std::span<const glm::dvec3> positions, const C
 
 }  // namespace
 
-CageFaces encode_cage_faces(const Ranks& ranks, const MeshSlice& slice) {
+CageFaces encode_faces(const Ranks& ranks, std::span<const std::int64_t> sizes,
+                       std::span<const std::int64_t> corners, std::int64_t vertex_total) {
   CageFaces faces;
-  faces.has_colors = slice.attributes.has_colors;
-  faces.colors = encoded_colors(slice.attributes.colors);
   std::int64_t largest = 0;
-  for (std::int64_t f = 0; f < slice.face_count(); ++f)
-    largest = std::max(largest, static_cast<std::int64_t>(slice.face(f).size()));
+  for (const std::int64_t size : sizes) largest = std::max(largest, size);
   faces.has_short_counts = max_over(ranks, largest) <= static_cast<std::int64_t>(kShortCount);
   agree(ranks, [&] {
-    if (slice.vertex_total() > std::numeric_limits<std::int32_t>::max())
+    if (vertex_total > std::numeric_limits<std::int32_t>::max())
       throw Error(ErrorCode::InvalidArgument,
-                  "--cage: a PLY's int indices end at 2^31 - 1, and the mesh has " +
-                      std::to_string(slice.vertex_total()) + " vertices");
+                  "--cage: a PLY's int indices end at 2^31 - 1, and the cage has " +
+                      std::to_string(vertex_total) + " vertices; leave it out");
     const std::size_t count_bytes = faces.has_short_counts ? 1 : 4;
-    faces.bytes.reserve(4 * slice.face_vertices.size() +
-                        count_bytes * static_cast<std::size_t>(slice.face_count()));
-    for (std::int64_t f = 0; f < slice.face_count(); ++f) {
-      const auto named = slice.face(f);
+    faces.bytes.reserve(4 * corners.size() + count_bytes * sizes.size());
+    std::size_t corner = 0;
+    for (const std::int64_t size : sizes) {
       if (faces.has_short_counts) {
-        put(faces.bytes, static_cast<std::uint8_t>(named.size()));
+        put(faces.bytes, static_cast<std::uint8_t>(size));
       } else {
-        put(faces.bytes, static_cast<std::int32_t>(named.size()));
+        put(faces.bytes, static_cast<std::int32_t>(size));
       }
-      for (const std::int64_t vertex : named) put(faces.bytes, static_cast<std::int32_t>(vertex));
+      for (std::int64_t i = 0; i < size; ++i)
+        put(faces.bytes, static_cast<std::int32_t>(corners[corner++]));
     }
   });
+  return faces;
+}
+
+CageFaces encode_cage_faces(const Ranks& ranks, const MeshSlice& slice) {
+  std::vector<std::int64_t> sizes;
+  sizes.reserve(static_cast<std::size_t>(slice.face_count()));
+  for (std::int64_t f = 0; f < slice.face_count(); ++f)
+    sizes.push_back(static_cast<std::int64_t>(slice.face(f).size()));
+  CageFaces faces = encode_faces(ranks, sizes, slice.face_vertices, slice.vertex_total());
+  faces.has_colors = slice.attributes.has_colors;
+  faces.colors = encoded_colors(slice.attributes.colors);
   return faces;
 }
 

@@ -27,6 +27,12 @@ struct CageFaces {
 /// name.
 [[nodiscard]] CageFaces encode_cage_faces(const Ranks& ranks, const MeshSlice& slice);
 
+/// The same of faces that are there already: `sizes` of each, then its `corners`, which are numbers
+/// of the cage's `vertex_total`.
+[[nodiscard]] CageFaces encode_faces(const Ranks& ranks, std::span<const std::int64_t> sizes,
+                                     std::span<const std::int64_t> corners,
+                                     std::int64_t vertex_total);
+
 /// The cage as `planish fit` writes it: binary little-endian PLY, double positions. `positions`: of
 /// the slice's vertices in the order of the file. Throws as StagedFile; not committed yet.
 void write_cage(const Ranks& ranks, const Layout& vertices, std::int64_t face_total,

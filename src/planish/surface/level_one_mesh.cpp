@@ -23,8 +23,8 @@ namespace {
 class MeshBuilder {
  public:
   // `net` has the vertices of the state, and their colours.
-  MeshBuilder(const SubdividedMesh& base, PolygonMesh& net)
-      : base_(base), mesh_(base.used.mesh), net_(net), uvs_(base) {
+  MeshBuilder(const SubdividedMesh& base, PolygonMesh& net, std::vector<std::int32_t>* rings)
+      : base_(base), mesh_(base.used.mesh), net_(net), rings_(rings), uvs_(base) {
     for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
       mesh_face_.insert(mesh_face_.end(), static_cast<std::size_t>(mesh_.face_size(f)), f);
     }
@@ -39,6 +39,7 @@ class MeshBuilder {
       gather_ring(base_.subdivision, 1, v, ring_);
       around_ = v < first_edge ? RingAround::Vertex : RingAround::Edge;
       centre_ = ring_.corner_point;
+      vertex_ = v;
       if (!ring_.sectors.empty()) {
         add_sectors();
       } else if (ring_.kind == VertexKind::Corner) {
@@ -97,6 +98,7 @@ class MeshBuilder {
     vertices_.clear();
     for (const NetCorner& corner : polygon_) vertices_.push_back(corner.vertex);
     net_.add_face(vertices_);
+    if (rings_ != nullptr) rings_->push_back(vertex_);
     if (!mesh_.face_groups.empty()) {
       net_.face_groups.push_back(mesh_.face_groups[owner]);
     }
@@ -225,12 +227,14 @@ class MeshBuilder {
   const SubdividedMesh& base_;
   const PolygonMesh& mesh_;
   PolygonMesh& net_;
+  std::vector<std::int32_t>* rings_;
   LevelOneUvs uvs_;
   std::vector<std::int32_t> mesh_face_;  // of each corner
   std::vector<bool> is_hole_;            // per face of the mesh
   std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles_;
   VertexRing ring_;
   RingAround around_ = RingAround::Vertex;
+  std::int32_t vertex_ = 0;   // of Q_1, whose ring it is
   std::int32_t centre_ = -1;  // of the ring where its polygons hold it
   std::vector<NetCorner> polygon_;
   std::vector<std::int32_t> vertices_;
@@ -262,7 +266,8 @@ void carry_colors_once(const SubdividedMesh& base, PolygonMesh& result) {
   }
 }
 
-PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one) {
+PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one,
+                   std::vector<std::int32_t>* rings = nullptr) {
   require_state_of(base.subdivision, level_one);
   PolygonMesh net;
   for (const glm::dvec3& point : level_one.state) {
@@ -270,7 +275,7 @@ PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one) {
   }
   carry_colors_once(base, net);
   if (!base.used.mesh.face_groups.empty()) net.groups = base.used.mesh.groups;
-  MeshBuilder(base, net).add_polygons();
+  MeshBuilder(base, net, rings).add_polygons();
   const auto first_corner =
       static_cast<std::int32_t>(base.subdivision.state_layout(1).first_corner);
   for (std::int32_t c = 0; c < base.features.corner_count; ++c) {
@@ -282,8 +287,8 @@ PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one) {
 }  // namespace
 
 PolygonMesh level_one_mesh(const PolygonMesh& mesh, const LevelOne& level_one,
-                           const SharpFeatureOptions& sharp) {
-  return net_of(SubdividedMesh(mesh, first_level(sharp)), level_one);
+                           const SharpFeatureOptions& sharp, std::vector<std::int32_t>* around) {
+  return net_of(SubdividedMesh(mesh, first_level(sharp)), level_one, around);
 }
 
 LevelOne level_one_of_cage(const PolygonMesh& mesh, const PolygonMesh& cage,

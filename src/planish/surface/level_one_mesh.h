@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "planish/doosabin/sharp_features.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/level_one.h"
@@ -18,9 +21,12 @@ namespace planish {
 /// middles of their edges, which are further vertices, and the parts within are tagged. Texture
 /// coordinates: see LevelOneUvs. Colours and groups are carried, a polygon across several groups
 /// taking that of its first face.
+/// `around`, where given, gets for each polygon what it lies around: a vertex of `mesh` (without
+/// the unused ones), a face behind all vertices, an edge behind all faces.
 /// Throws Error{UnusableMesh}, Error{InvalidArgument} for a state of another size.
 [[nodiscard]] PolygonMesh level_one_mesh(const PolygonMesh& mesh, const LevelOne& level_one,
-                                         const SharpFeatureOptions& sharp);
+                                         const SharpFeatureOptions& sharp,
+                                         std::vector<std::int32_t>* around = nullptr);
 
 /// The state that a cage made by level_one_mesh() holds, in model coordinates; evaluate() makes of
 /// it the surface that the cage was made from. Throws Error{InvalidArgument} for a mesh that is no
