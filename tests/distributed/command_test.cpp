@@ -7,8 +7,7 @@
 #include <sstream>
 
 #include "cli/json_schema.h"
-#include "cli/planish_process.h"
-#include "cli/test_files.h"
+#include "distributed/mpi_command.h"
 #include "support/files_below.h"
 
 namespace planish::test {
@@ -17,26 +16,6 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-class MpiCommand : public FolderTest {
- protected:
-  static ProcessResult on(int ranks, std::vector<std::string> arguments,
-                          const std::string& fault = {},
-                          const std::vector<std::string>& before = {}) {
-    std::vector<std::string> all{"--oversubscribe", "-n", std::to_string(ranks)};
-    if (!fault.empty()) all.insert(all.end(), {"-x", "PLANISH_MPI_FAULT"});
-    all.insert(all.end(), before.begin(), before.end());
-    all.emplace_back(PLANISH_MPI_PROGRAM);
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    PlanishProcess::Options options;
-    options.environment = {"OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
-                           "HOME=/tmp"};
-    if (!fault.empty()) options.environment.push_back("PLANISH_MPI_FAULT=" + fault);
-    return run_planish(all, options);
-  }
-
-  std::string torus_ = write("torus.obj", torus_obj(16));
-};
 
 TEST_F(MpiCommand, WritesACageThatVerifyConfirmsAndAReport) {
   const ProcessResult result = on(3, {"fit", torus_, "--cage", path("c.ply"), "--report",
@@ -149,20 +128,26 @@ TEST_F(MpiCommand, RefusesByNameWhatItHasNot) {
     return result.err;
   };
   EXPECT_THAT(refusal({"-o", path("x.glb")}), HasSubstr("-o: "));
-  EXPECT_THAT(refusal({"-o", path("x.json"), "--block-vertices", "9"}),
-              HasSubstr("--block-vertices: "));
   EXPECT_THAT(refusal({"-o", path("x.json"), "--levels", "0"}), HasSubstr("--levels: "));
-  EXPECT_THAT(refusal({"--skirts"}), HasSubstr("--skirts: belongs to 3D Tiles"));
-  EXPECT_THAT(refusal({"--resume"}), HasSubstr("--resume: belongs to 3D Tiles"));
-  EXPECT_THAT(refusal({"--weld", "0.1"}), HasSubstr("--weld: nothing is mended over ranks"));
-  EXPECT_THAT(refusal({"--polish", "3"}), HasSubstr("--polish: belongs to the fair method"));
-  EXPECT_THAT(refusal({"--solver", "cg"}), HasSubstr("--solver: cg"));
-  EXPECT_THAT(refusal({"--scheme", "loop"}), HasSubstr("--scheme: loop"));
-  EXPECT_THAT(refusal({"--repair", "safe"}), HasSubstr("--repair: safe"));
-  EXPECT_THAT(refusal({"--device", "vulkan"}), HasSubstr("--device"));
-  EXPECT_THAT(refusal({"--precision", "float"}), HasSubstr("--precision: float"));
-  EXPECT_THAT(refusal({"--creases", "auto"}), HasSubstr("--creases: auto"));
+  EXPECT_THAT(
+      refusal({"--weld", "0.1"}),
+      HasSubstr("planish-mpi: error: --weld: 0.1 is not available in planish-mpi: nothing is "
+                "welded over ranks; planish fit IN --weld"));
   EXPECT_THAT(refusal({"--nonsense"}), HasSubstr("--nonsense"));
+}
+
+// What the refusal of --weld and --repair advises.
+TEST_F(MpiCommand, WhatPlanishHasWeldedIsTaken) {
+  // Two squares beside each other, of eight vertices.
+  const std::string apart = write("apart.obj",
+                                  "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 0\nv 2 0 0\n"
+                                  "v 2 1 0\nv 1 1 1e-9\nf 1 2 3 4\nf 5 6 7 8\n");
+  const std::string welded = path("welded.obj");
+  EXPECT_EQ(planish("fit " + apart + " --weld 1e-6 --max-iterations 0 --cage " + welded), 5)
+      << read("planish.txt");
+  ASSERT_EQ(on(2, {"fit", welded, "--cage", path("c.ply")}).exit_code, 0);
+  EXPECT_THAT(read("c.ply"), HasSubstr("element vertex 6\n"));
+  EXPECT_THAT(read("welded.obj"), HasSubstr("v 2 1 0\n"));
 }
 
 TEST_F(MpiCommand, ExitCodesAreThoseOfPlanish) {
@@ -171,7 +156,7 @@ TEST_F(MpiCommand, ExitCodesAreThoseOfPlanish) {
     return on(2, arguments).exit_code;
   };
   EXPECT_EQ(code({"--version"}), 0);
-  EXPECT_EQ(code({"run", "scene.json"}), 2);
+  EXPECT_EQ(code({"run", path("scene.json")}), 2);
   EXPECT_EQ(code({"fit", torus_, "--cage", path("c.obj")}), 2);
   EXPECT_EQ(code({"fit", path("none.ply"), "--cage", cage}), 3);
   EXPECT_EQ(

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <system_error>
 
 #include "build_info.h"
 #include "planish/core/version.h"
@@ -112,6 +115,31 @@ Json surface_json(const DistributedFit& fit) {
           {"bending", quality.bending}};
 }
 
+// What is in place: "  wrote big.json: 5 tiles, 1234 bytes".
+std::string written_text(const MpiJob& job, const DistributedFit& fit) {
+  std::ostringstream text;
+  if (fit.tiles) {
+    const TilesFile& file = fit.tiles->file;
+    std::int64_t tiles = 0;
+    for (const TileLevel& level : file.levels) tiles += level.tiles;
+    text << "  wrote " << visible(job.tiles) << ": " << counted(tiles, "tile") << ", "
+         << file.byte_count << " bytes";
+    if (fit.tiles->resumed > 0)
+      text << "; " << fit.tiles->resumed << " of " << counted(fit.tiles->blocks, "block")
+           << " were there";
+    text << "\n";
+  }
+  std::error_code error;
+  for (const std::string& path : {job.cage, job.report}) {
+    if (path.empty() || path == "-") continue;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+    text << "  wrote " << visible(path);
+    if (!error) text << ": " << bytes << " bytes";
+    text << "\n";
+  }
+  return text.str();
+}
+
 }  // namespace
 
 std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& job,
@@ -171,6 +199,7 @@ std::string mpi_summary(const MpiJob& job, const DistributedFit& fit) {
            << (level.tiles == 1 ? " tile, " : " tiles, ") << level.vertex_count << " vertices, "
            << level.bytes << " bytes\n";
   }
+  text << written_text(job, fit);
   for (std::size_t p = 0; p < std::size(kPhases); ++p) {
     double slowest = 0;
     for (const RankFigures& rank : fit.ranks) slowest = std::max(slowest, rank.milliseconds[p]);
@@ -180,7 +209,10 @@ std::string mpi_summary(const MpiJob& job, const DistributedFit& fit) {
   std::int64_t peak = 0;
   for (const RankFigures& rank : fit.ranks) peak = std::max(peak, rank.peak_bytes);
   text << "; peak of a rank " << peak / 1000000 << " MB\n";
-  return text.str();
+  // Messages end their lines themselves.
+  std::string summary = text.str();
+  summary.pop_back();
+  return summary;
 }
 
 }  // namespace planish::command

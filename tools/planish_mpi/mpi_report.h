@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "mpi_flags.h"
+#include "mpi_job.h"
 #include "planish/distributed/fit_distributed.h"
 #include "terminal/exit_codes.h"
 
@@ -13,7 +13,7 @@ namespace planish::command {
 [[nodiscard]] std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& job,
                                      const DistributedFit& fit, ExitCode exit_code);
 
-/// One line for people.
+/// Some lines for people: the mesh, what was written, what phases took; without the last line end.
 [[nodiscard]] std::string mpi_summary(const MpiJob& job, const DistributedFit& fit);
 
 }  // namespace planish::command

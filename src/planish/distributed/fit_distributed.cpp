@@ -14,6 +14,7 @@
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/distributed/fair_cage.h"
+#include "planish/distributed/slice_tags.h"
 #include "planish/distributed/staged_tileset.h"
 #include "planish/distributed/write_cage.h"
 #include "planish/fair/fair_net.h"
@@ -74,6 +75,8 @@ class DistributedJob {
     fit_.faces = slice_.face_total();
     fit_.warnings = slice_.warnings;
     vertices_ = slice_.vertices;
+    add_tags(ranks_, options_.crease_edges, options_.corner_vertices, slice_);
+    if (!options_.sharp.use_tags) clear_tags(slice_);
     if (options_.sharp.use_tags) warn_of_semi_sharp(ranks_, slice_, fit_.warnings);
     if (!options_.cage.empty() && is_fair()) corners_ = corner_starts_of(ranks_, slice_);
     if (!options_.cage.empty() && !is_fair()) cage_faces_ = encode_cage_faces(ranks_, slice_);
@@ -95,7 +98,7 @@ class DistributedJob {
   }
 
   PartRows make_part_rows() {
-    watch_.begin("rows");
+    watch_.begin("rows", block_count());
     const RowOptions options{options_.weights, options_.sharp, block_vertices(),
                              [&] { watch_.tick(); }};
     PartRows rows = make_rows(ranks_, part_, options_.name, fit_.faces, options);
@@ -135,7 +138,7 @@ class DistributedJob {
 
   void write_tiles() {
     if (options_.tiles.empty()) return;
-    watch_.begin("tiles");
+    watch_.begin("tiles", block_count());
     staged_tiles_.emplace(ranks_, options_.tiles, options_.resume);
     PartTilesOptions options;
     options.tiles = options_.tiles_options;
@@ -281,6 +284,10 @@ class DistributedJob {
   [[nodiscard]] std::int64_t block_vertices() const {
     return options_.tiles.empty() ? options_.block_vertices
                                   : options_.tiles_options.tile_vertices / 4;
+  }
+
+  [[nodiscard]] std::int64_t block_count() const {
+    return (part_.owned_count() + block_vertices() - 1) / block_vertices();
   }
 
   // All but the owned vertices.

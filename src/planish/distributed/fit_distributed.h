@@ -15,6 +15,7 @@
 #include "planish/distributed/read_slices.h"
 #include "planish/fair/interpolation_method.h"
 #include "planish/mesh/placement.h"
+#include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
 
@@ -23,6 +24,9 @@ struct DistributedOptions {
   std::int32_t polish_steps = 8;  ///< of the fair method
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;
+  /// Besides those of the input, whose vertices they name; use_tags holds for them, too.
+  std::vector<CreaseEdge> crease_edges;
+  std::vector<CornerVertex> corner_vertices;
   Solver solver = Solver::Chebyshev;  ///< or Plain
   double tolerance = 1e-6;
   std::int32_t max_iterations = 200;

@@ -9,7 +9,8 @@
 
 namespace planish {
 
-JobWatch::JobWatch(int rank, double watchdog_seconds) : rank_(rank) {
+JobWatch::JobWatch(int rank, double watchdog_seconds, RankProgress* progress)
+    : rank_(rank), progress_(progress) {
   if (watchdog_seconds > 0)
     thread_ = std::thread([this, watchdog_seconds] { watch(watchdog_seconds); });
 }
@@ -23,18 +24,20 @@ JobWatch::~JobWatch() {
   if (thread_.joinable()) thread_.join();
 }
 
-void JobWatch::begin(std::string_view phase) {
+void JobWatch::begin(std::string_view phase, std::int64_t ticks) {
   end();
-  tick();
+  ++ticks_;
   phases_.push_back({phase});
   phase_now_ = phase.data();
   begun_ = std::chrono::steady_clock::now();
   in_phase_ = true;
+  if (progress_ != nullptr) progress_->begin(phase, ticks);
 }
 
 void JobWatch::end() {
   if (!in_phase_) return;
-  tick();
+  ++ticks_;
+  if (progress_ != nullptr) progress_->end();
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begun_;
   phases_.back().seconds = time.count();
   phases_.back().peak_bytes = peak_bytes();

@@ -10,11 +10,9 @@
 #include <thread>
 #include <vector>
 
-namespace planish {
+#include "planish/distributed/rank_progress.h"
 
-/// The parts of a job in their order.
-inline constexpr std::string_view kPhases[] = {"read", "sort",  "faces", "rings",
-                                               "rows", "solve", "tiles", "write"};
+namespace planish {
 
 /// What a phase took on this rank.
 struct PhaseFigures {
@@ -28,17 +26,20 @@ struct PhaseFigures {
 /// others.
 class JobWatch {
  public:
-  /// 0 seconds: nothing is watched.
-  explicit JobWatch(int rank, double watchdog_seconds = 0);
+  /// 0 seconds: nothing is watched. `progress`: is told of phases and signs of life; may be null.
+  explicit JobWatch(int rank, double watchdog_seconds = 0, RankProgress* progress = nullptr);
   ~JobWatch();
   JobWatch(const JobWatch&) = delete;
   JobWatch& operator=(const JobWatch&) = delete;
 
-  /// Ends the phase before, and begins one of kPhases.
-  void begin(std::string_view phase);
+  /// Ends the phase before, and begins one of kPhases, which gives so many signs of life.
+  void begin(std::string_view phase, std::int64_t ticks = 1);
   void end();
-  /// A sign of life.
-  void tick() { ++ticks_; }
+  /// A sign of life, from any thread.
+  void tick() {
+    ++ticks_;
+    if (progress_ != nullptr) progress_->step();
+  }
   /// In builds for tests: where PLANISH_MPI_FAULT is "rank:phase" of this place, the process kills
   /// itself, and stops with "rank:phase:stop".
   void fault_point() const;
@@ -49,6 +50,7 @@ class JobWatch {
   void watch(double seconds);
 
   int rank_;
+  RankProgress* progress_;
   std::vector<PhaseFigures> phases_;
   std::chrono::steady_clock::time_point begun_;
   bool in_phase_ = false;
