@@ -5,6 +5,7 @@
 #include <map>
 
 #include "distributed/rank_runs.h"
+#include "fair/cure_meshes.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/doosabin/sharp_features.h"
 #include "planish/files/mesh_file.h"
@@ -138,6 +139,10 @@ TEST(PartFair, FoldsAreCuredAsOnOneMachine) {
   mesh.positions.insert(mesh.positions.begin() + 40, {40, 50, 60});  // unused
   for (std::int32_t& v : mesh.face_vertices) v += v >= 40 ? 1 : 0;
   expect_fair_of_one_machine({"folded torus", mesh, fair_options(), 16});
+}
+
+TEST(PartFair, EllipsesOfHubsAreThoseOfOneMachine) {
+  expect_fair_of_one_machine({"needle loft", test::needle_loft(10), fair_options(), 4});
 }
 
 TEST(PartFair, RandomOpenMeshesWithCreasesAreThoseOfOneMachine) {

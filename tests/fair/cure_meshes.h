@@ -33,6 +33,28 @@ inline PolygonMesh needle_rod(int sides, double length) {
   return mesh;
 }
 
+/// A flat ellipse and a circle far above it, turned: needles that wind about hubs of sharp rims,
+/// caps as fans.
+inline PolygonMesh needle_loft(int sides) {
+  PolygonMesh mesh;
+  for (const bool is_top : {false, true}) {
+    for (int i = 0; i < sides; ++i) {
+      const double angle = 2 * std::numbers::pi * i / sides + (is_top ? 1.2 : 0);
+      mesh.positions.emplace_back((is_top ? 0.4 : 2) * std::cos(angle),
+                                  (is_top ? 0.4 : 0.2) * std::sin(angle), is_top ? 4 : 0);
+    }
+  }
+  for (int i = 0; i < sides; ++i) {
+    const int next = (i + 1) % sides;
+    mesh.add_face(std::array{i, next, sides + i});
+    mesh.add_face(std::array{next, sides + next, sides + i});
+    if (i == 0 || next == 0) continue;
+    mesh.add_face(std::array{0, next, i});
+    mesh.add_face(std::array{sides, sides + i, sides + next});
+  }
+  return mesh;
+}
+
 /// Triangles whose sides are up to 20 times as long as others', on a box with sharp edges.
 inline PolygonMesh uneven_box() {
   const std::array<double, 6> lines{0, 1, 1.05, 1.5, 1.52, 3};

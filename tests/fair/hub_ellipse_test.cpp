@@ -96,10 +96,9 @@ TEST(HubEllipse, ItsSidesCrossAllEdgesOfABoxesCorner) {
     }
     EXPECT_LT(glm::length(sum), 1e-15 * hub.topology.valence(0));
     EXPECT_NEAR(farthest, 0.01, 1e-8);
-    const dvec3 normal =
-        limit_normal(hub.topology, hub.topology.valence(0), [&](int32_t i) {
-          return offsets[hub.topology.ring_corners[hub.topology.ring_offsets[0] + i]];
-        });
+    const dvec3 normal = limit_normal(hub.topology, hub.topology.valence(0), [&](int32_t i) {
+      return offsets[hub.topology.ring_corners[hub.topology.ring_offsets[0] + i]];
+    });
     EXPECT_GT(glm::dot(normal, hub.plane), 0.99 * glm::length(normal));
   }
 }
@@ -124,8 +123,7 @@ TEST(HubEllipse, TurnsWithTheMesh) {
 
 TEST(HubEllipse, IsNoneWhereNoPlaneSeesTheFaces) {
   Hub hub(box_corner(12));
-  EXPECT_FALSE(
-      is_ellipse(hub_ellipse(hub.topology, hub.c.given, hub.face_normals, 0, -hub.plane)));
+  EXPECT_FALSE(is_ellipse(hub_ellipse(hub.topology, hub.c.given, hub.face_normals, 0, -hub.plane)));
 }
 
 TEST(HubEllipse, IsChosenWhereTheCureChangedAVertexThatIsFlagged) {

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "fair/cure_meshes.h"
 #include "planish/backend/cpu_backend.h"
+#include "planish/core/error.h"
+#include "planish/fair/hub_ellipse.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/repair.h"
 #include "planish/pipeline/fit.h"
@@ -139,6 +142,28 @@ TEST(FairFit, KeepsTheDecisionsOfAnotherFrame) {
   EXPECT_NE(fit(mesh, *backend, fair_options()).fair->decisions.halvings,
             rest.fair->decisions.halvings);
   EXPECT_TRUE(frame.interpolation.converged);
+}
+
+TEST(FairFit, EllipsesCureWhatNoSizeDoes) {
+  const PolygonMesh mesh = test::needle_loft(10);
+  const auto backend = make_cpu_backend();
+  const Fit fitted = fit(mesh, *backend, fair_options());
+  const FairDecisions& decisions = fitted.fair->decisions;
+  EXPECT_GT(std::ranges::count_if(decisions.ellipses, is_ellipse), 0);
+  for (int level = 1; level <= 3; ++level) {
+    const SurfaceMesh surface = evaluate(mesh, fitted, *backend, {.level = level});
+    EXPECT_EQ(surface_quality(surface, mesh).folded_area_elsewhere, 0) << level;
+  }
+  EXPECT_TRUE(fitted.interpolation.converged);
+  // Decisions alone say all of it.
+  FitOptions options = fair_options();
+  options.fair_decisions = &decisions;
+  const Fit again = fit(mesh, *backend, options);
+  EXPECT_EQ(again.fair->level_one.state, fitted.fair->level_one.state);
+  FairDecisions others = decisions;
+  others.ellipses.pop_back();
+  options.fair_decisions = &others;
+  EXPECT_THROW((void)fit(mesh, *backend, options), Error);
 }
 
 TEST(FairFit, WarnsOfFoldsThatAreLeft) {

@@ -34,8 +34,7 @@ LoftRing add_ellipse(PolygonMesh& mesh, std::int32_t count, double radius, doubl
 void add_loft_band(PolygonMesh& mesh, const LoftRing& low, const LoftRing& high) {
   for (std::int32_t i = 0, j = 0; i < low.count || j < high.count;) {
     const std::int32_t a = low.first + i % low.count, b = high.first + j % high.count;
-    if (j >= high.count ||
-        (i < low.count && (i + 1) * high.count <= (j + 1) * low.count)) {
+    if (j >= high.count || (i < low.count && (i + 1) * high.count <= (j + 1) * low.count)) {
       mesh.add_face(std::array{a, low.first + ++i % low.count, b});
     } else {
       mesh.add_face(std::array{a, high.first + ++j % high.count, b});

@@ -123,8 +123,7 @@ std::vector<std::uint8_t> choose_ellipses(const FairTopology& topology,
     if (wanted[v] == 0 || decisions.cures[v] == 0 || !topology.has_polygon(vertex) ||
         is_ellipse(decisions.ellipses[v]) || !is_chosen(decisions.leans[v]))
       continue;
-    const dvec3 plane =
-        leaning_normal(topology, given, vertex, normals[v], decisions.leans[v]);
+    const dvec3 plane = leaning_normal(topology, given, vertex, normals[v], decisions.leans[v]);
     decisions.ellipses[v] = hub_ellipse(topology, given, face_normals, vertex, plane);
     chosen[v] = is_ellipse(decisions.ellipses[v]);
   }

@@ -16,8 +16,8 @@ namespace planish {
 /// perpendicular polygon may run along edges that leave its plane, or backwards (README.md). Chosen
 /// once and kept (FairDecisions::ellipses): point i lies at (x cos + y sin, z cos + w sin) of its
 /// angle 2 pi i / n, along ring_direction() and left of it, the farthest point at distance 1.
-/// `plane`: the unit normal that the polygon has; `face_normals` are unit. All zero where no ellipse
-/// in that plane crosses all edges the right way.
+/// `plane`: the unit normal that the polygon has; `face_normals` are unit. All zero where no
+/// ellipse in that plane crosses all edges the right way.
 [[nodiscard]] glm::vec4 hub_ellipse(const FairTopology& topology, std::span<const glm::dvec3> given,
                                     std::span<const glm::dvec3> face_normals, std::int32_t vertex,
                                     const glm::dvec3& plane);
