@@ -109,6 +109,18 @@ TEST_F(MpiCommand, TilesWithAttributesHaveTheBytesOfPlanish) {
   }
 }
 
+TEST_F(MpiCommand, TellsOfAFairCageThatCarriesNothing) {
+  const std::string input = write("laden.obj", with_attributes(read("torus.obj")));
+  for (const char* method : {"fair", "progressive"}) {
+    const ProcessResult result =
+        on(2, {"fit", input, "--interpolation", method, "--cage", path("c.ply"), "-f"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err.find("without the mesh's colours") != std::string::npos,
+              method == std::string("fair"))
+        << result.err;
+  }
+}
+
 TEST_F(MpiCommand, SaysWhyItTookAMethod) {
   const ProcessResult by_itself = on(2, {"fit", torus_, "--report", path("r.json")});
   EXPECT_THAT(by_itself.err, HasSubstr("method progressive: ranks do not measure both"));

@@ -101,8 +101,8 @@ TEST(PointRows, AreMadeAlongWithTheBitsOfRows) {
       owned.normals = owned.normals.subspan(first);
       (void)surface.owned(at.state, at.placement, 0, at.topology.corner_count(), owned, points);
       expect_points(points, surface, wanted);
-      const auto end = static_cast<std::size_t>(
-          surface.numbering().end_row(PatchNumbering::Part::Corners));
+      const auto end =
+          static_cast<std::size_t>(surface.numbering().end_row(PatchNumbering::Part::Corners));
       for (std::size_t row = first; row < end; ++row) {
         ASSERT_EQ(made.positions[row], wanted.positions[row]);
         ASSERT_EQ(made.normals[row], wanted.normals[row]);

@@ -38,6 +38,15 @@ void warn_of_semi_sharp(const Ranks& ranks, const MeshSlice& slice,
                       .count = count});
 }
 
+void warn_of_bare_cage(const SliceAttributes& attributes, std::vector<Warning>& warnings) {
+  if (!attributes.has_colors && !attributes.has_uvs) return;
+  warnings.push_back({.code = "bare-cage",
+                      .message =
+                          "ranks write the cage of a fair surface without the mesh's colours and "
+                          "texture coordinates; planish on one machine writes them",
+                      .count = 1});
+}
+
 // Of the vertices that faces name, as on one machine; `points` are at least the owned ones.
 Placement placement_over(const Ranks& ranks, const MeshPart& part,
                          std::span<const glm::dvec3> points) {
@@ -78,7 +87,10 @@ class DistributedJob {
     add_tags(ranks_, options_.crease_edges, options_.corner_vertices, slice_);
     if (!options_.sharp.use_tags) clear_tags(slice_);
     if (options_.sharp.use_tags) warn_of_semi_sharp(ranks_, slice_, fit_.warnings);
-    if (!options_.cage.empty() && is_fair()) corners_ = corner_starts_of(ranks_, slice_);
+    if (!options_.cage.empty() && is_fair()) {
+      corners_ = corner_starts_of(ranks_, slice_);
+      warn_of_bare_cage(slice_.attributes, fit_.warnings);
+    }
     if (!options_.cage.empty() && !is_fair()) cage_faces_ = encode_cage_faces(ranks_, slice_);
     if (options_.tiles.empty()) slice_.attributes = {};
     watch_.fault_point();
