@@ -101,11 +101,12 @@ void ObjAttributes::settle_uvs(const Ranks& ranks, const std::string& path, Mesh
     };
     // Readers of parts count in 32 bits.
     if (total >= std::numeric_limits<std::int32_t>::max())
-      fail(path + ": more than 32 bits count of texture coordinates: " + std::to_string(total));
+      fail(path + ": " + std::to_string(total) +
+           " texture coordinates, and 2147483646 can be read; " + "leave them out");
     for (const std::size_t corner : backward_) {
       face_uvs_[corner] += to.uv_runs[ranks.rank];
       if (face_uvs_[corner] < 0)
-        fail(path + ": a face counts back behind the first texture coordinate");
+        fail(path + ": a face counts back beyond the first texture coordinate");
     }
     if (largest_uv_ >= total)
       fail(largest_place_ + ": face names texture coordinate " + std::to_string(largest_uv_ + 1) +
