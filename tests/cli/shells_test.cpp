@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <sstream>
 
 #include "cli/planish_process.h"
@@ -155,6 +156,15 @@ TEST_F(Shells, ManReadsEveryManualWithoutAWarning) {
       for (const HelpOption& option : topic.options)
         EXPECT_THAT(shown, HasSubstr(option.names.back())) << page.name;
     EXPECT_THAT(shown, HasSubstr(page.full_name() + " "));
+  }
+}
+
+// Those that are installed.
+TEST_F(Shells, EveryCommandHasAManual) {
+  for (const HelpPage& page : command::all_help().commands) {
+    const std::filesystem::path file =
+        std::filesystem::path(PLANISH_HELP_FOLDER) / ("planish-" + page.name + ".1");
+    EXPECT_TRUE(std::filesystem::exists(file)) << file;
   }
 }
 
