@@ -106,7 +106,7 @@ void ObjAttributes::settle_uvs(const Ranks& ranks, const std::string& path, Mesh
     for (const std::size_t corner : backward_) {
       face_uvs_[corner] += to.uv_runs[ranks.rank];
       if (face_uvs_[corner] < 0)
-        fail(path + ": a face counts back beyond the first texture coordinate");
+        fail(path + ": a face counts back behind the first texture coordinate");
     }
     if (largest_uv_ >= total)
       fail(largest_place_ + ": face names texture coordinate " + std::to_string(largest_uv_ + 1) +
