@@ -6,7 +6,8 @@
 namespace planish {
 
 RankProgress::RankProgress(const Ranks& ranks, double interval_seconds, Show show)
-    : is_first_(ranks.rank == 0),
+    : job_comm_(ranks.comm),
+      is_first_(ranks.rank == 0),
       interval_(interval_seconds),
       last_(std::chrono::steady_clock::now()),
       show_(std::move(show)) {
@@ -68,9 +69,11 @@ void RankProgress::show_sum() {
 
 void RankProgress::finish() {
   if (comm_ == MPI_COMM_NULL) return;
-  // Ranks have begun different counts of sums; all are to meet.
+  // Ranks have begun different counts of sums; all are to meet. Not on the sums' communicator,
+  // where this would be another rank's sum by its order.
   std::int64_t most = sum_count_;
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT64_T, MPI_MAX, comm_);
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT64_T, MPI_MAX, job_comm_);
+  // Begun by look(), or none.  NOLINTNEXTLINE(clang-analyzer-optin.mpi.MPI-Checker)
   MPI_Wait(&request_, MPI_STATUS_IGNORE);
   while (sum_count_ < most) {
     begin_sum();

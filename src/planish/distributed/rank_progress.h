@@ -51,6 +51,7 @@ class RankProgress {
   void begin_sum();
   void show_sum();
 
+  MPI_Comm job_comm_;
   MPI_Comm comm_ = MPI_COMM_NULL;  // of its own: sums match by their order
   bool is_first_ = false;
   std::chrono::duration<double> interval_;

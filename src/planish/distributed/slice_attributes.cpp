@@ -86,6 +86,7 @@ SliceAttributes scatter_attributes(const Ranks& ranks, const PolygonMesh& mesh,
   if (attributes.has_uvs) {
     attributes.uv_runs = even_layout(known[3], ranks.size);
     std::vector<std::int64_t> uv_counts;
+    uv_counts.reserve(static_cast<std::size_t>(ranks.size));
     for (int r = 0; r < ranks.size; ++r)
       uv_counts.push_back(attributes.uv_runs[r + 1] - attributes.uv_runs[r]);
     attributes.uvs = scattered<glm::dvec2>(ranks, mesh.uvs, uv_counts);
