@@ -16,6 +16,7 @@ TornVertices torn_vertices(const PolygonMesh& mesh, const MeshTopology& topology
     if (topology.is_boundary_vertex(v)) vertices.push_back(v);
   if (vertices.empty()) return {};
   std::vector<glm::dvec3> positions;
+  positions.reserve(vertices.size());
   for (const std::int32_t v : vertices) positions.push_back(mesh.positions[v]);
   const WeldedPositions places = weld(positions);
   if (places.positions.size() == vertices.size()) return {};
