@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <optional>
 #include <thread>
 #include <type_traits>
 
 #include "planish/backend/packed_rows.h"
+#include "planish/backend/square_sums.h"
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
@@ -22,40 +22,6 @@ namespace {
 // Sums are taken over pieces of this many rows, then over the pieces in order: the same bits for
 // every thread count.
 constexpr std::size_t kPieceRows = PackedRows::kPieceRows;
-
-struct PieceSums {
-  double max_square = 0;
-  glm::dvec3 sum{0.0};
-
-  void add(const PieceSums& other) {
-    max_square = std::max(max_square, other.max_square);
-    sum += other.sum;
-  }
-};
-
-// Squares of residuals, in registers while rows go by.
-class SquareSums {
- public:
-  template <class Real>
-  void add(const PointLanes<Real>& residual) {
-    const PointLanes<double> squares = (residual * residual).in_double();
-    sum_ = sum_ + squares;
-    const PointLanes<double>::Register pair = squares.xy + squares.z0;
-    const double square = pair[0] + pair[1];
-    if (square > max_square_) max_square_ = square;
-  }
-
-  // Comparisons pass a NaN by, sums do not.
-  [[nodiscard]] PieceSums total() const {
-    const glm::dvec3 sum = sum_.point();
-    const bool is_nan = std::isnan(sum.x + sum.y + sum.z);
-    return {is_nan ? std::numeric_limits<double>::infinity() : max_square_, sum};
-  }
-
- private:
-  PointLanes<double> sum_{};
-  double max_square_ = 0;
-};
 
 // `body(p)` sums over piece p.
 template <class Body>
