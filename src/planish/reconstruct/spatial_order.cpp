@@ -1,8 +1,9 @@
 #include "planish/reconstruct/spatial_order.h"
 
 #include <algorithm>
-#include <glm/common.hpp>
 #include <utility>
+
+#include "planish/reconstruct/bounding_cube.h"
 
 namespace planish {
 namespace {
@@ -22,13 +23,7 @@ std::uint64_t spread(std::uint64_t bits) {
 
 std::vector<std::int32_t> spatial_order(std::span<const glm::dvec3> points) {
   if (points.empty()) return {};
-  glm::dvec3 low = points.front(), high = low;
-  for (const glm::dvec3& point : points) {
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-  }
-  const glm::dvec3 extent = high - low;
-  const double side = std::max({extent.x, extent.y, extent.z});
+  const auto [low, side] = bounding_cube(points);
   const double scale = side > 0 ? ((1 << kBits) - 1) / side : 0;
   std::vector<std::pair<std::uint64_t, std::int32_t>> keys(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

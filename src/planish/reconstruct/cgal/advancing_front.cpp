@@ -13,10 +13,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <glm/common.hpp>
 #include <numeric>
 
 #include "planish/core/error.h"
+#include "planish/reconstruct/bounding_cube.h"
 
 namespace planish {
 namespace {
@@ -62,13 +62,7 @@ using Point = Kernel::Point_3;
 // nothing else changes.
 double scale_of(std::span<const glm::dvec3> points) {
   constexpr int kExponent = 10;  // of the largest extent
-  glm::dvec3 low = points.front(), high = low;
-  for (const glm::dvec3& p : points) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  const glm::dvec3 extent = high - low;
-  const double largest = std::max({extent.x, extent.y, extent.z});
+  const double largest = bounding_cube(points).side;
   if (largest == 0) return 1;
   return std::ldexp(1.0, std::clamp(kExponent - std::ilogb(largest), -1000, 1000));
 }

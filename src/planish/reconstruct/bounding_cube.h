@@ -1,0 +1,26 @@
+#pragma once
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+
+namespace planish {
+
+struct BoundingCube {
+  glm::dvec3 low;
+  double side;  ///< the largest extent of the points
+};
+
+/// Of at least one point.
+[[nodiscard]] inline BoundingCube bounding_cube(std::span<const glm::dvec3> points) {
+  glm::dvec3 low = points.front(), high = low;
+  for (const glm::dvec3& point : points) {
+    low = glm::min(low, point);
+    high = glm::max(high, point);
+  }
+  const glm::dvec3 extent = high - low;
+  return {low, std::max({extent.x, extent.y, extent.z})};
+}
+
+}  // namespace planish
