@@ -253,15 +253,11 @@ Function behind(Function otherwise) {
   return otherwise;
 }
 
-bool starts(std::string_view text, std::string_view with) {
-  return text.substr(0, with.size()) == with;
-}
-
 /// What a function makes or destroys; empty for others, and for what pools free.
 std::string kind_of(std::string_view name) {
   if (name == "vkCreateComputePipelines") return "Pipeline";
   for (const char* verb : {"vkCreate", "vkDestroy", "vkAllocate", "vkFree"})
-    if (starts(name, verb)) {
+    if (name.starts_with(verb)) {
       const std::string kind(name.substr(std::strlen(verb)));
       return kind == "DescriptorSets" || kind == "CommandBuffers" ? std::string() : kind;
     }
@@ -376,7 +372,6 @@ std::map<std::string, int> PretendedDriver::counts() {
 }
 
 int PretendedDriver::count(const std::string& function) { return counts()[function]; }
-
 int PretendedDriver::fallible_calls() { return state.fallible; }
 
 std::map<std::string, int> PretendedDriver::alive() {
