@@ -3,50 +3,31 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <map>
+#include <optional>
 #include <span>
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/files/obj/obj_names.h"
+#include "planish/files/shared/group_list.h"
 
 namespace planish {
 
 namespace {
 
-// The names that hold behind some lines; nothing: those before hold on.
-struct NamesInForce {
-  std::array<std::string, 3> set;  // object, group, material: "=" and the name, or empty
+// "=" and the name, or nothing.
+std::array<std::string, 3> texts_of(const ObjNames& names) {
+  const auto text = [](const std::optional<std::string>& name) {
+    return name ? "=" + *name : std::string();
+  };
+  return {text(names.object), text(names.group), text(names.material)};
+}
 
-  void take(ObjPart::Naming::What what, const std::string& name) {
-    set[static_cast<std::size_t>(what)] = "=" + name;
-    if (what == ObjPart::Naming::What::Object)
-      set[static_cast<std::size_t>(ObjPart::Naming::What::Group)] = "=";
-  }
-  void take(std::span<const std::string> later) {
-    for (std::size_t i = 0; i < set.size(); ++i)
-      if (!later[i].empty()) set[i] = later[i];
-  }
-  [[nodiscard]] FaceGroup group() const {
-    const auto name = [&](std::size_t i) { return set[i].empty() ? set[i] : set[i].substr(1); };
-    return {.name = name(1).empty() ? name(0) : name(1), .material = name(2)};
-  }
-};
-
-// Groups by the order of their first faces.
-class GroupList {
- public:
-  std::int32_t index_of(const FaceGroup& group) {
-    const auto next = static_cast<std::int32_t>(groups_.size());
-    const auto [entry, is_new] = places_.try_emplace({group.name, group.material}, next);
-    if (is_new) groups_.push_back(group);
-    return entry->second;
-  }
-  [[nodiscard]] std::span<const FaceGroup> groups() const { return groups_; }
-
- private:
-  std::vector<FaceGroup> groups_;
-  std::map<std::pair<std::string, std::string>, std::int32_t> places_;
-};
+void take_texts(std::span<const std::string> texts, ObjNames& names) {
+  std::optional<std::string>* const to[] = {&names.object, &names.group, &names.material};
+  for (std::size_t i = 0; i < texts.size(); ++i)
+    if (!texts[i].empty()) *to[i] = texts[i].substr(1);
+}
 
 }  // namespace
 
@@ -120,22 +101,23 @@ void ObjAttributes::settle_uvs(const Ranks& ranks, const std::string& path, Mesh
 }
 
 void ObjAttributes::settle_names(const Ranks& ranks, MeshSlice& slice) {
-  NamesInForce own;
-  for (const ObjPart::Naming& naming : namings_) own.take(naming.what, naming.name);
-  const std::vector<std::string> all = texts_of_all(ranks, own.set);
-  NamesInForce names;
+  ObjNames own;
+  for (const ObjPart::Naming& naming : namings_) own.take(naming);
+  const auto texts = texts_of(own);
+  const std::vector<std::string> all = texts_of_all(ranks, texts);
+  ObjNames names;
   for (int r = 0; r < ranks.rank; ++r)
-    names.take(
-        std::span(all).subspan(static_cast<std::size_t>(r) * own.set.size(), own.set.size()));
+    take_texts(std::span(all).subspan(static_cast<std::size_t>(r) * texts.size(), texts.size()),
+               names);
   GroupList list;
   std::vector<std::int32_t> face_groups;
   const auto name_until = [&](std::int64_t face) {
     if (face > static_cast<std::int64_t>(face_groups.size()))
-      face_groups.resize(static_cast<std::size_t>(face), list.index_of(names.group()));
+      face_groups.resize(static_cast<std::size_t>(face), list.index_of(names.face_group()));
   };
   for (std::size_t i = 0; i < namings_.size(); ++i) {
     name_until(named_from_[i]);
-    names.take(namings_[i].what, namings_[i].name);
+    names.take(namings_[i]);
   }
   name_until(slice.face_count());
   settle_groups(ranks, list.groups(), std::move(face_groups), slice.attributes);

@@ -1,7 +1,8 @@
 #include "planish/distributed/slice_attributes.h"
 
-#include <map>
 #include <utility>
+
+#include "planish/files/shared/group_list.h"
 
 namespace planish {
 
@@ -55,20 +56,16 @@ void settle_groups(const Ranks& ranks, std::span<const FaceGroup> own,
     names.push_back(group.material);
   }
   const std::vector<std::string> all = texts_of_all(ranks, names);
-  std::map<std::pair<std::string, std::string>, std::int32_t> index_of;
-  std::vector<FaceGroup> groups;
+  GroupList list;
   bool any_named = false;
   for (std::size_t i = 0; i < all.size(); i += 2) {
     any_named |= !all[i].empty() || !all[i + 1].empty();
-    const auto next = static_cast<std::int32_t>(groups.size());
-    if (index_of.try_emplace({all[i], all[i + 1]}, next).second)
-      groups.push_back({.name = all[i], .material = all[i + 1]});
+    list.index_of({.name = all[i], .material = all[i + 1]});
   }
   attributes.has_groups = any_named;
   if (!any_named) return;
-  for (std::int32_t& group : face_groups)
-    group = index_of.at({own[group].name, own[group].material});
-  attributes.groups = std::move(groups);
+  for (std::int32_t& group : face_groups) group = list.index_of(own[group]);
+  attributes.groups = list.take();
   attributes.face_groups = std::move(face_groups);
 }
 

@@ -15,6 +15,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/files/obj/obj_names.h"
 #include "planish/files/obj/obj_normals.h"
 #include "planish/files/obj/obj_part.h"
 #include "planish/files/shared/attribute_collector.h"
@@ -172,28 +173,17 @@ void ObjJoiner::require_indices() const {
 // Groups hold until the next, across parts.
 void ObjJoiner::name_faces() {
   AttributeCollector attributes;
-  std::string object, group, material;
+  ObjNames names;
   std::int64_t named = 0;
   const auto add_faces_to = [&](std::int64_t face) {
     attributes.add_faces(static_cast<std::size_t>(face - named));
     named = face;
   };
   for (std::size_t p = 0; p < readers_.size(); ++p) {
-    for (ObjPart::Naming& naming : part(p).namings) {
+    for (const ObjPart::Naming& naming : part(p).namings) {
       add_faces_to(bases_[p].face + naming.faces_before);
-      switch (naming.what) {
-        case ObjPart::Naming::What::Object:
-          object = std::move(naming.name);
-          group.clear();
-          break;
-        case ObjPart::Naming::What::Group:
-          group = std::move(naming.name);
-          break;
-        case ObjPart::Naming::What::Material:
-          material = std::move(naming.name);
-          break;
-      }
-      attributes.use_group({.name = group.empty() ? object : group, .material = material});
+      names.take(naming);
+      attributes.use_group(names.face_group());
     }
   }
   add_faces_to(bases_.back().face);

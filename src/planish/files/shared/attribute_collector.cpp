@@ -18,12 +18,7 @@ void AttributeCollector::use_group(FaceGroup group) {
 }
 
 std::int32_t AttributeCollector::group_index() {
-  if (group_index_ >= 0) return group_index_;
-  const auto next = static_cast<std::int32_t>(groups_.size());
-  const auto [entry, is_new] =
-      index_of_group_.try_emplace(std::pair(group_.name, group_.material), next);
-  if (is_new) groups_.push_back(group_);
-  group_index_ = entry->second;
+  if (group_index_ < 0) group_index_ = groups_.index_of(group_);
   return group_index_;
 }
 
@@ -61,7 +56,7 @@ void AttributeCollector::finish(std::vector<glm::dvec2> uvs, PolygonMesh& mesh) 
     std::replace(colors_.begin(), colors_.end(), kNoColor, kWhite);
     mesh.colors = std::move(colors_);
   }
-  mesh.groups = std::move(groups_);
+  mesh.groups = groups_.take();
   mesh.face_groups = std::move(face_groups_);
 }
 

@@ -2,11 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
-#include <string>
-#include <utility>
 #include <vector>
 
+#include "planish/files/shared/group_list.h"
 #include "planish/mesh/polygon_mesh.h"
 
 namespace planish {
@@ -34,8 +32,7 @@ class AttributeCollector {
 
   std::vector<std::int32_t> face_uvs_, face_groups_;
   std::vector<glm::vec4> colors_;
-  std::vector<FaceGroup> groups_;
-  std::map<std::pair<std::string, std::string>, std::int32_t> index_of_group_;
+  GroupList groups_;
   FaceGroup group_;
   std::int32_t group_index_ = -1;  // of group_; -1: not looked up yet
   std::size_t corner_count_ = 0, face_count_ = 0;
