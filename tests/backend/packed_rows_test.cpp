@@ -10,7 +10,6 @@
 
 #include "planish/doosabin/limit_masks.h"
 #include "planish/doosabin/subdivision.h"
-#include "planish/stencil/quad_split.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -52,16 +51,16 @@ void expect_plain_sums(const StencilView<double>& table, const PackedRows& rows)
   EXPECT_EQ(next, table.sizes.size());
 }
 
-StencilTable<double> masks_of(const PolygonMesh& mesh) {
-  const QuadSplit split(mesh);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-  return limit_masks(mesh, Subdivision(split, features, Weights::DooSabin));
+StencilTable masks_of(const PolygonMesh& mesh) {
+  const MeshTopology topology(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
+  return limit_masks(Subdivision(topology, features, Weights::DooSabin));
 }
 
 TEST(PackedRows, OfMasksAreSmallAndTheSameBits) {
   const PolygonMesh meshes[] = {test::torus(120, 90, 2, 0.7), test::icosphere(4)};
   for (const PolygonMesh& mesh : meshes) {
-    const StencilTable<double> masks = masks_of(mesh);
+    const StencilTable masks = masks_of(mesh);
     const PackedRows rows(masks.view());
     expect_plain_sums(masks.view(), rows);
     EXPECT_EQ(rows.plain_row_count(), 0u);
@@ -74,16 +73,16 @@ TEST(PackedRows, OfUnevenMeshesAreTheSameBits) {
   const PolygonMesh meshes[] = {test::cube(), test::random_closed_mesh(3),
                                 test::with_random_creases(test::random_open_mesh(2), 0.1, 3)};
   for (const PolygonMesh& mesh : meshes) {
-    const StencilTable<double> masks = masks_of(mesh);
+    const StencilTable masks = masks_of(mesh);
     expect_plain_sums(masks.view(), PackedRows(masks.view()));
   }
 }
 
 // Rows of `size` sources each by `index(row, k)`, of weights by `weight(row, k)`.
 template <class Size, class Index, class Weight>
-StencilTable<double> table_of(std::int32_t rows, const Size& size, const Index& index,
-                              const Weight& weight) {
-  StencilRows<double> made;
+StencilTable table_of(std::int32_t rows, const Size& size, const Index& index,
+                      const Weight& weight) {
+  StencilTable made;
   for (std::int32_t i = 0; i < rows; ++i) {
     made.sizes.push_back(size(i));
     for (std::int32_t k = 0; k < size(i); ++k) {
@@ -91,13 +90,14 @@ StencilTable<double> table_of(std::int32_t rows, const Size& size, const Index& 
       made.weights.push_back(weight(i, k));
     }
   }
-  return StencilTable<double>(rows, std::move(made));
+  made.close(rows);
+  return made;
 }
 
 TEST(PackedRows, EveryLengthIsTheSameBits) {
   // From none to beyond the longest, also at the table's very end.
   for (const std::int32_t last : {0, 1, 7, 8, 9, 10, 13, 16, 17}) {
-    const StencilTable<double> table = table_of(
+    const StencilTable table = table_of(
         300, [&](std::int32_t i) { return i == 299 ? last : i % 20; },
         [](std::int32_t i, std::int32_t k) { return i + k; },
         [](std::int32_t i, std::int32_t k) { return 0.1 + 0.3 * (i % 3) - 0.01 * k; });
@@ -141,7 +141,7 @@ TEST(PackedRows, RowsThatAreAlikeMakeRuns) {
   std::vector<std::int32_t> kinds;
   for (std::int32_t kind = 0; kinds.size() < 6000; ++kind)
     kinds.insert(kinds.end(), static_cast<std::size_t>(1 + kind % 40), kind);
-  const StencilTable<double> table = table_of(
+  const StencilTable table = table_of(
       static_cast<std::int32_t>(kinds.size()),
       [&](std::int32_t i) { return kinds[static_cast<std::size_t>(i)] % 19; },
       [&](std::int32_t i, std::int32_t k) {
@@ -157,7 +157,7 @@ TEST(PackedRows, RowsThatAreAlikeMakeRuns) {
 }
 
 TEST(PackedRows, OfAGridOfQuadsAreNearlyAllAlike) {
-  const StencilTable<double> masks = masks_of(test::torus(300, 200, 2, 0.7));
+  const StencilTable masks = masks_of(test::torus(300, 200, 2, 0.7));
   const PackedRows rows(masks.view());
   expect_plain_sums(masks.view(), rows);
   EXPECT_EQ(rows.alike_row_count(), alike_rows(masks.view()));
@@ -170,7 +170,7 @@ TEST(PackedRows, FarSourcesTakeTheTableOrIndices) {
   const auto size = [](std::int32_t) { return 5; };
   const auto weight = [](std::int32_t, std::int32_t k) { return 0.2 + 0.01 * k; };
   // One row in a hundred reaches far.
-  const StencilTable<double> few = table_of(
+  const StencilTable few = table_of(
       kRows, size,
       [](std::int32_t i, std::int32_t k) { return i % 100 == 0 && k == 3 ? i + 40'000 : i + k; },
       weight);
@@ -179,7 +179,7 @@ TEST(PackedRows, FarSourcesTakeTheTableOrIndices) {
   // Those whose sources wrap around at the end reach far as well.
   EXPECT_EQ(few_rows.plain_row_count(), 1004u);
   // All do: indices of 4 bytes.
-  const StencilTable<double> all = table_of(
+  const StencilTable all = table_of(
       kRows, size, [](std::int32_t i, std::int32_t k) { return i + 40'000 * (k % 2); }, weight);
   const PackedRows all_rows(all.view());
   expect_plain_sums(all.view(), all_rows);
@@ -188,7 +188,7 @@ TEST(PackedRows, FarSourcesTakeTheTableOrIndices) {
 }
 
 TEST(PackedRows, MoreKindsOfRowsThanAPaletteHoldsAreRead) {
-  const StencilTable<double> table = table_of(
+  const StencilTable table = table_of(
       5000, [](std::int32_t) { return 6; }, [](std::int32_t i, std::int32_t k) { return i + k; },
       [](std::int32_t i, std::int32_t k) { return 1.0 / (i + k + 1); });
   const PackedRows rows(table.view());

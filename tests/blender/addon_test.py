@@ -99,6 +99,42 @@ def fit_of(thing):
     return bpy.context.object
 
 
+def test_all_selected():
+    """Each selected mesh gets its surface; what is no mesh is left alone, and one error stops no other."""
+    bpy.ops.object.select_all(action="DESELECT")
+    sources = []
+    for place in range(3):
+        bpy.ops.mesh.primitive_cube_add(location=(4 * place, 9, 0))
+        sources.append(bpy.context.object)
+    bpy.ops.object.light_add()
+    for thing in sources:
+        thing.select_set(True)
+    bpy.context.view_layer.objects.active = sources[1]
+    before = set(bpy.data.objects)
+    assert bpy.ops.mesh.planish_fit() == {"FINISHED"}
+    made = set(bpy.data.objects) - before
+    assert len(made) == 3 and set(bpy.context.selected_objects) == made, made
+    for source in sources:
+        (result,) = [thing for thing in made if thing.matrix_world == source.matrix_world]
+        assert result.name == f"{source.name}.planish"
+        assert (bpy.context.object == result) == (source == sources[1])
+    sources[0].data.clear_geometry()
+    select_only(sources[2])
+    sources[0].select_set(True)
+    count = len(bpy.data.objects)
+    expect_error(f"{sources[0].name} has no faces")
+    assert len(bpy.data.objects) == count + 1
+
+
+def test_names_do_not_grow():
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    cube.name = "Block"
+    again = fit_of(fit_of(cube))
+    assert again.name.startswith("Block.planish.0") and again.name.count("planish") == 1, again.name
+    assert fit_of(again).name.count("planish") == 1
+
+
 def test_settings():
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
     sphere = bpy.context.object
@@ -161,6 +197,8 @@ def main():
     bpy.context.scene.planish.program = PROGRAM
     test_cube()
     test_sharp_edges_and_materials()
+    test_all_selected()
+    test_names_do_not_grow()
     test_settings()
     test_errors(addon)
     test_progress_and_cancel(addon)

@@ -1,49 +1,22 @@
 /* The interface for C as a C program sees it: a mesh from arrays and from a file, fit, evaluation,
  * files, and everything that a caller can get wrong. Arguments: an OBJ file. */
+#define _POSIX_C_SOURCE 200809L /* threads and their clocks */
 #include <math.h>
 #include <planish/c/planish.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-static int failures = 0;
+#include "cube.h"
 
-static void expect(int holds, const char* what, int line) {
-  if (holds) return;
-  ++failures;
-  fprintf(stderr, "c_test.c:%d: %s; last error: %s\n", line, what, planish_last_error());
-}
-#define EXPECT(condition) expect(condition, #condition, __LINE__)
 #define EXPECT_REFUSED(call, status, words) expect_refused(call, status, words, #call, __LINE__)
 
 static void expect_refused(planish_status given, planish_status wanted, const char* words,
                            const char* what, int line) {
   expect(given == wanted, what, line);
   expect(strstr(planish_last_error(), words) != NULL, words, line);
-}
-
-static const double kPositions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0,
-                                    0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1};
-static const int32_t kCorners[] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
-                                   2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
-
-static planish_mesh_arrays cube_arrays(void) {
-  planish_mesh_arrays arrays;
-  planish_mesh_arrays_init(&arrays, sizeof arrays);
-  arrays.positions = kPositions;
-  arrays.vertex_count = 8;
-  arrays.face_count = 6;
-  arrays.corners_per_face = 4;
-  arrays.face_vertices = kCorners;
-  arrays.corner_count = 24;
-  return arrays;
-}
-
-static planish_mesh* cube(void) {
-  const planish_mesh_arrays arrays = cube_arrays();
-  planish_mesh* mesh = NULL;
-  EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
-  return mesh;
 }
 
 /* Its vertices are hit, its normals have unit length, its faces name its vertices. */
@@ -223,8 +196,8 @@ static void test_wrong_queries(void) {
                  "places is NULL");
   EXPECT_REFUSED(planish_queries_evaluate(queries, &outside, 1, NULL), PLANISH_INVALID_ARGUMENT,
                  "answers is NULL");
-  EXPECT_REFUSED(planish_queries_closest(queries, no_number, 1, &near_to),
-                 PLANISH_INVALID_ARGUMENT, "point");
+  EXPECT_REFUSED(planish_queries_closest(queries, no_number, 1, &near_to), PLANISH_INVALID_ARGUMENT,
+                 "point");
   EXPECT_REFUSED(planish_queries_closest(queries, nothing, (size_t)-1, &near_to),
                  PLANISH_INVALID_ARGUMENT, "2^31");
   EXPECT_REFUSED(planish_queries_first_hit(queries, nothing, nothing, 1, 0, 1, &hits),
@@ -272,9 +245,58 @@ static void test_verify(void) {
   planish_mesh_free(mesh);
 }
 
+/* An open cage is of its weights and its rule of boundaries: verified with these alone. */
+static void test_verify_shapes(void) {
+  static const double positions[] = {0,   0, 0, 1,   0, 0.3, 2, 0, 0, 0,   1, 0.2, 1, 1,
+                                     0.6, 2, 1, 0.1, 0, 2,   0, 1, 2, 0.4, 2, 2,   0};
+  static const int32_t corners[] = {0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4,
+                                    3, 4, 7, 3, 7, 6, 4, 5, 8, 4, 8, 7};
+  planish_mesh_arrays arrays;
+  planish_mesh *mesh = NULL, *cage = NULL;
+  planish_fit* fit = NULL;
+  planish_fit_options options, other;
+  planish_verification found;
+  const int32_t* smoothed = NULL;
+  size_t count = 7;
+  int32_t w, b, other_w, other_b;
+  planish_mesh_arrays_init(&arrays, sizeof arrays);
+  planish_verification_init(&found, sizeof found);
+  arrays.positions = positions;
+  arrays.vertex_count = 9;
+  arrays.face_vertices = corners;
+  arrays.corner_count = 24;
+  arrays.corners_per_face = 3;
+  arrays.face_count = 8;
+  EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
+  for (w = PLANISH_WEIGHTS_DOO_SABIN; w <= PLANISH_WEIGHTS_AVERAGED; ++w) {
+    for (b = PLANISH_BOUNDARY_EDGE; b <= PLANISH_BOUNDARY_EDGE_AND_CORNER; ++b) {
+      planish_fit_options_init(&options, sizeof options);
+      options.method = PLANISH_METHOD_PROGRESSIVE;
+      options.weights = w;
+      options.boundary = b;
+      EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+      EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
+      EXPECT(planish_fit_smoothed_vertices(fit, &smoothed, &count) == PLANISH_OK && count == 0);
+      for (other_w = 0; other_w < 2; ++other_w) {
+        for (other_b = 0; other_b < 2; ++other_b) {
+          other = options;
+          other.weights = other_w;
+          other.boundary = other_b;
+          EXPECT(planish_verify(cage, mesh, &other, &found) == PLANISH_OK);
+          EXPECT(found.confirmed == (other_w == w && other_b == b));
+        }
+      }
+      planish_mesh_free(cage);
+      planish_fit_free(fit);
+    }
+  }
+  planish_mesh_free(mesh);
+}
+
 /* Two triangles that almost share two vertices. */
 static void test_weld(void) {
   static const double positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1e-7, 0, 1, 1, 0, 1e-7, 1, 0};
+  static const double equal[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
   static const int32_t corners[] = {0, 1, 2, 3, 4, 5}, sizes[] = {3, 3};
   planish_mesh* mesh = NULL;
   planish_fit* fit = NULL;
@@ -299,8 +321,23 @@ static void test_weld(void) {
   EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.vertex_count == 4);
   planish_fit_free(fit);
   fit = NULL;
+  options.weld = 0; /* equal positions: there are none */
+  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.vertex_count == 6);
+  planish_fit_free(fit);
+  planish_mesh_free(mesh);
+  fit = NULL;
+  arrays.positions = equal;
+  EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.vertex_count == 4);
+  planish_fit_free(fit);
+  fit = NULL;
   options.weld = 0.5;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "weld");
+  options.weld = -0.5; /* -1 alone is none */
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.weld: -0.5 is out of range; 0, or a fraction");
   planish_mesh_free(mesh);
 }
 
@@ -384,10 +421,41 @@ static void test_wrong_options(void) {
   EXPECT_REFUSED(planish_verify(mesh, mesh, NULL, NULL), PLANISH_INVALID_ARGUMENT, "is NULL");
   options.tolerance = -1;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
-                 "options.tolerance is -1; ");
+                 "options.tolerance: -1 is out of range; ");
   planish_fit_options_init(&options, sizeof options);
   options.method = 77;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "method");
+  planish_fit_options_init(&options, sizeof options);
+  options.crease_degrees = -1;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.crease_degrees is -1; 0 to 180 is wanted");
+  options.crease_degrees = 180.5;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.crease_degrees is 180.5; ");
+  options.crease_degrees = 0;
+  options.creases = "auto:181";
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.creases: \"181\" is no angle of 0 to 180 degrees");
+  options.creases = "normals";
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "planish_fit_file()");
+  options.creases = NULL;
+  options.weights = 2;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.weights is 2; a planish_weights is wanted");
+  options.weights = PLANISH_WEIGHTS_AVERAGED;
+  options.scheme = PLANISH_SCHEME_CATMULL_CLARK;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.weights: averaged belongs to options.scheme doo-sabin");
+  planish_fit_options_init(&options, sizeof options);
+  options.polish = 1001;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.polish: 1001 is out of range; 0 to 1000 is wanted");
+  planish_fit_options_init(&options, sizeof options);
+  options.smoothed_count = 1;
+  EXPECT_REFUSED(planish_verify(mesh, mesh, &options, NULL), PLANISH_INVALID_ARGUMENT,
+                 "options.smoothed_vertices is NULL");
+  planish_fit_options_init(&options, sizeof options);
   options.method = PLANISH_METHOD_FAIR;
   options.scheme = PLANISH_SCHEME_LOOP;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT, "air");
@@ -422,6 +490,185 @@ static void test_older_structs(void) {
   planish_mesh_free(mesh);
 }
 
+/* A grid of side x side quads, as a file and as a handle. */
+static planish_mesh* bumpy_grid(int side) {
+  const size_t row = (size_t)side + 1, count = (size_t)side * (size_t)side;
+  double* positions = malloc(3 * row * row * sizeof *positions);
+  int32_t* corners = malloc(4 * count * sizeof *corners);
+  planish_mesh_arrays arrays;
+  planish_mesh* mesh = NULL;
+  size_t i, j;
+  planish_mesh_arrays_init(&arrays, sizeof arrays);
+  for (j = 0; j < row; ++j) {
+    for (i = 0; i < row; ++i) {
+      double* p = positions + 3 * (j * row + i);
+      p[0] = (double)i, p[1] = (double)j,
+      p[2] = 0.1 * side * sin(9.0 * i / side) * cos(7.0 * j / side);
+    }
+  }
+  for (j = 0; j + 1 < row; ++j) {
+    for (i = 0; i + 1 < row; ++i) {
+      int32_t* c = corners + 4 * (j * (size_t)side + i);
+      c[0] = (int32_t)(j * row + i), c[1] = c[0] + 1;
+      c[3] = (int32_t)((j + 1) * row + i), c[2] = c[3] + 1;
+    }
+  }
+  arrays.positions = positions;
+  arrays.vertex_count = row * row;
+  arrays.face_count = count;
+  arrays.corners_per_face = 4;
+  arrays.face_vertices = corners;
+  arrays.corner_count = 4 * count;
+  EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
+  free(positions);
+  free(corners);
+  return mesh;
+}
+
+/* A host that bears calls on its own thread alone, one at a time, whose fractions rise. */
+typedef struct host {
+  pthread_t thread;
+  int inside, is_wronged, calls;
+  double last;
+} host;
+
+static int watch(void* user, const char* step, double fraction) {
+  host* self = user;
+  (void)step;
+  if (!pthread_equal(pthread_self(), self->thread) || self->inside != 0 || fraction < self->last ||
+      fraction > 1)
+    self->is_wronged = 1;
+  self->inside = 1;
+  self->last = fraction;
+  ++self->calls;
+  self->inside = 0;
+  return 0;
+}
+
+static void test_callbacks(void) {
+  static const char* const names[] = {"host.glb", "host.ply", "host.stl"};
+  planish_mesh* mesh = bumpy_grid(250);
+  planish_fit_options options;
+  int method;
+  size_t i;
+  EXPECT(planish_mesh_write(mesh, "host.obj") == PLANISH_OK);
+  planish_fit_options_init(&options, sizeof options);
+  options.progress = watch;
+  for (method = PLANISH_METHOD_AUTO; method <= PLANISH_METHOD_FAIR; ++method) {
+    host self = {0};
+    planish_fit* fit = NULL;
+    self.thread = pthread_self();
+    options.user = &self;
+    options.method = method;
+    EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+    EXPECT(!self.is_wronged && self.last == 1 && self.calls > 5);
+    planish_fit_free(fit);
+  }
+  options.method = PLANISH_METHOD_AUTO;
+  for (i = 0; i < sizeof names / sizeof *names; ++i) {
+    host self = {0};
+    self.thread = pthread_self();
+    options.user = &self;
+    EXPECT(planish_fit_file("host.obj", names[i], 2, &options, NULL) == PLANISH_OK);
+    EXPECT(!self.is_wronged && self.last == 1 && self.calls > 10);
+    remove(names[i]);
+  }
+  remove("host.obj");
+  planish_mesh_free(mesh);
+}
+
+static double seconds_of(clockid_t clock) {
+  struct timespec time;
+  clock_gettime(clock, &time);
+  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+typedef struct work {
+  planish_mesh* mesh;
+  planish_fit* fit;
+  planish_queries* queries;
+  planish_fit_options options;
+  double* points;
+  size_t count;
+} work;
+
+static void do_create(work* on) {
+  planish_fit* fit = NULL;
+  EXPECT(planish_fit_create(on->mesh, &on->options, &fit) == PLANISH_OK);
+  planish_fit_free(fit);
+}
+static void do_file(work* on) {
+  EXPECT(planish_fit_file("one.obj", "one.glb", 2, &on->options, NULL) == PLANISH_OK);
+}
+static void do_write(work* on) { EXPECT(planish_fit_write(on->fit, 2, "one.ply") == PLANISH_OK); }
+static void do_evaluate(work* on) {
+  planish_surface* surface = NULL;
+  EXPECT(planish_fit_evaluate(on->fit, 3, &surface) == PLANISH_OK);
+  planish_surface_free(surface);
+}
+static void do_tessellate(work* on) {
+  planish_surface* surface = NULL;
+  EXPECT(planish_fit_tessellate(on->fit, 1e-3, 0, &surface) == PLANISH_OK);
+  planish_surface_free(surface);
+}
+static void do_verify(work* on) {
+  planish_mesh* cage = NULL;
+  planish_verification found;
+  planish_fit_options options = on->options;
+  planish_verification_init(&found, sizeof found);
+  options.method = PLANISH_METHOD_PROGRESSIVE;
+  EXPECT(planish_fit_cage(on->fit, &cage) == PLANISH_OK);
+  EXPECT(planish_verify(cage, on->mesh, &options, &found) == PLANISH_OK && found.confirmed);
+  planish_mesh_free(cage);
+}
+static void do_queries(work* on) {
+  planish_closest_answers answers;
+  double* distances = malloc(on->count * sizeof *distances);
+  planish_queries* queries = NULL;
+  planish_closest_answers_init(&answers, sizeof answers);
+  answers.distances = distances;
+  EXPECT(planish_queries_create(on->fit, &queries) == PLANISH_OK);
+  EXPECT(planish_queries_closest(queries, on->points, on->count, &answers) == PLANISH_OK);
+  planish_queries_free(queries);
+  free(distances);
+}
+
+/* Of the processor's time hardly any is other threads' where one is allowed. */
+static void test_one_thread(void) {
+  static void (*const jobs[])(work*) = {do_create,     do_file,   do_write,  do_evaluate,
+                                        do_tessellate, do_verify, do_queries};
+  work on = {0};
+  size_t i;
+  int attempt;
+  on.mesh = bumpy_grid(120);
+  planish_fit_options_init(&on.options, sizeof on.options);
+  on.options.thread_count = 1;
+  on.options.method = PLANISH_METHOD_PROGRESSIVE;
+  EXPECT(planish_mesh_write(on.mesh, "one.obj") == PLANISH_OK);
+  EXPECT(planish_fit_create(on.mesh, &on.options, &on.fit) == PLANISH_OK);
+  on.count = 500;
+  on.points = malloc(3 * on.count * sizeof *on.points);
+  for (i = 0; i < 3 * on.count; ++i) on.points[i] = (double)(i % 119);
+  for (i = 0; i < sizeof jobs / sizeof *jobs; ++i) {
+    double share = 1;
+    /* Threads that have just worked look for more for a moment. */
+    for (attempt = 0; attempt < 5 && share > 0.05; ++attempt) {
+      const double process = seconds_of(CLOCK_PROCESS_CPUTIME_ID),
+                   thread = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+      double own;
+      jobs[i](&on);
+      own = seconds_of(CLOCK_THREAD_CPUTIME_ID) - thread;
+      share = (seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process - own) / own;
+    }
+    if (share > 0.05) fprintf(stderr, "job %lu: others took %g\n", (unsigned long)i, share);
+    EXPECT(share <= 0.05);
+  }
+  remove("one.obj"), remove("one.glb"), remove("one.ply");
+  free(on.points);
+  planish_fit_free(on.fit);
+  planish_mesh_free(on.mesh);
+}
+
 // README begins
 static planish_status print_surface(const char* path) {
   planish_mesh* mesh = NULL;
@@ -448,7 +695,10 @@ int main(int argc, char** argv) {
   EXPECT(strchr(planish_version(), '.') != NULL);
   EXPECT(print_surface(argv[1]) == PLANISH_OK);
   test_fit();
+  test_callbacks();
+  test_one_thread();
   test_verify();
+  test_verify_shapes();
   test_weld();
   test_files(argv[1]);
   test_wrong_meshes();

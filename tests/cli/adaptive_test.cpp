@@ -81,15 +81,32 @@ TEST_F(AdaptiveFit, ScenesChoose) {
   EXPECT_EQ(outputs[2]["angle"], 30);
 }
 
+TEST_F(AdaptiveFit, WarnsOfAnglesThatAreNotKept) {
+  // Whose faces turn by more than 64 times the angle.
+  torus_ = write("t.obj",
+                 "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const json report = report_of({"-o", path("a.ply"), "--angle", "0.3"});
+  ASSERT_EQ(report["warnings"].size(), 1u);
+  EXPECT_EQ(report["warnings"][0]["code"], "angle-not-kept");
+  EXPECT_THAT(report["warnings"][0]["message"].get<std::string>(),
+              HasSubstr("the surface turns by more than 0.3 degrees, by up to "));
+  EXPECT_THAT(report_of({"-o", path("b.ply"), "--angle", "20"})["warnings"], IsEmpty());
+}
+
 TEST_F(AdaptiveFit, ContradictionsAreRefusedByName) {
   EXPECT_THAT(refused({"--levels", "2", "--chord-error", "1e-3"}),
               HasSubstr("--levels: a surface has levels or a --chord-error, not both"));
   EXPECT_THAT(refused({"--levels", "2", "--angle", "9"}), HasSubstr("or an --angle, not both"));
   EXPECT_THAT(refused({"--chord-error", "0"}), HasSubstr("--chord-error: 0 is out of range"));
-  EXPECT_THAT(refused({"--chord-error", "1e-3,x"}), HasSubstr("is no number or list"));
+  EXPECT_THAT(refused({"--chord-error", "1e-3,x"}),
+              HasSubstr("is no list of chord errors such as 0.01,0.001"));
   EXPECT_THAT(refused({"--chord-error", "1e-3,1e-3"}), HasSubstr("named twice"));
+  EXPECT_THAT(refused({"--chord-error", "1e-3,9e-8"}),
+              HasSubstr("refused.glb: a chord error of 9e-08 of the diagonal is finer than the "
+                        "file's float32 numbers hold; take 1e-7 or more, or write .ply"));
   EXPECT_THAT(refused({"--angle", "200"}), HasSubstr("--angle: 200 is out of range"));
-  EXPECT_THAT(refused({"--angle", "10,20"}), HasSubstr("one number is wanted"));
+  EXPECT_THAT(refused({"--angle", "10,20"}),
+              HasSubstr("is no number; above 0 to 180 degrees are wanted"));
   EXPECT_THAT(refused({"--chord-error", "1e-3", "--scheme", "catmull-clark"}),
               HasSubstr("--chord-error: catmull-clark surfaces come in levels"));
   EXPECT_THAT(refused({"--chord-error", "1e-3", "--attributes", "curvature"}),

@@ -107,15 +107,23 @@ TEST_F(BrokenInput, MoreThanTheMachineHasExitsSix) {
   EXPECT_THAT(names(), ElementsAre("large.obj"));
 }
 
-TEST_F(BrokenInput, InspectNamesProblemsAndExitsFour) {
-  const std::string input = write("two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 1 2\n");
-  const ProcessResult text = run_planish({"inspect", input});
-  EXPECT_EQ(text.exit_code, 4);
-  EXPECT_THAT(text.out, HasSubstr("duplicate-face"));
-  const ProcessResult json = run_planish({"inspect", input, "--json"});
-  EXPECT_EQ(json.exit_code, 4);
-  EXPECT_EQ(nlohmann::json::parse(json.out)["problems"][0]["kind"], "duplicate-face");
-  EXPECT_EQ(nlohmann::json::parse(json.out)["problems"][0]["element"], 1);
+// "inspect x && fit x" fits what fit can.
+TEST_F(BrokenInput, InspectEndsAsFitDoes) {
+  const std::string mended = write("two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 1 2\n");
+  const ProcessResult text = run_planish({"inspect", mended});
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_THAT(text.out,
+              AllOf(HasSubstr("1, which fit mends with a warning"), HasSubstr("duplicate-face")));
+  const auto json = nlohmann::json::parse(run_planish({"inspect", mended, "--json"}).out);
+  EXPECT_EQ(json["problems"][0]["kind"], "duplicate-face");
+  EXPECT_EQ(json["problems"][0]["element"], 1);
+  EXPECT_EQ(json["mended"], true);
+  EXPECT_EQ(run_planish({"fit", mended, "-o", path("two.glb")}).exit_code, 0);
+  const std::string refused = write("thin.obj", "v 0 0 0\nv 1 0 0\nf 1 2 1\n");
+  const ProcessResult without = run_planish({"inspect", refused, "--json"});
+  EXPECT_EQ(without.exit_code, 4);
+  EXPECT_EQ(nlohmann::json::parse(without.out)["mended"], false);
+  EXPECT_EQ(run_planish({"fit", refused, "-o", path("thin.glb")}).exit_code, 4);
 }
 
 TEST_F(BrokenInput, InspectCountsASoundMesh) {

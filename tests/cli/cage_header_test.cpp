@@ -8,7 +8,7 @@ namespace planish::command {
 namespace {
 
 TEST(CageHeader, ReadsBackWhatItWrites) {
-  Settings settings;
+  FitSettings settings;
   settings.weights = Weights::Averaged;
   settings.boundary = BoundaryRule::EdgeAndCorner;
   settings.creases = {true, 32.5};
@@ -20,16 +20,32 @@ TEST(CageHeader, ReadsBackWhatItWrites) {
       cage_header_lines(settings, InterpolationMethod::Fair, "some/where/goblet.obj", smoothed);
   for (std::string& line : lines) EXPECT_EQ(line.substr(0, 8), "planish ");
   const CageHeader header = parse_cage_header(lines, "cage.obj");
-  EXPECT_EQ(header.interpolation, InterpolationMethod::Fair);
-  EXPECT_EQ(header.weights, Weights::Averaged);
-  EXPECT_EQ(header.boundary, BoundaryRule::EdgeAndCorner);
-  ASSERT_TRUE(header.creases);
-  EXPECT_EQ(header.creases->dihedral_degrees, 32.5);
-  EXPECT_EQ(header.repair, RepairChoice::None);
-  EXPECT_EQ(header.tolerance, settings.tolerance);  // to the last bit
+  EXPECT_EQ(header.settings.interpolation, InterpolationChoice::Fair);
+  EXPECT_EQ(header.settings.weights, Weights::Averaged);
+  EXPECT_EQ(header.settings.boundary, BoundaryRule::EdgeAndCorner);
+  EXPECT_EQ(header.settings.creases.dihedral_degrees, 32.5);
+  EXPECT_EQ(header.settings.repair, RepairChoice::None);
+  EXPECT_EQ(header.settings.tolerance, settings.tolerance);  // to the last bit
   EXPECT_EQ(header.source, "goblet.obj");
-  EXPECT_EQ(header.weld, settings.weld);
+  EXPECT_EQ(header.settings.weld, settings.weld);
   EXPECT_EQ(header.smoothed_vertices, smoothed);
+}
+
+// Those of older versions are read: order and spelling stay.
+TEST(CageHeader, HasItsLinesInOrder) {
+  FitSettings settings;
+  settings.creases = {true, 1e-5};
+  settings.weld = 0;
+  settings.scheme = Scheme::Loop;
+  const std::vector<std::string> lines =
+      cage_header_lines(settings, InterpolationMethod::Progressive, "a.obj");
+  EXPECT_THAT(
+      std::vector(lines.begin() + 1, lines.end()),
+      testing::ElementsAre("planish scheme=loop", "planish interpolation=progressive",
+                           "planish weights=doo-sabin", "planish boundary=edge",
+                           "planish creases=auto:1e-05", "planish repair=safe",
+                           "planish tolerance=1e-06", "planish source=a.obj", "planish weld=0"));
+  EXPECT_EQ(parse_cage_header(lines, "a").settings.creases.dihedral_degrees, 1e-5);
 }
 
 TEST(CageHeader, ASourceCannotBreakTheLine) {
@@ -41,14 +57,16 @@ TEST(CageHeader, ASourceCannotBreakTheLine) {
 
 TEST(CageHeader, SaysNothingWhereNothingStands) {
   const CageHeader header = parse_cage_header({}, "cage.obj");
-  EXPECT_FALSE(header.interpolation || header.weights || header.boundary || header.creases ||
-               header.repair || header.tolerance || header.source || header.weld);
+  EXPECT_EQ(header.settings.interpolation, InterpolationChoice::Progressive);
+  EXPECT_FALSE(header.settings.weld);
+  EXPECT_EQ(header.settings.tolerance, FitSettings().tolerance);
+  EXPECT_EQ(header.source, "");
   EXPECT_TRUE(header.smoothed_vertices.empty());
 }
 
 TEST(CageHeader, KeysOfNewerVersionsAreLeftToThem) {
   const std::vector<std::string> lines{"planish colour=blue", "planish weights=doo-sabin"};
-  EXPECT_EQ(parse_cage_header(lines, "cage.obj").weights, Weights::DooSabin);
+  EXPECT_EQ(parse_cage_header(lines, "cage.obj").settings.weights, Weights::DooSabin);
 }
 
 TEST(CageHeader, WrongValuesAreNamed) {

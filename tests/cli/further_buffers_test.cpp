@@ -22,11 +22,9 @@ class FurtherBuffers : public testing::Test {
  protected:
   // As a job does; returns how many buffers there are.
   std::size_t put(std::uint64_t buffer_bytes, bool overwrites) const {
-    StagedFiles staged;
-    const PlannedOutput planned{.path = folder_ / "a b.gltf",
-                                .format = FileFormat::Gltf,
-                                .fineness = {},
-                                .overwrites = overwrites};
+    StagedFiles staged(overwrites);
+    const PlannedOutput planned{
+        .path = folder_ / "a b.gltf", .format = FileFormat::Gltf, .fineness = {}};
     const fs::path target = staged.stage(planned.path);
     GltfOptions options;
     options.buffer_bytes = buffer_bytes;

@@ -101,6 +101,33 @@ TEST_F(Inputs, InspectCountsPoints) {
   EXPECT_EQ(json["points"], 60);
   EXPECT_NEAR(json["diagonal"].get<double>(), std::sqrt(81.0 + 25.0), 1e-12);
   EXPECT_GE(json["spacing"].get<double>(), 1.0);
+  EXPECT_EQ(json["bounds"], nlohmann::json::parse("[[0, 0, 0], [9, 5, 0]]"));
+}
+
+TEST_F(Inputs, InspectSaysWhatAFileCarries) {
+  write("mapped.obj",
+        "v 1 2 3 1 0 0\nv 2 2 3 0 1 0\nv 1 4 3 0 0 1\nv 2 4 3.5 1 1 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+        "usemtl steel\nf 1/1 2/2 3/3\nusemtl wood\nf 3/3 2/2 4/1\n");
+  const auto mesh =
+      nlohmann::json::parse(run_planish({"inspect", path("mapped.obj"), "--json"}).out);
+  EXPECT_EQ(mesh["bounds"], nlohmann::json::parse("[[1, 2, 3], [2, 4, 3.5]]"));
+  EXPECT_EQ(mesh["texture_points"], 3);
+  EXPECT_EQ(mesh["colors"], 4);
+  EXPECT_EQ(mesh["materials"], nlohmann::json::parse(R"(["steel", "wood"])"));
+  EXPECT_THAT(run_planish({"inspect", path("mapped.obj")}).out,
+              AllOf(testing::ContainsRegex("bounds +\\(1, 2, 3\\) to \\(2, 4, 3.5\\)"),
+                    testing::ContainsRegex("materials +2")));
+  std::string cloud =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  for (int i = 0; i < 5; ++i) cloud += std::to_string(i) + " 0 7 0 0 1 255 0 0\n";
+  write("cloud.ply", cloud);
+  const auto points =
+      nlohmann::json::parse(run_planish({"inspect", path("cloud.ply"), "--json"}).out);
+  EXPECT_EQ(points["bounds"], nlohmann::json::parse("[[0, 0, 7], [4, 0, 7]]"));
+  EXPECT_EQ(points["normals"], 5);
+  EXPECT_EQ(points["colors"], 5);
 }
 
 TEST_F(Inputs, InspectTakesSeveralFilesAndNamesHoles) {

@@ -2,6 +2,7 @@
 #include <signal.h>
 
 #include <chrono>
+#include <thread>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
@@ -53,6 +54,39 @@ TEST_F(Interrupt, EndsSoonWhereverTheWorkIs) {
     EXPECT_LT(took_, 1.0) << step;
     EXPECT_THAT(names(), ElementsAre("torus.obj")) << step;
   }
+}
+
+TEST_F(Interrupt, EndsARunOfSeveralJobs) {
+  write("torus.obj", torus_obj(150));
+  const std::string scene =
+      write("scene.json",
+            R"({"version":1,"defaults":{"device":"cpu"},"jobs":[)"
+            R"({"name":"a","input":"torus.obj","outputs":[{"path":"a.obj","levels":[4]}]},)"
+            R"({"name":"b","input":"torus.obj","outputs":[{"path":"b.obj","levels":[4]}]}]})");
+  PlanishProcess process({"run", scene, "--progress", "json"}, {});
+  EXPECT_TRUE(process.wait_for_message("\"stencils\""));
+  ::kill(process.id(), SIGINT);
+  const ProcessResult result = process.finish();
+  EXPECT_EQ(result.exit_code, 130);
+  EXPECT_EQ(result.out, "");  // no table of jobs that failed
+  EXPECT_THAT(result.err, HasSubstr("interrupted; no partial file is left"));
+  EXPECT_THAT(names(), ElementsAre("scene.json", "torus.obj"));
+}
+
+TEST_F(Interrupt, TheSecondSignalKills) {
+  const std::string input = write("torus.obj", torus_obj(150));
+  int killed_by = 0;
+  // The first may not yet be taken when the second comes, or the work may have ended.
+  for (int attempt = 0; attempt < 60 && killed_by == 0; ++attempt) {
+    PlanishProcess process(
+        {"fit", input, "-o", path("a.obj"), "--levels", "4", "--progress", "json"}, {});
+    EXPECT_TRUE(process.wait_for_message("\"stencils\""));
+    ::kill(process.id(), SIGINT);
+    std::this_thread::sleep_for(std::chrono::microseconds(20 * attempt));
+    ::kill(process.id(), SIGINT);
+    killed_by = process.finish().signal;
+  }
+  EXPECT_EQ(killed_by, SIGINT);
 }
 
 TEST(ExitCodes, FollowTheKindOfError) {

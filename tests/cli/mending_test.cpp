@@ -6,6 +6,11 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "job/job_input.h"
+#include "job/measure_surface.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/pipeline/fit.h"
+#include "planish/surface/evaluate.h"
 
 namespace planish::test {
 namespace {
@@ -183,6 +188,29 @@ TEST_F(Mending, SaysHowFarSeparatedSheetsAreApart) {
   EXPECT_EQ(report["input"]["welded"], 10);
   EXPECT_EQ(report["input"]["separated_edges"], 4);
   EXPECT_LT(report["surface"]["sheet_gap"], 1e-6);
+}
+
+// A part of the diagonal, whatever the unit: of two quads, said to be sheets of one edge, that lie
+// apart.
+TEST(SheetGapOfAJob, DoesNotGrowWithTheMesh) {
+  for (const double unit : {1.0, 1000.0}) {
+    command::JobInput made;
+    PolygonMesh& mesh = made.fitted.mesh;
+    mesh.positions = {{0, 0, 0},   {1, 0, 0},   {1, 1, 0},    {0, 1, 0},
+                      {0, 0, 0.2}, {1, 0, 0.2}, {1, -1, 0.2}, {0, -1, 0.2}};
+    for (glm::dvec3& position : mesh.positions) position *= unit;
+    mesh.face_offsets = {0, 4, 8};
+    mesh.face_vertices = {0, 1, 2, 3, 5, 4, 7, 6};
+    for (std::int32_t v = 0; v < 8; ++v) mesh.corners.push_back({v});
+    made.fitted.source_vertices = {0, 1, 2, 3, 0, 1, 4, 5};
+    made.fitted.separated_edges = {{0, 1}};
+    made.fitted.fit = fit(mesh, *make_cpu_backend(), {});
+    command::JobReport report;
+    report.surface.emplace();
+    command::note_sheet_gap(made, fitted_surface(mesh, made.fitted.fit, {}), report);
+    ASSERT_TRUE(report.surface->sheet_gap);
+    EXPECT_NEAR(*report.surface->sheet_gap, 0.2 / std::sqrt(1 + 4 + 0.04), 1e-6) << unit;
+  }
 }
 
 TEST_F(Mending, HasNoGapWhereNoSheetsMeet) {

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
+#include <regex>
 #include <sstream>
+#include <utility>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
@@ -116,6 +119,16 @@ TEST_F(Messages, ErrorsObeyColor) {
   EXPECT_THAT(with("never", true), Not(HasSubstr("\033")));
   EXPECT_THAT(with("auto", true), HasSubstr("\033[1;31merror"));
   EXPECT_THAT(with("auto", false), Not(HasSubstr("\033")));
+  // What is set to nothing is not set (no-color.org).
+  for (const auto& [setting, is_colored] : {std::pair{"NO_COLOR=", true}, {"NO_COLOR=1", false}}) {
+    std::vector<std::string> arguments = wrong;
+    arguments.emplace_back("auto");
+    PlanishProcess::Options options = here(true);
+    options.environment.emplace_back(setting);
+    const ProcessResult result = run_planish(arguments, options);
+    EXPECT_EQ((result.out + result.err).find("\033[1;31merror") != std::string::npos, is_colored)
+        << setting;
+  }
   const ProcessResult early = run_planish({"fti", "--color=always"}, here());
   EXPECT_THAT(early.err, HasSubstr("\033[1;31merror"));
 }
@@ -171,6 +184,92 @@ TEST_F(Messages, WithJsonProgressEveryLineIsAnObject) {
     for (std::string line; std::getline(lines, line); ++count)
       EXPECT_TRUE(nlohmann::json::parse(line, nullptr, false).is_object()) << line;
     EXPECT_GT(count, 0);
+  }
+}
+
+// The name that begins a message, and stands in it once.
+void expect_named(const std::string& text, const std::string& name) {
+  std::istringstream lines(text);
+  int count = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_message =
+        line.starts_with("planish: warning: ") || line.starts_with("planish: error: ");
+    if (!is_message || line.ends_with("jobs failed")) continue;
+    const std::string said = line.substr(line.find(": ", line.find(": ") + 2) + 2);
+    EXPECT_THAT(said, StartsWith(name + ":")) << text;
+    EXPECT_EQ(said.find(name, 1), std::string::npos) << text;
+    EXPECT_THAT(said, Not(HasSubstr("-: "))) << text;
+    ++count;
+  }
+  EXPECT_GT(count, 0) << text;
+}
+
+// One name a file in all that is said of it, whoever notices: its path, or stdin.
+TEST_F(Messages, AFileHasOneName) {
+  const std::string unused = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n";
+  const std::string twice = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 1 2\n";
+  const std::string broken = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
+  std::filesystem::create_directory(path("data"));
+  write("other.obj", cube_obj());
+  for (const std::string& content : {unused, twice, broken}) {
+    write("data/mesh.obj", content);
+    for (const std::string& name : {std::string("data/mesh.obj"), std::string("-")}) {
+      PlanishProcess::Options options = here();
+      options.input = content;
+      std::vector<std::string> one{"fit",
+                                   name,
+                                   "-o",
+                                   "x.glb",
+                                   "-f",
+                                   "--input-format",
+                                   "obj",
+                                   "--max-iterations",
+                                   "1",
+                                   "--interpolation",
+                                   "progressive",
+                                   "--repair",
+                                   content == twice ? "safe" : "none"};
+      const std::string said = name == "-" ? "stdin" : name;
+      expect_named(run_planish(one, options).err, said);
+      one = {"fit", name, "other.obj", "-o", "out/", "-f", "--input-format", "obj"};
+      expect_named(run_planish(one, options).err, said);
+    }
+  }
+}
+
+// "1 vertex", whoever counts.
+TEST_F(Messages, OneThingIsNotSeveral) {
+  const std::regex wrong(
+      "(^|[^0-9.,])1 (vertices|faces|edges|corners|points|triangles|quads|loops|"
+      "boundary loops|components|iterations|jobs|tiles|bytes|lines)\\b");
+  write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n");
+  write("edge.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n");
+  write("corner.obj", "v 0 0 0\nf 1\n");
+  write("short.off", "OFF\n1 1 0\n0 0 0\n3 0\n");
+  write("facet.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop\nendfacet\n");
+  write("point.xyz", "0 0 0\n");
+  write("two.xyz", "1\n0 0 0\n1 1 1\n");
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"fit", "one.obj", "-o", "a.glb", "-v", "--page", "a.html"},
+        {"fit", "one.obj", "-o", "b.glb", "--levels", "0", "--cage", "b.obj", "--dry-run"},
+        {"fit", "one.obj", "-o", "c.glb", "--interpolation", "fair", "-v"},
+        {"fit", "one.obj", "-o", "d.glb", "--max-iterations", "1", "--tolerance", "1e-15"},
+        {"fit", "edge.obj", "-o", "e.glb", "--repair", "none"},
+        {"fit", "corner.obj", "-o", "e.glb", "--repair", "none"},
+        {"fit", "short.off", "-o", "f.glb"},
+        {"fit", "facet.stl", "-o", "g.glb"},
+        {"fit", "point.xyz", "-o", "h.glb", "--dry-run"},
+        {"fit", "point.xyz", "-o", "h.glb"},
+        {"fit", "two.xyz", "-o", "i.glb"},
+        {"reconstruct", "point.xyz", "-o", "j.obj"},
+        {"inspect", "one.obj"},
+        {"verify", "one.obj", "one.obj"}}) {
+    const ProcessResult result = run_planish(arguments, here());
+    std::string said = result.out + result.err;
+    if (exists("a.html")) said += read("a.html").substr(0, read("a.html").find("<script"));
+    std::smatch found;
+    EXPECT_FALSE(std::regex_search(said, found, wrong)) << arguments[1] << ": " << found.str();
+    std::filesystem::remove(path("a.html"));
   }
 }
 

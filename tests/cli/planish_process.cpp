@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -70,6 +71,13 @@ PlanishProcess::PlanishProcess(const std::vector<std::string>& arguments, const 
   if (!options.folder.empty())
     posix_spawn_file_actions_addchdir_np(&actions, options.folder.c_str());
   std::vector<std::string> texts{PLANISH_EXECUTABLE};
+  if (options.measured) {
+    measured_ = memory_file("");
+    posix_spawn_file_actions_adddup2(&actions, measured_, 3);
+#ifdef PLANISH_MEASURE
+    texts.insert(texts.begin(), PLANISH_MEASURE);
+#endif
+  }
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = options.environment;
   environment.emplace_back("PATH=/usr/bin:/bin");
@@ -78,8 +86,7 @@ PlanishProcess::PlanishProcess(const std::vector<std::string>& arguments, const 
   }
   std::vector<char*> argv = pointers(texts);
   std::vector<char*> envp = pointers(environment);
-  const int failed =
-      posix_spawn(&id_, PLANISH_EXECUTABLE, &actions, nullptr, argv.data(), envp.data());
+  const int failed = posix_spawn(&id_, argv.front(), &actions, nullptr, argv.data(), envp.data());
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0) throw std::runtime_error("cannot start " PLANISH_EXECUTABLE);
 }
@@ -90,6 +97,7 @@ PlanishProcess::~PlanishProcess() {
     reap(true);
   }
   for (const int file : {in_, out_, err_}) ::close(file);
+  if (measured_ >= 0) ::close(measured_);
   if (terminal_ >= 0) ::close(terminal_);
 }
 
@@ -136,6 +144,8 @@ ProcessResult PlanishProcess::finish() {
   if (WIFSIGNALED(status_)) result.signal = WTERMSIG(status_);
   result.out = terminal_ >= 0 ? shown_ : read_all(out_);
   result.err = read_all(err_);
+  if (measured_ >= 0)
+    std::istringstream(read_all(measured_)) >> result.peak_bytes >> result.cpu_seconds;
   return result;
 }
 

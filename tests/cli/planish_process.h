@@ -13,6 +13,9 @@ struct ProcessResult {
   int exit_code = -1;  ///< -1: killed by a signal
   int signal = 0;      ///< that killed it
   std::string out, err;
+  // Of Options::measured.
+  double peak_bytes = 0;   ///< of memory: its own or of the largest program that it started
+  double cpu_seconds = 0;  ///< of all of them
 };
 
 /// The built command as a child process. Its stdin, stdout and stderr are files, so that no pipe
@@ -25,6 +28,7 @@ class PlanishProcess {
     bool terminal = false;  ///< stdout and stderr are a terminal; both come as ProcessResult::out
     std::vector<std::string> environment;  ///< "NAME=value", beside PATH
     std::string folder;                    ///< working folder; empty: this process's
+    bool measured = false;                 ///< memory and time, by a process between
   };
 
   PlanishProcess(const std::vector<std::string>& arguments, const Options& options);
@@ -44,6 +48,7 @@ class PlanishProcess {
 
   pid_t id_ = -1;
   int in_ = -1, out_ = -1, err_ = -1;
+  int measured_ = -1;  ///< what that process writes
   int terminal_ = -1;  ///< our side of it
   std::string shown_;  ///< on the terminal
   bool ended_ = false;

@@ -79,6 +79,19 @@ TEST(Progress, TheShareOfTheWholeNeverFalls) {
   EXPECT_EQ(shares.back(), 1);
 }
 
+TEST(Progress, WhatIsNotPlannedIsAPartOfTheStepUnderWay) {
+  (void)output_of(ProgressMode::None, [&](JobProgress& progress, double&) {
+    progress.update("read", 0);
+    progress.update("solve", 0);
+    progress.update("masks", 0.25);
+    EXPECT_EQ(progress.share(), 1.5 / 8);
+    progress.update("steps", 1);
+    EXPECT_EQ(progress.share(), 3.0 / 8);
+    progress.update("evaluate", 0);
+    EXPECT_EQ(progress.share(), 3.0 / 8);
+  });
+}
+
 TEST(Progress, TheBarIsDrawnInPlaceAndTakenAway) {
   const std::string text = output_of(ProgressMode::Bar, [](JobProgress& progress, double& now) {
     now += 1;

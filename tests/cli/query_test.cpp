@@ -104,6 +104,33 @@ TEST_F(QueryCommand, WritesPly) {
   EXPECT_THAT(read("r.ply"), HasSubstr("property double t\n"));
 }
 
+// Answers are made some thousand at a time: the text is that of one JSON value all the same.
+TEST_F(QueryCommand, ManyAnswersAreOneJsonText) {
+  std::string many;
+  for (int i = 0; i < 9000; ++i)
+    many += std::to_string(1e-3 * i) + " 0.5 " + std::to_string(i) + "\n";
+  for (const std::string& points : {write("many.xyz", many), write("none.xyz", "")}) {
+    for (const bool rays : {false, true}) {
+      std::vector<std::string> flags{"query", torus_, "--points", points};
+      if (rays) flags.insert(flags.end(), {"--rays", "0,0,-1"});
+      const ProcessResult result = run_planish(flags);
+      ASSERT_EQ(result.exit_code, 0) << result.err;
+      const auto whole = nlohmann::ordered_json::parse(result.out);
+      EXPECT_EQ(whole[rays ? "rays" : "closest"].size(), points == path("none.xyz") ? 0u : 9000u);
+      EXPECT_TRUE(whole.dump(2) + "\n" == result.out);
+    }
+  }
+}
+
+// A slip in the points must not cost a fit.
+TEST_F(QueryCommand, ReadsThePointsFirst) {
+  const std::string broken = write("broken.obj", "v 0 0 0\nf 1 2 3\n");
+  const std::string points = write("points.xyz", "0 0 0\n1 1 1\n2 two 2\n");
+  const ProcessResult result = run_planish({"query", broken, "--points", points});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("points.xyz:3"));
+}
+
 TEST_F(QueryCommand, BadQuestionsAreRefused) {
   EXPECT_THAT(refused({"--points", probes_, "--rays", "0,0"}, 2).err,
               HasSubstr("--rays: \"0,0\" is no direction such as 0,0,-1"));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 #include <sstream>
@@ -10,6 +11,12 @@
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "output/digest.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/files/mesh_file.h"
+#include "planish/pipeline/fit_mesh.h"
+#include "planish/surface/evaluate.h"
+#include "planish/surface/surface_quality.h"
+#include "report/report.h"
 
 namespace planish::test {
 namespace {
@@ -149,6 +156,61 @@ TEST_F(Report, GoesToStdout) {
 TEST_F(Report, KnowsTheFoldedArea) {
   EXPECT_EQ(fit({"-o", path("p.glb")})["surface"]["folded_area"], 0.0);
   EXPECT_EQ(fit({"--cage", path("c.obj")})["surface"]["folded_area"], 0.0);
+  // Against the surface itself, evaluated and measured as a whole.
+  const std::string scene = PLANISH_SCENES "/mixed_polygons.obj";
+  const ProcessResult result = run_planish({"fit", scene, "--report", path("r.json"), "-f",
+                                            "--interpolation", "progressive", "--device", "cpu"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json surface = read_json("r.json")["surface"];
+  const PolygonMesh mesh = read_mesh(std::filesystem::path(scene)).mesh;
+  const auto backend = make_cpu_backend({.solve_precision = precision_for(1e-6)});
+  const Fit fitted = planish::fit(mesh, *backend, {});
+  const SurfaceQuality quality =
+      surface_quality(evaluate(mesh, fitted, *backend, {.level = surface["level"]}), mesh);
+  EXPECT_GT(quality.folded_area, 0.01);
+  EXPECT_NEAR(surface["folded_area"].get<double>(), quality.folded_area, 1e-9);
+}
+
+// Each key has its own figure: no two are alike.
+TEST(ReportJson, TimesAndMemoryStandUnderTheirNames) {
+  command::JobReport report;
+  report.timing = {.read = 1,
+                   .check = 2,
+                   .topology = 3,
+                   .stencils = 4,
+                   .upload = 5,
+                   .solve = 6,
+                   .choose = 7,
+                   .evaluate = 8,
+                   .write = 9,
+                   .total = 10};
+  report.host_peak_bytes = 11;
+  report.device_bytes = 12;
+  const nlohmann::ordered_json json = command::to_json(report);
+  EXPECT_EQ(json["timing_ms"],
+            nlohmann::ordered_json::parse(
+                R"({"read": 1.0, "check": 2.0, "topology": 3.0, "stencils": 4.0, "upload": 5.0,
+                    "solve": 6.0, "choose": 7.0, "evaluate": 8.0, "write": 9.0, "total": 10.0})"));
+  EXPECT_EQ(json["memory"],
+            nlohmann::ordered_json::parse(R"({"host_peak_bytes": 11, "device_bytes": 12})"));
+}
+
+// As the kernel counts it for who has started the command.
+TEST_F(Report, MemoryIsTheProcesss) {
+  const ProcessResult result = run_planish(
+      {"fit", plate_, "-o", path("p.glb"), "--report", path("r.json"), "--device", "cpu"},
+      {.environment = {}, .folder = {}, .measured = true});
+  const nlohmann::json report = read_json("r.json");
+  const auto bytes = report["memory"]["host_peak_bytes"].get<std::int64_t>();
+  EXPECT_EQ(bytes % 4096, 0);  // pages: a kilobyte of 1000 bytes would not do
+  // The kernel counts the pages of a thread in lots.
+  EXPECT_NEAR(static_cast<double>(bytes), result.peak_bytes, 0.05 * result.peak_bytes);
+  EXPECT_EQ(report["memory"]["device_bytes"], 0);
+  const nlohmann::json& times = report["timing_ms"];
+  double sum = 0;
+  for (const auto& [step, milliseconds] : times.items())
+    if (step != "total") sum += milliseconds.get<double>();
+  EXPECT_LE(sum, times["total"].get<double>() + 0.01);
 }
 
 TEST_F(Report, Sha256IsTheStandardOne) {

@@ -75,6 +75,26 @@ TEST_F(Shells, BashCompletesCommandsFlagsAndWords) {
   EXPECT_THAT(bash("planish fit --cage c", 3), IsEmpty());  // files are bash's own
   EXPECT_THAT(bash("planish verify --sol", 2), IsEmpty());
   EXPECT_THAT(bash("planish completion ", 2), Contains("fish"));
+  EXPECT_THAT(bash("planish fit --preset ", 3), testing::ElementsAre("paper"));
+}
+
+// As bash splits it, and as it does where = is no break.
+TEST_F(Shells, BashCompletesValuesBehindAnEqualsSign) {
+  EXPECT_THAT(bash("planish fit --solver = c", 4), testing::ElementsAre("chebyshev", "cg"));
+  EXPECT_THAT(bash("planish fit --solver =", 3), testing::ElementsAre("chebyshev", "plain", "cg"));
+  EXPECT_THAT(bash("planish fit --solver=c", 2),
+              testing::ElementsAre("--solver=chebyshev", "--solver=cg"));
+  EXPECT_THAT(bash("planish fit --cage = c", 4), IsEmpty());
+}
+
+TEST_F(Shells, BashCompletesTheLastOfAList) {
+  EXPECT_THAT(bash("planish fit --attributes c", 3), testing::ElementsAre("curvature"));
+  EXPECT_THAT(bash("planish fit --attributes error,cur", 3),
+              testing::ElementsAre("error,curvature"));
+  EXPECT_THAT(bash("planish fit --attributes = error,fold,d", 4),
+              testing::ElementsAre("error,fold,deviation"));
+  EXPECT_THAT(bash("planish fit --attributes=error,d", 2),
+              testing::ElementsAre("--attributes=error,deviation"));
 }
 
 TEST_F(Shells, FishCompletesCommandsFlagsAndWords) {
@@ -89,6 +109,10 @@ TEST_F(Shells, FishCompletesCommandsFlagsAndWords) {
   EXPECT_THAT(fish("planish fit --sol"), HasSubstr("--solver\t"));
   EXPECT_THAT(fish("planish fit --solver c"), HasSubstr("chebyshev"));
   EXPECT_THAT(fish("planish verify --sol"), Not(HasSubstr("--solver")));
+  EXPECT_THAT(fish("planish fit --preset "), HasSubstr("paper"));
+  EXPECT_THAT(fish("planish fit --solver=c"), HasSubstr("--solver=chebyshev"));
+  EXPECT_THAT(fish("planish fit --attributes error,cur"), HasSubstr("error,curvature"));
+  EXPECT_THAT(fish("planish fit --attributes=error,cur"), HasSubstr("error,curvature"));
 }
 
 TEST_F(Shells, ZshCompletesCommandsFlagsAndWords) {
@@ -109,6 +133,9 @@ TEST_F(Shells, ZshCompletesCommandsFlagsAndWords) {
   EXPECT_THAT(zsh("planish insp", "inspect"), HasSubstr("found"));
   EXPECT_THAT(zsh("planish fit --solv", "--solver"), HasSubstr("found"));
   EXPECT_THAT(zsh("planish fit --solver cheb", "chebyshev"), HasSubstr("found"));
+  EXPECT_THAT(zsh("planish fit --solver=cheb", "--solver=chebyshev"), HasSubstr("found"));
+  EXPECT_THAT(zsh("planish fit --preset pa", "paper"), HasSubstr("found"));
+  EXPECT_THAT(zsh("planish fit --attributes error,cur", "error,curvature"), HasSubstr("found"));
   int status = 0;
   EXPECT_EQ(output_of_line("zsh -n " + script("zsh"), status), "");
   EXPECT_EQ(status, 0);

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "options/nearest.h"
+#include "planish/core/nearest.h"
 #include "terminal/table.h"
 
 namespace planish::command {

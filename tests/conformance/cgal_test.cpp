@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "conformance/catalogue.h"
-#include "planish/doosabin/surface_stencils.h"
+#include "support/doo_sabin_tables.h"
 
 namespace planish::test {
 namespace {
@@ -41,9 +41,9 @@ std::vector<dvec3> points_of(const CgalMesh& mesh) {
 std::vector<dvec3> our_level_1(const PolygonMesh& mesh) {
   QuadSplit split(mesh);
   split.refine(1);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-  const Subdivision subdivision(split, features, Weights::DooSabin);
-  const auto table = first_step_table(mesh, subdivision, {0, subdivision.state_layout(1).size});
+  const SharpFeatures features = find_sharp_features(mesh, split.topology(), mesh.positions, {});
+  const SubdivisionChain subdivision(split, features, Weights::DooSabin);
+  const auto table = step_table(subdivision, 1);
   const StencilView<double> view = table.view();
   std::vector<dvec3> points(view.row_count(), dvec3(0.0));
   for (int32_t row = 0; row < view.row_count(); ++row) {

@@ -9,7 +9,8 @@
 #include "conformance/catalogue.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/doosabin/limit_masks.h"
-#include "planish/doosabin/surface_stencils.h"
+#include "planish/stencil/far_tables.h"
+#include "support/doo_sabin_tables.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {
@@ -28,27 +29,20 @@ struct Primvar {
   void AddWithWeight(const Primvar& source, double weight) { value += weight * source.value; }
 };
 
-StencilRows<float> rounded(const StencilView<double>& view) {
-  return {.sizes = {view.sizes.begin(), view.sizes.end()},
-          .indices = {view.indices.begin(), view.indices.end()},
-          .weights = {view.weights.begin(), view.weights.end()},
-          .du_weights = {},
-          .dv_weights = {}};
-}
-
 // A unit-sized closed mesh and an open one with creases, with their sharp features.
 struct Case {
   explicit Case(PolygonMesh source)
       : mesh(std::move(source)),
         split(mesh),
-        features((split.refine(2), find_sharp_features(mesh, split, mesh.positions, {}))),
+        features(
+            (split.refine(2), find_sharp_features(mesh, split.topology(), mesh.positions, {}))),
         subdivision(split, features, Weights::DooSabin),
-        masks(limit_masks(mesh, subdivision)) {}
+        masks(limit_masks(subdivision)) {}
   PolygonMesh mesh;
   QuadSplit split;
   SharpFeatures features;
-  Subdivision subdivision;
-  StencilTable<double> masks;
+  SubdivisionChain subdivision;
+  StencilTable masks;
 };
 
 std::vector<PolygonMesh> cases() {
@@ -67,9 +61,9 @@ std::vector<dvec3> applied_by_backend(const StencilView<double>& view,
 TEST(Evaluators, UpdateValuesEqualsTheCpuBackend) {
   for (const PolygonMesh& mesh : cases()) {
     const Case c(mesh);
-    std::vector<Primvar> source, target(c.masks.GetNumStencils());
+    std::vector<Primvar> source, target(mesh.positions.size());
     for (const dvec3& p : mesh.positions) source.push_back({p});
-    c.masks.UpdateValues(source.data(), target.data());
+    to_far<double>(c.masks.view())->UpdateValues(source.data(), target.data());
     const std::vector<dvec3> ours = applied_by_backend(c.masks.view(), mesh.positions);
     ASSERT_EQ(ours.size(), target.size());
     for (std::size_t v = 0; v < ours.size(); ++v) {
@@ -81,7 +75,8 @@ TEST(Evaluators, UpdateValuesEqualsTheCpuBackend) {
 TEST(Evaluators, FloatTablesInOsdCpuEvaluatorEqualTheCpuBackend) {
   for (const PolygonMesh& mesh : cases()) {
     const Case c(mesh);
-    const StencilTable<float> table(mesh.vertex_count(), rounded(c.masks.view()));
+    const auto far = to_far<float>(c.masks.view());
+    const OpenSubdiv::Far::StencilTable& table = *far;
     std::vector<float> source, target(3 * std::size_t(table.GetNumStencils()));
     for (const dvec3& p : mesh.positions) {
       source.insert(source.end(), {float(p.x), float(p.y), float(p.z)});
@@ -101,16 +96,13 @@ TEST(Evaluators, FloatTablesInOsdCpuEvaluatorEqualTheCpuBackend) {
 TEST(Evaluators, LimitTablesInOsdCpuEvaluatorEqualTheCpuBackend) {
   for (const PolygonMesh& mesh : cases()) {
     const Case c(mesh);
-    const RowRange state_rows{0, c.subdivision.state_layout(1).size};
-    const auto first = first_step_table(mesh, c.subdivision, state_rows);
+    const auto first = step_table(c.subdivision, 1);
     const std::vector<dvec3> state = applied_by_backend(first.view(), mesh.positions);
-    const LimitRows limit_rows(c.subdivision, 1, c.split.counts(1).vertices);
-    const auto limit = limit_table(c.subdivision, 1, limit_rows, {0, limit_rows.count()});
-    const LimitStencilView<double> view = limit.view();
-    StencilRows<float> rows = rounded(view);
-    rows.du_weights.assign(view.du_weights.begin(), view.du_weights.end());
-    rows.dv_weights.assign(view.dv_weights.begin(), view.dv_weights.end());
-    const LimitStencilTable<float> table(view.source_count, std::move(rows));
+    const LimitRows limit_rows(c.subdivision, 1);
+    const auto limit = limit_table(c.subdivision, limit_rows);
+    const StencilView<double> view = limit.view();
+    const auto far = to_far_limit<float>(view);
+    const OpenSubdiv::Far::LimitStencilTable& table = *far;
     std::vector<float> source;
     for (const dvec3& p : state) {
       source.insert(source.end(), {float(p.x), float(p.y), float(p.z)});

@@ -7,9 +7,9 @@
 #include "conformance/catalogue.h"
 #include "conformance/level_match.h"
 #include "planish/backend/cpu_backend.h"
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/surface/evaluate.h"
 #include "support/b_spline_oracle.h"
+#include "support/doo_sabin_tables.h"
 #include "support/explicit_doo_sabin.h"
 #include "support/random_meshes.h"
 
@@ -23,7 +23,7 @@ constexpr double kRounding = 1e-12;
 // Normals are stored in float.
 constexpr double kFloatNormal = 5e-7;
 
-std::vector<dvec3> applied(const StencilTable<double>& table, const std::vector<dvec3>& source) {
+std::vector<dvec3> applied(const StencilTable& table, const std::vector<dvec3>& source) {
   const StencilView<double> view = table.view();
   std::vector<dvec3> result(view.row_count(), dvec3(0.0));
   for (int32_t row = 0; row < view.row_count(); ++row) {
@@ -48,15 +48,12 @@ void expect_levels_agree(const PolygonMesh& mesh, Rules rules, int levels) {
   QuadSplit split(mesh);
   split.refine(levels);
   const SharpFeatures features =
-      find_sharp_features(mesh, split, mesh.positions, {.boundary = rules.boundary});
-  const Subdivision subdivision(split, features, rules.weights);
+      find_sharp_features(mesh, split.topology(), mesh.positions, {.boundary = rules.boundary});
+  const SubdivisionChain subdivision(split, features, rules.weights);
   std::vector<dvec3> state = mesh.positions;
   for (int level = 1; level <= levels; ++level) {
     SCOPED_TRACE("level " + std::to_string(level));
-    const RowRange all{0, subdivision.state_layout(level).size};
-    state = applied(level == 1 ? first_step_table(mesh, subdivision, all)
-                               : refinement_table(subdivision, level - 1, all),
-                    state);
+    state = applied(step_table(subdivision, level), state);
     const SurfaceMesh surface =
         evaluate(mesh, *backend,
                  {.level = level, .weights = rules.weights, .sharp = {.boundary = rules.boundary}});
@@ -107,11 +104,10 @@ TEST(Levels, FirstControlPointsAreThoseOfExplicitSubdivision) {
       SCOPED_TRACE(name);
       QuadSplit split(mesh);
       split.refine(1);
-      const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-      const Subdivision subdivision(split, features, weights);
-      const RowRange all{0, subdivision.state_layout(1).size};
-      const std::vector<dvec3> points =
-          applied(first_step_table(mesh, subdivision, all), mesh.positions);
+      const SharpFeatures features =
+          find_sharp_features(mesh, split.topology(), mesh.positions, {});
+      const SubdivisionChain subdivision(split, features, weights);
+      const std::vector<dvec3> points = applied(step_table(subdivision, 1), mesh.positions);
       const ExplicitMesh level = explicit_levels(mesh, weights, 1);
       ASSERT_EQ(points.size(), level.points.size());
       for (std::size_t i = 0; i < points.size(); ++i) {

@@ -10,9 +10,9 @@
 #include "conformance/catalogue.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/doosabin/limit_masks.h"
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/pipeline/fit.h"
 #include "planish/surface/evaluate.h"
+#include "support/doo_sabin_tables.h"
 #include "support/random_meshes.h"
 
 namespace planish::test {
@@ -39,18 +39,17 @@ TEST(Properties, RowsSumToOneAndDerivativesToZero) {
       SCOPED_TRACE(name);
       QuadSplit split(mesh);
       split.refine(3);
-      const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-      const Subdivision subdivision(split, features, weights);
-      const auto masks = limit_masks(mesh, subdivision);
+      const SharpFeatures features =
+          find_sharp_features(mesh, split.topology(), mesh.positions, {});
+      const SubdivisionChain subdivision(split, features, weights);
+      const auto masks = limit_masks(subdivision);
       EXPECT_EQ(masks.view().row_count(), mesh.vertex_count());
       expect_sums(masks.view(), masks.view().weights, 1);
       for (int level = 1; level <= 3; ++level) {
-        const RowRange all{0, subdivision.state_layout(level).size};
-        const auto step = level == 1 ? first_step_table(mesh, subdivision, all)
-                                     : refinement_table(subdivision, level - 1, all);
+        const auto step = step_table(subdivision, level);
         expect_sums(step.view(), step.view().weights, 1);
-        const LimitRows rows(subdivision, level, split.counts(level).vertices);
-        const auto limit = limit_table(subdivision, level, rows, {0, rows.count()});
+        const LimitRows rows(subdivision, level);
+        const auto limit = limit_table(subdivision, rows);
         expect_sums(limit.view(), limit.view().weights, 1);
         expect_sums(limit.view(), limit.view().du_weights, 0);
         expect_sums(limit.view(), limit.view().dv_weights, 0);
@@ -175,8 +174,8 @@ TEST(Properties, FacetNormalsConvergeToTheNormals) {
     if (mesh.face_count() > 40 || name == "cube with split edges") continue;
     if (name == "tagged boundary vertex") continue;
     SCOPED_TRACE(name);
-    QuadSplit split(mesh);
-    const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
+    const SharpFeatures features =
+        find_sharp_features(mesh, MeshTopology(mesh), mesh.positions, {});
     const std::vector<double> before = facet_angles(evaluate(mesh, *backend, {.level = 5}));
     const std::vector<double> after = facet_angles(evaluate(mesh, *backend, {.level = 6}));
     for (std::size_t v = 0; v < after.size(); ++v) {

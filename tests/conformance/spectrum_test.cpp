@@ -32,10 +32,10 @@ double closed_form_bound(const PolygonMesh& mesh, Weights weights) {
 }
 
 Eigen::VectorXcd eigenvalues(const PolygonMesh& mesh, Weights weights) {
-  QuadSplit split(mesh);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-  const Subdivision subdivision(split, features, weights);
-  const auto table = limit_masks(mesh, subdivision);
+  const MeshTopology topology(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
+  const Subdivision subdivision(topology, features, weights);
+  const auto table = limit_masks(subdivision);
   const StencilView<double> view = table.view();
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(view.row_count(), view.row_count());
   for (int32_t row = 0; row < view.row_count(); ++row) {
@@ -51,8 +51,8 @@ Eigen::VectorXcd eigenvalues(const PolygonMesh& mesh, Weights weights) {
 constexpr double kDartImaginary = 0.05;
 
 bool has_darts(const PolygonMesh& mesh) {
-  const QuadSplit split(mesh);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
+  const MeshTopology topology(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
   return std::count(features.vertex_kinds.begin(), features.vertex_kinds.end(), VertexKind::Dart);
 }
 

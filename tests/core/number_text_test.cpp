@@ -46,5 +46,27 @@ TEST(ParseNumber, TakesTheFormsOfStrtodAndNoOthers) {
   }
 }
 
+TEST(NumberText, KnowsWordsForWhatIsNotFinite) {
+  for (const char* word :
+       {"nan", "NaN", "-NAN", "+nan", "-nan(ind)", "nan(0x7)", "1.#QNAN", "-1.#IND"}) {
+    EXPECT_TRUE(is_nan_word(word)) << word;
+    EXPECT_TRUE(is_non_finite_word(word)) << word;
+  }
+  for (const char* word : {"inf", "-Infinity", "+INF", "1.#INF", "-1.#INF00"}) {
+    EXPECT_FALSE(is_nan_word(word)) << word;
+    EXPECT_TRUE(is_non_finite_word(word)) << word;
+  }
+  for (const char* word : {"", "-", "nano", "info", "1", "1.#", "nan(", "--nan"})
+    EXPECT_FALSE(is_non_finite_word(word)) << word;
+}
+
+TEST(NumberText, SaysWhatAWordMayMean) {
+  EXPECT_EQ(no_finite_number("x"), "`x` is no finite number");
+  EXPECT_EQ(no_finite_number("+-1"), "`+-1` is no finite number");
+  EXPECT_EQ(no_finite_number("-3.1+e2"),
+            "`-3.1+e2` is no finite number; write -3.1e+2 if that is meant");
+  EXPECT_EQ(no_finite_number("3-e"), "`3-e` is no finite number");
+}
+
 }  // namespace
 }  // namespace planish

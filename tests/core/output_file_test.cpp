@@ -9,6 +9,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/rename_file.h"
 
 namespace planish {
 namespace {
@@ -131,6 +132,34 @@ TEST_F(OutputFileTest, GivesTheFileOrdinaryPermissions) {
   file.commit();
   EXPECT_EQ(std::filesystem::status(directory_ / "ours").permissions(),
             std::filesystem::status(directory_ / "ordinary").permissions());
+}
+
+TEST_F(OutputFileTest, ReplacesNothingWhereThatIsNotWanted) {
+  OutputFile file(directory_ / "a.txt", false);
+  file.write("ours");
+  std::ofstream(directory_ / "a.txt") << "somebody's";
+  EXPECT_THROW(file.commit(), Error);
+  EXPECT_EQ(content("a.txt"), "somebody's");
+  OutputFile other(directory_ / "b.txt", false);
+  other.write("ours");
+  other.commit();
+  EXPECT_EQ(content("b.txt"), "ours");
+}
+
+// What a file system can do that knows no renaming without replacing.
+TEST_F(OutputFileTest, LinksGiveANameThatIsFree) {
+  std::ofstream(directory_ / "a") << "ours";
+  std::ofstream(directory_ / "b") << "somebody's";
+  EXPECT_EQ(link_in_place(directory_ / "a", directory_ / "b"), std::errc::file_exists);
+  EXPECT_EQ(content("b"), "somebody's");
+  EXPECT_FALSE(link_in_place(directory_ / "a", directory_ / "c"));
+  EXPECT_EQ(content("c"), "ours");
+  EXPECT_EQ(file_count(), 2);
+  // Folders have no second names.
+  std::filesystem::create_directory(directory_ / "d");
+  EXPECT_EQ(link_in_place(directory_ / "d", directory_ / "b"), std::errc::file_exists);
+  EXPECT_FALSE(link_in_place(directory_ / "d", directory_ / "e"));
+  EXPECT_TRUE(std::filesystem::is_directory(directory_ / "e"));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "planish/core/parallel.h"
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <atomic>
 #include <stdexcept>
@@ -17,6 +18,42 @@ TEST(ParallelFor, VisitsEachIndexOnce) {
     });
     for (const auto& visit : visits) ASSERT_EQ(visit, 1);
   }
+}
+
+TEST(ParallelEach, VisitsEachIndexOnce) {
+  for (const std::size_t count : {0u, 1u, 65u, 10000u}) {
+    std::vector<std::atomic<int>> visits(count);
+    parallel_each(count, 64, [&](std::size_t i) { ++visits[i]; });
+    parallel_each(count, [&](std::size_t i) { ++visits[i]; });
+    for (const auto& visit : visits) ASSERT_EQ(visit, 2);
+  }
+}
+
+TEST(OrderedReduce, JoinsPiecesOfFixedLengthInTheirOrder) {
+  using Ranges = std::vector<std::size_t>;
+  const auto of_range = [](std::size_t begin, std::size_t end) { return Ranges{begin, end}; };
+  const auto join = [](Ranges& all, const Ranges& one) {
+    all.insert(all.end(), one.begin(), one.end());
+  };
+  EXPECT_EQ(ordered_reduce(0, 4, Ranges{7}, of_range, join), (Ranges{7}));
+  EXPECT_EQ(ordered_reduce(8, 4, Ranges{}, of_range, join), (Ranges{0, 4, 4, 8}));
+  EXPECT_EQ(ordered_reduce(10, 4, Ranges{7}, of_range, join), (Ranges{7, 0, 4, 4, 8, 8, 10}));
+}
+
+TEST(OrderedReduce, SumsToTheSameBitsForEveryThreadCount) {
+  const auto sum = [] {
+    return ordered_reduce(
+        1'000'003, 1000, 0.0,
+        [](std::size_t begin, std::size_t end) {
+          double piece = 0;
+          for (std::size_t i = begin; i < end; ++i) piece += 1.0 / (1.0 + static_cast<double>(i));
+          return piece;
+        },
+        [](double& total, double piece) { total += piece; });
+  };
+  const double with_all = sum();
+  const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(sum(), with_all);
 }
 
 TEST(ParallelFor, PassesExceptionsOn) {

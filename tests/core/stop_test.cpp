@@ -1,6 +1,7 @@
 #include "planish/core/stop.h"
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <atomic>
 #include <chrono>
@@ -80,6 +81,38 @@ TEST(Stop, EndsAParallelLoopOnAllThreads) {
     parallel_for(20'000'000, 1000,
                  [](std::size_t, std::size_t) { spin(std::chrono::microseconds(1000)); });
   });
+}
+
+// The calling thread stays in its piece until long after the flag is set: only what the other
+// threads look at can keep them from beginning more pieces.
+TEST(Stop, OtherThreadsLookThemselves) {
+  const oneapi::tbb::global_control threads(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            4);
+  const std::thread::id own = std::this_thread::get_id();
+  StopFlag flag = false;
+  std::atomic<int> by_others = 0, after_the_flag = 0;
+  const StopScope scope(flag);
+  const auto wait_until = [](Clock::duration longest, const auto& is_so) {
+    const auto end = Clock::now() + longest;
+    while (!is_so() && Clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  EXPECT_EQ(code_of([&] {
+              parallel_for(100'000, 1, [&](std::size_t, std::size_t) {
+                if (std::this_thread::get_id() == own) {
+                  wait_until(std::chrono::seconds(5), [&] { return by_others > 3; });
+                  flag = true;
+                  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                  return;
+                }
+                if (flag) ++after_the_flag;
+                ++by_others;
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+              });
+            }),
+            ErrorCode::Cancelled);
+  EXPECT_GT(by_others, 3);
+  EXPECT_LE(after_the_flag, 3);  // each had looked when it was set
 }
 
 TEST(Stop, EndsNestedLoops) {

@@ -26,6 +26,8 @@ TEST(VisibleText, ShowsWhatTurnsOrHidesLetters) {
                                      "b")),
             "a\\u200bb");  // no width
   EXPECT_EQ(visible(std::string_view("\xEF\xBB\xBF")), "\\ufeff");
+  EXPECT_EQ(visible(std::string_view("\u00AD\u3164\uFE0F")), "\\u00ad\\u3164\\ufe0f");
+  EXPECT_EQ(visible(std::string_view("\U000E0041")), "\\u{e0041}");      // a tag
   EXPECT_EQ(visible(std::string_view("\xE2\x80\x93")), "\xE2\x80\x93");  // a dash stays
 }
 

@@ -121,7 +121,7 @@ TEST(Attributes, FaultsAreFoundOnWhateverRank) {
                        strip([&](int i) { return i == 30 ? line : std::string(); }));
   };
   expect_refused(faulty("f 1/1 2/121 3\n"), "face names texture coordinate 121 of 120");
-  expect_refused(faulty("f 1/1 2/-90 3\n"), "behind the first texture coordinate");
+  expect_refused(faulty("f 1/1 2/-90 3\n"), "face names texture coordinate -90, but only ");
   expect_refused(faulty("vt x\n"), "no finite number");
   std::string ply = ply_with_attributes(mixed_torus(8, 4));
   const float nan = std::numeric_limits<float>::quiet_NaN();

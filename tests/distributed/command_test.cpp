@@ -124,7 +124,8 @@ TEST_F(MpiCommand, TellsOfAFairCageThatCarriesNothing) {
 TEST_F(MpiCommand, SaysWhyItTookAMethod) {
   const ProcessResult by_itself = on(2, {"fit", torus_, "--report", path("r.json")});
   EXPECT_THAT(by_itself.err, HasSubstr("method progressive: ranks do not measure both"));
-  EXPECT_TRUE(read_json("r.json")["solve"]["choice"].is_string());
+  EXPECT_THAT(read_json("r.json")["solve"]["choice"]["reason"].get<std::string>(),
+              HasSubstr("ranks do not measure"));
   const ProcessResult named =
       on(2, {"fit", torus_, "--report", path("r.json"), "-f", "--interpolation", "progressive"});
   EXPECT_THAT(named.err, testing::Not(HasSubstr("method")));
@@ -196,9 +197,13 @@ TEST_P(DyingRank, LeavesTheOldOutputAsItWas) {
   EXPECT_EQ(read("c.ply"), "old");
   EXPECT_EQ(read("t.json"), "old");
   EXPECT_EQ(read("t/0/0-1-0.glb"), "old");
-  // A part that was left goes with the next run.
+  // Tiles that were left go with the next run; a temporary of a name of its own stays.
   ASSERT_EQ(on(2, arguments).exit_code, 0);
-  EXPECT_EQ(names(), (std::vector<std::string>{"c.ply", "t", "t.json", "torus.obj"}));
+  std::vector<std::string> left = names();
+  std::erase_if(left, [](const std::string& name) {
+    return name.starts_with("c.ply.") && name.ends_with(".tmp");
+  });
+  EXPECT_EQ(left, (std::vector<std::string>{"c.ply", "t", "t.json", "torus.obj"}));
   EXPECT_NE(read("t/0/0-1-0.glb"), "old");
   EXPECT_EQ(read("c.ply").substr(0, 4), "ply\n");
 }

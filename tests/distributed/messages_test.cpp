@@ -37,6 +37,34 @@ TEST(Messages, ExchangeInRoundsGivesWhatOneRoundGives) {
   }
 }
 
+TEST(Messages, GathersRunsInTheOrderOfRanks) {
+  for (const int count : {1, 2, 3, 5})
+    on_ranks(count, [&](const Ranks& ranks) {
+      // Rank 1 has none, the others as many as their number squared.
+      const auto size_of = [](int rank) { return rank == 1 ? 0 : rank * rank + 2; };
+      std::vector<std::int64_t> own(static_cast<std::size_t>(size_of(ranks.rank)), ranks.rank);
+      std::vector<std::int64_t> expected;
+      for (int r = 0; r < ranks.size; ++r) expected.insert(expected.end(), size_of(r), r);
+      const auto all = all_gather<std::int64_t>(ranks, own);
+      EXPECT_EQ(std::vector<std::int64_t>(all.begin(), all.end()), expected);
+      const auto first = gather<std::int64_t>(ranks, own);
+      if (ranks.rank == 0)
+        EXPECT_EQ(std::vector<std::int64_t>(first.begin(), first.end()), expected);
+      else
+        EXPECT_TRUE(first.empty());
+    });
+}
+
+TEST(Messages, BroadcastsInRounds) {
+  on_ranks(3, [&](const Ranks& ranks) {
+    std::vector<std::byte> bytes(1000), expected(1000);
+    for (std::size_t i = 0; i < expected.size(); ++i) expected[i] = static_cast<std::byte>(7 * i);
+    if (ranks.rank == 2) bytes = expected;
+    broadcast_bytes(ranks, bytes, 2, 64);
+    EXPECT_EQ(bytes, expected);
+  });
+}
+
 TEST(Messages, PeersGetWhatAllToAllGives) {
   for (const int count : {1, 3, 8}) {
     on_ranks(count, [](const Ranks& ranks) {

@@ -8,7 +8,6 @@
 #include "planish/doosabin/limit_masks.h"
 #include "planish/doosabin/subdivision.h"
 #include "planish/mesh/mesh_topology.h"
-#include "planish/stencil/quad_split.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -28,10 +27,10 @@ using Row = std::vector<std::pair<std::int64_t, double>>;
 
 // By the vertex's number in the file.
 std::map<std::int64_t, Row> rows_on_one(const PolygonMesh& mesh, const SharpFeatureOptions& sharp) {
-  const QuadSplit split(mesh);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, sharp);
-  const Subdivision subdivision(split, features, Weights::DooSabin);
-  const StencilArrays masks = limit_mask_arrays(subdivision);
+  const MeshTopology topology(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, sharp);
+  const Subdivision subdivision(topology, features, Weights::DooSabin);
+  const StencilTable masks = limit_masks(subdivision);
   std::map<std::int64_t, Row> rows;
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
     for (std::int32_t k = masks.offsets[v]; k < masks.offsets[v] + masks.sizes[v]; ++k)

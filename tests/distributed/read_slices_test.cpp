@@ -2,12 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "distributed/rank_runs.h"
+#include "planish/distributed/range_file.h"
 #include "planish/distributed/record_chains.h"
 #include "planish/files/mesh_file.h"
+#include "support/expect_error.h"
 #include "support/meshes.h"
+#include "support/temporary_folder.h"
 
 namespace planish::test {
 namespace {
@@ -28,6 +32,17 @@ void expect_same(const PolygonMesh& a, const PolygonMesh& b, const std::string& 
   for (std::size_t i = 0; i < a.corners.size(); ++i)
     EXPECT_EQ(a.corners[i].vertex, b.corners[i].vertex) << what;
   expect_same_attributes(a, b, what);
+}
+
+TEST(ReadSlices, AFileThatBecomesShorterIsRefused) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "a.obj";
+  std::ofstream(path) << std::string(1000, '#');
+  const RangeFile file(path.string());
+  std::filesystem::resize_file(path, 400);
+  EXPECT_EQ(file.read(100, 400).size(), 300u);
+  EXPECT_EQ(message_of(ErrorCode::UnreadableInput, [&] { (void)file.read(300, 900); }),
+            path.string() + ": became shorter while it was read, at byte 400");
 }
 
 // What ranks read is what one machine reads.
@@ -145,14 +160,17 @@ TEST(ReadSlices, ObjFaultsAreFoundOnWhateverRank) {
   const std::string plain = obj_of(mixed_torus(16, 8));
   const auto refusal = [&](const std::string& text) {
     const std::string path = shared_file("fault.obj", text);
-    std::string message;
+    // What a reader of the whole file says, with the line.
+    const std::string whole = message_of(ErrorCode::UnreadableInput, [&] {
+      (void)read_mesh(path, MeshReadOptions{.is_strict = true});
+    });
     for (const int count : {1, 3, 8})
       on_ranks(count, [&](const Ranks& ranks) {
         const Outcome outcome = outcome_of([&] { (void)read_slices(ranks, path); });
         EXPECT_EQ(outcome.code, kUnreadable) << count << ": " << outcome.message;
-        message = outcome.message;
+        EXPECT_EQ(outcome.message, whole) << count;
       });
-    return message;
+    return whole;
   };
   const auto expect_in = [&](const std::string& part, const std::string& message) {
     if (is_first_rank()) {
@@ -164,11 +182,36 @@ TEST(ReadSlices, ObjFaultsAreFoundOnWhateverRank) {
     return plain.substr(0, middle) + line + plain.substr(middle);
   };
   expect_in("names vertex 4000 of 128", refusal(with("f 1 2 4000\n")));
-  expect_in("counts back behind the first vertex", refusal(with("f 1 2 -400\n")));
+  expect_in("face names vertex -400, but only ", refusal(with("f 1 2 -400\n")));
   expect_in("no v/vt/vn", refusal(with("f 1 2 x\n")));
   expect_in("no finite number", refusal(with("v 1 2 nan\n")));
   expect_in("names vertex 128 of 128", refusal(with("t crease 2/1/0 0 128 10\n")));
   expect_in("names face 999 of", refusal(with("t hole 1/0/0 999\n")));
+}
+
+// A mark before the text is no word of its first line.
+TEST(ReadSlices, TextBehindAMarkIsReadAsOnOneRank) {
+  const std::string mark = "\xEF\xBB\xBF";
+  expect_read_as_on_one(shared_file("mark.obj", mark + obj_of(mixed_torus(8, 4))));
+  expect_read_as_on_one(shared_file("mark.ply", mark + ply_of(mixed_torus(8, 4))));
+  const std::string path = shared_file("wide.obj", std::string("v\0 \0001\0", 6));
+  on_ranks(3, [&](const Ranks& ranks) {
+    const Outcome outcome = outcome_of([&] { (void)read_slices(ranks, path); });
+    EXPECT_EQ(outcome.code, kUnreadable);
+    EXPECT_NE(outcome.message.find("is text of UTF-16; save it as UTF-8"), std::string::npos);
+  });
+}
+
+TEST(RangeFile, AFileThatIsCutAfterOpeningIsNamed) {
+  if (!is_first_rank()) return;
+  const std::string path = shared_path("shrinking");
+  std::ofstream(path, std::ios::binary) << std::string(1000, 'x');
+  const RangeFile file(path);
+  EXPECT_EQ(file.read(990, 2000).size(), 10u);
+  std::filesystem::resize_file(path, 600);
+  EXPECT_EQ(message_of(ErrorCode::UnreadableInput, [&] { (void)file.read(500, 1000); }),
+            path + ": became shorter while it was read, at byte 600");
+  EXPECT_EQ(file.read(500, 600).size(), 100u);
 }
 
 TEST(ReadSlices, OtherFormatsAreReadByTheFirstRank) {

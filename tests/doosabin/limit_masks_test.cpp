@@ -13,9 +13,9 @@ using Row = std::map<std::int32_t, double>;
 
 Row mask_of(const PolygonMesh& mesh, Weights weights, std::int32_t vertex,
             const SharpFeatureOptions& sharp = {}) {
-  const QuadSplit split(mesh);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, sharp);
-  const StencilTable<double> masks = limit_masks(mesh, Subdivision(split, features, weights));
+  const MeshTopology topology(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, sharp);
+  const StencilTable masks = limit_masks(Subdivision(topology, features, weights));
   const auto view = masks.view();
   Row row;
   for (int k = view.offsets[vertex]; k < view.offsets[vertex] + view.sizes[vertex]; ++k) {
@@ -88,8 +88,7 @@ TEST(SpectralBound, IsTheSmallestOfTheFaceSizesPresent) {
 
 TEST(LimitMasks, TellWhereConjugateGradientsApply) {
   const auto self_adjoint = [](const PolygonMesh& mesh) {
-    const QuadSplit split(mesh);
-    return is_self_adjoint(find_sharp_features(mesh, split, mesh.positions, {}));
+    return is_self_adjoint(find_sharp_features(mesh, MeshTopology(mesh), mesh.positions, {}));
   };
   EXPECT_TRUE(self_adjoint(test::cube()));
   EXPECT_FALSE(self_adjoint(test::flat_grid(3, 3)));

@@ -10,7 +10,7 @@ namespace planish {
 namespace {
 
 SharpFeatures features_of(const PolygonMesh& mesh, const SharpFeatureOptions& options = {}) {
-  return find_sharp_features(mesh, QuadSplit(mesh), mesh.positions, options);
+  return find_sharp_features(mesh, MeshTopology(mesh), mesh.positions, options);
 }
 
 // Vertex (i, j) of a 4 x 4 grid.
@@ -46,6 +46,14 @@ TEST(SharpFeatures, OfLowerSharpnessOrIgnoredTagsAreNone) {
   mesh.creases[0].sharpness = 10.0f;
   EXPECT_EQ(features_of(mesh).interior_sharp_edge_count, 1);
   EXPECT_EQ(features_of(mesh, {.use_tags = false}).interior_sharp_edge_count, 0);
+}
+
+TEST(SharpFeatures, TheLastTagOfAnEdgeHolds) {
+  PolygonMesh mesh = test::flat_grid(4, 4);
+  mesh.creases = {{at(2, 1), at(2, 2), 10.0f}, {at(2, 2), at(2, 1), 3.0f}};
+  EXPECT_EQ(features_of(mesh).interior_sharp_edge_count, 0);
+  std::ranges::reverse(mesh.creases);
+  EXPECT_EQ(features_of(mesh).interior_sharp_edge_count, 1);
 }
 
 TEST(SharpFeatures, BoundaryCornersDependOnTheRule) {

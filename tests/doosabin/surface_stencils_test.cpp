@@ -1,13 +1,12 @@
-#include "planish/doosabin/surface_stencils.h"
-
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "support/doo_sabin_tables.h"
 #include "support/meshes.h"
 
-namespace planish {
+namespace planish::test {
 namespace {
 
 std::vector<glm::dvec3> apply_table(const StencilView<double>& table,
@@ -23,21 +22,21 @@ std::vector<glm::dvec3> apply_table(const StencilView<double>& table,
 
 // A grid with a crease that ends inside, a T-junction, and tagged corners.
 PolygonMesh feature_rich_grid() {
-  PolygonMesh mesh = test::grid(
-      6, 6, [](double x, double y) { return glm::dvec3(x, y, 0.2 * x * x - 0.1 * x * y); });
+  PolygonMesh mesh =
+      grid(6, 6, [](double x, double y) { return glm::dvec3(x, y, 0.2 * x * x - 0.1 * x * y); });
   const auto at = [](int i, int j) { return j * 7 + i; };
   mesh.creases = {{at(3, 0), at(3, 1), 10}, {at(3, 1), at(3, 2), 10}, {at(3, 2), at(3, 3), 10}};
   mesh.corners = {{at(6, 6), 10}, {at(5, 5), 10}};
   return mesh;
 }
 
-TEST(SurfaceStencils, RowsOfEveryTableSumToOne) {
+TEST(SurfaceTables, RowsOfEveryTableSumToOne) {
   const PolygonMesh mesh = feature_rich_grid();
   QuadSplit split(mesh);
   split.refine(3);
   for (const Weights weights : {Weights::DooSabin, Weights::Averaged}) {
-    const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-    const Subdivision subdivision(split, features, weights);
+    const SharpFeatures features = find_sharp_features(mesh, split.topology(), mesh.positions, {});
+    const SubdivisionChain subdivision(split, features, weights);
     const auto expect_sums = [](const StencilView<double>& view) {
       for (std::int32_t i = 0; i < view.row_count(); ++i) {
         double sum = 0;
@@ -47,10 +46,10 @@ TEST(SurfaceStencils, RowsOfEveryTableSumToOne) {
         ASSERT_NEAR(sum, 1.0, 1e-14) << "row " << i;
       }
     };
-    expect_sums(first_step_table(mesh, subdivision, {0, subdivision.state_layout(1).size}).view());
-    expect_sums(refinement_table(subdivision, 1, {0, subdivision.state_layout(2).size}).view());
-    const LimitRows rows(subdivision, 2, split.counts(2).vertices);
-    const auto limit = limit_table(subdivision, 2, rows, {0, rows.count()});
+    expect_sums(step_table(subdivision, 1).view());
+    expect_sums(step_table(subdivision, 2).view());
+    const LimitRows rows(subdivision, 2);
+    const auto limit = limit_table(subdivision, rows);
     expect_sums(limit.view());
     const auto view = limit.view();
     for (std::int32_t i = 0; i < view.row_count(); ++i) {
@@ -69,10 +68,10 @@ TEST(LimitRows, AddOneRowForEachFurtherSectorOfACrease) {
   const PolygonMesh mesh = feature_rich_grid();
   QuadSplit split(mesh);
   split.refine(1);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-  const Subdivision subdivision(split, features, Weights::DooSabin);
+  const SharpFeatures features = find_sharp_features(mesh, split.topology(), mesh.positions, {});
+  const SubdivisionChain subdivision(split, features, Weights::DooSabin);
   const std::int64_t vertex_count = split.counts(1).vertices;
-  const LimitRows rows(subdivision, 1, vertex_count);
+  const LimitRows rows(subdivision, 1);
   // T-junction, two crease vertices and three edge midpoints; the dart has one normal.
   EXPECT_EQ(rows.count(), vertex_count + 6);
 
@@ -97,23 +96,21 @@ TEST(LimitRows, AddOneRowForEachFurtherSectorOfACrease) {
   EXPECT_GE(seen[2], vertex_count);
 }
 
-TEST(SurfaceStencils, SlicesEqualTheWholeTable) {
+TEST(SurfaceTables, SlicesEqualTheWholeTable) {
   const PolygonMesh mesh = feature_rich_grid();
   QuadSplit split(mesh);
   split.refine(2);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-  const Subdivision subdivision(split, features, Weights::DooSabin);
+  const SharpFeatures features = find_sharp_features(mesh, split.topology(), mesh.positions, {});
+  const SubdivisionChain subdivision(split, features, Weights::DooSabin);
   const std::int64_t size = subdivision.state_layout(2).size;
-  const auto state =
-      apply_table(first_step_table(mesh, subdivision, {0, subdivision.state_layout(1).size}).view(),
-                  mesh.positions);
-  const auto whole = apply_table(refinement_table(subdivision, 1, {0, size}).view(), state);
-  const auto head = apply_table(refinement_table(subdivision, 1, {0, 100}).view(), state);
-  const auto tail = apply_table(refinement_table(subdivision, 1, {100, size - 100}).view(), state);
+  const auto state = apply_table(step_table(subdivision, 1).view(), mesh.positions);
+  const auto whole = apply_table(step_table(subdivision, 2).view(), state);
+  const auto head = apply_table(step_table(subdivision, 2, {0, 100}).view(), state);
+  const auto tail = apply_table(step_table(subdivision, 2, {100, size - 100}).view(), state);
   for (std::size_t i = 0; i < whole.size(); ++i) {
     EXPECT_EQ(whole[i], i < 100 ? head[i] : tail[i - 100]);
   }
 }
 
 }  // namespace
-}  // namespace planish
+}  // namespace planish::test

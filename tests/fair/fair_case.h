@@ -7,11 +7,11 @@
 
 #include "conformance/catalogue.h"
 #include "planish/backend/cpu_backend.h"
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/fair/fair_net.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/mesh/placement.h"
 #include "support/delaunay_sphere.h"
+#include "support/doo_sabin_tables.h"
 
 namespace planish::test {
 
@@ -33,13 +33,13 @@ struct FairCase {
   PolygonMesh mesh;
   QuadSplit split;
   SharpFeatures features;
-  Subdivision subdivision;
+  SubdivisionChain subdivision;
   std::vector<glm::dvec3> given;  ///< unit coordinates
 
  private:
   SharpFeatures refine_and_find_features(int levels) {
     split.refine(levels);
-    return find_sharp_features(mesh, split, mesh.positions, {});
+    return find_sharp_features(mesh, split.topology(), mesh.positions, {});
   }
 };
 
@@ -62,15 +62,15 @@ struct LimitSamples {
   for (int l = 2; l <= level; ++l) {
     const std::int64_t size = c.subdivision.state_layout(l).size;
     auto finer = backend->allocate(static_cast<std::int32_t>(size));
-    backend->apply(refinement_table(c.subdivision, l - 1, {0, size}).view(), *points, *finer, 0);
+    backend->apply(step_table(c.subdivision, l).view(), *points, *finer, 0);
     points = std::move(finer);
   }
-  const LimitRows rows(c.subdivision, level, c.split.counts(level).vertices);
+  const LimitRows rows(c.subdivision, level);
   LimitSamples samples;
   samples.positions.resize(static_cast<std::size_t>(rows.count()));
   samples.normals.resize(samples.positions.size());
-  backend->apply_limit(limit_table(c.subdivision, level, rows, {0, rows.count()}).view(), *points,
-                       samples.positions, samples.normals);
+  backend->apply_limit(limit_table(c.subdivision, rows).view(), *points, samples.positions,
+                       samples.normals);
   return samples;
 }
 

@@ -24,7 +24,7 @@ double interpolation_error(const FairCase& c, std::span<const dvec3> state) {
   double worst = 0;
   VertexRing ring;
   for (int32_t v = 0; v < c.mesh.vertex_count(); ++v) {
-    gather_ring(c.subdivision, 1, v, ring);
+    gather_ring(c.subdivision, v, ring);
     Exact limit(0);
     if (ring.kind == VertexKind::Corner) {
       limit = Exact(state[ring.corner_point]);
@@ -47,7 +47,7 @@ TEST(FairNet, PassesThroughEveryGivenPoint) {
     const FairCase c(mesh);
     for (const int32_t steps : {0, 8}) {
       const FairNet net = c.net(steps);
-      ASSERT_EQ(net.state.size(), std::size_t(c.subdivision.state_layout(1).size));
+      ASSERT_EQ(net.state.size(), std::size_t(c.subdivision.state_size()));
       EXPECT_LT(interpolation_error(c, net.state), 1e-15);
       std::vector<dvec3> rounded = net.state;
       for (dvec3& p : rounded) p = dvec3(glm::vec3(p));
@@ -125,8 +125,8 @@ TEST(FairNet, FollowsTheNumberingOfTheMesh) {
     VertexRing ring_before, ring_after;
     double worst = 0;
     for (int32_t v = 0; v < mesh.vertex_count(); ++v) {
-      gather_ring(before.subdivision, 1, v, ring_before);
-      gather_ring(after.subdivision, 1, other.new_index[v], ring_after);
+      gather_ring(before.subdivision, v, ring_before);
+      gather_ring(after.subdivision, other.new_index[v], ring_after);
       for (const int32_t face : ring_before.faces) {
         double nearest = HUGE_VAL;
         for (const int32_t candidate : ring_after.faces) {

@@ -31,7 +31,7 @@ TEST(FairTopology, RingsAreThoseOfTheSubdivision) {
   for_each_topology([](const FairCase& c, const FairTopology& topology) {
     VertexRing ring;
     for (int32_t v = 0; v < c.mesh.vertex_count(); ++v) {
-      gather_ring(c.subdivision, 1, v, ring);
+      gather_ring(c.subdivision, v, ring);
       ASSERT_EQ(topology.valence(v), int32_t(ring.faces.size()));
       for (std::size_t i = 0; i < ring.faces.size(); ++i) {
         const int32_t place = topology.ring_offsets[v] + int32_t(i);
@@ -71,7 +71,7 @@ TEST(CornerOffsets, AreOneSubdivisionStep) {
       points[v] += dvec3(0.01 * double(v % 7), 0, 0.02);
     std::vector<dvec3> offsets(static_cast<std::size_t>(topology.corner_count));
     corner_offsets(topology, c.given, points, offsets);
-    const auto table = first_step_table(c.mesh, c.subdivision, {0, topology.corner_count});
+    const auto table = step_table(c.subdivision, 1);
     const auto view = table.view();
     for (int32_t corner = 0; corner < topology.corner_count; ++corner) {
       dvec3 expected = -c.given[topology.corner_vertices[corner]];
@@ -95,7 +95,7 @@ TEST(MaskedIteration, WithFullSharesIsThePlainIteration) {
     }
     const auto points = masked_iteration(topology, c.given, shares, offsets);
 
-    const auto masks = limit_masks(c.mesh, c.subdivision);
+    const auto masks = limit_masks(c.subdivision);
     const auto view = masks.view();
     std::vector<dvec3> expected = c.given;
     for (int step = 0; step < 3; ++step) {

@@ -31,8 +31,8 @@ struct Net {
     }
     const auto face_normals = unit_face_normals(topology, c.given);
     for (int32_t v = 0; v < topology.vertex_count; ++v) {
-      normals.push_back(angle_weighted_normal(topology, c.given, face_normals, v,
-                                              topology.ring_offsets[v], topology.valence(v)));
+      normals.push_back(
+          angle_weighted_normal(topology, c.given, face_normals, v, topology.ring(v)));
       // Near curves every third of them stays, every third moves half as far.
       shares.push_back(topology.is_regular[v] ? double(v % 3) / 2 : 0.0);
     }
@@ -174,6 +174,20 @@ TEST(Polish, KeepsCentroidsAndWhatMustStay) {
       EXPECT_EQ(heights[c], 0) << c;
     }
   }
+}
+
+// A vertex that may hardly move: what its lines are divided by is bounded, else a rounding of
+// others moves it.
+TEST(Polish, PreconditionersAreWithinFourteenMagnitudes) {
+  Net net(torus(9, 7, 1, 0.4));
+  net.directions[0] *= 1e-9;
+  float least = HUGE_VALF, most = 0;
+  for (const float diagonal : net.rows().preconditioner) {
+    if (diagonal == 0) continue;  // stays where it is
+    least = std::min(least, diagonal);
+    most = std::max(most, diagonal);
+  }
+  EXPECT_NEAR(most / least, 1e14f, 1e10f);
 }
 
 TEST(Polish, TrustsNoMoveBeyondThreeTenthsOfTheDistance) {

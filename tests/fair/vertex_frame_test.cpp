@@ -16,7 +16,7 @@ using std::int32_t;
 dvec3 normal_at(const FairCase& c, int32_t vertex) {
   const FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
   return angle_weighted_normal(topology, c.given, unit_face_normals(topology, c.given), vertex,
-                               topology.ring_offsets[vertex], topology.valence(vertex));
+                               topology.ring(vertex));
 }
 
 // A prism over a polygon in the plane z = 0.

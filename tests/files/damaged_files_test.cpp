@@ -55,6 +55,12 @@ std::vector<Sample> samples() {
     test::append<float>(big, 1, std::endian::big);
   }
   big += std::string("\0\0\0\1\0\3\0\1\2", 9);
+  std::string off = "NOFF BINARY\n";
+  for (const int count : {3, 1, 0}) test::append<std::int32_t>(off, count, std::endian::big);
+  for (int i = 0; i < 18; ++i)
+    test::append<float>(off, static_cast<float>(i * i % 7), std::endian::big);
+  for (const int value : {3, 0, 1, 2, 1, 5})
+    test::append<std::int32_t>(off, value, std::endian::big);
   return {
       {written(FileFormat::Obj), FileFormat::Obj},
       {"v 0 0 0\r\nv 1 0 0 1\r\nv 0 1 \\\r\n 0\r\nvt 0\r\nvt 1 1 0\r\nf -1/2/3 -2//1 \\\r\n-3\r\nt "
@@ -70,6 +76,14 @@ std::vector<Sample> samples() {
        FileFormat::Ply},
       {written(FileFormat::Off), FileFormat::Off},
       {"COFF 3 1 0\n0 0 0 1 1 1 1\n# c\n1 0 0\n0 1 0\n3 0 1 2 0.5\n", FileFormat::Off},
+      {off, FileFormat::Off},
+      {"ply\nTexture a\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+       "property float z\nproperty float s\nproperty float t\nelement face 1\n"
+       "property list uchar int vertex_indices\nend_header\n0 0 0 nan 0 9\n1 0 0 1 inf\n"
+       "0 1 0 1 1\n3 0 1 2 4 5\n",
+       FileFormat::Ply},
+      {"v 0 0 0 nan 0 0\nv 1 0 0 1 0 0\nv 0 1 0\nvt nan\nvt 1 1\nf 1/1 2/2 3/9\nf -1/-7 -2/0 -3\n",
+       FileFormat::Obj},
       {stl, FileFormat::Stl},
       {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
        "endloop\nendfacet\nendsolid a\n",

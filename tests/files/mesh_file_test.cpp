@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -131,6 +133,99 @@ TEST(WriteMesh, KeepsEveryAttributeInObj) {
   }
 }
 
+std::vector<glm::dvec2> corner_uvs(const PolygonMesh& mesh) {
+  std::vector<glm::dvec2> values;
+  for (const std::int32_t uv : mesh.face_uvs)
+    values.push_back(uv < 0 ? glm::dvec2(-7) : glm::dvec2(glm::vec2(mesh.uvs[uv])));
+  return values;
+}
+
+std::string ply_header(const PolygonMesh& mesh) {
+  const test::TemporaryFolder folder;
+  write_mesh(folder.path() / "a.ply", FileFormat::Ply, mesh);
+  const auto bytes = read_file(folder.path() / "a.ply");
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.substr(0, text.find("end_header"));
+}
+
+// Blender knows coordinates of vertices alone.
+TEST(WriteMesh, PlyHasTextureCoordinatesOfVerticesWhereThereIsNoSeam) {
+  PolygonMesh mesh = test::cube();
+  for (int v = 0; v < 8; ++v) mesh.uvs.emplace_back(0.1 * v, 1 - 0.01 * v);
+  mesh.face_uvs = mesh.face_vertices;
+  mesh.uvs.push_back(mesh.uvs[3]);  // another number for the same place
+  *std::ranges::find(mesh.face_uvs, 3) = 8;
+  EXPECT_THAT(ply_header(mesh), HasSubstr("property float s\nproperty float t\nelement face"));
+  EXPECT_THAT(ply_header(mesh), testing::Not(HasSubstr("texcoord")));
+  const PolygonMesh again = round_trip(mesh, FileFormat::Ply).mesh;
+  EXPECT_EQ(corner_uvs(again), corner_uvs(mesh));
+  EXPECT_EQ(again.uvs.size(), 8u);
+  EXPECT_EQ(again.positions, mesh.positions);
+}
+
+TEST(WriteMesh, PlyHasTextureCoordinatesOfFacesBesideSeams) {
+  PolygonMesh mesh = test::cube();
+  mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.25, 0.125}};
+  for (int c = 0; c < 24; ++c) mesh.face_uvs.push_back(c % 4);
+  mesh.face_uvs[7] = 4;
+  EXPECT_THAT(ply_header(mesh), HasSubstr("property list uchar float texcoord\n"));
+  EXPECT_THAT(ply_header(mesh), testing::Not(HasSubstr("property float s")));
+  PolygonMesh again = round_trip(mesh, FileFormat::Ply).mesh;
+  EXPECT_EQ(corner_uvs(again), corner_uvs(mesh));
+  EXPECT_EQ(again.positions.size(), 8u);
+  EXPECT_TRUE(check(again).empty());
+  // Corners of a vertex share what is equal.
+  std::set<std::array<double, 3>> distinct;
+  for (std::size_t c = 0; c < 24; ++c) {
+    const glm::dvec2 uv = mesh.uvs[mesh.face_uvs[c]];
+    distinct.insert({double(mesh.face_vertices[c]), uv.x, uv.y});
+  }
+  EXPECT_EQ(again.uvs.size(), distinct.size());
+  // A face that lacks one has none.
+  mesh.face_uvs[5] = -1;
+  again = round_trip(mesh, FileFormat::Ply).mesh;
+  std::vector<glm::dvec2> expected = corner_uvs(mesh);
+  for (int c = 4; c < 8; ++c) expected[c] = glm::dvec2(-7);
+  EXPECT_EQ(corner_uvs(again), expected);
+}
+
+// Counts are bytes as long as they fit, of corners and of the numbers that those have.
+TEST(WriteMesh, PlyFacesOfAnySize) {
+  for (const int size : {127, 128, 255, 256, 257}) {
+    SCOPED_TRACE(size);
+    PolygonMesh mesh = test::mesh_of(size, {{0, 1, 2}});
+    std::vector<std::int32_t> face(size);
+    for (int i = 0; i < size; ++i) face[i] = size - 1 - i;
+    mesh.add_face(face);
+    for (int c = 0; c < size + 3; ++c) {
+      mesh.uvs.emplace_back(c, -c);
+      mesh.face_uvs.push_back(c);
+    }
+    const std::string header = ply_header(mesh);
+    EXPECT_THAT(header, HasSubstr(size <= 255 ? "list uchar int vertex" : "list int int vertex"));
+    EXPECT_THAT(header, HasSubstr(size <= 127 ? "list uchar float tex" : "list int float tex"));
+    const PolygonMesh again = round_trip(mesh, FileFormat::Ply).mesh;
+    EXPECT_EQ(again.face_offsets, mesh.face_offsets);
+    EXPECT_EQ(again.face_vertices, mesh.face_vertices);
+    EXPECT_EQ(corner_uvs(again), corner_uvs(mesh));
+  }
+}
+
+TEST(ReadMesh, TextureListsOfPlyThatDoNotFitAreLeftOut) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 3\nproperty list uchar int vertex_indices\n"
+      "property list uchar float texcoord\nproperty int flags\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+      "3 0 1 2 6 0 0 1 0 0 1 9\n3 0 2 3 0 9\n3 0 3 1 4 0 0 1 0 9\n";
+  const MeshFile file = read_mesh(test::bytes_of(text), "a.ply", FileFormat::Ply);
+  EXPECT_THAT(file.mesh.face_uvs, ElementsAre(0, 1, 2, -1, -1, -1, -1, -1, -1));
+  EXPECT_EQ(file.mesh.uvs, (std::vector<glm::dvec2>{{0, 0}, {1, 0}, {0, 1}}));
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].count, 1);
+  EXPECT_EQ(file.warnings[0].first, 2);
+}
+
 TEST(WriteMesh, KeepsNamesWithinTheirLine) {
   PolygonMesh mesh = test::mesh_of(3, {{0, 1, 2}});
   mesh.groups = {{"a\nf 1 2 3", "#b #c\\"}};
@@ -215,9 +310,11 @@ TEST(ReadFile, ReadsFilesOfUnknownSize) {
 }
 
 TEST(ReadMesh, RefusesFormatsOfPointsAndUnknownExtensions) {
-  EXPECT_EQ(test::message_of(ErrorCode::InvalidArgument,
-                             [] { (void)read_mesh({}, "a.xyz", FileFormat::Xyz); }),
-            "a.xyz: .xyz holds points, and a polygon mesh is wanted");
+  EXPECT_EQ(
+      test::message_of(ErrorCode::InvalidArgument,
+                       [] { (void)read_mesh({}, "a.xyz", FileFormat::Xyz); }),
+      "a.xyz: .xyz holds points, and a polygon mesh is wanted; read_points() and reconstruct() "
+      "make one of them");
   EXPECT_EQ(test::message_of(ErrorCode::InvalidArgument, [] { (void)read_mesh("a.blend"); }),
             "a.blend: the extension \".blend\" names no format of meshes that is read "
             "(glb, gltf, obj, ply, off, stl)");

@@ -109,32 +109,6 @@ TEST(PointCloud, ReadsPrimitivesOfPointsWhereNothingElseIs) {
   EXPECT_EQ(both.dropped_element_count, 1);
 }
 
-TEST(TextEncoding, Utf8MarksAreSkippedAndUtf16IsRefusedByName) {
-  const std::string mark = "\xEF\xBB\xBF";
-  for (const auto& [text, format] :
-       {std::pair("v 1 2 3\n", FileFormat::Obj), std::pair("OFF\n1 0 0\n1 2 3\n", FileFormat::Off),
-        std::pair("1 2 3\n", FileFormat::Xyz), std::pair("1\n1 2 3\n", FileFormat::Pts)}) {
-    EXPECT_THAT(read_points(test::bytes_of(mark + text), "a", format).points,
-                ElementsAre(glm::dvec3(1, 2, 3)));
-    std::string little, big;
-    for (const char c : std::string(text)) {
-      little += {c, '\0'};
-      big += {'\0', c};
-    }
-    for (const std::string& wide : {"\xFF\xFE" + little, "\xFE\xFF" + big, little, big}) {
-      EXPECT_THAT(test::message_of(ErrorCode::UnreadableInput,
-                                   [&, format = format] {
-                                     (void)read_points(test::bytes_of(wide), "a", format);
-                                   }),
-                  testing::HasSubstr("a: is text of UTF-16; save it as UTF-8"));
-    }
-  }
-  EXPECT_EQ(read_mesh(test::bytes_of(mark + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "a.obj",
-                      FileFormat::Obj)
-                .mesh.face_count(),
-            1);
-}
-
 TEST(PointCloud, RefusesCoordinatesThatOverflowWhenSquared) {
   const std::string text =
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "mesh/test_meshes.h"
+#include "files/file_of.h"
 #include "planish/core/error.h"
 #include "planish/files/obj/read_obj.h"
 #include "support/byte_strings.h"
@@ -14,12 +14,12 @@ namespace planish {
 namespace {
 
 // All that a file says, or its error.
-std::string told_obj(std::string_view text, std::size_t part_bytes) {
+std::string told_obj(std::string_view text, std::size_t part_bytes, bool is_strict) {
   std::string result;
   const auto add = [&](const auto&... values) { ((result += std::to_string(values) + " "), ...); };
   MeshFile file;
   try {
-    file = read_obj_in_parts(test::bytes_of(text), "a.obj", part_bytes);
+    file = read_obj(test::file_of(text, "a.obj", is_strict), part_bytes);
   } catch (const Error& error) {
     return std::string("error ") + error.what() + " " + std::to_string(error.element());
   }
@@ -46,9 +46,11 @@ std::string told_obj(std::string_view text, std::size_t part_bytes) {
 }
 
 void expect_the_same_obj_wherever_it_is_cut(const std::string& text) {
-  const std::string whole = told_obj(text, text.size() + 1);
-  for (std::size_t bytes = 1; bytes <= text.size(); ++bytes)
-    ASSERT_EQ(told_obj(text, bytes), whole) << "in parts of " << bytes << " bytes";
+  for (const bool is_strict : {false, true}) {
+    const std::string whole = told_obj(text, text.size() + 1, is_strict);
+    for (std::size_t bytes = 1; bytes <= text.size(); ++bytes)
+      ASSERT_EQ(told_obj(text, bytes, is_strict), whole) << "in parts of " << bytes << " bytes";
+  }
 }
 
 constexpr const char* kEverything = R"(# planish scheme=doo-sabin
@@ -95,8 +97,8 @@ f 7 8 4 3)";
 TEST(ReadObjInParts, KeepsEverything) {
   for (const char* line_end : {"\n", "\r\n", "\r"}) {
     const std::string text = test::with_line_ends(kEverything, line_end);
-    ASSERT_EQ(told_obj(text, text.size()).find("error"), std::string::npos)
-        << told_obj(text, text.size());
+    const std::string told = told_obj(text, text.size(), true);
+    ASSERT_EQ(told.find("error"), std::string::npos) << told;
     expect_the_same_obj_wherever_it_is_cut(text);
     expect_the_same_obj_wherever_it_is_cut(text + line_end);
     expect_the_same_obj_wherever_it_is_cut(text + "\\" + line_end);
@@ -105,10 +107,26 @@ TEST(ReadObjInParts, KeepsEverything) {
 
 TEST(ReadObjInParts, SaysTheSameOfErrors) {
   const std::string good = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv 0 0 1\nvt 1 1\n";
-  for (const char* bad : {"v 1 x 3\n", "v 1 2\n", "f 1 2 9\n", "f 1 2/7 3\n", "f 1 2 -9\n",
-                          "f 1 2 0\n", "f 1/2/3/4 2 3\n", "f 1 2/-5 3\n", "f 1 2 99999999999\n",
-                          "vt u\n", "vt\n", "t crease 2/1/0 0 77 1\n", "t crease 1/1/0 0 1\n",
-                          "t hole 1/0/0 5\n", "t corner 1 2\n", "v 1 2 1e999\n"}) {
+  for (const char* bad : {"v 1 x 3\n",
+                          "v 1 2\n",
+                          "f 1 2 9\n",
+                          "f 1 2/7 3\n",
+                          "f 1 2 -9\n",
+                          "f 1 2 0\n",
+                          "f 1/2/3/4 2 3\n",
+                          "f 1 2/-5 3\n",
+                          "f 1 2 99999999999\n",
+                          "vt u\n",
+                          "vt\n",
+                          "t crease 2/1/0 0 77 1\n",
+                          "t crease 1/1/0 0 1\n",
+                          "t hole 1/0/0 5\n",
+                          "t corner 1 2\n",
+                          "v 1 2 1e999\n",
+                          "v 1 2 3 nan 0 0\n",
+                          "vt nan\n",
+                          "f 1/0 2/-1 3/9\n",
+                          "f 1/-9 2 3\n"}) {
     for (const std::string& text : {good + bad + good, bad + good + good, good + good + bad,
                                     good + bad + "f 1 2 0\n" + good}) {
       expect_the_same_obj_wherever_it_is_cut(text);
@@ -117,12 +135,12 @@ TEST(ReadObjInParts, SaysTheSameOfErrors) {
   expect_the_same_obj_wherever_it_is_cut("this is\nno file\nof any kind\n");
   expect_the_same_obj_wherever_it_is_cut("f 1 2 3\nwhat\n");
   expect_the_same_obj_wherever_it_is_cut("\n\n\n");
-  EXPECT_EQ(told_obj("", 1), told_obj("", 100));
+  EXPECT_EQ(told_obj("", 1, true), told_obj("", 100, true));
 }
 
 TEST(ReadObjInParts, NamesLinesOfTheWholeFile) {
   const std::string text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nwhat\nf 1 2 3\nf 1 2 4\n";
-  EXPECT_EQ(told_obj(text, 8), "error a.obj:6: face names vertex 4 of 3 1");
+  EXPECT_EQ(told_obj(text, 8, true), "error a.obj:6: face names vertex 4 of 3 1");
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <tiny_obj_loader.h>
 
-#include "mesh/test_meshes.h"
+#include "files/file_of.h"
 #include "support/expect_error.h"
 
 namespace planish {
@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-MeshFile obj_of(std::string_view text) { return read_obj(test::bytes_of(text), "a.obj"); }
+MeshFile obj_of(std::string_view text) { return read_obj(test::file_of(text, "a.obj")); }
 
 std::string obj_error(std::string_view text) {
   return test::message_of(ErrorCode::UnreadableInput, [&] { (void)obj_of(text); });
@@ -92,7 +92,11 @@ TEST(ReadObj, KeepsTextureCoordinatesByCorner) {
   EXPECT_THAT(obj_of(with_triangle("vt 0 0\nf 1 2 3\n")).mesh.uvs, IsEmpty());
 }
 
-TEST(ReadObj, RefusesWrongTextureCoordinates) {
+TEST(ReadObj, RefusesWrongTextureCoordinatesOfStrictFiles) {
+  const auto obj_error = [](const std::string& text) {
+    return test::message_of(ErrorCode::UnreadableInput,
+                            [&] { (void)read_obj(test::file_of(text, "a.obj", true)); });
+  };
   EXPECT_EQ(obj_error(with_triangle("vt 0 0\nf 1/1 2/1 3/2\n")),
             "a.obj:5: face names texture coordinate 2 of 1");
   EXPECT_EQ(obj_error(with_triangle("f 1/1 2/1 3/1\n")),
@@ -125,10 +129,11 @@ TEST(ReadObj, ReadsColoursAsSrgb) {
   EXPECT_EQ(file.mesh.colors[1], glm::vec4(1, 0.21404114f, 0, 1));
   EXPECT_EQ(file.mesh.colors[2], glm::vec4(0.0030959751f, 1, 1, 0.25f));
   EXPECT_THAT(obj_of("v 0 0 0 1\n").mesh.colors, IsEmpty());
+  EXPECT_EQ(obj_of("v 0 0 0 1 1 1 2\nv 0 0 0 1 1 1 -1\n").warnings.at(0).count, 2);
   const MeshFile bytes = obj_of("v 0 0 0 255 -1 0\nv 0 0 0 1 1 1\n");
   EXPECT_EQ(bytes.mesh.colors[0], glm::vec4(1, 0, 0, 1));
   ASSERT_EQ(bytes.warnings.size(), 1u);
-  EXPECT_EQ(bytes.warnings[0].message, "1 vertex colours lie outside 0 to 1 and are clamped");
+  EXPECT_EQ(bytes.warnings[0].message, "1 vertex colour lies outside 0 to 1 and is clamped");
 }
 
 TEST(ReadObj, KeepsHoles) {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <random>
 
-#include "mesh/test_meshes.h"
+#include "files/file_of.h"
 #include "support/expect_error.h"
 
 namespace planish {
@@ -16,7 +16,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-PointCloud pcd_of(const std::string& text) { return read_pcd(test::bytes_of(text), "a.pcd"); }
+PointCloud pcd_of(const std::string& text) { return read_pcd(test::file_of(text, "a.pcd")); }
 std::string pcd_error(const std::string& text) {
   return test::message_of(ErrorCode::UnreadableInput, [&] { (void)pcd_of(text); });
 }
@@ -32,12 +32,12 @@ std::string pcd_header(const std::string& fields, int points, const std::string&
          "\nHEIGHT 1\nVIEWPOINT 5 5 5 1 0 0 0\nPOINTS " + std::to_string(points) + "\nDATA " +
          data + "\n";
 }
-const std::string kXyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
+const std::string kPcdXyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
 const std::string kMixed = "FIELDS rgb z _ x y\nSIZE 4 8 1 4 2\nTYPE U F U F I\nCOUNT 1 1 3 1 1\n";
 
 TEST(ReadPcd, ReadsText) {
   const PointCloud cloud =
-      pcd_of(pcd_header(kXyz, 3, "ascii") + "1 2 3\nnan nan nan\n0.1 -5 6e1\n");
+      pcd_of(pcd_header(kPcdXyz, 3, "ascii") + "1 2 3\nnan nan nan\n0.1 -5 6e1\n");
   EXPECT_THAT(cloud.points, ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(0.1, -5, 60)));
   EXPECT_EQ(cloud.missing_count, 1);
 }
@@ -60,7 +60,7 @@ TEST(ReadPcd, FindsAxesAmongOtherFields) {
 std::string compressed_file() {
   std::string data;
   for (const float value : {1.0f, 4.0f, 2.0f, 5.0f, 3.0f, 6.0f}) append(data, value);
-  std::string text = pcd_header(kXyz, 2, "binary_compressed");
+  std::string text = pcd_header(kPcdXyz, 2, "binary_compressed");
   append(text, static_cast<std::uint32_t>(data.size() + 1));
   append(text, static_cast<std::uint32_t>(data.size()));
   return text + static_cast<char>(data.size() - 1) + data;
@@ -78,19 +78,19 @@ TEST(ReadPcd, NamesWhatIsWrong) {
               HasSubstr("no `z`"));
   EXPECT_THAT(pcd_error("FIELDS x y z\nSIZE 4 3 4\n"), HasSubstr("a.pcd:2: SIZE `3`"));
   EXPECT_THAT(pcd_error("FIELDS x y z\nSIZE 4 4\n"), HasSubstr("fewer values"));
-  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "ascii") + "1 2 3\n"), HasSubstr("promises 2"));
-  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "ascii") + "1 2 3\n# long enough\n"),
+  EXPECT_THAT(pcd_error(pcd_header(kPcdXyz, 2, "ascii") + "1 2 3\n"), HasSubstr("promises 2"));
+  EXPECT_THAT(pcd_error(pcd_header(kPcdXyz, 2, "ascii") + "1 2 3\n# long enough\n"),
               HasSubstr("ends at point 1 of 2"));
-  EXPECT_THAT(pcd_error(pcd_header(kXyz, 1, "ascii") + "1 2 x5\n"), HasSubstr("`x5`"));
-  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "binary") + "12 bytes ..."),
+  EXPECT_THAT(pcd_error(pcd_header(kPcdXyz, 1, "ascii") + "1 2 x5\n"), HasSubstr("`x5`"));
+  EXPECT_THAT(pcd_error(pcd_header(kPcdXyz, 2, "binary") + "12 bytes ..."),
               HasSubstr("2 points of 12"));
-  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "zip")), HasSubstr("`zip`"));
-  EXPECT_THAT(pcd_error(pcd_header(kXyz, 2, "binary_compressed") + "abc"),
+  EXPECT_THAT(pcd_error(pcd_header(kPcdXyz, 2, "zip")), HasSubstr("`zip`"));
+  EXPECT_THAT(pcd_error(pcd_header(kPcdXyz, 2, "binary_compressed") + "abc"),
               HasSubstr("ends inside"));
   std::string damaged = compressed_file();
   damaged[damaged.size() - 25] = '\x7f';
   EXPECT_THAT(pcd_error(damaged), HasSubstr("damaged"));
-  EXPECT_THAT(pcd_error(kXyz + "WIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n"),
+  EXPECT_THAT(pcd_error(kPcdXyz + "WIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n"),
               HasSubstr("WIDTH times HEIGHT, 6"));
 }
 
@@ -98,7 +98,7 @@ TEST(ReadPcd, NamesWhatIsWrong) {
 TEST(ReadPcd, SurvivesMutations) {
   std::string binary = pcd_header(kMixed, 2, "binary");
   binary.append(2 * 21, '\x3f');
-  const std::array<std::string, 3> seeds = {pcd_header(kXyz, 1, "ascii") + "1 2 3\n", binary,
+  const std::array<std::string, 3> seeds = {pcd_header(kPcdXyz, 1, "ascii") + "1 2 3\n", binary,
                                             compressed_file()};
   std::mt19937 random(7);
   for (int round = 0; round < 30000; ++round) {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "mesh/test_meshes.h"
+#include "files/file_of.h"
 #include "planish/files/ply/read_ply.h"
 #include "support/byte_strings.h"
 #include "support/expect_error.h"
@@ -75,9 +75,9 @@ std::size_t record_of(const std::string& bytes, std::int32_t face) {
 }
 
 TEST(ReadPlyRecords, EqualTheLinesOfTheSameMesh) {
-  const PolygonMesh expected = read_ply(test::bytes_of(text()), "a.ply").mesh;
+  const PolygonMesh expected = read_ply(test::file_of(text(), "a.ply")).mesh;
   for (const std::string& bytes : {binary(false), binary(true), binary(false, std::endian::big)}) {
-    const PolygonMesh mesh = read_ply(test::bytes_of(bytes), "a.ply").mesh;
+    const PolygonMesh mesh = read_ply(test::file_of(bytes, "a.ply")).mesh;
     EXPECT_EQ(mesh.positions, expected.positions);
     EXPECT_EQ(mesh.colors, expected.colors);
     EXPECT_EQ(mesh.face_offsets, expected.face_offsets);
@@ -88,7 +88,7 @@ TEST(ReadPlyRecords, EqualTheLinesOfTheSameMesh) {
 TEST(ReadPlyRecords, NameTheFirstThatIsWrong) {
   const auto message = [](const std::string& bytes) {
     return test::message_of(ErrorCode::UnreadableInput,
-                            [&] { (void)read_ply(test::bytes_of(bytes), "a.ply"); });
+                            [&] { (void)read_ply(test::file_of(bytes, "a.ply")); });
   };
   const std::string whole = binary(false);
   std::string wrong = whole;

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "mesh/test_meshes.h"
+#include "files/file_of.h"
 #include "support/byte_strings.h"
 #include "support/expect_error.h"
 
@@ -15,7 +15,7 @@ namespace {
 using test::append;
 using testing::ElementsAre;
 
-MeshFile stl_of(std::string_view text) { return read_stl(test::bytes_of(text), "a.stl"); }
+MeshFile stl_of(std::string_view text) { return read_stl(test::file_of(text, "a.stl")); }
 
 std::string stl_error(std::string_view text) {
   return test::message_of(ErrorCode::UnreadableInput, [&] { (void)stl_of(text); });
@@ -65,7 +65,7 @@ TEST(ReadStl, LeavesOutTrianglesWithoutArea) {
   EXPECT_EQ(file.dropped_element_count, 1);
   ASSERT_EQ(file.warnings.size(), 1u);
   EXPECT_EQ(file.warnings[0].code, "degenerate-triangles");
-  EXPECT_EQ(file.warnings[0].message, "1 triangles without area were left out");
+  EXPECT_EQ(file.warnings[0].message, "1 triangle without area was left out");
 }
 
 TEST(ReadStl, WeldsManyPositionsInTheOrderOfTheFile) {
@@ -115,9 +115,9 @@ TEST(ReadStl, RefusesWrongText) {
   EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 0 0 0\n")),
             "a.stl:4: vertex has a fourth value `0`");
   EXPECT_EQ(stl_error("solid\n" + facet("vertex 0 0 0\n")),
-            "a.stl:5: facet has 1 vertices, 3 are needed");
+            "a.stl:5: facet has 1 vertex, 3 are needed");
   EXPECT_EQ(stl_error("solid\nvertex 0 0 0\n"), "a.stl:2: `vertex` is out of place");
-  EXPECT_EQ(stl_error("solid\nvertx 0 0 0\n"), "a.stl:2: `vertx` is no word of STL");
+  EXPECT_EQ(stl_error("solid\nfacet\nvertx 0 0 0\n"), "a.stl:3: `vertx` is no word of STL");
   EXPECT_EQ(stl_error("solid\nfacet normal 0 0 1\nouter loop\n"),
             "a.stl:3: the file ends inside a facet");
 }

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mesh/test_meshes.h"
+#include "files/file_of.h"
 #include "support/expect_error.h"
 
 namespace planish {
@@ -14,8 +14,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 PointCloud xyz_of(std::string_view text, FileFormat format = FileFormat::Xyz) {
-  return format == FileFormat::Pts ? read_pts(test::bytes_of(text), "a.xyz")
-                                   : read_xyz(test::bytes_of(text), "a.xyz");
+  return format == FileFormat::Pts ? read_pts(test::file_of(text, "a.xyz"))
+                                   : read_xyz(test::file_of(text, "a.xyz"));
 }
 std::string xyz_error(std::string_view text, FileFormat format = FileFormat::Xyz) {
   return test::message_of(ErrorCode::UnreadableInput, [&] { (void)xyz_of(text, format); });
@@ -37,10 +37,28 @@ TEST(ReadXyz, PassesOverColumnNamesInTheFirstLineOnly) {
   EXPECT_THAT(xyz_error("1 2 3\nX Y Z\n"), HasSubstr("a.xyz:2: coordinate `X`"));
 }
 
+// Numbers behind a word are a point that is damaged.
+TEST(ReadXyz, TakesWordsAloneForColumnNames) {
+  for (const char* names : {"X Y Z\n", "x,y,z,r,g,b\n", "\"x\";\"y\";\"z\"\n", "points\n",
+                            "Version 1.0\n", "//c\n# c\nnot a number\n"})
+    EXPECT_EQ(xyz_of(std::string(names) + "1 2 3\n").points.size(), 1u) << names;
+  for (const char* word : {"inf", "-inf", "Infinity", "INF", "1e999", "1.#INF", "x1"}) {
+    const std::string line = std::string(word) + " 0 0\n";
+    const std::string what =
+        "coordinate `" + std::string(word) + "` is no finite number up to 1e150";
+    EXPECT_EQ(xyz_error(line + "1 2 3\n"), "a.xyz:1: " + what);
+    EXPECT_EQ(xyz_error(line), "a.xyz:1: " + what);
+    EXPECT_EQ(xyz_error("# scan\n\n" + line), "a.xyz:3: " + what);
+    EXPECT_EQ(xyz_error("1\n" + line, FileFormat::Pts), "a.xyz:2: " + what);
+  }
+  EXPECT_EQ(xyz_error("0 inf 0\n"), "a.xyz:1: coordinate `inf` is no finite number up to 1e150");
+  EXPECT_EQ(xyz_error("inf\n", FileFormat::Pts), "a.xyz:1: point count `inf` is no integer from 0");
+}
+
 TEST(ReadXyz, CountsMissingPoints) {
-  const PointCloud cloud = xyz_of("nan nan nan\n1 2 3\n1 NaN 3\n");
+  const PointCloud cloud = xyz_of("nan nan nan\n1 2 3\n1 NaN 3\n-nan(ind) 1 -1.#IND\n");
   EXPECT_EQ(cloud.points.size(), 1u);
-  EXPECT_EQ(cloud.missing_count, 2);
+  EXPECT_EQ(cloud.missing_count, 3);
 }
 
 TEST(ReadXyz, NamesLineAndValueOfErrors) {

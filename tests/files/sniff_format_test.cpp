@@ -30,6 +30,19 @@ TEST(SniffFormat, KnowsEveryFormatByItsFirstLines) {
   for (const auto& [content, format] : files) EXPECT_EQ(sniff(content), format) << content;
 }
 
+TEST(SniffFormat, KnowsTextOfAnyEncodingAndLineEnd) {
+  EXPECT_EQ(sniff("# made by hand\rv 0 0 0\r"), FileFormat::Obj);
+  EXPECT_EQ(sniff("\xEF\xBB\xBFply\rformat ascii 1.0\r"), FileFormat::Ply);
+  EXPECT_EQ(sniff("COFF BINARY\n\x01"), FileFormat::Off);
+  std::string little, big;
+  for (const char c : std::string("# made by hand\nsolid a\n")) {
+    little += {c, '\0'};
+    big += {'\0', c};
+  }
+  for (const std::string& wide : {"\xFF\xFE" + little, "\xFE\xFF" + big, little, big})
+    EXPECT_EQ(sniff(wide), FileFormat::Stl);
+}
+
 TEST(SniffFormat, KnowsABinaryStlByItsSize) {
   std::string content(84 + 2 * 50, '\0');
   content.replace(0, 5, "solid");  // as some programs write into binary files

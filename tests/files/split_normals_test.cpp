@@ -270,7 +270,13 @@ TEST(SplitNormals, CornersWithoutANormalSayNothing) {
 TEST(SplitNormals, WrongIndicesAreNamed) {
   const auto error = [](const std::string& faces) {
     return test::message_of(ErrorCode::UnreadableInput, [&] {
-      (void)read_split("v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\n" + faces, FileFormat::Obj);
+      const std::string bytes = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\n" + faces;
+      (void)read_mesh(FileBytes{.bytes = test::bytes_of(bytes),
+                                .name = "shape",
+                                .path = {},
+                                .split_normals_crease = true,
+                                .is_strict = true},
+                      FileFormat::Obj);
     });
   };
   EXPECT_EQ(error("f 1//1 2//1 3//2\n"), "shape:5: face names normal 2 of 1");

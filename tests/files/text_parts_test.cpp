@@ -1,26 +1,31 @@
-// Text PLY and OFF are read in parts on all threads: the result and the messages must be those of a
-// file read as one, wherever it is cut.
+// Text is read in parts on all threads: the result and the messages must be those of a file read as
+// one, wherever it is cut.
 #include <gtest/gtest.h>
 
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <utility>
 #include <vector>
 
-#include "mesh/test_meshes.h"
+#include "files/file_of.h"
 #include "planish/core/error.h"
 #include "planish/files/off/read_off.h"
+#include "planish/files/pcd/read_pcd.h"
 #include "planish/files/ply/read_ply.h"
+#include "planish/files/stl/read_stl.h"
+#include "planish/files/xyz/read_xyz.h"
 #include "support/byte_strings.h"
 
 namespace planish {
 namespace {
 
-using Read = MeshFile (*)(std::span<const std::byte>, std::string_view, std::size_t);
+using Read = MeshFile (*)(const FileBytes&, std::size_t);
 
-std::string told(Read read, std::string_view text, std::size_t part_bytes) {
+std::string told(Read read, std::string_view text, std::size_t part_bytes, bool is_strict) {
   std::string result;
   try {
-    const MeshFile file = read(test::bytes_of(text), "a.x", part_bytes);
+    const MeshFile file = read(test::file_of(text, "a.x", is_strict), part_bytes);
     const auto add = [&](double value) { result += std::to_string(value) + " "; };
     for (const auto& p : file.mesh.positions)
       for (int axis = 0; axis < 3; ++axis) add(p[axis]);
@@ -32,6 +37,10 @@ std::string told(Read read, std::string_view text, std::size_t part_bytes) {
       for (const std::int32_t number : *numbers) add(number);
     }
     for (const std::string& line : file.header) result += "{" + line + "}";
+    for (const Warning& warning : file.warnings) {
+      result += warning.code + ": " + warning.message;
+      add(static_cast<double>(warning.count)), add(static_cast<double>(warning.first));
+    }
     add(static_cast<double>(file.dropped_element_count));
   } catch (const Error& error) {
     result = std::string("error ") + error.what() + " " + std::to_string(error.element());
@@ -40,9 +49,13 @@ std::string told(Read read, std::string_view text, std::size_t part_bytes) {
 }
 
 void expect_the_same_wherever_it_is_cut(Read read, const std::string& text) {
-  const std::string whole = told(read, text, text.size() + 1);
-  for (std::size_t bytes = 1; bytes <= text.size(); ++bytes)
-    ASSERT_EQ(told(read, text, bytes), whole) << "in parts of " << bytes << " bytes of\n" << text;
+  for (const bool is_strict : {false, true}) {
+    const std::string whole = told(read, text, text.size() + 1, is_strict);
+    for (std::size_t bytes = 1; bytes <= text.size(); ++bytes)
+      ASSERT_EQ(told(read, text, bytes, is_strict), whole)
+          << "in parts of " << bytes << " bytes of\n"
+          << text;
+  }
 }
 
 std::string substituted(std::string text, const std::string& what, const std::string& by) {
@@ -101,12 +114,129 @@ constexpr const char* kOff = R"(OFF
 
 TEST(ReadTextInParts, KeepsEverything) {
   for (const auto& [read, text] :
-       {std::pair<Read, std::string>(read_ply_in_parts, kPly), {read_off_in_parts, kOff}}) {
-    EXPECT_EQ(told(read, text, 1).find("error"), std::string::npos) << told(read, text, 1);
+       {std::pair<Read, std::string>(read_ply, kPly), {read_off, kOff}}) {
+    const std::string all = told(read, text, 1, true);
+    EXPECT_EQ(all.find("error"), std::string::npos) << all;
     expect_the_same_wherever_it_is_cut(read, text);
     expect_the_same_wherever_it_is_cut(read, test::with_line_ends(text, "\r\n"));
     expect_the_same_wherever_it_is_cut(read, text.substr(0, text.size() - 1));
     expect_the_same_wherever_it_is_cut(read, text + "\n\n");
+  }
+}
+
+constexpr const char* kStl = R"(solid a
+facet normal 0 0 1
+ outer loop
+  vertex 0 0 0
+  vertex 1 0 0
+  vertex 0 1 0
+ endloop
+endfacet
+color 1 0 0
+
+FACET normal 0 0 1
+ outer loop
+  vertex 1 0 0
+  vertex 0 1 0
+  vertex 4.5e1 1 -2
+ endloop
+endfacet
+endsolid a
+solid b
+facet normal 0 0 1
+ outer loop
+  vertex 0 0 0
+  vertex 0 0 0
+  vertex 0 1 0
+ endloop
+endfacet
+endsolid b
+)";
+
+MeshFile read_cloud(PointCloud cloud) {
+  MeshFile file{.format = FileFormat::Xyz};
+  file.mesh.positions = std::move(cloud.points);
+  file.mesh.colors = std::move(cloud.colors);
+  file.warnings = std::move(cloud.warnings);
+  file.dropped_element_count = cloud.missing_count;
+  for (const glm::vec3& n : cloud.normals) file.header.push_back(std::to_string(n.x + 2 * n.y));
+  return file;
+}
+MeshFile xyz_in_parts(const FileBytes& file, std::size_t part_bytes) {
+  return read_cloud(read_xyz(file, part_bytes));
+}
+MeshFile pts_in_parts(const FileBytes& file, std::size_t part_bytes) {
+  return read_cloud(read_pts(file, part_bytes));
+}
+MeshFile pcd_in_parts(const FileBytes& file, std::size_t part_bytes) {
+  return read_cloud(read_pcd(file, part_bytes));
+}
+
+constexpr const char* kXyz = "// scan\n\nX Y Z\n1 2 3\n# c\n4,5,6 7\n\nnan 1 1\n7;8;9\n";
+constexpr const char* kPts =
+    "# scan\n2\n1 2 3\n4 5 6\n1\n7 8 9\n1 1 nan\n5 5 5\n0\n2\n6 6 6\n7 7 7\n";
+constexpr const char* kPcd =
+    "FIELDS x y z normal_x normal_y normal_z rgb\nSIZE 4 4 4 4 4 4 4\nTYPE F F F F F F U\n"
+    "WIDTH 4\nDATA ascii\n1 2 3 0 1 0 255\n\n4 5 6 1 0 0 65280\n# c\nnan 0 0 0 0 0 0\n"
+    "7 8 9 0 0 1 7\n";
+
+TEST(ReadTextInParts, KeepsFacetsAndPoints) {
+  for (const auto& [read, text] : std::vector<std::pair<Read, std::string>>{
+           {read_stl, kStl}, {xyz_in_parts, kXyz}, {pts_in_parts, kPts}, {pcd_in_parts, kPcd}}) {
+    const std::string all = told(read, text, 1, false);
+    EXPECT_EQ(all.find("error"), std::string::npos) << all;
+    for (const char* line_end : {"\n", "\r", "\r\n"}) {
+      const std::string ended = test::with_line_ends(text, line_end);
+      expect_the_same_wherever_it_is_cut(read, ended);
+      expect_the_same_wherever_it_is_cut(read, ended.substr(0, ended.size() - 1));
+      expect_the_same_wherever_it_is_cut(read, ended + line_end + line_end);
+    }
+  }
+  // What one reads serially is what the parts say: points behind counts, lines, places.
+  const MeshFile pts = pts_in_parts(test::file_of(kPts, "a.pts"), 1);
+  ASSERT_EQ(pts.warnings.size(), 1u);
+  EXPECT_EQ(pts.warnings[0].message,
+            "a.pts:7: 2 points stand behind the 1 that line 5 counts; they are read as well");
+  EXPECT_EQ(pts.warnings[0].first, 3);
+}
+
+TEST(ReadTextInParts, SaysTheSameOfErrorsInFacetsAndPoints) {
+  using Changes = std::vector<std::pair<std::string, std::string>>;
+  const std::vector<std::tuple<Read, std::string, Changes>> cases = {
+      {read_stl,
+       kStl,
+       {{"  vertex 4.5e1 1 -2", "  vertex 4.5e 1 -2"},
+        {" endloop\nendfacet\nendsolid", "endfacet\nendsolid"},
+        {"FACET", "facets"},
+        {"  vertex 4.5e1 1 -2\n", ""},
+        {"endfacet\ncolor", "color"},
+        {"endfacet\nendsolid b\n", ""},
+        {"solid b", "solid"},
+        {"solid b\n", ""},
+        {"vertex 0 1 0", "vertex 0 1 0 0"}}},
+      {xyz_in_parts,
+       kXyz,
+       {{"4,5,6 7", "4,5"}, {"7;8;9", "7;8;x"}, {"1 2 3", "1 inf 3"}, {"nan", "on"}}},
+      {pts_in_parts,
+       kPts,
+       {{"7 8 9", "7 8"},
+        {"2\n1 2 3", "3\n1 2 3"},
+        {"# scan\n2", "9"},
+        {"0\n2", "0\n5"},
+        {"0\n2", "-1\n2"},
+        {"6 6 6", "6 6 six"}}},
+      {pcd_in_parts,
+       kPcd,
+       {{"4 5 6", "4 5 six"},
+        {"1 0 0 65280", "1"},
+        {"WIDTH 4", "WIDTH 5"},
+        {"7 8 9", "7 8 1e300"}}}};
+  for (const auto& [read, text, changes] : cases) {
+    for (const auto& [what, by] : changes) {
+      const std::string damaged = substituted(text, what, by);
+      EXPECT_EQ(told(read, damaged, 1, true).find("error"), 0u) << damaged;
+      expect_the_same_wherever_it_is_cut(read, damaged);
+    }
   }
 }
 
@@ -117,9 +247,9 @@ TEST(ReadTextInParts, SaysTheSameOfErrors) {
       {"face 4", "face 400"},           {"float y", "float w"}, {"1 1.5", "1 x"},
       {"0 1 2 3 2", "0 1 -2 3 2"}};
   for (const auto& [what, by] : ply) {
-    expect_the_same_wherever_it_is_cut(read_ply_in_parts, substituted(kPly, what, by));
+    expect_the_same_wherever_it_is_cut(read_ply, substituted(kPly, what, by));
     expect_the_same_wherever_it_is_cut(
-        read_ply_in_parts, substituted(substituted(kPly, what, by), "0.5 0.5", "0.5 y"));
+        read_ply, substituted(substituted(kPly, what, by), "0.5 0.5", "0.5 y"));
   }
   const std::vector<std::pair<std::string, std::string>> off = {{"1 1 0", "1 one 0"},
                                                                 {"0 1 0\n", "0 1\n"},
@@ -131,8 +261,8 @@ TEST(ReadTextInParts, SaysTheSameOfErrors) {
                                                                 {"5 4 0", "5 400 0"},
                                                                 {"3 2 3 4", "3 2 -3 4"}};
   for (const auto& [what, by] : off) {
-    expect_the_same_wherever_it_is_cut(read_off_in_parts, substituted(kOff, what, by));
-    expect_the_same_wherever_it_is_cut(read_off_in_parts,
+    expect_the_same_wherever_it_is_cut(read_off, substituted(kOff, what, by));
+    expect_the_same_wherever_it_is_cut(read_off,
                                        substituted(substituted(kOff, what, by), "4.5e1", "4.5e"));
   }
 }

@@ -8,11 +8,14 @@
 #include <cstring>
 #include <filesystem>
 #include <glm/geometric.hpp>
+#include <limits>
+#include <span>
 
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
 #include "planish/files/read_file.h"
 #include "planish/surface/doo_sabin_surface.h"
+#include "support/expect_error.h"
 #include "support/temporary_folder.h"
 
 namespace planish {
@@ -110,6 +113,91 @@ TEST(WriteSurface, TheFirstNumberThatIsNotFiniteIsNamed) {
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   }
+}
+
+constexpr FileFormat kPolygonFormats[] = {FileFormat::Obj, FileFormat::Ply, FileFormat::Off,
+                                          FileFormat::Stl, FileFormat::Usda};
+
+std::string refusal(FileFormat format, const SurfaceMesh& surface,
+                    std::span<const NamedField> fields = {}) {
+  const test::TemporaryFolder folder;
+  const std::string message = test::message_of(ErrorCode::InvalidArgument, [&] {
+    write_surface(folder.path() / "s", format, surface, {}, fields);
+  });
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  const std::string name = (folder.path() / "s: ").string();
+  return message.starts_with(name) ? message.substr(name.size()) : message;
+}
+
+TEST(WriteSurface, IndicesAndCountsThatDoNotFitAreRefused) {
+  const auto expect = [](const std::string& message, const auto& spoil) {
+    SurfaceMesh surface = two_quads();
+    surface.uvs = {{0, 0}, {0.5, 0}};
+    surface.face_uvs = {0, 1, 0, 1, 0, 1, 0, 1};
+    surface.groups = {{"a", "x"}};
+    surface.face_groups = {0, 0};
+    surface.colors.assign(6, glm::vec4(1));
+    spoil(surface);
+    for (const FileFormat format : kPolygonFormats)
+      EXPECT_EQ(refusal(format, surface), message) << name_of(format);
+  };
+  expect("face corner 3 names vertex 6 of 6", [](auto& s) { s.face_vertices[3] = 6; });
+  expect("face corner 7 names vertex -1 of 6", [](auto& s) { s.face_vertices[7] = -1; });
+  expect("the number of quad corners is no multiple of 4", [](auto& s) {
+    s.face_vertices.pop_back();
+    s.face_uvs.pop_back();
+  });
+  expect("face 0 has 1 corner, at least 3 are needed", [](auto& s) { s.face_offsets = {0, 1, 8}; });
+  expect("face 1 has 2 corners, at least 3 are needed", [](auto& s) {
+    s.face_offsets = {0, 6, 8};
+  });
+  expect("face 0 spans corners 0 to 9 of 8", [](auto& s) { s.face_offsets = {0, 9, 8}; });
+  expect("the face offsets do not span the face corners", [](auto& s) {
+    s.face_offsets = {0, 4, 7};
+  });
+  expect("5 normals for 6 positions", [](auto& s) { s.normals.pop_back(); });
+  expect("5 colours where 6 are needed, or none", [](auto& s) { s.colors.pop_back(); });
+  expect("7 corners of the texture where 8 are needed, or none",
+         [](auto& s) { s.face_uvs.pop_back(); });
+  expect("the texture coordinate of corner 2 has number 2 of 2",
+         [](auto& s) { s.face_uvs[2] = 2; });
+  expect("1 groups of faces where 2 are needed, or none",
+         [](auto& s) { s.face_groups.pop_back(); });
+  expect("the group of face 1 has number 1 of 1", [](auto& s) { s.face_groups[1] = 1; });
+}
+
+TEST(WriteSurface, NormalsAndFieldsThatAreNotFiniteAreRefused) {
+  SurfaceMesh surface = two_quads();
+  std::vector<float> values{1, 2, 3, 4, 5, 6};
+  std::vector<NamedField> fields{{"error", values}};
+  surface.normals[4].z = std::numeric_limits<float>::quiet_NaN();
+  for (const FileFormat format : {FileFormat::Obj, FileFormat::Ply, FileFormat::Usda})
+    EXPECT_EQ(refusal(format, surface), "the normal of vertex 4 is not finite");
+  surface = two_quads();
+  values[3] = std::numeric_limits<float>::infinity();
+  for (const FileFormat format : {FileFormat::Ply, FileFormat::Usda})
+    EXPECT_EQ(refusal(format, surface, fields), "error of vertex 3 is not finite");
+  fields[0].values = std::span(values).first(3);
+  for (const FileFormat format : kPolygonFormats)
+    EXPECT_EQ(refusal(format, surface, fields), "3 values of error for 6 positions");
+  // float32, which USD's coordinates are, holds less than double.
+  surface.uvs = {{0, 1e39}};
+  surface.face_uvs.assign(8, 0);
+  EXPECT_EQ(refusal(FileFormat::Usda, surface),
+            "texture coordinate 0 has a coordinate that float32 cannot hold; bring it near 0 to 1");
+}
+
+TEST(WriteSurface, FieldsOfBlocksAreAsManyAsTheirRows) {
+  const PolygonMesh mesh = test::torus(4, 4);
+  const DooSabinSurface base(mesh, {});
+  const std::vector<float> values(15, 0.5f);
+  const std::vector<NamedField> fields{{"error", values}};
+  const test::TemporaryFolder folder;
+  const std::string message = test::message_of(ErrorCode::InvalidArgument, [&] {
+    write_surface(folder.path() / "s", FileFormat::Ply, *base.level(0),
+                  {.header = {}, .fields = fields, .observe = {}, .callbacks = {}});
+  });
+  EXPECT_EQ(message, (folder.path() / "s").string() + ": 15 values of error for 16 positions");
 }
 
 TEST(WriteSurface, ObjCarriesNormals) {

@@ -15,9 +15,9 @@ namespace {
 
 struct Problem {
   explicit Problem(const PolygonMesh& mesh, Weights weights = Weights::DooSabin)
-      : split(mesh),
-        features(find_sharp_features(mesh, split, mesh.positions, {})),
-        masks(limit_masks(mesh, Subdivision(split, features, weights))) {
+      : topology(mesh),
+        features(find_sharp_features(mesh, topology, mesh.positions, {})),
+        masks(limit_masks(Subdivision(topology, features, weights))) {
     const Placement placement = placement_of(mesh);
     for (const auto& p : mesh.positions) given.push_back(placement.to_unit(p));
     options.spectral_bound = spectral_bound(mesh, weights);
@@ -26,9 +26,9 @@ struct Problem {
     return interpolate(backend, masks.view(), given, options);
   }
 
-  QuadSplit split;
+  MeshTopology topology;
   SharpFeatures features;
-  StencilTable<double> masks;
+  StencilTable masks;
   std::vector<glm::dvec3> given;
   InterpolationOptions options;
 };
@@ -45,7 +45,7 @@ Eigen::MatrixXd dense(const StencilView<double>& view) {
 
 TEST(Interpolate, EverySolverFindsEigensSolution) {
   Problem problem(test::icosphere(2));
-  const auto row_weights = valences(problem.split);
+  const auto row_weights = valences(problem.topology);
   const auto n = static_cast<Eigen::Index>(problem.given.size());
   Eigen::MatrixXd given(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -63,6 +63,24 @@ TEST(Interpolate, EverySolverFindsEigensSolution) {
       EXPECT_LT(glm::length(control - glm::dvec3(expected(i, 0), expected(i, 1), expected(i, 2))),
                 1e-12);
     }
+  }
+}
+
+// Of a flat mesh the third coordinate has no residual at all, whose ratios would be 0 / 0.
+TEST(Interpolate, ConjugateGradientsLeaveACoordinateWithoutResidualAlone) {
+  Problem problem(test::icosphere(2));
+  const auto row_weights = valences(problem.topology);
+  problem.options.row_weights = row_weights;
+  problem.options.solver = Solver::ConjugateGradients;
+  problem.options.tolerance = 1e-13;
+  const Interpolation whole = problem.solve(*make_cpu_backend());
+  for (glm::dvec3& p : problem.given) p.z = 0;
+  const Interpolation flat = problem.solve(*make_cpu_backend());
+  EXPECT_TRUE(flat.converged);
+  for (std::size_t i = 0; i < problem.given.size(); ++i) {
+    EXPECT_EQ(flat.displacement[i].z, 0);
+    EXPECT_NEAR(flat.displacement[i].x, whole.displacement[i].x, 1e-12);
+    EXPECT_NEAR(flat.displacement[i].y, whole.displacement[i].y, 1e-12);
   }
 }
 
@@ -101,6 +119,20 @@ TEST(Interpolate, NeedsNoStepWhereTheErrorIsLowAlready) {
   EXPECT_NEAR(result.history[0].max, 8.9e-4, 0.05e-4);
 }
 
+TEST(Interpolate, TakesNoStepWhereNoneIsAllowed) {
+  Problem problem(test::icosphere(2));
+  const auto row_weights = valences(problem.topology);
+  problem.options.row_weights = row_weights;
+  problem.options.max_iterations = 0;
+  for (const Solver solver : {Solver::Plain, Solver::Chebyshev, Solver::ConjugateGradients}) {
+    problem.options.solver = solver;
+    const Interpolation result = problem.solve(*make_cpu_backend());
+    EXPECT_FALSE(result.converged);
+    EXPECT_EQ(result.iterations, 0);
+    EXPECT_EQ(result.stop_reason, StopReason::IterationLimit);
+  }
+}
+
 TEST(Interpolate, SinglePrecisionReportsWhatItCannotReach) {
   Problem problem(test::icosphere(3));
   problem.options.tolerance = 1e-13;
@@ -116,11 +148,12 @@ TEST(Interpolate, SinglePrecisionReportsWhatItCannotReach) {
 TEST(Interpolate, ReportsDivergenceAndSingularity) {
   // Diagonal matrices: 3 makes the plain iteration diverge, 0 leaves its row where it is.
   const auto diagonal = [](double value) {
-    StencilRows<double> rows;
+    StencilTable rows;
     rows.sizes = {2, 2};
     rows.indices = {0, 1, 0, 1};
     rows.weights = {1, 0, 1 - value, value};
-    return StencilTable<double>(2, std::move(rows));
+    rows.close(2);
+    return rows;
   };
   const std::vector<glm::dvec3> given{{0, 0, 0}, {0.5, 0, 0}};
   InterpolationOptions options;

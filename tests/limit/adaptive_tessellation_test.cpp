@@ -143,6 +143,49 @@ TEST(AdaptiveTessellation, TurnsLessThanTheAngle) {
   }
 }
 
+// Degrees between the normals at a triangle's corners.
+double turn_of(const SurfaceMesh& surface, const Triangle& t) {
+  double turn = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 a(surface.normals[static_cast<std::size_t>(t[k])]);
+    const glm::dvec3 b(surface.normals[static_cast<std::size_t>(t[(k + 1) % 3])]);
+    turn = std::max(turn, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+  }
+  return turn * 180 / 3.14159265358979;
+}
+
+TEST(AdaptiveTessellation, TurnsLessThanTheAngleOrSaysWhereNot) {
+  struct Case {
+    PolygonMesh mesh;
+    double angle;
+    bool keeps;
+  };
+  for (const auto& [mesh, angle, keeps] :
+       {Case{jittered(torus(9, 7, 2, 1), 0.1, 3), 3, true}, Case{bipyramid(5), 2, true},
+        Case{prism(7), 2, true}, Case{random_dual(40, 2), 3, false}}) {
+    const LimitCase c(mesh);
+    std::vector<Warning> warnings;
+    AdaptiveOptions options{.angle = angle, .diagonal = c.surface->placement().diagonal};
+    options.callbacks.warning = [&](const Warning& warning) { warnings.push_back(warning); };
+    const AdaptiveSurface surface = tessellate(c.limit, options);
+    std::int64_t count = 0;
+    double largest = 0;
+    for (const Triangle& t : triangles_of_surface(surface.mesh)) {
+      const double turn = turn_of(surface.mesh, t);
+      count += turn > angle + 1e-4 ? 1 : 0;
+      largest = std::max(largest, turn);
+    }
+    EXPECT_EQ(count == 0, keeps);
+    EXPECT_EQ(warnings.size(), keeps ? 0u : 1u);
+    if (warnings.empty()) continue;
+    EXPECT_EQ(warnings[0].code, "angle-not-kept");
+    EXPECT_EQ(warnings[0].count, count);
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g, beneath", largest);
+    EXPECT_THAT(warnings[0].message, HasSubstr(text));
+  }
+}
+
 TEST(AdaptiveTessellation, GivenVerticesComeFirstAndStay) {
   const LimitCase c(random_closed_mesh(4));
   const SurfaceMesh level = c.tessellated(2);

@@ -8,7 +8,9 @@
 
 #include "limit/limit_case.h"
 #include "limit/long_run.h"
+#include "planish/backend/cpu_backend.h"
 #include "planish/limit/surface_queries.h"
+#include "planish/pipeline/fit.h"
 #include "support/expect_error.h"
 
 namespace planish::test {
@@ -120,6 +122,162 @@ TEST(ClosestPoint, IsFoundBesideVerticesOfValenceTwo) {
   expect_nearest(cube_with_split_edges(), 100, random);
 }
 
+// The surface through a mesh's vertices, by its cage.
+PolygonMesh interpolating_cage(const PolygonMesh& mesh) {
+  return fit(mesh, *make_cpu_backend()).cage;
+}
+
+// The nearest place by nothing but positions: from samples of corners whose balls come near enough,
+// downhill from all that are nearer than those around them.
+class PlaceOracle {
+ public:
+  PlaceOracle(const LimitCase& c, int side) : corner_(c.limit), side_(side) {
+    for (std::int32_t n = 0; n < c.limit.topology().corner_count(); ++n) {
+      corner_.move_to(n);
+      Ball ball{n, glm::dvec3(0.0), 0, {}};
+      for (int j = 0; j <= side; ++j)
+        for (int i = 0; i <= side; ++i)
+          ball.samples.push_back(at(double(i) / side, double(j) / side));
+      for (const glm::dvec3& p : ball.samples)
+        ball.middle += p / static_cast<double>(ball.samples.size());
+      for (const glm::dvec3& p : ball.samples)
+        ball.radius = std::max(ball.radius, 1.2 * glm::length(p - ball.middle));
+      balls_.push_back(std::move(ball));
+    }
+  }
+
+  /// In unit coordinates, and from there.
+  double distance(const glm::dvec3& point, double enough) {
+    std::vector<std::pair<double, const Ball*>> near;
+    for (const Ball& ball : balls_)
+      near.emplace_back(glm::length(ball.middle - point) - ball.radius, &ball);
+    std::ranges::sort(near);
+    double best = 1e300;
+    for (const auto& [least, ball] : near) {
+      if (least > best) break;
+      corner_.move_to(ball->corner);
+      best = std::min(best, in_corner(ball->samples, point, std::min(best, enough)));
+    }
+    return best;
+  }
+
+ private:
+  struct Ball {
+    std::int32_t corner;
+    glm::dvec3 middle;
+    double radius;
+    std::vector<glm::dvec3> samples;
+  };
+  glm::dvec3 at(double u, double v) { return corner_.at({u, v}).position; }
+
+  double in_corner(const std::vector<glm::dvec3>& samples, const glm::dvec3& point, double enough) {
+    const int row = side_ + 1;
+    const auto length = [&](int i, int j) { return glm::length(samples[i + row * j] - point); };
+    double best = 1e300;
+    for (int j = 0; j <= side_; ++j) {
+      for (int i = 0; i <= side_; ++i) {
+        const double here = length(i, j);
+        bool is_lowest = true;
+        double step = 0;
+        for (int b = std::max(0, j - 1); b <= std::min(side_, j + 1); ++b) {
+          for (int a = std::max(0, i - 1); a <= std::min(side_, i + 1); ++a) {
+            is_lowest &= length(a, b) >= here;
+            step = std::max(step, glm::length(samples[a + row * b] - samples[i + row * j]));
+          }
+        }
+        if (is_lowest && here - 2 * step <= enough)
+          best = std::min(best, downhill(double(i) / side_, double(j) / side_, point));
+      }
+    }
+    return best;
+  }
+
+  // By a pattern of steps, which turns and shrinks.
+  double downhill(double u, double v, const glm::dvec3& point) {
+    double step = 0.7 / side_, here = glm::length(at(u, v) - point);
+    for (int turn = 0; step > 1e-10; ++turn) {
+      bool better = false;
+      for (int k = 0; k < 8 && !better; ++k) {
+        const double angle = 0.785398163397448 * k + 0.1 * turn;
+        const double nu = std::clamp(u + step * std::cos(angle), 0.0, 1.0);
+        const double nv = std::clamp(v + step * std::sin(angle), 0.0, 1.0);
+        const double there = glm::length(at(nu, nv) - point);
+        if (there >= here) continue;
+        here = there;
+        u = nu;
+        v = nv;
+        better = true;
+      }
+      step *= better ? 1.3 : 0.6;
+    }
+    return here;
+  }
+
+  LimitSurface::Corner corner_;
+  int side_;
+  std::vector<Ball> balls_;
+};
+
+// Places of the surface, more of them where it bends tightly.
+template <class Random>
+SurfaceParameter bent_place(const LimitCase& c, Random& random) {
+  const double size = c.surface->placement().diagonal;
+  SurfaceParameter best = c.any_place(random);
+  double most = 0;
+  for (int i = 0; i < 12; ++i) {
+    const SurfaceParameter place = c.any_place(random);
+    const PointCurvature curvature = c.limit.evaluate(place).curvature();
+    const double bend = size * std::max(std::abs(curvature.largest), std::abs(curvature.smallest));
+    if (!curvature.is_known || bend < most || bend > 1e4) continue;
+    best = place;
+    most = bend;
+  }
+  return best;
+}
+
+TEST(ClosestPoint, OfAPlaceIsThePlaceWhereTheSurfaceBendsTightly) {
+  std::mt19937 random(31);
+  for (const std::uint32_t seed : {5u, 22u}) {
+    const LimitCase c(interpolating_cage(random_dual(120, seed)));
+    const SurfaceQueries queries(c.limit);
+    std::vector<glm::dvec3> points;
+    for (int i = 0; i < run_length(12'000) / 2; ++i)
+      points.push_back(c.limit.evaluate(bent_place(c, random)).position);
+    std::vector<ClosestPoint> found(points.size());
+    queries.closest(points, found);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_LT(found[i].distance, 1e-12 * c.surface->placement().diagonal) << seed << " " << i;
+  }
+}
+
+// Where two places of a piece, and of its neighbours, are nearly as near as each other.
+TEST(ClosestPoint, IsTheNearestBesideCentresOfCurvature) {
+  std::mt19937 random(32);
+  std::normal_distribution<double> normal;
+  for (const PolygonMesh& mesh : {interpolating_cage(random_dual(120, 5)), random_closed_mesh(2)}) {
+    const LimitCase c(mesh);
+    const SurfaceQueries queries(c.limit);
+    PlaceOracle oracle(c, 16);
+    const double size = c.surface->placement().diagonal;
+    for (int i = 0; i < run_length(300) / 2; ++i) {
+      const SurfacePoint on = c.limit.evaluate(bent_place(c, random));
+      const PointCurvature curvature = on.curvature();
+      if (!curvature.is_known) continue;
+      const double bend = i % 2 == 0 ? curvature.largest : curvature.smallest;
+      if (std::abs(bend) * size < 1) continue;
+      const double aside = std::pow(10.0, -1 - i % 6) * normal(random);
+      const double x = normal(random), y = normal(random);
+      const glm::dvec3 point = on.position - (1 + aside) / bend * on.normal +
+                               1e-3 * aside * size * glm::dvec3(x, y, normal(random));
+      const ClosestPoint found = queries.closest(point);
+      ASSERT_LE(found.distance, glm::length(point - on.position) + 1e-12 * size) << i;
+      const double wanted = size * oracle.distance(c.surface->placement().to_unit(point),
+                                                   found.distance / size + 1e-9);
+      ASSERT_LT(found.distance, wanted + 1e-12 * size) << i;
+    }
+  }
+}
+
 TEST(ClosestPoint, LiesAlongTheNormalInside) {
   const LimitCase c(torus(12, 8, 2, 1));
   const SurfaceQueries queries(c.limit);
@@ -143,26 +301,6 @@ TEST(ClosestPoint, AtBoundariesIsOnTheBoundary) {
   const ClosestPoint beside = queries.closest({high.x + 3, 0.5 * high.y, 4});
   EXPECT_NEAR(beside.position.x, high.x, 1e-12);
   EXPECT_NEAR(beside.distance, 5, 1e-12);
-}
-
-TEST(SignedDistance, IsNegativeInside) {
-  for (const bool creased : {false, true}) {
-    PolygonMesh mesh = cube();
-    const auto face = mesh.face(0);
-    if (creased) mesh.creases = {{face[0], face[1], 10.0}, {face[1], face[2], 10.0}};
-    const LimitCase c(mesh);
-    const SurfaceQueries queries(c.limit);
-    std::mt19937 random(13);
-    for (int i = 0; i < 50; ++i) {
-      const SurfacePoint on = c.limit.evaluate(c.any_place(random));
-      EXPECT_NEAR(queries.signed_distance(on.position + 1e-3 * on.normal), 1e-3, 1e-4);
-      EXPECT_NEAR(queries.signed_distance(on.position - 1e-3 * on.normal), -1e-3, 1e-4);
-    }
-    glm::dvec3 middle(0.0);
-    for (const glm::dvec3& p : mesh.positions) middle += p / 8.0;
-    EXPECT_LT(queries.signed_distance(middle), 0);
-    EXPECT_GT(queries.signed_distance(middle + glm::dvec3(10, 11, 12)), 0);
-  }
 }
 
 TEST(ClosestPoint, ManyAtOnceAreTheSameBitsForEveryThreadCount) {

@@ -79,6 +79,7 @@ TEST(SurfaceRays, EnterClosedSurfacesAsOftenAsTheyLeave) {
       tangent += touched;
       if (touched == 0) {
         ASSERT_EQ(hits.size() % 2, 0u) << i;
+        ASSERT_EQ(entered, 0) << i;
       }
     }
   }

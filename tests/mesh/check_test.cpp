@@ -8,6 +8,7 @@
 
 #include "mesh/test_meshes.h"
 #include "planish/core/error.h"
+#include "planish/mesh/sound_topology.h"
 
 namespace planish {
 namespace {
@@ -170,6 +171,69 @@ TEST(Check, UnknownCornerVertex) {
                           "unknown-corner-vertex 3: corner 3 names vertex -1, which no face uses"));
 }
 
+TEST(Check, NanSharpness) {
+  PolygonMesh mesh = cube();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  mesh.creases = {{0, 1, -1}, {0, 1, nan}, {0, 1, std::numeric_limits<float>::infinity()}};
+  mesh.corners = {{3, nan}};
+  EXPECT_THAT(messages(mesh),
+              ElementsAre("unknown-crease-edge 1: crease 1 has sharpness nan; a number from 0 is "
+                          "wanted, 10 is infinite",
+                          "unknown-corner-vertex 0: corner 0 has sharpness nan; a number from 0 is "
+                          "wanted, 10 is infinite"));
+}
+
+TEST(Check, AttributesOfTheWrongNumber) {
+  PolygonMesh mesh = cube();
+  mesh.colors.resize(7);
+  mesh.uvs.resize(1);
+  mesh.face_uvs.resize(25);
+  mesh.groups.resize(1);
+  mesh.face_groups.resize(1);
+  EXPECT_THAT(
+      messages(mesh),
+      ElementsAre(
+          "wrong-attribute-count -1: 25 corners of the texture where 24 are needed, or none",
+          "wrong-attribute-count -1: 7 colours where 8 are needed, or none",
+          "wrong-attribute-count -1: 1 groups of faces where 6 are needed, or none"));
+}
+
+TEST(Check, AttributesThatDoNotExist) {
+  PolygonMesh mesh = cube();
+  mesh.uvs.resize(4);
+  mesh.face_uvs.assign(24, -1);
+  mesh.groups.resize(2);
+  mesh.face_groups.assign(6, 1);
+  mesh.hole_faces = {0, 5, 5};
+  EXPECT_THAT(messages(mesh), IsEmpty());
+  mesh.face_uvs[3] = 4;
+  mesh.face_uvs[23] = -2;
+  mesh.face_groups[0] = -1;
+  mesh.face_groups[5] = 2;
+  mesh.hole_faces = {6, 5, -1};
+  EXPECT_THAT(
+      messages(mesh),
+      ElementsAre(
+          "unknown-texture-coordinate 3: the texture coordinate of corner 3 has number 4 of 4",
+          "unknown-texture-coordinate 23: the texture coordinate of corner 23 has number -2 of 4",
+          "unknown-group 0: the group of face 0 has number -1 of 2",
+          "unknown-group 5: the group of face 5 has number 2 of 2",
+          "unknown-hole 0: hole 0 is face 6 of 6", "unknown-hole 2: hole 2 is face -1 of 6"));
+}
+
+// Beside another problem, which makes check() look at one element after another.
+TEST(Check, TheHighestValenceIsNoProblem) {
+  for (const std::int32_t valence : {65535, 65536}) {
+    PolygonMesh mesh;
+    mesh.positions.resize(valence + 1, glm::dvec3(0.0));
+    mesh.positions[0].x = 1;
+    for (std::int32_t i = 0; i < valence; ++i)
+      mesh.add_face(std::vector{0, 1 + i, 1 + (i + 1) % valence});
+    mesh.corners = {{-1}};
+    EXPECT_EQ(check(mesh).size(), valence == 65535 ? 1u : 2u);
+  }
+}
+
 PolygonMesh fan(std::int32_t faces) {
   PolygonMesh mesh;
   mesh.positions.resize(faces + 1, glm::dvec3(0.0));
@@ -184,6 +248,10 @@ TEST(Check, ValenceTooHighAtAVertex) {
   EXPECT_THAT(messages(fan(65536)),
               ElementsAre("valence-too-high 0: vertex 0 has 65536 edges, at most 65535 can be "
                           "refined"));
+  // Counted one by one only where the mesh has another problem.
+  PolygonMesh other = fan(65535);
+  other.corners = {{-1}};
+  EXPECT_THAT(messages(other), ElementsAre(testing::StartsWith("unknown-corner-vertex 0")));
   // An open fan has one edge more than faces.
   PolygonMesh open = fan(65536);
   open.face_offsets.pop_back();
@@ -248,6 +316,12 @@ TEST(Check, SurvivesGarbage) {
     }
     for (unsigned i = random() % 4; i > 0; --i) mesh.creases.push_back({number(), number()});
     for (unsigned i = random() % 4; i > 0; --i) mesh.corners.push_back({number()});
+    for (unsigned i = random() % 4; i > 0; --i) mesh.hole_faces.push_back(number());
+    mesh.uvs.resize(random() % 4);
+    mesh.groups.resize(random() % 4);
+    mesh.colors.resize(random() % 3 == 0 ? random() % 12 : 0);
+    mesh.face_uvs.resize(random() % 3 == 0 ? random() % 40 : 0, number());
+    mesh.face_groups.resize(random() % 3 == 0 ? random() % 9 : 0, number());
     for (const MeshProblem& problem : check(mesh)) EXPECT_FALSE(problem.message.empty());
   }
 }
@@ -302,6 +376,21 @@ TEST(MeshProblemNames, AreDistinct) {
     names.push_back(name_of(static_cast<Kind>(kind)));
   std::ranges::sort(names);
   EXPECT_EQ(std::ranges::adjacent_find(names), names.end());
+}
+
+// Of meshes without a problem at once, not by the way that lists problems one by one.
+TEST(SoundTopology, IsThatOfMeshesWithoutProblemsAlone) {
+  for (const std::int32_t corners : {3, 12, 13, 40}) {
+    PolygonMesh mesh = polygon(corners);
+    EXPECT_TRUE(sound_topology(mesh)) << corners;
+    mesh.face_vertices[2] = mesh.face_vertices[0];
+    EXPECT_FALSE(sound_topology(mesh)) << corners << ", one twice";
+  }
+  for (const PolygonMesh& mesh : {tetrahedron(), cube(), torus(5, 4)}) {
+    const auto topology = sound_topology(mesh);
+    ASSERT_TRUE(topology);
+    EXPECT_EQ(topology->corner_count(), std::ssize(mesh.face_vertices));
+  }
 }
 
 }  // namespace

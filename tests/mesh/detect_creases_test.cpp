@@ -51,12 +51,24 @@ TEST(DetectCreases, DecidesBesideTheThresholdWhateverTheAngle) {
 }
 
 // A roof ridge over `edges` edges: 33 degrees at the ridge, less everywhere else.
-PolygonMesh ridge(int edges) {
+PolygonMesh ridge(int edges, double height = 0.3) {
   PolygonMesh mesh = test::grid(4, 4 + edges);
   for (auto& p : mesh.positions) {
-    if (p.x == 2 && p.y >= 2 && p.y <= 2 + edges) p.z = 0.3;
+    if (p.x == 2 && p.y >= 2 && p.y <= 2 + edges) p.z = height;
   }
   return mesh;
+}
+
+// However steep: 90 degrees at the ridge, less than 60 elsewhere.
+TEST(DetectCreases, ASingleEdgeIsNoise) {
+  for (const int edges : {1, 2, 3})
+    EXPECT_EQ(with_detected_creases(ridge(edges, 1.0), {.dihedral_degrees = 60}).creases.size(),
+              edges == 1 ? 0u : static_cast<std::size_t>(edges));
+}
+
+TEST(DetectCreases, OneFlagAVertexIsWanted) {
+  const std::vector<std::uint8_t> flags(7, 1);
+  EXPECT_THROW((void)with_detected_creases(test::cube(), {.smooth_vertices = flags}), Error);
 }
 
 TEST(DetectCreases, DropsALoneEdge) {

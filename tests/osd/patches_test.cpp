@@ -217,6 +217,25 @@ TEST_F(OsdPatches, LowLimitsCutDispatchesAndChangeNothing) {
   expect(prism, 3);
 }
 
+// Windows begin at multiples of an alignment: one that begins in the middle shares bytes with the
+// one before.
+TEST_F(OsdPatches, DispatchesWhoseWindowsShareBytesWaitForEachOther) {
+  vulkan::ContextOptions options;
+  options.max_group_count = 1;
+  make_context(options);
+  Evaluation prism;
+  while (prism.coords.size() < 200) prism.coords.push_back(prism.coords[prism.coords.size() / 2]);
+  prism.evaluate();
+  upload(prism);
+  std::vector<float> wanted = prism.expected[0];
+  wanted.insert(wanted.begin(), 9.0f);
+  targets_[0] = buffer_of(std::vector<float>(wanted.size(), 9.0f));
+  EXPECT_TRUE(VkComputeEvaluator::EvalPatches(
+      source_.get(), prism.desc, targets_[0].get(), BufferDescriptor(1, 3, 3), prism.count(),
+      coords_.get(), table_.get(), nullptr, device_context_.get()));
+  EXPECT_EQ(floats_of(*targets_[0]), wanted);
+}
+
 TEST_F(OsdPatches, CoordinatesWithoutAPatchGiveZero) {
   Evaluation prism;
   prism.coords.resize(4);

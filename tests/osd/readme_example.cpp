@@ -24,6 +24,7 @@ int main() {
   cube.vertIndicesPerFace = corners;
   using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
 
+  // README begins
   // A device of planish's own; a renderer gives its own as vulkan::HostDevice.
   vulkan::OwnDevice device{vulkan::OwnDeviceOptions{}};
   vulkan::Context context(device);
@@ -35,6 +36,7 @@ int main() {
   mesh.UpdateVertexBuffer(points, 0, 8);
   mesh.Refine();       // submits and returns; with target.SetCommandBuffer(...) it only records
   mesh.Synchronize();  // waits
+                       // README ends
 
   // mesh.BindVertexBuffer() is the VkBuffer to draw from. Here its floats are copied back.
   std::vector<float> refined(3 * mesh.GetNumVertices());

@@ -12,7 +12,7 @@
 #include "osd/host_side.h"
 #include "planish/core/error.h"
 #include "planish/osd/vk_compute_evaluator.h"
-#include "planish/stencil/stencil_table.h"
+#include "planish/stencil/far_tables.h"
 
 namespace planish::testing {
 namespace {
@@ -50,13 +50,14 @@ struct Refinement {
 };
 
 /// A table of planish's own: every row is its own source.
-StencilTable<float> identity(int rows) {
-  StencilRows<float> result;
+std::unique_ptr<const Far::StencilTable> identity(int rows) {
+  StencilTable result;
   result.sizes.assign(rows, 1);
   result.indices.resize(rows);
   std::iota(result.indices.begin(), result.indices.end(), 0);
-  result.weights.assign(rows, 1.0f);
-  return {rows, std::move(result)};
+  result.weights.assign(rows, 1.0);
+  result.close(rows);
+  return to_far<float>(result.view());
 }
 
 class OsdStencils : public OsdTest {
@@ -182,9 +183,9 @@ TEST_F(OsdStencils, BuffersOfTheHostNeedNoMoreThanTheUsageStated) {
                   device_context_->GetBufferUsage());
   EXPECT_TRUE(instance->EvalStencils(source->BindVBO(), torus.desc, host.handle(), torus.desc,
                                      table.get(), 0, torus.rows));
-  const StencilTable<float> copies = identity(torus.rows);
+  const auto copies = identity(torus.rows);
   const std::unique_ptr<VkStencilTable> copy(
-      VkStencilTable::Create(&copies, device_context_.get()));
+      VkStencilTable::Create(copies.get(), device_context_.get()));
   const auto result = buffer_of(std::vector<float>(torus.expected.size(), 9.0f));
   EXPECT_TRUE(instance->EvalStencils(host.handle(), torus.desc, result->BindVBO(), torus.desc,
                                      copy.get(), 0, torus.rows));

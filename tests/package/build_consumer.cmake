@@ -5,6 +5,13 @@ endfunction()
 
 file(REMOVE_RECURSE ${FOLDER})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${FOLDER}/prefix)
+# Every program has its manual.
+file(GLOB programs RELATIVE ${FOLDER}/prefix/bin ${FOLDER}/prefix/bin/*)
+foreach(program ${programs})
+  if(NOT EXISTS ${FOLDER}/prefix/share/man/man1/${program}.1)
+    message(FATAL_ERROR "${program} is installed without a manual")
+  endif()
+endforeach()
 set(flags)
 if(SANITIZE)
   set(flags -DCMAKE_EXE_LINKER_FLAGS=-fsanitize=${SANITIZE})

@@ -1,9 +1,10 @@
 """check_archive.py SOURCE BUILD WORK: makes the folder of tools/package's archive of BUILD's command, and runs
 it in a root of its own whose libstdc++ is as old as the archive's, newer, older, or missing: the newer of
-both is loaded, and Mesa's driver with it.
+both is loaded, and Mesa's driver with it. Every program and library in it has its licence beside it.
 """
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -23,9 +24,44 @@ def make_archive(source, build, folder):
     for program in ("planish", "planish-reconstruct"):
         if (build / "bin" / program).exists():
             shutil.copy2(build / "bin" / program, folder / "bin" / program)
-    script = f'set -euo pipefail; . "{source}/tools/portable/libraries.sh"; make_runnable "{folder}"'
+    script = (f'set -euo pipefail; . "{source}/tools/portable/libraries.sh"; make_runnable "{folder}"; '
+              f'document_licences "{folder}" "{source}"')
     subprocess.run(["bash", "-c", script], check=True)
     assert not list((folder / "lib").glob("libstdc++*")), "in the way of the system's"
+
+
+def owner_of(library, programs):
+    """Debian's package of the library that the programs load by that name."""
+    text = subprocess.run(["ldd", *programs], capture_output=True, text=True, check=True).stdout
+    path = re.search(rf"^\s*{re.escape(library)} => (\S+)", text, re.MULTILINE).group(1)
+    found = [re.sub("^/usr", "", path), "/usr" + re.sub("^/usr", "", path)]
+    done = subprocess.run(["dpkg-query", "-S", *found], capture_output=True, text=True)
+    return done.stdout.split(":")[0]
+
+
+def check_licences(build, folder):
+    """Each library has what Debian says of it, each program its licence, and no file is of something else."""
+    doc = folder / "doc"
+    text = (doc / "LICENCES.txt").read_text()
+    programs = [build / "bin" / program.name for program in (folder / "libexec").iterdir()]
+    libraries = [path for path in (folder / "lib").rglob("*.so*") if path.is_file()]
+    assert len(libraries) > 5, libraries
+    for library in (path.name for path in libraries if not path.name.startswith("libplanish")):
+        owner = owner_of(library, programs)
+        assert f"  {library} (copyright.{owner})\n" in text, (library, owner, text)
+    assert "planish, libplanish: MIT (LICENSE)" in text
+    assert "Permission is hereby granted" in (doc / "LICENSE").read_text()
+    named = {"libcli11-dev", "nlohmann-json3-dev", "libglm-dev", "libosd-dev"}
+    if folder / "libexec/planish-reconstruct" in (folder / "libexec").iterdir():
+        named |= {"libcgal-dev", "libboost1.74-dev"}
+        assert "\nplanish-reconstruct: GPL-3.0-or-later (GPL-3.txt)" in text, text
+        assert re.search(r"GNU GENERAL PUBLIC LICENSE\s+Version 3", (doc / "GPL-3.txt").read_text())
+    for package in named:
+        assert f"  {package} (copyright.{package})\n" in text, package
+    assert set(re.findall(r"copyright\.[a-z0-9.+-]+", text)) == {file.name for file in doc.glob("copyright.*")}
+    for file in doc.glob("copyright.*"):
+        for licence in re.findall(r"/usr/share/common-licenses/([\w.-]*\w)", file.read_text(errors="replace")):
+            assert (doc / f"{licence}.txt").exists(), (file, licence)
 
 
 def run(way, *command, **environment):
@@ -78,6 +114,7 @@ def main():
     loader = Path(f"/usr/lib/{TRIPLET}/libvulkan.so.1")
     empty.copy_into(root, loader)
     make_archive(source, build, root / "archive")
+    check_licences(build, root / "archive")
     way = way_into(root)
     if not way:
         print("skipped: no chroot is allowed here")

@@ -13,6 +13,7 @@
 #include "page/page_text.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/surface/evaluate.h"
+#include "report/report.h"
 #include "support/meshes.h"
 
 namespace planish::command {
@@ -234,6 +235,23 @@ TEST(Page, TimesCanBeLeftOut) {
   EXPECT_EQ(page_of({slow}, {.times = false}), page_of({job_named("a")}, {.times = false}));
 }
 
+// The colour of a step is the same on every page, and no other step's.
+TEST(Page, StepsHaveColoursOfTheirOwn) {
+  PageJob job = job_named("a");
+  auto& timing = job.report["timing_ms"] = to_json(JobReport{})["timing_ms"];
+  for (auto& [step, milliseconds] : timing.items()) milliseconds = 1.0;
+  timing["check"] = 0.0;  // what took no time has no part of the bar
+  const std::string page = page_of({job});
+  const std::string style(page_style()), bar = between(page, "<svg class=\"bar\"", "</svg>");
+  std::set<std::string> colours;
+  for (const auto& [step, milliseconds] : timing.items()) {
+    if (step == "total") continue;
+    const std::string colour = between(style, ".t-" + step + " { fill: ", ";");
+    EXPECT_TRUE(colours.insert(colour).second) << step << " " << colour;
+    EXPECT_EQ(count_of(bar, "class=\"t-" + step + "\""), step == "check" ? 0u : 1u) << step;
+  }
+}
+
 TEST(Page, JobsOfOneNameAreNumbered) {
   const std::string page = page_of({job_named("a"), job_named("a")});
   EXPECT_NE(page.find("a (2), progressive"), std::string::npos);
@@ -264,6 +282,40 @@ std::string words_of(const std::string& page) {
         words, std::regex("<" + std::string(element) + "[ >](.|\\n)*?</" + element + ">"), " ");
   return std::regex_replace(std::regex_replace(words, std::regex("<[^>]*>"), " "),
                             std::regex("&#[0-9]+;"), " ");
+}
+
+// Each figure is that of its label: no two numbers of the report are alike.
+TEST(Page, EveryFigureStandsBesideItsLabel) {
+  PageJob job = job_named("a");
+  auto& input = job.report["input"];
+  input["boundary_loops"] = 2;
+  input["components"] = 3;
+  input["genus"] = 5;
+  input["sharp_edges"] = 7;
+  input["corners"] = 9;
+  const std::string page = page_of({job});
+  for (const auto& [label, value] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"file", "in put.obj (obj)"},
+           {"vertices, faces", "8,194, 6"},
+           {"faces by corners", "4: 6"},
+           {"boundary loops, parts, genus", "2, 3, 5"},
+           {"sharp edges, corners", "7, 9"},
+           {"method", "progressive, doo-sabin (doo-sabin weights), chebyshev, 2 iterations"},
+           {"error, rms and largest", "1.2e-07, 3.48e-07 of the diagonal"},
+           {"folded area", "0.104 %"},
+           {"bending", "69,700"},
+           {"measured on level", "2"},
+           {"device", "cpu, 2 threads"},
+           {"memory", "70.0 MiB"},
+           {"planish", "0.1.0 (abc)"}}) {
+    EXPECT_EQ(between(page, "<tr><th scope=\"row\">" + std::string(label) + "<td>", "<"),
+              std::string(value))
+        << label;
+  }
+  EXPECT_NE(page.find("rms and largest<td>6.3, 41.5 degrees"), std::string::npos);
+  EXPECT_NE(page.find("out.glb<td>surface, level 2<td class=\"n\">131,074<td class=\"n\">2.1 MiB"),
+            std::string::npos);
+  EXPECT_NE(page.find("solve 12 ms</title>"), std::string::npos);
 }
 
 // Numbers are the report's, rounded to what is shown, as they are or in per cent, KiB, MiB or s.

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "conformance/catalogue.h"
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/used_vertices.h"
 #include "planish/patches/patch_mesh.h"
+#include "support/doo_sabin_tables.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -49,7 +49,7 @@ struct PatchCase {
   QuadSplit split;
   SharpFeatures features;
   PatchMesh patches;
-  std::optional<Subdivision> subdivision;
+  std::optional<SubdivisionChain> subdivision;
   std::vector<glm::dvec3> points;
 };
 
@@ -57,7 +57,7 @@ struct TableSample {
   glm::dvec3 position{0.0}, du{0.0}, dv{0.0};
 };
 
-inline std::vector<glm::dvec3> applied(const StencilTable<double>& table,
+inline std::vector<glm::dvec3> applied(const StencilTable& table,
                                        const std::vector<glm::dvec3>& source) {
   const auto view = table.view();
   std::vector<glm::dvec3> target(static_cast<std::size_t>(view.row_count()), glm::dvec3(0.0));
@@ -71,18 +71,14 @@ inline std::vector<glm::dvec3> applied(const StencilTable<double>& table,
 
 /// The state of level 1, and the limit rows of `level`, by the chain of stencil tables.
 inline std::vector<glm::dvec3> table_state(const PatchCase& c) {
-  const RowRange all{0, c.subdivision->state_layout(1).size};
-  return applied(first_step_table(c.mesh, *c.subdivision, all), c.points);
+  return applied(step_table(*c.subdivision, 1), c.points);
 }
 
-inline std::vector<TableSample> table_samples(const PatchCase& c, int level,
-                                              const LimitRows& limits) {
+inline std::vector<TableSample> table_samples(const PatchCase& c, const LimitRows& limits) {
   std::vector<glm::dvec3> state = table_state(c);
-  for (int l = 2; l <= level; ++l) {
-    const RowRange all{0, c.subdivision->state_layout(l).size};
-    state = applied(refinement_table(*c.subdivision, l - 1, all), state);
-  }
-  const auto table = limit_table(*c.subdivision, std::max(level, 1), limits, {0, limits.count()});
+  for (int l = 2; l <= limits.state_level(); ++l)
+    state = applied(step_table(*c.subdivision, l), state);
+  const auto table = limit_table(*c.subdivision, limits);
   const auto view = table.view();
   std::vector<TableSample> samples(static_cast<std::size_t>(view.row_count()));
   for (std::int32_t i = 0; i < view.row_count(); ++i) {

@@ -9,7 +9,6 @@
 #include "patches/patch_oracle.h"
 #include "planish/core/parallel.h"
 #include "planish/patches/first_step.h"
-#include "planish/patches/split_rows.h"
 
 namespace planish::test {
 namespace {
@@ -67,10 +66,10 @@ TEST(PatchSurface, RowsAgreeWithTables) {
     for (int level = 0; level <= 3; ++level) {
       SCOPED_TRACE(name + ", level " + std::to_string(level));
       const PatchCase c(mesh, Weights::DooSabin, {}, level);
-      const LimitRows limits(*c.subdivision, std::max(level, 1), c.split.counts(level).vertices);
-      const auto table = table_samples(c, level, limits);
+      const LimitRows limits(*c.subdivision, level);
+      const auto table = table_samples(c, limits);
       const PatchSurface surface(c.patches, {.level = level});
-      const auto limit_of = limits_of_rows(c.topology, surface.numbering(), c.split, limits);
+      const auto limit_of = limits.in_order_of(surface.numbering());
       ASSERT_EQ(surface.numbering().row_count(), limits.count());
       const Rows rows = all_rows(surface, table_state(c), {}, 1 << 20);
       for (std::size_t row = 0; row < limit_of.size(); ++row) {
@@ -97,7 +96,7 @@ TEST(PatchSurface, BitsDoNotDependOnInstructionsPlansOrRanges) {
       const PatchSurface baseline(c.patches,
                                   {.level = level, .instructions = PatchInstructions::Baseline});
       const Rows wanted = all_rows(baseline, state, placement, 1 << 30);
-      for (const auto instructions : {PatchInstructions::Avx2, PatchInstructions::Avx512}) {
+      for (const auto instructions : {PatchInstructions::Avx2}) {
         if (!can_run(instructions)) continue;
         const PatchSurface wide(c.patches, {.level = level, .instructions = instructions});
         EXPECT_TRUE(same_bits(wanted, all_rows(wide, state, placement, 1 << 30)));
@@ -127,8 +126,7 @@ TEST(PatchSurface, GridsHaveTheBitsOfRows) {
     const PatchSamples& samples = kept.numbering().samples();
     std::vector<std::int32_t> corners(static_cast<std::size_t>(c.topology.corner_count() - 3));
     std::iota(corners.begin(), corners.end(), 3);  // not from a quad's first corner
-    for (const auto instructions :
-         {PatchInstructions::Baseline, PatchInstructions::Avx2, PatchInstructions::Avx512}) {
+    for (const auto instructions : {PatchInstructions::Baseline, PatchInstructions::Avx2}) {
       if (!can_run(instructions)) continue;
       const PatchSurface surface(c.patches, {.level = 2, .instructions = instructions});
       std::vector<glm::dvec3> positions(corners.size() * samples.count());
@@ -144,6 +142,27 @@ TEST(PatchSurface, GridsHaveTheBitsOfRows) {
           ASSERT_EQ(positions[at], wanted.positions[row]) << corners[i] << " " << s;
           ASSERT_EQ(normals[at], wanted.normals[row]) << corners[i] << " " << s;
         }
+      }
+    }
+  }
+}
+
+// Quads of regular patches, evaluated at once or corner by corner, that span no plane.
+TEST(PatchSurface, RowsWithoutDirectionAreCountedOfWholeFacesToo) {
+  const PolygonMesh mesh = torus(16, 12, 1, .4);
+  for (int level = 0; level <= 3; ++level) {
+    PatchCase c(mesh, Weights::DooSabin, {}, 0);
+    for (glm::dvec3& p : c.points) p = glm::dvec3(p.x, 0, 0);  // on a line
+    const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
+    for (const auto instructions : {PatchInstructions::Baseline, PatchInstructions::Avx2}) {
+      if (!can_run(instructions)) continue;
+      for (const bool keeps : {false, true}) {
+        const PatchSurface surface(
+            c.patches, {.level = level, .keep_plans = keeps, .instructions = instructions});
+        const Rows rows = all_rows(surface, state, {}, 1 << 30);
+        EXPECT_EQ(rows.degenerate.count, static_cast<std::int64_t>(rows.normals.size())) << level;
+        EXPECT_EQ(rows.degenerate.first, 0) << level;
+        for (const glm::vec3& normal : rows.normals) ASSERT_NEAR(glm::length(normal), 1, 1e-6);
       }
     }
   }

@@ -11,7 +11,6 @@
 #include "planish/patches/face_kernel.h"
 #include "planish/patches/patch_numbering.h"
 #include "planish/patches/patch_plan.h"
-#include "planish/patches/split_rows.h"
 
 namespace planish::test {
 namespace {
@@ -65,11 +64,10 @@ void compare(const TableSample& patch, const TableSample& table, Worst& worst) {
 Worst compare_corners(const PolygonMesh& mesh, Weights weights, const SharpFeatureOptions& sharp,
                       int level) {
   const PatchCase c(mesh, weights, sharp, level);
-  const LimitRows limits(*c.subdivision, level, c.split.counts(level).vertices);
-  const std::vector<TableSample> table = table_samples(c, level, limits);
+  const LimitRows limits(*c.subdivision, level);
+  const std::vector<TableSample> table = table_samples(c, limits);
   const PatchNumbering numbering(c.patches, level);
-  const std::vector<std::int32_t> limit_of_row =
-      limits_of_rows(c.topology, numbering, c.split, limits);
+  const std::vector<std::int32_t> limit_of_row = limits.in_order_of(numbering);
   EXPECT_EQ(numbering.row_count(), limits.count());
   EXPECT_EQ(std::set(limit_of_row.begin(), limit_of_row.end()).size(), limit_of_row.size());
 

@@ -79,7 +79,7 @@ TEST(PointRows, AreMadeAlongWithTheBitsOfRows) {
     SCOPED_TRACE(name);
     const Level2 at(mesh);
     for (const PatchInstructions instructions :
-         {PatchInstructions::Baseline, PatchInstructions::Avx2, PatchInstructions::Avx512}) {
+         {PatchInstructions::Baseline, PatchInstructions::Avx2}) {
       if (!can_run(instructions)) continue;
       const PatchSurface surface = at.surface(instructions);
       if (name == "torus") {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -57,6 +58,23 @@ TEST(Fit, LeavesUnusedVerticesWhereTheyAre) {
   EXPECT_EQ(result.cage.positions.back(), glm::dvec3(50, 60, 70));
   const Fit plain = fit(test::cube(), *make_cpu_backend());
   for (std::size_t v = 0; v < 8; ++v) EXPECT_EQ(result.cage.positions[v], plain.cage.positions[v]);
+}
+
+TEST(Fit, NamesTheWorstVertexOfTheGivenMesh) {
+  PolygonMesh mesh = test::jittered(test::icosphere(1), 0.2, 5);
+  mesh.positions.insert(mesh.positions.begin(), 3, glm::dvec3(0.0));
+  for (std::int32_t& v : mesh.face_vertices) v += 3;
+  FitOptions options;
+  options.max_iterations = 3;
+  options.tolerance = 1e-12;
+  const Fit result = fit(mesh, *make_cpu_backend({Precision::Double}), options);
+  const auto limits = limit_positions(result.cage, options.weights, options.sharp);
+  std::vector<double> errors;
+  for (std::size_t v = 0; v < limits.size(); ++v)
+    errors.push_back(glm::length(limits[v] - mesh.positions[v]));
+  const auto worst = std::ranges::max_element(errors);
+  EXPECT_EQ(result.interpolation.worst_vertex, worst - errors.begin());
+  EXPECT_NEAR(result.interpolation.error.max, *worst / result.placement.diagonal, 1e-12);
 }
 
 TEST(Fit, ConjugateGradientsOnAnOpenMeshIsAUsageError) {

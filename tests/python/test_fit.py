@@ -182,8 +182,16 @@ def test_points_become_a_mesh(grid):
 
 def test_no_program_for_points_is_said(grid, monkeypatch, tmp_path):
     monkeypatch.setenv("PLANISH_RECONSTRUCT", str(tmp_path / "none"))
-    with pytest.raises(planish.NoDevice):
+    with pytest.raises(planish.MissingProgram, match="planish-reconstruct.* PLANISH_RECONSTRUCT.*CGAL") as raised:
         planish.reconstruct(grid(4)[0])
+    assert isinstance(raised.value, planish.NoDevice)
+
+
+@pytest.mark.parametrize("name, text", [("p.pcd", ""), ("p.xyz", "0 0 0\n"), ("p.obj", "v 0 0 0\nv 1 0 0\n")])
+def test_a_file_of_points_says_what_to_call(tmp_path, name, text):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(planish.Error, match=r"reconstruct\(\) make"):
+        planish.fit_file(tmp_path / name, tmp_path / "s.glb")
 
 
 def test_reading_points(tmp_path):

@@ -9,11 +9,90 @@ import pytest
 import planish
 
 
-def test_progress_is_told(grid):
-    told = []
-    planish.fit(*grid(30), progress=lambda step, fraction: told.append((step, fraction)))
-    assert "solve" in {step for step, _ in told}
-    assert all(0 <= fraction <= 1 for _, fraction in told)
+class Host:
+    """Bears calls on its own thread alone, one at a time, whose fractions rise to 1."""
+
+    def __init__(self):
+        self.thread = threading.get_ident()
+        self.inside = False
+        self.complaints = []
+        self.told = []
+
+    def enter(self):
+        if threading.get_ident() != self.thread:
+            self.complaints.append("another thread")
+        if self.inside:
+            self.complaints.append("two at once")
+        self.inside = True
+        time.sleep(0)  # gives the lock away
+
+    def progress(self, step, fraction):
+        self.enter()
+        if self.told and not self.told[-1][1] <= fraction <= 1:
+            self.complaints.append(f"{fraction} after {self.told[-1]}")
+        self.told.append((step, fraction))
+        self.inside = False
+
+    def cancelled(self):
+        self.enter()
+        self.inside = False
+        return False
+
+    def expect_good(self):
+        assert self.complaints == []
+        assert self.told[-1][1] == 1
+
+
+def test_callbacks_come_on_the_callers_thread_and_end_at_1(grid, tmp_path):
+    made = planish.fit(*grid(200))
+    planish.write(tmp_path / "in.obj", made.cage)
+    for call in [
+        lambda **host: planish.fit(*grid(200), **host),
+        lambda **host: planish.fit(*grid(200), method="fair", **host),
+        lambda **host: planish.fit_file(tmp_path / "in.obj", tmp_path / "a.glb", 3, **host),
+        lambda **host: planish.fit_file(tmp_path / "in.obj", tmp_path / "a.ply", 2, **host),
+        lambda **host: made.evaluate(3, **host),
+        lambda **host: made.tessellate(chord_error=1e-4, **host),
+    ]:
+        host = Host()
+        call(progress=host.progress, cancelled=host.cancelled)
+        host.expect_good()
+        assert len(host.told) > 5
+
+
+def test_progress_is_told_all_along(grid):
+    arrays = grid(700)
+    began = time.monotonic()
+    times = [0.0]
+    planish.fit(*arrays, progress=lambda step, fraction: times.append(time.monotonic() - began))
+    times.append(time.monotonic() - began)
+    gaps = [after - before for before, after in zip(times, times[1:])]
+    assert max(gaps) < max(1.0, 0.3 * times[-1])
+
+
+def test_one_thread_is_one_thread(grid, tmp_path):
+    """Of the processor's time hardly any is other threads'."""
+    planish.fit(*grid(100))  # those that are kept for later begin
+
+    def share_of_others(work):
+        process, thread = time.process_time(), time.thread_time()
+        work()
+        own = time.thread_time() - thread
+        return (time.process_time() - process - own) / own
+
+    made = planish.fit(*grid(200), threads=1)
+    limit = planish.LimitSurface(made)
+    points = made.evaluate(0).positions[:2000] + 0.01
+    for work in [
+        lambda: planish.fit(*grid(200), threads=1),
+        lambda: planish.fit(*grid(200), method="fair", threads=1),
+        lambda: made.evaluate(4),
+        lambda: made.tessellate(chord_error=1e-4),
+        lambda: planish.write(tmp_path / "a.glb", made, level=4),
+        lambda: limit.closest_point(points),
+    ]:
+        # Threads that have just worked look for more for a moment.
+        assert min(share_of_others(work) for _ in range(4)) < 0.05
 
 
 def test_an_exception_of_progress_comes_through(grid):

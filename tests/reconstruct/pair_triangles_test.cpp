@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "planish/mesh/check.h"
 #include "planish/reconstruct/simplify.h"
@@ -71,6 +73,29 @@ TEST(PairTriangles, JoinsMostOfAnIrregularMesh) {
   const PolygonMesh mesh = pair_triangles(torus.positions, simple.triangles);
   const auto joined = 2 * (static_cast<double>(simple.triangles.size()) - mesh.face_count());
   EXPECT_GT(joined / static_cast<double>(simple.triangles.size()), 0.8);
+}
+
+TEST(PairTriangles, JoinsNoQuadWithWiderCornersThanAllowed) {
+  const auto faces_of_rhombus = [](double degrees, double largest) {
+    const double half = degrees * std::numbers::pi / 360;
+    // The edge that is lost joins the two corners of that many degrees, or the two others.
+    const std::vector<glm::dvec3> positions = {{0, -std::cos(half), 0},
+                                               {std::sin(half), 0, 0},
+                                               {0, std::cos(half), 0},
+                                               {-std::sin(half), 0, 0}};
+    const int across = pair_triangles(positions, std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}},
+                                      {.largest_angle = largest})
+                           .face_count();
+    EXPECT_EQ(pair_triangles(positions, std::vector<Triangle>{{1, 2, 3}, {1, 3, 0}},
+                             {.largest_angle = largest})
+                  .face_count(),
+              across);
+    return across;
+  };
+  EXPECT_EQ(faces_of_rhombus(149.9, 150), 1);
+  EXPECT_EQ(faces_of_rhombus(150.1, 150), 2);
+  EXPECT_EQ(faces_of_rhombus(119.9, 120), 1);
+  EXPECT_EQ(faces_of_rhombus(120.1, 120), 2);
 }
 
 TEST(PairTriangles, LeavesSharpEdgesAlone) {

@@ -1,11 +1,11 @@
-#include "planish/stencil/quad_split.h"
+#include "support/quad_split.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
-namespace planish {
+namespace planish::test {
 namespace {
 
 // A triangle and a pentagon that share an edge: mixed sizes and a boundary.
@@ -98,4 +98,4 @@ TEST(QuadSplit, RefinesAgainAfterwards) {
 }
 
 }  // namespace
-}  // namespace planish
+}  // namespace planish::test

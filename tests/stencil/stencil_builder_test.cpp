@@ -33,8 +33,8 @@ TEST(StencilRow, SortsAndMergesAsAMapWould) {
   }
 }
 
-StencilRows<double> build(std::int64_t first, std::int64_t count) {
-  return build_rows(first, count, Derivatives::Yes, [] {
+StencilTable build(std::int64_t first, std::int64_t count) {
+  return build_rows(7, {first, count}, Derivatives::Yes, [] {
     return [](std::int32_t index, StencilRow& row) {
       for (std::int32_t k = 0; k <= index % 7; ++k) row.add(k, index + 0.1 * k, k, index);
     };

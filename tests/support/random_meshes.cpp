@@ -1,6 +1,7 @@
 #include "support/random_meshes.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <map>
 #include <numeric>
 #include <set>
@@ -117,6 +118,50 @@ PolygonMesh random_closed_mesh(std::uint32_t seed) {
     merge_across(faces, face[i], face[(i + 1) % face.size()]);
   }
   return without_unused(make_mesh(sphere.positions, faces));
+}
+
+PolygonMesh random_dual(int count, std::uint32_t seed) {
+  Random random(seed);
+  std::vector<dvec3> points;
+  while (int(points.size()) < count) {
+    const double x = 2 * random.unit() - 1, y = 2 * random.unit() - 1;
+    const dvec3 p(x, y, 2 * random.unit() - 1);
+    if (glm::length(p) > 0.1 && glm::length(p) < 1) points.push_back(glm::normalize(p));
+  }
+  std::vector<dvec3> centroids;
+  std::map<VertexPair, std::pair<int32_t, int32_t>> after;  // triangle and third corner of an edge
+  const auto add = [&](int32_t a, int32_t b, int32_t c) {
+    const auto triangle = int32_t(centroids.size());
+    centroids.push_back((points[a] + points[b] + points[c]) / 3.0);
+    after[{a, b}] = {triangle, c};
+    after[{b, c}] = {triangle, a};
+    after[{c, a}] = {triangle, b};
+  };
+  for (int32_t a = 0; a < count; ++a) {
+    for (int32_t b = a + 1; b < count; ++b) {
+      for (int32_t c = b + 1; c < count; ++c) {
+        const dvec3 normal = glm::cross(points[b] - points[a], points[c] - points[a]);
+        int above = 0, below = 0;
+        for (int32_t i = 0; i < count && (above == 0 || below == 0); ++i) {
+          if (i == a || i == b || i == c) continue;
+          ++(glm::dot(points[i] - points[a], normal) > 0 ? above : below);
+        }
+        if (above == 0) add(a, b, c);
+        if (below == 0) add(a, c, b);
+      }
+    }
+  }
+  FaceList faces(points.size());
+  for (int32_t p = 0; p < count; ++p) {
+    const int32_t first = after.lower_bound({p, 0})->first.second;
+    int32_t next = first;
+    do {
+      const auto [triangle, third] = after.at({p, next});
+      faces[p].push_back(triangle);
+      next = third;
+    } while (next != first);
+  }
+  return make_mesh(centroids, faces);
 }
 
 PolygonMesh random_open_mesh(std::uint32_t seed) {

@@ -12,7 +12,12 @@ namespace planish::test {
 /// A jittered icosphere with randomly merged faces: 3- to 9-gons, valences from 3.
 [[nodiscard]] PolygonMesh random_closed_mesh(std::uint32_t seed);
 
-/// The same with some faces taken out, still a manifold with boundary.
+/// The dual of a random triangulation: the convex hull of `count` random points on the unit sphere,
+/// a vertex at the centroid of each triangle, and one polygon of any size a point. All valences
+/// are 3; surfaces that interpolate it bend tightly and fold.
+[[nodiscard]] PolygonMesh random_dual(int count, std::uint32_t seed);
+
+/// The random closed mesh with some faces taken out, still a manifold with boundary.
 [[nodiscard]] PolygonMesh random_open_mesh(std::uint32_t seed);
 
 /// Tags each edge with the given probability: darts, creases and corners arise in every mix.

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/surface/evaluate.h"
@@ -51,6 +53,25 @@ TEST(Attributes, TextureCoordinatesKeepTheirSeams) {
   }
 }
 
+// Vertices of several normals are several rows, each with the colour of its vertex. With all edges
+// sharp the cube's faces stay flat, so that a colour that is its place at the corners is so
+// everywhere.
+TEST(Attributes, FurtherRowsHaveTheColourOfTheirVertex) {
+  PolygonMesh mesh = test::cube();
+  for (const glm::dvec3& p : mesh.positions) mesh.colors.emplace_back(0.5 * p + 0.5, 1);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    for (int i = 0; i < 4; ++i)
+      mesh.creases.push_back({mesh.face(f)[i], mesh.face(f)[(i + 1) % 4]});
+  const SurfaceMesh surface =
+      evaluate(mesh, *make_cpu_backend(), {.level = 1, .scheme = Scheme::CatmullClark});
+  ASSERT_EQ(surface.positions.size(), 6u * 9u);  // nothing is shared between faces
+  for (std::size_t row = 0; row < surface.positions.size(); ++row) {
+    const glm::dvec3 wanted = 0.5 * surface.positions[row] + 0.5;
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(surface.colors[row][axis], wanted[axis], 1e-6) << row;
+  }
+}
+
 TEST(Attributes, AreLinearBetweenTheCornersOfAQuad) {
   // At level 3 a unit quad's texture coordinates are a grid of eighths.
   const SurfaceMesh surface = surface_of(two_charts(), 3);
@@ -65,6 +86,29 @@ TEST(Attributes, AreLinearBetweenTheCornersOfAQuad) {
     const double y = uv.y < 2 ? uv.y : uv.y - 5;
     EXPECT_NEAR(color.r, x, 1e-6);
     EXPECT_NEAR(color.g, y, 1e-6);
+  }
+}
+
+// A vertex of a crease has a row for each side: they differ in their normal alone.
+TEST(Attributes, ColoursAreTheSameOnBothSidesOfACrease) {
+  PolygonMesh mesh = test::cube();
+  mesh.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
+  for (const glm::dvec3& p : mesh.positions)
+    mesh.colors.emplace_back((1 + p.x) / 2, (1 + p.y) / 2, (1 + p.z) / 2, 1);
+  for (const Scheme scheme : {Scheme::DooSabin, Scheme::CatmullClark}) {
+    const SurfaceMesh surface = evaluate(mesh, *make_cpu_backend(), {.level = 2, .scheme = scheme});
+    ASSERT_EQ(surface.colors.size(), surface.positions.size());
+    std::map<std::array<double, 3>, glm::vec4> colors;
+    int twice = 0;
+    for (std::size_t row = 0; row < surface.positions.size(); ++row) {
+      const glm::dvec3& p = surface.positions[row];
+      const auto [known, is_new] = colors.try_emplace({p.x, p.y, p.z}, surface.colors[row]);
+      twice += is_new ? 0 : 1;
+      EXPECT_EQ(known->second, surface.colors[row]) << row;
+    }
+    EXPECT_EQ(twice, 16) << "4 edges in quarters";
+    for (std::size_t row = 0; row < surface.base_vertices.size(); ++row)
+      EXPECT_EQ(surface.colors[row], mesh.colors[surface.base_vertices[row]]) << row;
   }
 }
 

@@ -9,33 +9,32 @@
 #include "planish/core/error.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
-#include "planish/surface/subdivided_mesh.h"
 #include "support/meshes.h"
 
 namespace planish {
 namespace {
 
+// Element counts of the levels 0 to `last` of a torus of side x side quads.
+std::vector<LevelCounts> torus_levels(std::int64_t side, int last) {
+  const std::int64_t count = side * side;
+  return split_counts({count, 2 * count, count}, 4 * count, last);
+}
+
 TEST(MemoryNeed, GrowsFourfoldWithEachLevel) {
-  const QuadSplit split(test::torus(100, 100, 1.0, 0.4));
-  const double coarse =
-      static_cast<double>(tessellation_bytes(split.counts_to(4), LastLevel::FacesOnly) -
-                          tessellation_bytes(split.counts_to(3), LastLevel::FacesOnly));
-  const double fine =
-      static_cast<double>(tessellation_bytes(split.counts_to(5), LastLevel::FacesOnly) -
-                          tessellation_bytes(split.counts_to(4), LastLevel::FacesOnly));
-  EXPECT_NEAR(fine / coarse, 4.0, 0.01);
+  const auto bytes = [](int level) {
+    return static_cast<double>(tessellation_bytes(torus_levels(100, level), LastLevel::Full));
+  };
+  EXPECT_NEAR((bytes(5) - bytes(4)) / (bytes(4) - bytes(3)), 4.0, 0.01);
 }
 
 TEST(MemoryNeed, IsComparedWithTheLimit) {
-  const QuadSplit split(test::torus(100, 100, 1.0, 0.4));
-  EXPECT_NO_THROW(require_memory(split.counts_to(2), LastLevel::FacesOnly, {}, 1ull << 30));
-  EXPECT_THROW(require_memory(split.counts_to(5), LastLevel::FacesOnly, {}, 1ull << 30), Error);
+  EXPECT_NO_THROW(require_memory(torus_levels(100, 2), LastLevel::Full, {}, 1ull << 30));
+  EXPECT_THROW(require_memory(torus_levels(100, 5), LastLevel::Full, {}, 1ull << 30), Error);
 }
 
 TEST(MemoryNeed, IndicesStayWithin32Bits) {
-  const QuadSplit split(test::torus(1000, 1000, 1.0, 0.4));
   try {
-    require_memory(split.counts_to(6), LastLevel::FacesOnly, {}, ~0ull);
+    require_memory(torus_levels(1000, 6), LastLevel::Full, {}, ~0ull);
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("32-bit"), std::string::npos) << error.what();
@@ -64,7 +63,7 @@ std::uint64_t peak_of_tessellating(const PolygonMesh& mesh) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(MemoryNeed, OfAttributesIsWhatTheyTake) {
   PolygonMesh mesh = test::torus(60, 60, 1.0, 0.4);
-  const std::vector<LevelCounts> counts = QuadSplit(mesh).counts_to(4);
+  const std::vector<LevelCounts> counts = torus_levels(60, 4);
   const auto estimate = [&] {
     return tessellation_bytes(counts, LastLevel::None, RefinedAttributes::of(mesh));
   };
@@ -85,14 +84,31 @@ TEST(MemoryNeed, OfAttributesIsWhatTheyTake) {
 }
 #endif
 
+TEST(MemoryNeed, OfHolesIsASurfaceMore) {
+  const std::vector<LevelCounts> counts = torus_levels(60, 4);
+  const auto need = [&](const RefinedAttributes& attributes) {
+    return static_cast<double>(tessellation_bytes(counts, LastLevel::Full, attributes));
+  };
+  // Positions, normals and the corners of quads of the surface that the copy is made from.
+  const double surface = 36.0 * static_cast<double>(counts.back().vertices) +
+                         16.0 * static_cast<double>(counts.back().faces);
+  const double more = need({.holes = true}) - need({});
+  EXPECT_GE(more, surface);
+  EXPECT_LE(more, 2 * surface);
+  EXPECT_GT(need({.colors = true, .holes = true}) - need({.colors = true}), more);
+}
+
 TEST(MemoryNeed, AttributesCountAgainstTheLimit) {
-  PolygonMesh mesh = test::torus(100, 100, 1.0, 0.4);
-  const QuadSplit split(mesh);
-  const std::uint64_t limit = tessellation_bytes(split.counts_to(4), LastLevel::FacesOnly);
-  EXPECT_NO_THROW(SubdividedMesh(mesh, {.level = 4, .memory_limit_bytes = limit}));
+  PolygonMesh mesh = test::torus(50, 50, 1.0, 0.4);
+  const std::uint64_t limit = tessellation_bytes(torus_levels(50, 2), LastLevel::Full);
+  const auto refine = [&] {
+    (void)evaluate(mesh, *make_cpu_backend(),
+                   {.level = 2, .scheme = Scheme::CatmullClark, .memory_limit_bytes = limit});
+  };
+  EXPECT_NO_THROW(refine());
   for (const glm::dvec3& p : mesh.positions) mesh.uvs.emplace_back(p.x, p.y);
   mesh.face_uvs = mesh.face_vertices;
-  EXPECT_THROW(SubdividedMesh(mesh, {.level = 4, .memory_limit_bytes = limit}), Error);
+  EXPECT_THROW(refine(), Error);
 }
 
 // What a writer of files holds does not grow with the level.

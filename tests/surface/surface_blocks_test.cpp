@@ -12,10 +12,10 @@
 #include "conformance/catalogue.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
-#include "planish/patches/split_rows.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"
 #include "planish/surface/quad_cut.h"
+#include "support/doo_sabin_tables.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 
@@ -268,7 +268,7 @@ TEST(SurfaceBlocks, ColoursAreInterpolatedAsOpenSubdivDoes) {
                         0.01f * static_cast<float>(v), 1.0f};
     }
     for (int level = 1; level <= 3; ++level) {
-      QuadSplit split(mesh);
+      test::QuadSplit split(mesh);
       split.refine(level);
       std::vector<Color> colors(mesh.colors.size());
       for (std::size_t v = 0; v < colors.size(); ++v) colors[v].value = glm::dvec4(mesh.colors[v]);
@@ -282,10 +282,10 @@ TEST(SurfaceBlocks, ColoursAreInterpolatedAsOpenSubdivDoes) {
       const SurfaceMesh surface = collect(*base.level(level), {});
       const MeshTopology topology(mesh);
       const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
-      const Subdivision subdivision(split, features, Weights::DooSabin);
-      const LimitRows limits(subdivision, level, split.counts(level).vertices);
+      const test::SubdivisionChain subdivision(split, features, Weights::DooSabin);
+      const test::LimitRows limits(subdivision, level);
       const PatchMesh patches(topology, features);
-      const auto order = limits_of_rows(topology, PatchNumbering(patches, level), split, limits);
+      const auto order = limits.in_order_of(PatchNumbering(patches, level));
       ASSERT_EQ(order.size(), surface.colors.size());
       for (std::size_t row = 0; row < order.size(); ++row) {
         const glm::dvec4 wanted = colors[limits.place(order[row]).vertex].value;

@@ -8,6 +8,10 @@
 #include <numbers>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/mesh/area_vector.h"
+#include "planish/mesh/folded_edges.h"
+#include "planish/surface/block_quality.h"
+#include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/evaluate.h"
 #include "support/meshes.h"
 
@@ -86,6 +90,31 @@ TEST(SurfaceQuality, TellsFoldsOfTheInputFromOthers) {
   EXPECT_EQ(beside.folded_places[1].face, 3);
   const std::vector<std::uint8_t> expected = {0, 0, 1, 1};
   EXPECT_EQ(beside_folds(surface_with(mesh, normals), mesh), expected);
+}
+
+// A bow tie in the middle of a bent plate: its corners' normals differ, and it has none itself.
+TEST(SurfaceQuality, FacesWithoutAreaDeviateFromNothing) {
+  PolygonMesh mesh = test::grid(
+      3, 3, [](double x, double y) { return glm::dvec3(x, y, 0.4 * x * x - 0.3 * y * y); });
+  mesh.positions[5] = {1, 1, 0};
+  mesh.positions[6] = {2, 2, 0};
+  mesh.positions[10] = {2, 1, 0};
+  mesh.positions[9] = {1, 2, 0};
+  ASSERT_EQ(glm::length(area_vector(mesh.positions, mesh.face(4))), 0.0);
+  const DooSabinSurface base(mesh, {});
+  const auto blocks = base.level(1);
+  const SurfaceQuality of_blocks = surface_quality(*blocks, mesh, folded_edges(mesh).is_beside, {});
+  const SurfaceQuality of_mesh = surface_quality(collect(*blocks, {}), mesh);
+  EXPECT_NEAR(of_blocks.rms_normal_deviation, of_mesh.rms_normal_deviation, 1e-6);
+  EXPECT_NEAR(of_blocks.max_normal_deviation, of_mesh.max_normal_deviation, 1e-6);
+  EXPECT_NEAR(of_blocks.folded_area, of_mesh.folded_area, 1e-9);
+  EXPECT_NEAR(of_blocks.folded_area_elsewhere, of_mesh.folded_area_elsewhere, 1e-9);
+  // Both leave the face out, though not its area.
+  mesh.hole_faces = {4};
+  const DooSabinSurface rest(mesh, {});
+  const SurfaceQuality without = surface_quality(*rest.level(1), mesh, {}, {});
+  EXPECT_NEAR(of_blocks.max_normal_deviation, without.max_normal_deviation, 1e-6);
+  EXPECT_LT(of_blocks.folded_area, without.folded_area + 1e-9);
 }
 
 TEST(SurfaceQuality, AnglesAreInDegreesAgainstTheGivenNormals) {

@@ -115,6 +115,12 @@ PolygonMesh triangles_of(const ReadTile& tile) {
       // Y up to Z up, as viewers turn it.
       mesh.positions.push_back(tile.origin + glm::dvec3(p.x, -p.z, p.y));
     }
+    if (const auto uvs = primitive.attributes.find("TEXCOORD_0"); uvs != primitive.attributes.end())
+      for (std::size_t i = 0; i < model.accessors[uvs->second].count; ++i) {
+        glm::vec2 uv;
+        std::memcpy(&uv, data(uvs->second) + i * sizeof(uv), sizeof(uv));
+        mesh.uvs.emplace_back(uv);
+      }
     const bool is_short =
         model.accessors[primitive.indices].componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
     for (std::size_t i = 0; i < model.accessors[primitive.indices].count; ++i) {

@@ -33,7 +33,8 @@ struct ReadTileset {
 /// The triangles of all tiles of a level, corners at equal places joined.
 [[nodiscard]] PolygonMesh welded(const ReadTileset& set, int level);
 
-/// A tile's triangles, corners not joined, in the frame of tiles.
+/// A tile's triangles, corners not joined, in the frame of tiles; texture coordinates, if any, by
+/// vertex.
 [[nodiscard]] PolygonMesh triangles_of(const ReadTile& tile);
 
 }  // namespace planish::test

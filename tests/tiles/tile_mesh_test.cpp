@@ -10,6 +10,7 @@
 
 #include "planish/files/tiles/curve_order.h"
 #include "planish/files/tiles/local_numbers.h"
+#include "planish/files/tiles/write_tile.h"
 #include "planish/surface/doo_sabin_blocks.h"
 #include "support/random_meshes.h"
 
@@ -167,6 +168,27 @@ TEST(TilePlan, EachFaceIsInOneTileOfEachLevel) {
       if (surface.hidden()[f] == 0) visible.insert(f);
     for (int level = 1; level <= 3; ++level) EXPECT_EQ(found[level], visible) << level;
   }
+}
+
+// A finer level may be off by more than its coarser one, as where a fold shows at level 3 alone.
+TEST(PassErrorsUp, ParentsAreOffByNoLessThanAnyBelow) {
+  std::vector<PlannedTile> tiles(4);
+  tiles[1].level = tiles[2].level = 2;
+  tiles[3].level = 3;
+  tiles[1].parent = tiles[2].parent = 0;
+  tiles[3].parent = 1;
+  std::vector<WrittenTile> written(4);
+  written[1].coarser_error = 0.25;
+  written[2].coarser_error = 0.5;
+  written[3].coarser_error = 2;
+  for (const int level : {3, 2}) pass_errors_up(tiles, level, written);
+  EXPECT_EQ(written[3].record.error, 0);
+  EXPECT_EQ(written[1].record.error, 2);
+  EXPECT_EQ(written[2].record.error, 0);
+  EXPECT_EQ(written[0].record.error, 2);
+  written[2].coarser_error = 7;
+  pass_errors_up(tiles, 2, written);
+  EXPECT_EQ(written[0].record.error, 7);
 }
 
 }  // namespace

@@ -227,7 +227,7 @@ TEST(WriteTiles, SkirtsHangFromEdgesOfTilesOnly) {
     edges += rim(without);
     for (std::size_t v = 0; v < without.positions.size(); ++v)
       ASSERT_EQ(with.positions[v], without.positions[v]);
-    // Against the normal, which is up here, as far as the level before may be away.
+    // As far as the level before may be away.
     const double length =
         plain.tiles[i].level == 1 ? plain.tiles[i].error : plain.tiles[plain.tiles[i].parent].error;
     for (std::size_t v = without.positions.size(); v < with.positions.size(); ++v) {
@@ -240,6 +240,63 @@ TEST(WriteTiles, SkirtsHangFromEdgesOfTilesOnly) {
   // 96 edges of each level are the sheet's boundary: twice and four times as many at levels 1
   // and 2.
   EXPECT_EQ(edges - strips, 96 * 2 + 96 * 4);
+}
+
+// The places of a mesh's corners, each with the sum of area vectors of the triangles around it.
+std::map<std::array<double, 3>, glm::dvec3> places_of(const PolygonMesh& mesh) {
+  std::map<std::array<double, 3>, glm::dvec3> places;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto at = [&](int k) { return mesh.positions[mesh.face(f)[k]]; };
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 p = at(k);
+      places[{p.x, p.y, p.z}] += glm::cross(at(1) - at(0), at(2) - at(0));
+    }
+  }
+  return places;
+}
+
+TEST(WriteTiles, SkirtsHangBehindTheirEdgeWithItsTextureCoordinates) {
+  const test::TemporaryFolder folder;
+  PolygonMesh mesh = test::torus(40, 20, 3, 1);
+  mesh.face_uvs = mesh.face_vertices;
+  for (const glm::dvec3& p : mesh.positions) mesh.uvs.emplace_back(p.x / 8 + 0.5, p.y / 8 + 0.5);
+  const TiledSurface surface(std::move(mesh));
+  (void)surface.write(folder.path() / "plain.json", {.level = 2, .tile_vertices = 400});
+  (void)surface.write(folder.path() / "skirts.json",
+                      {.level = 2, .tile_vertices = 400, .skirts = true});
+  const test::ReadTileset plain = test::read_tileset(folder.path() / "plain.json");
+  const test::ReadTileset skirts = test::read_tileset(folder.path() / "skirts.json");
+  std::int64_t hanging = 0;
+  for (std::size_t i = 0; i < plain.tiles.size(); ++i) {
+    if (plain.tiles[i].content.empty()) continue;
+    const PolygonMesh without = test::triangles_of(plain.tiles[i]);
+    const PolygonMesh with = test::triangles_of(skirts.tiles[i]);
+    ASSERT_EQ(with.uvs.size(), with.positions.size());
+    const auto places = places_of(without);
+    for (std::int32_t f = without.face_count(); f < with.face_count(); ++f) {
+      // Of each triangle of a strip, what hangs and what it hangs from.
+      std::vector<std::int32_t> upper, lower;
+      for (const std::int32_t v : with.face(f)) {
+        const glm::dvec3& p = with.positions[v];
+        (places.contains({p.x, p.y, p.z}) ? upper : lower).push_back(v);
+      }
+      ASSERT_TRUE(!upper.empty() && !lower.empty()) << f;
+      for (const std::int32_t v : lower) {
+        const auto from = std::ranges::min_element(upper, {}, [&](std::int32_t u) {
+          return glm::length(with.positions[u] - with.positions[v]);
+        });
+        const bool is_above =
+            std::ranges::any_of(upper, [&](std::int32_t u) { return with.uvs[u] == with.uvs[v]; });
+        if (upper.size() == 1 && !is_above) continue;  // below the edge's other end
+        ++hanging;
+        EXPECT_EQ(with.uvs[*from], with.uvs[v]);
+        const glm::dvec3 way = with.positions[v] - with.positions[*from];
+        const glm::dvec3& p = with.positions[*from];
+        EXPECT_LT(glm::dot(glm::normalize(way), glm::normalize(places.at({p.x, p.y, p.z}))), -0.8);
+      }
+    }
+  }
+  EXPECT_GT(hanging, 1000);
 }
 
 TEST(WriteTiles, RefusesByName) {
@@ -274,6 +331,20 @@ TEST(WriteTiles, FailureLeavesNothing) {
                          [&] { (void)surface.write(folder.path() / "u.json", cancelled); });
   EXPECT_FALSE(fs::exists(folder.path() / "u"));
   EXPECT_FALSE(fs::exists(folder.path() / "u.json"));
+  // The other way to end it: while tiles are written, too.
+  int asked = 0, most = 1 << 30;
+  const TiledSurface large(test::torus(100, 50, 3, 1));  // is asked every few milliseconds
+  TilesOptions stopped{.level = 3, .tile_vertices = 256};
+  stopped.gltf.callbacks.cancelled = [&] { return asked++ >= most; };
+  (void)large.write(folder.path() / "whole.json", stopped);
+  EXPECT_GE(asked, 2);
+  for (most = 0; most < 2; ++most) {
+    asked = 0;
+    (void)test::message_of(ErrorCode::Cancelled,
+                           [&] { (void)large.write(folder.path() / "v.json", stopped); });
+    EXPECT_FALSE(fs::exists(folder.path() / "v")) << most;
+    EXPECT_FALSE(fs::exists(folder.path() / "v.json")) << most;
+  }
 }
 
 }  // namespace

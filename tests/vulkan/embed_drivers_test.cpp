@@ -123,7 +123,7 @@ class EmbedDrivers : public Embedding {
       const auto more = std::as_bytes(std::span(values));
       bytes.insert(bytes.end(), more.begin(), more.end());
     };
-    const StencilTable<double> masks = torus_masks(30, 20);
+    const StencilTable masks = torus_masks(30, 20);
     const std::vector<glm::dvec3> given = random_points(600);
     const auto solve = backend->make_solve(masks.view());
     solve->begin(given);
@@ -138,12 +138,12 @@ class EmbedDrivers : public Embedding {
     solve->cg_turn(glm::dvec3(0.3));
     add(std::array{solve->cg_apply()});
     add(solve->displacement());
-    const StencilTable<double> table = random_table(500, 600);
+    const StencilTable table = random_table(500, 600);
     const auto source = backend->upload(given), target = backend->allocate(510);
     backend->apply(table.view(), *source, *target, 10);
     const std::vector<glm::dvec3> applied = backend->download(*target);
     add(std::span(applied).subspan(10));
-    const LimitStencilTable<double> limit(600, random_rows(500, 600));
+    const StencilTable limit = random_rows(500, 600);
     std::vector<glm::dvec3> positions(500);
     std::vector<glm::vec3> normals(500);
     backend->apply_limit(limit.view(), *source, positions, normals);
@@ -250,6 +250,16 @@ TEST_F(EmbedDrivers, AQueueFamilyThatOnlyComputes) {
   EXPECT_EQ(PretendedDriver::used_families(), std::set<std::uint32_t>{1});
 }
 
+// As GPUs have it, where graphics computes beside a family that only computes.
+TEST_F(EmbedDrivers, AQueueFamilyThatOnlyComputesIsPreferred) {
+  PretendedDriver::pretence().separate_compute = true;
+  PretendedDriver::pretence().graphics_compute = true;
+  open();
+  EXPECT_EQ(own_->capabilities().compute_family, 1u);
+  submitter_->run([](VkCommandBuffer) {});
+  EXPECT_EQ(PretendedDriver::used_families(), std::set<std::uint32_t>{1});
+}
+
 TEST_F(EmbedDrivers, HostsHandTheirBuffersFromFamilyToFamily) {
   PretendedDriver::pretence().separate_compute = true;
   open();
@@ -285,7 +295,7 @@ TEST_F(EmbedDrivers, HostsHandTheirBuffersFromFamilyToFamily) {
 }
 
 TEST_F(EmbedDrivers, DevicesThatAreLostInTheMiddleAreReported) {
-  const StencilTable<double> masks = torus_masks(8, 8);
+  const StencilTable masks = torus_masks(8, 8);
   const std::vector<glm::dvec3> initial = random_points(64);
   const PolygonMesh mesh = test::with_random_creases(test::random_open_mesh(2), 0.1, 3);
   const test::FairCase fair(mesh);

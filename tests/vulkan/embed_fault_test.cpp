@@ -94,7 +94,7 @@ TEST_F(EmbedFaults, EveryFailingCallOfAFrameUnwinds) {
 }
 
 TEST_F(EmbedFaults, EveryFailingCallOfTheCommandsMachineUnwinds) {
-  const StencilTable<double> masks = torus_masks(8, 8);
+  const StencilTable masks = torus_masks(8, 8);
   const std::vector<glm::dvec3> initial = random_points(64);
   const auto machine = std::make_shared<VulkanMachine>(device_options(), ContextOptions{});
   const auto work = [&] {
@@ -110,7 +110,7 @@ TEST_F(EmbedFaults, EveryFailingCallOfTheCommandsMachineUnwinds) {
 }
 
 TEST_F(EmbedFaults, ALostDeviceIsReportedAndLeavesNothing) {
-  const StencilTable<double> masks = torus_masks(8, 8);
+  const StencilTable masks = torus_masks(8, 8);
   const std::map<std::string, int> before = PretendedDriver::alive();
   PretendedDriver::pretence().submit_result = VK_ERROR_DEVICE_LOST;
   try {

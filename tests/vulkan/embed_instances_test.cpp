@@ -22,12 +22,15 @@ class EmbedInstances : public Embedding {
   static constexpr std::uint32_t kCount = 5;
 
   // Poses that differ so much that they stop at different iterations.
-  static PolygonMesh pose_of(const PolygonMesh& rest, int frame, std::uint32_t instance) {
+  PolygonMesh pose_of(const PolygonMesh& rest, int frame, std::uint32_t instance) const {
     PolygonMesh pose = posed(rest, frame + 3 * static_cast<int>(instance));
-    if (instance == 2)
-      for (glm::dvec3& p : pose.positions) p *= 0.02;
+    if (instance == small_)
+      for (glm::dvec3& p : pose.positions) p *= small_size_;
     return pose;
   }
+
+  std::uint32_t small_ = 2;
+  double small_size_ = 0.02;
 
   /// A frame of all instances in one Solve and of each by itself; returns their iterations.
   std::vector<std::uint32_t> expect_same_bits(HostFrame& together, HostFrame& alone, int frame,
@@ -82,6 +85,15 @@ TEST_F(EmbedInstances, BitsAreThoseOfSolvesOfTheirOwn) {
       EXPECT_GT(std::set(taken.begin(), taken.end()).size(), 1u);
       EXPECT_LT(*std::max_element(taken.begin(), taken.end()), 40u);
       expect_same_bits(together, alone, 1, mesh, iterations(7));
+      // The first stops at once, tests of the error (every fourth step) before the others.
+      small_ = 0;
+      small_size_ = 1e-6;
+      stopped.stop_error = 1e-6f;
+      const std::vector<std::uint32_t> late = expect_same_bits(together, alone, 2, mesh, stopped);
+      EXPECT_LE(late[0], 4u);
+      EXPECT_GT(*std::max_element(late.begin(), late.end()), 4u);
+      small_ = 2;
+      small_size_ = 0.02;
       // Bytes between vertices and between instances are left alone.
       for (std::uint32_t i = 0; i < kCount; ++i) {
         const std::byte* first = &together.output.mapped()[8 + i * together.instance_stride()];
@@ -118,6 +130,24 @@ TEST_F(EmbedInstances, WarmStartsAreEachTheirOwn) {
       EXPECT_EQ(together.status(i).iterations, alone[i]->status().iterations);
     }
   }
+}
+
+TEST_F(EmbedInstances, ResetAndSolveStandInOneCommandBuffer) {
+  const PolygonMesh mesh = test::icosphere(1);
+  HostTopology topology(*context_, mesh);
+  topology.upload(*submitter_);
+  HostFrame fresh(*context_, topology), used(*context_, topology);
+  SolveParameters warm = iterations(8);
+  warm.warm_start = true;
+  run(used, posed(mesh, 3), iterations(8));
+  for (HostFrame* frame : {&fresh, &used}) {
+    frame->set_points(mesh);
+    submitter_->run([&](VkCommandBuffer commands) {
+      frame->solve.record_reset(commands);
+      frame->record(commands, warm);
+    });
+  }
+  EXPECT_EQ(difference(used.vertices(), fresh.vertices()).distance, 0);
 }
 
 TEST_F(EmbedInstances, CutTablesGiveTheSameControlPoints) {

@@ -31,6 +31,10 @@ std::vector<test::NamedMesh> mixed_meshes() {
   PolygonMesh unused = test::torus(9, 6, 2, 0.7);
   unused.positions.insert(unused.positions.begin() + 20, glm::dvec3(100, 0, 0));
   for (std::int32_t& v : unused.face_vertices) v += v >= 20;
+  // Given points are read from the first used vertex on.
+  PolygonMesh late = test::torus(9, 6, 2, 0.7);
+  late.positions.insert(late.positions.begin(), 7, glm::dvec3(0, 100, 0));
+  for (std::int32_t& v : late.face_vertices) v += 7;
   PolygonMesh holed = test::torus(9, 6, 2, 0.7);
   holed.hole_faces = {3, 17};
   return {{"icosphere", test::icosphere(2)},
@@ -39,7 +43,8 @@ std::vector<test::NamedMesh> mixed_meshes() {
           {"open", test::random_open_mesh(4)},
           {"creases", test::with_random_creases(test::random_open_mesh(5), 0.15, 6)},
           {"unused vertex", unused},
-          {"holes", holed}};
+          {"holes", holed},
+          {"unused vertices first", late}};
 }
 
 TEST_F(Embedding, SurfaceEqualsTheCpus) {

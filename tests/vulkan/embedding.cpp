@@ -34,10 +34,9 @@ PolygonMesh without_holes(PolygonMesh mesh) {
 static FairDecisions decisions_of(const PolygonMesh& pose, const PolygonMesh& rest,
                                   const SystemOptions& options) {
   const PolygonMesh mesh = without_unused_vertices(pose).mesh;
-  QuadSplit split(mesh);
-  split.refine(1);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, options.sharp);
-  const Subdivision subdivision(split, features, Weights::DooSabin);
+  const MeshTopology topology(mesh);
+  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, options.sharp);
+  const Subdivision subdivision(topology, features, Weights::DooSabin);
   const Placement placement = placement_of(without_unused_vertices(rest).mesh);
   std::vector<glm::dvec3> given = mesh.positions;
   for (glm::dvec3& p : given) p = placement.to_unit(p);

@@ -88,8 +88,8 @@ TEST_P(FairKernels, NormalsAndOffsetsEqualTheirTwins) {
     EXPECT_LT(worst(face_normals, unit_face_normals(topology, net.given)), kDirection);
     const std::vector<dvec3> normals = this->normals(net);
     for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
-      const dvec3 normal = angle_weighted_normal(topology, net.given, face_normals, v,
-                                                 topology.ring_offsets[v], topology.valence(v));
+      const dvec3 normal =
+          angle_weighted_normal(topology, net.given, face_normals, v, topology.ring(v));
       EXPECT_LT(glm::distance(normals[v], normal), kDirection / agreement(net, v)) << v;
     }
     std::vector<dvec3> offsets(static_cast<std::size_t>(topology.corner_count));

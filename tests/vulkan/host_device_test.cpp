@@ -7,6 +7,7 @@
 #include "planish/vulkan/device/result.h"
 #include "planish/vulkan/device/submitter.h"
 #include "planish/vulkan/solve/gpu_solve.h"
+#include "support/expect_error.h"
 #include "vulkan/fixture.h"
 #include "vulkan/pretended_driver.h"
 #include "vulkan/tables.h"
@@ -53,6 +54,76 @@ TEST_F(HostDevices, FlushAndInvalidateMemoryThatIsNotCoherent) {
   EXPECT_EQ(received, sent);
 }
 
+TEST_F(HostDevices, FlushWholeAtomsOfAHostsBlocks) {
+  PretendedDriver::pretence().split_memory = true;  // atoms of 256 bytes
+  const DeviceFunctions vk = DeviceFunctions::load(
+      InstanceFunctions::load(host_.get_instance_proc, host_.instance).vkGetDeviceProcAddr,
+      host_.device);
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  info.allocationSize = 8192;
+  info.memoryTypeIndex = 1;
+  MemoryBlock block;
+  check(vk.vkAllocateMemory(host_.device, &info, nullptr, &block.memory), "vkAllocateMemory");
+  void* mapped = nullptr;
+  check(vk.vkMapMemory(host_.device, block.memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
+  block.offset = 2048;
+  block.mapped = static_cast<std::byte*>(mapped) + block.offset;
+  block.coherent = false;
+  block.owner = mapped;
+  host_.memory.allocate = [&](const MemoryRequest&) { return block; };
+  host_.memory.free = [](const MemoryBlock&) {};
+  {
+    Context context(host_);
+    for (const std::uint64_t bytes : {1u, 256u, 1000u}) {
+      Buffer buffer(context, bytes, MemoryUse::Upload);
+      buffer.flush();
+      buffer.invalidate();
+    }
+  }
+  vk.vkFreeMemory(host_.device, block.memory, nullptr);
+  for (const auto& ranges : {PretendedDriver::flushed(), PretendedDriver::invalidated()}) {
+    std::vector<VkDeviceSize> sizes;
+    for (const VkMappedMemoryRange& range : ranges) {
+      EXPECT_EQ(range.offset, block.offset);
+      sizes.push_back(range.size);
+    }
+    EXPECT_THAT(sizes, ::testing::ElementsAre(256, 256, 1024));
+  }
+}
+
+TEST_F(HostDevices, OfTooOldAnApiAreNotPicked) {
+  const auto picked = [&](const std::string& wanted) {
+    OwnDeviceOptions options;
+    options.wanted = wanted;
+    options.instance.get_proc = PretendedDriver::get_proc();
+    const OwnDevice device(options);
+  };
+  PretendedDriver::pretence().api_version = VK_API_VERSION_1_0;
+  for (const std::string& wanted : {std::string(), std::string("0"), own_->capabilities().name})
+    EXPECT_THAT(test::message_of(ErrorCode::NoDevice, [&] { picked(wanted); }),
+                ::testing::HasSubstr("offers Vulkan 1.0.0, 1.1 is needed"))
+        << wanted;
+}
+
+TEST(PickDevice, PrefersWhatIsUsable) {
+  std::vector<FoundDevice> devices(2);
+  devices[0].capabilities.name = "an old GPU";
+  devices[0].capabilities.type = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
+  devices[0].capabilities.reason = "is too old";
+  devices[0].capabilities.usable = false;
+  devices[1].capabilities.name = "a renderer";
+  devices[1].capabilities.type = VK_PHYSICAL_DEVICE_TYPE_CPU;
+  devices[1].capabilities.usable = true;
+  EXPECT_EQ(pick_device(devices, ""), 1u);
+  EXPECT_EQ(pick_device(devices, "1"), 1u);
+  EXPECT_EQ(pick_device(devices, "Rend"), 1u);
+  for (const char* wanted : {"0", "an old GPU", "old"})
+    EXPECT_EQ(test::message_of(ErrorCode::NoDevice, [&] { (void)pick_device(devices, wanted); }),
+              "device 'an old GPU' is too old");
+  EXPECT_THAT(test::message_of(ErrorCode::NoDevice, [&] { (void)pick_device(devices, "a"); }),
+              ::testing::HasSubstr("names several devices"));
+}
+
 TEST_F(HostDevices, HostsServeEveryAllocation) {
   const DeviceFunctions vk = DeviceFunctions::load(
       InstanceFunctions::load(host_.get_instance_proc, host_.instance).vkGetDeviceProcAddr,
@@ -74,10 +145,10 @@ TEST_F(HostDevices, HostsServeEveryAllocation) {
   };
   {
     Context context(host_);
-    const StencilTable<double> masks = torus_masks(8, 8);
+    const StencilTable masks = torus_masks(8, 8);
     DeviceTableOptions options;
     options.includes_own_rows = true;
-    const DeviceTable table(context, masks.view(), nullptr, options);
+    const DeviceTable table(context, masks.view(), options);
     const GpuSolve solve(context, table);
     EXPECT_GE(made, 10);
     EXPECT_EQ(living, made);

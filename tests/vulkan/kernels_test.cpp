@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, Kernels,
 
 TEST_P(Kernels, InterpolationStepEqualsItsTwinBitForBit) {
   const std::int32_t rows = this->rows();
-  const StencilTable<double> masks = random_table(rows, rows);
+  const StencilTable masks = random_table(rows, rows);
   const std::vector<glm::dvec3> initial = random_points(rows);
   const std::vector<StepCoefficients> steps = {{0, 1}, {0.25, 0.75}, {0.5, 1.25}, {0.125, 0.3}};
 
@@ -63,7 +63,7 @@ TEST_P(Kernels, ApplyStencilsEqualsItsTwinBitForBit) {
   const std::int32_t rows = this->rows();
   const std::int32_t sources = rows / 2 + 1;
   const std::int32_t first = 5;  // not a multiple of any alignment
-  const StencilTable<double> table = random_table(rows, sources);
+  const StencilTable table = random_table(rows, sources);
   const std::vector<glm::dvec3> points = random_points(sources);
 
   const auto backend = make_backend();
@@ -82,7 +82,7 @@ TEST_P(Kernels, ApplyStencilsEqualsItsTwinBitForBit) {
 TEST_P(Kernels, ApplyLimitEqualsItsTwin) {
   const std::int32_t rows = this->rows();
   const std::int32_t sources = rows / 2 + 1;
-  const LimitStencilTable<double> table(sources, random_rows(rows, sources));
+  const StencilTable table = random_rows(rows, sources);
   const std::vector<glm::dvec3> points = random_points(sources);
 
   const auto backend = make_backend();
@@ -104,7 +104,7 @@ TEST_P(Kernels, ApplyLimitEqualsItsTwin) {
 
 TEST_P(Kernels, ConjugateGradientsEqualTheirTwins) {
   const std::int32_t rows = this->rows();
-  const StencilTable<double> masks = random_table(rows, rows);
+  const StencilTable masks = random_table(rows, rows);
   const std::vector<glm::dvec3> initial = random_points(rows);
   std::vector<double> weights(rows);
   for (std::int32_t row = 0; row < rows; ++row) weights[row] = 3 + row % 5;

@@ -1,17 +1,14 @@
 #include "vulkan/pretended_driver.h"
 
-#include <dlfcn.h>
-
 #include <array>
 #include <atomic>
 #include <cstdio>
 #include <cstring>
 #include <mutex>
 #include <set>
-#include <stdexcept>
-#include <string_view>
 #include <vector>
 
+#include "vulkan/pretended_calls.h"
 #include "vulkan/pretended_memory.h"
 
 namespace planish::testing {
@@ -52,6 +49,7 @@ struct State {
   std::set<VkDeviceMemory> device_only;
   std::set<std::uint32_t> used_families;
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> transfers;
+  std::vector<VkMappedMemoryRange> flushed, invalidated;
   std::uint32_t mapped_type = 0;  // of the device's own memory, that all pretended types stand for
 } state;
 
@@ -65,6 +63,7 @@ void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperti
   real.vkGetPhysicalDeviceProperties2(device, properties);
   const PretendedDriver::Pretence& pretence = state.pretence;
   VkPhysicalDeviceLimits& limits = properties->properties.limits;
+  if (pretence.api_version) properties->properties.apiVersion = pretence.api_version;
   if (pretence.storage_buffers)
     limits.maxPerStageDescriptorStorageBuffers = pretence.storage_buffers;
   if (pretence.storage_range) limits.maxStorageBufferRange = pretence.storage_range;
@@ -114,6 +113,7 @@ void VKAPI_CALL get_families(VkPhysicalDevice device, std::uint32_t* count,
     real.vkGetPhysicalDeviceQueueFamilyProperties(device, &one, families);
     families[1] = families[0];
     families[0].queueFlags = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_TRANSFER_BIT;
+    if (state.pretence.graphics_compute) families[0].queueFlags |= VK_QUEUE_COMPUTE_BIT;
     families[1].queueFlags = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
     return;
   }
@@ -222,6 +222,23 @@ VkResult VKAPI_CALL map_memory(VkDevice device, VkDeviceMemory memory, VkDeviceS
   return real.vkMapMemory(device, memory, offset, size, flags, data);
 }
 
+void note_ranges(std::vector<VkMappedMemoryRange>& noted, std::uint32_t count,
+                 const VkMappedMemoryRange* ranges) {
+  const std::lock_guard lock(state.mutex);
+  noted.insert(noted.end(), ranges, ranges + count);
+}
+
+VkResult VKAPI_CALL flush(VkDevice device, std::uint32_t count, const VkMappedMemoryRange* ranges) {
+  note_ranges(state.flushed, count, ranges);
+  return real.vkFlushMappedMemoryRanges(device, count, ranges);
+}
+
+VkResult VKAPI_CALL invalidate(VkDevice device, std::uint32_t count,
+                               const VkMappedMemoryRange* ranges) {
+  note_ranges(state.invalidated, count, ranges);
+  return real.vkInvalidateMappedMemoryRanges(device, count, ranges);
+}
+
 VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos,
                            VkFence fence) {
   if (state.pretence.submit_result != VK_SUCCESS) return state.pretence.submit_result;
@@ -249,19 +266,10 @@ Function behind(Function otherwise) {
   if constexpr (slot == Slot_vkGetBufferMemoryRequirements) return get_requirements;
   if constexpr (slot == Slot_vkAllocateMemory) return allocate_memory;
   if constexpr (slot == Slot_vkMapMemory) return map_memory;
+  if constexpr (slot == Slot_vkFlushMappedMemoryRanges) return flush;
+  if constexpr (slot == Slot_vkInvalidateMappedMemoryRanges) return invalidate;
   if constexpr (slot == Slot_vkQueueSubmit) return submit;
   return otherwise;
-}
-
-/// What a function makes or destroys; empty for others, and for what pools free.
-std::string kind_of(std::string_view name) {
-  if (name == "vkCreateComputePipelines") return "Pipeline";
-  for (const char* verb : {"vkCreate", "vkDestroy", "vkAllocate", "vkFree"})
-    if (name.starts_with(verb)) {
-      const std::string kind(name.substr(std::strlen(verb)));
-      return kind == "DescriptorSets" || kind == "CommandBuffers" ? std::string() : kind;
-    }
-  return {};
 }
 
 void note_alive(const std::string& kind, int change) {
@@ -294,28 +302,7 @@ struct Thunk<R(VKAPI_PTR*)(A...)> {
       return function(arguments...);
     }
   }
-
-  /// Whether a destroying function, (handle, callbacks) or (parent, handle, callbacks), is given
-  /// one.
-  template <class Handle>
-  static bool is_handle(Handle handle, const VkAllocationCallbacks*) {
-    return handle != VK_NULL_HANDLE;
-  }
-  template <class Parent, class Handle>
-  static bool is_handle(Parent, Handle handle, const VkAllocationCallbacks*) {
-    return handle != VK_NULL_HANDLE;
-  }
-  template <class... Others>
-  static bool is_handle(Others...) {
-    return false;
-  }
 };
-
-/// Threads may ask for functions at the same time: only the first answer is written.
-template <class Function>
-void keep(Function& kept, PFN_vkVoidFunction function) {
-  if (kept != reinterpret_cast<Function>(function)) kept = reinterpret_cast<Function>(function);
-}
 
 /// The counting function of that name, whose real one is kept; or just the real one.
 PFN_vkVoidFunction counted(const char* name, PFN_vkVoidFunction function) {
@@ -336,12 +323,6 @@ PFN_vkVoidFunction VKAPI_CALL get_device_proc(VkDevice device, const char* name)
   return counted(name, real.vkGetDeviceProcAddr(device, name));
 }
 
-PFN_vkGetInstanceProcAddr loader() {
-  static void* const library = ::dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
-  if (!library) throw std::runtime_error("no Vulkan loader");
-  return reinterpret_cast<PFN_vkGetInstanceProcAddr>(::dlsym(library, "vkGetInstanceProcAddr"));
-}
-
 PFN_vkVoidFunction VKAPI_CALL get_instance_proc(VkInstance instance, const char* name) {
   return counted(name, loader()(instance, name));
 }
@@ -359,6 +340,8 @@ void PretendedDriver::reset() {
   state.device_only.clear();
   state.used_families.clear();
   state.transfers.clear();
+  state.flushed.clear();
+  state.invalidated.clear();
 }
 
 PFN_vkGetInstanceProcAddr PretendedDriver::get_proc() { return get_instance_proc; }
@@ -392,6 +375,16 @@ std::set<std::uint32_t> PretendedDriver::used_families() {
 std::map<std::pair<std::uint32_t, std::uint32_t>, int> PretendedDriver::transfers() {
   const std::lock_guard lock(state.mutex);
   return state.transfers;
+}
+
+std::vector<VkMappedMemoryRange> PretendedDriver::flushed() {
+  const std::lock_guard lock(state.mutex);
+  return state.flushed;
+}
+
+std::vector<VkMappedMemoryRange> PretendedDriver::invalidated() {
+  const std::lock_guard lock(state.mutex);
+  return state.invalidated;
 }
 
 int PretendedDriver::illegal_maps() { return state.illegal_maps; }

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "planish/vulkan/device/functions.h"
 
@@ -35,6 +36,8 @@ class PretendedDriver {
     bool portability_subset = false;
     /// Two queue families: 0 without compute, and 1 that only computes.
     bool separate_compute = false;
+    bool graphics_compute = false;  ///< of separate families, the first computes, too
+    std::uint32_t api_version = 0;  ///< 0: the real one
     VkResult submit_result = VK_SUCCESS;
     /// Submissions until the device is lost for good; negative: it never is.
     int submissions_left = -1;
@@ -58,6 +61,9 @@ class PretendedDriver {
   static std::set<std::uint32_t> used_families();
   /// Barriers that hand a buffer from one family to another, by both.
   static std::map<std::pair<std::uint32_t, std::uint32_t>, int> transfers();
+  /// What was asked to be made visible to the device and to the host.
+  static std::vector<VkMappedMemoryRange> flushed();
+  static std::vector<VkMappedMemoryRange> invalidated();
   /// Memory of the pretended type 0, which only the device sees, that was mapped.
   static int illegal_maps();
 };

@@ -25,7 +25,7 @@ SliceLimits no_limits() {
 void expect_same_table(const StencilView<double>& table, const TablePlan& plan) {
   std::vector<int> seen(table.row_count(), 0);
   for (const TableSlice& slice : plan.slices) {
-    const PackedSlice packed = pack_slice(table, nullptr, plan, slice);
+    const PackedSlice packed = pack_slice(table, false, plan, slice);
     for (std::size_t chunk = 0; chunk < slice.chunk_count; ++chunk) {
       const std::uint32_t* head = &packed.chunks[chunk * shared::kChunkWords];
       for (std::uint32_t lane = 0; lane < shared::kChunkRows; ++lane) {
@@ -53,7 +53,7 @@ void expect_same_table(const StencilView<double>& table, const TablePlan& plan) 
 
 TEST(TableSlices, HoldEveryRowOnce) {
   for (const std::int32_t rows : {1, 63, 64, 65, 1023, 1024, 1025, 5000}) {
-    const StencilTable<double> table = random_table(rows, rows);
+    const StencilTable table = random_table(rows, rows);
     const TablePlan plan = plan_table(table.view(), no_limits());
     EXPECT_EQ(plan.slices.size(), 1u);
     expect_same_table(table.view(), plan);
@@ -66,16 +66,16 @@ TEST(TableSlices, AreNoneForAnEmptyTable) {
 
 TEST(TableSlices, EndWhereALimitIsReached) {
   // Rows that read near themselves, so that windows of sources are short.
-  StencilRows<double> rows;
+  StencilTable table;
   const std::int32_t count = 10000;
   for (std::int32_t row = 0; row < count; ++row) {
-    rows.sizes.push_back(4);
+    table.sizes.push_back(4);
     for (std::int32_t k = 0; k < 4; ++k) {
-      rows.indices.push_back(std::min(row + 100 * k, count - 1));
-      rows.weights.push_back(0.25);
+      table.indices.push_back(std::min(row + 100 * k, count - 1));
+      table.weights.push_back(0.25);
     }
   }
-  const StencilTable<double> table(count, std::move(rows));
+  table.close(count);
   SliceLimits by_range = no_limits(), by_chunks = no_limits(), by_elements = no_limits();
   by_range.max_range = 2 * 1024 * 4 * sizeof(PackedEntry);
   by_chunks.max_chunks = 40;        // two windows of 16 chunks
@@ -93,7 +93,7 @@ TEST(TableSlices, EndWhereALimitIsReached) {
 }
 
 TEST(TableSlices, ShrinkToSingleChunksWhereLimitsAreLow) {
-  const StencilTable<double> table = random_table(200, 100);
+  const StencilTable table = random_table(200, 100);
   SliceLimits limits = no_limits();
   limits.max_range = 12 * 64 * sizeof(PackedEntry);  // the longest rows, 64 of them
   const TablePlan plan = plan_table(table.view(), limits);
@@ -102,7 +102,7 @@ TEST(TableSlices, ShrinkToSingleChunksWhereLimitsAreLow) {
 }
 
 TEST(TableSlices, RefuseByTheNameOfTheLimit) {
-  const StencilTable<double> table = random_table(5000, 5000);
+  const StencilTable table = random_table(5000, 5000);
   SliceLimits by_range = no_limits(), by_chunks = no_limits(), by_elements = no_limits();
   by_range.max_range = 5000;
   by_chunks.max_chunks = 0;

@@ -10,9 +10,9 @@
 namespace planish::testing {
 
 /// Limit masks of a torus of width x height quads: the tensor product of (1 6 1)/8.
-inline StencilTable<double> torus_masks(std::int32_t width, std::int32_t height) {
+inline StencilTable torus_masks(std::int32_t width, std::int32_t height) {
   constexpr double kCurve[3] = {1 / 8.0, 6 / 8.0, 1 / 8.0};
-  StencilRows<double> rows;
+  StencilTable rows;
   for (std::int32_t y = 0; y < height; ++y)
     for (std::int32_t x = 0; x < width; ++x) {
       rows.sizes.push_back(9);
@@ -22,15 +22,16 @@ inline StencilTable<double> torus_masks(std::int32_t width, std::int32_t height)
           rows.weights.push_back(kCurve[i + 1] * kCurve[j + 1]);
         }
     }
-  return StencilTable<double>(width * height, std::move(rows));
+  rows.close(width * height);
+  return rows;
 }
 
 /// Rows of 0 to 12 entries anywhere among `source_count` points, weights in [-1, 1] that keep a
 /// solve bounded, with derivative weights.
-inline StencilRows<double> random_rows(std::int32_t row_count, std::int32_t source_count) {
+inline StencilTable random_rows(std::int32_t row_count, std::int32_t source_count) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> weight(-1, 1);
-  StencilRows<double> rows;
+  StencilTable rows;
   for (std::int32_t row = 0; row < row_count; ++row) {
     const auto size = static_cast<std::int32_t>(random() % 13);
     rows.sizes.push_back(size);
@@ -41,14 +42,15 @@ inline StencilRows<double> random_rows(std::int32_t row_count, std::int32_t sour
       rows.dv_weights.push_back(weight(random));
     }
   }
+  rows.close(source_count);
   return rows;
 }
 
-inline StencilTable<double> random_table(std::int32_t row_count, std::int32_t source_count) {
-  StencilRows<double> rows = random_rows(row_count, source_count);
+inline StencilTable random_table(std::int32_t row_count, std::int32_t source_count) {
+  StencilTable rows = random_rows(row_count, source_count);
   rows.du_weights.clear();
   rows.dv_weights.clear();
-  return StencilTable<double>(source_count, std::move(rows));
+  return rows;
 }
 
 inline std::vector<glm::dvec3> random_points(std::int32_t count) {

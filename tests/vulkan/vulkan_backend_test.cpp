@@ -25,7 +25,7 @@ double largest_difference(const std::vector<glm::dvec3>& a, const std::vector<gl
 }
 
 TEST_F(VulkanBackend, AgreesWithTheCpuBackendInDouble) {
-  const StencilTable<double> masks = torus_masks(50, 40);
+  const StencilTable masks = torus_masks(50, 40);
   const std::vector<glm::dvec3> initial = random_points(2000);
   // More steps than one submission holds.
   const std::vector<StepCoefficients> steps(100, {0.3, 1.2});
@@ -49,7 +49,7 @@ TEST_F(VulkanBackend, AgreesWithTheCpuBackendInDouble) {
 }
 
 TEST_F(VulkanBackend, StopsAtTheFirstErrorThatIsSmallEnough) {
-  const StencilTable<double> masks = torus_masks(20, 20);
+  const StencilTable masks = torus_masks(20, 20);
   const std::vector<glm::dvec3> initial = random_points(400);
   const std::vector<StepCoefficients> steps(90, {0.2, 1.1});
   const auto backend = make_backend();
@@ -72,7 +72,7 @@ TEST_F(VulkanBackend, StopsAtTheFirstErrorThatIsSmallEnough) {
 }
 
 TEST_F(VulkanBackend, NanCountsAsInfinite) {
-  const StencilTable<double> masks = torus_masks(10, 10);
+  const StencilTable masks = torus_masks(10, 10);
   std::vector<glm::dvec3> initial = random_points(100);
   initial[37].y = std::numeric_limits<double>::quiet_NaN();
   const auto solve = make_backend()->make_solve(masks.view());
@@ -89,8 +89,8 @@ TEST_F(VulkanBackend, NanCountsAsInfinite) {
 
 TEST_F(VulkanBackend, SlicesChangeNothing) {
   const std::int32_t rows = 20000;
-  const StencilTable<double> masks = random_table(rows, rows);
-  const LimitStencilTable<double> limit(rows, random_rows(rows, rows));
+  const StencilTable masks = random_table(rows, rows);
+  const StencilTable limit = random_rows(rows, rows);
   const std::vector<glm::dvec3> points = random_points(rows);
   const std::vector<StepCoefficients> steps(5, {0.2, 0.8});
   const std::vector<double> weights(rows, 4);
@@ -138,7 +138,7 @@ TEST_F(VulkanBackend, SlicesChangeNothing) {
 }
 
 TEST_F(VulkanBackend, RefusesWhatNoSliceCanMeet) {
-  const StencilTable<double> masks = torus_masks(100, 100);
+  const StencilTable masks = torus_masks(100, 100);
   VulkanBackendOptions options;
   options.max_storage_bytes = 1 << 14;
   const auto backend = make_backend(options);
@@ -174,17 +174,17 @@ TEST_F(VulkanBackend, CountsTheHighestMemoryTaken) {
 }
 
 TEST_F(VulkanBackend, LongRowsAmongShortOnes) {
-  StencilRows<double> rows;
+  StencilTable table;
   const std::int32_t count = 3000;
   for (std::int32_t row = 0; row < count; ++row) {
     const std::int32_t size = row % 700 == 5 ? 2000 : row % 4;
-    rows.sizes.push_back(size);
+    table.sizes.push_back(size);
     for (std::int32_t k = 0; k < size; ++k) {
-      rows.indices.push_back((row + k) % count);
-      rows.weights.push_back(1.0 / 4096);
+      table.indices.push_back((row + k) % count);
+      table.weights.push_back(1.0 / 4096);
     }
   }
-  const StencilTable<double> table(count, std::move(rows));
+  table.close(count);
   std::vector<glm::dvec3> points(count);
   for (std::int32_t i = 0; i < count; ++i) points[i] = {i % 16, 1, i % 3};
   const auto backend = make_backend();

@@ -7,11 +7,10 @@
 #include "bench/benchmarks.h"
 #include "bench/device_frame.h"
 #include "bench/table_evaluation.h"
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/patches/patch_numbering.h"
-#include "planish/patches/split_rows.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/embed.h"
+#include "support/doo_sabin_tables.h"
 
 namespace planish::bench {
 
@@ -28,30 +27,24 @@ std::string megabytes(std::uint64_t bytes) {
 struct FrameTables {
   FrameTables(VulkanMachine& machine, const PolygonMesh& mesh, const DeviceFrame& frame,
               const Buffer& vertices) {
-    QuadSplit split(mesh);
+    test::QuadSplit split(mesh);
     split.refine(kFrameLevel);
-    const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, {});
-    const Subdivision subdivision(split, features, Weights::DooSabin);
-    const auto add = [&](const StencilTable<double>& table) {
-      refinement.emplace_back(machine.context, table.view(), nullptr, DeviceTableOptions{});
-      machine.upload_table(refinement.back(), table.view(), nullptr);
+    const SharpFeatures features = find_sharp_features(mesh, split.topology(), mesh.positions, {});
+    const test::SubdivisionChain subdivision(split, features, Weights::DooSabin);
+    const auto add = [&](const StencilTable& table) {
+      refinement.emplace_back(machine.context, table.view(), DeviceTableOptions{});
+      machine.upload_table(refinement.back(), table.view());
     };
-    for (int l = 1; l <= kFrameLevel; ++l) {
-      const RowRange rows{0, subdivision.state_layout(l).size};
-      add(l == 1 ? first_step_table(mesh, subdivision, rows)
-                 : refinement_table(subdivision, l - 1, rows));
-    }
-    const MeshTopology topology(mesh);
-    const PatchMesh patches(topology, features);
-    const PatchNumbering numbering(patches, kFrameLevel);
-    const LimitRows limits(subdivision, kFrameLevel, split.counts(kFrameLevel).vertices);
-    const LimitStencilTable<double> table = limit_table(
-        subdivision, kFrameLevel, limits, limits_of_rows(topology, numbering, split, limits));
-    const LimitStencilView<double> view = table.view();
+    for (int l = 1; l <= kFrameLevel; ++l) add(step_table(subdivision, l));
+    const PatchMesh patches(split.topology(), features);
+    const test::LimitRows limits(subdivision, kFrameLevel);
+    const StencilTable table =
+        limit_table(subdivision, limits, limits.in_order_of(PatchNumbering(patches, kFrameLevel)));
     DeviceTableOptions options;
+    options.has_derivatives = true;
     options.target_stride = kFrameVertexBytes;
-    limit.emplace(machine.context, view, &view, options);
-    machine.upload_table(*limit, view, &view);
+    limit.emplace(machine.context, table.view(), options);
+    machine.upload_table(*limit, table.view());
     evaluation.emplace(machine.context, refinement, *limit, frame.solve.control_points(),
                        VertexLayout{vertices.handle()});
   }

@@ -55,8 +55,7 @@ struct Unpolished {
     const auto face_normals = unit_face_normals(topology, given);
     std::vector<glm::dvec3> normals(given.size());
     for (std::int32_t v = 0; v < topology.vertex_count; ++v)
-      normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring_offsets[v],
-                                         topology.valence(v));
+      normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring(v));
     directions = polish_directions(topology, normals, std::vector<double>(given.size(), 0.0));
   }
   [[nodiscard]] BendingRows rows() const {
@@ -76,7 +75,7 @@ struct Unpolished {
 
 std::vector<Row> bench_fair(const Options& options) {
   const PreparedMesh prepared(triangulated(torus_grid(options.quad_count)));
-  const Subdivision subdivision(prepared.split, prepared.features, Weights::DooSabin);
+  const Subdivision subdivision(prepared.topology, prepared.features, Weights::DooSabin);
   const FairOptions fair{kPolishSteps, {}};
   const auto cpu = make_cpu_backend({Precision::Float, 0});
   Group group;

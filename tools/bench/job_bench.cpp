@@ -157,7 +157,9 @@ std::vector<Row> bench_job(const Options& options) {
   const std::string text = obj_text(torus_grid(options.quad_count));
   const JobFolder folder;
   write_text(folder.file("in.obj"), text);
-  const auto read = [&] { return read_obj(std::as_bytes(std::span(text)), "bench.obj"); };
+  const auto read = [&] {
+    return read_obj({.bytes = std::as_bytes(std::span(text)), .name = "bench.obj", .path = {}});
+  };
   const MeshFile file = read();
   const Fit fitted = fit(file.mesh, *backend);
   const DooSabinSurface base(fitted.cage, {});

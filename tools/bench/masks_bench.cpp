@@ -20,19 +20,19 @@ std::vector<Row> bench_masks_of(const std::string& name, PolygonMesh mesh, int r
   require_agreement(name, prepared.limits_of(prepared.mesh.positions),
                     evaluate(prepared.mesh, *backend, level_0).positions);
 
-  const Subdivision subdivision(prepared.split, prepared.features, Weights::DooSabin);
+  const Subdivision subdivision(prepared.topology, prepared.features, Weights::DooSabin);
   Group group;
   group.name = name;
   group.size = std::to_string(prepared.mesh.face_count()) + " faces, " +
-               std::to_string(prepared.masks.GetWeights().size()) + " entries";
-  group.baseline = "refiner";
-  group.peers = {{"refiner", [&] { const QuadSplit split(prepared.mesh); }},
+               std::to_string(prepared.masks.weights.size()) + " entries";
+  group.baseline = "topology";
+  group.peers = {{"topology", [&] { const MeshTopology topology(prepared.mesh); }},
                  {"sharp-features",
                   [&] {
-                    (void)find_sharp_features(prepared.mesh, prepared.split,
+                    (void)find_sharp_features(prepared.mesh, prepared.topology,
                                               prepared.mesh.positions, {});
                   }},
-                 {"limit-masks", [&] { (void)limit_masks(prepared.mesh, subdivision); }}};
+                 {"limit-masks", [&] { (void)limit_masks(subdivision); }}};
   return run_group(group, repetitions);
 }
 

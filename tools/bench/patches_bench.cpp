@@ -128,16 +128,10 @@ std::vector<Row> bench_patches(const Options& options) {
       {"rows", [&] { evaluate_rows(base, planning, output); }},
       {"faces", [&] { write_faces(*blocks, output); }},
   };
-  for (const auto& [name, instructions] :
-       {std::pair{"rows-of-plans-avx2", PatchInstructions::Avx2},
-        std::pair{"rows-of-plans-baseline", PatchInstructions::Baseline}}) {
-    if (!can_run(instructions)) continue;
-    const auto narrow = std::make_shared<PatchSurface>(
-        base.patches(),
-        PatchSurfaceOptions{
-            .level = kPatchLevel, .keep_plans = true, .instructions = instructions});
-    group.peers.push_back({name, [&, narrow] { evaluate_rows(base, *narrow, output); }});
-  }
+  const PatchSurface narrow(
+      base.patches(),
+      {.level = kPatchLevel, .keep_plans = true, .instructions = PatchInstructions::Baseline});
+  group.peers.push_back({"rows-of-plans-baseline", [&] { evaluate_rows(base, narrow, output); }});
   std::vector<Row> rows = run_group(group, options.repetitions);
   Group tables = group;
   tables.peers = {{"store", [&] { store(output); }},

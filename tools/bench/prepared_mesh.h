@@ -8,7 +8,6 @@
 #include "planish/doosabin/subdivision.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/quad_split.h"
 
 namespace planish::bench {
 
@@ -16,11 +15,11 @@ namespace planish::bench {
 struct PreparedMesh {
   explicit PreparedMesh(PolygonMesh input, Weights weights = Weights::DooSabin)
       : mesh(std::move(input)),
-        split(mesh),
-        features(find_sharp_features(mesh, split, mesh.positions, {})),
-        masks(limit_masks(mesh, Subdivision(split, features, weights))),
+        topology(mesh),
+        features(find_sharp_features(mesh, topology, mesh.positions, {})),
+        masks(limit_masks(Subdivision(topology, features, weights))),
         bound(spectral_bound(mesh, weights)),
-        valence(valences(split)) {
+        valence(valences(topology)) {
     const Placement placement = placement_of(mesh);
     for (const glm::dvec3& position : mesh.positions) given.push_back(placement.to_unit(position));
   }
@@ -37,9 +36,9 @@ struct PreparedMesh {
   }
 
   PolygonMesh mesh;
-  QuadSplit split;
+  MeshTopology topology;
   SharpFeatures features;
-  StencilTable<double> masks;
+  StencilTable masks;
   double bound;
   std::vector<double> valence;
   std::vector<glm::dvec3> given;  ///< unit coordinates

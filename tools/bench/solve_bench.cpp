@@ -123,7 +123,7 @@ std::vector<Row> bench_solves_of(const std::string& name, PolygonMesh mesh, int 
   Group group;
   group.name = name;
   group.size = std::to_string(prepared.mesh.vertex_count()) + " vertices, " +
-               std::to_string(prepared.masks.GetWeights().size()) + " entries";
+               std::to_string(prepared.masks.weights.size()) + " entries";
   group.baseline = "planish-chebyshev";
   group.peers = {
       planish_peer("planish-chebyshev", prepared, on_double, Solver::Chebyshev, exact),

@@ -15,6 +15,7 @@
 #include "bench/prepared_mesh.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/parallel.h"
+#include "planish/stencil/far_tables.h"
 #ifdef PLANISH_HAS_VULKAN
 #include "planish/vulkan/vulkan_backend.h"
 #endif
@@ -28,14 +29,6 @@ using Points = std::vector<glm::dvec3>;
 
 // Never reached, so that no update is left out.
 constexpr StepCoefficients kPlainStep{0.0, 1.0};
-
-StencilTable<float> in_float(const StencilView<double>& view) {
-  StencilRows<float> rows;
-  rows.sizes.assign(view.sizes.begin(), view.sizes.end());
-  rows.indices.assign(view.indices.begin(), view.indices.end());
-  rows.weights.assign(view.weights.begin(), view.weights.end());
-  return {view.source_count, std::move(rows)};
-}
 
 // From zero displacement the second plain step gives 2 r - B r.
 void check_solve(const std::string& name, Solve& solve, const PreparedMesh& prepared,
@@ -58,7 +51,7 @@ Peer update_peer(const std::string& name, std::shared_ptr<Solve> solve,
 // OpenSubdiv's evaluators apply the table and no more.
 struct OsdBuffers {
   explicit OsdBuffers(const PreparedMesh& prepared)
-      : table(in_float(prepared.masks.view())), target(3 * prepared.given.size()) {
+      : table(to_far<float>(prepared.masks.view())), target(3 * prepared.given.size()) {
     for (const glm::dvec3& p : prepared.given) {
       for (int k = 0; k < 3; ++k) source.push_back(static_cast<float>(p[k]));
     }
@@ -67,9 +60,9 @@ struct OsdBuffers {
   template <class Evaluator>
   void apply() {
     const Osd::BufferDescriptor xyz(0, 3, 3);
-    Evaluator::EvalStencils(source.data(), xyz, target.data(), xyz, table.GetSizes().data(),
-                            table.GetOffsets().data(), table.GetControlIndices().data(),
-                            table.GetWeights().data(), 0, table.GetNumStencils());
+    Evaluator::EvalStencils(source.data(), xyz, target.data(), xyz, table->GetSizes().data(),
+                            table->GetOffsets().data(), table->GetControlIndices().data(),
+                            table->GetWeights().data(), 0, table->GetNumStencils());
   }
 
   [[nodiscard]] Points result() const {
@@ -80,7 +73,7 @@ struct OsdBuffers {
     return points;
   }
 
-  StencilTable<float> table;
+  std::unique_ptr<const OpenSubdiv::Far::StencilTable> table;
   std::vector<float> source, target;
 };
 
@@ -94,20 +87,21 @@ Peer osd_peer(const std::string& name, std::shared_ptr<OsdBuffers> buffers, cons
 // Every byte of a CSR of the same matrix, read once on all cores: what a step that reads one cannot
 // be faster than where that comes from memory.
 struct CsrStream {
-  explicit CsrStream(const PreparedMesh& prepared) : table(in_float(prepared.masks.view())) {}
+  explicit CsrStream(const PreparedMesh& prepared) : table(to_far<float>(prepared.masks.view())) {}
 
   void read() {
-    const StencilView<float> view = table.view();
-    std::vector<Sums> pieces((view.weights.size() + kEntries - 1) / kEntries);
+    const std::span<const float> weights = table->GetWeights();
+    const std::span<const int> indices = table->GetControlIndices(), offsets = table->GetOffsets();
+    std::vector<Sums> pieces((weights.size() + kEntries - 1) / kEntries);
     parallel_for(pieces.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) {
         const std::size_t first = p * kEntries;
-        const std::size_t count = std::min(kEntries, view.weights.size() - first);
-        pieces[p] = sums_of(view.weights.subspan(first, count), view.indices.subspan(first, count));
+        const std::size_t count = std::min(kEntries, weights.size() - first);
+        pieces[p] = sums_of(weights.subspan(first, count), indices.subspan(first, count));
       }
     });
-    parallel_for(view.offsets.size(), kEntries, [&](std::size_t begin, std::size_t end) {
-      benchmark::DoNotOptimize(sums_of({}, view.offsets.subspan(begin, end - begin)));
+    parallel_for(offsets.size(), kEntries, [&](std::size_t begin, std::size_t end) {
+      benchmark::DoNotOptimize(sums_of({}, offsets.subspan(begin, end - begin)));
     });
     benchmark::DoNotOptimize(pieces.data());
     benchmark::ClobberMemory();
@@ -129,7 +123,7 @@ struct CsrStream {
     return sums;
   }
 
-  StencilTable<float> table;
+  std::unique_ptr<const OpenSubdiv::Far::StencilTable> table;
 };
 
 struct EigenProduct {
@@ -176,7 +170,7 @@ std::vector<Row> bench_update(const Options& options) {
   Group group;
   group.name = "update";
   group.size = std::to_string(prepared.mesh.face_count()) + " quads, " +
-               std::to_string(prepared.masks.GetWeights().size()) + " entries";
+               std::to_string(prepared.masks.weights.size()) + " entries";
   group.baseline = "osd-cpu";
   const auto add = [&](const std::string& name, Backend& backend) {
     group.peers.push_back(

@@ -1,7 +1,7 @@
 """A picture of the panel beside what it made; needs the command on PATH and a display:
 
 xvfb-run -a -s "-screen 0 1280x800x24" blender --factory-startup --enable-event-simulate \
-  --window-geometry 0 0 1280 800 --python make_picture.py -- planish_blender.py MESH.obj PICTURE.png
+  --window-geometry 0 0 1280 800 --python make_picture.py -- planish_blender/__init__.py MESH.obj PICTURE.png
 """
 
 import importlib.util
@@ -15,6 +15,7 @@ ADDON, MESH, PICTURE = sys.argv[sys.argv.index("--") + 1 :]
 def load():
     spec = importlib.util.spec_from_file_location("planish_blender", ADDON)
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     module.register()
     return module

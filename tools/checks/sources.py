@@ -160,7 +160,7 @@ def unused_includes(texts):
         for include in included(text):
             path = resolve(include, name, headers)
             own = path and pathlib.PurePath(path).stem == pathlib.PurePath(name).stem
-            if not path or own:
+            if not path or own or path == "src/planish/planish.h":  # it holds includes alone
                 continue
             if not (words[path] - COMMON) & set(re.findall(r"\b[A-Za-z_]\w+\b", body)):
                 yield f'{name}: "{include}" is not used'
@@ -168,7 +168,7 @@ def unused_includes(texts):
 
 def main():
     texts = {name: without_comments((ROOT / name).read_text())
-             for name in files("src/*.h", "src/*.cpp", "tools/*.h", "tools/*.cpp", "tests/*.h",
+             for name in files("src/*.h", "src/*.cpp", "tools/*.h", "tools/*.cpp", "tests/*.h", "tests/*.c",
                                "tests/*.cpp", "shaders/*.h")}
     own = {name: text for name, text in texts.items() if not name.startswith("tests/package/")}
     checks = [repeated_types, repeated_headers, repeated_functions, met_names, dead_headers,

@@ -1,12 +1,30 @@
 # The installed package: find_package(planish) gives planish::planish, and planish::reconstruct for
 # points (MIT too; the mesher that it starts is the GPL-3 program planish-reconstruct); pkg-config
-# gives `planish`. Components: runtime, development, command, viewer, python.
+# gives `planish`. Components: runtime, development, command, viewer, python, blender, mpi.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/planish)
 install(TARGETS planish planish_reconstruct EXPORT planishTargets
         LIBRARY COMPONENT runtime NAMELINK_COMPONENT development
-        ARCHIVE COMPONENT development RUNTIME COMPONENT runtime
-        FILE_SET HEADERS COMPONENT development)
+        ARCHIVE COMPONENT development RUNTIME COMPONENT runtime)
+# What users include: the whole way, hosts in C, the points of surfaces piece by piece, the matrix of
+# the interpolation with OpenSubdiv's form of it, points, Vulkan and OpenSubdiv on it.
+set(public_headers
+  planish.h c/planish.h
+  mesh/statistics.h surface/kept_rows.h surface/quality_sum.h
+  doosabin/limit_masks.h stencil/far_tables.h
+  reconstruct/reconstruct.h reconstruct/compare_source.h reconstruct/mesher_process.h)
+if(PLANISH_VULKAN)
+  list(APPEND public_headers
+    vulkan/embed.h vulkan/vulkan_backend.h vulkan/device/own_device.h
+    osd/vk_compute_evaluator.h osd/vk_device_context.h osd/vk_patch_evaluator.h
+    osd/vk_patch_table.h osd/vk_stencil_table.h osd/vk_vertex_buffer.h)
+endif()
+list(TRANSFORM public_headers PREPEND planish/)
+list(JOIN public_headers " " public_headers)
+install(CODE "include(\"${CMAKE_CURRENT_LIST_DIR}/PublicHeaders.cmake\")
+planish_install_headers(\"${PROJECT_SOURCE_DIR}/src\"
+  \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\" ${public_headers})"
+        COMPONENT development)
 install(EXPORT planishTargets NAMESPACE planish:: DESTINATION ${package_dir}
         COMPONENT development)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/planishConfig.cmake.in

@@ -1,7 +1,8 @@
 # What cpack makes: Debian packages, one for each component. tools/package calls it.
 set(CPACK_PACKAGE_NAME planish)
 set(CPACK_PACKAGE_VENDOR "The planish authors")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+# Each package has a synopsis of its own; one for all would stand before it.
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 set(CPACK_GENERATOR DEB)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -36,13 +37,17 @@ macro(planish_package component name section depends summary description)
   set(CPACK_COMPONENT_${upper}_DESCRIPTION "${summary}\n${description}")
 endmacro()
 set(CPACK_COMPONENTS_ALL)
+set(vulkan_headers)
+if(PLANISH_VULKAN)
+  set(vulkan_headers ", libvulkan-dev")
+endif()
 planish_package(runtime ${library} libs ""
   "smooth surfaces through the points of polygon meshes - library"
   "Finds the control cage whose subdivision surface passes through all vertices
 of a mesh, and evaluates that surface with exact normals, on the CPU or on
 Vulkan. This is the shared library.")
 planish_package(development libplanish-dev libdevel
-  "${library} ${same}, libosd-dev, libglm-dev, libtbb-dev, libtinygltf-dev, libmeshoptimizer-dev"
+  "${library} ${same}, libosd-dev, libglm-dev, libtbb-dev${vulkan_headers}"
   "smooth surfaces through the points of polygon meshes - headers"
   "The interfaces for C++ and C, and the files by which CMake and pkg-config
 find the library.")
@@ -65,4 +70,10 @@ if(PLANISH_PYTHON)
     "smooth surfaces through the points of polygon meshes - Python"
     "The module planish: meshes and surfaces as numpy arrays.")
 endif()
+planish_package(blender planish-blender graphics "planish ${same}, blender, python3-numpy"
+  "smooth surfaces through the points of polygon meshes - Blender add-on"
+  "A panel in the sidebar of Blender's 3-D view, which makes smooth surfaces
+through all vertices of the selected meshes. It is enabled in the
+preferences, under Add-ons.")
+set(CPACK_DEBIAN_BLENDER_PACKAGE_ARCHITECTURE all)
 include(CPack)

@@ -5,5 +5,7 @@ if(PLANISH_SANITIZE)
   # OpenSubdiv casts a base table to LimitStencilTable, which the vptr check reports.
   target_compile_options(planish_options INTERFACE -fsanitize=${PLANISH_SANITIZE} -fno-sanitize=vptr
                          -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+  # std::clamp() with its bounds turned round, an empty vector's front(), and the like.
+  target_compile_definitions(planish_options INTERFACE _GLIBCXX_ASSERTIONS)
   target_link_options(planish_options INTERFACE -fsanitize=${PLANISH_SANITIZE})
 endif()

@@ -152,8 +152,8 @@ ExitCode run_several(const FitFlags& flags, const FitPlan& plan, Console& consol
                              .wants_page = !flags.page.empty()});
   console.info(batch_table(plan.jobs, outcomes));
   if (!flags.report.empty())
-    write_batch_report(flags.report, batch_json(plan.jobs, outcomes, arguments));
-  if (!flags.page.empty()) write_batch_page(flags.page, outcomes, plan.page, console);
+    write_batch_report(flags.report, batch_json(plan.jobs, outcomes, arguments), flags.force);
+  if (!flags.page.empty()) write_batch_page(flags.page, outcomes, plan.page, console, flags.force);
   const ExitCode exit_code = exit_code_of(outcomes);
   if (exit_code != ExitCode::Done) console.error(failed_jobs_text(outcomes));
   return exit_code;
@@ -163,7 +163,8 @@ ExitCode run_fit_command(const FitFlags& flags, const std::vector<std::string>& 
   Console console(flags.messages.level(), flags.messages.color_mode(), flags.messages.form());
   const FitPlan plan = plan_fit(flags);
   if (flags.dry_run)
-    return describe_jobs(plan.jobs, plan.devices, plan.claims, {flags.report, flags.page});
+    return describe_jobs(plan.jobs, plan.devices, plan.claims,
+                         {flags.report, flags.page, plan.page.limit_bytes});
   return is_batch(plan) ? run_several(flags, plan, console, arguments)
                         : run_one(flags, plan, console, arguments);
 }

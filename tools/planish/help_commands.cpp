@@ -5,8 +5,9 @@
 #include "commands.h"
 #include "help/completion.h"
 #include "help/manual.h"
-#include "options/nearest.h"
+#include "options/scene_schema.h"
 #include "planish/core/error.h"
+#include "planish/core/nearest.h"
 #include "planish/core/visible_text.h"
 
 namespace planish::command {
@@ -37,6 +38,11 @@ ExitCode print_manual(const std::string& name) {
   throw Error(ErrorCode::InvalidArgument, "planish has no command \"" + visible(name) + "\"");
 }
 
+ExitCode print_schema() {
+  write_stdout(scene_schema_text());
+  return ExitCode::Done;
+}
+
 }  // namespace
 
 void add_help_commands(CLI::App& app, Invocation& invocation) {
@@ -55,9 +61,12 @@ void add_help_commands(CLI::App& app, Invocation& invocation) {
   // For the build, which installs what it prints; without a description it is not listed.
   CLI::App* manual = app.add_subcommand("manual", "");
   auto page = std::make_shared<std::string>();
+  auto schema = std::make_shared<bool>(false);
   manual->add_option("COMMAND", *page, "")->type_name("[COMMAND]");
-  manual->callback(
-      [page, &invocation] { invocation.action = [page] { return print_manual(*page); }; });
+  manual->add_flag("--schema", *schema, "the JSON schema of scene files");
+  manual->callback([page, schema, &invocation] {
+    invocation.action = [page, schema] { return *schema ? print_schema() : print_manual(*page); };
+  });
 }
 
 }  // namespace planish::command

@@ -32,7 +32,7 @@ ExitCode inspect_all(const InspectFlags& flags) {
     faults.note([&] {
       require_input(path, format);
       const Inspection inspection = inspect(path, format);
-      if (!inspection.problems.empty()) exit_code = ExitCode::UnusableMesh;
+      if (is_refused(inspection)) exit_code = ExitCode::UnusableMesh;
       if (flags.json) {
         all.push_back(inspection_json(inspection));
       } else {
@@ -67,8 +67,9 @@ void add_inspect_command(CLI::App& app, Invocation& invocation) {
       .examples = {"planish inspect bunny.obj", "planish inspect bunny.obj scan.ply --json"},
       .first_flags = {},
       .notes =
-          "Exit code 4 when a mesh has problems, so that no surface can be made of it as it "
-          "is."};
+          "Exit code 4 when a mesh has problems that planish fit cannot mend. What it mends, with "
+          "warnings, is listed, and the exit code is 0; planish fit --repair none refuses that, "
+          "too."};
   command->callback(
       [flags, &invocation] { invocation.action = [flags] { return inspect_all(*flags); }; });
 }

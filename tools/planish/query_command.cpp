@@ -12,41 +12,43 @@
 #include "job/job_fit.h"
 #include "job/job_input.h"
 #include "options/input_list.h"
-#include "options/refuse.h"
-#include "options/word_flags.h"
-#include "output/answers_ply.h"
+#include "options/option_flags.h"
+#include "output/answers.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
+#include "planish/core/output_file.h"
+#include "planish/core/parallel.h"
+#include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_points.h"
 #include "planish/limit/surface_queries.h"
-#include "planish/mesh/check.h"
+#include "planish/pipeline/option_table.h"
 #include "report/report.h"
 #include "terminal/faults.h"
 #include "terminal/interrupt.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
 
+constexpr std::size_t kAnswerGrain = 16;
+
 struct QueryFlags {
   std::string input, points, direction, output = "-";
-  SettingWords words;  // by name of the setting
+  OptionTexts options;
   bool force = false;
   MessageFlags messages;
 };
 
-// What shapes the surface, of all that fit takes.
-bool shapes_surface(const WordSetting& setting) {
-  static constexpr std::string_view kNames[] = {"preset",   "interpolation", "weights",
-                                                "boundary", "creases",       "repair"};
-  return std::ranges::find(kNames, setting.name) != std::end(kNames);
+// What shapes a Doo-Sabin surface.
+bool shapes_surface(const FitOption& option) {
+  return option.name == "preset" || (option.stage == OptionStage::Shape && option.name != "scheme");
 }
 
 Settings settings_of_query(const QueryFlags& flags) {
   Settings settings;
   settings.device = "cpu";
-  apply_words(flags.words, word_settings(), settings);
-  if (settings.scheme != Scheme::DooSabin) refuse("--preset", "only Doo-Sabin surfaces answer");
+  apply_flags<FitSettings>(flags.options, option_table(), settings);
   return settings;
 }
 
@@ -67,108 +69,73 @@ glm::dvec3 parse_direction(const std::string& text) {
   return direction;
 }
 
-nlohmann::ordered_json point_json(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
-
-nlohmann::ordered_json place_json(const SurfaceParameter& at) {
-  return {{"face", at.face}, {"u", at.u}, {"v", at.v}};
-}
-
-nlohmann::ordered_json closest_answers(const SurfaceQueries& queries,
-                                       std::span<const glm::dvec3> points) {
-  std::vector<ClosestPoint> closest(points.size());
-  queries.closest(points, closest);
-  nlohmann::ordered_json answers = nlohmann::ordered_json::array();
-  for (const ClosestPoint& found : closest) {
-    const PointCurvature curvature = queries.surface().evaluate(found.at).curvature();
-    nlohmann::ordered_json answer = {{"distance", found.distance},
-                                     {"position", point_json(found.position)},
-                                     {"normal", point_json(found.normal)},
-                                     {"at", place_json(found.at)}};
-    answer["mean_curvature"] =
-        curvature.is_known ? nlohmann::ordered_json(curvature.mean) : nullptr;
-    answer["gaussian_curvature"] =
-        curvature.is_known ? nlohmann::ordered_json(curvature.gaussian) : nullptr;
-    answers.push_back(std::move(answer));
-  }
-  return answers;
-}
-
-nlohmann::ordered_json ray_answers(const SurfaceQueries& queries,
-                                   std::span<const glm::dvec3> points,
-                                   const glm::dvec3& direction) {
-  nlohmann::ordered_json answers = nlohmann::ordered_json::array();
-  for (const glm::dvec3& point : points) {
-    const auto hit = queries.first_hit({point, direction});
-    if (!hit) {
-      answers.push_back(nullptr);
-      continue;
-    }
-    answers.push_back({{"t", hit->t},
-                       {"position", point_json(hit->position)},
-                       {"normal", point_json(hit->normal)},
-                       {"at", place_json(hit->at)}});
-  }
-  return answers;
-}
-
-std::string closest_ply(const SurfaceQueries& queries, std::span<const glm::dvec3> points) {
-  std::vector<ClosestPoint> closest(points.size());
-  queries.closest(points, closest);
-  std::vector<PlyAnswer> answers;
-  answers.reserve(closest.size());
-  for (const ClosestPoint& found : closest)
-    answers.push_back(
-        {found.position, found.normal, found.distance, found.at.face, found.at.u, found.at.v});
-  return answers_ply(answers, "distance");
-}
-
-std::string rays_ply(const SurfaceQueries& queries, std::span<const glm::dvec3> points,
-                     const glm::dvec3& direction) {
-  std::vector<PlyAnswer> answers;
-  for (const glm::dvec3& point : points) {
-    PlyAnswer answer{.position = point};
-    if (const auto hit = queries.first_hit({point, direction}))
-      answer = {hit->position, hit->normal, hit->t, hit->at.face, hit->at.u, hit->at.v};
-    answers.push_back(answer);
-  }
-  return answers_ply(answers, "t");
-}
-
 bool wants_ply(const QueryFlags& flags) {
   return std::filesystem::path(flags.output).extension() == ".ply";
 }
 
-nlohmann::ordered_json to_json(const QueryFlags& flags, const JobInput& made,
-                               const SurfaceQueries& queries, std::span<const glm::dvec3> points) {
-  const PolygonMesh& mesh = made.input.file.mesh;
+void closest_answers(const SurfaceQueries& queries, std::span<const glm::dvec3> points,
+                     std::span<QueryAnswer> answers, bool with_curvature) {
+  std::vector<ClosestPoint> closest(points.size());
+  queries.closest(points, closest);
+  parallel_for(points.size(), kAnswerGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const ClosestPoint& found = closest[i];
+      answers[i] = {found.position, found.normal, found.distance, found.at, {}};
+      if (with_curvature) answers[i].curvature = queries.surface().evaluate(found.at).curvature();
+    }
+  });
+}
+
+void ray_answers(const SurfaceQueries& queries, const glm::dvec3& direction,
+                 std::span<const glm::dvec3> points, std::span<QueryAnswer> answers) {
+  parallel_for(points.size(), kAnswerGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      answers[i].position = points[i];
+      if (const auto hit = queries.first_hit({points[i], direction}))
+        answers[i] = {hit->position, hit->normal, hit->t, hit->at, {}};
+    }
+  });
+}
+
+nlohmann::ordered_json head_json(const QueryFlags& flags, const JobInput& made) {
+  const PolygonMesh& mesh = made.fitted.mesh;
   nlohmann::ordered_json json;
   json["schema"] = "planish.query/1";
   json["input"] = {{"path", made.input.name}, {"sha256", made.input.sha256}};
   // What `at` counts: faces that were cut for the fit are the mesh's, not the file's.
   json["mesh"] = {{"vertices", mesh.vertex_count()}, {"faces", mesh.face_count()}};
   json["points"] = visible(flags.points);
-  if (flags.direction.empty()) {
-    json["closest"] = closest_answers(queries, points);
-  } else {
-    json["rays"] = ray_answers(queries, points, parse_direction(flags.direction));
-  }
   return json;
 }
 
-std::string answers_text(const QueryFlags& flags, const JobInput& made,
-                         const SurfaceQueries& queries, std::span<const glm::dvec3> points) {
-  if (!wants_ply(flags)) return json_text(to_json(flags, made, queries, points));
-  return flags.direction.empty() ? closest_ply(queries, points)
-                                 : rays_ply(queries, points, parse_direction(flags.direction));
+void make_answers(const QueryFlags& flags, const JobInput& made, const SurfaceQueries& queries,
+                  std::span<const glm::dvec3> points, const TakeBytes& take) {
+  const bool are_rays = !flags.direction.empty(), is_ply = wants_ply(flags);
+  const glm::dvec3 direction = are_rays ? parse_direction(flags.direction) : glm::dvec3(0.0);
+  const auto answer = [&](std::span<const glm::dvec3> some, std::span<QueryAnswer> answers) {
+    check_interrupt();
+    if (are_rays)
+      ray_answers(queries, direction, some, answers);
+    else
+      closest_answers(queries, some, answers, !is_ply);
+  };
+  const char* const distance = are_rays ? "t" : "distance";
+  if (is_ply)
+    answers_ply(points, answer, distance, take);
+  else
+    answers_json(head_json(flags, made), are_rays ? "rays" : "closest", points, answer, distance,
+                 take);
 }
 
-void write_answers(const QueryFlags& flags, const std::string& text) {
-  if (flags.output == "-") {
-    write_stdout(text);
-    return;
-  }
-  StagedFiles staged;
-  staged.write(flags.output, text);
+void write_answers(const QueryFlags& flags, const std::function<void(const TakeBytes&)>& make) {
+  if (flags.output == "-") return make(write_stdout);
+  StagedFiles staged(flags.force);
+  const std::filesystem::path path = staged.stage(flags.output);
+  staged.naming_targets([&] {
+    OutputFile file(path);
+    make([&](std::string_view bytes) { file.write(bytes); });
+    file.commit();
+  });
   check_interrupt();
   staged.commit();
 }
@@ -190,6 +157,7 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   Job job;
   job.input = flags.input;
   job.name = job_name_of(flags.input);
+  job.label = input_name(flags.input);
   Faults faults;
   faults.note([&] { require_input(flags.input, {}); });
   faults.note([&] { require_input(flags.points, {}); });
@@ -205,25 +173,26 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
     claims.add_output(output, "-o");
   });
   faults.throw_if_any();
+  // Before the fit, which a slip in them would be the waste of.
+  const std::vector<glm::dvec3> points = read_questions(flags.points);
 
   Progress all(console, flags.messages.progress_mode());
   JobProgress progress(all, job.name);
   const JobContext context{console, progress, arguments, {}};
   JobReport report;
+  report.label = job.label;
   report.settings = job.settings;
   JobInput made = read_job_input(job, report, context);
-  prepare_input(made, {}, report, console);
-  const PolygonMesh& mesh = made.input.file.mesh;
-  if (!made.prepared) require_usable(mesh, made.input.name);
+  ReadyFit ready = prepare_input(made, {}, report, context);
   const auto backend =
       open_backend(list_devices(DeviceScope::CpuOnly).devices.front(), job.settings);
-  const Fit fitted = fit_input(made, *backend, report, context);
-  const std::vector<glm::dvec3> points = read_questions(flags.points);
-  const LimitSurface surface(fitted_surface(
-      mesh, fitted, {.weights = job.settings.weights, .sharp = job.settings.sharp()}));
-  const std::string answers = answers_text(flags, made, SurfaceQueries(surface), points);
+  fit_input(made, std::move(ready), *backend, report, context);
+  const LimitSurface surface(
+      fitted_surface(made.fitted.mesh, made.fitted.fit, made.fitted.evaluate_options()));
+  const SurfaceQueries queries(surface);
   all.finish();
-  write_answers(flags, answers);
+  write_answers(flags,
+                [&](const TakeBytes& take) { make_answers(flags, made, queries, points, take); });
   return report.exit_code;
 }
 
@@ -250,9 +219,8 @@ void add_query_command(CLI::App& app, Invocation& invocation) {
   option("-o,--output", flags->output, "JSON, or a .ply of answers [JSON on stdout]", "FILE",
          "Files");
   command->add_flag("-f,--force", flags->force, "overwrite an existing file")->group("Files");
-  for (const WordSetting& setting : word_settings()) {
-    if (shapes_surface(setting)) add_word_flag(*command, flags->words, setting, "Surface");
-  }
+  for (const FitOption& shape : option_table())
+    if (shapes_surface(shape)) add_option_flag(*command, flags->options, shape, "Surface");
   flags->messages.add_to(*command, true);
   invocation.texts["query"] = {
       .examples = {"planish query bunny.obj --points probes.xyz",

@@ -6,16 +6,17 @@
 #include "commands.h"
 #include "job/point_input.h"
 #include "options/input_list.h"
-#include "options/point_settings.h"
-#include "options/word_flags.h"
+#include "options/option_flags.h"
 #include "output/output_plan.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/reconstruct/point_options.h"
 #include "report/report.h"
 #include "terminal/faults.h"
 #include "terminal/interrupt.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -23,7 +24,7 @@ namespace {
 struct ReconstructFlags {
   std::string input, input_format, report;
   std::vector<std::string> outputs;
-  SettingWords words;  ///< by name of the setting
+  OptionTexts options;
   bool force = false;
   MessageFlags messages;
 };
@@ -68,7 +69,7 @@ void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::
 ReconstructOptions reconstruct_options(const ReconstructFlags& flags) {
   ReconstructOptions options;
   options.measure_noise = true;
-  apply_words(flags.words, point_settings(), options);
+  apply_flags(flags.options, point_option_table(), options);
   return options;
 }
 
@@ -107,21 +108,20 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
   ReconstructOptions options = reconstruct_options(flags);
   Progress all(console, flags.messages.progress_mode());
   JobProgress progress(all, job_name_of(flags.input));
-  progress.plan(
-      {{"read", 2}, {"clean", 5}, {"smooth", 0.5}, {"mesh", 40}, {"repair", 2}, {"simplify", 60}});
+  progress.plan({{"read", 2}, {"points", 100}});
   std::vector<Warning> warnings;
   options.callbacks.progress = [&](std::string_view step, double fraction) {
     progress.update(step, fraction);
   };
-  options.callbacks.cancelled = [] { return interrupt_signal() != 0; };
   options.callbacks.warning = [&](const Warning& warning) {
     warnings.push_back(warning);
-    console.warning(warning.message);
+    console.warning(named_message(input_name(flags.input), warning.message));
   };
   progress.update("read", 0);
   const PointInput input = read_cloud(flags.input, input_format_of(flags));
+  progress.update("points", 0);
   const Reconstruction result = reconstruct_input(input, options);
-  StagedFiles staged;
+  StagedFiles staged(flags.force);
   for (const std::string& path : flags.outputs) {
     const std::filesystem::path target = staged.stage(path);
     staged.naming_targets([&] { write_mesh(target, output_format(path), result.mesh); });
@@ -162,8 +162,8 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
       ->type_name(names_of(FormatUse::ReadPoints, "|"))
       ->group(group);
   command->add_flag("-f,--force", flags->force, "overwrite existing files")->group(group);
-  for (const PointSetting& setting : point_settings())
-    add_word_flag(*command, flags->words, setting, "Points");
+  for (const PointOption& option : point_option_table())
+    add_option_flag(*command, flags->options, option, "Points");
   flags->messages.add_to(*command, true);
   invocation.texts["reconstruct"] = {
       .examples =
@@ -172,6 +172,14 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
            "planish reconstruct noisy.pcd -o mesh.obj --smooth 2 --spacing even"},
       .first_flags = {},
       .notes =
+          "The first mesh of the points is the work of the program planish-reconstruct, which this "
+          "command and planish fit start: beside planish, on PATH, or where the environment "
+          "variable "
+          "PLANISH_RECONSTRUCT says. It takes no flags, reads points from standard input and "
+          "writes "
+          "triangles to standard output, both binary. It alone of planish is under the GNU General "
+          "Public License, version 3 or later, because CGAL's surface reconstruction is part of "
+          "it.\n"
           "Exit codes: 0 done; 2 usage; 3 input unreadable; 4 no surface in the points; 6 no "
           "planish-reconstruct or no memory; 7 an output exists, has no folder or cannot be "
           "written; 130 and 143 interrupted."};

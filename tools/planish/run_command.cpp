@@ -86,16 +86,19 @@ ExitCode run_scene(const RunFlags& flags, const std::vector<std::string>& argume
   claim_files(flags, jobs, claims);
   const PageOptions page = page_options(flags.page_limit, flags.page_no_times);
   const DeviceList devices = settle_devices(jobs);
-  if (flags.dry_run) return describe_jobs(jobs, devices, claims, {flags.report_path(), flags.page});
+  if (flags.dry_run)
+    return describe_jobs(jobs, devices, claims,
+                         {flags.report_path(), flags.page, page.limit_bytes});
   auto outcomes = run_batch(jobs, devices, console,
                             {.workers = 1,
                              .progress = flags.messages.progress_mode(),
                              .arguments = arguments,
                              .page = page,
                              .wants_page = !flags.page.empty()});
-  if (!flags.page.empty()) write_batch_page(flags.page, outcomes, page, console);
+  if (!flags.page.empty()) write_batch_page(flags.page, outcomes, page, console, flags.force);
   const std::string report = flags.report_path();
-  if (!report.empty()) write_batch_report(report, batch_json(jobs, outcomes, arguments));
+  if (!report.empty())
+    write_batch_report(report, batch_json(jobs, outcomes, arguments), flags.force);
   if (report == "-" || flags.page == "-") {
     console.info(batch_table(jobs, outcomes));
   } else if (console.level() >= LogLevel::Info) {

@@ -84,7 +84,7 @@ ExitCode fit_job(Process& process, const MpiJob& job, RankProgress* progress) {
           if (ranks.rank != 0 || job.report.empty()) return;
           report = mpi_report(process.arguments, job, done, code);
           if (job.report == "-") return;
-          file = std::make_unique<OutputFile>(job.report);
+          file = std::make_unique<OutputFile>(job.report, process.request.own.force);
           file->write(report);
         });
       });
@@ -156,11 +156,15 @@ ExitCode run_arguments(const Ranks& ranks, const std::vector<std::string>& argum
 int main(int argc, char** argv) {
   using namespace planish;
   using namespace planish::command;
+  const std::vector<std::string> arguments(argv, argv + argc);
+  if (argc > 1 && arguments[1] == "manual") {  // the build has no ranks
+    std::fputs(parse_mpi_flags(arguments).text.c_str(), stdout);
+    return 0;
+  }
   int provided = 0;
   // The watchdog's thread and those of the kernels do not talk to MPI.
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   const Ranks ranks(MPI_COMM_WORLD);
-  const std::vector<std::string> arguments(argv, argv + argc);
   ExitCode code = ExitCode::InternalError;
   try {
     const PetscSession petsc;

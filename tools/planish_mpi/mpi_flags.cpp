@@ -3,16 +3,17 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <utility>
 
 #include "build_info.h"
+#include "help/manual.h"
 #include "job/input.h"
 #include "mpi_options.h"
 #include "options/fit_flags.h"
-#include "options/refuse.h"
 #include "planish/core/number_text.h"
+#include "planish/core/refuse.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_table.h"
 
 namespace planish::command {
 namespace {
@@ -74,9 +75,10 @@ MpiSettings own_settings(const OwnFlags& flags) {
                " is not available in planish-mpi: its files would change with the ranks; take "
                "hilbert");
   if (flags.block.empty()) return own;
-  own.block_vertices = parse_whole(flags.block, "--block-vertices");
-  if (*own.block_vertices < 1 || *own.block_vertices > std::int64_t{1} << 24)
-    refuse("--block-vertices", flags.block + " is out of range; 1 to 16777216 is wanted");
+  std::int64_t block = 0;
+  if (!parse_integer(flags.block, block) || block < 1 || block > std::int64_t{1} << 24)
+    refuse("--block-vertices", visible(flags.block) + " is out of range; 1 to 16777216 is wanted");
+  own.block_vertices = block;
   return own;
 }
 
@@ -139,11 +141,13 @@ std::vector<GivenSetting> given_flags(const CLI::App& command) {
 
 // Flags that would do nothing are slips of the hand, which a scene's defaults are not.
 void require_tiles_for(const FitFlags& flags, const OwnFlags& own) {
-  for (const auto& [is_given, flag] : {std::pair{!flags.levels.empty(), "--levels"},
-                                       {!flags.tile_vertices.empty(), "--tile-vertices"},
-                                       {flags.skirts, "--skirts"},
-                                       {own.resume, "--resume"}})
-    if (is_given) refuse(flag, "belongs to 3D Tiles; name them: -o NAME.json");
+  const auto refuse_if = [](bool is_there, const std::string& flag) {
+    if (is_there) refuse(flag, "belongs to 3D Tiles; name them: -o NAME.json");
+  };
+  for (const FitOption& option : option_table())
+    if (option.needs == OptionNeeds::Tiles || option.stage == OptionStage::Fineness)
+      refuse_if(flags.options.contains(option.name), flag_of(option));
+  refuse_if(own.resume, "--resume");
 }
 
 Job fit_job_of(const CLI::App& fit, const FitFlags& flags, const OwnFlags& own) {
@@ -153,8 +157,12 @@ Job fit_job_of(const CLI::App& fit, const FitFlags& flags, const OwnFlags& own) 
     refuse("INPUT", std::to_string(flags.inputs.size()) +
                         " meshes; one at a time, or a scene: planish-mpi run SCENE");
   const Settings settings = settings_of(flags);
-  if (!flags.polish.empty() && settings.interpolation != InterpolationChoice::Fair)
-    refuse("--polish", "belongs to the fair method; take --interpolation fair");
+  for (const FitOption& option : option_table()) {
+    const bool lacks_fair =
+        option.needs == OptionNeeds::Fair && settings.interpolation != InterpolationChoice::Fair;
+    if (lacks_fair && flags.options.contains(option.name))
+      refuse(flag_of(option), "belongs to the fair method; take --interpolation fair");
+  }
   if (flags.outputs.empty()) require_tiles_for(flags, own);
   if (!flags.outputs.empty() && !own.block.empty())
     refuse("--block-vertices", "blocks of tiles are a quarter of --tile-vertices; set that");
@@ -185,6 +193,13 @@ void require_run_available(const CLI::App& run) {
   require_available(given, {});
 }
 
+// The page of a command, of the whole program where none is named.
+std::string manual_of(const CLI::App& app, const std::string& command) {
+  const HelpPage help = help_page(app, {});
+  const auto page = std::ranges::find(help.commands, command, &HelpPage::name);
+  return manual_page(page == help.commands.end() ? help : *page, help);
+}
+
 }  // namespace
 
 MpiRequest parse_mpi_flags(const std::vector<std::string>& arguments) {
@@ -192,6 +207,7 @@ MpiRequest parse_mpi_flags(const std::vector<std::string>& arguments) {
       "Interpolating Doo-Sabin surfaces over many machines: "
       "mpirun -n 4 planish-mpi fit big.ply -o big/tileset.json --cage cage.ply",
       "planish-mpi");
+  app.require_subcommand(0, 1);  // "manual fit" is the page of fit
   MpiRequest request;
   FitFlags flags;
   OwnFlags fit_own, run_own;
@@ -209,6 +225,10 @@ MpiRequest parse_mpi_flags(const std::vector<std::string>& arguments) {
   add_own_flags(run, run_own);
   request.messages.add_to(run, true);
   show_available(run);
+  // For the build, which installs what it prints; without a description it is not listed.
+  CLI::App& manual = *app.add_subcommand("manual", "")->group("");
+  std::string page;
+  manual.add_option("COMMAND", page, "");
   std::vector<std::string> reversed(arguments.rbegin(), arguments.rend() - 1);
   try {
     app.parse(reversed);
@@ -218,8 +238,9 @@ MpiRequest parse_mpi_flags(const std::vector<std::string>& arguments) {
   } catch (const CLI::ParseError& error) {
     throw Error(ErrorCode::InvalidArgument, std::string(error.what()) + "; see planish-mpi --help");
   }
+  if (manual.parsed()) request.text = manual_of(app, page);
   if (wants_version) request.text = version_line();
-  if (!wants_version && !fit.parsed() && !run.parsed()) request.text = app.help();
+  if (request.text.empty() && !fit.parsed() && !run.parsed()) request.text = app.help();
   if (!request.text.empty()) return request;
   (void)request.messages.level();
   (void)request.messages.color_mode();

@@ -6,10 +6,11 @@
 #include <system_error>
 
 #include "mpi_options.h"
-#include "options/refuse.h"
 #include "output/cage_header.h"
 #include "planish/core/error.h"
+#include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_table.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -56,7 +57,7 @@ void take_settings(MpiJob& job) {
   options.solver = settings.solver;
   options.tolerance = settings.tolerance;
   options.max_iterations = settings.max_iterations;
-  options.creases = name_of(settings.creases);
+  options.creases = option_text(settings, "creases");
   TilesOptions& tiles = options.tiles_options;
   tiles.tile_vertices = settings.tile_vertices;
   tiles.skirts = settings.skirts;

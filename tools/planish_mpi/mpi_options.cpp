@@ -1,76 +1,70 @@
 #include "mpi_options.h"
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 
-#include "options/point_settings.h"
-#include "options/refuse.h"
+#include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
 
 namespace planish::command {
 namespace {
 
-// With blanks around each.
-constexpr std::string_view kTaken =
-    " input output cage report levels tile_vertices skirts tolerance max_iterations polish "
-    "input_format force quiet verbose log_level color progress preset weights interpolation "
-    "boundary up crease_edges corner_vertices help scene job block_vertices resume watchdog "
-    "partition ";
+// What is in no table of options: files, messages, and what ranks have besides.
+constexpr std::string_view kTaken[] = {
+    "input", "output",  "cage",           "report", "input_format", "force",
+    "quiet", "verbose", "log_level",      "color",  "progress",     "help",
+    "scene", "job",     "block_vertices", "resume", "watchdog",     "partition"};
 
-struct Rule {
-  std::string_view name;
-  std::string_view words;  // that are taken, with blanks around each; empty: none
-  std::string_view remedy;
+struct Refused {
+  std::string_view name, remedy;
 };
 
 constexpr std::string_view kNoPage = "planish on one machine writes pages; leave it out";
-constexpr std::string_view kNoFineness = "tiles have levels; take levels";
 
-constexpr std::array kRules{
-    Rule{"solver", " chebyshev plain ", "take chebyshev or plain"},
-    Rule{"precision", " auto double ", "ranks solve in double precision; take double"},
-    Rule{"creases", " use ignore ",
-         "edges are not looked for over ranks; tag them in the file, and take use"},
-    Rule{"repair", " none ",
-         "nothing is mended over ranks; planish fit IN --max-iterations 0 --cage MENDED.obj writes "
-         "the mended mesh"},
-    Rule{"scheme", " doo-sabin ", "take doo-sabin"},
-    Rule{"device", " auto cpu ", "ranks work on the CPU; take cpu"},
-    Rule{"compress", " none ", "tiles of ranks are not compressed; take none"},
-    Rule{"attributes", "", "tiles of ranks carry no figures of vertices; leave it out"},
-    Rule{"weld", "",
-         "nothing is welded over ranks; planish fit IN --weld T --max-iterations 0 --cage "
-         "WELDED.obj "
-         "writes the welded mesh"},
-    Rule{"chord_error", "", kNoFineness},
-    Rule{"chord_errors", "", kNoFineness},
-    Rule{"angle", "", kNoFineness},
-    Rule{"source", "", "the report compares with the input only; leave it out"},
-    Rule{"sample", "", "ranks take meshes; make one of points by planish reconstruct first"},
-    Rule{"jobs", "", "one input at a time; mpirun -n says how many ranks work on it"},
-    Rule{"output_format", "", "surfaces are 3D Tiles, cages PLY; leave it out"},
-    Rule{"dry_run", "", "ranks make no forecast; take planish on one machine for it"},
-    Rule{"json", "", "each job of a scene names its own report; leave it out"},
-    Rule{"report_of_jobs", "", "each job of a scene names its own report; leave it out"},
-    Rule{"page", "", kNoPage},
-    Rule{"page_limit", "", kNoPage},
-    Rule{"page_no_times", "", kNoPage},
+constexpr Refused kRefused[] = {
+    {"source", "the report compares with the input only; leave it out"},
+    {"sample", "ranks take meshes; make one of points by planish reconstruct first"},
+    {"jobs", "one input at a time; mpirun -n says how many ranks work on it"},
+    {"output_format", "surfaces are 3D Tiles, cages PLY; leave it out"},
+    {"dry_run", "ranks make no forecast; take planish on one machine for it"},
+    {"json", "each job of a scene names its own report; leave it out"},
+    {"report_of_jobs", "each job of a scene names its own report; leave it out"},
+    {"page", kNoPage},
+    {"page_limit", kNoPage},
+    {"page_no_times", kNoPage},
 };
 
-constexpr std::string_view kOfPoints =
-    "it belongs to points; make a mesh of them by planish reconstruct first";
-
-bool has_word(std::string_view words, std::string_view word) {
-  return words.find(" " + std::string(word) + " ") != std::string_view::npos;
+// Flags are named by their long name: "chord_error" of the option chord_errors.
+const OptionInfo* option_of(std::string_view name) {
+  const auto is_it = [&](const OptionInfo& option) {
+    std::string flag = flag_of(option).substr(2);
+    std::ranges::replace(flag, '-', '_');
+    return option.name == name || flag == name;
+  };
+  const auto fit = std::ranges::find_if(option_table(), is_it);
+  if (fit != option_table().end()) return &*fit;
+  const auto point = std::ranges::find_if(point_option_table(), is_it);
+  return point == point_option_table().end() ? nullptr : &*point;
 }
 
-const Rule* rule_of(std::string_view name) {
-  const auto rule = std::ranges::find(kRules, name, &Rule::name);
-  return rule == kRules.end() ? nullptr : &*rule;
+RankRule rule_of(std::string_view name) {
+  if (const OptionInfo* option = option_of(name)) return option->ranks;
+  if (std::ranges::find(kTaken, name) != std::end(kTaken)) return {};
+  const auto refused = std::ranges::find(kRefused, name, &Refused::name);
+  if (refused != std::end(kRefused)) return {"", refused->remedy};
+  return {"", "take planish on one machine"};
 }
 
-bool is_of_points(std::string_view name) {
-  return std::ranges::find(point_settings(), name, &PointSetting::name) != point_settings().end();
+bool takes(const RankRule& rule, std::string_view value) {
+  if (rule.words == "*") return true;
+  for (std::string_view rest = rule.words; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('|'), rest.size());
+    if (rest.substr(0, end) == value) return true;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return false;
 }
 
 [[noreturn]] void refuse_option(const GivenSetting& option, std::string_view remedy) {
@@ -83,30 +77,26 @@ bool is_of_points(std::string_view name) {
 }  // namespace
 
 MpiOption mpi_option(std::string_view name) {
-  if (has_word(kTaken, name)) return MpiOption::Taken;
-  const Rule* rule = rule_of(name);
-  return rule != nullptr && !rule->words.empty() ? MpiOption::SomeWords : MpiOption::Refused;
+  const RankRule rule = rule_of(name);
+  if (rule.words == "*") return MpiOption::Taken;
+  return rule.words.empty() ? MpiOption::Refused : MpiOption::SomeWords;
 }
 
 std::string words_taken(std::string_view name) {
-  const Rule* rule = rule_of(name);
-  if (rule == nullptr || rule->words.empty()) return {};
-  std::string words(rule->words.substr(1, rule->words.size() - 2));
-  std::ranges::replace(words, ' ', '|');
-  return words;
+  const RankRule rule = rule_of(name);
+  return rule.words == "*" ? std::string() : std::string(rule.words);
 }
 
-void require_available(std::span<const GivenSetting> given, const Settings& settings) {
+void require_available(std::span<const GivenSetting> given, const FitSettings& settings) {
   for (std::size_t i = 0; i < given.size(); ++i) {
-    const GivenSetting& option = given[i];
+    const GivenSetting& one = given[i];
     const auto later = given.subspan(i + 1);
-    if (has_word(kTaken, option.name)) continue;
-    if (std::ranges::find(later, option.name, &GivenSetting::name) != later.end()) continue;
-    const Rule* rule = rule_of(option.name);
-    if (rule != nullptr && rule->remedy == kNoFineness && !settings.adaptive.any()) continue;
-    if (rule != nullptr && has_word(rule->words, option.value)) continue;
-    if (rule != nullptr) refuse_option(option, rule->remedy);
-    refuse_option(option, is_of_points(option.name) ? kOfPoints : "take planish on one machine");
+    if (std::ranges::find(later, one.name, &GivenSetting::name) != later.end()) continue;
+    const OptionInfo* option = option_of(one.name);
+    const bool is_fineness = option != nullptr && option->stage == OptionStage::Fineness;
+    if (is_fineness && !settings.adaptive.any()) continue;
+    const RankRule rule = rule_of(one.name);
+    if (!takes(rule, one.value)) refuse_option(one, rule.remedy);
   }
 }
 

@@ -21,6 +21,6 @@ enum class MpiOption { Taken, SomeWords, Refused };
 /// Throws Error{InvalidArgument}, `where: value is not available in planish-mpi: remedy`, for the
 /// first that is refused. Of settings that were given twice the later one counts. `settings` is
 /// what all of them came to.
-void require_available(std::span<const GivenSetting> given, const Settings& settings);
+void require_available(std::span<const GivenSetting> given, const FitSettings& settings);
 
 }  // namespace planish::command

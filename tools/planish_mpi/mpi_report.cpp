@@ -10,8 +10,12 @@
 #include <system_error>
 
 #include "build_info.h"
+#include "planish/core/counted.h"
+#include "planish/core/number_text.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/fit_report.h"
+#include "report/report.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -20,45 +24,42 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Why a method was taken where none was named.
-Json choice_of(const MpiJob& job) {
-  if (job.settings.interpolation != InterpolationChoice::Auto) return nullptr;
-  return "progressive: ranks do not measure both methods; --interpolation fair takes the other";
+std::optional<MethodReason> choice_of(const MpiJob& job) {
+  if (job.settings.interpolation != InterpolationChoice::Auto) return std::nullopt;
+  return MethodReason{
+      "progressive: ranks do not measure both methods; --interpolation fair takes the other",
+      {},
+      {}};
 }
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json fair_json(const MpiJob& job, const DistributedFit& fit) {
-  if (!fit.fair) return nullptr;
-  return {{"polish", job.settings.polish_steps},
-          {"shrunk_vertices", fit.fair->shrunk_vertices},
-          {"reversed_vertices", fit.fair->reversed_vertices},
-          {"cured_vertices", fit.fair->cured_vertices},
-          {"flagged_edges", fit.fair->flagged_edges},
-          {"flagged_faces", fit.fair->flagged_faces}};
-}
-
-Json solve_json(const MpiJob& job, const DistributedFit& fit) {
-  const PetscSolution& solution = fit.solution;
-  Json history = Json::array();
-  for (const double error : solution.history) history.push_back(number(error));
-  return {{"scheme", "doo-sabin"},
-          {"interpolation", fit.fair ? "fair" : "progressive"},
-          {"choice", choice_of(job)},
-          {"fair", fair_json(job, fit)},
-          {"weights", name_of(job.settings.weights)},
-          {"boundary", name_of(job.settings.boundary)},
-          {"creases", name_of(job.settings.creases)},
-          {"solver", fit.fair ? "none" : name_of(job.settings.solver)},
-          {"engine", "PETSc " + PetscSession::version()},
-          {"tolerance", job.settings.tolerance},
-          {"spectral_bound", fit.spectral_bound},
-          {"entries", fit.entries},
-          {"converged", solution.converged},
-          {"stop_reason", name_of(solution.stop_reason)},
-          {"iterations", solution.iterations},
-          {"error", {{"max", number(solution.error.max)}, {"rms", number(solution.error.rms)}}},
-          {"batch_errors", history},
-          {"reductions", solution.reductions}};
+// The fit of all ranks as one machine would have it, for what a report says of that.
+FittedMesh fitted_of(const MpiJob& job, const DistributedFit& fit) {
+  const Settings& settings = job.settings;
+  FittedMesh all;
+  all.options = fit_options(
+      settings, fit.fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive);
+  all.repairs = false;
+  all.uses_tags = settings.creases.use_tags;
+  all.crease_degrees = settings.creases.dihedral_degrees;
+  all.reason = choice_of(job);
+  all.fit.spectral_bound = fit.spectral_bound;
+  Interpolation& result = all.fit.interpolation;
+  result.converged = fit.solution.converged;
+  result.stop_reason = fit.solution.stop_reason;
+  result.iterations = fit.solution.iterations;
+  result.error = fit.solution.error;
+  result.history = fit.solution.history;
+  if (fit.fair) {
+    FairFit& fair = all.fit.fair.emplace();
+    fair.shrunk_vertices = fit.fair->shrunk_vertices;
+    fair.reversed_vertices = fit.fair->reversed_vertices;
+    fair.cured_vertices = fit.fair->cured_vertices;
+    fair.flagged_edges = fit.fair->flagged_edges;
+    fair.flagged_faces = fit.fair->flagged_faces;
+  }
+  return all;
 }
 
 Json ranks_json(const DistributedFit& fit) {
@@ -102,19 +103,6 @@ Json tiles_json(const MpiJob& job, const DistributedFit& fit) {
           {"tiles", levels}};
 }
 
-// Of level 1, as planish fit has it of a set of tiles.
-Json surface_json(const DistributedFit& fit) {
-  if (!fit.tiles) return nullptr;
-  const SurfaceQuality& quality = fit.tiles->quality;
-  return {{"level", 1},
-          {"reference", "input"},
-          {"folded_area", quality.folded_area},
-          {"folded_area_elsewhere", quality.folded_area_elsewhere},
-          {"rms_normal_deviation", quality.rms_normal_deviation},
-          {"max_normal_deviation", quality.max_normal_deviation},
-          {"bending", quality.bending}};
-}
-
 // What is in place: "  wrote big.json: 5 tiles, 1234 bytes".
 std::string written_text(const MpiJob& job, const DistributedFit& fit) {
   std::ostringstream text;
@@ -146,17 +134,12 @@ std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& 
                        const DistributedFit& fit, ExitCode exit_code) {
   std::int64_t halo = 0;
   for (const RankFigures& rank : fit.ranks) halo += rank.halo;
-  Json argv = Json::array(), warnings = Json::array(), outputs = Json::array();
+  Json argv = Json::array(), outputs = Json::array();
   for (const std::string& argument : arguments) argv.push_back(plain_utf8(argument));
-  for (const Warning& warning : fit.warnings)
-    warnings.push_back({{"code", warning.code},
-                        {"message", plain_utf8(warning.message)},
-                        {"count", warning.count},
-                        {"first", warning.first}});
   if (fit.tiles) outputs.push_back(tiles_json(job, fit));
   if (!job.cage.empty()) outputs.push_back({{"kind", "cage"}, {"path", plain_utf8(job.cage)}});
   const Json report = {
-      {"schema", "planish.distributed/1"},
+      {"schema", "planish.distributed/2"},
       {"tool", {{"name", "planish-mpi"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}}},
       {"argv", argv},
       {"exit_code", static_cast<int>(exit_code)},
@@ -171,32 +154,37 @@ std::string mpi_report(const std::vector<std::string>& arguments, const MpiJob& 
           {"dart", fit.kinds[1]},
           {"crease", fit.kinds[2]},
           {"corner", fit.kinds[3]}}}}},
-      {"solve", solve_json(job, fit)},
-      {"surface", surface_json(fit)},
+      {"solve", solve_json(fitted_of(job, fit))},
+      {"matrix",
+       {{"engine", "PETSc " + PetscSession::version()},
+        {"entries", fit.entries},
+        {"reductions", fit.solution.reductions}}},
+      // Of level 1, as planish fit has it of a set of tiles.
+      {"surface", fit.tiles ? quality_json(fit.tiles->quality, 1) : Json()},
       {"outputs", outputs},
       {"ranks", ranks_json(fit)},
       {"halo", {{"ghosts", halo}, {"bytes_per_product", 24 * halo}}},
-      {"warnings", warnings}};
-  return report.dump(2) + "\n";
+      {"warnings", warnings_json(fit.warnings)}};
+  return json_text(report);
 }
 
 std::string mpi_summary(const MpiJob& job, const DistributedFit& fit) {
   std::ostringstream text;
-  text << visible(job.input) << ": " << fit.vertices << " vertices, " << fit.faces << " faces on "
-       << fit.ranks.size() << (fit.ranks.size() == 1 ? " rank, " : " ranks, ");
+  text << visible(job.input) << ": " << planish::counted(fit.vertices, "vertex") << ", "
+       << planish::counted(fit.faces, "face") << " on " << counted(std::ssize(fit.ranks), "rank")
+       << ", ";
   if (fit.fair) {
     text << "fair, ";
   } else {
-    text << fit.solution.iterations << " iterations, ";
+    text << counted(fit.solution.iterations, "iteration") << ", ";
   }
   text << "largest vertex error " << std::setprecision(3) << fit.solution.error.max
        << (fit.solution.converged ? "" : " (not converged)") << "\n";
-  if (const Json choice = choice_of(job); choice.is_string())
-    text << "  method " << choice.get<std::string>() << "\n";
+  if (const auto choice = choice_of(job)) text << "  method " << choice->text << "\n";
   if (fit.tiles) {
     for (const TileLevel& level : fit.tiles->file.levels)
-      text << "  level " << level.level << ": " << level.tiles
-           << (level.tiles == 1 ? " tile, " : " tiles, ") << level.vertex_count << " vertices, "
+      text << "  level " << level.level << ": " << planish::counted(level.tiles, "tile") << ", "
+           << planish::counted(static_cast<std::int64_t>(level.vertex_count), "vertex") << ", "
            << level.bytes << " bytes\n";
   }
   text << written_text(job, fit);

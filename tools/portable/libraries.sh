@@ -39,14 +39,67 @@ make_runnable() {
   done
 }
 
-# copy_licences FOLDER LIBRARY...: what Debian's packages say of the libraries.
+# owner_of NAME: Debian's package of a library for this machine's programs (there are others for 32 bits).
+owner_of() { dpkg-query -S "*-linux-gnu/$1" 2>/dev/null | cut -d: -f1 | head -n 1; }
+
+# copy_copyright FOLDER PACKAGE: what Debian says of its licence.
+copy_copyright() {
+  [ ! -f "/usr/share/doc/$2/copyright" ] || cp "/usr/share/doc/$2/copyright" "$1/copyright.$2"
+}
+
+# copy_licences FOLDER LIBRARY...: what Debian's packages say of the libraries, and the licences that they name
+# by the place where Debian has them.
 copy_licences() {
-  local folder=$1 owner
+  local folder=$1 library text
   shift
   mkdir -p "$folder"
-  printf '*/%s\n' "${@##*/}" | xargs dpkg-query -S 2>/dev/null | cut -d: -f1 | sort -u |
-    while read -r owner; do
-      [ ! -f "/usr/share/doc/$owner/copyright" ] ||
-        cp "/usr/share/doc/$owner/copyright" "$folder/copyright.$owner"
+  for library in "$@"; do
+    copy_copyright "$folder" "$(owner_of "${library##*/}")"
+  done
+  grep -ohE '/usr/share/common-licenses/[A-Za-z0-9.-]*[A-Za-z0-9]' "$folder"/copyright.* | sort -u |
+    while read -r text; do
+      [ ! -f "$text" ] || cp -L "$text" "$folder/${text##*/}.txt"
     done || true
+}
+
+# compiled_in NAME: the packages whose code is part of a component or program.
+compiled_in() { sed -n "s/^$1 //p" "$(dirname "${BASH_SOURCE[0]}")/compiled_in"; }
+
+# document_licences FOLDER SOURCE: into FOLDER/doc, the licences of all programs of FOLDER/libexec and libraries
+# of FOLDER/lib, and LICENCES.txt, which says which is whose.
+document_licences() {
+  local folder=$1 source=$2 library package list
+  local libraries=("$folder"/lib/*.so* "$folder"/lib/common/*/*)
+  mkdir -p "$folder/doc"
+  cp "$source/LICENSE" "$folder/doc/"
+  list=$folder/doc/LICENCES.txt
+  {
+    echo "Licences of what lies in this folder; the texts are beside this file."
+    echo
+    echo "planish, libplanish: MIT (LICENSE), with code of"
+    for package in $({ compiled_in command; compiled_in runtime; } | sort -u); do
+      copy_copyright "$folder/doc" "$package"
+      echo "  $package (copyright.$package)"
+    done
+    if [ -e "$folder/libexec/planish-reconstruct" ]; then
+      echo
+      echo "planish-reconstruct: GPL-3.0-or-later (GPL-3.txt), because CGAL is part of it. Its source is"
+      echo "src/planish/reconstruct/cgal of planish and CGAL $(dpkg-query -W -f '${Version}' libcgal-dev 2>/dev/null)."
+      echo "planish starts it as a program of its own. With code of"
+      cp /usr/share/common-licenses/GPL-3 "$folder/doc/GPL-3.txt"
+      for package in $(compiled_in planish-reconstruct); do
+        copy_copyright "$folder/doc" "$package"
+        echo "  $package (copyright.$package)"
+      done
+    fi
+    echo
+    echo "Libraries of Debian:"
+    for library in "${libraries[@]}"; do
+      case ${library##*/} in
+        libplanish*) ;;
+        *) echo "  ${library##*/} (copyright.$(owner_of "${library##*/}"))" ;;
+      esac
+    done
+  } >"$list"
+  copy_licences "$folder/doc" "${libraries[@]}"
 }

@@ -31,8 +31,8 @@ const char* class_name(ErrorCode code) {
   return "Error";
 }
 
-void raise(const Error& error) {
-  const py::object type = py::module_::import("planish._errors").attr(class_name(error.code()));
+void raise(const Error& error, const char* name) {
+  const py::object type = py::module_::import("planish._errors").attr(name);
   const std::string text = error.what();
   // Messages are made visible, but a path may be any bytes.
   const py::object message = py::reinterpret_steal<py::object>(
@@ -47,8 +47,10 @@ void register_errors() {
   py::register_exception_translator([](std::exception_ptr failure) {
     try {
       if (failure) std::rethrow_exception(failure);
+    } catch (const MissingProgram& error) {
+      raise(error, "MissingProgram");
     } catch (const Error& error) {
-      raise(error);
+      raise(error, class_name(error.code()));
     }
   });
 }

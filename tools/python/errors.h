@@ -2,7 +2,15 @@
 
 #include <string>
 
+#include "planish/core/error.h"
+
 namespace planish::python {
+
+/// NoDevice of a program; planish.MissingProgram.
+class MissingProgram : public Error {
+ public:
+  explicit MissingProgram(const std::string& message) : Error(ErrorCode::NoDevice, message) {}
+};
 
 /// Makes pybind11 raise planish's errors as the classes of planish/_errors.py. Called once, when
 /// the module is loaded.

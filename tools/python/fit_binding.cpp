@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "planish/core/counted.h"
 #include "planish/core/visible_text.h"
 #include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/tessellate_fit.h"
@@ -15,7 +16,7 @@ namespace {
 FitHandle new_fit(const FitArguments& arguments) {
   auto made = std::make_shared<PythonFit>();
   made->threads = arguments.threads;
-  made->precision = arguments.precision;
+  made->precision = solve_precision(arguments.settings);
   return made;
 }
 
@@ -36,7 +37,7 @@ FitHandle fit_arrays(const py::object& vertices, const py::object& faces,
   FitHandle made = new_fit(arguments);
   const auto backend = arguments.make_backend();
   run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
-    MeshFitOptions options = arguments.mesh;
+    MeshFitOptions options = mesh_fit_options(arguments.settings);
     options.fit.callbacks = callbacks;
     made->fitted = fit_mesh(std::move(mesh), "mesh", *backend, options);
   });
@@ -57,9 +58,9 @@ FitHandle fit_files(const py::object& input, const py::object& output, int level
   FitHandle made = new_fit(arguments);
   const auto backend = arguments.make_backend();
   options.backend = backend.get();
-  options.split_normals = arguments.split_normals;
+  options.split_normals = arguments.settings.creases.split_normals;
   run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
-    options.mesh = arguments.mesh;
+    options.mesh = mesh_fit_options(arguments.settings);
     options.mesh.fit.callbacks = callbacks;
     made->fitted = fit_file(from, to, options).fitted;
   });
@@ -86,10 +87,13 @@ SurfaceHandle tessellate_fit(const FitHandle& fit, double chord_error, double an
   if (fit->fitted.options.scheme != Scheme::DooSabin)
     refuse("tessellate: is of Doo-Sabin surfaces; fit with scheme=\"doo-sabin\"");
   auto made = std::make_shared<PythonSurface>();
-  run_released({progress, cancelled}, [&](const Callbacks& callbacks) {
-    made->surface = tessellate(
-        fit->fitted, {.chord_error = chord_error, .angle = angle, .callbacks = callbacks});
-  });
+  run_released(
+      {progress, cancelled},
+      [&](const Callbacks& callbacks) {
+        made->surface = tessellate(
+            fit->fitted, {.chord_error = chord_error, .angle = angle, .callbacks = callbacks});
+      },
+      fit->threads);
   return made;
 }
 
@@ -152,8 +156,8 @@ void add_surface_class(py::module_& module) {
           "level", [](const PythonSurface& self) { return self.surface.level; }, "Splits.")
       .def("__repr__", [](const PythonSurface& self) {
         return "<planish.Surface: level " + std::to_string(self.surface.level) + ", " +
-               std::to_string(self.surface.positions.size()) + " vertices, " +
-               std::to_string(self.surface.face_count()) + " faces>";
+               counted(std::ssize(self.surface.positions), "vertex") + ", " +
+               counted(self.surface.face_count(), "face") + ">";
       });
 }
 
@@ -177,6 +181,13 @@ void add_fit_class(py::module_& module) {
             return fair ? "fair" : "progressive";
           },
           "\"progressive\" or \"fair\".")
+      .def_property_readonly(
+          "smoothed_vertices",
+          [](const py::object& self) {
+            const auto& vertices = self.cast<PythonFit&>().fitted.smoothed_vertices;
+            return view(vertices.data(), {static_cast<py::ssize_t>(vertices.size())}, self);
+          },
+          "int32 (n,): vertices of the mesh where found creases were taken back, for verify().")
       .def_property_readonly(
           "converged",
           [](const PythonFit& self) { return self.fitted.fit.interpolation.converged; },
@@ -202,7 +213,7 @@ void add_fit_class(py::module_& module) {
       .def("quality", &quality_of, py::arg("level") = 2,
            "The \"surface\" of a report: folded area, deviation of normals in degrees, bending.")
       .def("__repr__", [](const PythonFit& self) {
-        return "<planish.Fit: " + std::to_string(self.fitted.mesh.vertex_count()) + " vertices, " +
+        return "<planish.Fit: " + counted(self.fitted.mesh.vertex_count(), "vertex") + ", " +
                (self.fitted.fit.interpolation.converged ? "converged>" : "not converged>");
       });
 }
@@ -218,7 +229,7 @@ void add_fit(py::module_& module) {
           "fit(vertices, faces, **options) or fit(mesh, **options) -> Fit\n\n"
           "    vertices: numbers (n, 3). faces: integers (m, k); or a tuple (sizes, "
           "indices);\n        or a list of faces.") +
-      kFitKeywords +
+      fit_keywords() +
       "\n\nNot reaching the tolerance is a result: see Fit.converged. Raises UnusableMesh,\n"
       "InvalidArgument, OutOfMemory, Cancelled. The same as `planish fit --device cpu`, to the "
       "last "
@@ -229,7 +240,7 @@ void add_fit(py::module_& module) {
       std::string(
           "From file to file: reads a mesh, fits it, writes its surface and, where named, "
           "its cage.\n\nfit_file(input, output, level=2, cage=None, **options) -> Fit\n") +
-      kFitKeywords + "\n\nRaises what read(), fit() and write() raise.";
+      fit_keywords() + "\n\nRaises what read(), fit() and write() raise.";
   module.def("fit_file", &fit_files, py::arg("input"), py::arg("output"), py::arg("level") = 2,
              py::arg("cage") = py::none(), file_text.c_str());
 }

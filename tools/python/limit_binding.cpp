@@ -24,12 +24,15 @@ std::unique_ptr<PythonLimit> limit_of(const FitHandle& fit) {
     refuse("LimitSurface: is of Doo-Sabin surfaces; fit with scheme=\"doo-sabin\"");
   auto made = std::make_unique<PythonLimit>();
   made->fit = fit;
-  run_released({}, [&](const Callbacks&) {
-    const FittedMesh& fitted = fit->fitted;
-    made->surface = std::make_unique<LimitSurface>(
-        fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
-    made->queries = std::make_unique<SurfaceQueries>(*made->surface);
-  });
+  run_released(
+      {},
+      [&](const Callbacks&) {
+        const FittedMesh& fitted = fit->fitted;
+        made->surface = std::make_unique<LimitSurface>(
+            fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
+        made->queries = std::make_unique<SurfaceQueries>(*made->surface);
+      },
+      fit->threads);
   return made;
 }
 
@@ -73,7 +76,8 @@ py::dict evaluate_limit(const PythonLimit& limit, const py::object& faces, const
   for (std::size_t i = 0; i < places.size(); ++i)
     places[i] = {face.data()[i], us.data()[i], vs.data()[i]};
   std::vector<SurfacePoint> points(places.size());
-  run_released({}, [&](const Callbacks&) { limit.surface->evaluate(places, points); });
+  run_released(
+      {}, [&](const Callbacks&) { limit.surface->evaluate(places, points); }, limit.fit->threads);
   using P = const SurfacePoint&;
   py::dict result;
   result["position"] = points_by(points, [](P p) { return p.position; });
@@ -96,7 +100,8 @@ py::dict closest_points(const PythonLimit& limit, const py::object& points) {
   const Doubles values = as_points(points, "points");
   const auto given = points_of(values);
   std::vector<ClosestPoint> found(given.size());
-  run_released({}, [&](const Callbacks&) { limit.queries->closest(given, found); });
+  run_released(
+      {}, [&](const Callbacks&) { limit.queries->closest(given, found); }, limit.fit->threads);
   py::dict result;
   add_places(result, found);
   result["distance"] = numbers_by<double>(found, [](const ClosestPoint& a) { return a.distance; });
@@ -113,16 +118,19 @@ py::dict first_hits(const PythonLimit& limit, const py::object& origins,
            " origins");
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<SurfaceHit> hits(from.size());
-  run_released({}, [&](const Callbacks&) {
-    constexpr std::size_t kGrain = 64;
-    parallel_for(hits.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const glm::dvec3 none(kNone);
-        hits[i] = limit.queries->first_hit({from[i], along[i]})
-                      .value_or(SurfaceHit{{-1, kNone, kNone}, none, none, kNone, false});
-      }
-    });
-  });
+  run_released(
+      {},
+      [&](const Callbacks&) {
+        constexpr std::size_t kGrain = 64;
+        parallel_for(hits.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            const glm::dvec3 none(kNone);
+            hits[i] = limit.queries->first_hit({from[i], along[i]})
+                          .value_or(SurfaceHit{{-1, kNone, kNone}, none, none, kNone, false});
+          }
+        });
+      },
+      limit.fit->threads);
   py::dict result;
   add_places(result, hits);
   result["t"] = numbers_by<double>(hits, [](const SurfaceHit& hit) { return hit.t; });

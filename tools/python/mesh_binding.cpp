@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "planish/core/counted.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
@@ -67,9 +68,10 @@ MeshHandle reconstruct_points(const py::object& points, double tolerance,
     refuse("spacing: \"" + spacing + "\"; one of adaptive, even is wanted");
   const auto program = find_mesher_program();
   if (!program) {
-    throw Error(ErrorCode::NoDevice,
-                "planish-reconstruct is not on PATH, and PLANISH_RECONSTRUCT does not name it; "
-                "points need it");
+    throw MissingProgram(
+        "points need the program planish-reconstruct, which is neither on PATH nor named by the "
+        "environment variable PLANISH_RECONSTRUCT; Debian's package planish has it, and a build "
+        "with CGAL makes it");
   }
   const auto given = points_of(values);
   auto made = std::make_shared<PythonMesh>();
@@ -87,20 +89,21 @@ MeshHandle reconstruct_points(const py::object& points, double tolerance,
   return made;
 }
 
-Verification verify_mesh(const MeshHandle& cage, const MeshHandle& given, const py::kwargs& rest) {
+Verification verify_mesh(const MeshHandle& cage, const MeshHandle& given,
+                         const py::object& smoothed_vertices, const py::kwargs& rest) {
   const FitArguments arguments = fit_arguments(rest, "verify");
-  VerifyOptions options;
-  options.method = arguments.mesh.method.value_or(InterpolationMethod::Progressive);
-  options.scheme = arguments.mesh.fit.scheme;
-  options.weights = arguments.mesh.fit.weights;
-  options.sharp = arguments.mesh.fit.sharp;
-  options.repairs = arguments.mesh.repairs;
-  options.crease_degrees = arguments.mesh.crease_degrees;
-  options.weld = arguments.mesh.weld;
-  options.tolerance = arguments.mesh.fit.tolerance;
+  VerifyOptions options = verify_options(arguments.settings);
+  Integers smoothed;
+  if (!smoothed_vertices.is_none()) {
+    smoothed = as_integers(smoothed_vertices, "smoothed_vertices");
+    if (smoothed.ndim() != 1) refuse("smoothed_vertices: integers of shape (n,) are wanted");
+    options.smoothed_vertices = {smoothed.data(), static_cast<std::size_t>(smoothed.size())};
+  }
   Verification result;
-  run_released(arguments.callbacks,
-               [&](const Callbacks&) { result = verify_cage(cage->mesh, given->mesh, options); });
+  run_released(
+      arguments.callbacks,
+      [&](const Callbacks&) { result = verify_cage(cage->mesh, given->mesh, options); },
+      arguments.threads);
   return result;
 }
 
@@ -164,8 +167,8 @@ void add_mesh_class(py::module_& module) {
           },
           "int32 (c, 2): edges that stay sharp.")
       .def("__repr__", [](const PythonMesh& self) {
-        return "<planish.Mesh: " + std::to_string(self.mesh.vertex_count()) + " vertices, " +
-               std::to_string(self.mesh.face_count()) + " faces>";
+        return "<planish.Mesh: " + counted(self.mesh.vertex_count(), "vertex") + ", " +
+               counted(self.mesh.face_count(), "face") + ">";
       });
 }
 
@@ -243,12 +246,14 @@ void add_mesh(py::module_& module) {
              py::arg("spacing") = "adaptive", py::arg("progress") = py::none(),
              py::arg("cancelled") = py::none(),
              "A mesh near every one of these points, numbers (n, 3): within `tolerance` of the "
-             "diagonal. Needs the program planish-reconstruct. Raises NoDevice without it, "
+             "diagonal. Needs the program planish-reconstruct. Raises MissingProgram without it, "
              "UnusableMesh for points that span no surface.");
   module.def("verify", &verify_mesh, py::arg("cage").none(false), py::arg("given").none(false),
+             py::kw_only(), py::arg("smoothed_vertices") = py::none(),
              "How far the vertices of the mesh `given` are from the surface of the control mesh "
              "`cage`, by limit points in double. Further keywords are those of fit() that shaped "
-             "the surface; `method` is \"progressive\" unless it is given. Raises UnusableMesh for "
+             "the surface, and smoothed_vertices those of the Fit; `method` is \"progressive\" "
+             "unless it is given. Raises UnusableMesh for "
              "a cage of another mesh.");
 }
 

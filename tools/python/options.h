@@ -3,18 +3,17 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <string>
 
 #include "planish/backend/backend.h"
-#include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/settings.h"
 #include "work.h"
 
 namespace planish::python {
 
 /// What fit() takes behind the mesh.
 struct FitArguments {
-  MeshFitOptions mesh;
-  bool split_normals = false;  ///< of fit_file() alone
-  Precision precision = Precision::Float;
+  FitSettings settings;
   int threads = 0;
   PythonCallbacks callbacks;
   pybind11::object crease_edges = pybind11::none(), corner_vertices = pybind11::none();
@@ -30,6 +29,6 @@ struct FitArguments {
 void add_tags(const FitArguments& arguments, PolygonMesh& mesh);
 
 /// What the fit's keywords mean, for docstrings.
-extern const char* const kFitKeywords;
+[[nodiscard]] std::string fit_keywords();
 
 }  // namespace planish::python

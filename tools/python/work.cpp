@@ -1,13 +1,10 @@
 #include "work.h"
 
 #include <chrono>
-#include <condition_variable>
 #include <exception>
-#include <mutex>
-#include <string>
-#include <thread>
 
-#include "planish/core/stop.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/core/host_scope.h"
 
 namespace py = pybind11;
 
@@ -16,86 +13,79 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook{20};
 
+// What functions of Python raise is kept while the library ends its work.
 class ReleasedWork {
  public:
   explicit ReleasedWork(const PythonCallbacks& python) : python_(python) {}
 
   void run(const std::function<void(const Callbacks&)>& work) {
-    const Callbacks callbacks = library_callbacks();
-    const bool asks = !python_.cancelled.is_none();
+    std::exception_ptr failure;
     {
       const py::gil_scoped_release released;
-      std::thread worker([&] { do_work(work, callbacks); });
-      std::unique_lock lock(mutex_);
-      while (!ended_.wait_for(lock, kLook, [&] { return has_ended_; })) {
-        lock.unlock();
-        look(asks);
-        lock.lock();
+      const Callbacks callbacks = library_callbacks();
+      const HostScope host(callbacks);
+      try {
+        work(callbacks);
+      } catch (...) {
+        failure = std::current_exception();
       }
-      lock.unlock();
-      worker.join();
     }
     if (raised_) std::rethrow_exception(raised_);
-    if (failure_) std::rethrow_exception(failure_);
+    if (failure) std::rethrow_exception(failure);
   }
 
  private:
-  void do_work(const std::function<void(const Callbacks&)>& work, const Callbacks& callbacks) {
-    try {
-      const StopScope scope(stop_);
-      work(callbacks);
-    } catch (...) {
-      failure_ = std::current_exception();
-    }
-    const std::scoped_lock lock(mutex_);
-    has_ended_ = true;
-    ended_.notify_one();
-  }
+  using Clock = std::chrono::steady_clock;
 
-  // With Python's lock.
-  void keep_raised() {
-    if (!raised_) raised_ = std::current_exception();
-    stop_ = true;
-  }
-
-  void look(bool asks) {
+  // Runs `call` with Python's lock.
+  template <class Call>
+  void in_python(const Call& call) {
     const py::gil_scoped_acquire acquired;
     try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (asks && !stop_ && py::bool_(python_.cancelled())) stop_ = true;
+      call();
     } catch (const py::error_already_set&) {
-      keep_raised();
+      if (!raised_) raised_ = std::current_exception();
     }
+  }
+
+  // Of an exception or a signal, or as asked.
+  bool is_cancelled() {
+    if (!raised_ && Clock::now() - last_ >= kLook) {
+      bool is_asked = false;
+      in_python([&] {
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        is_asked = !python_.cancelled.is_none() && py::bool_(python_.cancelled());
+      });
+      last_ = Clock::now();
+      if (is_asked) return true;
+    }
+    return raised_ != nullptr;
   }
 
   Callbacks library_callbacks() {
     Callbacks callbacks;
-    if (python_.progress.is_none()) return callbacks;
-    callbacks.progress = [this](std::string_view step, double fraction) {
-      const py::gil_scoped_acquire acquired;
-      if (stop_) return;
-      try {
-        python_.progress(py::str(step.data(), step.size()), fraction);
-      } catch (const py::error_already_set&) {
-        keep_raised();
-      }
-    };
+    callbacks.cancelled = [this] { return is_cancelled(); };
+    if (!python_.progress.is_none()) {
+      callbacks.progress = [this](std::string_view step, double fraction) {
+        if (raised_) return;
+        in_python([&] { python_.progress(py::str(step.data(), step.size()), fraction); });
+      };
+    }
     return callbacks;
   }
 
   const PythonCallbacks& python_;
-  StopFlag stop_{false};
-  std::mutex mutex_;
-  std::condition_variable ended_;
-  bool has_ended_ = false;
-  std::exception_ptr failure_, raised_;
+  Clock::time_point last_ = Clock::now();
+  std::exception_ptr raised_;
 };
 
 }  // namespace
 
-void run_released(const PythonCallbacks& python,
-                  const std::function<void(const Callbacks&)>& work) {
-  ReleasedWork(python).run(work);
+void run_released(const PythonCallbacks& python, const std::function<void(const Callbacks&)>& work,
+                  int threads) {
+  ReleasedWork(python).run([&](const Callbacks& callbacks) {
+    make_cpu_backend({.thread_count = threads})->run_on_host([&] { work(callbacks); });
+  });
 }
 
 }  // namespace planish::python

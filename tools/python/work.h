@@ -14,10 +14,11 @@ struct PythonCallbacks {
   pybind11::object cancelled = pybind11::none();  ///< cancelled() -> bool
 };
 
-/// Runs `work` on a thread of its own while this one, without Python's lock but for looking every
-/// 20 ms, sees to signals and to `cancelled`; work of the library then stops within about 10 ms
-/// more. Throws what `work` throws, Error{Cancelled}, and what Python raised: KeyboardInterrupt, or
-/// an exception of a function that was given.
-void run_released(const PythonCallbacks& python, const std::function<void(const Callbacks&)>& work);
+/// Runs `work` without Python's lock but for its callbacks, on this thread, which takes the lock
+/// every 20 ms to see to signals and to `cancelled`; work of the library then stops within about 10
+/// ms more. Throws what `work` throws, Error{Cancelled}, and what Python raised: KeyboardInterrupt,
+/// or an exception of a function that was given. `threads`: as CpuBackendOptions has them.
+void run_released(const PythonCallbacks& python, const std::function<void(const Callbacks&)>& work,
+                  int threads = 0);
 
 }  // namespace planish::python

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "help/manual.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
 
@@ -12,13 +13,22 @@ namespace planish::viewer {
 namespace {
 
 constexpr int kLeastSide = 16, kLargestSide = 8192, kMostFrames = 1000000;
-constexpr const char* kExamples =
-    "Examples:\n"
-    "  planish-viewer --scene scenes/goblet.json\n"
-    "  planish-viewer --headless --scene scenes/goblet.json --frames 120 --png out.png\n"
-    "  planish-viewer --headless --scene bust.obj --level 3 --iterations 2 --heat --png heat.png\n"
-    "In the window: drag to orbit, scroll to zoom; S surface, C cage, P points, H errors, space\n"
-    "pause, Esc close. Exit codes are those of planish; 1 also where --validate had messages.\n";
+const command::CommandText kText{
+    .examples = {"planish-viewer --scene scenes/goblet.json",
+                 "planish-viewer --headless --scene scenes/goblet.json --frames 120 --png out.png",
+                 "planish-viewer --headless --scene bust.obj --level 3 --iterations 2 --heat --png "
+                 "heat.png"},
+    .first_flags = {},
+    .notes =
+        "In the window: drag to orbit, scroll to zoom; S surface, C cage, P points, H errors, "
+        "space pause, Esc close.\nExit codes are those of planish; 1 also where --validate had "
+        "messages."};
+
+std::string footer() {
+  std::string text = "Examples:\n";
+  for (const std::string& example : kText.examples) text += "  " + example + "\n";
+  return text + kText.notes + "\n";
+}
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::InvalidArgument, what); }
 
@@ -47,12 +57,12 @@ std::optional<Arguments> parse_arguments(int argc, const char* const* argv) {
   ViewSettings& settings = arguments.settings;
   std::string size, view;
   int level = -1;
-  bool cold_start = false, no_surface = false;
+  bool cold_start = false, no_surface = false, wants_manual = false;
   CLI::App app(
       "Animates the given points of a scene and draws the surface through them, all on "
       "the device: the example of embedding planish in a Vulkan application.",
       "planish-viewer");
-  app.footer(kExamples);
+  app.footer(footer());
   app.set_version_flag("--version", "planish-viewer " PLANISH_VERSION);
   app.add_option("--scene", arguments.scene, "scene file (.json) or mesh")->capture_default_str();
   app.add_option("--job", arguments.job, "which job of the scene file; its first");
@@ -76,6 +86,7 @@ std::optional<Arguments> parse_arguments(int argc, const char* const* argv) {
       ->needs(headless);
   app.add_flag("--validate", arguments.validate,
                "Vulkan's validation layer with synchronization validation");
+  app.add_flag("--manual", wants_manual)->group("");  // for the build, which installs it
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
@@ -83,6 +94,11 @@ std::optional<Arguments> parse_arguments(int argc, const char* const* argv) {
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
     refuse(std::string(error.what()) + "; planish-viewer --help lists the flags");
+  }
+  if (wants_manual) {
+    const command::HelpPage page = command::help_page(app, {{"", kText}});
+    std::fputs(manual_page(page, page).c_str(), stdout);
+    return std::nullopt;
   }
   if (!size.empty()) parse_size(size, arguments);
   if (!view.empty()) parse_view(view, arguments);

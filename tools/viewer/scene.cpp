@@ -3,11 +3,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "job/input.h"
-#include "job/prepare.h"
+#include "job/job_input.h"
 #include "options/scene_file.h"
 #include "planish/core/error.h"
-#include "planish/mesh/check.h"
 
 namespace planish::viewer {
 namespace {
@@ -33,18 +31,19 @@ command::Job job_of(const std::string& path, const std::string& name) {
 Scene load_scene(const std::string& path, const std::string& name) {
   const command::Job job = job_of(path, name);
   const command::Settings& settings = job.settings;
-  if (settings.interpolation == command::InterpolationChoice::Fair)
+  if (settings.interpolation == InterpolationChoice::Fair)
     throw Error(ErrorCode::InvalidArgument,
                 job.name + ": interpolation fair does not run on the device; choose another job");
   command::InputFile file = command::load_input(job.input, job.input_format);
   file.split_normals_crease = job.settings.creases.split_normals;
+  file.is_strict = job.settings.repair == RepairChoice::None;
   command::Input input = command::mesh_of(file);
   Scene scene;
   scene.name = job.name;
-  scene.mesh =
-      command::prepare(std::move(input.file.mesh), settings, InterpolationMethod::Progressive).mesh;
-  require_usable(scene.mesh, input.name);
-  if (settings.up == command::UpAxis::Z)
+  MeshFitOptions options = mesh_fit_options(settings);
+  options.method = InterpolationMethod::Progressive;
+  scene.mesh = command::prepare_mesh(std::move(input), options, settings).fitted.mesh;
+  if (settings.up == UpAxis::Z)
     for (glm::dvec3& p : scene.mesh.positions) p = {p.x, p.z, -p.y};
   scene.system.level = settings.levels.front();
   scene.system.weights = settings.weights;

@@ -32,14 +32,10 @@ struct StepLog {
   std::vector<ErrorNorms> errors;
 };
 
-/// The linear system B displacement = initial residual on one device, with its work vectors.
-/// Externally synchronised.
-class Solve {
+/// What the iteration asks of the linear system B displacement = initial residual, wherever it is.
+class StepSolve {
  public:
-  virtual ~Solve() = default;
-
-  /// Sets the right-hand side, one vector per row of B, and displacement = step = 0.
-  virtual void begin(std::span<const glm::dvec3> initial_residual) = 0;
+  virtual ~StepSolve() = default;
 
   /// Performs the steps in order without talking to the host in between. Before each step the
   /// error is measured; at the first error <= stop_error no further step is taken: that error is
@@ -49,6 +45,14 @@ class Solve {
 
   /// The error of the current displacement.
   virtual ErrorNorms error() = 0;
+};
+
+/// That system on one device, with its work vectors. Externally synchronised.
+class Solve : public StepSolve {
+ public:
+  /// Sets the right-hand side, one vector per row of B, and displacement = step = 0. Comes before
+  /// the first run().
+  virtual void begin(std::span<const glm::dvec3> initial_residual) = 0;
 
   [[nodiscard]] virtual std::vector<glm::dvec3> displacement() const = 0;
 
@@ -117,7 +121,7 @@ class Backend {
   /// Limit points and unit normals du x dv / |du x dv|, one per row, straight to the host. A
   /// normal whose |du x dv| < kDegenerateNormal |du||dv| is returned as zero: the caller replaces
   /// it.
-  virtual void apply_limit(const LimitStencilView<double>& table, const DevicePoints& source,
+  virtual void apply_limit(const StencilView<double>& table, const DevicePoints& source,
                            std::span<glm::dvec3> positions, std::span<glm::vec3> normals) = 0;
 
   /// Highest memory taken on the device so far; 0 where it is the host's.

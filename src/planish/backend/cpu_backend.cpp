@@ -23,24 +23,7 @@ namespace {
 // every thread count.
 constexpr std::size_t kPieceRows = PackedRows::kPieceRows;
 
-// `body(p)` sums over piece p.
-template <class Body>
-PieceSums add_pieces(std::size_t piece_count, const Body& body) {
-  std::vector<PieceSums> pieces(piece_count);
-  parallel_for(pieces.size(), 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) pieces[p] = body(p);
-  });
-  PieceSums total;
-  for (const PieceSums& piece : pieces) total.add(piece);
-  return total;
-}
-
-template <class Body>
-PieceSums sum_pieces(std::size_t count, const Body& body) {
-  return add_pieces((count + kPieceRows - 1) / kPieceRows, [&](std::size_t p) {
-    return body(p * kPieceRows, std::min((p + 1) * kPieceRows, count));
-  });
-}
+void join(PieceSums& total, const PieceSums& piece) { total.add(piece); }
 
 ErrorNorms norms(const PieceSums& squares, std::size_t count) {
   const double sum = squares.sum.x + squares.sum.y + squares.sum.z;
@@ -76,13 +59,35 @@ class PlainRows {
   StencilView<double> table_;
 };
 
+// Of a given number, or, for 0, those of whoever calls: he may have limited them himself.
+class HostThreads {
+ public:
+  explicit HostThreads(int count) {
+    if (count > 0) arena_.emplace(count);
+  }
+
+  template <class Work>
+  void execute(const Work& work) {
+    if (!arena_) return work();
+    // Where others use the arena, too, the work may be done on one of their threads.
+    const StopScope* const stop = AdoptedStop::current();
+    arena_->execute([&] {
+      const AdoptedStop adopted(stop);
+      work();
+    });
+  }
+
+ private:
+  std::optional<oneapi::tbb::task_arena> arena_;
+};
+
 template <class Real>
 class CpuSolve final : public Solve {
  public:
-  CpuSolve(const StencilView<double>& masks, oneapi::tbb::task_arena& arena)
-      : arena_(arena), row_count_(masks.sizes.size()) {
+  CpuSolve(const StencilView<double>& masks, HostThreads& threads)
+      : threads_(threads), row_count_(masks.sizes.size()) {
     PLANISH_ASSERT(masks.source_count == masks.row_count());
-    arena_.execute([&] { rows_.emplace(masks); });
+    threads_.execute([&] { rows_.emplace(masks); });
   }
 
   void begin(std::span<const glm::dvec3> initial_residual) override {
@@ -99,7 +104,7 @@ class CpuSolve final : public Solve {
     StepLog log;
     for (const StepCoefficients& step : steps) {
       PieceSums squares;
-      arena_.execute([&] { squares = take_step(step); });
+      threads_.execute([&] { squares = take_step(step); });
       log.errors.push_back(norms(squares, row_count_));
       // The step is already computed, but displacement_ is still the one that was measured.
       if (log.errors.back().max <= stop_error) return log;
@@ -111,7 +116,7 @@ class CpuSolve final : public Solve {
 
   ErrorNorms error() override {
     PieceSums squares;
-    arena_.execute([&] {
+    threads_.execute([&] {
       squares = sum_rows([initial = initial_residual_.data()](std::size_t i, const Point& image) {
         return initial[i] - image;
       });
@@ -135,11 +140,10 @@ class CpuSolve final : public Solve {
   }
 
   glm::dvec3 cg_apply() override {
-    arena_.execute([&] {
-      parallel_for(rows_->piece_count(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p)
-          rows_->for_each_sum(p, step_.data(),
-                              [&](std::size_t i, const Point& image) { image_[i] = image; });
+    threads_.execute([&] {
+      parallel_each(rows_->piece_count(), 1, [&](std::size_t p) {
+        rows_->for_each_sum(p, step_.data(),
+                            [&](std::size_t i, const Point& image) { image_[i] = image; });
       });
     });
     return inner_product(step_, image_);
@@ -148,8 +152,8 @@ class CpuSolve final : public Solve {
   CgAdvance cg_advance(const glm::dvec3& alpha) override {
     const Point factor = Point::of(alpha);
     PieceSums squares;
-    arena_.execute([&] {
-      squares = sum_pieces(row_count_, [&](std::size_t begin, std::size_t end) {
+    threads_.execute([&] {
+      const auto piece_of = [&](std::size_t begin, std::size_t end) {
         SquareSums piece;
         for (std::size_t i = begin; i < end; ++i) {
           displacement_[i] = displacement_[i] + factor * step_[i];
@@ -157,17 +161,17 @@ class CpuSolve final : public Solve {
           piece.add(residual_[i]);
         }
         return piece.total();
-      });
+      };
+      squares = ordered_reduce(row_count_, kPieceRows, PieceSums{}, piece_of, join);
     });
     return {inner_product(residual_, residual_), norms(squares, row_count_)};
   }
 
   void cg_turn(const glm::dvec3& beta) override {
     const Point factor = Point::of(beta);
-    arena_.execute([&] {
-      parallel_for(row_count_, kPieceRows, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) step_[i] = residual_[i] + factor * step_[i];
-      });
+    threads_.execute([&] {
+      parallel_each(row_count_, kPieceRows,
+                    [&](std::size_t i) { step_[i] = residual_[i] + factor * step_[i]; });
     });
   }
 
@@ -178,19 +182,16 @@ class CpuSolve final : public Solve {
 
   template <class Body>
   void for_pieces(std::size_t count, const Body& body) const {
-    arena_.execute([&] {
-      parallel_for(count, kPieceRows, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) body(i);
-      });
-    });
+    threads_.execute([&] { parallel_each(count, kPieceRows, [&](std::size_t i) { body(i); }); });
   }
 
   // Squares of what residual_of(i, row i of the table applied to the displacement) returns.
   template <class Residual>
   [[nodiscard]] PieceSums sum_rows(const Residual& residual_of) const {
-    return add_pieces(rows_->piece_count(), [&](std::size_t p) {
+    const auto piece_of = [&](std::size_t p, std::size_t) {
       return sum_piece(*rows_, p, displacement_.data(), residual_of);
-    });
+    };
+    return ordered_reduce(rows_->piece_count(), 1, PieceSums{}, piece_of, join);
   }
 
   // All in line, or sums go to memory and back with every row.
@@ -222,19 +223,20 @@ class CpuSolve final : public Solve {
 
   glm::dvec3 inner_product(const Points& a, const Points& b) {
     PieceSums sums;
-    arena_.execute([&] {
-      sums = sum_pieces(row_count_, [&](std::size_t begin, std::size_t end) {
+    threads_.execute([&] {
+      const auto piece_of = [&](std::size_t begin, std::size_t end) {
         PieceSums piece;
         for (std::size_t i = begin; i < end; ++i) {
           piece.sum += row_weights_[i] * a[i].point() * b[i].point();
         }
         return piece;
-      });
+      };
+      sums = ordered_reduce(row_count_, kPieceRows, PieceSums{}, piece_of, join);
     });
     return sums.sum;
   }
 
-  oneapi::tbb::task_arena& arena_;
+  HostThreads& threads_;
   std::size_t row_count_;
   std::optional<Rows> rows_;
   // The other displacement is the last step's, and becomes the next one.
@@ -266,7 +268,7 @@ struct LimitPoint {
   glm::dvec3 position{0.0}, du{0.0}, dv{0.0};
 };
 
-LimitPoint apply_limit_row(const LimitStencilView<double>& table, std::size_t row,
+LimitPoint apply_limit_row(const StencilView<double>& table, std::size_t row,
                            const std::vector<glm::dvec3>& source) {
   LimitPoint limit;
   const auto first = static_cast<std::size_t>(table.offsets[row]);
@@ -290,22 +292,22 @@ glm::vec3 unit_normal(const glm::dvec3& du, const glm::dvec3& dv) {
 class CpuBackend final : public Backend {
  public:
   explicit CpuBackend(const CpuBackendOptions& options)
-      : options_(options),
-        arena_(options.thread_count > 0 ? options.thread_count
-                                        : oneapi::tbb::task_arena::automatic) {}
+      : options_(options), threads_(options.thread_count) {}
 
   [[nodiscard]] DeviceDescription description() const override {
-    return {"cpu", std::to_string(std::max(1u, std::thread::hardware_concurrency())) + " threads",
-            "", "", ""};
+    const int count = options_.thread_count > 0
+                          ? options_.thread_count
+                          : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    return {"cpu", std::to_string(count) + (count == 1 ? " thread" : " threads"), "", "", ""};
   }
 
-  void run_on_host(const std::function<void()>& work) override { arena_.execute(work); }
+  void run_on_host(const std::function<void()>& work) override { threads_.execute(work); }
 
   [[nodiscard]] std::unique_ptr<Solve> make_solve(const StencilView<double>& masks) override {
     if (options_.solve_precision == Precision::Float) {
-      return std::make_unique<CpuSolve<float>>(masks, arena_);
+      return std::make_unique<CpuSolve<float>>(masks, threads_);
     }
-    return std::make_unique<CpuSolve<double>>(masks, arena_);
+    return std::make_unique<CpuSolve<double>>(masks, threads_);
   }
 
   [[nodiscard]] std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {
@@ -326,26 +328,21 @@ class CpuBackend final : public Backend {
     auto& to = static_cast<CpuPoints&>(target).points;
     PLANISH_ASSERT(&from != &to && table.source_count <= source.size());
     PLANISH_ASSERT(first_target + table.row_count() <= target.size());
-    arena_.execute([&] {
-      parallel_for(table.sizes.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-          to[first_target + i] = apply_row(table, i, from);
-        }
-      });
+    threads_.execute([&] {
+      parallel_each(table.sizes.size(), kPieceRows,
+                    [&](std::size_t i) { to[first_target + i] = apply_row(table, i, from); });
     });
   }
 
-  void apply_limit(const LimitStencilView<double>& table, const DevicePoints& source,
+  void apply_limit(const StencilView<double>& table, const DevicePoints& source,
                    std::span<glm::dvec3> positions, std::span<glm::vec3> normals) override {
     const auto& from = static_cast<const CpuPoints&>(source).points;
     PLANISH_ASSERT(positions.size() == table.sizes.size() && normals.size() == positions.size());
-    arena_.execute([&] {
-      parallel_for(table.sizes.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-          const LimitPoint limit = apply_limit_row(table, i, from);
-          positions[i] = limit.position;
-          normals[i] = unit_normal(limit.du, limit.dv);
-        }
+    threads_.execute([&] {
+      parallel_each(table.sizes.size(), kPieceRows, [&](std::size_t i) {
+        const LimitPoint limit = apply_limit_row(table, i, from);
+        positions[i] = limit.position;
+        normals[i] = unit_normal(limit.du, limit.dv);
       });
     });
   }
@@ -354,7 +351,7 @@ class CpuBackend final : public Backend {
 
  private:
   CpuBackendOptions options_;
-  oneapi::tbb::task_arena arena_;
+  HostThreads threads_;
 };
 
 }  // namespace

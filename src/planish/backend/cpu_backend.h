@@ -11,7 +11,7 @@ enum class Precision { Float, Double };
 
 struct CpuBackendOptions {
   Precision solve_precision = Precision::Double;
-  int thread_count = 0;  ///< 0: all cores. Results are the same bits for every count.
+  int thread_count = 0;  ///< with the caller's; 0: those of his arena. Same bits for every count.
 };
 
 /// The backend of machines without a GPU, and the oracle that every shader is held against.

@@ -7,36 +7,54 @@
 #include "planish/c/handles.h"
 #include "planish/c/planish.h"
 #include "planish/core/number_text.h"
-#include "planish/mesh/weld_vertices.h"
 #include "planish/pipeline/fit_file.h"
+#include "planish/pipeline/option_table.h"
 #include "planish/pipeline/verify_cage.h"
 
 namespace planish::c {
 namespace {
 
 constexpr std::int32_t kMaxThreads = 4096;
+constexpr double kNoWeld = -1;
 
-void require_options(const planish_fit_options& options) {
-  const auto out_of_range = [](const char* name, double value, const char* wanted) {
-    refuse(std::string("options.") + name + " is " + shortest(value) + "; " + wanted);
-  };
-  if (options.method < PLANISH_METHOD_AUTO || options.method > PLANISH_METHOD_FAIR)
-    out_of_range("method", options.method, "a planish_method is wanted");
-  if (options.scheme < PLANISH_SCHEME_DOO_SABIN || options.scheme > PLANISH_SCHEME_LOOP)
-    out_of_range("scheme", options.scheme, "a planish_scheme is wanted");
-  if (!(options.tolerance > 0 && options.tolerance <= 1))
-    out_of_range("tolerance", options.tolerance, "a fraction above 0 and up to 1 is wanted");
-  if (options.max_iterations < 0 || options.max_iterations > 1'000'000)
-    out_of_range("max_iterations", options.max_iterations, "0 to 1000000 is wanted");
-  if (!(options.crease_degrees >= 0 && options.crease_degrees <= 180))
-    out_of_range("crease_degrees", options.crease_degrees, "0 to 180 is wanted");
-  if (!can_weld_within(options.weld))
-    out_of_range("weld", options.weld, "0, or 1e-12 to less than 0.1 is wanted");
-  if (options.thread_count < 0 || options.thread_count > kMaxThreads)
-    out_of_range("thread_count", options.thread_count, "0 to 4096 is wanted");
+[[noreturn]] void out_of_range(std::string_view name, double value, const char* wanted) {
+  refuse("options." + std::string(name) + " is " + shortest(value) + "; " + wanted);
 }
 
-// progress() is asked whether to go on, and its answer kept for the places that look at it.
+std::string spelled(std::string_view name) {
+  return "options." + std::string(name == "interpolation" ? "method" : name);
+}
+
+void set_number(FitSettings& settings, std::string_view name, double value) {
+  set_option(fit_option(name), settings, {.number = value}, spelled(name));
+}
+
+void set_whole(FitSettings& settings, std::string_view name, std::int32_t value) {
+  set_option(fit_option(name), settings, {.whole = value}, spelled(name));
+}
+
+// The enums of planish.h have the words of the options in their order.
+void set_choice(FitSettings& settings, std::string_view name, std::int32_t value,
+                const char* wanted) {
+  const FitOption& option = fit_option(name);
+  if (value < 0 || static_cast<std::size_t>(value) >= option.words.size())
+    refuse(spelled(name) + " is " + std::to_string(value) + "; " + wanted);
+  set_option(option, settings, {.text = option.words[static_cast<std::size_t>(value)]},
+             spelled(name));
+}
+
+void set_creases(FitSettings& settings, const planish_fit_options& options) {
+  if (options.creases != nullptr) {
+    read_option(fit_option("creases"), settings, options.creases, spelled("creases"));
+    return;
+  }
+  if (!(options.crease_degrees >= 0 && options.crease_degrees <= 180))
+    out_of_range("crease_degrees", options.crease_degrees, "0 to 180 is wanted");
+  settings.creases.use_tags = options.uses_creases != 0;
+  if (options.crease_degrees > 0) settings.creases.dihedral_degrees = options.crease_degrees;
+}
+
+// An exception out of progress() ends the work, as whatever a callback throws.
 Callbacks callbacks_of(const planish_fit_options& options) {
   Callbacks callbacks;
   if (options.progress != nullptr) {
@@ -53,9 +71,8 @@ Callbacks callbacks_of(const planish_fit_options& options) {
   return callbacks;
 }
 
-std::unique_ptr<Backend> backend_of(const FitOptions& options, int thread_count) {
-  return make_cpu_backend(
-      {.solve_precision = precision_for(options.tolerance), .thread_count = thread_count});
+std::unique_ptr<Backend> backend_of(Precision precision, int thread_count) {
+  return make_cpu_backend({.solve_precision = precision, .thread_count = thread_count});
 }
 
 planish_fit_info info_of(const FittedMesh& fitted) {
@@ -87,35 +104,54 @@ planish_status convergence_status(const FittedMesh& fitted) {
   return PLANISH_NOT_CONVERGED;
 }
 
-}  // namespace
+FitSettings settings_of(const planish_fit_options& options) {
+  FitSettings settings;
+  set_choice(settings, "interpolation", options.method, "a planish_method is wanted");
+  set_choice(settings, "scheme", options.scheme, "a planish_scheme is wanted");
+  set_choice(settings, "weights", options.weights, "a planish_weights is wanted");
+  set_choice(settings, "solver", options.solver, "a planish_solver is wanted");
+  set_choice(settings, "boundary", options.boundary, "a planish_boundary is wanted");
+  set_choice(settings, "precision", options.precision, "a planish_precision is wanted");
+  set_number(settings, "tolerance", options.tolerance);
+  if (options.weld != kNoWeld) set_number(settings, "weld", options.weld);
+  set_whole(settings, "max_iterations", options.max_iterations);
+  set_whole(settings, "polish", options.polish);
+  set_creases(settings, options);
+  settings.repair = options.repairs != 0 ? RepairChoice::Safe : RepairChoice::None;
+  if (options.thread_count < 0 || options.thread_count > kMaxThreads)
+    out_of_range("thread_count", options.thread_count, "0 to 4096 is wanted");
+  check_consistent(settings, spelled);
+  return settings;
+}
 
-MeshFitOptions mesh_options(const planish_fit_options& options) {
-  require_options(options);
-  MeshFitOptions how;
-  if (options.method == PLANISH_METHOD_PROGRESSIVE) how.method = InterpolationMethod::Progressive;
-  if (options.method == PLANISH_METHOD_FAIR) how.method = InterpolationMethod::Fair;
-  if (options.scheme == PLANISH_SCHEME_CATMULL_CLARK) how.fit.scheme = Scheme::CatmullClark;
-  if (options.scheme == PLANISH_SCHEME_LOOP) how.fit.scheme = Scheme::Loop;
-  how.repairs = options.repairs != 0;
-  if (options.crease_degrees > 0) how.crease_degrees = options.crease_degrees;
-  if (options.weld > 0) how.weld = options.weld;
-  how.fit.tolerance = options.tolerance;
-  how.fit.max_iterations = options.max_iterations;
-  how.fit.sharp.use_tags = options.uses_creases != 0;
+// Of a mesh that is no file.
+FitSettings mesh_settings_of(const planish_fit_options& options) {
+  FitSettings settings = settings_of(options);
+  if (settings.creases.split_normals)
+    refuse("options.creases: normals are a file's; take planish_fit_file()");
+  return settings;
+}
+
+MeshFitOptions mesh_options(const FitSettings& settings, const planish_fit_options& options) {
+  MeshFitOptions how = mesh_fit_options(settings);
   how.fit.callbacks = callbacks_of(options);
   return how;
 }
 
+}  // namespace
 }  // namespace planish::c
 
 using namespace planish::c;
 
 void planish_fit_options_init(planish_fit_options* options, size_t struct_size) {
+  const planish::FitSettings own;
   planish_fit_options defaults{};
-  defaults.tolerance = 1e-6;
-  defaults.max_iterations = 200;
+  defaults.tolerance = own.tolerance;
+  defaults.max_iterations = own.max_iterations;
   defaults.repairs = 1;
   defaults.uses_creases = 1;
+  defaults.weld = kNoWeld;
+  defaults.polish = own.polish_steps;
   start(defaults, options, struct_size);
 }
 
@@ -129,10 +165,12 @@ planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_op
     require(mesh, "mesh");
     require(fit, "fit");
     const planish_fit_options own = taken(options, planish_fit_options_init, "options");
-    const planish::MeshFitOptions how = mesh_options(own);
+    const planish::FitSettings settings = mesh_settings_of(own);
+    const planish::MeshFitOptions how = mesh_options(settings, own);
     auto made = std::make_unique<planish_fit>();
     made->thread_count = own.thread_count;
-    const auto backend = backend_of(how.fit, own.thread_count);
+    made->precision = solve_precision(settings);
+    const auto backend = backend_of(made->precision, own.thread_count);
     made->fitted = planish::fit_mesh(mesh->mesh, "mesh", *backend, how);
     *fit = made.release();
     return convergence_status((*fit)->fitted);
@@ -147,12 +185,26 @@ planish_status planish_fit_get_info(const planish_fit* fit, planish_fit_info* in
   });
 }
 
+planish_status planish_fit_smoothed_vertices(const planish_fit* fit, const int32_t** vertices,
+                                             size_t* count) {
+  return call([&] {
+    require(fit, "fit");
+    require(vertices, "vertices");
+    require(count, "count");
+    *vertices = fit->fitted.smoothed_vertices.data();
+    *count = fit->fitted.smoothed_vertices.size();
+    return PLANISH_OK;
+  });
+}
+
 planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage) {
   return call([&] {
     require(fit, "fit");
     require(cage, "cage");
     const planish::FittedMesh& fitted = fit->fitted;
-    *cage = new_mesh(planish::control_cage(fitted.mesh, fitted.fit, fitted.options.sharp));
+    run_on(fit->thread_count, [&] {
+      *cage = new_mesh(planish::control_cage(fitted.mesh, fitted.fit, fitted.options.sharp));
+    });
     return PLANISH_OK;
   });
 }
@@ -161,7 +213,7 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
   return call([&] {
     require(fit, "fit");
     require(path, "path");
-    const auto backend = backend_of(fit->fitted.options, fit->thread_count);
+    const auto backend = backend_of(fit->precision, fit->thread_count);
     planish::write_fitted_surface(path, fit->fitted, "surface", *backend, {.level = level});
     return convergence_status(fit->fitted);
   });
@@ -176,9 +228,11 @@ planish_status planish_fit_file(const char* input, const char* output, int32_t l
     require(output, "output");
     const planish_fit_options own = taken(options, planish_fit_options_init, "options");
     planish::FitFileOptions how;
-    how.mesh = mesh_options(own);
+    const planish::FitSettings settings = settings_of(own);
+    how.mesh = mesh_options(settings, own);
+    how.split_normals = settings.creases.split_normals;
     how.level = level;
-    const auto backend = backend_of(how.mesh.fit, own.thread_count);
+    const auto backend = backend_of(solve_precision(settings), own.thread_count);
     how.backend = backend.get();
     const planish::FileFit done = planish::fit_file(input, output, how);
     if (info != nullptr) give(info_of(done.fitted), info, "info");
@@ -196,17 +250,13 @@ planish_status planish_verify(const planish_mesh* cage, const planish_mesh* give
   return call([&] {
     require(cage, "cage");
     require(given, "given");
-    const planish::MeshFitOptions how =
-        mesh_options(taken(options, planish_fit_options_init, "options"));
-    planish::VerifyOptions verify;
-    verify.method = how.method.value_or(planish::InterpolationMethod::Progressive);
-    verify.scheme = how.fit.scheme;
-    verify.sharp = how.fit.sharp;
-    verify.repairs = how.repairs;
-    verify.crease_degrees = how.crease_degrees;
-    verify.weld = how.weld;
-    verify.tolerance = how.fit.tolerance;
-    const planish::Verification found = planish::verify_cage(cage->mesh, given->mesh, verify);
+    const planish_fit_options how = taken(options, planish_fit_options_init, "options");
+    planish::VerifyOptions verify = verify_options(mesh_settings_of(how));
+    if (how.smoothed_count > 0) require(how.smoothed_vertices, "options.smoothed_vertices");
+    verify.smoothed_vertices = {how.smoothed_vertices, how.smoothed_count};
+    planish::Verification found;
+    run_on(how.thread_count,
+           [&] { found = planish::verify_cage(cage->mesh, given->mesh, verify); });
     planish_verification own;
     planish_verification_init(&own, sizeof own);
     own.confirmed = found.confirmed ? 1 : 0;

@@ -21,8 +21,7 @@ planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
     planish::require_level(level);
     const planish::FittedMesh& fitted = fit->fitted;
     const auto backend = planish::make_cpu_backend(
-        {.solve_precision = planish::precision_for(fitted.options.tolerance),
-         .thread_count = fit->thread_count});
+        {.solve_precision = fit->precision, .thread_count = fit->thread_count});
     auto made = std::make_unique<planish_surface>();
     made->surface =
         planish::evaluate(fitted.mesh, fitted.fit, *backend, fitted.evaluate_options(level));

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "planish/backend/cpu_backend.h"
 #include "planish/c/planish.h"
 #include "planish/limit/limit_surface.h"
 #include "planish/limit/surface_queries.h"
@@ -22,6 +23,7 @@ struct planish_fit {
   std::shared_ptr<planish::FittedMesh> whole;  ///< with the queries that are made of it
   planish::FittedMesh& fitted;
   int thread_count = 0;
+  planish::Precision precision = planish::Precision::Float;
 
   planish_fit() : whole(std::make_shared<planish::FittedMesh>()), fitted(*whole) {}
 };
@@ -43,8 +45,5 @@ namespace planish::c {
 
 /// A handle around a mesh.
 [[nodiscard]] planish_mesh* new_mesh(PolygonMesh&& mesh);
-
-/// Checked, with its callbacks. Throws Error{InvalidArgument}.
-[[nodiscard]] MeshFitOptions mesh_options(const planish_fit_options& options);
 
 }  // namespace planish::c

@@ -50,6 +50,28 @@ typedef enum planish_scheme {
   PLANISH_SCHEME_LOOP = 2 /**< triangles only */
 } planish_scheme;
 
+typedef enum planish_weights {
+  PLANISH_WEIGHTS_DOO_SABIN = 0, /**< Doo and Sabin 1978 */
+  PLANISH_WEIGHTS_AVERAGED = 1   /**< the paper's */
+} planish_weights;
+
+typedef enum planish_solver {
+  PLANISH_SOLVER_CHEBYSHEV = 0,
+  PLANISH_SOLVER_PLAIN = 1, /**< the paper's */
+  PLANISH_SOLVER_CG = 2     /**< closed smooth meshes only */
+} planish_solver;
+
+typedef enum planish_boundary {
+  PLANISH_BOUNDARY_EDGE = 0,
+  PLANISH_BOUNDARY_EDGE_AND_CORNER = 1 /**< corners where one face meets an open boundary */
+} planish_boundary;
+
+typedef enum planish_precision {
+  PLANISH_PRECISION_AUTO = 0, /**< double for tolerances below 1e-8 */
+  PLANISH_PRECISION_FLOAT = 1,
+  PLANISH_PRECISION_DOUBLE = 2
+} planish_precision;
+
 typedef struct planish_mesh planish_mesh;
 typedef struct planish_fit planish_fit;
 typedef struct planish_surface planish_surface;
@@ -107,14 +129,29 @@ typedef struct planish_fit_options {
   int32_t repairs;        /**< not 0: mends what can be mended */
   int32_t uses_creases;   /**< not 0: edges and vertices that the mesh tags stay sharp */
   double crease_degrees;  /**< edges whose faces turn by more are sharp, too; 0: none */
-  int32_t thread_count;   /**< 0: all cores */
-  /** Called on the calling thread with the step's name and the fraction of it that is done, 0 to 1.
+  int32_t
+      thread_count; /**< of all that is done with the fit, the caller's included; 0: all cores */
+  /** Called on the calling thread and no other, every few hundredths of a second, with what is
+   * being done and the fraction of the whole call that is done: it never falls and ends at 1.
    * Another result than 0 cancels. May be NULL. */
   int (*progress)(void* user, const char* step, double fraction);
   /** Called on the calling thread with a stable code and a sentence. May be NULL. */
   void (*warning)(void* user, const char* code, const char* message);
-  void* user;  /**< given to both */
-  double weld; /**< vertices within this fraction of the diagonal become one, first; 0: none */
+  void* user; /**< given to both */
+  /** Vertices within this fraction of the diagonal become one, first: 0 (equal positions), or 1e-12
+   * to less than 0.1; -1: none, the default. */
+  double weld;
+  int32_t weights;   /**< a planish_weights, of Doo-Sabin */
+  int32_t solver;    /**< a planish_solver, of the progressive method */
+  int32_t boundary;  /**< a planish_boundary */
+  int32_t precision; /**< a planish_precision, of the solve */
+  int32_t polish;    /**< steps that even out the curvature of a fair surface: 8 */
+  /** What is sharp, as `planish fit --creases` has it: "use", "ignore", "auto" or "auto:40"; of
+   * planish_fit_file() "normals", too. NULL: as uses_creases and crease_degrees say. */
+  const char* creases;
+  /** For planish_verify() of a fair surface with found creases: planish_fit_smoothed_vertices(). */
+  const int32_t* smoothed_vertices;
+  size_t smoothed_count;
 } planish_fit_options;
 
 void planish_fit_options_init(planish_fit_options* options, size_t struct_size);
@@ -138,6 +175,10 @@ void planish_fit_info_init(planish_fit_info* info, size_t struct_size);
 planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_options* options,
                                   planish_fit** fit);
 planish_status planish_fit_get_info(const planish_fit* fit, planish_fit_info* info);
+/** Where found creases were taken back, for they would have folded the surface: vertices of the
+ * mesh as it was fitted, ascending; the array belongs to the fit. */
+planish_status planish_fit_smoothed_vertices(const planish_fit* fit, const int32_t** vertices,
+                                             size_t* count);
 /** The control cage, a mesh of its own. Of the fair method it is the mesh of level 1. */
 planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
 /** Evaluates and writes the surface as glTF, GLB, OBJ, PLY, OFF, STL or USD text, by extension. */
@@ -260,8 +301,9 @@ typedef struct planish_verification {
 void planish_verification_init(planish_verification* verification, size_t struct_size);
 
 /** How far the vertices of `given` are from the surface of `cage`, by limit points in double; of
- * the options, which may be NULL, method (auto: progressive), scheme, tolerance, repairs and
- * creases count. Not confirming is PLANISH_OK. */
+ * the options, which may be NULL, those that shape the surface count, as they were given to the
+ * fit: method (auto: progressive), scheme, weights, boundary, creases, repairs, weld,
+ * smoothed_vertices; and tolerance. Not confirming is PLANISH_OK. */
 planish_status planish_verify(const planish_mesh* cage, const planish_mesh* given,
                               const planish_fit_options* options,
                               planish_verification* verification);

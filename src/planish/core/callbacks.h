@@ -19,7 +19,7 @@ struct Warning {
 
 /// How the library talks back. Every member may be empty. Called on the calling thread only.
 struct Callbacks {
-  /// Step name and the fraction of it that is done, 0 to 1.
+  /// What is being done, and the fraction of the whole call; it never falls and ends at 1.
   std::function<void(std::string_view step, double fraction)> progress;
   std::function<bool()> cancelled;
   std::function<void(const Warning&)> warning;

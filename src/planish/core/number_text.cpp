@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace planish {
 namespace {
@@ -35,7 +36,7 @@ constexpr std::array<double, 23> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  1e4,  1
 // doubles: their quotient is then rounded once, as it has to be. Based on: Clinger, "How to read
 // floating point numbers accurately", 1990.
 bool parse_plain(std::string_view token, double& value) {
-  constexpr std::size_t kMostDigits = 18;  // that 64 bits hold for sure
+  constexpr std::size_t kMostDigits = 16;  // more are above 2^53, but for zeros before them
   constexpr std::uint64_t kLargestExact = std::uint64_t{1} << 53;
   const char* at = token.data();
   const char* const end = at + token.size();
@@ -84,6 +85,43 @@ bool parse_integer(std::string_view token, std::int64_t& value) {
   if (error != std::errc() || end != token.data() + token.size()) return false;
   value = parsed;
   return true;
+}
+
+namespace {
+
+// Without its sign, in lower case.
+std::string plain_word(std::string_view word) {
+  if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
+  std::string plain(word.substr(0, 16));
+  for (char& c : plain)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return plain;
+}
+
+}  // namespace
+
+bool is_nan_word(std::string_view word) {
+  const std::string plain = plain_word(word);
+  return plain == "nan" || (plain.starts_with("nan(") && plain.ends_with(')')) ||
+         plain.starts_with("1.#ind") || plain.starts_with("1.#qnan") ||
+         plain.starts_with("1.#snan");
+}
+
+bool is_non_finite_word(std::string_view word) {
+  const std::string plain = plain_word(word);
+  return plain == "inf" || plain == "infinity" || plain.starts_with("1.#inf") || is_nan_word(word);
+}
+
+std::string no_finite_number(std::string_view word) {
+  const std::string what = quote(word) + " is no finite number";
+  const std::size_t sign = word.find_first_of("+-", 1);
+  if (sign == std::string_view::npos) return what;
+  // Programs that read it take it for 3.1 or for 310.
+  std::string meant(word);
+  if (meant.substr(sign + 1, 1) != "e" && meant.substr(sign + 1, 1) != "E") return what;
+  std::swap(meant[sign], meant[sign + 1]);
+  double value = 0;
+  return parse_number(meant, value) ? what + "; write " + meant + " if that is meant" : what;
 }
 
 std::string shortest(double value) {

@@ -14,6 +14,13 @@ namespace planish {
 /// An integer that fills `token`.
 [[nodiscard]] bool parse_integer(std::string_view token, std::int64_t& value);
 
+/// A word that programs write for what is no number: `nan`, `-nan(ind)`, `1.#QNAN`.
+[[nodiscard]] bool is_nan_word(std::string_view word);
+/// Such a word, or one for an infinite number: `inf`, `-Infinity`, `1.#INF`.
+[[nodiscard]] bool is_non_finite_word(std::string_view word);
+/// What is to be said of a word that parse_number() does not take.
+[[nodiscard]] std::string no_finite_number(std::string_view word);
+
 /// The shortest text that is read back as the same number.
 [[nodiscard]] std::string shortest(double value);
 

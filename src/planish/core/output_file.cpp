@@ -10,6 +10,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/rename_file.h"
 #include "planish/core/stop.h"
 #include "planish/core/visible_text.h"
 
@@ -33,7 +34,8 @@ std::filesystem::path temporary_beside(const std::filesystem::path& path, unsign
 
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)) {
+OutputFile::OutputFile(std::filesystem::path path, bool replaces)
+    : path_(std::move(path)), replaces_(replaces) {
   // Unlike mkstemp, O_EXCL with mode 0666 leaves the permissions to the user's umask.
   constexpr int kAttempts = 100;
   std::random_device random;
@@ -107,7 +109,10 @@ void OutputFile::commit() {
   const int closed = ::close(file_);
   file_ = -1;
   if (closed != 0) fail("close");
-  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("rename the finished file to");
+  if (const std::error_code error = rename_file(temporary_, path_, replaces_)) {
+    errno = error.value();
+    fail("rename the finished file to");
+  }
   temporary_.clear();
 }
 

@@ -14,10 +14,15 @@ namespace planish {
 /// Every member throws Error{UnwritableOutput} naming the path and the system's reason.
 class OutputFile {
  public:
-  explicit OutputFile(std::filesystem::path path);
+  /// Without `replaces` a file that stands at `path` when commit() is called stays, and commit()
+  /// throws.
+  explicit OutputFile(std::filesystem::path path, bool replaces = true);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Where the bytes go until then, for whoever writes them by other means.
+  [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
 
   /// Takes room for so many bytes on the disk where the system can: a disk that is too full is
   /// told before the work, writing is faster, and replacing an old file does not wait for the disk.
@@ -33,6 +38,7 @@ class OutputFile {
 
   std::filesystem::path path_;
   std::filesystem::path temporary_;
+  bool replaces_;
   int file_ = -1;  // descriptor
   std::uint64_t reserved_ = 0, written_ = 0;
 };

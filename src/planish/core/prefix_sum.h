@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -19,28 +20,15 @@ inline std::int32_t exclusive_sum(std::span<std::int32_t> values) {
     return values.subspan(b * kBlock, std::min(kBlock, values.size() - b * kBlock));
   };
   std::vector<std::int32_t> starts(block_count);
-  parallel_for(block_count, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      std::int32_t sum = 0;
-      for (const std::int32_t value : block(b)) sum += value;
-      starts[b] = sum;
-    }
+  parallel_each(block_count, 1, [&](std::size_t b) {
+    const std::span<std::int32_t> own = block(b);
+    starts[b] = std::accumulate(own.begin(), own.end(), 0);
   });
-  std::int32_t total = 0;
-  for (std::int32_t& start : starts) {
-    const std::int32_t sum = start;
-    start = total;
-    total += sum;
-  }
-  parallel_for(block_count, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      std::int32_t sum = starts[b];
-      for (std::int32_t& value : block(b)) {
-        const std::int32_t own = value;
-        value = sum;
-        sum += own;
-      }
-    }
+  const std::int32_t total = std::accumulate(starts.begin(), starts.end(), 0);
+  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), 0);
+  parallel_each(block_count, 1, [&](std::size_t b) {
+    const std::span<std::int32_t> own = block(b);
+    std::exclusive_scan(own.begin(), own.end(), own.begin(), starts[b]);
   });
   return total;
 }
@@ -58,13 +46,11 @@ SelectedBlocks count_selected(std::size_t count, const Select& select) {
   constexpr std::size_t kBlock = 1 << 16;
   SelectedBlocks blocks;
   blocks.starts.resize((count + kBlock - 1) / kBlock);
-  parallel_for(blocks.starts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      std::int32_t sum = 0;
-      for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
-        sum += select(i) ? 1 : 0;
-      blocks.starts[b] = sum;
-    }
+  parallel_each(blocks.starts.size(), 1, [&](std::size_t b) {
+    std::int32_t sum = 0;
+    for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
+      sum += select(i) ? 1 : 0;
+    blocks.starts[b] = sum;
   });
   blocks.total = exclusive_sum(blocks.starts);
   return blocks;
@@ -75,12 +61,10 @@ template <class Select, class Visit>
 void for_selected(std::size_t count, const SelectedBlocks& blocks, const Select& select,
                   const Visit& visit) {
   constexpr std::size_t kBlock = 1 << 16;
-  parallel_for(blocks.starts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      std::int32_t number = blocks.starts[b];
-      for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
-        if (select(i)) visit(i, number++);
-    }
+  parallel_each(blocks.starts.size(), 1, [&](std::size_t b) {
+    std::int32_t number = blocks.starts[b];
+    for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
+      if (select(i)) visit(i, number++);
   });
 }
 

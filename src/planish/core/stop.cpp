@@ -1,6 +1,7 @@
 #include "planish/core/stop.h"
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 
 namespace planish {
 namespace {
@@ -20,6 +21,7 @@ bool stop_requested() {
 }
 
 void check_stop() {
+  HostWatch::look_from_thread();
   if (stop_requested()) throw Error(ErrorCode::Cancelled, "cancelled");
 }
 

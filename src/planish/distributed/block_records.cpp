@@ -89,10 +89,7 @@ enum ElementKind : std::uint64_t {
 
 // Whether the face's first vertex along the curve is: each face is one rank's.
 bool is_of_owned(const MeshPart& part, std::int32_t face) {
-  const auto named = part.face(face);
-  const auto first =
-      *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part.number_of(v); });
-  return first < part.owned_count();
+  return part.first_vertex(face) < part.owned_count();
 }
 
 void add_part(const MeshPart& part, std::span<const glm::dvec3> cage, TilesKey& key) {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "planish/core/counted.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/distributed/fair_cage.h"
@@ -245,11 +246,13 @@ class DistributedJob {
   void warn_of_tiles(const PartTiles& tiles) {
     const std::int64_t degenerate = tiles.file.degenerate.count;
     if (degenerate > 0)
-      fit_.warnings.push_back({.code = "degenerate-normals",
-                               .message = std::to_string(degenerate) +
-                                          " vertices have parallel tangents; their normals are "
-                                          "those of the facets",
-                               .count = degenerate});
+      fit_.warnings.push_back(
+          {.code = "degenerate-normals",
+           .message =
+               counted(degenerate, "vertex") +
+               (degenerate == 1 ? " has parallel tangents; its normal is that of the facets"
+                                : " have parallel tangents; their normals are those of the facets"),
+           .count = degenerate});
     const double rounded = tiles.file.largest_distance / fit_.placement.diagonal;
     if (fit_.solution.converged && rounded > options_.tolerance)
       fit_.warnings.push_back(
@@ -319,10 +322,7 @@ class DistributedJob {
       const auto place = std::ranges::find(kPhases, phase.name) - std::begin(kPhases);
       own_.milliseconds[place] += 1000 * phase.seconds;
     }
-    std::vector<std::int64_t> counts(static_cast<std::size_t>(ranks_.size), 0);
-    counts[0] = 1;
-    const auto all =
-        all_to_all<RankFigures>(ranks_, std::span<const RankFigures>(&own_, 1), counts);
+    const auto all = gather(ranks_, std::span<const RankFigures>(&own_, 1));
     fit_.ranks.assign(all.begin(), all.end());
   }
 

@@ -209,11 +209,7 @@ void route_tags(const Ranks& ranks, const MeshSlice& slice, MeshPart& part) {
 
 // Holes are few: every rank knows all.
 void gather_holes(const Ranks& ranks, const MeshSlice& slice, MeshPart& part) {
-  RawVector<std::int64_t> copies;
-  for (int r = 0; r < ranks.size; ++r)
-    copies.insert(copies.end(), slice.holes.begin(), slice.holes.end());
-  const std::vector<std::int64_t> counts(ranks.size, std::ssize(slice.holes));
-  const auto all = all_to_all<std::int64_t>(ranks, copies, counts);
+  const auto all = all_gather<std::int64_t>(ranks, slice.holes);
   part.holes.assign(all.begin(), all.end());
   std::ranges::sort(part.holes);
 }

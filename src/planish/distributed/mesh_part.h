@@ -78,6 +78,11 @@ struct MeshPart {
   [[nodiscard]] std::int64_t number_of(std::int32_t vertex) const {
     return vertex < owned_count() ? layout[rank] + vertex : ghosts[vertex - owned_count()];
   }
+  /// The first of the face's vertices along the curve, whose rank and block the face belongs to.
+  [[nodiscard]] std::int32_t first_vertex(std::int32_t face) const {
+    return *std::ranges::min_element(this->face(face), {},
+                                     [&](std::int32_t v) { return number_of(v); });
+  }
   [[nodiscard]] bool is_hole(std::int32_t face) const {
     return std::ranges::binary_search(holes, face_ids[face]);
   }

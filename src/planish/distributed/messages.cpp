@@ -169,6 +169,14 @@ void exchange_bytes(const Ranks& ranks, const std::byte* from, std::span<const s
   MPI_Type_free(&element);
 }
 
+void broadcast_bytes(const Ranks& ranks, std::span<std::byte> bytes, int root,
+                     std::size_t round_bytes) {
+  for (std::size_t begin = 0; begin < bytes.size(); begin += round_bytes) {
+    const std::size_t count = std::min(round_bytes, bytes.size() - begin);
+    MPI_Bcast(bytes.data() + begin, static_cast<int>(count), MPI_BYTE, root, ranks.comm);
+  }
+}
+
 void exchange_with_peers(const Ranks& ranks, const std::byte* from,
                          std::span<const std::int64_t> sent, std::byte* to,
                          std::span<const std::int64_t> received, std::size_t element_bytes) {

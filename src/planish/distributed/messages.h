@@ -2,6 +2,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -80,6 +81,33 @@ template <class T>
   exchange_bytes(ranks, reinterpret_cast<const std::byte*>(send.data()), counts,
                  reinterpret_cast<std::byte*>(result.data()), incoming, sizeof(T));
   if (received != nullptr) *received = std::move(incoming);
+  return result;
+}
+
+/// The elements of rank 0, then those of rank 1, ...: on rank 0; empty on all others.
+template <class T>
+[[nodiscard]] RawVector<T> gather(const Ranks& ranks, std::span<const T> own) {
+  std::vector<std::int64_t> counts(static_cast<std::size_t>(ranks.size), 0);
+  counts[0] = std::ssize(own);
+  return all_to_all<T>(ranks, own, counts);
+}
+
+/// The bytes of rank `root` to all others, however many they are.
+void broadcast_bytes(const Ranks& ranks, std::span<std::byte> bytes, int root,
+                     std::size_t round_bytes = kRoundBytes);
+
+/// The elements of rank 0, then those of rank 1, ...: on all ranks. Takes memory for the result
+/// alone, however many ranks there are.
+template <class T>
+[[nodiscard]] RawVector<T> all_gather(const Ranks& ranks, std::span<const T> own) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const Layout layout = layout_of(ranks, std::ssize(own));
+  RawVector<T> result(static_cast<std::size_t>(layout.back()));
+  std::ranges::copy(own, result.begin() + layout[ranks.rank]);
+  for (int r = 0; r < ranks.size; ++r)
+    broadcast_bytes(
+        ranks,
+        std::as_writable_bytes(std::span(result).subspan(layout[r], layout[r + 1] - layout[r])), r);
   return result;
 }
 

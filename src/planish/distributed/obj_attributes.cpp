@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "planish/core/error.h"
 #include "planish/files/obj/obj_names.h"
 #include "planish/files/shared/group_list.h"
 
@@ -29,80 +29,30 @@ void take_texts(std::span<const std::string> texts, ObjNames& names) {
     if (!texts[i].empty()) *to[i] = texts[i].substr(1);
 }
 
-}  // namespace
-
-void ObjAttributes::append(const ObjPart& part, const std::string& place, const MeshSlice& before) {
-  const PolygonMesh& mesh = part.mesh;
-  if (!mesh.colors.empty()) {
-    colors_.resize(before.positions.size(), kNoObjColor);
-    colors_.insert(colors_.end(), mesh.colors.begin(), mesh.colors.end());
-  }
-  if (!mesh.face_uvs.empty()) {
-    const std::size_t first = before.face_vertices.size();
-    face_uvs_.resize(first, -1);
-    face_uvs_.insert(face_uvs_.end(), mesh.face_uvs.begin(), mesh.face_uvs.end());
-    for (const std::size_t corner : part.backward_uvs) {
-      face_uvs_[first + corner] += static_cast<std::int64_t>(uvs_.size());
-      backward_.push_back(first + corner);
-    }
-  }
-  uvs_.insert(uvs_.end(), part.uvs.begin(), part.uvs.end());
-  for (const ObjPart::Naming& naming : part.namings) {
-    namings_.push_back(naming);
-    named_from_.push_back(before.face_count() + naming.faces_before);
-  }
-  clamped_colors_ += part.clamped_colors;
-  if (part.largest_uv.index <= largest_uv_) return;
-  largest_uv_ = part.largest_uv.index;
-  largest_place_ = place + ":" + std::to_string(part.largest_uv.line);
-}
-
-void ObjAttributes::settle_colors(const Ranks& ranks, MeshSlice& slice) {
+void settle_colors(const Ranks& ranks, std::vector<glm::vec4> colors, MeshSlice& slice) {
   SliceAttributes& to = slice.attributes;
-  to.has_colors = max_over(ranks, std::int64_t{!colors_.empty()}) > 0;
-  if (const std::int64_t count = sum_over(ranks, clamped_colors_); count > 0)
-    slice.warnings.push_back(
-        {.code = "clamped-colors",
-         .message = std::to_string(count) + " vertex colours lie outside 0 to 1 and are clamped",
-         .count = count});
+  to.has_colors = max_over(ranks, std::int64_t{!colors.empty()}) > 0;
   if (!to.has_colors) return;
-  to.colors = std::move(colors_);
+  to.colors = std::move(colors);
   to.colors.resize(slice.positions.size(), kNoObjColor);
   std::ranges::replace(to.colors, kNoObjColor, glm::vec4(1.0f));
 }
 
-void ObjAttributes::settle_uvs(const Ranks& ranks, const std::string& path, MeshSlice& slice) {
+void settle_uvs(const Ranks& ranks, ObjPart& part, MeshSlice& slice) {
   SliceAttributes& to = slice.attributes;
-  to.uv_runs = layout_of(ranks, static_cast<std::int64_t>(uvs_.size()));
-  to.has_uvs = max_over(ranks, std::int64_t{!face_uvs_.empty()}) > 0;
-  const std::int64_t total = to.uv_runs.back();
-  agree(ranks, [&] {
-    const auto fail = [](const std::string& what) {
-      throw Error(ErrorCode::UnreadableInput, what);
-    };
-    // Readers of parts count in 32 bits.
-    if (total >= std::numeric_limits<std::int32_t>::max())
-      fail(path + ": " + std::to_string(total) +
-           " texture coordinates, and 2147483646 can be read; " + "leave them out");
-    for (const std::size_t corner : backward_) {
-      face_uvs_[corner] += to.uv_runs[ranks.rank];
-      if (face_uvs_[corner] < 0)
-        fail(path + ": a face counts back behind the first texture coordinate");
-    }
-    if (largest_uv_ >= total)
-      fail(largest_place_ + ": face names texture coordinate " + std::to_string(largest_uv_ + 1) +
-           " of " + std::to_string(total));
-  });
+  to.uv_runs = layout_of(ranks, static_cast<std::int64_t>(part.uvs.size()));
+  to.has_uvs = max_over(ranks, std::int64_t{!part.mesh.face_uvs.empty()}) > 0;
   // Coordinates that no corner names are dropped.
   if (!to.has_uvs) return;
-  to.uvs = std::move(uvs_);
-  to.face_uvs = std::move(face_uvs_);
+  to.uvs = std::move(part.uvs);
+  to.face_uvs.assign(part.mesh.face_uvs.begin(), part.mesh.face_uvs.end());
   to.face_uvs.resize(slice.face_vertices.size(), -1);
 }
 
-void ObjAttributes::settle_names(const Ranks& ranks, MeshSlice& slice) {
+void settle_names(const Ranks& ranks, const std::vector<ObjPart::Naming>& namings,
+                  MeshSlice& slice) {
   ObjNames own;
-  for (const ObjPart::Naming& naming : namings_) own.take(naming);
+  for (const ObjPart::Naming& naming : namings) own.take(naming);
   const auto texts = texts_of(own);
   const std::vector<std::string> all = texts_of_all(ranks, texts);
   ObjNames names;
@@ -115,18 +65,20 @@ void ObjAttributes::settle_names(const Ranks& ranks, MeshSlice& slice) {
     if (face > static_cast<std::int64_t>(face_groups.size()))
       face_groups.resize(static_cast<std::size_t>(face), list.index_of(names.face_group()));
   };
-  for (std::size_t i = 0; i < namings_.size(); ++i) {
-    name_until(named_from_[i]);
-    names.take(namings_[i]);
+  for (const ObjPart::Naming& naming : namings) {
+    name_until(naming.faces_before);
+    names.take(naming);
   }
   name_until(slice.face_count());
   settle_groups(ranks, list.groups(), std::move(face_groups), slice.attributes);
 }
 
-void ObjAttributes::settle(const Ranks& ranks, const std::string& path, MeshSlice& slice) {
-  settle_colors(ranks, slice);
-  settle_uvs(ranks, path, slice);
-  settle_names(ranks, slice);
+}  // namespace
+
+void settle_obj_attributes(const Ranks& ranks, ObjPart& part, MeshSlice& slice) {
+  settle_colors(ranks, std::move(part.mesh.colors), slice);
+  settle_uvs(ranks, part, slice);
+  settle_names(ranks, part.namings, slice);
 }
 
 }  // namespace planish

@@ -15,7 +15,6 @@
 #include "planish/fair/hub_ellipse.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/pipeline/deep_folds.h"
-#include "planish/stencil/quad_split.h"
 
 namespace planish {
 
@@ -28,10 +27,9 @@ struct PartMesh {
   PartMesh(const MeshPart& part, const PartFairOptions& options)
       : sub(SubMeshMaker(part).make(0, part.owned_count(), Rings::TwoTagged)),
         topology(topology_of_sound(sub.mesh)),
-        split(sub.mesh, topology),
-        features(find_sharp_features(sub.mesh, split, sub.mesh.positions, options.fit.sharp)),
+        features(find_sharp_features(sub.mesh, *topology, sub.mesh.positions, options.fit.sharp)),
         // The first step takes the weights of 1978 whatever the later levels take.
-        subdivision(split, features, Weights::DooSabin),
+        subdivision(*topology, features, Weights::DooSabin),
         given(sub.mesh.positions.size()),
         keys(curve_keys(part, sub, *topology, features)) {
     for (std::size_t v = 0; v < given.size(); ++v)
@@ -41,7 +39,6 @@ struct PartMesh {
 
   SubMesh sub;
   std::shared_ptr<const MeshTopology> topology;
-  QuadSplit split;
   SharpFeatures features;
   Subdivision subdivision;
   std::vector<dvec3> given;

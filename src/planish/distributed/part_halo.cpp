@@ -152,9 +152,7 @@ void PartHalo::list_blocks(const SubMesh& sub, std::int64_t block_vertices) {
   owned_faces_.assign(sub.faces.size(), 0);
   std::vector<std::pair<std::int64_t, std::int32_t>> faces;  // with their blocks
   for (std::int32_t f = 0; f < part_.face_count(); ++f) {
-    const auto named = part_.face(f);
-    const auto first =
-        *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part_.number_of(v); });
+    const std::int32_t first = part_.first_vertex(f);
     if (first >= owned) continue;
     owned_faces_[f] = 1;
     faces.emplace_back(first / block_vertices, f);

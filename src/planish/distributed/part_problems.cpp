@@ -91,11 +91,8 @@ std::vector<FoundProblem> first_of_all(const Ranks& ranks, std::vector<FoundProb
                      static_cast<std::int64_t>(problem.message.size())});
     text.insert(text.end(), problem.message.begin(), problem.message.end());
   }
-  std::vector<std::int64_t> head_counts(ranks.size, 0), text_counts(ranks.size, 0);
-  head_counts[0] = static_cast<std::int64_t>(heads.size());
-  text_counts[0] = static_cast<std::int64_t>(text.size());
-  const auto all_heads = all_to_all<ProblemHead>(ranks, heads, head_counts);
-  const auto all_text = all_to_all<char>(ranks, text, text_counts);
+  const auto all_heads = gather<ProblemHead>(ranks, heads);
+  const auto all_text = gather<char>(ranks, text);
   std::vector<FoundProblem> all;
   std::size_t at = 0;
   for (const ProblemHead& head : all_heads) {
@@ -115,9 +112,7 @@ std::vector<FoundProblem> problems_of_run(const MeshPart& part, const SubMesh& s
   const auto in_run = [&](std::int32_t v) { return v >= begin && v < end; };
   // A face is its first vertex's along the curve.
   const auto owns_face = [&](std::int64_t face) {
-    const auto named = part.face(sub.faces[face]);
-    return in_run(
-        *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part.number_of(v); }));
+    return in_run(part.first_vertex(sub.faces[face]));
   };
   std::vector<FoundProblem> found;
   for (const MeshProblem& problem : problems) {

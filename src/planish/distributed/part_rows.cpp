@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 
 #include "planish/core/assert.h"
@@ -13,7 +12,6 @@
 #include "planish/doosabin/sharp_features.h"
 #include "planish/doosabin/subdivision.h"
 #include "planish/mesh/sound_topology.h"
-#include "planish/stencil/quad_split.h"
 
 namespace planish {
 
@@ -72,11 +70,10 @@ class RowMaker {
       rows_.offsets.resize(rows_.offsets.size() + (end - begin), rows_.offsets.back());
       return;
     }
-    const QuadSplit split(sub.mesh, std::make_shared<const MeshTopology>(std::move(*topology)));
     const SharpFeatures features =
-        find_sharp_features(sub.mesh, split, sub.mesh.positions, options_.sharp);
-    const Subdivision subdivision(split, features, options_.weights);
-    const StencilArrays masks = limit_mask_arrays(subdivision);
+        find_sharp_features(sub.mesh, *topology, sub.mesh.positions, options_.sharp);
+    const Subdivision subdivision(*topology, features, options_.weights);
+    const StencilTable masks = limit_masks(subdivision);
     rows_.spectral_bound =
         std::min(rows_.spectral_bound, spectral_bound(sub.mesh, options_.weights));
     row_of_.assign(static_cast<std::size_t>(end - begin), -1);
@@ -85,7 +82,7 @@ class RowMaker {
         row_of_[sub.vertices[v] - begin] = static_cast<std::int32_t>(v);
     for (const std::int32_t row : row_of_) {
       if (row >= 0) {
-        rows_.has_boundary |= split.topology().is_boundary_vertex(row);
+        rows_.has_boundary |= topology->is_boundary_vertex(row);
         ++rows_.kinds[static_cast<std::size_t>(features.vertex_kinds[row])];
         for (std::int32_t k = masks.offsets[row]; k < masks.offsets[row] + masks.sizes[row]; ++k) {
           rows_.columns.push_back(sub.vertices[masks.indices[k]]);

@@ -97,8 +97,8 @@ class PartTilesWriter {
     result.resumed = sum_over(ranks_, resumed_.load());
     std::vector<BlockFigures> own;
     for (const WrittenBlock& block : written_) own.push_back(block.figures);
-    const auto figures = on_first_rank<BlockFigures>(own);
-    const auto facts = on_first_rank<TileFact>(tile_facts());
+    const auto figures = gather<BlockFigures>(ranks_, own);
+    const auto facts = gather<TileFact>(ranks_, tile_facts());
     agree(ranks_, [&] {
       if (ranks_.rank != 0) return;
       result.file = write_documents(facts);
@@ -120,8 +120,7 @@ class PartTilesWriter {
     std::vector<TileBox> boxes(block_count);
     for (std::int32_t f = 0; f < part_.face_count(); ++f) {
       const auto named = part_.face(f);
-      const std::int32_t first =
-          *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part_.number_of(v); });
+      const std::int32_t first = part_.first_vertex(f);
       if (first >= owned || part_.is_hole(f)) continue;
       const auto b = static_cast<std::size_t>(first / size);
       const glm::dvec3& corner = part_.positions[named.front()];
@@ -290,9 +289,7 @@ class PartTilesWriter {
                                                   const SubMesh& sub) const {
     RawVector<std::int32_t> places(sub.faces.size());
     for (std::size_t f = 0; f < places.size(); ++f) {
-      const auto named = part_.face(sub.faces[f]);
-      const auto first =
-          *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part_.number_of(v); });
+      const std::int32_t first = part_.first_vertex(sub.faces[f]);
       places[f] = sub.is_own[f] != 0 ? first - block.begin : kInOtherBlock;
     }
     for (const std::int32_t hole : sub.mesh.hole_faces) places[hole] = -1;
@@ -310,13 +307,6 @@ class PartTilesWriter {
       }
     }
     return facts;
-  }
-
-  template <class T>
-  [[nodiscard]] RawVector<T> on_first_rank(const std::vector<T>& own) const {
-    std::vector<std::int64_t> counts(static_cast<std::size_t>(ranks_.size), 0);
-    counts[0] = std::ssize(own);
-    return all_to_all<T>(ranks_, own, counts);
   }
 
   TilesFile write_documents(std::span<const TileFact> facts) const {

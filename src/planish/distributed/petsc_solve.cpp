@@ -1,9 +1,9 @@
 // Based on: "Smooth Surface Reconstruction using Doo-Sabin Subdivision Surfaces", section 3.2, and
-// Golub & Varga, "Chebyshev semi-iterative methods", 1961, both as PETSc's KSP has them.
+// Golub & Varga, "Chebyshev semi-iterative methods", 1961.
 // The system is B d = r_0 with r_0 = V0 - B V0 taken from differences, as on one machine.
 #include "planish/distributed/petsc_solve.h"
 
-#include <petscksp.h>
+#include <petscmat.h>
 #include <petscsf.h>
 
 #include <algorithm>
@@ -13,7 +13,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "planish/backend/chebyshev.h"
 #include "planish/core/parallel.h"
 
 namespace planish {
@@ -21,13 +20,6 @@ namespace planish {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-// Steps of a batch behind the first, which has the count that the bound promises.
-constexpr std::int32_t kMoreChebyshevSteps = 3;
-constexpr std::int32_t kPlainSteps = 4;
-// After so many steps that gain less than this factor no progress is made, as on one machine.
-constexpr std::int32_t kStagnationSteps = 32;
-constexpr double kStagnationFactor = 0.9;
-constexpr double kDivergenceFactor = 1e3;
 
 void require(PetscErrorCode code) {
   if (code == 0) return;
@@ -168,98 +160,74 @@ void set_right_hand_side(Vec b, const PartRows& rows, std::span<const glm::dvec3
   require(VecRestoreArrayWrite(b, &out));
 }
 
-class Iteration {
+class RankSystem final : public StepSolve {
  public:
-  Iteration(const Ranks& ranks, const Layout& layout, const PartRows& rows,
-            const PetscSolveOptions& options)
+  RankSystem(const Ranks& ranks, const Layout& layout, const PartRows& rows,
+             const PetscSolveOptions& options)
       : ranks_(ranks), rows_(rows), options_(options), kernel_(ranks, layout, rows) {
     const PetscInt own = 3 * static_cast<PetscInt>(rows.row_count());
-    require(VecCreate(ranks.comm, &b_));
-    require(VecSetSizes(b_, own, PETSC_DETERMINE));
-    require(VecSetType(b_, VECMPI));
-    require(VecDuplicate(b_, &d_));
-    require(VecDuplicate(b_, &work_));
-    require(VecSet(d_, 0));
+    require(VecCreate(ranks.comm, &initial_));
+    require(VecSetSizes(initial_, own, PETSC_DETERMINE));
+    require(VecSetType(initial_, VECMPI));
+    for (Vec* vector : {&displacement_, &step_, &residual_}) {
+      require(VecDuplicate(initial_, vector));
+      require(VecSet(*vector, 0));
+    }
     require(
         MatCreateShell(ranks.comm, own, own, PETSC_DETERMINE, PETSC_DETERMINE, &kernel_, &shell_));
     require(
         MatShellSetOperation(shell_, MATOP_MULT, reinterpret_cast<void (*)(void)>(shell_multiply)));
-    make_solver();
   }
 
-  PetscSolution run(std::span<const glm::dvec3> given, std::span<const glm::dvec3> ghosts,
-                    std::int64_t used_total) {
-    set_right_hand_side(b_, rows_, given, ghosts);
-    PetscSolution solution;
-    solution.peers = kernel_.peers();
-    measure(b_, solution);
-    const double initial = solution.error.max;
-    std::int32_t batch = first_batch(initial), since_progress = 0;
-    double best = initial;
-    solution.stop_reason = StopReason::IterationLimit;
-    while (solution.error.max > options_.tolerance &&
-           solution.iterations < options_.max_iterations) {
-      batch = std::min(batch, options_.max_iterations - solution.iterations);
-      step(batch, solution.iterations > 0);
-      solution.iterations += batch;
-      require(MatMult(shell_, d_, work_));
-      require(VecAYPX(work_, -1.0, b_));
-      measure(work_, solution);
-      if (options_.after_batch) options_.after_batch();
-      const double error = solution.error.max;
-      since_progress = error <= kStagnationFactor * best ? 0 : since_progress + batch;
-      best = std::min(best, error);
-      if (!(error <= kDivergenceFactor * initial)) {
-        solution.stop_reason = StopReason::Diverged;
-        break;
-      }
-      if (since_progress >= kStagnationSteps && error > options_.tolerance) {
-        solution.stop_reason = StopReason::Stagnated;
-        break;
-      }
-      batch = options_.solver == Solver::Chebyshev ? kMoreChebyshevSteps : kPlainSteps;
-    }
-    solution.converged = solution.error.max <= options_.tolerance;
-    if (solution.converged) solution.stop_reason = StopReason::Converged;
-    solution.error.rms = mean_square_root(used_total);
-    take_displacement(solution);
-    return solution;
+  /// The error of the initial residual.
+  ErrorNorms begin(std::span<const glm::dvec3> given, std::span<const glm::dvec3> ghosts) {
+    set_right_hand_side(initial_, rows_, given, ghosts);
+    return measured(initial_);
   }
+
+  StepLog run(std::span<const StepCoefficients> steps, double stop_error) override {
+    StepLog log;
+    for (const StepCoefficients& coefficients : steps) {
+      log.errors.push_back(error());
+      if (log.errors.back().max <= stop_error) break;
+      require(VecAXPBY(step_, coefficients.gain, coefficients.momentum, residual_));
+      require(VecAXPY(displacement_, 1.0, step_));
+      ++log.steps_taken;
+      if (options_.after_step) options_.after_step();
+    }
+    return log;
+  }
+
+  ErrorNorms error() override {
+    require(MatMult(shell_, displacement_, residual_));
+    require(VecAYPX(residual_, -1.0, initial_));
+    return measured(residual_);
+  }
+
+  // Of the last residual measured; on rank 0. Added in the order of blocks, so that the sum has
+  // the same bits for every rank count.
+  [[nodiscard]] double root_mean_square(std::int64_t used_total) const {
+    double sum = 0;
+    for (const double piece : gather<double>(ranks_, block_sums_)) sum += piece;
+    return used_total > 0 ? std::sqrt(sum / static_cast<double>(used_total)) : 0.0;
+  }
+
+  [[nodiscard]] std::vector<glm::dvec3> displacement() const {
+    const double* values = nullptr;
+    require(VecGetArrayRead(displacement_, &values));
+    std::vector<glm::dvec3> result(static_cast<std::size_t>(rows_.row_count()));
+    for (std::size_t v = 0; v < result.size(); ++v)
+      result[v] = {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
+    require(VecRestoreArrayRead(displacement_, &values));
+    return result;
+  }
+
+  [[nodiscard]] std::int64_t reductions() const { return reductions_; }
+  [[nodiscard]] std::int32_t peers() const { return kernel_.peers(); }
 
  private:
-  void make_solver() {
-    PC pc = nullptr;
-    require(KSPCreate(ranks_.comm, &ksp_));
-    require(KSPSetOperators(ksp_, shell_, shell_));
-    require(KSPGetPC(ksp_, &pc));
-    require(PCSetType(pc, PCNONE));
-    // No norm and no test: a count of steps is all that is wanted, and nothing is reduced.
-    require(KSPSetNormType(ksp_, KSP_NORM_NONE));
-    require(KSPSetConvergenceTest(ksp_, KSPConvergedSkip, nullptr, nullptr));
-    if (options_.solver == Solver::Chebyshev) {
-      require(KSPSetType(ksp_, KSPCHEBYSHEV));
-      // The largest first. Without it PETSc estimates, for smoothing.
-      require(KSPChebyshevSetEigenvalues(ksp_, 1.0, rows_.spectral_bound));
-    } else {
-      require(KSPSetType(ksp_, KSPRICHARDSON));
-      require(KSPRichardsonSetScale(ksp_, 1.0));
-    }
-  }
-
-  [[nodiscard]] std::int32_t first_batch(double initial) const {
-    if (options_.solver != Solver::Chebyshev) return 2 * kPlainSteps;
-    const double count = chebyshev_step_count(rows_.spectral_bound, options_.tolerance / initial);
-    return static_cast<std::int32_t>(std::clamp<double>(count, 1, options_.max_iterations));
-  }
-
-  void step(std::int32_t count, bool goes_on) {
-    require(KSPSetTolerances(ksp_, 0, 0, PETSC_DEFAULT, count));
-    require(KSPSetInitialGuessNonzero(ksp_, goes_on ? PETSC_TRUE : PETSC_FALSE));
-    require(KSPSolve(ksp_, b_, d_));
-  }
-
   // One maximum over all ranks. Sums of squares, one a block, are kept for the end.
-  void measure(Vec residual, PetscSolution& solution) {
+  ErrorNorms measured(Vec residual) {
     const double* values = nullptr;
     require(VecGetArrayRead(residual, &values));
     const auto rows = static_cast<std::int64_t>(rows_.row_count());
@@ -280,37 +248,18 @@ class Iteration {
     });
     require(VecRestoreArrayRead(residual, &values));
     const double most = largest.empty() ? 0.0 : std::ranges::max(largest);
-    solution.error.max = std::sqrt(max_over(ranks_, most));
-    ++solution.reductions;
-    solution.history.push_back(solution.error.max);
-  }
-
-  // Added in the order of blocks, so that the sum has the same bits for every rank count.
-  [[nodiscard]] double mean_square_root(std::int64_t used_total) const {
-    std::vector<std::int64_t> counts(static_cast<std::size_t>(ranks_.size), 0);
-    counts[0] = static_cast<std::int64_t>(block_sums_.size());
-    double sum = 0;
-    for (const double piece : all_to_all<double>(ranks_, block_sums_, counts)) sum += piece;
-    return used_total > 0 ? std::sqrt(sum / static_cast<double>(used_total)) : 0.0;
-  }
-
-  void take_displacement(PetscSolution& solution) {
-    const double* values = nullptr;
-    require(VecGetArrayRead(d_, &values));
-    solution.displacement.resize(static_cast<std::size_t>(rows_.row_count()));
-    for (std::size_t v = 0; v < solution.displacement.size(); ++v)
-      solution.displacement[v] = {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
-    require(VecRestoreArrayRead(d_, &values));
+    ++reductions_;
+    return {std::sqrt(max_over(ranks_, most)), std::numeric_limits<double>::quiet_NaN()};
   }
 
   const Ranks& ranks_;
   const PartRows& rows_;
   const PetscSolveOptions& options_;
   Kernel kernel_;
-  Owned<Vec, VecDestroy> b_, d_, work_;
+  Owned<Vec, VecDestroy> initial_, displacement_, step_, residual_;
   Owned<Mat, MatDestroy> shell_;
-  Owned<KSP, KSPDestroy> ksp_;
   std::vector<double> block_sums_;  // of the last residual measured
+  std::int64_t reductions_ = 0;
 };
 
 }  // namespace
@@ -345,7 +294,25 @@ PetscSolution petsc_solve(const Ranks& ranks, const Layout& layout, const PartRo
       throw Error(ErrorCode::InvalidArgument,
                   "a tolerance above 0 and a count of iterations from 0 are wanted");
   });
-  return Iteration(ranks, layout, rows, options).run(given, ghosts, used_total);
+  const InterpolationOptions steps{.solver = options.solver,
+                                   .tolerance = options.tolerance,
+                                   .max_iterations = options.max_iterations,
+                                   .spectral_bound = rows.spectral_bound};
+  RankSystem system(ranks, layout, rows, options);
+  PetscSolution solution;
+  solution.error = system.begin(given, ghosts);
+  if (solution.error.max > options.tolerance) {
+    take_steps(system, solution.error.max, steps, solution);
+    solution.error = solution.history.back();
+  } else {
+    solution.history = {solution.error};
+  }
+  solution.error.rms = system.root_mean_square(used_total);
+  conclude(steps, solution);
+  solution.displacement = system.displacement();
+  solution.reductions = system.reductions();
+  solution.peers = system.peers();
+  return solution;
 }
 
 }  // namespace planish

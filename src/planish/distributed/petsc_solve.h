@@ -5,7 +5,6 @@
 #include <glm/vec3.hpp>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "planish/backend/backend.h"
 #include "planish/distributed/part_rows.h"
@@ -31,26 +30,21 @@ struct PetscSolveOptions {
   double tolerance = 1e-6;
   std::int32_t max_iterations = 200;
   std::int64_t block_vertices = kBlockVertices;
-  std::function<void()> after_batch;  ///< a sign of life
+  std::function<void()> after_step;  ///< a sign of life
 };
 
-/// Of all ranks but for the displacement and the peers.
-struct PetscSolution {
-  std::vector<glm::dvec3> displacement;  ///< of owned vertices, unit coordinates
-  bool converged = false;
-  StopReason stop_reason = StopReason::Converged;
-  std::int32_t iterations = 0;
-  ErrorNorms error;             ///< the mean is rank 0's
-  std::vector<double> history;  ///< largest error before the first batch and after each
+/// Of all ranks, but for the displacement, which is of owned vertices, and the peers. The mean
+/// of `error` is rank 0's, those of the history are not taken (NaN), nor is `worst_vertex`.
+struct PetscSolution : Interpolation {
   std::int64_t reductions = 0;  ///< over all ranks, for maxima
   std::int32_t peers = 0;       ///< ranks that this one gets ghosts from
 };
 
-/// Solves B (given + displacement) = given by KSPCHEBYSHEV with the closed-form bound and a count
-/// of steps fixed in advance, or by KSPRICHARDSON, the paper's iteration; after each batch of steps
-/// one maximum over all ranks. `given`: the owned vertices in unit coordinates, `ghosts` those of
-/// rows.ghosts. The same bits for every rank count. Throws AgreedError{InvalidArgument} for options
-/// out of range and conjugate gradients, std::runtime_error where PETSc fails.
+/// Solves B (given + displacement) = given by the steps of interpolate() with its rule for their
+/// end, on PETSc's vectors and halos; each step takes one maximum over all ranks. `given`: the
+/// owned vertices in unit coordinates, `ghosts` those of rows.ghosts. The same bits for every rank
+/// count. Throws AgreedError{InvalidArgument} for options out of range and conjugate gradients,
+/// std::runtime_error where PETSc fails.
 [[nodiscard]] PetscSolution petsc_solve(const Ranks& ranks, const Layout& layout,
                                         const PartRows& rows, std::span<const glm::dvec3> given,
                                         std::span<const glm::dvec3> ghosts, std::int64_t used_total,

@@ -1,14 +1,16 @@
 // Based on: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manual, appendix B1.
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "planish/core/error.h"
-#include "planish/core/parallel.h"
+#include "planish/core/number_text.h"
 #include "planish/distributed/obj_attributes.h"
 #include "planish/distributed/range_file.h"
 #include "planish/distributed/read_slices.h"
-#include "planish/files/obj/obj_part.h"
+#include "planish/files/obj/obj_parts.h"
 #include "planish/files/shared/text_lines.h"
 
 namespace planish {
@@ -18,8 +20,6 @@ namespace {
 constexpr std::int64_t kPieceBytes = std::int64_t{64} << 20;
 constexpr std::int64_t kPartBytes = std::int64_t{1} << 20;
 constexpr std::int64_t kWindowBytes = std::int64_t{1} << 16;
-// The readers of parts count in 32 bits.
-constexpr std::int64_t kMostVertices = std::numeric_limits<std::int32_t>::max() - 1;
 
 bool holds_line_feed(const RangeFile& file, std::int64_t begin, std::int64_t end) {
   for (; begin < end; begin += kPieceBytes) {
@@ -60,128 +60,84 @@ class LineStarts {
   char end_of_line_;
 };
 
-// What a rank's range says, with indices that still count from this rank's first vertex.
-struct ObjSlice {
-  MeshSlice slice;
-  std::vector<std::size_t> backward;  // places in face_vertices
-  std::int64_t largest_vertex = -1;   // named by a face, from 0
-  std::int64_t largest_tag = -1;
-  std::int64_t largest_hole = -1;
-  std::int64_t first_unknown = std::numeric_limits<std::int64_t>::max();
-  std::string largest_place, unknown;
-  std::int64_t unknown_count = 0, dropped = 0;
-  ObjAttributes attributes;
-};
-
-void append_part(ObjPart& part, const ObjTags& tags, const std::string& place, ObjSlice& to) {
-  MeshSlice& slice = to.slice;
-  to.attributes.append(part, place, slice);
-  const auto first_vertex = static_cast<std::int64_t>(slice.positions.size());
-  const std::size_t first_corner = slice.face_vertices.size();
-  const PolygonMesh& mesh = part.mesh;
-  slice.positions.insert(slice.positions.end(), mesh.positions.begin(), mesh.positions.end());
-  slice.face_vertices.insert(slice.face_vertices.end(), mesh.face_vertices.begin(),
-                             mesh.face_vertices.end());
-  for (const std::size_t corner : part.backward_vertices) {
-    slice.face_vertices[first_corner + corner] += first_vertex;
-    to.backward.push_back(first_corner + corner);
-  }
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
-    slice.face_offsets.push_back(static_cast<std::int64_t>(first_corner) +
-                                 mesh.face_offsets[f + 1]);
-  for (const CreaseEdge& crease : mesh.creases)
-    slice.creases.push_back(
-        {crease.v0, crease.v1, crease.sharpness, static_cast<std::int64_t>(slice.creases.size())});
-  for (const CornerVertex& corner : mesh.corners)
-    slice.corners.push_back(
-        {corner.vertex, corner.sharpness, static_cast<std::int64_t>(slice.corners.size())});
-  slice.holes.insert(slice.holes.end(), mesh.hole_faces.begin(), mesh.hole_faces.end());
-  const auto note = [&](std::int64_t& largest, const LargestIndex& from) {
-    if (from.index <= largest) return;
-    largest = from.index;
-    to.largest_place = place + ":" + std::to_string(from.line);
-  };
-  note(to.largest_vertex, part.largest_vertex);
-  note(to.largest_tag, tags.largest_vertex());
-  note(to.largest_hole, tags.largest_face());
-  for (const UnknownWord* word :
-       std::array<const UnknownWord*, 2>{&part.unknown_keyword, &tags.unknown()}) {
-    if (word->count > 0 && to.unknown.empty())
-      to.unknown = place + ":" + std::to_string(word->line) + ": " + word->name;
-    to.unknown_count += word->count;
-  }
-  to.dropped += part.dropped_element_count;
+// Where the parts of [begin, end) begin, and its end; both are places where lines begin.
+std::vector<std::int64_t> part_places(const RangeFile& file, bool has_line_feeds,
+                                      std::int64_t begin, std::int64_t end) {
+  const LineStarts starts(file, has_line_feeds);
+  std::vector<std::int64_t> places{begin};
+  do {
+    places.push_back(std::min(starts.at_or_behind(places.back() + kPartBytes), end));
+  } while (places.back() < end);
+  return places;
 }
 
-// The lines of [begin, end), both places where lines begin.
-void read_piece(const RangeFile& file, bool has_line_feeds, std::int64_t begin, std::int64_t end,
-                ObjSlice& to) {
+// Calls use() with the lines of [begin, end).
+void use_lines(const RangeFile& file, bool has_line_feeds, std::int64_t begin, std::int64_t end,
+               const std::function<void(const TextLines&)>& use) {
   RawVector<std::byte> bytes = file.read(begin, end);
   // What TextLines takes for the end of a line is that of the whole file.
   if (has_line_feeds && std::ranges::find(bytes, std::byte{'\n'}) == bytes.end())
     bytes.push_back(std::byte{'\n'});
-  const std::string place =
-      begin == 0 ? file.path() : file.path() + ", from byte " + std::to_string(begin) + " on";
-  const TextLines lines(bytes, place, TextLines::Continuation::Backslash);
-  ObjPartReader reader(lines, /*is_first=*/false);
-  reader.read();
-  append_part(reader.part(), reader.tags(), place, to);
+  const FileBytes text{.bytes = bytes, .name = file.path(), .path = {}, .is_strict = true};
+  use(TextLines(text, TextLines::Continuation::Backslash));
 }
 
-void read_range(const RangeFile& file, bool has_line_feeds, std::int64_t begin, std::int64_t end,
-                ObjSlice& to) {
-  const LineStarts starts(file, has_line_feeds);
-  while (begin < end) {
-    const std::int64_t next = std::min(starts.at_or_behind(begin + kPartBytes), end);
-    read_piece(file, has_line_feeds, begin, next, to);
-    if (static_cast<std::int64_t>(to.slice.positions.size()) > kMostVertices)
-      throw Error(ErrorCode::UnreadableInput, file.path() + ": more vertices than 32 bits count");
-    begin = next;
+// What stands before this rank's range, and in the whole file.
+struct Standing {
+  ObjCounts before, all;
+};
+
+Standing standing_of(const Ranks& ranks, const ObjCounts& own) {
+  Standing standing;
+  // Corners are counted by each rank for itself.
+  for (const auto count :
+       {&ObjCounts::line, &ObjCounts::vertex, &ObjCounts::uv, &ObjCounts::face}) {
+    standing.before.*count = sum_before(ranks, own.*count);
+    standing.all.*count = sum_over(ranks, own.*count);
   }
+  return standing;
 }
 
-void settle(const Ranks& ranks, const std::string& path, ObjSlice& read) {
-  MeshSlice& slice = read.slice;
-  slice.vertices = layout_of(ranks, static_cast<std::int64_t>(slice.positions.size()));
-  slice.faces = layout_of(ranks, slice.face_count());
-  const std::int64_t first = slice.vertices[ranks.rank], total = slice.vertex_total();
-  const auto number = [&](auto& tags) {
-    const std::int64_t before = sum_before(ranks, static_cast<std::int64_t>(tags.size()));
-    for (auto& tag : tags) tag.index += before;
-  };
-  number(slice.creases);
-  number(slice.corners);
-  const bool is_obj = total > 0 || sum_over(ranks, read.unknown_count) == 0;
+// The same on all ranks: how often, and where first in the file.
+LineNote over_ranks(const Ranks& ranks, const LineNote& own) {
+  LineNote all;
+  all.count = sum_over(ranks, own.count);
+  if (all.count == 0) return all;
+  const std::array<std::string, 2> texts{own.what, std::to_string(own.line)};
+  const std::vector<std::string> of_all = texts_of_all(ranks, texts);
+  for (std::size_t i = 0; i < of_all.size() && all.what.empty(); i += 2) {
+    all.what = of_all[i];
+    (void)parse_integer(of_all[i + 1], all.line);
+  }
+  return all;
+}
+
+MeshSlice slice_of(const Ranks& ranks, const RangeFile& file, ObjPart& part,
+                   const Standing& standing) {
+  part.notes.unknown_keyword = over_ranks(ranks, part.notes.unknown_keyword);
+  part.tags.unknown = over_ranks(ranks, part.tags.unknown);
+  part.notes.clamped_colors = sum_over(ranks, part.notes.clamped_colors);
   agree(ranks, [&] {
-    const auto fail = [&](const std::string& what) {
-      throw Error(ErrorCode::UnreadableInput, what);
-    };
-    if (!is_obj && !read.unknown.empty())
-      fail(read.unknown + " is an unknown word in a file without vertices: this is no OBJ file");
-    if (total > kMostVertices)
-      fail(path + ": " + std::to_string(total) + " vertices, at most " +
-           std::to_string(kMostVertices) + " can be read from OBJ");
-    for (const std::size_t corner : read.backward) {
-      slice.face_vertices[corner] += first;
-      if (slice.face_vertices[corner] < 0)
-        fail(path + ": a face counts back behind the first vertex");
-    }
-    const auto require = [&](std::int64_t largest, int base, const char* what, std::int64_t count) {
-      if (largest < count) return;
-      fail(read.largest_place + ": " + what + std::to_string(largest + base) + " of " +
-           std::to_string(count));
-    };
-    require(read.largest_vertex, 1, "face names vertex ", total);
-    require(read.largest_tag, 0, "tag names vertex ", total);
-    require(read.largest_hole, 0, "tag names face ", slice.face_total());
+    const FileBytes nothing{.bytes = {}, .name = file.path(), .path = {}, .is_strict = true};
+    require_obj(part, standing.all, TextLines(nothing));
   });
-}
-
-void add_warnings(const Ranks& ranks, const ObjSlice& read, std::vector<Warning>& warnings) {
-  if (const std::int64_t count = sum_over(ranks, read.unknown_count); count > 0)
-    warnings.push_back({.code = "unknown-keyword",
-                        .message = std::to_string(count) + " lines of unknown keywords are ignored",
-                        .count = count});
+  MeshSlice slice;
+  warn_of(part, file.path(), slice.warnings);
+  PolygonMesh& mesh = part.mesh;
+  slice.positions = std::move(mesh.positions);
+  slice.face_vertices.assign(mesh.face_vertices.begin(), mesh.face_vertices.end());
+  slice.face_offsets.assign(mesh.face_offsets.begin(), mesh.face_offsets.end());
+  slice.vertices = layout_of(ranks, std::ssize(slice.positions));
+  slice.faces = layout_of(ranks, slice.face_count());
+  std::int64_t index = sum_before(ranks, std::ssize(mesh.creases));
+  for (const CreaseEdge& crease : mesh.creases)
+    slice.creases.push_back({crease.v0, crease.v1, crease.sharpness, index++});
+  index = sum_before(ranks, std::ssize(mesh.corners));
+  for (const CornerVertex& corner : mesh.corners)
+    slice.corners.push_back({corner.vertex, corner.sharpness, index++});
+  slice.holes.assign(mesh.hole_faces.begin(), mesh.hole_faces.end());
+  settle_obj_attributes(ranks, part, slice);
+  return slice;
 }
 
 }  // namespace
@@ -198,18 +154,26 @@ MeshSlice read_obj_slices(const Ranks& ranks, const std::string& path) {
                      holds_line_feed(*file, ranges[ranks.rank], ranges[ranks.rank + 1]);
   });
   has_line_feeds = max_over(ranks, std::int64_t{has_line_feeds}) > 0;
-  ObjSlice read;
+  std::vector<std::int64_t> places;
+  std::optional<ObjParts> parts;
   agree(ranks, [&] {
     const LineStarts starts(*file, has_line_feeds);
     const std::int64_t begin = starts.at_or_behind(ranges[ranks.rank]);
     const std::int64_t end =
         ranks.rank + 1 == ranks.size ? file->size() : starts.at_or_behind(ranges[ranks.rank + 1]);
-    read_range(*file, has_line_feeds, begin, std::max(begin, end), read);
+    places = part_places(*file, has_line_feeds, begin, std::max(begin, end));
+    parts.emplace(
+        places.size() - 1,
+        [&](std::size_t p, const std::function<void(const TextLines&)>& use) {
+          use_lines(*file, has_line_feeds, places[p], places[p + 1], use);
+        },
+        /*is_start=*/ranks.rank == 0);
   });
-  settle(ranks, path, read);
-  add_warnings(ranks, read, read.slice.warnings);
-  read.attributes.settle(ranks, path, read.slice);
-  return std::move(read.slice);
+  const Standing standing = standing_of(ranks, parts->counts());
+  ObjPart part;
+  agree(ranks, [&] { part = parts->join(standing.before); });
+  parts.reset();
+  return slice_of(ranks, *file, part, standing);
 }
 
 }  // namespace planish

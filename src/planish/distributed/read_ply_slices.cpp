@@ -1,14 +1,11 @@
 // Based on: G. Turk, "The PLY Polygon File Format", 1994.
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
-#include "planish/core/number_text.h"
 #include "planish/distributed/range_file.h"
 #include "planish/distributed/read_slices.h"
 #include "planish/distributed/record_chains.h"
-#include "planish/files/ply/ply_vertex_layout.h"
-#include "planish/files/shared/bytes.h"
+#include "planish/files/ply/ply_vertex.h"
 
 namespace planish {
 
@@ -19,28 +16,8 @@ constexpr std::int64_t kMostCorners = 65535;
 
 bool is_integer(PlyType type) { return type != PlyType::Float32 && type != PlyType::Float64; }
 
-template <class Number>
-Number number_at(std::span<const std::byte> bytes, PlyType type) {
-  constexpr std::endian kOrder = std::endian::little;
-  switch (type) {
-    case PlyType::Int8:
-      return static_cast<Number>(load<std::int8_t>(bytes, kOrder));
-    case PlyType::UInt8:
-      return static_cast<Number>(load<std::uint8_t>(bytes, kOrder));
-    case PlyType::Int16:
-      return static_cast<Number>(load<std::int16_t>(bytes, kOrder));
-    case PlyType::UInt16:
-      return static_cast<Number>(load<std::uint16_t>(bytes, kOrder));
-    case PlyType::Int32:
-      return static_cast<Number>(load<std::int32_t>(bytes, kOrder));
-    case PlyType::UInt32:
-      return static_cast<Number>(load<std::uint32_t>(bytes, kOrder));
-    case PlyType::Float32:
-      return static_cast<Number>(load<float>(bytes, kOrder));
-    case PlyType::Float64:
-      return static_cast<Number>(load<double>(bytes, kOrder));
-  }
-  return 0;
+std::int64_t integer_at(std::span<const std::byte> bytes, PlyType type) {
+  return static_cast<std::int64_t>(ply_number(bytes, type, std::endian::little));
 }
 
 [[noreturn]] void fail(const std::string& path, const std::string& what,
@@ -75,12 +52,12 @@ struct FaceRecord {
     return before + count_bytes() + most * index_bytes() + after;
   }
   [[nodiscard]] std::int64_t size_at(std::span<const std::byte> bytes, std::int64_t place) const {
-    return number_at<std::int64_t>(bytes.subspan(place + before), count_type);
+    return integer_at(bytes.subspan(place + before), count_type);
   }
   [[nodiscard]] std::int64_t index_at(std::span<const std::byte> bytes, std::int64_t place,
                                       std::int64_t corner) const {
-    return number_at<std::int64_t>(
-        bytes.subspan(place + before + count_bytes() + corner * index_bytes()), index_type);
+    return integer_at(bytes.subspan(place + before + count_bytes() + corner * index_bytes()),
+                      index_type);
   }
   // Behind the record; -1 where none can be.
   [[nodiscard]] std::int64_t next(std::span<const std::byte> bytes, std::int64_t place) const {
@@ -120,11 +97,9 @@ const PlyElement* element_named(const PlyHeader& header, std::string_view name) 
   return found == header.elements.end() ? nullptr : &*found;
 }
 
+// Without lists.
 std::int64_t fixed_bytes_of(const PlyElement& element) {
-  std::int64_t bytes = 0;
-  for (const PlyProperty& property : element.properties)
-    bytes += static_cast<std::int64_t>(byte_count_of(property.type));
-  return bytes;
+  return static_cast<std::int64_t>(element.least_bytes());
 }
 
 // The vertices [first, last) with their texture coordinates and colours.
@@ -141,27 +116,15 @@ void read_vertices(const RangeFile& file, const PlyElement& element, std::int64_
   slice.positions.resize(count);
   attributes.uvs.resize(layout.has_uvs ? count : 0);
   attributes.colors.resize(layout.has_colors ? count : 0);
+  PlyBinaryCursor cursor({.bytes = bytes, .name = file.path(), .path = {}, .is_strict = true},
+                         {.format = PlyFormat::LittleEndian});
+  PlyNotes notes;
   for (std::int64_t v = first; v < last; ++v) {
-    std::int64_t at = (v - first) * stride;
-    double values[9] = {0, 0, 0, 0, 0, 0, 0, 0, 1};  // opaque
-    for (std::size_t p = 0; p < element.properties.size(); ++p) {
-      const PlyType type = element.properties[p].type;
-      const int slot = layout.slots[p];
-      if (slot >= 0 && slot < 9) {
-        const auto value = number_at<double>(std::span(bytes).subspan(at), type);
-        if (!std::isfinite(value))
-          fail(file.path(),
-               "vertex " + std::to_string(v) + " of " + std::to_string(element.count) + ": " +
-                   element.properties[p].name + " is " + shortest(value),
-               v);
-        values[slot] = slot < 5 ? value : ply_color(value, type, slot == 8);
-      }
-      at += static_cast<std::int64_t>(byte_count_of(type));
-    }
+    const PlyVertex vertex = read_ply_vertex(cursor, element, layout, v, notes);
     const std::int64_t i = v - first;
-    slice.positions[i] = {values[0], values[1], values[2]};
-    if (layout.has_uvs) attributes.uvs[i] = {values[3], values[4]};
-    if (layout.has_colors) attributes.colors[i] = {values[5], values[6], values[7], values[8]};
+    slice.positions[i] = vertex.position();
+    if (layout.has_uvs) attributes.uvs[i] = vertex.uv();
+    if (layout.has_colors) attributes.colors[i] = vertex.color();
   }
 }
 

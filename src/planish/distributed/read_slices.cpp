@@ -6,6 +6,7 @@
 #include "planish/core/error.h"
 #include "planish/distributed/range_file.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/shared/text_encoding.h"
 
 namespace planish {
 
@@ -41,7 +42,7 @@ MeshSlice read_by_first_rank(const Ranks& ranks, const std::string& path, FileFo
   agree(ranks, [&] {
     if (ranks.rank != 0) return;
     require_small(path, format);
-    file = read_mesh(path, {.format = format});
+    file = read_mesh(path, {.format = format, .is_strict = true});
   });
   MeshSlice slice = scatter_mesh(ranks, file.mesh);
   slice.warnings = std::move(file.warnings);  // rank 0 alone reports them
@@ -99,18 +100,23 @@ MeshSlice read_slices(const Ranks& ranks, const std::string& path,
                       std::optional<FileFormat> given) {
   FileFormat format{};
   PlyHeader header;
+  bool is_plain = true;
   agree(ranks, [&] {
     format = format_for(path, given);
-    if (format != FileFormat::Ply) return;
     const RangeFile file(path);
+    // Text that has to be told from its beginning on is read whole, by rank 0.
+    const auto start = file.read(0, 4);
+    is_plain = !is_utf16(start) && !has_utf8_mark(start);
+    if (format != FileFormat::Ply || !is_plain) return;
     const auto bytes = file.read(0, kHeaderBytes);
     try {
-      header = read_ply_header(bytes, path);
+      header = read_ply_header({.bytes = bytes, .name = path, .path = {}, .is_strict = true});
     } catch (const Error&) {
       // A longer header is read whole, by rank 0.
       if (file.size() <= kHeaderBytes) throw;
     }
   });
+  if (!is_plain) return read_by_first_rank(ranks, path, format);
   if (format == FileFormat::Obj) return read_obj_slices(ranks, path);
   if (format == FileFormat::Ply && has_sliceable_body(header))
     return read_ply_slices(ranks, path, header);

@@ -18,16 +18,6 @@ std::vector<T> scattered(const Ranks& ranks, std::span<const T> values,
   return {own.begin(), own.end()};
 }
 
-// Those of rank 0, then those of rank 1, ..., on all ranks.
-template <class T>
-RawVector<T> on_all_ranks(const Ranks& ranks, std::span<const T> own) {
-  RawVector<T> copies;
-  for (int r = 0; r < ranks.size; ++r) copies.insert(copies.end(), own.begin(), own.end());
-  const std::vector<std::int64_t> counts(static_cast<std::size_t>(ranks.size),
-                                         static_cast<std::int64_t>(own.size()));
-  return all_to_all<T>(ranks, copies, counts);
-}
-
 }  // namespace
 
 std::vector<std::string> texts_of_all(const Ranks& ranks, std::span<const std::string> own) {
@@ -37,8 +27,8 @@ std::vector<std::string> texts_of_all(const Ranks& ranks, std::span<const std::s
     own_sizes.push_back(static_cast<std::int64_t>(text.size()));
     own_letters += text;
   }
-  const auto sizes = on_all_ranks<std::int64_t>(ranks, own_sizes);
-  const auto letters = on_all_ranks<char>(ranks, own_letters);
+  const auto sizes = all_gather<std::int64_t>(ranks, own_sizes);
+  const auto letters = all_gather<char>(ranks, own_letters);
   std::vector<std::string> texts;
   std::size_t at = 0;
   for (const std::int64_t size : sizes) {

@@ -1,9 +1,6 @@
 #include "planish/distributed/staged_file.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 
 #include "planish/core/error.h"
@@ -24,25 +21,25 @@ std::string text_of(int code) {
 }  // namespace
 
 StagedFile::StagedFile(const Ranks& ranks, std::string path)
-    : ranks_(ranks), path_(std::move(path)), part_(path_ + ".part") {
+    : ranks_(ranks), path_(std::move(path)) {
+  std::string temporary;
   agree(ranks_, [&] {
-    std::error_code ignored;
-    if (ranks_.rank == 0) std::filesystem::remove(part_, ignored);
+    if (ranks_.rank == 0) temporary = output_.emplace(path_).temporary().string();
   });
-  const int code = MPI_File_open(ranks_.comm, part_.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY,
-                                 MPI_INFO_NULL, &file_);
+  const RawVector<char> name = all_gather<char>(ranks_, temporary);
+  temporary.assign(name.begin(), name.end());
+  const int code =
+      MPI_File_open(ranks_.comm, temporary.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &file_);
   // Where it is open on some ranks only, nobody can close it: that is left to the job's end.
   agree(ranks_, [&] {
     if (code == MPI_SUCCESS) return;
     file_ = MPI_FILE_NULL;
-    fail("cannot be created: " + text_of(code));
+    fail("cannot be opened by all ranks: " + text_of(code));
   });
 }
 
 StagedFile::~StagedFile() {
   if (file_ != MPI_FILE_NULL) (void)MPI_File_close(&file_);
-  std::error_code ignored;
-  if (ranks_.rank == 0 && !committed_) std::filesystem::remove(part_, ignored);
 }
 
 void StagedFile::fail(const std::string& what) const {
@@ -82,7 +79,7 @@ void StagedFile::close(std::int64_t bytes) {
     if (closed != MPI_SUCCESS) fail("cannot be closed: " + text_of(closed));
     if (ranks_.rank != 0) return;
     std::error_code code;
-    const std::uintmax_t found = std::filesystem::file_size(part_, code);
+    const std::uintmax_t found = std::filesystem::file_size(output_->temporary(), code);
     if (code) fail("cannot be looked at: " + code.message());
     if (found != static_cast<std::uintmax_t>(bytes))
       fail("has " + std::to_string(found) + " bytes, " + std::to_string(bytes) +
@@ -92,10 +89,8 @@ void StagedFile::close(std::int64_t bytes) {
 
 void StagedFile::commit() {
   agree(ranks_, [&] {
-    if (ranks_.rank == 0 && std::rename(part_.c_str(), path_.c_str()) != 0)
-      fail(std::string("cannot be renamed into place: ") + std::strerror(errno));
+    if (ranks_.rank == 0) output_->commit();
   });
-  committed_ = true;
 }
 
 }  // namespace planish

@@ -4,21 +4,23 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "planish/core/output_file.h"
 #include "planish/distributed/messages.h"
 
 namespace planish {
 
-/// A file that all ranks write by MPI-IO and that appears whole or not at all: bytes go to
-/// `path`.part, which rank 0 renames when all agree that everything is there. Every function is
-/// called by all ranks and throws AgreedError{UnwritableOutput} naming the path.
+/// An OutputFile that all ranks write by MPI-IO: it appears whole or not at all, when all agree
+/// that everything is there. A job that is killed may leave its temporary, as on one machine: it
+/// has a name of its own, so that no other job and no other program's file is touched. Every
+/// function is called by all ranks and throws AgreedError{UnwritableOutput} naming the path.
 class StagedFile {
  public:
-  /// Removes what an ended job may have left of such a file.
   StagedFile(const Ranks& ranks, std::string path);
-  /// Closes, and removes the part that was not committed.
+  /// Closes, and removes what was not committed.
   ~StagedFile();
   StagedFile(const StagedFile&) = delete;
   StagedFile& operator=(const StagedFile&) = delete;
@@ -34,9 +36,9 @@ class StagedFile {
   void fail(const std::string& what) const;
 
   const Ranks& ranks_;
-  std::string path_, part_;
+  std::string path_;
+  std::optional<OutputFile> output_;  // on rank 0
   MPI_File file_ = MPI_FILE_NULL;
-  bool committed_ = false;
 };
 
 }  // namespace planish

@@ -39,9 +39,7 @@ void SubMeshMaker::take_vertices(std::span<const std::int32_t> faces,
 // The faces whose first vertex is in the run.
 void SubMeshMaker::take_own(std::int32_t begin, std::int32_t end) {
   const auto is_first_in_run = [&](std::int32_t face) {
-    const auto named = part_.face(face);
-    const std::int32_t first =
-        *std::ranges::min_element(named, {}, [&](std::int32_t v) { return part_.number_of(v); });
+    const std::int32_t first = part_.first_vertex(face);
     return first >= begin && first < end;
   };
   for (std::int32_t v = begin; v < end; ++v)

@@ -5,16 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <limits>
-#include <string>
-#include <tuple>
-#include <utility>
 #include <vector>
 
 #include "planish/core/assert.h"
-#include "planish/core/error.h"
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
+#include "planish/stencil/stencil_builder.h"
 
 namespace planish {
 
@@ -22,23 +18,10 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
-// One row of the table on its way, in place.
-struct Row {
-  std::int32_t* indices;
-  double* weights;
-  std::int32_t size = 0;
-
-  void add(std::int32_t index, double weight) {
-    indices[size] = index;
-    weights[size++] = weight;
-  }
-};
-
 struct MaskEmitter {
   const MeshTopology& topology;
   const Subdivision& subdivision;
   std::vector<double> scratch{}, beside{};
-  std::vector<std::pair<std::int32_t, double>> sorted{};
 
   // Entries of a row, but for vertices that several faces have besides the edges they share.
   [[nodiscard]] std::int32_t size_of(std::int32_t vertex) const {
@@ -57,7 +40,7 @@ struct MaskEmitter {
     return size;
   }
 
-  void smooth(std::int32_t vertex, Row& row) {
+  void smooth(std::int32_t vertex, StencilRow& row) {
     const auto corners = topology.corners_at(vertex);
     const std::size_t n = corners.size();
     const double share = 1.0 / static_cast<double>(n);
@@ -67,7 +50,7 @@ struct MaskEmitter {
       const std::int32_t face = topology.face_of(corners[k]);
       const auto vertices = topology.face(face);
       const std::size_t m = vertices.size();
-      const auto c = subdivision.face_weights(static_cast<std::int32_t>(m), scratch);
+      const auto c = subdivision.face_weights().of(static_cast<std::int32_t>(m), scratch);
       own += share * c[0];
       beside[k] += share * c[1];
       beside[k + 1 == n ? 0 : k + 1] += share * c[m - 1];
@@ -80,11 +63,10 @@ struct MaskEmitter {
     row.add(vertex, own);
   }
 
-  void crease(std::int32_t vertex, Row& row) const {
+  void crease(std::int32_t vertex, StencilRow& row) const {
     row.add(vertex, 6.0 / 8.0);
     const auto add_along = [&](std::int32_t edge) {
-      if (subdivision.sharp_of_edge(0, edge) < 0) return;
-      PLANISH_ASSERT(row.size < 3);
+      if (subdivision.sharp_of_edge(edge) < 0) return;
       const auto [v0, v1] = topology.edge_vertices(edge);
       row.add(v0 == vertex ? v1 : v0, 1.0 / 8.0);
     };
@@ -92,74 +74,34 @@ struct MaskEmitter {
     for (const std::int32_t corner : corners) add_along(topology.edge_of(corner));
     if (topology.is_boundary_vertex(vertex))
       add_along(topology.edge_of(topology.prev(corners.back())));
-    PLANISH_ASSERT(row.size == 3);
+    PLANISH_ASSERT(row.entries().size() == 3);
   }
 
-  // Sorts by index and merges what is there twice.
-  void finish(Row& row) {
-    constexpr std::int32_t kShortRow = 32;
-    if (row.size <= kShortRow) {
-      for (std::int32_t i = 1; i < row.size; ++i) {
-        const std::int32_t index = row.indices[i];
-        const double weight = row.weights[i];
-        std::int32_t j = i;
-        for (; j > 0 && index < row.indices[j - 1]; --j) {
-          row.indices[j] = row.indices[j - 1];
-          row.weights[j] = row.weights[j - 1];
-        }
-        row.indices[j] = index;
-        row.weights[j] = weight;
-      }
-    } else {
-      sorted.clear();
-      for (std::int32_t i = 0; i < row.size; ++i)
-        sorted.emplace_back(row.indices[i], row.weights[i]);
-      std::ranges::stable_sort(sorted, {}, &std::pair<std::int32_t, double>::first);
-      for (std::int32_t i = 0; i < row.size; ++i)
-        std::tie(row.indices[i], row.weights[i]) = sorted[i];
-    }
-    std::int32_t last = 0;
-    for (std::int32_t i = 1; i < row.size; ++i) {
-      if (row.indices[i] == row.indices[last]) {
-        row.weights[last] += row.weights[i];
-      } else {
-        row.indices[++last] = row.indices[i];
-        row.weights[last] = row.weights[i];
-      }
-    }
-    row.size = last + 1;
-  }
-
-  void emit(std::int32_t vertex, Row& row) {
+  void emit(std::int32_t vertex, StencilRow& row) {
     switch (subdivision.features().vertex_kinds[vertex]) {
       case VertexKind::Smooth:
       case VertexKind::Dart:
-        smooth(vertex, row);
-        return finish(row);
+        return smooth(vertex, row);
       case VertexKind::Crease:
-        crease(vertex, row);
-        return finish(row);
+        return crease(vertex, row);
       case VertexKind::Corner:
         return row.add(vertex, 1.0);
     }
   }
 };
 
-// check() has seen that it does, for those who ask it.
-void require_entries_fit(const MeshTopology& topology) {
+// An upper bound; check() has seen that it does, for those who ask it.
+void require_masks_fit(const MeshTopology& topology) {
   std::int64_t count = topology.vertex_count();
   for (std::int32_t f = 0; f < topology.face_count(); ++f) {
     const std::int64_t size = topology.face_size(f);
     count += size * (size - 2);
   }
-  if (count <= std::numeric_limits<std::int32_t>::max()) return;
-  throw Error(ErrorCode::OutOfMemory,
-              "a stencil table of up to " + std::to_string(count) +
-                  " entries exceeds 2^31 - 1; split faces or vertices with thousands of edges");
+  require_entries_fit(count);
 }
 
 // Closes the gaps behind rows that came out shorter than their place.
-void close_gaps(StencilArrays& masks) {
+void close_gaps(StencilTable& masks) {
   std::int32_t end = 0;
   for (std::size_t v = 0; v < masks.sizes.size(); ++v) {
     std::copy_n(masks.indices.begin() + masks.offsets[v], masks.sizes[v],
@@ -175,11 +117,11 @@ void close_gaps(StencilArrays& masks) {
 
 }  // namespace
 
-StencilArrays limit_mask_arrays(const Subdivision& subdivision) {
-  const MeshTopology& topology = subdivision.split().topology();
+StencilTable limit_masks(const Subdivision& subdivision) {
+  const MeshTopology& topology = subdivision.topology();
   const auto count = static_cast<std::size_t>(topology.vertex_count());
-  require_entries_fit(topology);
-  StencilArrays masks;
+  require_masks_fit(topology);
+  StencilTable masks;
   masks.source_count = topology.vertex_count();
   masks.sizes.resize(count);
   masks.offsets.resize(count);
@@ -194,22 +136,23 @@ StencilArrays limit_mask_arrays(const Subdivision& subdivision) {
   std::atomic<bool> has_gaps{false};
   parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
     MaskEmitter emitter{topology, subdivision};
+    StencilRow row;
     for (std::size_t v = begin; v < end; ++v) {
-      const std::int32_t first = masks.offsets[v];
-      Row row{masks.indices.data() + first, masks.weights.data() + first};
+      row.clear();
       emitter.emit(static_cast<std::int32_t>(v), row);
-      masks.sizes[v] = row.size;
+      row.finish();
+      std::int32_t place = masks.offsets[v];
+      masks.sizes[v] = static_cast<std::int32_t>(row.entries().size());
+      for (const StencilRow::Entry& entry : row.entries()) {
+        masks.indices[place] = entry.index;
+        masks.weights[place++] = entry.weight;
+      }
       const std::int32_t next = v + 1 < count ? masks.offsets[v + 1] : entry_count;
-      if (first + row.size != next) has_gaps.store(true, std::memory_order_relaxed);
+      if (place != next) has_gaps.store(true, std::memory_order_relaxed);
     }
   });
   if (has_gaps.load()) close_gaps(masks);
   return masks;
-}
-
-StencilTable<double> limit_masks(const PolygonMesh& mesh, const Subdivision& subdivision) {
-  PLANISH_ASSERT(mesh.vertex_count() == subdivision.split().topology().vertex_count());
-  return table_of(limit_mask_arrays(subdivision));
 }
 
 double spectral_bound(const PolygonMesh& mesh, Weights weights) {
@@ -228,8 +171,7 @@ bool is_self_adjoint(const SharpFeatures& features) {
   return features.sharp_edge_count == 0 && features.corner_count == 0;
 }
 
-std::vector<double> valences(const QuadSplit& split) {
-  const MeshTopology& topology = split.topology();
+std::vector<double> valences(const MeshTopology& topology) {
   std::vector<double> result(static_cast<std::size_t>(topology.vertex_count()));
   for (std::int32_t v = 0; v < topology.vertex_count(); ++v)
     result[v] = static_cast<double>(topology.corners_at(v).size());

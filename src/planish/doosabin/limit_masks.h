@@ -5,7 +5,6 @@
 
 #include "planish/doosabin/subdivision.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/stencil_arrays.h"
 #include "planish/stencil/stencil_table.h"
 
 namespace planish {
@@ -14,11 +13,7 @@ namespace planish {
 /// points. Smooth and dart vertices: mean of the corner points around them (the paper, equation
 /// (1)); crease and boundary vertices: (previous + 6 own + next) / 8 along the curve; corners:
 /// themselves. Rows sum to 1. Throws Error{OutOfMemory} past 2^31 - 1 entries.
-[[nodiscard]] StencilTable<double> limit_masks(const PolygonMesh& mesh,
-                                               const Subdivision& subdivision);
-
-/// The same rows in plain arrays.
-[[nodiscard]] StencilArrays limit_mask_arrays(const Subdivision& subdivision);
+[[nodiscard]] StencilTable limit_masks(const Subdivision& subdivision);
 
 /// Lower bound of B's spectrum, from the face sizes alone.
 [[nodiscard]] double spectral_bound(const PolygonMesh& mesh, Weights weights);
@@ -28,6 +23,6 @@ namespace planish {
 [[nodiscard]] bool is_self_adjoint(const SharpFeatures& features);
 
 /// The valence of each vertex.
-[[nodiscard]] std::vector<double> valences(const QuadSplit& split);
+[[nodiscard]] std::vector<double> valences(const MeshTopology& topology);
 
 }  // namespace planish

@@ -85,14 +85,12 @@ void classify_vertices(const PolygonMesh& mesh, const MeshTopology& topology,
                        const SharpFeatureOptions& options, SharpFeatures& features) {
   features.vertex_kinds.assign(static_cast<std::size_t>(mesh.vertex_count()), VertexKind::Smooth);
   if (features.sharp_edge_count > 0) {
-    parallel_for(features.vertex_kinds.size(), 4096, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) {
-        const auto vertex = static_cast<std::int32_t>(v);
-        features.vertex_kinds[v] = kind_by_edges(topology, features, vertex);
-        if (options.boundary == BoundaryRule::EdgeAndCorner &&
-            topology.is_boundary_vertex(vertex) && topology.corners_at(vertex).size() == 1) {
-          features.vertex_kinds[v] = VertexKind::Corner;
-        }
+    parallel_each(features.vertex_kinds.size(), [&](std::size_t v) {
+      const auto vertex = static_cast<std::int32_t>(v);
+      features.vertex_kinds[v] = kind_by_edges(topology, features, vertex);
+      if (options.boundary == BoundaryRule::EdgeAndCorner && topology.is_boundary_vertex(vertex) &&
+          topology.corners_at(vertex).size() == 1) {
+        features.vertex_kinds[v] = VertexKind::Corner;
       }
     });
   }
@@ -156,12 +154,6 @@ SharpFeatures find_sharp_features(const PolygonMesh& mesh, const MeshTopology& t
       classify_sectors(mesh, topology, v, rest_positions, features);
   }
   return features;
-}
-
-SharpFeatures find_sharp_features(const PolygonMesh& mesh, const QuadSplit& split,
-                                  std::span<const glm::dvec3> rest_positions,
-                                  const SharpFeatureOptions& options) {
-  return find_sharp_features(mesh, split.topology(), rest_positions, options);
 }
 
 }  // namespace planish

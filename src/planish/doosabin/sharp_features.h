@@ -9,7 +9,6 @@
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/sharpness.h"
-#include "planish/stencil/quad_split.h"
 
 namespace planish {
 
@@ -43,11 +42,6 @@ struct SharpFeatures {
 /// mesh: fixed once, so that a deformed surface keeps its rules.
 [[nodiscard]] SharpFeatures find_sharp_features(const PolygonMesh& mesh,
                                                 const MeshTopology& topology,
-                                                std::span<const glm::dvec3> rest_positions,
-                                                const SharpFeatureOptions& options);
-
-/// The same for those who have a quad split, whose edges are the same.
-[[nodiscard]] SharpFeatures find_sharp_features(const PolygonMesh& mesh, const QuadSplit& split,
                                                 std::span<const glm::dvec3> rest_positions,
                                                 const SharpFeatureOptions& options);
 

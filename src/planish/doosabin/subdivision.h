@@ -1,60 +1,51 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "planish/doosabin/face_rule.h"
 #include "planish/doosabin/sharp_features.h"
-#include "planish/stencil/quad_split.h"
+#include "planish/mesh/mesh_topology.h"
 
 namespace planish {
 
-/// Everything that stencils depend on besides positions: the quad splits, the sharp features and
-/// the weights of the face rule. `split` and `features` must outlive it.
+/// Everything that one Doo-Sabin step of a mesh depends on besides positions: connectivity, the
+/// sharp features and the weights of the face rule. `topology` and `features` must outlive it.
 ///
-/// The state of level l >= 1 is one array of points: a Doo-Sabin control point per face of Q_l,
-/// then a curve control point per sharp edge of Q_l, then the position of each corner vertex.
-/// Child `end` (0 or 1, the end's place in the edge) of sharp edge s has number 2 s + end.
+/// The state of level 1 is one array of points: a Doo-Sabin control point per corner of the mesh's
+/// faces, in their order, then two curve control points per sharp edge, then the position of each
+/// corner vertex. The curve point at end 0 or 1 of sharp edge s (the end's place in the edge) has
+/// number 2 s + end among them.
 class Subdivision {
  public:
-  Subdivision(const QuadSplit& split, const SharpFeatures& features, Weights weights);
+  Subdivision(const MeshTopology& topology, const SharpFeatures& features, Weights weights);
 
-  [[nodiscard]] const QuadSplit& split() const { return split_; }
+  [[nodiscard]] const MeshTopology& topology() const { return topology_; }
   [[nodiscard]] const SharpFeatures& features() const { return features_; }
+  [[nodiscard]] const FaceWeights& face_weights() const { return face_weights_; }
 
-  /// c_m of the face rule. Large ones are computed into `scratch`, which keeps the last of them
-  /// and must be used for nothing else.
-  [[nodiscard]] std::span<const double> face_weights(std::int32_t m,
-                                                     std::vector<double>& scratch) const {
-    return face_weights_.of(m, scratch);
+  /// Number of an edge of the mesh among the sharp, or -1.
+  [[nodiscard]] std::int32_t sharp_of_edge(std::int32_t edge) const {
+    return has_sharp_edges() ? features_.sharp_of_edge[edge] : -1;
   }
-  [[nodiscard]] const FaceWeights& all_face_weights() const { return face_weights_; }
-
-  /// Number of an edge of Q_level among the sharp edges of that level, or -1; level < level_count
-  /// of the split, or 0.
-  [[nodiscard]] std::int32_t sharp_of_edge(int level, std::int32_t edge) const {
-    return sharp_of_edge_[level].empty() ? -1 : sharp_of_edge_[level][edge];
-  }
-  /// The edge of Q_level with that number among the sharp.
-  [[nodiscard]] std::int32_t edge_of_sharp(int level, std::int32_t sharp) const {
-    return edge_of_sharp_[level][sharp];
+  /// The edge with that number.
+  [[nodiscard]] std::int32_t edge_of_sharp(std::int32_t sharp) const {
+    return edge_of_sharp_[sharp];
   }
   [[nodiscard]] bool has_sharp_edges() const { return features_.sharp_edge_count > 0; }
 
-  /// Where the parts of a level's state begin.
-  struct StateLayout {
-    std::int64_t first_sharp, first_corner, size;
-  };
-  /// Level 1 to one more than the split has.
-  [[nodiscard]] const StateLayout& state_layout(int level) const { return layouts_[level]; }
+  // Where the parts of the state of level 1 begin, and its size.
+  [[nodiscard]] std::int32_t first_sharp() const { return topology_.corner_count(); }
+  [[nodiscard]] std::int32_t first_corner() const {
+    return first_sharp() + 2 * features_.sharp_edge_count;
+  }
+  [[nodiscard]] std::int32_t state_size() const { return first_corner() + features_.corner_count; }
 
  private:
-  const QuadSplit& split_;
+  const MeshTopology& topology_;
   const SharpFeatures& features_;
   FaceWeights face_weights_;
-  std::vector<StateLayout> layouts_;
-  std::vector<std::vector<std::int32_t>> sharp_of_edge_, edge_of_sharp_;  // per level
+  std::vector<std::int32_t> edge_of_sharp_;
 };
 
 }  // namespace planish

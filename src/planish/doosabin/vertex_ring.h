@@ -7,7 +7,8 @@
 
 namespace planish {
 
-/// The control points around one vertex of Q_level, as indices into the state of that level.
+/// The control points around one vertex of Q_1, the mesh with its faces cut into quads, as indices
+/// into the state of level 1: its vertices are the mesh's, then one per face, then one per edge.
 struct VertexRing {
   /// Faces between two sharp edges, counter-clockwise.
   struct Sector {
@@ -23,8 +24,7 @@ struct VertexRing {
   std::int32_t dart_face = -1;      ///< darts: the entry of `faces` after the sharp edge
 };
 
-/// Gathers the ring of a vertex of Q_level, level >= 1. Reuse `ring` to avoid allocation.
-/// Needs full topology of level - 1 only: OpenSubdiv's from level 2 on.
-void gather_ring(const Subdivision& subdivision, int level, std::int32_t vertex, VertexRing& ring);
+/// Gathers the ring of a vertex of Q_1. Reuse `ring` to avoid allocation.
+void gather_ring(const Subdivision& subdivision, std::int32_t vertex, VertexRing& ring);
 
 }  // namespace planish

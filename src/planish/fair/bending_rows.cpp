@@ -256,15 +256,11 @@ float largest_of(std::span<const float> diagonals, FairHalo* halo) {
 RawVector<float> make_preconditioner(const FairTopology& topology, std::span<const float> diagonals,
                                      FairHalo* halo) {
   RawVector<float> result(static_cast<std::size_t>(topology.vertex_count));
-  parallel_for(result.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      const auto vertex = static_cast<std::int32_t>(v);
-      float sum = 0;
-      for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
-        sum += diagonals[topology.ring_corners[i]];
-      }
-      result[v] = sum / static_cast<float>(topology.valence(vertex));
-    }
+  parallel_each(result.size(), kRowGrain, [&](std::size_t v) {
+    const auto corners = topology.ring(static_cast<std::int32_t>(v)).corners;
+    float sum = 0;
+    for (const std::int32_t corner : corners) sum += diagonals[corner];
+    result[v] = sum / static_cast<float>(corners.size());
   });
   const float largest = largest_of(result, halo);
   for (float& diagonal : result) {

@@ -54,10 +54,11 @@ double corridor_factor(const FairTopology& topology, std::span<const dvec3> give
                        const dvec3& handle) {
   const std::int32_t before = topology.crease_neighbours(vertex)[0];
   double factor = 1;
-  for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1]; ++i) {
-    const std::int32_t corner = topology.ring_corners[i];
-    const dvec3 next = given[topology.ring_next[i]] - given[vertex];
-    const dvec3 previous = given[topology.ring_previous[i]] - given[vertex];
+  const FairTopology::Ring ring = topology.ring(vertex);
+  for (std::int32_t i = 0; i < ring.size(); ++i) {
+    const std::int32_t corner = ring.corners[i];
+    const dvec3 next = given[ring.next[i]] - given[vertex];
+    const dvec3 previous = given[ring.previous[i]] - given[vertex];
     const dvec3& normal = face_normals[topology.corner_faces[corner]];
     const auto note = [&](std::int32_t neighbour, const dvec3& sharp, const dvec3& inward,
                           const dvec3& other) {
@@ -67,10 +68,10 @@ double corridor_factor(const FairTopology& topology, std::span<const dvec3> give
       factor = std::min(factor, face_factor(along, sharp, inward / length, other));
     };
     if (topology.corner_cw[corner] >= topology.corner_count) {
-      note(topology.ring_next[i], next, glm::cross(normal, next), previous);
+      note(ring.next[i], next, glm::cross(normal, next), previous);
     }
     if (topology.corner_ccw[corner] >= topology.corner_count) {
-      note(topology.ring_previous[i], previous, glm::cross(previous, normal), next);
+      note(ring.previous[i], previous, glm::cross(previous, normal), next);
     }
   }
   return std::max(factor, kLeastCorridorFactor);

@@ -20,8 +20,8 @@ constexpr double kLongestInSector = 1.3;
 VertexFrame sector_frame(const FairTopology& topology, std::span<const dvec3> given,
                          std::span<const dvec3> face_normals, const FairTopology::Sector& sector,
                          const dvec3& handle) {
-  const dvec3 normal = angle_weighted_normal(topology, given, face_normals, sector.vertex,
-                                             sector.first, sector.count);
+  const dvec3 normal =
+      angle_weighted_normal(topology, given, face_normals, sector.vertex, topology.ring(sector));
   const double square = glm::dot(handle, handle);
   if (!(square > 0)) return frame_of(normal);
   const dvec3 upright = normal - glm::dot(normal, handle) / square * handle;
@@ -42,11 +42,11 @@ void build_sector(const FairTopology& topology, std::span<const dvec3> given,
                   const SectorShape& shape, std::span<dvec3> offsets) {
   const VertexFrame frame = sector_frame(topology, given, face_normals, sector, shape.handle);
   const double handle_length = glm::length(shape.handle);
+  const FairTopology::Ring ring = topology.ring(sector);
   for (std::int32_t i = 0; i < sector.count; ++i) {
-    const std::int32_t place = sector.first + i;
-    const std::int32_t corner = topology.ring_corners[place];
-    const dvec3 next = given[topology.ring_next[place]] - given[sector.vertex];
-    const dvec3 previous = given[topology.ring_previous[place]] - given[sector.vertex];
+    const std::int32_t corner = ring.corners[i];
+    const dvec3 next = given[ring.next[i]] - given[sector.vertex];
+    const dvec3 previous = given[ring.previous[i]] - given[sector.vertex];
     const dvec2 flat_next = frame.project(next), flat_previous = frame.project(previous);
     dvec2 flat = frame.project(corner_offset(topology, given, given, corner));
     const PlanarRing::Wedge wedge = wedge_of(flat, flat_next, flat_previous);

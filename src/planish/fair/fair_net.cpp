@@ -8,6 +8,7 @@
 #include <string>
 
 #include "planish/core/assert.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/fair/corner_offsets.h"
 #include "planish/fair/crease_handle.h"
@@ -32,11 +33,13 @@ constexpr std::size_t kNetGrain = 1024;
 
 // Calls body(vertex) for every vertex on all threads.
 template <class MakeBody>
-void for_vertices(const FairTopology& topology, const MakeBody& make_body) {
+void for_vertices(const FairTopology& topology, const MakeBody& make_body,
+                  LoopProgress* progress = nullptr) {
   parallel_for(static_cast<std::size_t>(topology.vertex_count), kNetGrain,
                [&](std::size_t begin, std::size_t end) {
                  auto body = make_body();
                  for (std::size_t v = begin; v < end; ++v) body(static_cast<std::int32_t>(v));
+                 if (progress) progress->add(static_cast<std::int64_t>(end - begin));
                });
 }
 
@@ -64,7 +67,7 @@ struct NetBuilder {
 
   void prepare();
   /// Takes the decisions that are there, makes them where there are none.
-  void build_polygons(std::vector<std::uint8_t>& reversed);
+  void build_polygons(std::vector<std::uint8_t>& reversed, const Callbacks& callbacks);
   void build_crease(std::int32_t vertex);
   void build_curve_points();
   void build_dart_points();
@@ -85,20 +88,24 @@ void NetBuilder::prepare() {
   if (is_in_any_part(halo, any)) points = masked_iteration(topology, given, shares, offsets, halo);
 }
 
-void NetBuilder::build_polygons(std::vector<std::uint8_t>& reversed) {
+void NetBuilder::build_polygons(std::vector<std::uint8_t>& reversed, const Callbacks& callbacks) {
+  LoopProgress progress(callbacks, "solve", 0, 1, topology.vertex_count);
   const bool decided = !reversed.empty();
   if (!decided) reversed.assign(given.size(), 0);
-  for_vertices(topology, [&] {
-    return [&, scratch = PolygonScratch{}](std::int32_t v) mutable {
-      if (topology.has_polygon(v)) {
-        PolygonShape shape{normals[v], shares[v]};
-        if (decided) shape.reversed = reversed[v] != 0;
-        reversed[v] = build_vertex_polygon(topology, given, v, shape, scratch, offsets);
-      } else if (topology.kind(v) == VertexKind::Crease) {
-        build_crease(v);
-      }
-    };
-  });
+  for_vertices(
+      topology,
+      [&] {
+        return [&, scratch = PolygonScratch{}](std::int32_t v) mutable {
+          if (topology.has_polygon(v)) {
+            PolygonShape shape{normals[v], shares[v]};
+            if (decided) shape.reversed = reversed[v] != 0;
+            reversed[v] = build_vertex_polygon(topology, given, v, shape, scratch, offsets);
+          } else if (topology.kind(v) == VertexKind::Crease) {
+            build_crease(v);
+          }
+        };
+      },
+      &progress);
 }
 
 void NetBuilder::build_crease(std::int32_t vertex) {
@@ -213,22 +220,24 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     PLANISH_ASSERT(decisions->leans.empty() || decisions->leans.size() == given.size());
     PLANISH_ASSERT(decisions->ellipses.empty() || decisions->ellipses.size() == given.size());
   }
+  const HostScope host(options.callbacks);
+  tell(options.callbacks, "solve", 0);
   const FairTopology topology = make_fair_topology(mesh, subdivision, options.halo);
-  options.callbacks.check_cancelled();
 
   FairNet net;
   FairDecisions& decisions = net.decisions;
   const bool decided = options.decisions != nullptr;
   if (decided) decisions = *options.decisions;
   NetBuilder builder{topology, given, options.halo};
+  tell(options.callbacks, "solve", 0.1);
   builder.prepare();
-  builder.build_polygons(decisions.reversed);
+  builder.build_polygons(decisions.reversed, share_of(options.callbacks, 0.3, 0.6));
   builder.build_curve_points();
-  options.callbacks.check_cancelled();
+  tell(options.callbacks, "solve", 0.6);
 
   settle_folds(builder, decided, decisions.halvings);
+  tell(options.callbacks, "solve", 0.7);
   if (options.polish_steps > 0) {
-    options.callbacks.check_cancelled();
     builder.build_curve_points();
     const std::vector<dvec3> directions =
         polish_directions(topology, builder.normals, builder.shares);
@@ -242,6 +251,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   } else if (!decided) {
     decisions.late_halvings.assign(given.size(), 0);
   }
+  tell(options.callbacks, "solve", 0.9);
   builder.build_curve_points();
   const FoldCount folds = settle_cure(builder, options, decisions);
   builder.build_dart_points();
@@ -251,6 +261,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   count_decisions(net, options.halo);
   net.state = std::move(builder.offsets);
   add_given_points(topology, given, net.state);
+  tell(options.callbacks, "solve", 1);
   return net;
 }
 

@@ -21,11 +21,6 @@ void number_corners(const PolygonMesh& mesh, FairTopology& topology) {
   topology.face_offsets = mesh.face_offsets;
   topology.corner_vertices = mesh.face_vertices;
   topology.corner_count = static_cast<std::int32_t>(mesh.face_vertices.size());
-  topology.corner_faces = std::vector<std::int32_t>(mesh.face_vertices.size());
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    std::fill(topology.corner_faces.begin() + mesh.face_offsets[f],
-              topology.corner_faces.begin() + mesh.face_offsets[f + 1], f);
-  }
 }
 
 // Writes the ring of one vertex, whose range of the ring arrays is known.
@@ -55,15 +50,10 @@ void write_ring(const VertexRing& ring, std::int32_t vertex, FairTopology& topol
 }
 
 void gather_rings(const Subdivision& subdivision, FairTopology& topology) {
-  const MeshTopology& base = subdivision.split().topology();
+  topology.corner_faces = subdivision.topology().corner_faces();
+  topology.ring_offsets = subdivision.topology().corner_offsets();
   const auto vertex_count = static_cast<std::size_t>(topology.vertex_count);
   const auto corner_count = static_cast<std::size_t>(topology.corner_count);
-  topology.ring_offsets.resize(vertex_count + 1);
-  for (std::size_t v = 0; v < vertex_count; ++v) {
-    topology.ring_offsets[v + 1] =
-        topology.ring_offsets[v] +
-        static_cast<std::int32_t>(base.corners_at(static_cast<std::int32_t>(v)).size());
-  }
   for (auto* array : {&topology.ring_corners, &topology.ring_next, &topology.ring_previous,
                       &topology.corner_ccw, &topology.corner_cw}) {
     *array = std::vector<std::int32_t>(corner_count);
@@ -76,7 +66,7 @@ void gather_rings(const Subdivision& subdivision, FairTopology& topology) {
   parallel_for(vertex_count, kTopologyGrain, [&](std::size_t begin, std::size_t end) {
     VertexRing ring;
     for (std::size_t v = begin; v < end; ++v) {
-      gather_ring(subdivision, 1, static_cast<std::int32_t>(v), ring);
+      gather_ring(subdivision, static_cast<std::int32_t>(v), ring);
       write_ring(ring, static_cast<std::int32_t>(v), topology);
     }
   });
@@ -87,12 +77,12 @@ void gather_sharp_places(const Subdivision& subdivision, FairTopology& topology)
   topology.sector_offsets.push_back(0);
   if (!subdivision.has_sharp_edges()) return;
 
-  const MeshTopology& base = subdivision.split().topology();
+  const MeshTopology& base = subdivision.topology();
   topology.curve_points.resize(2 *
                                static_cast<std::size_t>(subdivision.features().sharp_edge_count));
   for (std::size_t s = 0; s < topology.curve_points.size(); ++s) {
     const auto [v0, v1] =
-        base.edge_vertices(subdivision.edge_of_sharp(0, static_cast<std::int32_t>(s / 2)));
+        base.edge_vertices(subdivision.edge_of_sharp(static_cast<std::int32_t>(s / 2)));
     topology.curve_points[s] = {s % 2 == 0 ? v0 : v1, s % 2 == 0 ? v1 : v0, -1, -1};
   }
 
@@ -100,11 +90,11 @@ void gather_sharp_places(const Subdivision& subdivision, FairTopology& topology)
   for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
     const VertexKind kind = topology.kind(v);
     if (kind != VertexKind::Crease && kind != VertexKind::Dart) continue;
-    gather_ring(subdivision, 1, v, ring);
+    gather_ring(subdivision, v, ring);
     if (kind == VertexKind::Dart) {
       for (const std::int32_t corner : base.corners_at(v)) {
         const std::int32_t edge = base.edge_of(corner);
-        const std::int32_t sharp = subdivision.sharp_of_edge(0, edge);
+        const std::int32_t sharp = subdivision.sharp_of_edge(edge);
         if (sharp < 0) continue;
         const int end = base.edge_vertices(edge).first == v ? 0 : 1;
         topology.curve_points[2 * sharp + end].corner_after = ring.faces[ring.dart_face];
@@ -136,19 +126,19 @@ void mark_near_curves(FairTopology& topology, FairHalo* halo) {
     if (halo) halo->exchange_vertices(near);
     const std::vector<std::uint8_t> last = near;
     for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
-      for (std::int32_t i = topology.ring_offsets[v]; i < topology.ring_offsets[v + 1]; ++i) {
-        near[v] |= last[topology.ring_next[i]] | last[topology.ring_previous[i]];
-      }
+      const FairTopology::Ring ring = topology.ring(v);
+      for (std::int32_t i = 0; i < ring.size(); ++i)
+        near[v] |= last[ring.next[i]] | last[ring.previous[i]];
     }
   }
   if (halo) halo->exchange_vertices(near);
 }
 
 void gather_edges(const Subdivision& subdivision, FairTopology& topology) {
-  const MeshTopology& base = subdivision.split().topology();
+  const MeshTopology& base = subdivision.topology();
   const auto count = static_cast<std::size_t>(base.edge_count());
   const auto is_smooth = [&](std::size_t e) {
-    return subdivision.sharp_of_edge(0, static_cast<std::int32_t>(e)) < 0;
+    return subdivision.sharp_of_edge(static_cast<std::int32_t>(e)) < 0;
   };
   const SelectedBlocks blocks = count_selected(count, is_smooth);
   topology.edges = std::vector<FairTopology::Edge>(static_cast<std::size_t>(blocks.total));
@@ -187,7 +177,7 @@ void fill_unit_circle(FairTopology& topology) {
 FairTopology make_fair_topology(const PolygonMesh& mesh, const Subdivision& subdivision,
                                 FairHalo* halo) {
   FairTopology topology;
-  topology.state_size = static_cast<std::int32_t>(subdivision.state_layout(1).size);
+  topology.state_size = subdivision.state_size();
   number_corners(mesh, topology);
   gather_rings(subdivision, topology);
   gather_sharp_places(subdivision, topology);

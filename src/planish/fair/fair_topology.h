@@ -24,6 +24,12 @@ struct FairTopology {
     std::int32_t first, count;    ///< range of the ring arrays, counter-clockwise
     std::int32_t curve0, curve1;  ///< state indices of the curve points before and after
   };
+  /// Faces around a vertex that follow one another counter-clockwise: their corners at the vertex,
+  /// and the vertices beside it in each of them.
+  struct Ring {
+    std::span<const std::int32_t> corners, next, previous;
+    [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(corners.size()); }
+  };
   /// The curve control point of a sharp edge's half.
   struct CurvePoint {
     std::int32_t vertex, other;                ///< the end that it belongs to, and the far end
@@ -49,9 +55,9 @@ struct FairTopology {
   std::int32_t vertex_count = 0, face_count = 0, corner_count = 0, state_size = 0;
   std::span<const std::int32_t> face_offsets;     ///< of the mesh
   std::span<const std::int32_t> corner_vertices;  ///< of the mesh
-  std::vector<std::int32_t> corner_faces;
+  std::span<const std::int32_t> corner_faces;     ///< of the MeshTopology
 
-  std::vector<std::int32_t> ring_offsets;  ///< vertex_count + 1: ranges of the three below
+  std::span<const std::int32_t> ring_offsets;  ///< of the MeshTopology: ranges of the three below
   /// The corners around each vertex, counter-clockwise; where sharp edges cut the ring into
   /// sectors, one sector after another.
   std::vector<std::int32_t> ring_corners;
@@ -81,6 +87,18 @@ struct FairTopology {
   [[nodiscard]] std::int32_t valence(std::int32_t vertex) const {
     return ring_offsets[vertex + 1] - ring_offsets[vertex];
   }
+  /// Of all faces around a vertex; of those of a sector.
+  [[nodiscard]] Ring ring(std::int32_t vertex) const {
+    return ring_of(ring_offsets[vertex], valence(vertex));
+  }
+  [[nodiscard]] Ring ring(const Sector& sector) const {
+    return ring_of(sector.first, sector.count);
+  }
+  /// The vertices of a face.
+  [[nodiscard]] std::span<const std::int32_t> face(std::int32_t index) const {
+    return corner_vertices.subspan(static_cast<std::size_t>(face_offsets[index]),
+                                   static_cast<std::size_t>(face_size(index)));
+  }
   [[nodiscard]] std::int32_t first_curve_point() const { return corner_count; }
   [[nodiscard]] VertexKind kind(std::int32_t vertex) const {
     return static_cast<VertexKind>(kinds[vertex]);
@@ -94,6 +112,15 @@ struct FairTopology {
   [[nodiscard]] std::array<std::int32_t, 2> crease_neighbours(std::int32_t vertex) const {
     const Sector& sector = sectors[sector_offsets[crease_of_vertex[vertex]]];
     return {ring_next[sector.first], ring_previous[sector.first + sector.count - 1]};
+  }
+
+ private:
+  [[nodiscard]] Ring ring_of(std::int32_t first, std::int32_t count) const {
+    const auto part = [&](const std::vector<std::int32_t>& all) {
+      return std::span(all).subspan(static_cast<std::size_t>(first),
+                                    static_cast<std::size_t>(count));
+    };
+    return {part(ring_corners), part(ring_next), part(ring_previous)};
   }
 };
 

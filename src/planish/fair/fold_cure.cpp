@@ -45,11 +45,6 @@ constexpr double kQuarter = 0.25;
 
 using Flags = std::vector<std::uint8_t>;
 
-// Set from several threads: whoever sets, sets the same.
-void flag(Flags& flags, std::int32_t vertex) {
-  std::atomic_ref(flags[vertex]).store(1, std::memory_order_relaxed);
-}
-
 struct Cure {
   const CureInput& input;
   std::span<glm::vec2> leans;
@@ -101,49 +96,46 @@ bool Cure::vertex_is_bad(std::int32_t vertex) const {
 
 std::int64_t Cure::test_edges(bool count) {
   std::atomic<std::int64_t> folded = 0;
-  parallel_for(topology.edges.size(), kCureGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) {
-      const FairTopology::Edge& edge = topology.edges[e];
-      const std::int32_t v = topology.corner_vertices[edge.corners[0]];
-      const std::int32_t w = topology.corner_vertices[edge.corners[1]];
-      if (!count && !changed[v] && !changed[w]) continue;
-      const double cosine = edge_cosine(edge);
-      if (count) {
-        folded += cosine < 0 && owns_face(input.halo, edge.faces[0]);
-        continue;
-      }
-      const double turn =
-          glm::dot(input.face_normals[edge.faces[0]], input.face_normals[edge.faces[1]]);
-      const double best = std::sqrt(std::max(0.0, (1 + turn) / 2));
-      if (best < kLeastBestAtEdges || cosine >= kPartOfBest * best) continue;
-      flag(bad, v);
-      flag(bad, w);
+  parallel_each(topology.edges.size(), kCureGrain, [&](std::size_t e) {
+    const FairTopology::Edge& edge = topology.edges[e];
+    const std::int32_t v = topology.corner_vertices[edge.corners[0]];
+    const std::int32_t w = topology.corner_vertices[edge.corners[1]];
+    if (!count && !changed[v] && !changed[w]) return;
+    const double cosine = edge_cosine(edge);
+    if (count) {
+      folded += cosine < 0 && owns_face(input.halo, edge.faces[0]);
+      return;
     }
+    const double turn =
+        glm::dot(input.face_normals[edge.faces[0]], input.face_normals[edge.faces[1]]);
+    const double best = std::sqrt(std::max(0.0, (1 + turn) / 2));
+    if (best < kLeastBestAtEdges || cosine >= kPartOfBest * best) return;
+    flag(bad, v);
+    flag(bad, w);
   });
   return folded;
 }
 
 std::int64_t Cure::test_faces(bool count) {
   std::atomic<std::int64_t> folded = 0;
-  parallel_for(
-      static_cast<std::size_t>(topology.face_count), kCureGrain,
-      [&](std::size_t begin, std::size_t end) {
-        for (auto f = static_cast<std::int32_t>(begin); f < static_cast<std::int32_t>(end); ++f) {
-          const auto corners =
-              topology.corner_vertices.subspan(static_cast<std::size_t>(topology.face_offsets[f]),
-                                               static_cast<std::size_t>(topology.face_size(f)));
-          if (!count && std::ranges::none_of(corners, [&](auto v) { return changed[v]; })) continue;
-          if (!count) {
-            for (const std::int32_t v : corners) flag(touched, v);
-          }
-          const double cosine = face_cosine(f);
-          if (count) {
-            folded += cosine < 0 && owns_face(input.halo, f);
-          } else if (cosine < kPartOfBest) {
-            for (const std::int32_t v : corners) flag(bad, v);
-          }
-        }
-      });
+  parallel_for(static_cast<std::size_t>(topology.face_count), kCureGrain,
+               [&](std::size_t begin, std::size_t end) {
+                 for (auto f = static_cast<std::int32_t>(begin); f < static_cast<std::int32_t>(end);
+                      ++f) {
+                   const auto corners = topology.face(f);
+                   if (!count && std::ranges::none_of(corners, [&](auto v) { return changed[v]; }))
+                     continue;
+                   if (!count) {
+                     for (const std::int32_t v : corners) flag(touched, v);
+                   }
+                   const double cosine = face_cosine(f);
+                   if (count) {
+                     folded += cosine < 0 && owns_face(input.halo, f);
+                   } else if (cosine < kPartOfBest) {
+                     for (const std::int32_t v : corners) flag(bad, v);
+                   }
+                 }
+               });
   return folded;
 }
 
@@ -179,18 +171,16 @@ void Cure::test_sharp_edges() {
 }
 
 void Cure::test_vertices(std::span<const std::uint8_t> cures) {
-  parallel_for(bad.size(), kCureGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      const auto vertex = static_cast<std::int32_t>(v);
-      if (!touched[v] || bad[v]) continue;
-      if (topology.has_polygon(vertex)) {
-        bad[v] = vertex_is_bad(vertex);
-      } else if (topology.kind(vertex) == VertexKind::Crease && cures[v] == 0) {
-        bad[v] = least_sector_cosine(topology, input.face_normals, input.offsets, vertex) <
-                 kLeastSectorCosine;
-      } else if (topology.kind(vertex) == VertexKind::Corner && cures[v] == 0) {
-        bad[v] = farthest_fan_point(topology, input.given, input.offsets, vertex) > kFarthestFan;
-      }
+  parallel_each(bad.size(), kCureGrain, [&](std::size_t v) {
+    const auto vertex = static_cast<std::int32_t>(v);
+    if (!touched[v] || bad[v]) return;
+    if (topology.has_polygon(vertex)) {
+      bad[v] = vertex_is_bad(vertex);
+    } else if (topology.kind(vertex) == VertexKind::Crease && cures[v] == 0) {
+      bad[v] = least_sector_cosine(topology, input.face_normals, input.offsets, vertex) <
+               kLeastSectorCosine;
+    } else if (topology.kind(vertex) == VertexKind::Corner && cures[v] == 0) {
+      bad[v] = farthest_fan_point(topology, input.given, input.offsets, vertex) > kFarthestFan;
     }
   });
 }

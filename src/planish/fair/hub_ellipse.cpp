@@ -2,7 +2,7 @@
 // edge e_i, m the direction in a face beside it that is at right angles to e_i, inwards. The limit
 // normal at the edge of small polygons is along e_i x A t_i, and on the face's side where
 // m . A t_i > 0: linear in A. So A is the direction of R^4 that sees all of m (x) t_i best, which
-// the steps of fair/smallest_cap.cpp find.
+// the steps of fair/best_view.h find.
 #include "planish/fair/hub_ellipse.h"
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "planish/core/unit_vector.h"
+#include "planish/fair/best_view.h"
 #include "planish/fair/plane_lean.h"
 #include "planish/fair/vertex_frame.h"
 
@@ -34,34 +35,21 @@ dvec2 times(const dvec4& ellipse, const dvec2& point) {
 std::vector<dvec4> side_conditions(const FairTopology& topology, std::span<const dvec3> given,
                                    std::span<const dvec3> face_normals, std::int32_t vertex,
                                    const RingAxes& axes) {
-  const std::int32_t first = topology.ring_offsets[vertex], n = topology.valence(vertex);
+  const FairTopology::Ring ring = topology.ring(vertex);
+  const std::int32_t n = ring.size();
   std::vector<dvec4> conditions;
   for (std::int32_t i = 0; i < n; ++i) {
-    const dvec3 edge = unit_or_zero(given[topology.ring_next[first + i]] - given[vertex]);
+    const dvec3 edge = unit_or_zero(given[ring.next[i]] - given[vertex]);
     const double angle = std::numbers::pi * (2 * i - 1) / n;
     const dvec2 side(-std::sin(angle), std::cos(angle));
     for (const std::int32_t place : {i, (i + n - 1) % n}) {
-      const std::int32_t face = topology.corner_faces[topology.ring_corners[first + place]];
+      const std::int32_t face = topology.corner_faces[ring.corners[place]];
       const dvec3 inward = glm::cross(face_normals[face], edge);
       const dvec2 flat(glm::dot(inward, axes.along), glm::dot(inward, axes.left));
       conditions.emplace_back(flat.x * side.x, flat.x * side.y, flat.y * side.x, flat.y * side.y);
     }
   }
   return conditions;
-}
-
-struct WorstSide {
-  double product;
-  dvec4 condition;
-};
-
-WorstSide worst_side(const std::vector<dvec4>& conditions, const dvec4& ellipse) {
-  WorstSide worst{2, dvec4(0.0)};
-  for (const dvec4& condition : conditions) {
-    const double product = glm::dot(condition, ellipse);
-    if (product < worst.product) worst = {product, condition};
-  }
-  return worst;
 }
 
 }  // namespace
@@ -71,19 +59,15 @@ glm::vec4 hub_ellipse(const FairTopology& topology, std::span<const dvec3> given
                       const dvec3& plane) {
   const std::vector<dvec4> conditions = side_conditions(topology, given, face_normals, vertex,
                                                         ring_axes(topology, given, vertex, plane));
-  dvec4 ellipse = dvec4(1.0, 0.0, 0.0, 1.0) / std::numbers::sqrt2, best(0.0);
-  double most = 0;
-  for (int step = 0; step < kEllipseSteps; ++step) {
-    const WorstSide worst = worst_side(conditions, ellipse);
-    if (worst.product > most) {
-      most = worst.product;
-      best = ellipse;
-    }
-    ellipse += (worst.condition - ellipse) / (2.0 + step);
-    const double length = glm::length(ellipse);
-    if (!(length > 0)) break;
-    ellipse /= length;
-  }
+  const auto worst_of = [&](const dvec4& ellipse) {
+    return least_seen<dvec4>(conditions, ellipse, [](const dvec4& condition) { return condition; });
+  };
+  const auto [best, most] =
+      best_view<dvec4>(dvec4(1.0, 0.0, 0.0, 1.0) / std::numbers::sqrt2, kEllipseSteps, worst_of,
+                       [](const dvec4& vector, const dvec4& otherwise) {
+                         const double length = glm::length(vector);
+                         return length > 0 ? vector / length : otherwise;
+                       });
   if (!(most > 0) || !(best.x * best.w > best.y * best.z)) return glm::vec4(0.0F);
   double farthest = 0;
   for (const dvec2& point : topology.unit_circle.of(topology.valence(vertex)))
@@ -98,11 +82,9 @@ std::vector<std::uint8_t> with_neighbours(const FairTopology& topology,
                                           std::span<const std::uint8_t> flagged) {
   std::vector<std::uint8_t> wanted(flagged.begin(), flagged.end());
   for (std::int32_t face = 0; face < topology.face_count; ++face) {
-    const auto corners =
-        topology.corner_vertices.subspan(static_cast<std::size_t>(topology.face_offsets[face]),
-                                         static_cast<std::size_t>(topology.face_size(face)));
-    if (std::ranges::none_of(corners, [&](std::int32_t v) { return flagged[v] != 0; })) continue;
-    for (const std::int32_t v : corners) wanted[v] = 1;
+    const auto vertices = topology.face(face);
+    if (std::ranges::none_of(vertices, [&](std::int32_t v) { return flagged[v] != 0; })) continue;
+    for (const std::int32_t v : vertices) wanted[v] = 1;
   }
   return wanted;
 }
@@ -134,11 +116,11 @@ void build_hub_ellipse(const FairTopology& topology, std::span<const dvec3> give
                        std::int32_t vertex, const dvec3& plane, const glm::vec4& ellipse,
                        double size, std::span<dvec3> offsets) {
   const RingAxes axes = ring_axes(topology, given, vertex, plane);
-  const std::int32_t first = topology.ring_offsets[vertex], n = topology.valence(vertex);
-  const auto circle = topology.unit_circle.of(n);
-  for (std::int32_t i = 0; i < n; ++i) {
+  const auto corners = topology.ring(vertex).corners;
+  const auto circle = topology.unit_circle.of(topology.valence(vertex));
+  for (std::size_t i = 0; i < corners.size(); ++i) {
     const dvec2 point = size * times(dvec4(ellipse), circle[i]);
-    offsets[topology.ring_corners[first + i]] = point.x * axes.along + point.y * axes.left;
+    offsets[corners[i]] = point.x * axes.along + point.y * axes.left;
   }
 }
 

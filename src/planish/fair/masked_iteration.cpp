@@ -21,10 +21,7 @@ dvec3 limit_error(const FairTopology& topology, std::span<const dvec3> given,
                   std::int32_t vertex) {
   if (topology.has_polygon(vertex)) {
     dvec3 sum(0.0);
-    for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1];
-         ++i) {
-      sum += offsets[topology.ring_corners[i]];
-    }
+    for (const std::int32_t corner : topology.ring(vertex).corners) sum += offsets[corner];
     return sum / static_cast<double>(topology.valence(vertex));
   }
   if (topology.kind(vertex) == VertexKind::Corner) return dvec3(0.0);
@@ -39,12 +36,10 @@ std::vector<dvec3> masked_iteration(const FairTopology& topology, std::span<cons
   std::vector<dvec3> points(given.begin(), given.end());
   std::vector<dvec3> next = points;
   for (int step = 0; step < kSteps; ++step) {
-    parallel_for(points.size(), kStepGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) {
-        if (shares[v] <= 0) continue;
-        next[v] = points[v] - shares[v] * limit_error(topology, given, points, offsets,
-                                                      static_cast<std::int32_t>(v));
-      }
+    parallel_each(points.size(), kStepGrain, [&](std::size_t v) {
+      if (shares[v] <= 0) return;
+      next[v] = points[v] - shares[v] * limit_error(topology, given, points, offsets,
+                                                    static_cast<std::int32_t>(v));
     });
     std::swap(points, next);
     if (halo) halo->exchange_vertices(points);

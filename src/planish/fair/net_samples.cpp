@@ -46,9 +46,9 @@ dvec3 NetSamples::at_face(std::int32_t face) const {
 }
 
 dvec3 NetSamples::at_vertex(std::int32_t vertex) const {
-  const std::int32_t first = topology.ring_offsets[vertex];
+  const auto corners = topology.ring(vertex).corners;
   return limit_normal(topology, topology.valence(vertex),
-                      [&](std::int32_t i) { return offsets[topology.ring_corners[first + i]]; });
+                      [&](std::int32_t i) { return offsets[corners[i]]; });
 }
 
 namespace {
@@ -74,9 +74,9 @@ struct Surroundings {
                    [&](std::int32_t k) { return samples.point(beside(corner, k)); });
   }
   [[nodiscard]] dvec3 in_polygon(std::int32_t vertex, std::int32_t place) const {
-    const std::int32_t first = topology.ring_offsets[vertex], n = topology.valence(vertex);
-    return stepped(topology, n, [&](std::int32_t k) {
-      return samples.point(topology.ring_corners[first + (place - first + k) % n]);
+    const FairTopology::Ring ring = topology.ring(vertex);
+    return stepped(topology, ring.size(), [&](std::int32_t k) {
+      return samples.point(ring.corners[(place + k) % ring.size()]);
     });
   }
   // In the polygon of the edge to the next vertex of the face, and to the one before.
@@ -101,8 +101,9 @@ double NetSamples::least_cosine_around(std::int32_t vertex,
   const auto note = [&](const dvec3& normal, std::int32_t corner) {
     least = std::min(least, cosine_of(normal, face_normals[topology.corner_faces[corner]]));
   };
-  for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1]; ++i) {
-    const std::int32_t corner = topology.ring_corners[i], after = topology.corner_ccw[corner];
+  const auto corners = topology.ring(vertex).corners;
+  for (std::int32_t i = 0; i < topology.valence(vertex); ++i) {
+    const std::int32_t corner = corners[i], after = topology.corner_ccw[corner];
     const std::int32_t next = around.beside(corner, 1), last = around.beside(corner, -1);
     const bool next_is_smooth = around.is_smooth(corner, next);
     const dvec3 own = around.in_polygon(vertex, i), face = around.in_face(corner);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -28,6 +29,11 @@ struct NetSamples {
   [[nodiscard]] double least_cosine_around(std::int32_t vertex,
                                            std::span<const glm::dvec3> face_normals) const;
 };
+
+/// Sets a vertex's flag, from several threads: whoever sets, sets the same.
+inline void flag(std::span<std::uint8_t> flags, std::int32_t vertex) {
+  std::atomic_ref(flags[static_cast<std::size_t>(vertex)]).store(1, std::memory_order_relaxed);
+}
 
 /// Between a normal of any length and a unit vector; -1 where the normal is zero.
 [[nodiscard]] double cosine_of(const glm::dvec3& normal, const glm::dvec3& reference);

@@ -38,8 +38,8 @@ double angle_of(const dvec3& a, const dvec3& b) {
 std::int32_t turned_faces(const CurveSite& site, const FairTopology::Sector& sector) {
   const dvec3 normal = glm::cross(site.offsets[sector.curve1], site.offsets[sector.curve0]);
   std::int32_t count = 0;
-  for (std::int32_t i = sector.first; i < sector.first + sector.count; ++i) {
-    const std::int32_t face = site.topology.corner_faces[site.topology.ring_corners[i]];
+  for (const std::int32_t corner : site.topology.ring(sector).corners) {
+    const std::int32_t face = site.topology.corner_faces[corner];
     count += glm::dot(normal, site.face_normals[face]) > 0 ? 0 : 1;
   }
   return count;
@@ -52,16 +52,16 @@ std::int32_t turned_faces(const CurveSite& site, const FairTopology::Sector& sec
 // reflex.
 bool open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
   const FairTopology& topology = site.topology;
-  const std::int32_t last = sector.first + sector.count - 1;
-  const auto face_angle = [&](std::int32_t place) {
-    return angle_of(site.edge(topology.ring_next, place), site.edge(topology.ring_previous, place));
+  const FairTopology::Ring ring = topology.ring(sector);
+  const auto face_angle = [&](std::int32_t i) {
+    return angle_of(site.edge(ring.next[i]), site.edge(ring.previous[i]));
   };
   double sum = 0;
-  for (std::int32_t i = sector.first; i <= last; ++i) sum += face_angle(i);
+  for (std::int32_t i = 0; i < ring.size(); ++i) sum += face_angle(i);
   const double reflex_share =
       std::clamp((sum / kReflexAngle - kNearlyReflex) / (1 - kNearlyReflex), 0.0, 1.0);
-  const dvec3 normal = angle_weighted_normal(topology, site.given, site.face_normals, site.vertex,
-                                             sector.first, sector.count);
+  const dvec3 normal =
+      angle_weighted_normal(topology, site.given, site.face_normals, site.vertex, ring);
   const auto in_plane = [&](const dvec3& vector) {
     return unit_or_zero(vector - glm::dot(vector, normal) * normal);
   };
@@ -80,8 +80,8 @@ bool open_sector(const CurveSite& site, const FairTopology::Sector& sector) {
         share *
         (glm::length(offset) * (std::cos(angle) * middle + sign * std::sin(angle) * side) - offset);
   };
-  draw(sector.curve0, a, sector.first, 1);
-  draw(sector.curve1, b, last, -1);
+  draw(sector.curve0, a, 0, 1);
+  draw(sector.curve1, b, ring.size() - 1, -1);
   return sum > kReflexAngle;
 }
 
@@ -115,11 +115,11 @@ void for_corner_sectors(const FairTopology& topology, std::int32_t vertex, const
 void build_perpendicular_corner(const CurveSite& site, glm::vec2& lean) {
   const FairTopology& topology = site.topology;
   const double size = perpendicular_size(topology, site.given, site.vertex);
-  for (std::int32_t i = topology.ring_offsets[site.vertex];
-       i < topology.ring_offsets[site.vertex + 1]; ++i) {
-    const std::int32_t corner = topology.ring_corners[i];
-    const dvec3 next = unit_or_zero(site.edge(topology.ring_next, i));
-    const dvec3 previous = unit_or_zero(site.edge(topology.ring_previous, i));
+  const FairTopology::Ring ring = topology.ring(site.vertex);
+  for (std::int32_t i = 0; i < ring.size(); ++i) {
+    const std::int32_t corner = ring.corners[i];
+    const dvec3 next = unit_or_zero(site.edge(ring.next[i]));
+    const dvec3 previous = unit_or_zero(site.edge(ring.previous[i]));
     // Within the size at right angles, where the point is farther than the circle.
     const double radius = size * std::numbers::sqrt2 / 2;
     const double widening = std::max(1 + glm::dot(next, previous), kWidestAngle);
@@ -163,14 +163,15 @@ double farthest_fan_point(const FairTopology& topology, std::span<const dvec3> g
                           std::span<const dvec3> offsets, std::int32_t vertex) {
   double farthest = 0;
   for_corner_sectors(topology, vertex, [&](const FairTopology::Sector& sector) {
-    for (std::int32_t i = sector.first; i < sector.first + sector.count; ++i) {
+    const FairTopology::Ring ring = topology.ring(sector);
+    for (std::int32_t i = 0; i < sector.count; ++i) {
       // The convex corner's fan; wider ones reach no farther.
-      const double t = (i - sector.first + 0.5) / sector.count * std::numbers::pi / 2;
+      const double t = (i + 0.5) / sector.count * std::numbers::pi / 2;
       const dvec3 fan = std::numbers::sqrt2 * (std::cos(t) * offsets[sector.curve0] +
                                                std::sin(t) * offsets[sector.curve1]);
-      const dvec3 point = (fan + offsets[topology.ring_corners[i]]) / 4.0;
-      const dvec3 next = given[topology.ring_next[i]] - given[vertex];
-      const dvec3 previous = given[topology.ring_previous[i]] - given[vertex];
+      const dvec3 point = (fan + offsets[ring.corners[i]]) / 4.0;
+      const dvec3 next = given[ring.next[i]] - given[vertex];
+      const dvec3 previous = given[ring.previous[i]] - given[vertex];
       farthest = std::max(farthest, part_of_wedge(point, next, previous));
     }
   });

@@ -11,6 +11,7 @@
 
 #include "planish/core/unit_vector.h"
 #include "planish/fair/balanced_weights.h"
+#include "planish/fair/best_view.h"
 #include "planish/fair/vertex_frame.h"
 
 namespace planish {
@@ -21,11 +22,6 @@ using glm::dvec3;
 namespace {
 
 constexpr double kHalfOfCurve = 0.5;
-// Of the best cosine that a sector's normal across the curve can have with all its faces: what it
-// must have to be left as it is.
-constexpr double kSeenShareOfSector = 0.2;
-constexpr int kSectorSteps = 60;
-constexpr int kSectorTiltSteps = 8;
 // Edges that reach less far across the curve than this, times chain_share()'s own ramp, leave its
 // chain gradually: at 0 there is none.
 constexpr double kFullRise = 0.4;
@@ -61,24 +57,6 @@ struct SectorPlane {
   dvec3 along, across;
 };
 
-// The face of a sector that is seen worst from a direction.
-struct WorstOfSector {
-  double cosine = 2;
-  dvec3 normal{0.0};
-};
-
-WorstOfSector worst_of_sector(const CurveSite& site, const FairTopology::Sector& sector,
-                              const dvec3& direction) {
-  WorstOfSector worst;
-  for (std::int32_t i = sector.first; i < sector.first + sector.count; ++i) {
-    const dvec3& normal =
-        site.face_normals[site.topology.corner_faces[site.topology.ring_corners[i]]];
-    const double cosine = glm::dot(direction, normal);
-    if (cosine < worst.cosine) worst = {cosine, normal};
-  }
-  return worst;
-}
-
 // At right angles to the curve, unless it stands on it.
 dvec3 turned_upright(const dvec3& vector, const dvec3& along, const dvec3& otherwise) {
   const dvec3 upright = unit_or_zero(vector - glm::dot(vector, along) * along);
@@ -88,29 +66,14 @@ dvec3 turned_upright(const dvec3& vector, const dvec3& along, const dvec3& other
 // As tilted_normal(), among directions at right angles to the curve.
 dvec3 tilted_sector_normal(const CurveSite& site, const FairTopology::Sector& sector,
                            const dvec3& own, const dvec3& along) {
-  const auto turned = [&](const dvec3& vector, const dvec3& otherwise) {
+  const auto worst_of = [&, corners = site.topology.ring(sector).corners](const dvec3& direction) {
+    return least_seen<dvec3>(corners, direction, [&](std::int32_t corner) {
+      return site.face_normals[site.topology.corner_faces[corner]];
+    });
+  };
+  return turned_to_see(own, worst_of, [&](const dvec3& vector, const dvec3& otherwise) {
     return turned_upright(vector, along, otherwise);
-  };
-  dvec3 direction = own, best = own;
-  double most = -2;
-  for (int step = 0; step < kSectorSteps; ++step) {
-    const WorstOfSector worst = worst_of_sector(site, sector, direction);
-    if (worst.cosine > most) {
-      most = worst.cosine;
-      best = direction;
-    }
-    direction = turned(direction + (worst.normal - direction) / (2.0 + step), direction);
-  }
-  const auto is_seen = [&](const dvec3& normal) {
-    return worst_of_sector(site, sector, normal).cosine >= kSeenShareOfSector * most;
-  };
-  if (most <= 0 || is_seen(own)) return own;
-  double least = 0, enough = 1;
-  for (int step = 0; step < kSectorTiltSteps; ++step) {
-    const double middle = (least + enough) / 2;
-    (is_seen(turned((1 - middle) * own + middle * best, best)) ? enough : least) = middle;
-  }
-  return turned((1 - enough) * own + enough * best, best);
+  });
 }
 
 // The normal of a sector's plane: its faces', about the curve by the angle that is to be chosen
@@ -118,7 +81,7 @@ dvec3 tilted_sector_normal(const CurveSite& site, const FairTopology::Sector& se
 dvec3 sector_normal(const CurveSite& site, const FairTopology::Sector& sector, const dvec3& along,
                     bool is_decided, float& lean) {
   const dvec3 weighted = angle_weighted_normal(site.topology, site.given, site.face_normals,
-                                               site.vertex, sector.first, sector.count);
+                                               site.vertex, site.topology.ring(sector));
   const dvec3 own = turned_upright(weighted, along, weighted);
   const dvec3 left = glm::cross(along, own);
   if (!is_decided) {
@@ -134,14 +97,12 @@ dvec3 sector_normal(const CurveSite& site, const FairTopology::Sector& sector, c
 // Fills the chain of a sector for a handle of length 1; returns how far it is to be used.
 double shape_sector(const CurveSite& site, const FairTopology::Sector& sector,
                     const SectorPlane& plane, PerpendicularScratch& scratch) {
+  const FairTopology::Ring ring = site.topology.ring(sector);
   const auto k = static_cast<std::size_t>(sector.count);
   for (auto* vectors : {&scratch.edges, &scratch.points}) vectors->resize(k + 1);
   scratch.weights.resize(k + 1);
   for (std::size_t i = 0; i <= k; ++i) {
-    const std::int32_t place = sector.first + static_cast<std::int32_t>(std::min(i, k - 1));
-    const dvec3 edge = site.edge(i < k ? std::span<const std::int32_t>(site.topology.ring_next)
-                                       : std::span<const std::int32_t>(site.topology.ring_previous),
-                                 place);
+    const dvec3 edge = site.edge(i < k ? ring.next[i] : ring.previous.back());
     const dvec2 flat(glm::dot(edge, plane.along), glm::dot(edge, plane.across));
     const double length = glm::length(flat);
     if (!(length > 0)) return 0;
@@ -165,12 +126,10 @@ double shape_sector(const CurveSite& site, const FairTopology::Sector& sector,
 
 void scale_curve_vertex(const CurveSite& site, double factor) {
   const FairTopology& topology = site.topology;
-  const std::int32_t first = topology.ring_offsets[site.vertex];
-  const std::int32_t last = topology.ring_offsets[site.vertex + 1];
+  const auto corners = topology.ring(site.vertex).corners;
   std::int32_t begins = -1;  // the curve point that the first sector begins with
   bool is_closed = true;
-  for (std::int32_t i = first; i < last; ++i) {
-    const std::int32_t corner = topology.ring_corners[i];
+  for (const std::int32_t corner : corners) {
     site.offsets[corner] *= factor;
     const std::int32_t before = topology.corner_cw[corner];
     if (before < topology.corner_count) continue;
@@ -178,7 +137,7 @@ void scale_curve_vertex(const CurveSite& site, double factor) {
     if (begins < 0) begins = before;
   }
   // Around a whole ring the last sector ends where the first begins.
-  const std::int32_t end = topology.corner_ccw[topology.ring_corners[last - 1]];
+  const std::int32_t end = topology.corner_ccw[corners.back()];
   is_closed = end == begins || end < topology.corner_count;
   if (!is_closed) site.offsets[end] *= factor;
 }
@@ -221,13 +180,13 @@ void build_perpendicular_crease(const CurveSite& site, glm::vec2& lean,
   for (std::size_t s = 0; s < sectors.size(); ++s) {
     const FairTopology::Sector& sector = sectors[s];
     const SectorPlane& plane = planes[s];
+    const auto corners = topology.ring(sector).corners;
     if (chain > 0) (void)shape_sector(site, sector, plane, scratch);
     for (std::int32_t i = 0; i < sector.count; ++i) {
       const double angle = std::numbers::pi * (2 * i + 1) / (2.0 * sector.count);
       dvec2 point = radius * dvec2(std::cos(angle), std::sin(angle));
       if (chain > 0) point += length * scratch.points[i];
-      site.offsets[topology.ring_corners[sector.first + i]] =
-          point.x * plane.along + point.y * plane.across;
+      site.offsets[corners[i]] = point.x * plane.along + point.y * plane.across;
     }
   }
   site.offsets[curve0] = (length + radius) * direction;
@@ -241,15 +200,15 @@ double least_sector_cosine(const FairTopology& topology, std::span<const dvec3> 
   for (std::int32_t s = topology.sector_offsets[crease]; s < topology.sector_offsets[crease + 1];
        ++s) {
     const FairTopology::Sector& sector = topology.sectors[s];
+    const auto corners = topology.ring(sector).corners;
     dvec3 across(0.0);
     for (std::int32_t i = 0; i < sector.count; ++i) {
-      across += std::sin(std::numbers::pi * (2 * i + 1) / (2.0 * sector.count)) *
-                offsets[topology.ring_corners[sector.first + i]];
+      across +=
+          std::sin(std::numbers::pi * (2 * i + 1) / (2.0 * sector.count)) * offsets[corners[i]];
     }
     const dvec3 normal =
         unit_or_zero(glm::cross(offsets[sector.curve0] - offsets[sector.curve1], across));
-    for (std::int32_t i = 0; i < sector.count; ++i) {
-      const std::int32_t corner = topology.ring_corners[sector.first + i];
+    for (const std::int32_t corner : corners) {
       least = std::min(least, glm::dot(normal, face_normals[topology.corner_faces[corner]]));
     }
   }

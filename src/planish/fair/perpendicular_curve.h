@@ -17,11 +17,8 @@ struct CurveSite {
   std::span<const glm::dvec3> given, face_normals;
   std::span<glm::dvec3> offsets;
   std::int32_t vertex;
-  /// From the vertex to one of the ring's, by its place in ring_next or ring_previous.
-  [[nodiscard]] glm::dvec3 edge(std::span<const std::int32_t> ends, std::int32_t place) const {
-    return given[static_cast<std::size_t>(ends[static_cast<std::size_t>(place)])] -
-           given[static_cast<std::size_t>(vertex)];
-  }
+  /// From the vertex to another one.
+  [[nodiscard]] glm::dvec3 edge(std::int32_t other) const { return given[other] - given[vertex]; }
 };
 
 /// As build_perpendicular_polygon() at a crease or boundary vertex: in every sector a chain from

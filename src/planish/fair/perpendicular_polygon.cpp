@@ -76,9 +76,8 @@ double chain_share(double usable) { return std::min(1.0, usable / kFullChain); }
 double perpendicular_size(const FairTopology& topology, std::span<const dvec3> given,
                           std::int32_t vertex) {
   double least = HUGE_VAL;
-  for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1]; ++i) {
-    const double height =
-        least_height(topology, given, topology.corner_faces[topology.ring_corners[i]]);
+  for (const std::int32_t corner : topology.ring(vertex).corners) {
+    const double height = least_height(topology, given, topology.corner_faces[corner]);
     if (height > 0) least = std::min(least, height);
   }
   return least < HUGE_VAL ? kSize * least : 0;
@@ -87,13 +86,14 @@ double perpendicular_size(const FairTopology& topology, std::span<const dvec3> g
 void build_perpendicular_polygon(const FairTopology& topology, std::span<const dvec3> given,
                                  std::int32_t vertex, const dvec3& normal,
                                  PerpendicularScratch& scratch, std::span<dvec3> offsets) {
-  const std::int32_t first = topology.ring_offsets[vertex], n = topology.valence(vertex);
+  const FairTopology::Ring ring = topology.ring(vertex);
+  const std::int32_t n = ring.size();
   const VertexFrame frame = frame_of(normal);
   scratch.edges.resize(static_cast<std::size_t>(n));
   scratch.points.resize(scratch.edges.size());
   scratch.weights.resize(scratch.edges.size());
   for (std::int32_t i = 0; i < n; ++i) {
-    const dvec2 edge = frame.project(given[topology.ring_next[first + i]] - given[vertex]);
+    const dvec2 edge = frame.project(given[ring.next[i]] - given[vertex]);
     const double length = glm::length(edge);
     scratch.edges[i] = length > 0 ? edge / length : dvec2(0.0);
   }
@@ -109,7 +109,7 @@ void build_perpendicular_polygon(const FairTopology& topology, std::span<const d
   for (std::int32_t i = 0; i < n; ++i) {
     dvec2 point = (1 - chain) * size * rotated(start, circle[i]);
     if (chain > 0) point += chain * size / farthest * scratch.points[i];
-    offsets[topology.ring_corners[first + i]] = point.x * frame.tangent1 + point.y * frame.tangent2;
+    offsets[ring.corners[i]] = point.x * frame.tangent1 + point.y * frame.tangent2;
   }
 }
 

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <type_traits>
-#include <vector>
 
 #include "planish/core/parallel.h"
 #include "planish/fair/fair_topology.h"
@@ -13,20 +10,15 @@
 namespace planish {
 
 /// Calls body(begin, end) for pieces of [0, count) on all threads and sums what it returns;
-/// `make_body` makes one for each run of pieces. Pieces are of fixed size: the same bits for every
+/// `make_body` makes one for each piece. Pieces are of fixed size: the same bits for every
 /// thread count.
 template <class MakeBody>
 double piecewise_sum_of_ranges(std::int32_t count, const MakeBody& make_body) {
-  constexpr std::int32_t kPiece = 4096;
-  std::vector<double> pieces((static_cast<std::size_t>(count) + kPiece - 1) / kPiece);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    auto body = make_body();
-    for (std::size_t piece = begin; piece < end; ++piece) {
-      const auto first = static_cast<std::int32_t>(piece) * kPiece;
-      pieces[piece] = body(first, std::min(first + kPiece, count));
-    }
-  });
-  return std::accumulate(pieces.begin(), pieces.end(), 0.0);
+  const auto of_range = [&](std::size_t begin, std::size_t end) -> double {
+    return make_body()(static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end));
+  };
+  return ordered_reduce(static_cast<std::size_t>(count), 4096, 0.0, of_range,
+                        [](double& sum, double piece) { sum += piece; });
 }
 
 /// The same of body(i) for i in [0, count).

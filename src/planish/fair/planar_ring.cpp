@@ -44,9 +44,10 @@ double wedge_share(const dvec2& next, const dvec2& previous) {
   return std::clamp(cross_of_plane(next, previous) / (kSliverSine * size) - 1, 0.0, 1.0);
 }
 
-void project_ring(const FairTopology& topology, std::span<const dvec3> given,
-                  std::span<const dvec3> corner_offsets, std::int32_t vertex, std::int32_t first,
-                  std::int32_t count, const VertexFrame& frame, PlanarRing& ring) {
+void project_ring(std::span<const dvec3> given, std::span<const dvec3> corner_offsets,
+                  std::int32_t vertex, const FairTopology::Ring& corners, const VertexFrame& frame,
+                  PlanarRing& ring) {
+  const std::int32_t count = corners.size();
   ring.count = count;
   if (ring.next.size() < static_cast<std::size_t>(count)) {
     ring.next.resize(static_cast<std::size_t>(count));
@@ -56,9 +57,9 @@ void project_ring(const FairTopology& topology, std::span<const dvec3> given,
   }
   ring.mean = dvec2(0.0);
   for (std::int32_t i = 0; i < count; ++i) {
-    ring.next[i] = frame.project(given[topology.ring_next[first + i]] - given[vertex]);
-    ring.previous[i] = frame.project(given[topology.ring_previous[first + i]] - given[vertex]);
-    ring.offsets[i] = frame.project(corner_offsets[topology.ring_corners[first + i]]);
+    ring.next[i] = frame.project(given[corners.next[i]] - given[vertex]);
+    ring.previous[i] = frame.project(given[corners.previous[i]] - given[vertex]);
+    ring.offsets[i] = frame.project(corner_offsets[corners.corners[i]]);
     ring.wedges[i] = wedge_of(ring.offsets[i], ring.next[i], ring.previous[i]);
     ring.mean += ring.offsets[i];
   }

@@ -35,10 +35,9 @@ struct PlanarRing {
 /// How far a wedge is to be trusted: 0 where it is not valid, 1 from twice the sliver's angle on.
 [[nodiscard]] double wedge_share(const glm::dvec2& next, const glm::dvec2& previous);
 
-/// Fills `ring` with the corners [first, first + count) of the ring arrays.
-void project_ring(const FairTopology& topology, std::span<const glm::dvec3> given,
-                  std::span<const glm::dvec3> corner_offsets, std::int32_t vertex,
-                  std::int32_t first, std::int32_t count, const VertexFrame& frame,
+/// Fills `ring` with these corners around a vertex.
+void project_ring(std::span<const glm::dvec3> given, std::span<const glm::dvec3> corner_offsets,
+                  std::int32_t vertex, const FairTopology::Ring& corners, const VertexFrame& frame,
                   PlanarRing& ring);
 
 /// How far the mean of the control points lies out of balance: the largest ratio of the mean's

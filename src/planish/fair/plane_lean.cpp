@@ -10,11 +10,11 @@ using glm::dvec3;
 
 dvec2 ring_direction(const FairTopology& topology, std::span<const dvec3> given,
                      std::int32_t vertex, const VertexFrame& frame) {
-  const std::int32_t first = topology.ring_offsets[vertex], n = topology.valence(vertex);
-  const auto circle = topology.unit_circle.of(n);
+  const auto next = topology.ring(vertex).next;
+  const auto circle = topology.unit_circle.of(topology.valence(vertex));
   dvec2 sum(0.0);
-  for (std::int32_t i = 0; i < n; ++i) {
-    const dvec2 edge = frame.project(given[topology.ring_next[first + i]] - given[vertex]);
+  for (std::size_t i = 0; i < next.size(); ++i) {
+    const dvec2 edge = frame.project(given[next[i]] - given[vertex]);
     const double length = glm::length(edge);
     if (!(length > 0)) continue;
     // Turned back by the place's angle.

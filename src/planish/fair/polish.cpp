@@ -118,11 +118,8 @@ void Polisher::turn(std::int32_t vertex, float step, float momentum) {
 // The last step's part of turn().
 void Polisher::climb_all(double step) {
   const auto length = static_cast<float>(step);
-  parallel_for(heights.size(), kPolishGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      heights[i] += length * direction[topology.ring_corners[i]];
-    }
-  });
+  parallel_each(heights.size(), kPolishGrain,
+                [&](std::size_t i) { heights[i] += length * direction[topology.ring_corners[i]]; });
 }
 
 // body(i) of all elements, whose sum is the halo's.
@@ -156,13 +153,9 @@ double Polisher::descend_all(double step) {
 }
 
 void Polisher::turn_all(double step, double momentum) {
-  parallel_for(bending.preconditioner.size(), kPolishGrain,
-               [&](std::size_t begin, std::size_t end) {
-                 for (std::size_t v = begin; v < end; ++v) {
-                   turn(static_cast<std::int32_t>(v), static_cast<float>(step),
-                        static_cast<float>(momentum));
-                 }
-               });
+  parallel_each(bending.preconditioner.size(), kPolishGrain, [&](std::size_t v) {
+    turn(static_cast<std::int32_t>(v), static_cast<float>(step), static_cast<float>(momentum));
+  });
   if (halo) {
     halo->exchange_corners(
         std::span<float>(direction).first(static_cast<std::size_t>(topology.corner_count)));
@@ -190,11 +183,9 @@ void Polisher::run(std::int32_t steps) {
 std::vector<dvec3> polish_directions(const FairTopology& topology, std::span<const dvec3> normals,
                                      std::span<const double> shares) {
   std::vector<dvec3> directions(normals.size(), dvec3(0.0));
-  parallel_for(normals.size(), kPolishGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      if (!topology.has_polygon(static_cast<std::int32_t>(v))) continue;
-      directions[v] = (topology.is_near_curve[v] ? 1 - shares[v] : 1.0) * normals[v];
-    }
+  parallel_each(normals.size(), kPolishGrain, [&](std::size_t v) {
+    if (!topology.has_polygon(static_cast<std::int32_t>(v))) return;
+    directions[v] = (topology.is_near_curve[v] ? 1 - shares[v] : 1.0) * normals[v];
   });
   return directions;
 }

@@ -15,8 +15,7 @@ struct NormalCap {
   double cosine;
 };
 
-/// Nearly, starting from the vertex's own normal: within about a degree.
-/// Source: Badoiu & Clarkson, "Smaller core-sets for balls", 2003.
+/// Nearly, starting from the vertex's own normal: within about a degree, see best_view().
 [[nodiscard]] NormalCap smallest_cap(const FairTopology& topology,
                                      std::span<const glm::dvec3> face_normals, std::int32_t vertex,
                                      const glm::dvec3& normal);

@@ -28,9 +28,7 @@ dvec3 relative_error(const FairTopology& topology, std::span<const dvec3> given,
     return limit_error(topology, given, given, corner_offsets, v);
   };
   dvec3 around(0.0);
-  for (std::int32_t i = topology.ring_offsets[vertex]; i < topology.ring_offsets[vertex + 1]; ++i) {
-    around += error(topology.ring_next[i]);
-  }
+  for (const std::int32_t other : topology.ring(vertex).next) around += error(other);
   return error(vertex) - around / static_cast<double>(topology.valence(vertex));
 }
 
@@ -48,8 +46,7 @@ double tensor_share(const FairTopology& topology, std::span<const dvec3> given,
     return share_of(imbalance(crease_arms(topology, given, vertex)));
   }
   const VertexFrame frame = frame_of(normal);
-  project_ring(topology, given, corner_offsets, vertex, topology.ring_offsets[vertex],
-               topology.valence(vertex), frame, scratch);
+  project_ring(given, corner_offsets, vertex, topology.ring(vertex), frame, scratch);
   const double rho = imbalance(scratch);
   if (rho <= kFullShareBelow) return 1;
   scratch.mean = frame.project(relative_error(topology, given, corner_offsets, vertex));

@@ -53,29 +53,24 @@ double angle_about(const dvec3& a, const dvec3& b, const dvec3& turn, const dvec
 
 std::vector<dvec3> unit_face_normals(const FairTopology& topology, std::span<const dvec3> given) {
   std::vector<dvec3> normals(static_cast<std::size_t>(topology.face_count));
-  parallel_for(normals.size(), kFrameGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const auto face = static_cast<std::int32_t>(f);
-      normals[f] =
-          normalised(area_vector(given, topology.corner_vertices.subspan(
-                                            static_cast<std::size_t>(topology.face_offsets[face]),
-                                            static_cast<std::size_t>(topology.face_size(face)))));
-    }
+  parallel_each(normals.size(), kFrameGrain, [&](std::size_t f) {
+    const auto face = static_cast<std::int32_t>(f);
+    normals[f] = normalised(area_vector(given, topology.face(face)));
   });
   return normals;
 }
 
 dvec3 angle_weighted_normal(const FairTopology& topology, std::span<const dvec3> given,
                             std::span<const dvec3> face_normals, std::int32_t vertex,
-                            std::int32_t first, std::int32_t count) {
+                            const FairTopology::Ring& ring) {
   dvec3 sum(0.0);
   double angles = 0;
-  for (std::int32_t i = first; i < first + count; ++i) {
-    const dvec3 a = given[topology.ring_next[i]] - given[vertex];
-    const dvec3 b = given[topology.ring_previous[i]] - given[vertex];
+  for (std::int32_t i = 0; i < ring.size(); ++i) {
+    const dvec3 a = given[ring.next[i]] - given[vertex];
+    const dvec3 b = given[ring.previous[i]] - given[vertex];
     const dvec3 turn = glm::cross(a, b);
     const double length = glm::length(turn);
-    const std::int32_t face = topology.corner_faces[topology.ring_corners[i]];
+    const std::int32_t face = topology.corner_faces[ring.corners[i]];
     double own_part = 0;
     if (length > 0) {
       own_part = own_normal_part(a, b, turn, length, face_normals[face]);
@@ -93,20 +88,16 @@ dvec3 angle_weighted_normal(const FairTopology& topology, std::span<const dvec3>
   const double length = glm::length(sum);
   if (length > kCancelled * angles) return sum / length;
   sum = dvec3(0.0);
-  for (std::int32_t i = first; i < first + count; ++i) {
-    sum += face_normals[topology.corner_faces[topology.ring_corners[i]]];
-  }
+  for (const std::int32_t corner : ring.corners) sum += face_normals[topology.corner_faces[corner]];
   return normalised(sum);
 }
 
 std::vector<dvec3> vertex_normals(const FairTopology& topology, std::span<const dvec3> given,
                                   std::span<const dvec3> face_normals) {
   std::vector<dvec3> normals(given.size());
-  parallel_for(normals.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
-    for (auto v = static_cast<std::int32_t>(begin); v < static_cast<std::int32_t>(end); ++v) {
-      normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring_offsets[v],
-                                         topology.valence(v));
-    }
+  parallel_each(normals.size(), kVertexGrain, [&](std::size_t index) {
+    const auto v = static_cast<std::int32_t>(index);
+    normals[v] = angle_weighted_normal(topology, given, face_normals, v, topology.ring(v));
   });
   return normals;
 }

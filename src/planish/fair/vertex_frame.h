@@ -21,15 +21,14 @@ struct VertexFrame {
 [[nodiscard]] std::vector<glm::dvec3> unit_face_normals(const FairTopology& topology,
                                                         std::span<const glm::dvec3> given);
 
-/// Unit normal at a vertex: the normals of the corners [first, first + count) of the ring arrays,
-/// weighted by their angles. A corner that turns inward or lies athwart its face takes the face's
-/// normal, of `face_normals` (unit_face_normals()), and its angle about that, up to a full turn.
-/// Where they cancel, the sum of the faces' normals.
+/// Unit normal at a vertex: the normals of the ring's corners, weighted by their angles. A corner
+/// that turns inward or lies athwart its face takes the face's normal, of `face_normals`
+/// (unit_face_normals()), and its angle about that, up to a full turn. Where they cancel, the sum
+/// of the faces' normals.
 [[nodiscard]] glm::dvec3 angle_weighted_normal(const FairTopology& topology,
                                                std::span<const glm::dvec3> given,
                                                std::span<const glm::dvec3> face_normals,
-                                               std::int32_t vertex, std::int32_t first,
-                                               std::int32_t count);
+                                               std::int32_t vertex, const FairTopology::Ring& ring);
 
 /// Those of all vertices, each of its whole ring.
 [[nodiscard]] std::vector<glm::dvec3> vertex_normals(const FairTopology& topology,

@@ -24,10 +24,10 @@
 namespace planish {
 namespace {
 
-// A reader that needs nothing but the bytes.
+// Text in parts of the usual size.
 template <auto read>
-auto from_bytes(const FileBytes& file) {
-  return read(file.bytes, file.name);
+auto in_parts(const FileBytes& file) {
+  return read(file, kTextPartBytes);
 }
 
 // The vertices of what a reader of meshes finds.
@@ -39,77 +39,112 @@ PointCloud vertices_of(const FileBytes& file) {
   return cloud;
 }
 
-constexpr std::array kFormats{
-    FormatInfo{.format = FileFormat::Glb,
-               .name = "glb",
-               .title = "binary glTF 2.0",
-               .read_mesh = read_gltf,
-               .read_points = vertices_of<read_gltf>,
-               .is_gltf = true},
-    FormatInfo{.format = FileFormat::Gltf,
-               .name = "gltf",
-               .title = "glTF 2.0",
-               .read_mesh = read_gltf,
-               .read_points = vertices_of<read_gltf>,
-               .companion = "bin",
-               .is_gltf = true},
-    FormatInfo{.format = FileFormat::Obj,
-               .name = "obj",
-               .title = "Wavefront OBJ",
-               .read_mesh = read_obj,
-               .read_points = vertices_of<read_obj>,
-               .write_piece = write_obj,
-               .polygon_parts = is_obj_part,
-               .companion = "mtl",
-               .keeps_doubles = true,
-               .keeps_sharp_edges = true},
-    FormatInfo{.format = FileFormat::Ply,
-               .name = "ply",
-               .title = "Stanford PLY",
-               .read_mesh = read_ply,
-               .read_points = vertices_of<read_ply>,
-               .write_piece = write_ply,
-               .polygon_parts = is_ply_part,
-               .keeps_doubles = true},
-    FormatInfo{.format = FileFormat::Off,
-               .name = "off",
-               .title = "Object File Format",
-               .read_mesh = from_bytes<read_off>,
-               .read_points = vertices_of<from_bytes<read_off>>,
-               .write_piece = write_off,
-               .polygon_parts = is_off_part,
-               .keeps_doubles = true},
-    FormatInfo{.format = FileFormat::Stl,
-               .name = "stl",
-               .title = "STL",
-               .read_mesh = from_bytes<read_stl>,
-               .write_polygons = write_stl,
-               .has_polygons = false},
-    FormatInfo{.format = FileFormat::Xyz,
-               .name = "xyz",
-               .title = "points as text",
-               .read_points = from_bytes<read_xyz>},
-    FormatInfo{.format = FileFormat::Pts,
-               .name = "pts",
-               .title = "points as text, counted",
-               .read_points = from_bytes<read_pts>},
-    FormatInfo{.format = FileFormat::Pcd,
-               .name = "pcd",
-               .title = "Point Cloud Library",
-               .read_points = from_bytes<read_pcd>},
-    FormatInfo{.format = FileFormat::Usda,
-               .name = "usda",
-               .title = "USD as text",
-               .write_polygons = write_usda,
-               .keeps_sharp_edges = true},
-    FormatInfo{
-        .format = FileFormat::Tiles, .name = "json", .title = "3D Tiles 1.1", .is_tiles = true}};
+constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
+                                         .name = "glb",
+                                         .title = "binary glTF 2.0",
+                                         .read_mesh = read_gltf,
+                                         .read_points = vertices_of<read_gltf>,
+                                         .is_gltf = true,
+                                         .keeps_uvs = true,
+                                         .keeps_colors = true,
+                                         .keeps_groups = true},
+                              FormatInfo{.format = FileFormat::Gltf,
+                                         .name = "gltf",
+                                         .title = "glTF 2.0",
+                                         .read_mesh = read_gltf,
+                                         .read_points = vertices_of<read_gltf>,
+                                         .companion = "bin",
+                                         .is_gltf = true,
+                                         .keeps_uvs = true,
+                                         .keeps_colors = true,
+                                         .keeps_groups = true},
+                              FormatInfo{.format = FileFormat::Obj,
+                                         .name = "obj",
+                                         .title = "Wavefront OBJ",
+                                         .read_mesh = in_parts<read_obj>,
+                                         .read_points = vertices_of<in_parts<read_obj>>,
+                                         .write_polygons = write_obj,
+                                         .parts = kObjParts,
+                                         .companion = "mtl",
+                                         .keeps_doubles = true,
+                                         .keeps_sharp_edges = true,
+                                         .keeps_uvs = true,
+                                         .keeps_colors = true,
+                                         .keeps_groups = true},
+                              FormatInfo{.format = FileFormat::Ply,
+                                         .name = "ply",
+                                         .title = "Stanford PLY",
+                                         .read_mesh = in_parts<read_ply>,
+                                         .read_points = vertices_of<in_parts<read_ply>>,
+                                         .write_polygons = write_ply,
+                                         .parts = kPlyParts,
+                                         .keeps_doubles = true,
+                                         .keeps_uvs = true,
+                                         .keeps_colors = true},
+                              FormatInfo{.format = FileFormat::Off,
+                                         .name = "off",
+                                         .title = "Object File Format",
+                                         .read_mesh = in_parts<read_off>,
+                                         .read_points = vertices_of<in_parts<read_off>>,
+                                         .write_polygons = write_off,
+                                         .parts = kOffParts,
+                                         .keeps_doubles = true},
+                              FormatInfo{.format = FileFormat::Stl,
+                                         .name = "stl",
+                                         .title = "STL",
+                                         .read_mesh = in_parts<read_stl>,
+                                         .write_polygons = write_stl,
+                                         .has_polygons = false},
+                              FormatInfo{.format = FileFormat::Xyz,
+                                         .name = "xyz",
+                                         .title = "points as text",
+                                         .read_points = in_parts<read_xyz>},
+                              FormatInfo{.format = FileFormat::Pts,
+                                         .name = "pts",
+                                         .title = "points as text, counted",
+                                         .read_points = in_parts<read_pts>},
+                              FormatInfo{.format = FileFormat::Pcd,
+                                         .name = "pcd",
+                                         .title = "Point Cloud Library",
+                                         .read_points = in_parts<read_pcd>},
+                              FormatInfo{.format = FileFormat::Usda,
+                                         .name = "usda",
+                                         .title = "USD as text",
+                                         .write_polygons = write_usda,
+                                         .keeps_sharp_edges = true,
+                                         .keeps_uvs = true,
+                                         .keeps_colors = true,
+                                         .keeps_groups = true},
+                              FormatInfo{.format = FileFormat::Tiles,
+                                         .name = "json",
+                                         .title = "3D Tiles 1.1",
+                                         .is_tiles = true,
+                                         .keeps_uvs = true,
+                                         .keeps_colors = true,
+                                         .keeps_groups = true}};
 
-std::vector<std::string> dotted_names(FormatUse use) {
+template <class Wanted>
+std::vector<std::string> dotted_names_where(const Wanted& wanted) {
   std::vector<std::string> names;
   for (const FormatInfo& info : kFormats)
-    if (serves(info.format, use)) names.push_back("." + std::string(info.name));
+    if (wanted(info)) names.push_back("." + std::string(info.name));
   return names;
+}
+std::vector<std::string> dotted_names(FormatUse use) {
+  return dotted_names_where([&](const FormatInfo& info) { return serves(info.format, use); });
+}
+
+// "a, b or c"
+std::string in_words(const std::vector<std::string>& names, const std::string& last) {
+  std::string text = names.front();
+  for (std::size_t i = 1; i < names.size(); ++i)
+    text += (i + 1 < names.size() ? ", " : " " + last + " ") + names[i];
+  return text;
+}
+
+bool holds(const FormatInfo& info, const CarriedAttributes& given) {
+  return (info.keeps_uvs || !given.uvs) && (info.keeps_colors || !given.colors) &&
+         (info.keeps_groups || !given.groups);
 }
 
 }  // namespace
@@ -148,9 +183,9 @@ bool serves(FileFormat format, FormatUse use) {
     case FormatUse::ReadPoints:
       return info.read_points;
     case FormatUse::WriteSurface:
-      return info.is_gltf || info.is_tiles || info.write_piece || info.write_polygons;
+      return info.is_gltf || info.is_tiles || info.write_polygons;
     case FormatUse::WriteCage:
-      return (info.write_piece || info.write_polygons) && info.has_polygons;
+      return info.write_polygons && info.has_polygons;
   }
   return false;
 }
@@ -174,12 +209,20 @@ std::string extensions_of(FormatUse use) {
   return text.substr(1);
 }
 
-std::string extensions_in_words(FormatUse use) {
-  const std::vector<std::string> names = dotted_names(use);
-  std::string text = names.front();
-  for (std::size_t i = 1; i < names.size(); ++i)
-    text += (i + 1 < names.size() ? ", " : " or ") + names[i];
-  return text;
+std::string extensions_in_words(FormatUse use) { return in_words(dotted_names(use), "or"); }
+
+std::string lost_attributes(FileFormat format, const CarriedAttributes& given) {
+  const FormatInfo& info = info_of(format);
+  if (holds(info, given)) return {};
+  std::vector<std::string> lost;
+  if (given.uvs && !info.keeps_uvs) lost.emplace_back("texture coordinates");
+  if (given.colors && !info.keeps_colors) lost.emplace_back("colours");
+  if (given.groups && !info.keeps_groups) lost.emplace_back("groups");
+  const auto better = dotted_names_where([&](const FormatInfo& other) {
+    return serves(other.format, FormatUse::WriteSurface) && holds(other, given);
+  });
+  return "." + std::string(info.name) + " holds no " + in_words(lost, "or") +
+         ", which the input has; " + in_words(better, "and") + " do";
 }
 
 }  // namespace planish

@@ -14,7 +14,6 @@ class FileBuffer;
 struct MeshFile;
 struct PointCloud;
 enum class PolygonPart : std::uint8_t;
-struct PolygonPiece;
 class PolygonStream;
 
 /// A format's place in formats().
@@ -28,6 +27,9 @@ struct FileBytes {
   /// Edges where the normals of glTF, OBJ or PLY are split become creases, and vertices at one
   /// place one vertex.
   bool split_normals_crease = false;
+  /// Refuses what other programs write and the format does not have, and which is otherwise read
+  /// with a warning: it concerns neither positions nor faces.
+  bool is_strict = false;
 };
 
 /// One format of the table. A reader or writer that is missing is null; the readers and the writer
@@ -38,12 +40,9 @@ struct FormatInfo {
   std::string_view title;  ///< "Wavefront OBJ"
   MeshFile (*read_mesh)(const FileBytes&) = nullptr;
   PointCloud (*read_points)(const FileBytes&) = nullptr;
-  /// Polygons of any size, for cages and surfaces, in pieces of the parts that the format has.
-  /// glTF is written by write_gltf().
-  void (*write_piece)(FileBuffer&, const PolygonPiece&) = nullptr;
-  bool (*polygon_parts)(PolygonPart) = nullptr;
-  /// Of formats that have parts in an order of their own.
   void (*write_polygons)(const PolygonStream&) = nullptr;
+  /// That write_polygons() writes one after another; empty: it has an order of its own.
+  std::span<const PolygonPart> parts = {};
   /// Extension, without the dot, of a file that may be written beside it; empty: none.
   std::string_view companion = {};
   bool is_gltf = false;
@@ -51,6 +50,7 @@ struct FormatInfo {
   bool has_polygons = true;        ///< false: only triangles
   bool keeps_doubles = false;      ///< positions come back to the last bit; else as float32
   bool keeps_sharp_edges = false;  ///< and corners and holes
+  bool keeps_uvs = false, keeps_colors = false, keeps_groups = false;
 };
 
 /// All formats, each at the place of its FileFormat. Dispatch, help texts and messages are made
@@ -72,6 +72,14 @@ enum class FormatUse : std::uint8_t { Read, ReadMesh, ReadPoints, WriteSurface, 
 [[nodiscard]] bool serves(FileFormat format, FormatUse use);
 /// Points only: what a mesh is not read from.
 [[nodiscard]] bool holds_points_only(FileFormat format);
+
+/// What a surface has besides its shape.
+struct CarriedAttributes {
+  bool uvs = false, colors = false, groups = false;
+};
+
+/// Says which of these the format does not hold, and which formats do; empty: it holds all.
+[[nodiscard]] std::string lost_attributes(FileFormat format, const CarriedAttributes& given);
 
 /// The formats of that use: "obj, ply, off".
 [[nodiscard]] std::string names_of(FormatUse use, std::string_view separator = ", ");

@@ -3,7 +3,7 @@
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
-#include "planish/files/sniff_format.h"
+#include "planish/files/shared/text_encoding.h"
 #include "planish/files/write_polygons.h"
 
 namespace planish {
@@ -16,9 +16,13 @@ MeshFile read_mesh(const FileBytes& file, FileFormat format) {
   if (!info.read_mesh) {
     throw Error(ErrorCode::InvalidArgument, std::string(file.name) + ": ." +
                                                 std::string(info.name) +
-                                                " holds points, and a polygon mesh is wanted");
+                                                " holds points, and a polygon mesh is wanted; "
+                                                "read_points() and reconstruct() make one of them");
   }
-  return info.read_mesh(utf8_file(file, format));
+  const TextFile text = text_file(file, format);
+  MeshFile found = info.read_mesh(text.file);
+  found.warnings.insert(found.warnings.begin(), text.warnings.begin(), text.warnings.end());
+  return found;
 }
 
 MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, FileFormat format) {
@@ -38,7 +42,8 @@ MeshFile read_mesh(const std::filesystem::path& path, const MeshReadOptions& opt
   return read_mesh(FileBytes{.bytes = bytes,
                              .name = name,
                              .path = path,
-                             .split_normals_crease = options.split_normals_crease},
+                             .split_normals_crease = options.split_normals_crease,
+                             .is_strict = options.is_strict},
                    *format);
 }
 

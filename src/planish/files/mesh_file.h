@@ -42,6 +42,7 @@ struct MeshFile {
 struct MeshReadOptions {
   std::optional<FileFormat> format;   ///< empty: by the extension
   bool split_normals_crease = false;  ///< as FileBytes has it
+  bool is_strict = false;             ///< the same
 };
 
 /// Reads a file, and what a glTF names beside it. Throws as above, and Error{InvalidArgument} for

@@ -19,13 +19,19 @@ namespace planish {
 /// formatted on all threads and reach the sinks in order, and few exist at once.
 class PolygonStream {
  public:
-  /// `name` is that of the file, for messages. All of it must outlive the stream.
+  /// `name` is that of the file, for messages. What is referred to must outlive the stream.
   PolygonStream(const PolygonSource& source, std::span<const ByteSink> sinks,
-                const FormatInfo& format, std::string name)
-      : source_(source), sinks_(sinks), format_(format), name_(std::move(name)) {}
+                const FormatInfo& format, std::string name, std::string companion)
+      : source_(source),
+        sinks_(sinks),
+        format_(format),
+        name_(std::move(name)),
+        companion_(std::move(companion)) {}
 
   [[nodiscard]] const PolygonTotals& totals() const { return source_.totals(); }
   [[nodiscard]] const std::string& name() const { return name_; }
+  /// The file beside it that holds its materials; empty: none.
+  [[nodiscard]] const std::string& companion() const { return companion_; }
 
   void text(std::string_view text) const {
     for (const ByteSink& sink : sinks_) sink(std::as_bytes(std::span(text)));
@@ -72,7 +78,7 @@ class PolygonStream {
   const PolygonSource& source_;
   std::span<const ByteSink> sinks_;
   const FormatInfo& format_;
-  std::string name_;
+  std::string name_, companion_;
 };
 
 }  // namespace planish

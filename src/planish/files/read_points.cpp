@@ -4,7 +4,7 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
-#include "planish/files/sniff_format.h"
+#include "planish/files/shared/text_encoding.h"
 
 namespace planish {
 
@@ -15,7 +15,9 @@ PointCloud read_points(const FileBytes& file, FileFormat format) {
         ErrorCode::InvalidArgument,
         std::string(file.name) + ": ." + std::string(info.name) + " holds no points by themselves");
   }
-  PointCloud cloud = info.read_points(utf8_file(file, format));
+  const TextFile text = text_file(file, format);
+  PointCloud cloud = info.read_points(text.file);
+  cloud.warnings.insert(cloud.warnings.begin(), text.warnings.begin(), text.warnings.end());
   recentre(cloud);
   return cloud;
 }

@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
-#include <string>
 #include <string_view>
 
-#include "planish/core/error.h"
 #include "planish/core/number_text.h"
+#include "planish/files/shared/text_encoding.h"
 
 namespace planish {
 namespace {
 
-constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
 constexpr std::string_view kBlanks = " \t\r\n\f\v";
 
 std::string_view trimmed(std::string_view text) {
@@ -29,21 +26,13 @@ std::string_view first_word(std::string_view line) {
 // The first line that is neither empty nor a comment; a PCD says what it is in its comment.
 std::string_view first_line(std::string_view text) {
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
     const std::string_view line = trimmed(text.substr(0, end));
     if (line.starts_with("# .PCD")) return line;
     if (!line.empty() && line.front() != '#') return line;
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return {};
-}
-
-bool is_binary_stl(std::span<const std::byte> bytes) {
-  constexpr std::size_t kHead = 84, kTriangle = 50;
-  if (bytes.size() < kHead) return false;
-  std::uint32_t count = 0;
-  std::memcpy(&count, bytes.data() + kHead - sizeof count, sizeof count);
-  return count > 0 && bytes.size() == kHead + kTriangle * count;
 }
 
 // OFF and its kin: COFF, NOFF, STOFF, 4OFF...
@@ -76,10 +65,15 @@ std::optional<FileFormat> numbers_format(std::string_view line) {
 
 std::optional<FileFormat> sniff_format(std::span<const std::byte> bytes) {
   constexpr std::size_t kLooked = 1 << 16;
-  std::string_view text(reinterpret_cast<const char*>(bytes.data()),
-                        std::min(bytes.size(), kLooked));
-  if (text.starts_with("glTF")) return FileFormat::Glb;
   if (is_binary_stl(bytes)) return FileFormat::Stl;
+  std::span<const std::byte> head = bytes.first(std::min(bytes.size(), kLooked));
+  DecodedText decoded;
+  if (is_utf16(head)) {
+    decoded = decode_utf16(head);
+    head = decoded.bytes;
+  }
+  std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  if (text.starts_with("glTF")) return FileFormat::Glb;
   if (text.starts_with(kUtf8Mark)) text.remove_prefix(kUtf8Mark.size());
   const std::string_view line = first_line(text);
   if (line.empty()) return std::nullopt;
@@ -91,30 +85,6 @@ std::optional<FileFormat> sniff_format(std::span<const std::byte> bytes) {
   if (is_off_word(word)) return FileFormat::Off;
   if (is_obj_word(word)) return FileFormat::Obj;
   return numbers_format(line);
-}
-
-void refuse_utf16(std::span<const std::byte> bytes, std::string_view name) {
-  if (bytes.size() < 4 || is_binary_stl(bytes)) return;
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned>(bytes[i]); };
-  const auto is_text = [&](std::size_t i) { return byte(i) >= 9 && byte(i) < 127; };
-  const bool has_mark =
-      (byte(0) == 0xff && byte(1) == 0xfe) || (byte(0) == 0xfe && byte(1) == 0xff);
-  const bool has_zeros = (is_text(0) && is_text(2) && byte(1) == 0 && byte(3) == 0) ||
-                         (is_text(1) && is_text(3) && byte(0) == 0 && byte(2) == 0);
-  if (has_mark || has_zeros)
-    throw Error(ErrorCode::UnreadableInput, std::string(name) +
-                                                ": is text of UTF-16; save it as UTF-8 (iconv -f "
-                                                "UTF-16 -t UTF-8)");
-}
-
-FileBytes utf8_file(const FileBytes& file, FileFormat format) {
-  if (format == FileFormat::Stl && is_binary_stl(file.bytes)) return file;
-  refuse_utf16(file.bytes, file.name);
-  FileBytes text = file;
-  const std::string_view start(reinterpret_cast<const char*>(file.bytes.data()),
-                               std::min(file.bytes.size(), kUtf8Mark.size()));
-  if (start == kUtf8Mark) text.bytes = file.bytes.subspan(kUtf8Mark.size());
-  return text;
 }
 
 }  // namespace planish

@@ -14,6 +14,7 @@
 #include "planish/files/polygon_stream.h"
 #include "planish/files/shared/file_buffer.h"
 #include "planish/files/shared/ordered_stream.h"
+#include "planish/files/shared/writable.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
@@ -28,7 +29,12 @@ bool fits_float(const glm::dvec3& p) {
   constexpr double kMost = std::numeric_limits<float>::max();
   return std::abs(p.x) <= kMost && std::abs(p.y) <= kMost && std::abs(p.z) <= kMost;
 }
+bool fits_float(const glm::dvec2& p) { return fits_float(glm::dvec3(p, 0.0)); }
 bool finite(const glm::dvec2& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
+bool finite(const glm::vec3& n) {
+  return std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z);
+}
+bool finite(float value) { return std::isfinite(value); }
 bool finite(const glm::vec4& c) {
   return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b) && std::isfinite(c.a);
 }
@@ -39,7 +45,10 @@ bool all_finite(std::span<const Vector> values) {
 }
 
 bool is_finite_piece(const PolygonView& view) {
-  return all_finite(view.positions) && all_finite(view.uvs) && all_finite(view.colors);
+  return all_finite(view.positions) && all_finite(view.uvs) && all_finite(view.colors) &&
+         all_finite(view.normals) && std::ranges::all_of(view.fields, [](const NamedField& field) {
+           return all_finite(field.values);
+         });
 }
 
 template <class Vector>
@@ -58,16 +67,31 @@ void require_finite(const PolygonView& view, std::int64_t first, const std::stri
   require_finite(view.positions, first, "vertex", name);
   require_finite(view.uvs, first, "texture coordinate", name);
   require_finite(view.colors, first, "the colour of vertex", name);
+  require_finite(view.normals, first, "the normal of vertex", name);
+  for (const NamedField& field : view.fields)
+    require_finite(field.values, first, std::string(field.name) + " of vertex", name);
+}
+
+template <class Vector>
+bool all_fit_floats(std::span<const Vector> values) {
+  return std::ranges::all_of(values, [](const Vector& v) { return fits_float(v); });
+}
+
+template <class Vector>
+void require_floats(std::span<const Vector> values, std::int64_t first, const std::string& what,
+                    const std::string& remedy, const std::string& name) {
+  const auto wild = std::ranges::find_if_not(values, [](const Vector& v) { return fits_float(v); });
+  if (wild == values.end()) return;
+  const std::int64_t element = first + (wild - values.begin());
+  throw Error(ErrorCode::InvalidArgument,
+              name + ": " + what + " " + std::to_string(element) +
+                  " has a coordinate that float32 cannot hold; " + remedy,
+              element);
 }
 
 void require_floats(const PolygonView& view, std::int64_t first, const std::string& name) {
-  const auto wild = std::ranges::find_if_not(view.positions, fits_float);
-  if (wild == view.positions.end()) return;
-  const std::int64_t vertex = first + (wild - view.positions.begin());
-  throw Error(ErrorCode::InvalidArgument,
-              name + ": vertex " + std::to_string(vertex) +
-                  " has a coordinate that float32 cannot hold; scale the model down",
-              vertex);
+  require_floats(view.positions, first, "vertex", "scale the model down", name);
+  require_floats(view.uvs, first, "texture coordinate", "bring it near 0 to 1", name);
 }
 
 void require_lines(std::span<const std::string> header, const std::string& name) {
@@ -241,7 +265,7 @@ class CountedFile {
 
 bool PolygonStream::can_write(const PolygonView& view) const {
   return is_finite_piece(view) &&
-         (format_.keeps_doubles || std::ranges::all_of(view.positions, fits_float));
+         (format_.keeps_doubles || (all_fit_floats(view.positions) && all_fit_floats(view.uvs)));
 }
 
 // The first fault in order.
@@ -270,7 +294,7 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
                              const ByteObserver& observe) {
   const FormatInfo& info = info_of(format);
   const std::string name = visible(path);
-  if (!info.write_piece && !info.write_polygons)
+  if (!info.write_polygons)
     throw Error(ErrorCode::InvalidArgument, name + ": polygons are written as " +
                                                 extensions_in_words(FormatUse::WriteCage) +
                                                 ", not as ." + std::string(info.name));
@@ -284,23 +308,13 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
     }
   }
   CountedFile file(path, observe);
-  const PolygonStream out(source, file.sinks(), info, name);
-  if (info.write_polygons) {
-    info.write_polygons(out);
-    return file.commit();
-  }
-  for (const PolygonPart part : kPolygonParts) {
-    if (!info.polygon_parts(part)) continue;
-    out.part(part, [&](FileBuffer& bytes, const PolygonPiece& piece, RowRange) {
-      info.write_piece(bytes, piece);
-      if (part == PolygonPart::Head && !companion.empty()) write_mtllib(bytes, companion);
-    });
-  }
+  info.write_polygons(PolygonStream(source, file.sinks(), info, name, companion));
   return file.commit();
 }
 
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonView& view, const ByteObserver& observe) {
+  require_writable(view, visible(path));
   return write_polygons(path, format, ViewSource(view), view.header, observe);
 }
 

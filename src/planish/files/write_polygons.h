@@ -13,9 +13,9 @@
 #include <string_view>
 #include <vector>
 
+#include "planish/core/range.h"
 #include "planish/files/formats.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/stencil_builder.h"
 #include "planish/surface/vertex_fields.h"
 
 namespace planish {
@@ -78,16 +78,11 @@ enum class PolygonPart : std::uint8_t {
   Uvs,
   Normals,
   Faces,
-  Tail,  ///< creases, corners, holes
-  // What PolygonStream may ask for besides.
+  Tail,       ///< creases, corners, holes
   Colors,     ///< of all vertices, alone
   Fields,     ///< likewise
   Triangles,  ///< that faces are cut into, as glTF has them: the view has three positions each
 };
-
-inline constexpr std::array kPolygonParts = {
-    PolygonPart::Head,    PolygonPart::Positions, PolygonPart::Vertices, PolygonPart::Uvs,
-    PolygonPart::Normals, PolygonPart::Faces,     PolygonPart::Tail};
 
 /// Some of a part.
 struct PolygonPiece {
@@ -116,7 +111,8 @@ class PolygonSource {
 /// number. `observe`, if any, gets all bytes in order. Returns their number. OBJ with materials
 /// gets an .mtl beside it (obj/write_mtl.h), put in place before it.
 /// Throws Error{UnwritableOutput}; Error{InvalidArgument} for formats that are not written, for
-/// numbers that are not finite and for header lines that hold a line break.
+/// indices and counts that do not fit each other, faces of fewer than 3 corners, numbers that are
+/// not finite and header lines that hold a line break.
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonView& view, const ByteObserver& observe = {});
 /// The same of polygons that are made as they are written.

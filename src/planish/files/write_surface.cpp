@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <mutex>
 
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/gltf/gltf_face_writer.h"
+#include "planish/files/shared/writable.h"
 #include "planish/files/write_polygons.h"
 
 namespace planish {
@@ -16,9 +19,10 @@ constexpr std::int64_t kTextRows = std::int64_t{1} << 13;
 // Makes each piece when it is asked for.
 class BlockSource final : public PolygonSource {
  public:
-  BlockSource(const SurfaceBlocks& surface, const SurfaceWriteOptions& options)
+  BlockSource(const SurfaceBlocks& surface, FileFormat format, const SurfaceWriteOptions& options)
       : surface_(surface),
         info_(surface.info()),
+        progress_(options.callbacks, "write", 0, 1, expected_pieces(surface, format, options)),
         header_(options.header),
         fields_(options.fields),
         is_z_up_(options.is_z_up) {
@@ -52,6 +56,16 @@ class BlockSource final : public PolygonSource {
   [[nodiscard]] const DegenerateRows& degenerate() const { return degenerate_; }
   void visit(PolygonPart part, RowRange range,
              const std::function<void(const PolygonPiece&)>& use) const override {
+    make(part, range, use);
+    progress_.add();
+  }
+
+ private:
+  // Of the parts that the format asks for, where they are ordered here, or as its writer asks.
+  static std::int64_t expected_pieces(const SurfaceBlocks& surface, FileFormat format,
+                                      const SurfaceWriteOptions& options);
+  void make(PolygonPart part, RowRange range,
+            const std::function<void(const PolygonPiece&)>& use) const {
     PolygonPiece piece{.part = part, .totals = totals_, .view = {}, .before = {}};
     if (part == PolygonPart::Head || part == PolygonPart::Tail) {
       piece.view.header = header_;
@@ -69,8 +83,6 @@ class BlockSource final : public PolygonSource {
     if (part == PolygonPart::Triangles) return visit_triangles(range, piece, use);
     visit_rows(range, piece, use);
   }
-
- private:
   void visit_rows(RowRange range, PolygonPiece& piece,
                   const std::function<void(const PolygonPiece&)>& use) const;
   void visit_faces(RowRange range, PolygonPiece& piece,
@@ -80,6 +92,7 @@ class BlockSource final : public PolygonSource {
 
   const SurfaceBlocks& surface_;
   const SurfaceInfo& info_;
+  mutable LoopProgress progress_;
   std::span<const std::string> header_;
   std::span<const NamedField> fields_;
   bool is_z_up_;
@@ -88,6 +101,31 @@ class BlockSource final : public PolygonSource {
   mutable std::mutex mutex_;
   mutable DegenerateRows degenerate_;
 };
+
+std::int64_t BlockSource::expected_pieces(const SurfaceBlocks& surface, FileFormat format,
+                                          const SurfaceWriteOptions& options) {
+  const FormatInfo& info = info_of(format);
+  const SurfaceInfo& made = surface.info();
+  const auto count_of = [](std::int64_t count) { return (count + kTextRows - 1) / kTextRows; };
+  const std::int64_t rows = std::ssize(surface.row_blocks(kTextRows)),
+                     faces = count_of(made.face_count), uvs = count_of(made.uv_count);
+  if (format == FileFormat::Stl) return rows + faces;
+  // Sizes and corners of faces for themselves; colours are looked through before.
+  if (info.parts.empty())
+    return 2 * faces + uvs + rows * (made.has_colors ? 4 : 2) +
+           rows * static_cast<std::int64_t>(options.fields.size());
+  // PLY looks before which texture coordinates vertices have.
+  std::int64_t pieces = format == FileFormat::Ply && uvs > 0 ? uvs + faces : 0;
+  for (const PolygonPart part : info.parts) {
+    const bool is_of_rows = part == PolygonPart::Positions || part == PolygonPart::Vertices ||
+                            part == PolygonPart::Normals;
+    pieces += is_of_rows                   ? rows
+              : part == PolygonPart::Uvs   ? uvs
+              : part == PolygonPart::Faces ? faces
+                                           : 1;
+  }
+  return pieces;
+}
 
 void BlockSource::visit_rows(RowRange range, PolygonPiece& piece,
                              const std::function<void(const PolygonPiece&)>& use) const {
@@ -163,6 +201,7 @@ void BlockSource::prepare(PolygonPart part) const {
       target.stored = std::span(stored_).subspan(static_cast<std::size_t>(pieces[i].first),
                                                  static_cast<std::size_t>(pieces[i].count));
       (void)surface_.rows(pieces[i], target);
+      progress_.add();
     }
   });
 }
@@ -206,19 +245,17 @@ void write_surface(const std::filesystem::path& path, FileFormat format, const S
 
 std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format,
                             const SurfaceBlocks& surface, const SurfaceWriteOptions& options) {
-  const BlockSource source(surface, options);
-  std::size_t pieces = 0, written = 0;
-  const FormatInfo& info = info_of(format);
-  for (const PolygonPart part : kPolygonParts)
-    if (!info.write_piece || info.polygon_parts(part)) pieces += source.ranges(part).size();
-  const auto observe = [&](std::span<const std::byte> bytes) {
-    if (options.observe) options.observe(bytes);
-    ++written;
-    options.callbacks.report(
-        "write", std::min(1.0, static_cast<double>(written) / static_cast<double>(pieces)));
-  };
-  const std::uint64_t byte_count = write_polygons(path, format, source, options.header, observe);
+  const HostScope host(options.callbacks);
+  require_field_sizes(options.fields, surface.info().row_count, visible(path));
+  const BlockSource source(surface, format, options);
+  const std::uint64_t byte_count =
+      write_polygons(path, format, source, options.header, options.observe);
   warn_of(source.degenerate(), options.callbacks);
+  const PolygonTotals& totals = source.totals();
+  const std::string lost = lost_attributes(
+      format, {totals.has_uvs, totals.has_colors, surface.info().groups.size() > 1});
+  if (!lost.empty()) options.callbacks.warn({"lost-attributes", lost});
+  tell(options.callbacks, "write", 1);
   return byte_count;
 }
 

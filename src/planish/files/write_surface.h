@@ -29,7 +29,7 @@ struct SurfaceWriteOptions {
   bool is_z_up = false;  ///< of USD
   /// Gets all bytes in order while they are written: for a digest.
   std::function<void(std::span<const std::byte>)> observe;
-  Callbacks callbacks;  ///< step "write", warning "degenerate-normals"
+  Callbacks callbacks;  ///< step "write", warnings "degenerate-normals" and "lost-attributes"
 };
 
 /// The same of a surface that is made as it is written, which nobody holds: the same bytes, in the

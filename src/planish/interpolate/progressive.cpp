@@ -14,6 +14,7 @@
 #include "planish/backend/chebyshev.h"
 #include "planish/backend/initial_residual.h"
 #include "planish/core/assert.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 
@@ -35,6 +36,9 @@ constexpr double kStagnationFactor = 0.9;
 // The spectrum lies in (0, 1], where no step can enlarge the error much; beyond this it diverges.
 constexpr double kDivergenceFactor = 1e3;
 
+// Shares of the time that go before and after the steps.
+constexpr double kSolveBegins = 0.35, kSolveEnds = 0.9;
+
 // Rows that a thread takes at least.
 constexpr std::size_t kPieceRows = 4096;
 
@@ -43,14 +47,12 @@ RawVector<glm::dvec3> residual_of(const StencilView<double>& masks,
                                   std::span<const glm::dvec3> initial,
                                   std::span<const glm::dvec3> displacement) {
   RawVector<glm::dvec3> result(initial.size());
-  parallel_for(initial.size(), kPieceRows, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      glm::dvec3 residual = initial[i];
-      for (std::int32_t k = masks.offsets[i]; k < masks.offsets[i] + masks.sizes[i]; ++k) {
-        residual -= masks.weights[k] * displacement[masks.indices[k]];
-      }
-      result[i] = residual;
+  parallel_each(initial.size(), kPieceRows, [&](std::size_t i) {
+    glm::dvec3 residual = initial[i];
+    for (std::int32_t k = masks.offsets[i]; k < masks.offsets[i] + masks.sizes[i]; ++k) {
+      residual -= masks.weights[k] * displacement[masks.indices[k]];
     }
+    result[i] = residual;
   });
   return result;
 }
@@ -60,40 +62,37 @@ void note_error(std::span<const glm::dvec3> residual, Interpolation& result) {
     double sum = 0, largest = -1;
     std::size_t worst = 0;
   };
-  // Summed by pieces of fixed size, then in their order.
-  std::vector<Piece> pieces((residual.size() + kPieceRows - 1) / kPieceRows);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      Piece piece;
-      for (std::size_t i = p * kPieceRows; i < std::min(residual.size(), (p + 1) * kPieceRows);
-           ++i) {
-        double square = glm::dot(residual[i], residual[i]);
-        if (!std::isfinite(square)) square = std::numeric_limits<double>::infinity();
-        piece.sum += square;
-        if (square > piece.largest) {
-          piece.largest = square;
-          piece.worst = i;
-        }
+  const auto piece_of = [&](std::size_t begin, std::size_t end) {
+    Piece piece;
+    for (std::size_t i = begin; i < end; ++i) {
+      double square = glm::dot(residual[i], residual[i]);
+      if (!std::isfinite(square)) square = std::numeric_limits<double>::infinity();
+      piece.sum += square;
+      if (square > piece.largest) {
+        piece.largest = square;
+        piece.worst = i;
       }
-      pieces[p] = piece;
     }
-  });
-  double sum = 0, largest = -1;
-  for (const Piece& piece : pieces) {
-    sum += piece.sum;
-    if (piece.largest > largest) {
-      largest = piece.largest;
-      result.worst_vertex = static_cast<std::int64_t>(piece.worst);
+    return piece;
+  };
+  const auto join = [](Piece& total, const Piece& piece) {
+    total.sum += piece.sum;
+    if (piece.largest > total.largest) {
+      total.largest = piece.largest;
+      total.worst = piece.worst;
     }
-  }
-  result.error = {std::sqrt(std::max(largest, 0.0)),
-                  residual.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(residual.size()))};
+  };
+  const Piece total = ordered_reduce(residual.size(), kPieceRows, Piece{}, piece_of, join);
+  if (!residual.empty()) result.worst_vertex = static_cast<std::int64_t>(total.worst);
+  result.error = {
+      std::sqrt(std::max(total.largest, 0.0)),
+      residual.empty() ? 0.0 : std::sqrt(total.sum / static_cast<double>(residual.size()))};
 }
 
 std::int32_t first_batch_size(double initial_error, const InterpolationOptions& options) {
   const double count =
       chebyshev_step_count(options.spectral_bound, options.tolerance / initial_error);
-  return static_cast<std::int32_t>(std::clamp<double>(count, 1, options.max_iterations));
+  return static_cast<std::int32_t>(std::max(1.0, std::min<double>(count, options.max_iterations)));
 }
 
 // Follows the errors from batch to batch.
@@ -113,21 +112,33 @@ class ProgressWatch {
     best_ = best;
     return stuck;
   }
+  // The error falls by a like factor a step, so that its logarithm says how far the way is; or the
+  // steps that are allowed do.
+  void tell(const Interpolation& result, const InterpolationOptions& options) {
+    const double steps = static_cast<double>(result.iterations) / options.max_iterations;
+    const double decades = std::log(initial_ / result.history.back().max) /
+                           std::log(initial_ / (kStopMargin * options.tolerance));
+    if (decades > done_) done_ = std::min(decades, 1.0);
+    done_ = std::max(done_, steps);
+    planish::tell(options.callbacks, "solve", std::lerp(kSolveBegins, kSolveEnds, done_));
+  }
 
  private:
-  double initial_, best_;
+  double initial_, best_, done_ = 0;
 };
 
-// Plain and Chebyshev: batches of steps until the error is low enough.
-void run_steps(Solve& solve, double initial_error, const InterpolationOptions& options,
-               Interpolation& result) {
+}  // namespace
+
+// Batches of steps until the error is low enough.
+void take_steps(StepSolve& solve, double initial_error, const InterpolationOptions& options,
+                Interpolation& result) {
   ChebyshevSequence chebyshev(options.spectral_bound);
   std::int32_t batch_size =
       options.solver == Solver::Chebyshev ? first_batch_size(initial_error, options) : kBatchSteps;
   ProgressWatch watch(initial_error);
   result.stop_reason = StopReason::IterationLimit;
   while (result.iterations < options.max_iterations) {
-    options.callbacks.check_cancelled();
+    check_stop();
     std::vector<StepCoefficients> steps(
         static_cast<std::size_t>(std::min(batch_size, options.max_iterations - result.iterations)));
     for (StepCoefficients& step : steps) {
@@ -136,8 +147,7 @@ void run_steps(Solve& solve, double initial_error, const InterpolationOptions& o
     const StepLog log = solve.run(steps, kStopMargin * options.tolerance);
     result.iterations += log.steps_taken;
     result.history.insert(result.history.end(), log.errors.begin(), log.errors.end());
-    options.callbacks.report("solve",
-                             static_cast<double>(result.iterations) / options.max_iterations);
+    watch.tell(result, options);
     if (log.steps_taken < static_cast<std::int32_t>(steps.size())) {
       result.stop_reason = StopReason::Converged;
       return;
@@ -159,6 +169,8 @@ void run_steps(Solve& solve, double initial_error, const InterpolationOptions& o
   result.history.push_back(solve.error());
 }
 
+namespace {
+
 // A coordinate whose residual has vanished stays as it is.
 glm::dvec3 divide_or_zero(const glm::dvec3& a, const glm::dvec3& b) {
   return {b.x > 0 ? a.x / b.x : 0.0, b.y > 0 ? a.y / b.y : 0.0, b.z > 0 ? a.z / b.z : 0.0};
@@ -170,13 +182,12 @@ void run_conjugate_gradients(Solve& solve, std::span<const glm::dvec3> initial,
   glm::dvec3 residual_square = solve.cg_begin(initial, options.row_weights);
   ProgressWatch watch(result.history.front().max);
   while (result.iterations < options.max_iterations) {
-    options.callbacks.check_cancelled();
+    check_stop();
     const glm::dvec3 step_image = solve.cg_apply();
     const auto advance = solve.cg_advance(divide_or_zero(residual_square, step_image));
     ++result.iterations;
     result.history.push_back(advance.error);
-    options.callbacks.report("solve",
-                             static_cast<double>(result.iterations) / options.max_iterations);
+    watch.tell(result, options);
     if (advance.error.max <= kStopMargin * options.tolerance) {
       result.stop_reason = StopReason::Converged;
       return;
@@ -227,9 +238,17 @@ const char* name_of(StopReason reason) {
   return "unknown";
 }
 
-Interpolation interpolate(Backend& backend, const StencilView<double>& limit_masks,
-                          std::span<const glm::dvec3> given, const InterpolationOptions& options) {
-  check_options(limit_masks, given, options);
+void conclude(const InterpolationOptions& options, Interpolation& result) {
+  result.converged = result.error.max <= options.tolerance;
+  if (!result.converged && result.stop_reason == StopReason::Converged) {
+    result.stop_reason = StopReason::Stagnated;  // the device's precision ends above the tolerance
+  }
+}
+
+namespace {
+
+Interpolation solved(Backend& backend, const StencilView<double>& limit_masks,
+                     std::span<const glm::dvec3> given, const InterpolationOptions& options) {
   const RawVector<glm::dvec3> initial = initial_residual(limit_masks, given);
   Interpolation result;
   note_error(initial, result);
@@ -250,14 +269,24 @@ Interpolation interpolate(Backend& backend, const StencilView<double>& limit_mas
     run_conjugate_gradients(*solve, initial, options, result);
   } else {
     solve->begin(initial);
-    run_steps(*solve, result.error.max, options, result);
+    take_steps(*solve, result.error.max, options, result);
   }
   result.displacement = solve->displacement();
   note_error(residual_of(limit_masks, initial, result.displacement), result);
-  result.converged = result.error.max <= options.tolerance;
-  if (!result.converged && result.stop_reason == StopReason::Converged) {
-    result.stop_reason = StopReason::Stagnated;  // the device's precision ends above the tolerance
-  }
+  conclude(options, result);
+  return result;
+}
+
+}  // namespace
+
+Interpolation interpolate(Backend& backend, const StencilView<double>& limit_masks,
+                          std::span<const glm::dvec3> given, const InterpolationOptions& options) {
+  check_options(limit_masks, given, options);
+  const HostScope host(options.callbacks);
+  tell(options.callbacks, "solve", 0);
+  Interpolation result;
+  backend.run_on_host([&] { result = solved(backend, limit_masks, given, options); });
+  tell(options.callbacks, "solve", 1);
   return result;
 }
 

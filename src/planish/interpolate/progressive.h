@@ -48,6 +48,15 @@ struct Interpolation {
   double upload_milliseconds = 0;   ///< to put the limit masks on the device
 };
 
+/// The loop of interpolate() for the solvers Chebyshev and Plain, on any system whose displacement
+/// is 0 and whose residual is `initial_error` long: which steps are taken and when they end. Adds
+/// to the result's iterations and history, and sets its stop reason. Throws Error{Cancelled}.
+void take_steps(StepSolve& solve, double initial_error, const InterpolationOptions& options,
+                Interpolation& result);
+
+/// Says whether `result.error`, measured in double after the last step, is within the tolerance.
+void conclude(const InterpolationOptions& options, Interpolation& result);
+
 /// Solves B (given + displacement) = given for the displacement. `given` in unit coordinates
 /// (Placement), one per row of `limit_masks`; rows of unused vertices are identities.
 /// Throws Error{InvalidArgument} for options out of range and Error{Cancelled}.

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/core/unit_vector.h"
@@ -18,8 +19,9 @@
 namespace planish {
 namespace {
 
-// Where a surface folds its normals turn however small a cell is.
+// Where a surface folds its normals turn however small a cell is: no side becomes shorter for them.
 constexpr int kMostTurnHalvings = 6;
+constexpr std::int32_t kLeastTurnSide = kCellSide >> kMostTurnHalvings;
 // A side so many times as long as the other is split first, so that triangles do not get longer
 // than what the surface is curved along asks for.
 constexpr double kLongest = 8;
@@ -149,7 +151,7 @@ double CellSplitter::border_bound(const AdaptiveCell& cell) {
 bool CellSplitter::keeps(const CellBound& bound, const AdaptiveCell& cell) const {
   const double limit = limit_at(cell);
   if (limit > 0 && !(bound.distance <= limit)) return false;
-  const bool is_small = std::min(cell.size_u(), cell.size_v()) <= kCellSide >> kMostTurnHalvings;
+  const bool is_small = std::max(cell.size_u(), cell.size_v()) <= kLeastTurnSide;
   return limits_.turn == 0 || bound.turn <= limits_.turn || is_small;
 }
 
@@ -194,9 +196,13 @@ CellSplitter::Split CellSplitter::split_of(const BezierNet& net, const AdaptiveC
   const bool is_slim = std::max(along_u * best.v, along_v * best.u) >
                        kLongest * std::min(along_u * best.v, along_v * best.u);
   if (best.u > 0 && !is_slim) return best;
-  if (along_v > kLongest * along_u) return halves(false);
-  if (along_u > kLongest * along_v) return halves(true);
-  return halves(bound.u_is_worse);
+  bool across_u = bound.u_is_worse;
+  if (along_v > kLongest * along_u) across_u = false;
+  if (along_u > kLongest * along_v) across_u = true;
+  // What only turns too much is not cut below the least side, but along the other.
+  const bool is_near = !(limits_.distance > 0) || bound.distance <= limit_at(cell);
+  if (is_near && (across_u ? cell.size_u() : cell.size_v()) <= kLeastTurnSide) across_u = !across_u;
+  return halves(across_u);
 }
 
 void CellSplitter::split_net(const BezierNet& net, const AdaptiveCell& cell) {
@@ -343,7 +349,7 @@ std::vector<std::uint8_t> hidden_corners(const LimitSurface& surface) {
 }  // namespace
 
 AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
-                         std::uint64_t memory_limit_bytes) {
+                         std::uint64_t memory_limit_bytes, const Callbacks& callbacks) {
   const MeshTopology& topology = surface.topology();
   const auto count = static_cast<std::size_t>(topology.face_count());
   AdaptiveCells result;
@@ -359,6 +365,7 @@ AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
   if (limits.distance > 0)
     require_count(fewest_cells(surface, result.hidden, limits.distance), limits, most);
   std::atomic<std::uint64_t> total{0};
+  LoopProgress progress(callbacks, "evaluate", 0.1, 0.9, static_cast<std::int64_t>(blocks));
   parallel_for(blocks, 1, [&](std::size_t begin, std::size_t end) {
     FaceCells faces(surface, limits, most, reaches, result);
     for (std::size_t b = begin; b < end; ++b) {
@@ -373,6 +380,7 @@ AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
             cells.size() - before + static_cast<std::uint64_t>(grid.u) * grid.v;
         if (total.fetch_add(more) + more > most) refuse_count(most);
       }
+      progress.add();
     }
   });
   result.first.assign(1, 0);

@@ -93,7 +93,9 @@ struct AdaptiveCells {
 
 /// On all threads, the same for every thread count. Throws as CellSplitter,
 /// Error{OutOfMemory} before cells and what is made of them take more than `memory_limit_bytes`.
+/// Callbacks: step "evaluate".
 [[nodiscard]] AdaptiveCells make_cells(const LimitSurface& surface, const CellLimits& limits,
-                                       std::uint64_t memory_limit_bytes);
+                                       std::uint64_t memory_limit_bytes,
+                                       const Callbacks& callbacks = {});
 
 }  // namespace planish

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
@@ -12,10 +13,12 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/limit/adaptive_faces.h"
 #include "planish/limit/adaptive_rows.h"
+#include "planish/limit/triangle_turns.h"
 #include "planish/limit/used_rows.h"
 #include "planish/surface/doo_sabin_blocks.h"
 #include "planish/surface/memory_need.h"
@@ -58,7 +61,7 @@ class Tessellation {
             surface,
             {options.chord_error * options.diagonal / surface.surface().placement().diagonal,
              options.angle * std::numbers::pi / 180},
-            limit)),
+            limit, share_of(options.callbacks, 0, 0.4))),
         sides_(topology_, cells_),
         faces_(topology_, cells_, sides_),
         numbering_(base_.patches(), 1, base_.hidden()) {
@@ -71,11 +74,11 @@ class Tessellation {
     count();
     const AdaptiveRows rows(topology_, cells_, sides_, numbering_, inside_);
     require_counts(rows);
-    options_.callbacks.report("evaluate", 0.3);
-    AdaptiveSurface surface{collect(*base_.level(1, options_.memory_limit_bytes), {}), {}};
+    Callbacks of_level = share_of(options_.callbacks, 0.5, 0.6);
+    of_level.warning = {};
+    AdaptiveSurface surface{collect(*base_.level(1, options_.memory_limit_bytes), of_level), {}};
     SurfaceMesh& result = surface.mesh;
     fill_rows(rows, result);
-    options_.callbacks.report("evaluate", 0.6);
     std::optional<AdaptiveRows> uv_rows;
     if (uv_numbering_) {
       uv_rows.emplace(topology_, cells_, sides_, *uv_numbering_, inside_);
@@ -84,7 +87,8 @@ class Tessellation {
     fill_faces(rows, uv_rows ? &*uv_rows : nullptr, result);
     drop_unused(result);
     finish(surface);
-    options_.callbacks.report("evaluate", 1);
+    warn_of_turns(result);
+    tell(options_.callbacks, "evaluate", 1);
     return surface;
   }
 
@@ -99,7 +103,8 @@ class Tessellation {
   };
 
   template <class Body>
-  void for_corners(const Body& body) const {
+  void for_corners(double from, double to, const Body& body) const {
+    LoopProgress progress(options_.callbacks, "evaluate", from, to, topology_.corner_count());
     parallel_for(static_cast<std::size_t>(topology_.corner_count()), kCornersAtOnce,
                  [&](std::size_t begin, std::size_t end) {
                    Worker worker{{}, LimitSurface::Corner(surface_), {}};
@@ -109,8 +114,8 @@ class Tessellation {
                      worker.grid.build(cells_.of(corner), sides_.sides(corner));
                      body(corner, worker);
                    }
+                   progress.add(static_cast<std::int64_t>(end - begin));
                  });
-    options_.callbacks.check_cancelled();
   }
 
   void count();
@@ -133,6 +138,7 @@ class Tessellation {
                       0.5 * (own + at(topology_.prev(corner)))};
   }
   void finish(AdaptiveSurface& surface) const;
+  void warn_of_turns(const SurfaceMesh& result) const;
   template <class Place>
   void own_places(std::int32_t corner, const CornerGrid& grid, bool with_trailing,
                   const Place& place) const;
@@ -156,7 +162,7 @@ void Tessellation::count() {
   const auto corners = static_cast<std::size_t>(topology_.corner_count());
   inside_.assign(corners, 0);
   std::vector<std::int64_t> triangles(corners, 0);
-  for_corners([&](std::int32_t corner, Worker& worker) {
+  for_corners(0.4, 0.5, [&](std::int32_t corner, Worker& worker) {
     const auto c = static_cast<std::size_t>(corner);
     const AdaptiveFaces::Counts counts = faces_.counts(corner, worker.grid);
     inside_[c] = counts.inside;
@@ -254,14 +260,15 @@ void Tessellation::fill_rows(const AdaptiveRows& rows, SurfaceMesh& result) cons
   result.positions.resize(count);
   result.normals.resize(count);
   if (!result.colors.empty()) result.colors.resize(count);
-  for_corners(
-      [&](std::int32_t corner, Worker& worker) { fill_corner(corner, rows, worker, result); });
+  for_corners(0.6, 0.8, [&](std::int32_t corner, Worker& worker) {
+    fill_corner(corner, rows, worker, result);
+  });
 }
 
 void Tessellation::fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const {
   result.uvs.resize(static_cast<std::size_t>(rows.count()));
   const PolygonMesh& mesh = base_.mesh();
-  for_corners([&](std::int32_t corner, Worker& worker) {
+  for_corners(0.8, 0.85, [&](std::int32_t corner, Worker& worker) {
     const auto uv_at = [&](std::int32_t c) {
       const auto uv = static_cast<std::size_t>(uvs_->indices[static_cast<std::size_t>(c)]);
       return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
@@ -282,7 +289,7 @@ void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_r
                               SurfaceMesh& result) const {
   result.face_vertices.resize(static_cast<std::size_t>(3 * triangle_count()));
   result.face_uvs.resize(uv_rows != nullptr ? result.face_vertices.size() : 0);
-  for_corners([&](std::int32_t corner, Worker& worker) {
+  for_corners(0.85, 0.95, [&](std::int32_t corner, Worker& worker) {
     const auto c = static_cast<std::size_t>(corner);
     const auto first = static_cast<std::size_t>(3 * first_triangle_[c]);
     const auto count = static_cast<std::size_t>(3 * first_triangle_[c + 1]) - first;
@@ -331,10 +338,30 @@ void Tessellation::finish(AdaptiveSurface& surface) const {
   }
 }
 
+void Tessellation::warn_of_turns(const SurfaceMesh& result) const {
+  if (options_.angle == 0) return;
+  const TriangleTurns turns = turns_beyond(result, options_.angle);
+  if (turns.count == 0) return;
+  char largest[32];
+  std::snprintf(largest, sizeof largest, "%.3g", turns.largest);
+  options_.callbacks.warn(
+      {.code = "angle-not-kept",
+       .message =
+           "the surface turns by more than " + shortest(options_.angle) + " degrees, by up to " +
+           largest + ", beneath " + std::to_string(turns.count) + " of " +
+           std::to_string(triangle_count()) +
+           " triangles: it folds or bends so tightly there that parts of 2^-6 of half an edge "
+           "do not do; allow a larger angle, or take a chord error too, which splits on",
+       .count = turns.count,
+       .first = turns.first});
+}
+
 }  // namespace
 
 AdaptiveSurface tessellate(const LimitSurface& surface, const AdaptiveOptions& options) {
   require_options(options);
+  const HostScope host(options.callbacks);
+  tell(options.callbacks, "evaluate", 0);
   const std::uint64_t limit =
       options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes();
   return Tessellation(surface, options, limit).run();

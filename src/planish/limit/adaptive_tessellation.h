@@ -17,11 +17,12 @@ struct AdaptiveOptions {
   /// any.
   double chord_error = 0;
   /// Most degrees that the surface's normal may turn beneath a triangle; 0: any. Where the surface
-  /// folds it turns however small triangles are: there splitting ends at 2^-6 of half an edge.
+  /// folds it turns however small triangles are: there splitting ends at 2^-6 of half an edge, and
+  /// a warning "angle-not-kept" says how many triangles turn by more and by how much.
   double angle = 0;
   double diagonal = 1;                   ///< in the model's unit
   std::uint64_t memory_limit_bytes = 0;  ///< 0: what the machine has free
-  Callbacks callbacks;                   ///< step "evaluate"
+  Callbacks callbacks;                   ///< step "evaluate", warning "angle-not-kept"
 };
 
 /// A tessellation and the mesh's face that each of its triangles lies on.

@@ -8,14 +8,26 @@
 #include <limits>
 #include <utility>
 
+#include "planish/limit/distance_net.h"
+
 namespace planish {
 namespace {
 
 constexpr int kMostDescents = 100;
-constexpr int kMostCuts = 2;             // of a piece, for more starts
 constexpr double kSmallStep = 1e-14;     // in u and v
 constexpr double kSmallestShare = 1e-7;  // of a step
-constexpr double kBorder = 1e-12;        // in u and v: on the border
+constexpr double kBorder = 1e-12;        // of a region: on the border
+// What an answer may be too far by: in unit coordinates, and of the distance.
+constexpr double kAbsolute = 1e-13, kRelative = 2e-15;
+// What a bound may be wrong by, of the largest square distance that it was made of.
+constexpr double kBoundRounding = 2e-15;
+// A bound is made again where it lost so much of that.
+constexpr double kWorn = 1.0 / 8;
+
+// By how much less the square of a distance does not matter.
+double negligible(double square) {
+  return 2 * (kAbsolute * std::sqrt(square) + kRelative * square);
+}
 
 // What a step of Newton's method is made of: the square distance, and half its gradient and
 // Hessian.
@@ -38,6 +50,9 @@ struct Descent {
   // Downhill along both: where the distance is not convex in a direction, its second derivative
   // there counts by magnitude, so that steps lead away from saddles.
   [[nodiscard]] glm::dvec2 step() const {
+    const double both = huu * hvv - huv * huv;
+    if (huu > 0 && both > least * (huu + hvv))
+      return {(huv * gv - hvv * gu) / both, (huv * gu - huu * gv) / both};
     const double middle = 0.5 * (huu + hvv), half = 0.5 * (huu - hvv);
     const double root = std::hypot(half, huv);
     const double turn = 0.5 * std::atan2(huv, half);
@@ -53,24 +68,54 @@ struct Descent {
   [[nodiscard]] double size(double second) const { return std::max(std::abs(second), least); }
 };
 
-bool is_blocked(double t, double gradient) {
-  return (t <= 0 && gradient >= 0) || (t >= 1 && gradient <= 0);
-}
-
-double on_border(double t) {
-  if (t < kBorder) return 0;
-  if (t > 1 - kBorder) return 1;
-  return t;
-}
-
 }  // namespace
 
-// Newton's method in a piece: steps end at its borders, and go along them where the distance falls
-// outwards. Nothing of the surface bends abruptly on the way.
-void NearestSearch::descend(const PatchPiece& piece, double u, double v, const glm::dvec3& point) {
+// A rectangle of a piece's square, and the distance over it. Where an end is fixed both are one.
+struct NearestSearch::Region {
+  DistanceNet net;
+  double made_of;  // the largest square distance when the net was made
+  std::array<double, 2> low{0, 0}, high{1, 1};
+
+  [[nodiscard]] bool is_fixed(bool along_v) const { return low[along_v] == high[along_v]; }
+  [[nodiscard]] double least() const { return net.least() - kBoundRounding * made_of; }
+  [[nodiscard]] bool is_blocked(bool along_v, double t, double gradient) const {
+    return (t <= low[along_v] && gradient >= 0) || (t >= high[along_v] && gradient <= 0);
+  }
+  [[nodiscard]] bool is_left(bool along_v, double t, double step) const {
+    return (t <= low[along_v] && step < 0) || (t >= high[along_v] && step > 0);
+  }
+  // Within it, and on its border where it is as good as there.
+  [[nodiscard]] double inside(bool along_v, double t) const {
+    const double margin = kBorder * (high[along_v] - low[along_v]);
+    if (t < low[along_v] + margin) return low[along_v];
+    return t > high[along_v] - margin ? high[along_v] : t;
+  }
+  [[nodiscard]] Region half(bool along_v, bool upper) const {
+    Region part{net.half(along_v, upper), made_of, low, high};
+    (upper ? part.low : part.high)[along_v] = 0.5 * (low[along_v] + high[along_v]);
+    return part;
+  }
+  void fix(bool along_v, bool upper) {
+    net = net.border(along_v, upper);
+    (upper ? low : high)[along_v] = (upper ? high : low)[along_v];
+  }
+};
+
+// Newton's method in a region: steps end at its borders, and go along them where the distance falls
+// outwards. Nothing of the surface bends abruptly on the way. Whether it ends where the distance
+// falls no further, but for what is negligible.
+bool NearestSearch::descend(const PatchPiece& piece, const Region& region,
+                            const glm::dvec3& point) {
+  const auto start = region.net.place_of_least();
+  const auto between = [&](std::size_t d) {
+    return region.low[d] + start[d] * (region.high[d] - region.low[d]);
+  };
+  double u = between(0), v = between(1);
   Descent here(piece.at(u, v), point);
+  bool is_lowest = false;
   for (int step = 0; step < kMostDescents; ++step) {
-    const bool fixed_u = is_blocked(u, here.gu), fixed_v = is_blocked(v, here.gv);
+    const bool fixed_u = region.is_blocked(false, u, here.gu);
+    const bool fixed_v = region.is_blocked(true, v, here.gv);
     double du = 0, dv = 0;
     if (!fixed_u && !fixed_v) {
       const glm::dvec2 both = here.step();
@@ -82,19 +127,17 @@ void NearestSearch::descend(const PatchPiece& piece, double u, double v, const g
       dv = here.step_v();
     }
     // At a border, along it where the step would leave.
-    const auto leaves = [](double t, double dt) {
-      return (t <= 0 && dt < 0) || (t >= 1 && dt > 0);
-    };
-    const bool leaves_u = leaves(u, du), leaves_v = leaves(v, dv);
+    const bool leaves_u = region.is_left(false, u, du), leaves_v = region.is_left(true, v, dv);
     if (leaves_u) du = 0;
     if (leaves_v) dv = 0;
     if (leaves_u && dv != 0) dv = here.step_v();
     if (leaves_v && du != 0) du = here.step_u();
+    is_lowest = -(here.gu * du + here.gv * dv) <= negligible(here.value);
     if (!(std::abs(du) + std::abs(dv) > kSmallStep)) break;  // NaN too: no tangents
     bool falls = false;
     for (double share = 1; share > kSmallestShare && !falls; share *= 0.5) {
-      const double next_u = on_border(std::clamp(u + share * du, 0.0, 1.0));
-      const double next_v = on_border(std::clamp(v + share * dv, 0.0, 1.0));
+      const double next_u = region.inside(false, u + share * du);
+      const double next_v = region.inside(true, v + share * dv);
       const Descent next(piece.at(next_u, next_v), point);
       if (!(next.value < here.value)) continue;
       u = next_u;
@@ -105,6 +148,7 @@ void NearestSearch::descend(const PatchPiece& piece, double u, double v, const g
     if (!falls) break;
   }
   take(here.value, piece.frame.at(u, v));
+  return is_lowest;
 }
 
 void NearestSearch::take(double square_distance, const glm::dvec2& place) {
@@ -117,20 +161,58 @@ bool NearestSearch::is_near(const PatchBox& box, const glm::dvec3& point) const 
   return square_distance(box, point) <= best_.square_distance * (1 + 1e-12);
 }
 
-// A start in the middle; where that may not do, one in each quarter that comes near enough.
-void NearestSearch::search_piece(const PatchPiece& piece, const glm::dvec3& point, int cuts) {
+void NearestSearch::search_piece(const PatchPiece& piece, const glm::dvec3& point) {
   const double least = piece.least_distance(point) - 1e-15;
   if (least > 0 && least * least > best_.square_distance * (1 + 1e-12)) return;
-  if (cuts == 0 || !piece.bends_around(point)) return descend(piece, 0.5, 0.5, point);
-  for (const auto& [upper_u, upper_v] :
-       {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
-    const PatchPiece part = piece.half(upper_u, upper_v);
-    if (is_near(part.box(), point)) search_piece(part, point, cuts - 1);
-  }
+  const DistanceNet net(piece.net, point);
+  search_region(piece, {net, net.largest()}, point);
 }
 
-// A start in each quarter that comes near enough: a patch can have a nearest place of its own in
-// each. Where a quarter is no polynomial, one in each polynomial of it.
+// A region has nothing nearer, or is left for its border, or is convex so that a descent ends at
+// its nearest place; else its halves are searched, the nearer one first.
+void NearestSearch::search_region(const PatchPiece& piece, Region region, const glm::dvec3& point) {
+  const auto is_far = [&](const Region& r) {
+    return r.least() >= best_.square_distance - negligible(best_.square_distance);
+  };
+  if (is_far(region)) return;
+  if (region.net.largest() < kWorn * region.made_of) {
+    region.net =
+        DistanceNet(net_between(net_between(piece.net, true, region.low[1], region.high[1]), false,
+                                region.low[0], region.high[0]),
+                    point);
+    region.made_of = region.net.largest();
+    if (is_far(region)) return;
+  }
+  for (const bool along_v : {false, true}) {
+    const int slope = region.is_fixed(along_v) ? 0 : region.net.slope(along_v);
+    if (slope == 0) continue;
+    const bool upper = slope < 0;
+    const double end = upper ? region.high[along_v] : region.low[along_v];
+    if (end > 0 && end < 1) return;  // the region beyond has it, and nearer places
+    region.fix(along_v, upper);
+  }
+  const bool is_line = region.is_fixed(false) || region.is_fixed(true);
+  const bool is_convex = is_line ? (region.is_fixed(false) || region.net.is_convex_along(false)) &&
+                                       (region.is_fixed(true) || region.net.is_convex_along(true))
+                                 : region.net.is_convex();
+  const bool is_nearer = region.net.least_at_corners() < best_.square_distance;
+  if ((is_convex || is_nearer) && descend(piece, region, point) && is_convex) return;
+  if (is_far(region)) return;
+  const bool along_v =
+      region.is_fixed(false) || (!region.is_fixed(true) && region.net.bends_more_along_v());
+  const double size = std::max(region.high[0] - region.low[0], region.high[1] - region.low[1]);
+  if (!(size * piece.reach() > kAbsolute)) {
+    descend(piece, region, point);
+    return;
+  }
+  Region near = region.half(along_v, false), far = region.half(along_v, true);
+  if (far.net.least() < near.net.least()) std::swap(near, far);
+  search_region(piece, near, point);
+  search_region(piece, far, point);
+}
+
+// Quarter by quarter, the nearest one first, those that come near enough. Where a quarter is no
+// polynomial, each polynomial of it.
 void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target) {
   corner_ = corner;
   pieces_.move_to(corner);
@@ -145,7 +227,7 @@ void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target)
   for (const auto& [_, q] : starts) {
     if (!is_near(pieces_.box(q), point)) break;
     if (const PatchPiece* const piece = pieces_.piece(q)) {
-      search_piece(*piece, point, kMostCuts);
+      search_piece(*piece, point);
     } else {
       pieces_.visit(
           q,
@@ -154,7 +236,7 @@ void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target)
             take(glm::dot(off, off), frame.at(0, 0));
           },
           [&](const PatchPiece& inner) {
-            if (is_near(inner.box(), point)) search_piece(inner, point, kMostCuts);
+            if (is_near(inner.box(), point)) search_piece(inner, point);
           },
           [&](const PatchBox& box) { return is_near(box, point); });
     }

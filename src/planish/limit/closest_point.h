@@ -14,8 +14,8 @@ struct NearestPlace {
   double square_distance = 0;
 };
 
-/// Searches a tree for the place nearest to a point, both in unit coordinates. Used again from
-/// point to point; one a thread.
+/// Searches a tree for the place nearest to a point, both in unit coordinates: none is nearer by
+/// more than 1e-13, or 2e-15 of the distance. Used again from point to point; one a thread.
 class NearestSearch {
  public:
   explicit NearestSearch(const CornerTree& tree)
@@ -26,8 +26,10 @@ class NearestSearch {
  private:
   void search_corner(std::int32_t corner, const glm::dvec3& target);
   // Points relative to the corner's own from here on.
-  void search_piece(const PatchPiece& piece, const glm::dvec3& point, int cuts);
-  void descend(const PatchPiece& piece, double u, double v, const glm::dvec3& point);
+  struct Region;
+  void search_piece(const PatchPiece& piece, const glm::dvec3& point);
+  void search_region(const PatchPiece& piece, Region region, const glm::dvec3& point);
+  bool descend(const PatchPiece& piece, const Region& region, const glm::dvec3& point);
   void take(double square_distance, const glm::dvec2& place);
   [[nodiscard]] bool is_near(const PatchBox& box, const glm::dvec3& point) const;
 

@@ -8,9 +8,6 @@
 namespace planish {
 namespace {
 
-// What the differences of a piece's points may differ by within it.
-constexpr double kSurelyConvex = 0.5;
-
 PatchBox box_of(std::span<const glm::dvec3> points) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   PatchBox box{glm::dvec3(kFar), glm::dvec3(-kFar)};
@@ -76,18 +73,15 @@ double PatchPiece::least_distance(const glm::dvec3& point) const {
 
 PatchBox PatchPiece::box() const { return box_of(net); }
 
-// Second derivatives times the distance against the square of the first ones, by differences of the
-// points: below 1 the distance is convex, were these alike all over the piece.
-bool PatchPiece::bends_around(const glm::dvec3& point) const {
-  double bend = 0, size = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 3; ++k)
-    for (const auto& [a, b, c] : {std::array{3 * k, 3 * k + 1, 3 * k + 2}, {k, k + 3, k + 6}}) {
-      const glm::dvec3 chord = net[c] - net[a], turn = net[a] - 2.0 * net[b] + net[c];
-      size = std::min(size, glm::dot(chord, chord));
-      bend = std::max(bend, glm::dot(turn, turn));
+double PatchPiece::reach() const {
+  double most = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      most = std::max(most, glm::length(net[3 * k + i + 1] - net[3 * k + i]));
+      most = std::max(most, glm::length(net[3 * (i + 1) + k] - net[3 * i + k]));
     }
-  const glm::dvec3 off = net[4] - point;
-  return 4 * bend * glm::dot(off, off) > kSurelyConvex * kSurelyConvex * size * size;
+  }
+  return 4 * most;  // twice the longest, along u and along v
 }
 
 PatchPiece PatchPiece::half(bool upper_u, bool upper_v) const {

@@ -37,9 +37,8 @@ struct PatchPiece {
   /// tells nothing.
   [[nodiscard]] double least_distance(const glm::dvec3& point) const;
   [[nodiscard]] PatchBox box() const;
-  /// Whether it bends so much, seen from `point`, that several places of it can each be nearer than
-  /// those around.
-  [[nodiscard]] bool bends_around(const glm::dvec3& point) const;
+  /// How far a place of it moves at most while its parameters change by 1, about.
+  [[nodiscard]] double reach() const;
   /// A quarter, not turned.
   [[nodiscard]] PatchPiece half(bool upper_u, bool upper_v) const;
 };

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/group_by.h"
 #include "planish/core/number_text.h"
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/edge_groups.h"
+#include "planish/mesh/mesh_arrays.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/sound_topology.h"
 
@@ -41,6 +44,7 @@ class Inspection {
     check_edges(edges);
     check_vertices(edges);
     check_tags(edges);
+    list_attribute_problems(arrays_of(mesh_), problems_);
     check_size();
     check_extent();
     std::ranges::stable_sort(problems_, [](const MeshProblem& a, const MeshProblem& b) {
@@ -136,7 +140,7 @@ void Inspection::check_faces() {
     const std::int32_t size = mesh_.face_size(face);
     if (size < 3)
       add(Kind::FaceTooSmall, face,
-          face_name(face) + " has " + text_of(size) + " corners, at least 3 are needed");
+          face_name(face) + " has " + counted(size, "corner") + ", at least 3 are needed");
     if (size > kMaxValence)
       add(Kind::ValenceTooHigh, face,
           face_name(face) + " has " + text_of(size) + " corners, at most " + text_of(kMaxValence) +
@@ -147,21 +151,12 @@ void Inspection::check_faces() {
 
 // Faces with the same vertices share their lowest vertex, so that only those are compared.
 void Inspection::check_duplicates() {
-  std::vector<std::int32_t> offsets(mesh_.positions.size() + 1, 0);
-  std::vector<std::int32_t> lowest(mesh_.face_count(), 0);
-  for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
-    if (!sound_[face]) continue;
-    lowest[face] = std::ranges::min(mesh_.face(face));
-    ++offsets[lowest[face] + 1];
-  }
-  for (std::size_t i = 1; i < offsets.size(); ++i) offsets[i] += offsets[i - 1];
-  std::vector<std::int32_t> faces(offsets.back());
-  std::vector<std::int32_t> cursor(offsets.begin(), offsets.end() - 1);
-  for (std::int32_t face = 0; face < mesh_.face_count(); ++face)
-    if (sound_[face]) faces[cursor[lowest[face]]++] = face;
-  for (std::size_t i = 0; i + 1 < offsets.size(); ++i)
-    if (offsets[i + 1] - offsets[i] > 1)
-      compare_faces(std::span(faces).subspan(offsets[i], offsets[i + 1] - offsets[i]));
+  const auto by_lowest = group_by<std::int32_t>(mesh_.positions.size(), [&](const auto& take) {
+    for (std::int32_t face = 0; face < mesh_.face_count(); ++face)
+      if (sound_[face]) take(std::ranges::min(mesh_.face(face)), face);
+  });
+  for (std::size_t v = 0; v < mesh_.positions.size(); ++v)
+    if (by_lowest.of(v).size() > 1) compare_faces(by_lowest.of(v));
   for (std::int32_t face = 0; face < mesh_.face_count(); ++face)
     if (sound_[face])
       for (const std::int32_t vertex : mesh_.face(face)) ++uses_[vertex];
@@ -312,6 +307,12 @@ std::string_view name_of(MeshProblemKind kind) {
       return "non-finite-position";
     case Kind::IndexOutOfRange:
       return "index-out-of-range";
+    case Kind::WrongAttributeCount:
+      return "wrong-attribute-count";
+    case Kind::UnknownTextureCoordinate:
+      return "unknown-texture-coordinate";
+    case Kind::UnknownGroup:
+      return "unknown-group";
     case Kind::FaceTooSmall:
       return "face-too-small";
     case Kind::RepeatedCorner:
@@ -328,6 +329,8 @@ std::string_view name_of(MeshProblemKind kind) {
       return "unknown-crease-edge";
     case Kind::UnknownCornerVertex:
       return "unknown-corner-vertex";
+    case Kind::UnknownHole:
+      return "unknown-hole";
     case Kind::ValenceTooHigh:
       return "valence-too-high";
     case Kind::TooLarge:
@@ -357,6 +360,7 @@ bool repair_mends(const MeshProblem& problem) {
     case Kind::NonManifoldVertex:
     case Kind::UnknownCreaseEdge:
     case Kind::UnknownCornerVertex:
+    case Kind::UnknownHole:
       return true;
     default:
       return false;

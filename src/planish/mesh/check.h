@@ -11,16 +11,20 @@ namespace planish {
 
 enum class MeshProblemKind {
   NoFaces,
-  NonFinitePosition,    ///< element: vertex that is not finite or beyond kMaxCoordinate
-  IndexOutOfRange,      ///< element: face whose corners or vertices do not exist
-  FaceTooSmall,         ///< element: face with fewer than 3 corners
-  RepeatedCorner,       ///< element: face that names a vertex twice
-  DuplicateFace,        ///< element: the later face of two with the same vertices
-  InconsistentWinding,  ///< element: face that runs along an edge in its neighbour's direction
-  NonManifoldEdge,      ///< element: the last face at an edge with three or more faces
-  NonManifoldVertex,    ///< element: vertex with more than one fan of faces
-  UnknownCreaseEdge,    ///< element: index of a crease that is no edge of the mesh
-  UnknownCornerVertex,  ///< element: index of a corner that is no used vertex
+  NonFinitePosition,         ///< element: vertex that is not finite or beyond kMaxCoordinate
+  IndexOutOfRange,           ///< element: face whose corners or vertices do not exist
+  WrongAttributeCount,       ///< colours, texture corners or groups: neither none nor one for each
+  UnknownTextureCoordinate,  ///< element: corner whose texture coordinate does not exist
+  UnknownGroup,              ///< element: face whose group does not exist
+  FaceTooSmall,              ///< element: face with fewer than 3 corners
+  RepeatedCorner,            ///< element: face that names a vertex twice
+  DuplicateFace,             ///< element: the later face of two with the same vertices
+  InconsistentWinding,       ///< element: face that runs along an edge in its neighbour's direction
+  NonManifoldEdge,           ///< element: the last face at an edge with three or more faces
+  NonManifoldVertex,         ///< element: vertex with more than one fan of faces
+  UnknownCreaseEdge,         ///< element: index of a crease that is no edge, or of sharpness NaN
+  UnknownCornerVertex,  ///< element: index of a corner that is no used vertex, or of sharpness NaN
+  UnknownHole,          ///< element: index of a hole that is no face
   ValenceTooHigh,       ///< element: vertex or face above OpenSubdiv's limit of 65535
   TooLarge,             ///< element: the largest face; more stencil entries than fit 32 bits
   NoExtent,             ///< all vertices that faces name coincide
@@ -43,7 +47,7 @@ struct MeshProblem {
 /// Every reason why no surface can be made of the mesh, in the order of the kinds above, then of
 /// the elements. Edges and fans are those of the faces without a problem of their own. Empty: the
 /// mesh can be refined. Unused vertices are no problem. Never throws but
-/// for std::bad_alloc; positions, offsets and indices may hold anything.
+/// for std::bad_alloc; arrays may hold anything and have any size.
 [[nodiscard]] std::vector<MeshProblem> check(const PolygonMesh& mesh);
 
 /// Throws Error{UnusableMesh} naming `name`, the first ten problems and, where repair() mends all

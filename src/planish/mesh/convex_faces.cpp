@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "planish/mesh/area_vector.h"
+#include "planish/mesh/mesh_arrays.h"
 
 namespace planish {
 
@@ -214,6 +215,7 @@ bool may_be_concave(const PolygonMesh& mesh, std::int32_t face) {
 }  // namespace
 
 std::vector<std::int32_t> concave_faces(const PolygonMesh& mesh) {
+  require_sound_indices(arrays_of(mesh), "mesh", ErrorCode::UnusableMesh);
   std::vector<std::int32_t> faces;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if (!may_be_concave(mesh, f)) continue;

@@ -24,7 +24,7 @@ struct ConvexMesh {
 /// Cuts those faces along diagonals until no corner turns inward. No vertex is added or moved and
 /// no diagonal runs where the mesh has an edge. Faces that cross themselves may stay as they are,
 /// as do those of more than 1000 corners. What rides on the mesh rides on.
-/// The mesh must pass check().
+/// The mesh must pass check(). Throws Error{UnusableMesh} for indices out of range.
 [[nodiscard]] ConvexMesh with_convex_faces(const PolygonMesh& mesh);
 
 }  // namespace planish

@@ -12,12 +12,14 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/group_by.h"
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/coherent_edges.h"
 #include "planish/mesh/disjoint_sets.h"
+#include "planish/mesh/sound_topology.h"
 
 namespace planish {
 
@@ -133,30 +135,11 @@ std::vector<Edge> sharp_edges(const PolygonMesh& mesh, const MeshTopology& topol
 }
 
 // The numbers of the sharp edges at every vertex, in ascending order.
-struct EdgesOfVertices {
-  std::vector<std::int32_t> offsets, edges;
-  [[nodiscard]] std::span<const std::int32_t> at(std::int32_t vertex) const {
-    return std::span(edges).subspan(
-        static_cast<std::size_t>(offsets[vertex]),
-        static_cast<std::size_t>(offsets[vertex + 1] - offsets[vertex]));
-  }
-};
-
-EdgesOfVertices edges_of_vertices(const PolygonMesh& mesh, const std::vector<Edge>& edges) {
-  EdgesOfVertices result;
-  result.offsets.assign(mesh.positions.size() + 1, 0);
-  for (const Edge& edge : edges) {
-    ++result.offsets[edge.v0 + 1];
-    ++result.offsets[edge.v1 + 1];
-  }
-  std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());
-  result.edges.resize(2 * edges.size());
-  std::vector<std::int32_t> next = result.offsets;
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    result.edges[next[edges[e].v0]++] = static_cast<std::int32_t>(e);
-    result.edges[next[edges[e].v1]++] = static_cast<std::int32_t>(e);
-  }
-  return result;
+Groups<std::int32_t> edges_of_vertices(const PolygonMesh& mesh, const std::vector<Edge>& edges) {
+  return group_by<std::int32_t>(mesh.positions.size(), [&](const auto& take) {
+    for (std::size_t e = 0; e < edges.size(); ++e)
+      for (const std::int32_t v : {edges[e].v0, edges[e].v1}) take(v, static_cast<std::int32_t>(e));
+  });
 }
 
 glm::dvec3 along(const PolygonMesh& mesh, const Edge& edge, std::int32_t from) {
@@ -165,7 +148,7 @@ glm::dvec3 along(const PolygonMesh& mesh, const Edge& edge, std::int32_t from) {
 
 // Edges that do not stand out stay only where they carry a line on that does.
 void drop_incoherent(const PolygonMesh& mesh, std::vector<Edge>& edges) {
-  const EdgesOfVertices sharp = edges_of_vertices(mesh, edges);
+  const Groups<std::int32_t> sharp = edges_of_vertices(mesh, edges);
   std::vector<std::int32_t> reached;
   std::vector<std::uint8_t> stays(edges.size(), 0);
   for (std::size_t e = 0; e < edges.size(); ++e) {
@@ -177,7 +160,7 @@ void drop_incoherent(const PolygonMesh& mesh, std::vector<Edge>& edges) {
     const std::int32_t e = reached.back();
     reached.pop_back();
     for (const std::int32_t vertex : {edges[e].v0, edges[e].v1}) {
-      for (const std::int32_t other : sharp.at(vertex)) {
+      for (const std::int32_t other : sharp.of(vertex)) {
         if (stays[other]) continue;
         const double turn =
             angle_between(-along(mesh, edges[e], vertex), along(mesh, edges[other], vertex));
@@ -215,12 +198,12 @@ void drop_fold_backs(const PolygonMesh& mesh, std::vector<Edge>& edges) {
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](auto a, auto b) { return edges[a].angle < edges[b].angle; });
-  const EdgesOfVertices sharp = edges_of_vertices(mesh, edges);
+  const Groups<std::int32_t> sharp = edges_of_vertices(mesh, edges);
   std::vector<std::uint8_t> dropped(edges.size(), 0);
   const auto folds_back = [&](std::int32_t e, std::int32_t vertex) {
-    if (sharp.at(vertex).size() != 2) return false;  // the tip of a spike
+    if (sharp.of(vertex).size() != 2) return false;  // the tip of a spike
     const glm::dvec3 own = along(mesh, edges[e], vertex);
-    return std::ranges::any_of(sharp.at(vertex), [&](std::int32_t other) {
+    return std::ranges::any_of(sharp.of(vertex), [&](std::int32_t other) {
       return other != e && !dropped[other] &&
              angle_between(own, along(mesh, edges[other], vertex)) < kFoldBackDegrees * kRadians;
     });
@@ -238,9 +221,9 @@ void tag_corners(PolygonMesh& mesh, const std::vector<Edge>& edges,
                  const CreaseDetectionOptions& options) {
   std::set<std::int32_t> tagged;
   for (const CornerVertex& corner : mesh.corners) tagged.insert(corner.vertex);
-  const EdgesOfVertices sharp = edges_of_vertices(mesh, edges);
+  const Groups<std::int32_t> sharp = edges_of_vertices(mesh, edges);
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    const auto at = sharp.at(v);
+    const auto at = sharp.of(v);
     if (at.size() != 2 || tagged.contains(v)) continue;
     if (!options.smooth_vertices.empty() && options.smooth_vertices[v]) continue;
     const glm::dvec3 in = -along(mesh, edges[at[0]], v), out = along(mesh, edges[at[1]], v);
@@ -256,6 +239,12 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
                     const CreaseDetectionOptions& options) {
   require_angle(options.dihedral_degrees, "crease");
   require_angle(options.corner_degrees, "corner");
+  const std::size_t flags = options.smooth_vertices.size();
+  if (flags != 0 && flags != mesh.positions.size())
+    throw Error(ErrorCode::InvalidArgument, "smooth_vertices has " + std::to_string(flags) +
+                                                " flags for " +
+                                                std::to_string(mesh.positions.size()) +
+                                                " vertices; give one a vertex, or none");
   std::vector<Edge> edges = sharp_edges(mesh, topology, options.dihedral_degrees * kRadians);
   drop_incoherent(mesh, edges);
   drop_fold_backs(mesh, edges);
@@ -296,7 +285,7 @@ void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
 
 PolygonMesh with_detected_creases(const PolygonMesh& mesh, const CreaseDetectionOptions& options) {
   PolygonMesh result = mesh;
-  detect_creases(result, MeshTopology(mesh), options);
+  detect_creases(result, usable_topology(mesh, "mesh"), options);
   return result;
 }
 

@@ -26,12 +26,12 @@ struct CreaseDetectionOptions {
 ///   - lines of a single edge that touch no other crease and no boundary;
 /// and as corners the vertices where a line of two sharp edges turns by more than `corner_degrees`
 /// (three or more sharp edges make a corner by themselves). A lower sharpness of an edge that is
-/// found sharp is replaced. The mesh must pass check(). Throws Error{InvalidArgument} for angles
-/// outside 0 to 180.
+/// found sharp is replaced. Throws Error{UnusableMesh} for a mesh that does not pass check(),
+/// Error{InvalidArgument} for angles outside 0 to 180 and for another number of flags.
 [[nodiscard]] PolygonMesh with_detected_creases(const PolygonMesh& mesh,
                                                 const CreaseDetectionOptions& options = {});
 
-/// The same in place, for a mesh whose connectivity is at hand.
+/// The same in place, for a mesh that passes check() and whose connectivity is at hand.
 void detect_creases(PolygonMesh& mesh, const MeshTopology& topology,
                     const CreaseDetectionOptions& options = {});
 

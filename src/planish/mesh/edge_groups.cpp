@@ -1,7 +1,9 @@
 #include "planish/mesh/edge_groups.h"
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
+
+#include "planish/core/group_by.h"
 
 namespace planish {
 namespace {
@@ -36,17 +38,10 @@ std::span<const FaceSide> EdgeGroups::find(std::int32_t v0, std::int32_t v1) con
 }
 
 EdgeGroups group_edges(const PolygonMesh& mesh, std::span<const std::uint8_t> use_face) {
-  EdgeGroups groups;
-  groups.offsets.assign(mesh.positions.size() + 1, 0);
-  for_each_side(mesh, use_face,
-                [&](std::int32_t lower, const FaceSide&) { ++groups.offsets[lower + 1]; });
-  std::partial_sum(groups.offsets.begin(), groups.offsets.end(), groups.offsets.begin());
-  groups.sides.resize(groups.offsets.back());
-  std::vector<std::int32_t> cursor(groups.offsets.begin(), groups.offsets.end() - 1);
-  for_each_side(mesh, use_face, [&](std::int32_t lower, const FaceSide& side) {
-    groups.sides[cursor[lower]++] = side;
-  });
-  for (std::size_t lower = 0; lower < cursor.size(); ++lower) {
+  auto [offsets, sides] = group_by<FaceSide>(
+      mesh.positions.size(), [&](const auto& take) { for_each_side(mesh, use_face, take); });
+  EdgeGroups groups{std::move(offsets), std::move(sides)};
+  for (std::size_t lower = 0; lower < mesh.positions.size(); ++lower) {
     std::sort(groups.sides.begin() + groups.offsets[lower],
               groups.sides.begin() + groups.offsets[lower + 1],
               [](const FaceSide& a, const FaceSide& b) {
@@ -54,6 +49,10 @@ EdgeGroups group_edges(const PolygonMesh& mesh, std::span<const std::uint8_t> us
               });
   }
   return groups;
+}
+
+EdgeGroups group_edges(const PolygonMesh& mesh) {
+  return group_edges(mesh, std::vector<std::uint8_t>(mesh.face_count(), 1));
 }
 
 }  // namespace planish

@@ -41,6 +41,8 @@ struct EdgeGroups {
 /// corners, valid offsets and indices in range.
 [[nodiscard]] EdgeGroups group_edges(const PolygonMesh& mesh,
                                      std::span<const std::uint8_t> use_face);
+/// The same of all faces.
+[[nodiscard]] EdgeGroups group_edges(const PolygonMesh& mesh);
 
 /// The corner after `corner` in `face`, going round.
 [[nodiscard]] inline std::int32_t next_corner(const PolygonMesh& mesh, std::int32_t face,

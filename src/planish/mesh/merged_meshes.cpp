@@ -1,9 +1,11 @@
 #include "planish/mesh/merged_meshes.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/mesh/mesh_arrays.h"
 
 namespace planish {
 
@@ -14,7 +16,7 @@ void check_sizes(std::span<const PolygonMesh> meshes, std::int32_t most) {
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     vertices += meshes[i].positions.size();
     corners += meshes[i].face_vertices.size();
-    faces += static_cast<std::size_t>(meshes[i].face_count());
+    faces += arrays_of(meshes[i]).face_count();
     uvs += meshes[i].uvs.size();
     const std::size_t largest = std::max({vertices, corners, faces, uvs});
     if (largest > static_cast<std::size_t>(most))
@@ -22,6 +24,15 @@ void check_sizes(std::span<const PolygonMesh> meshes, std::int32_t most) {
                   "mesh " + std::to_string(i) + " would make " + std::to_string(largest) +
                       " vertices, corners, faces or uvs of one mesh, more than the " +
                       std::to_string(most) + " that it may have; merge fewer meshes",
+                  static_cast<std::int64_t>(i));
+  }
+}
+
+void check_indices(std::span<const PolygonMesh> meshes) {
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const std::optional<MeshProblem> problem = first_index_problem(arrays_of(meshes[i]));
+    if (problem)
+      throw Error(ErrorCode::UnusableMesh, "mesh " + std::to_string(i) + ": " + problem->message,
                   static_cast<std::int64_t>(i));
   }
 }
@@ -76,6 +87,7 @@ void append(PolygonMesh& all, const PolygonMesh& mesh, const Wanted& wanted) {
 
 MergedMeshes merged_meshes(std::span<const PolygonMesh> meshes, std::int32_t most) {
   check_sizes(meshes, most);
+  check_indices(meshes);
   Wanted wanted;
   for (const PolygonMesh& mesh : meshes) {
     wanted.uvs |= !mesh.face_uvs.empty();

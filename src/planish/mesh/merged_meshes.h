@@ -17,9 +17,9 @@ struct MergedMeshes {
 };
 
 /// Where only some of the meshes have uvs, colors or groups, corners of the others have none,
-/// vertices are white, and faces are of a group without a name. Indices must be in range
-/// (check.h). Throws Error{UnusableMesh} for more than `most` vertices, corners, faces or uvs,
-/// whose element is the first mesh too many.
+/// vertices are white, and faces are of a group without a name. Throws
+/// Error{UnusableMesh} for indices out of range, attributes of another size than what they belong
+/// to, and for more than `most` vertices, corners, faces or uvs; its element is the mesh.
 [[nodiscard]] MergedMeshes merged_meshes(
     std::span<const PolygonMesh> meshes,
     std::int32_t most = std::numeric_limits<std::int32_t>::max());

@@ -47,6 +47,7 @@ class MeshTopology {
   }
 
   // By corner.
+  [[nodiscard]] std::span<const std::int32_t> corner_faces() const { return corner_face_; }
   [[nodiscard]] std::int32_t vertex_of(std::int32_t corner) const { return corner_vertex_[corner]; }
   [[nodiscard]] std::int32_t face_of(std::int32_t corner) const { return corner_face_[corner]; }
   [[nodiscard]] std::int32_t edge_of(std::int32_t corner) const { return corner_edge_[corner]; }
@@ -88,6 +89,8 @@ class MeshTopology {
   [[nodiscard]] std::int32_t find_edge(std::int32_t v0, std::int32_t v1) const;
 
   // By vertex.
+  /// vertex_count + 1: vertex v has corners_at(v).size() = offsets[v+1] - offsets[v] corners.
+  [[nodiscard]] std::span<const std::int32_t> corner_offsets() const { return vertex_first_; }
   /// The corners at a vertex, counter-clockwise: at a boundary from the one whose leading edge is
   /// the boundary, elsewhere from the smallest. ccw() goes from each to the one behind it.
   [[nodiscard]] std::span<const std::int32_t> corners_at(std::int32_t vertex) const {

@@ -44,12 +44,7 @@ std::shared_ptr<const PreparedMesh> prepare_if_sound(const PolygonMesh& mesh) {
 }
 
 std::shared_ptr<const PreparedMesh> prepare_mesh(const PolygonMesh& mesh, std::string_view name) {
-  std::optional<MeshTopology> topology = sound_topology(mesh);
-  if (!topology) {
-    require_usable(mesh, name);
-    topology.emplace(mesh);
-  }
-  return prepared_of(mesh, std::move(topology));
+  return prepared_of(mesh, usable_topology(mesh, name));
 }
 
 std::shared_ptr<const PreparedMesh> prepared_whole(const PolygonMesh& mesh,

@@ -13,6 +13,7 @@
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/edge_groups.h"
 #include "planish/mesh/split_keyhole.h"
+#include "planish/mesh/tag_copies.h"
 
 namespace planish {
 
@@ -32,7 +33,7 @@ class Repair {
     drop_duplicate_faces();
     orient();
     separate();
-    drop_unknown_tags();
+    drop_unknown();
     carry_attributes();
     result_.separated_edges.assign(cut_edges_.begin(), cut_edges_.end());
     std::ranges::sort(result_.changed_faces);
@@ -50,17 +51,13 @@ class Repair {
   void separate();
   void copy_fans(DisjointSets& fans);
   void tag_cuts();
-  void map_tags();
-  void drop_unknown_tags();
+  void drop_unknown();
   void carry_attributes();
 
   void changed(std::int32_t face) { result_.changed_faces.push_back(result_.source_faces[face]); }
   void report(const char* code, const std::string& what, std::int64_t count, std::int64_t first) {
     if (count > 0)
       result_.changes.push_back({code, what + ": " + std::to_string(count), count, first});
-  }
-  [[nodiscard]] EdgeGroups all_edges() const {
-    return group_edges(mesh_, std::vector<std::uint8_t>(mesh_.face_count(), 1));
   }
   [[nodiscard]] bool runs_from(const FaceSide& side, std::int32_t vertex) const {
     return mesh_.face_vertices[side.corner] == vertex;
@@ -168,7 +165,7 @@ void Repair::orient() {
     bool agrees;
   };
   std::vector<std::vector<Neighbour>> neighbours(static_cast<std::size_t>(mesh_.face_count()));
-  all_edges().for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
+  group_edges(mesh_).for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
     if (sides.size() != 2) return;
     const bool agrees = runs_from(sides[0], lower) != runs_from(sides[1], lower);
     neighbours[sides[0].face].push_back({sides[1].face, agrees});
@@ -210,7 +207,7 @@ void Repair::orient() {
 void Repair::separate() {
   DisjointSets fans(mesh_.face_vertices.size());
   std::int64_t cut_count = 0, first_cut = -1;
-  all_edges().for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
+  group_edges(mesh_).for_each([&](std::int32_t lower, std::span<const FaceSide> sides) {
     if (sides.size() == 1) return;
     if (sides.size() > 2 || runs_from(sides[0], lower) == runs_from(sides[1], lower)) {
       cut_edges_.insert({lower, sides[0].higher});
@@ -227,7 +224,8 @@ void Repair::separate() {
          "separated",
          cut_count, first_cut);
   copy_fans(fans);
-  map_tags();
+  if (mesh_.vertex_count() > input_.vertex_count())
+    copy_tags(mesh_, result_.source_vertices, input_.vertex_count());
   tag_cuts();
 }
 
@@ -260,39 +258,6 @@ void Repair::copy_fans(DisjointSets& fans) {
          split_vertices.empty() ? -1 : *split_vertices.begin());
 }
 
-// Creases and corners hold on every copy of their edge or vertex.
-void Repair::map_tags() {
-  if (mesh_.vertex_count() == input_.vertex_count()) return;
-  std::map<VertexPair, std::set<VertexPair>> edge_copies;
-  for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
-    const auto corners = mesh_.face(f);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const VertexPair edge = edge_key(corners[i], corners[(i + 1) % corners.size()]);
-      edge_copies[edge_key(result_.source_vertices[edge.first],
-                           result_.source_vertices[edge.second])]
-          .insert(edge);
-    }
-  }
-  std::vector<CreaseEdge> creases;
-  for (const CreaseEdge& crease : mesh_.creases) {
-    const auto copies = edge_copies.find(edge_key(crease.v0, crease.v1));
-    if (copies == edge_copies.end()) {
-      creases.push_back(crease);  // no edge: dropped with a report later
-      continue;
-    }
-    for (const auto& [a, b] : copies->second) creases.push_back({a, b, crease.sharpness});
-  }
-  mesh_.creases = std::move(creases);
-  const std::vector<CornerVertex> corners = mesh_.corners;
-  for (std::int32_t v = input_.vertex_count(); v < mesh_.vertex_count(); ++v) {
-    for (const CornerVertex& corner : corners) {
-      if (corner.vertex == result_.source_vertices[v]) {
-        mesh_.corners.push_back({v, corner.sharpness});
-      }
-    }
-  }
-}
-
 // Each sheet's boundary curve would go its own way, as the faces beside it want it: between corners
 // all are the same straight edges.
 void Repair::tag_cuts() {
@@ -307,19 +272,15 @@ void Repair::tag_cuts() {
   }
 }
 
-void Repair::drop_unknown_tags() {
-  std::set<std::int64_t> creases, corners;
-  for (const MeshProblem& problem : check(mesh_)) {
-    if (problem.kind == MeshProblemKind::UnknownCreaseEdge) creases.insert(problem.element);
-    if (problem.kind == MeshProblemKind::UnknownCornerVertex) corners.insert(problem.element);
-  }
-  const auto drop = [](auto& tags, const std::set<std::int64_t>& indices) {
-    for (auto i = indices.rbegin(); i != indices.rend(); ++i) tags.erase(tags.begin() + *i);
+void Repair::drop_unknown() {
+  const auto is_unknown_face = [&](std::int32_t face) {
+    return face < 0 || face >= input_.face_count();
   };
-  drop(mesh_.creases, creases);
-  drop(mesh_.corners, corners);
-  report("unknown-tags", "crease or corner tags that name no edge or used vertex, dropped",
-         static_cast<std::int64_t>(creases.size() + corners.size()), -1);
+  report("unknown-tags",
+         "crease or corner tags that name no edge or used vertex, or have no sharpness, dropped",
+         drop_unknown_tags(mesh_), -1);
+  report("unknown-holes", "holes that are no face, dropped",
+         std::ranges::count_if(input_.hole_faces, is_unknown_face), -1);
 }
 
 void Repair::carry_attributes() {
@@ -346,6 +307,9 @@ void require_sound_data(const std::vector<MeshProblem>& problems) {
       case MeshProblemKind::NoFaces:
       case MeshProblemKind::NonFinitePosition:
       case MeshProblemKind::IndexOutOfRange:
+      case MeshProblemKind::WrongAttributeCount:
+      case MeshProblemKind::UnknownTextureCoordinate:
+      case MeshProblemKind::UnknownGroup:
       case MeshProblemKind::TooLarge:
       case MeshProblemKind::NoExtent:
         throw Error(ErrorCode::UnusableMesh, problem.message, problem.element);

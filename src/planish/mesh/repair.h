@@ -36,9 +36,11 @@ struct RepairedMesh {
 ///     ("non-manifold-edges"); all vertices there become corners, so that the sheets touch along
 ///     the straight edges;
 ///   - vertices with several fans of faces get one copy for each ("non-manifold-vertices");
-///   - tags that name no edge or used vertex are dropped ("unknown-tags").
+///   - tags that name no edge or used vertex or have no sharpness are dropped ("unknown-tags"), as
+///     are holes that are no face ("unknown-holes").
 /// A mesh without problems comes back as it was. Throws Error{UnusableMesh} when an index is out
-/// of range, a position is not finite, or no face is left.
+/// of range, an attribute has another size than what it belongs to, a position is not finite, or no
+/// face is left.
 [[nodiscard]] RepairedMesh repair(const PolygonMesh& mesh);
 
 }  // namespace planish

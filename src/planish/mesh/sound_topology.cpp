@@ -12,6 +12,7 @@
 
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
+#include "planish/mesh/mesh_arrays.h"
 #include "planish/mesh/placement.h"
 
 namespace planish {
@@ -162,12 +163,19 @@ bool positions_are_finite(const PolygonMesh& mesh) {
 std::optional<MeshTopology> sound_topology(const PolygonMesh& mesh) {
   RawVector<std::int32_t> lowest;
   if (!counts_fit(mesh) || !positions_are_finite(mesh) || !faces_are_sound(mesh, lowest) ||
-      !has_extent(mesh))
+      !attributes_are_sound(arrays_of(mesh)) || !has_extent(mesh))
     return std::nullopt;
   std::optional<MeshTopology> topology = MeshTopology::if_manifold(mesh);
   if (!topology || !vertices_are_sound(*topology, lowest) || !tags_are_known(mesh, *topology))
     return std::nullopt;
   return topology;
+}
+
+MeshTopology usable_topology(const PolygonMesh& mesh, std::string_view name) {
+  std::optional<MeshTopology> topology = sound_topology(mesh);
+  if (topology) return std::move(*topology);
+  require_usable(mesh, name);
+  return MeshTopology(mesh);
 }
 
 }  // namespace planish

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "planish/mesh/check.h"
@@ -18,6 +19,9 @@ inline constexpr std::int64_t kMaxInt32 = std::numeric_limits<std::int32_t>::max
 /// may hold anything: tested on the way, on all threads. Nothing where there is a problem, and in
 /// the rare cases where saying so would take more than linear time.
 [[nodiscard]] std::optional<MeshTopology> sound_topology(const PolygonMesh& mesh);
+
+/// The connectivity of a mesh that passes check(). Throws as require_usable() for others.
+[[nodiscard]] MeshTopology usable_topology(const PolygonMesh& mesh, std::string_view name);
 
 /// What check() finds, looking at one element after another on one thread.
 [[nodiscard]] std::vector<MeshProblem> list_problems(const PolygonMesh& mesh);

@@ -102,6 +102,7 @@ class StayingVertices {
 bool can_be_welded(const PolygonMesh& mesh) {
   return mesh.positions.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max()) &&
          positions_are_finite(mesh) &&
+         (mesh.colors.empty() || mesh.colors.size() == mesh.positions.size()) &&
          std::ranges::all_of(
              mesh.face_vertices,
              [&](std::int32_t vertex) { return vertex >= 0 && vertex < mesh.vertex_count(); }) &&

@@ -24,9 +24,9 @@ struct WeldedMesh {
 /// earlier one that stays, if that is within reach; so no vertex moves farther, those that stay are
 /// farther apart, and time is linear. Vertices of no face are left alone. Colours are those of the
 /// vertices that stay; creases between vertices that became one go. Faces may name a vertex twice
-/// or repeat another one then, which repair() mends. A mesh whose positions or indices are unusable
-/// comes back as it was, for check(). Throws Error{InvalidArgument} for another fraction than those
-/// above.
+/// or repeat another one then, which repair() mends. A mesh whose positions, indices or number of
+/// colours are unusable comes back as it was, for check(). Throws Error{InvalidArgument} for
+/// another fraction than those above.
 [[nodiscard]] WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction);
 
 }  // namespace planish

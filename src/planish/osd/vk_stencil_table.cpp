@@ -49,11 +49,10 @@ class Rows {
     vulkan::DeviceTableOptions options;
     // Strides are known to evaluators only: they cut rows where a binding would span too much.
     options.source_stride = options.target_stride = sizeof(float);
-    auto table =
-        std::make_unique<vulkan::DeviceTable>(deviceContext.GetContext(), _view, nullptr, options);
+    auto table = std::make_unique<vulkan::DeviceTable>(deviceContext.GetContext(), _view, options);
     for (std::size_t i = 0; i < table->slices().size(); ++i) {
       vulkan::DeviceTable::Slice const& slice = table->slices()[i];
-      vulkan::PackedSlice const packed = table->pack(i, _view, nullptr);
+      vulkan::PackedSlice const packed = table->pack(i, _view);
       deviceContext.Upload(slice.chunks.handle(), 0, std::as_bytes(std::span(packed.chunks)));
       deviceContext.Upload(slice.entries.handle(), 0, std::as_bytes(std::span(packed.entries)));
     }

@@ -38,6 +38,5 @@ using FaceKernel = bool (*)(const FaceBatch& batch, const PatchOutput& output);
 
 bool run_faces_baseline(const FaceBatch& batch, const PatchOutput& output);
 bool run_faces_avx2(const FaceBatch& batch, const PatchOutput& output);
-bool run_faces_avx512(const FaceBatch& batch, const PatchOutput& output);
 
 }  // namespace planish

@@ -11,9 +11,7 @@
 namespace planish {
 namespace {
 
-#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
-constexpr int kLanes = 8;
-#elif defined(__AVX2__)
+#if defined(__AVX2__)
 constexpr int kLanes = 4;
 #else
 constexpr int kLanes = 2;
@@ -29,35 +27,16 @@ typedef std::int64_t Mask __attribute__((vector_size(8 * kLanes)));
 PLANISH_INLINE void load_points(const double* state, const std::int32_t* indices, Vector& x,
                                 Vector& y, Vector& z) {
   const auto at = [&](int lane) { return state + 3 * static_cast<std::int64_t>(indices[lane]); };
-#if defined(__AVX512VL__) || defined(__AVX2__)
+#if defined(__AVX2__)
   // Three of four doubles, so that nothing past the last point is read.
   const auto point = [&](int lane) {
-#if defined(__AVX512VL__)
-    return _mm256_maskz_loadu_pd(7, at(lane));
-#else
     return _mm256_maskload_pd(at(lane), _mm256_setr_epi64x(-1, -1, -1, 0));
-#endif
   };
-  const auto turn = [&](int lane, __m256d& px, __m256d& py, __m256d& pz) PLANISH_INLINE_LAMBDA {
-    const __m256d a = point(lane), b = point(lane + 1), c = point(lane + 2), d = point(lane + 3);
-    const __m256d ab = _mm256_unpacklo_pd(a, b), cd = _mm256_unpacklo_pd(c, d);
-    px = _mm256_permute2f128_pd(ab, cd, 0x20);
-    pz = _mm256_permute2f128_pd(ab, cd, 0x31);
-    py = _mm256_permute2f128_pd(_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d), 0x20);
-  };
-  __m256d px, py, pz;
-  turn(0, px, py, pz);
-#if defined(__AVX512VL__)
-  __m256d qx, qy, qz;
-  turn(4, qx, qy, qz);
-  x = _mm512_insertf64x4(_mm512_castpd256_pd512(px), qx, 1);
-  y = _mm512_insertf64x4(_mm512_castpd256_pd512(py), qy, 1);
-  z = _mm512_insertf64x4(_mm512_castpd256_pd512(pz), qz, 1);
-#else
-  x = px;
-  y = py;
-  z = pz;
-#endif
+  const __m256d a = point(0), b = point(1), c = point(2), d = point(3);
+  const __m256d ab = _mm256_unpacklo_pd(a, b), cd = _mm256_unpacklo_pd(c, d);
+  x = _mm256_permute2f128_pd(ab, cd, 0x20);
+  y = _mm256_permute2f128_pd(_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d), 0x20);
+  z = _mm256_permute2f128_pd(ab, cd, 0x31);
 #else
   for (int l = 0; l < kLanes; ++l) {
     x[l] = at(l)[0];
@@ -80,16 +59,7 @@ PLANISH_INLINE void store_doubles(double* rows, const std::int32_t* targets, std
     _mm_storeu_pd(at(lane + 1), odd);
     _mm_storeh_pd(at(lane + 1) + 2, z);
   };
-#if defined(__AVX512VL__)
-  const __m512d even = _mm512_unpacklo_pd(p[0], p[1]), odd = _mm512_unpackhi_pd(p[0], p[1]);
-  put(0, _mm512_castpd512_pd128(even), _mm512_castpd512_pd128(odd), _mm512_castpd512_pd128(p[2]));
-  put(2, _mm512_extractf64x2_pd(even, 1), _mm512_extractf64x2_pd(odd, 1),
-      _mm512_extractf64x2_pd(p[2], 1));
-  put(4, _mm512_extractf64x2_pd(even, 2), _mm512_extractf64x2_pd(odd, 2),
-      _mm512_extractf64x2_pd(p[2], 2));
-  put(6, _mm512_extractf64x2_pd(even, 3), _mm512_extractf64x2_pd(odd, 3),
-      _mm512_extractf64x2_pd(p[2], 3));
-#elif defined(__AVX2__)
+#if defined(__AVX2__)
   const __m256d even = _mm256_unpacklo_pd(p[0], p[1]), odd = _mm256_unpackhi_pd(p[0], p[1]);
   put(0, _mm256_castpd256_pd128(even), _mm256_castpd256_pd128(odd), _mm256_castpd256_pd128(p[2]));
   put(2, _mm256_extractf128_pd(even, 1), _mm256_extractf128_pd(odd, 1),
@@ -110,7 +80,7 @@ PLANISH_INLINE void store_floats(float* rows, const std::int32_t* targets, std::
   const auto at = [&](int lane) {
     return rows + 3 * (static_cast<std::int64_t>(targets[lane]) + sample);
   };
-#if defined(__AVX512VL__) || defined(__AVX2__)
+#if defined(__AVX2__)
   const auto put = [&](int lane, __m128 x, __m128 y, __m128 z) PLANISH_INLINE_LAMBDA {
     const __m128 low = _mm_unpacklo_ps(x, y), high = _mm_unpackhi_ps(x, y);
     _mm_storel_pi(reinterpret_cast<__m64*>(at(lane)), low);
@@ -122,13 +92,7 @@ PLANISH_INLINE void store_floats(float* rows, const std::int32_t* targets, std::
     _MM_EXTRACT_FLOAT(at(lane + 2)[2], z, 2);
     _MM_EXTRACT_FLOAT(at(lane + 3)[2], z, 3);
   };
-#if defined(__AVX512VL__)
-  const __m256 x = _mm512_cvtpd_ps(p[0]), y = _mm512_cvtpd_ps(p[1]), z = _mm512_cvtpd_ps(p[2]);
-  put(0, _mm256_castps256_ps128(x), _mm256_castps256_ps128(y), _mm256_castps256_ps128(z));
-  put(4, _mm256_extractf128_ps(x, 1), _mm256_extractf128_ps(y, 1), _mm256_extractf128_ps(z, 1));
-#else
   put(0, _mm256_cvtpd_ps(p[0]), _mm256_cvtpd_ps(p[1]), _mm256_cvtpd_ps(p[2]));
-#endif
 #else
   for (int l = 0; l < kLanes; ++l) {
     for (int d = 0; d < 3; ++d) at(l)[d] = static_cast<float>(p[d][l]);
@@ -137,14 +101,7 @@ PLANISH_INLINE void store_floats(float* rows, const std::int32_t* targets, std::
 }
 
 // As many numbers as a vector has, or two; to floats they are rounded.
-#if defined(__AVX512VL__)
-PLANISH_INLINE void put_numbers(double* to, __m512d v) { _mm512_storeu_pd(to, v); }
-PLANISH_INLINE void put_numbers(float* to, __m512d v) { _mm256_storeu_ps(to, _mm512_cvtpd_ps(v)); }
-PLANISH_INLINE void put_numbers(double* to, __m128d v) { _mm_storeu_pd(to, v); }
-PLANISH_INLINE void put_numbers(float* to, __m128d v) {
-  _mm_storel_pi(reinterpret_cast<__m64*>(to), _mm_cvtpd_ps(v));
-}
-#elif defined(__AVX2__)
+#if defined(__AVX2__)
 PLANISH_INLINE void put_numbers(double* to, __m256d v) { _mm256_storeu_pd(to, v); }
 PLANISH_INLINE void put_numbers(float* to, __m256d v) { _mm_storeu_ps(to, _mm256_cvtpd_ps(v)); }
 #elif defined(__SSE2__)
@@ -160,37 +117,7 @@ PLANISH_INLINE void store_runs(Number* rows, const std::int32_t* targets, const 
   static_assert(kCount % 4 == 0);
   Number* to[kLanes];
   for (int l = 0; l < kLanes; ++l) to[l] = rows + 3 * static_cast<std::int64_t>(targets[l]);
-#if defined(__AVX512VL__)
-  int i = 0;
-  for (; i + 8 <= kCount; i += 8) {
-    // Even lanes by the low halves of pairs, odd ones by the high halves.
-    const auto put = [&](int lane, __m512d a, __m512d b, __m512d c,
-                         __m512d d) PLANISH_INLINE_LAMBDA {
-      const __m512d ab = _mm512_shuffle_f64x2(a, b, 0x44), cd = _mm512_shuffle_f64x2(c, d, 0x44);
-      const __m512d AB = _mm512_shuffle_f64x2(a, b, 0xEE), CD = _mm512_shuffle_f64x2(c, d, 0xEE);
-      put_numbers(to[lane] + i, _mm512_shuffle_f64x2(ab, cd, 0x88));
-      put_numbers(to[lane + 2] + i, _mm512_shuffle_f64x2(ab, cd, 0xDD));
-      put_numbers(to[lane + 4] + i, _mm512_shuffle_f64x2(AB, CD, 0x88));
-      put_numbers(to[lane + 6] + i, _mm512_shuffle_f64x2(AB, CD, 0xDD));
-    };
-    put(0, _mm512_unpacklo_pd(v[i], v[i + 1]), _mm512_unpacklo_pd(v[i + 2], v[i + 3]),
-        _mm512_unpacklo_pd(v[i + 4], v[i + 5]), _mm512_unpacklo_pd(v[i + 6], v[i + 7]));
-    put(1, _mm512_unpackhi_pd(v[i], v[i + 1]), _mm512_unpackhi_pd(v[i + 2], v[i + 3]),
-        _mm512_unpackhi_pd(v[i + 4], v[i + 5]), _mm512_unpackhi_pd(v[i + 6], v[i + 7]));
-  }
-  for (; i < kCount; i += 2) {
-    const __m512d even = _mm512_unpacklo_pd(v[i], v[i + 1]),
-                  odd = _mm512_unpackhi_pd(v[i], v[i + 1]);
-    put_numbers(to[0] + i, _mm512_castpd512_pd128(even));
-    put_numbers(to[1] + i, _mm512_castpd512_pd128(odd));
-    put_numbers(to[2] + i, _mm512_extractf64x2_pd(even, 1));
-    put_numbers(to[3] + i, _mm512_extractf64x2_pd(odd, 1));
-    put_numbers(to[4] + i, _mm512_extractf64x2_pd(even, 2));
-    put_numbers(to[5] + i, _mm512_extractf64x2_pd(odd, 2));
-    put_numbers(to[6] + i, _mm512_extractf64x2_pd(even, 3));
-    put_numbers(to[7] + i, _mm512_extractf64x2_pd(odd, 3));
-  }
-#elif defined(__AVX2__)
+#if defined(__AVX2__)
   for (int i = 0; i < kCount; i += 4) {
     const __m256d a = _mm256_unpacklo_pd(v[i], v[i + 1]), b = _mm256_unpackhi_pd(v[i], v[i + 1]),
                   c = _mm256_unpacklo_pd(v[i + 2], v[i + 3]),
@@ -213,9 +140,7 @@ PLANISH_INLINE void store_runs(Number* rows, const std::int32_t* targets, const 
 }
 
 PLANISH_INLINE Vector square_root(Vector v) {
-#if defined(__AVX512VL__)
-  return _mm512_sqrt_pd(v);
-#elif defined(__AVX2__)
+#if defined(__AVX2__)
   return _mm256_sqrt_pd(v);
 #elif defined(__SSE2__)
   return _mm_sqrt_pd(v);

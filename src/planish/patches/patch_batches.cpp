@@ -59,11 +59,11 @@ PatchBatches::PatchBatches(const PatchClasses& classes, PatchKernel kernel, bool
 void PatchBatches::take(std::int32_t class_index) {
   OpenBatch& batch = open_.of_class[static_cast<std::size_t>(class_index)];
   if (!batch.is_open) {
-    open_.open.push_back(class_index);
-    batch.is_open = true;
     const std::int32_t columns =
         class_index == face_index_ ? kFaceColumns : classes_.patch(class_index).column_count();
     batch.indices.resize(static_cast<std::size_t>(columns) * kPatchLanes);
+    open_.open.push_back(class_index);
+    batch.is_open = true;
   }
   last_ = &batch;
   last_index_ = class_index;
@@ -107,10 +107,18 @@ bool PatchBatches::finish() {
   for (const std::int32_t index : open_.open) {
     OpenBatch& batch = open_.of_class[static_cast<std::size_t>(index)];
     if (batch.lane_count > 0) run(index, batch);
-    batch.is_open = false;
   }
-  open_.open.clear();
+  open_.clear();
   return degenerate_;
+}
+
+void PatchBatches::Open::clear() {
+  for (const std::int32_t index : open) {
+    OpenBatch& batch = of_class[static_cast<std::size_t>(index)];
+    batch.is_open = false;
+    batch.lane_count = 0;
+  }
+  open.clear();
 }
 
 }  // namespace planish

@@ -25,6 +25,8 @@ class PatchBatches {
   PatchBatches(const PatchClasses& classes, PatchKernel kernel, bool all_quads,
                std::int32_t sample_count, const PatchOutput& output, const double* state,
                PointRows* points = nullptr);
+  /// What was not run is dropped: after an exception the next batches of the thread begin empty.
+  ~PatchBatches() { open_.clear(); }
   PatchBatches(const PatchBatches&) = delete;
   PatchBatches& operator=(const PatchBatches&) = delete;
 
@@ -75,6 +77,8 @@ class PatchBatches {
     std::int32_t point_rows[kFacePoints * kPatchLanes];
     double point_positions[3 * kFacePoints * kPatchLanes];
     float point_normals[3 * kFacePoints * kPatchLanes];
+
+    void clear();
   };
   static Open& open_of_thread();
   void take(std::int32_t class_index);

@@ -6,22 +6,13 @@ namespace planish {
 
 bool can_run(PatchInstructions instructions) {
 #ifdef PLANISH_X86_KERNELS
-  switch (instructions) {
-    case PatchInstructions::Baseline:
-      return true;
-    case PatchInstructions::Avx2:
-      return __builtin_cpu_supports("avx2") != 0;
-    case PatchInstructions::Avx512:
-      return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
-             __builtin_cpu_supports("avx512vl") != 0;
-  }
+  if (instructions == PatchInstructions::Avx2) return __builtin_cpu_supports("avx2") != 0;
 #endif
   return instructions == PatchInstructions::Baseline;
 }
 
 PatchKernel patch_kernel(PatchInstructions instructions) {
 #ifdef PLANISH_X86_KERNELS
-  if (instructions == PatchInstructions::Avx512) return run_patches_avx512;
   if (instructions == PatchInstructions::Avx2) return run_patches_avx2;
 #endif
   (void)instructions;
@@ -30,7 +21,6 @@ PatchKernel patch_kernel(PatchInstructions instructions) {
 
 FaceKernel face_kernel(PatchKernel kernel) {
 #ifdef PLANISH_X86_KERNELS
-  if (kernel == run_patches_avx512) return run_faces_avx512;
   if (kernel == run_patches_avx2) return run_faces_avx2;
 #endif
   (void)kernel;
@@ -38,7 +28,6 @@ FaceKernel face_kernel(PatchKernel kernel) {
 }
 
 PatchInstructions best_instructions() {
-  if (can_run(PatchInstructions::Avx512)) return PatchInstructions::Avx512;
   return can_run(PatchInstructions::Avx2) ? PatchInstructions::Avx2 : PatchInstructions::Baseline;
 }
 

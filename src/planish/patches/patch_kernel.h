@@ -36,10 +36,9 @@ using PatchKernel = bool (*)(const PatchBatch& batch, const PatchOutput& output)
 
 bool run_patches_baseline(const PatchBatch& batch, const PatchOutput& output);
 bool run_patches_avx2(const PatchBatch& batch, const PatchOutput& output);
-bool run_patches_avx512(const PatchBatch& batch, const PatchOutput& output);
 
 /// Vector instructions that a kernel is made for.
-enum class PatchInstructions { Baseline, Avx2, Avx512 };
+enum class PatchInstructions { Baseline, Avx2 };
 
 /// Whether this build has the kernel and this processor its instructions.
 [[nodiscard]] bool can_run(PatchInstructions instructions);

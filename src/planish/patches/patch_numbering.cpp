@@ -203,10 +203,8 @@ void PatchNumbering::place_further() {
   if (further_corners_.empty()) return;
   for (RawVector<std::int32_t>* rows : {&vertex_rows_, &edge_rows_}) {
     if (rows == &vertex_rows_ && !has_vertex_items_) continue;
-    parallel_for(rows->size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t c = begin; c < end; ++c) {
-        if ((*rows)[c] < -1) (*rows)[c] = first + further_mark((*rows)[c]);
-      }
+    parallel_each(rows->size(), 1 << 16, [&](std::size_t c) {
+      if ((*rows)[c] < -1) (*rows)[c] = first + further_mark((*rows)[c]);
     });
   }
 }

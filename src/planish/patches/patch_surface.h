@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "planish/core/range.h"
 #include "planish/mesh/placement.h"
 #include "planish/patches/patch_kernel.h"
 #include "planish/patches/patch_mesh.h"
@@ -12,7 +13,6 @@
 #include "planish/patches/patch_plan.h"
 #include "planish/patches/patch_runner.h"
 #include "planish/patches/patch_templates.h"
-#include "planish/stencil/stencil_builder.h"
 
 namespace planish {
 

@@ -92,13 +92,11 @@ void PatchTemplates::add_quarter(const PatchRings& rings, int quarter, int level
   std::size_t first = 0;
   const auto add_points = [&] {
     const std::size_t count = points.size() / columns;
-    parallel_for(samples.size(), 16, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t s = begin; s < end; ++s) {
-        for (std::size_t r = 0; r < 3; ++r) {
-          const std::size_t row = samples[s].of_quarter * 3 + r;
-          add_rows({weights.data() + row * inner + first, count}, points.data(), columns,
-                   result.data() + (samples[s].of_patch * 3 + r) * columns);
-        }
+    parallel_each(samples.size(), 16, [&](std::size_t s) {
+      for (std::size_t r = 0; r < 3; ++r) {
+        const std::size_t row = samples[s].of_quarter * 3 + r;
+        add_rows({weights.data() + row * inner + first, count}, points.data(), columns,
+                 result.data() + (samples[s].of_patch * 3 + r) * columns);
       }
     });
     first += count;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/unit_vector.h"
 #include "planish/mesh/area_vector.h"
@@ -29,11 +30,8 @@ constexpr double kEvenCosine = 0.9;
 
 std::vector<glm::dvec3> unit_normals(const PolygonMesh& mesh) {
   std::vector<glm::dvec3> normals(static_cast<std::size_t>(mesh.face_count()));
-  parallel_for(normals.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      normals[f] =
-          unit_or_zero(area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f))));
-    }
+  parallel_each(normals.size(), kDeepGrain, [&](std::size_t f) {
+    normals[f] = unit_or_zero(area_vector(mesh.positions, mesh.face(static_cast<std::int32_t>(f))));
   });
   return normals;
 }
@@ -70,17 +68,14 @@ std::vector<std::uint8_t> uneven_vertices(const PolygonMesh& mesh, const MeshTop
                                           const SharpFeatureOptions& sharp) {
   const std::vector<std::uint8_t> on_curve = curve_vertices(mesh, topology, sharp);
   std::vector<std::uint8_t> uneven(mesh.positions.size(), 0);
-  parallel_for(uneven.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      const auto vertex = static_cast<std::int32_t>(v);
-      const auto is_at_curve = [&](std::int32_t c) {
-        return std::ranges::any_of(topology.face(topology.face_of(c)),
-                                   [&](std::int32_t w) { return on_curve[w] != 0; });
-      };
-      uneven[v] = on_curve[v] != 0 ||
-                  std::ranges::any_of(topology.corners_at(vertex), is_at_curve) ||
-                  !is_even(topology, normals, vertex);
-    }
+  parallel_each(uneven.size(), kDeepGrain, [&](std::size_t v) {
+    const auto vertex = static_cast<std::int32_t>(v);
+    const auto is_at_curve = [&](std::int32_t c) {
+      return std::ranges::any_of(topology.face(topology.face_of(c)),
+                                 [&](std::int32_t w) { return on_curve[w] != 0; });
+    };
+    uneven[v] = on_curve[v] != 0 || std::ranges::any_of(topology.corners_at(vertex), is_at_curve) ||
+                !is_even(topology, normals, vertex);
   });
   return uneven;
 }
@@ -206,7 +201,7 @@ class DeepLook {
 
   // At the wanted vertices, those of other parts left out.
   void at(std::span<const std::uint8_t> wanted, std::span<const glm::dvec3> normals,
-          std::span<std::uint8_t> at_vertex) {
+          std::span<std::uint8_t> at_vertex, LoopProgress& progress) {
     if (!patches_) return;
     const auto is_looked_at = [&](std::int32_t vertex) {
       return wanted[vertex] != 0 && owns_vertex(halo_, vertex);
@@ -223,6 +218,7 @@ class DeepLook {
         meter.measure(corners);
         corners.clear();
       }
+      progress.add(static_cast<std::int64_t>(end - begin));
     });
     for (std::size_t v = 0; v < areas_.size(); ++v) {
       const auto vertex = static_cast<std::int32_t>(v);
@@ -267,10 +263,12 @@ DeepFolds deep_folds(const PolygonMesh& mesh, const std::shared_ptr<const MeshTo
 
   DeepLook look(mesh, topology, level_one, options, halo);
   result.at_vertex.assign(mesh.positions.size(), 0);
-  look.at(uneven, normals, result.at_vertex);
+  // Mostly there is nothing to look at once more.
+  LoopProgress progress(options.callbacks, "folds", 0.2, 1, topology->corner_count());
+  look.at(uneven, normals, result.at_vertex, progress);
   if (halo) halo->exchange_vertices(result.at_vertex);
   if (!is_anywhere(result.at_vertex, halo)) return result;
-  look.at(neighbours_of(*topology, result.at_vertex, uneven), normals, result.at_vertex);
+  look.at(neighbours_of(*topology, result.at_vertex, uneven), normals, result.at_vertex, progress);
   if (halo) halo->exchange_vertices(result.at_vertex);
   result.area = look.area();
   return result;

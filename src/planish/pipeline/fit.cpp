@@ -5,11 +5,11 @@
 #include <chrono>
 #include <string>
 
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/pipeline/limit_system.h"
 #include "planish/pipeline/solve_fair.h"
-#include "planish/stencil/quad_split.h"
 #include "planish/surface/level_one_mesh.h"
 
 namespace planish {
@@ -17,6 +17,9 @@ namespace planish {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
+
+// Shares of the time when the mesh is checked, its sharp features are known, the system is made.
+constexpr double kChecked = 0.15, kTopologyKnown = 0.3, kSystemMade = 0.5;
 
 class Stopwatch {
  public:
@@ -85,7 +88,7 @@ void solve_progressive(Fit& result, const LimitSystem& system, std::span<const g
   interpolation.max_iterations = options.max_iterations;
   interpolation.spectral_bound = result.spectral_bound;
   interpolation.row_weights = system.row_weights;
-  interpolation.callbacks = options.callbacks;
+  interpolation.callbacks = share_of(options.callbacks, kSystemMade, 0.95);
   result.interpolation = interpolate(backend, system.masks.view(), given, interpolation);
   explain_stagnation(system, result.interpolation);
   result.timing.upload = result.interpolation.upload_milliseconds;
@@ -95,30 +98,31 @@ void solve_progressive(Fit& result, const LimitSystem& system, std::span<const g
 // The mesh with its vertices moved.
 void move_to_cage(Fit& result, const PolygonMesh& mesh, const UsedPart& used) {
   result.cage = mesh;
-  parallel_for(used.vertices.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      result.cage.positions[used.vertices[v]] +=
-          result.placement.diagonal * result.interpolation.displacement[v];
-    }
+  parallel_each(used.vertices.size(), kGrain, [&](std::size_t v) {
+    result.cage.positions[used.vertices[v]] +=
+        result.placement.diagonal * result.interpolation.displacement[v];
   });
 }
 
 void fit_doo_sabin(Fit& result, const UsedPart& used, std::span<const glm::dvec3> given,
                    Backend& backend, const FitOptions& options, Stopwatch& watch) {
-  const QuadSplit split(used.mesh, used.prepared->topology);
+  const MeshTopology& topology = *used.prepared->topology;
   const SharpFeatures features =
-      find_sharp_features(used.mesh, split, used.mesh.positions, options.sharp);
+      find_sharp_features(used.mesh, topology, used.mesh.positions, options.sharp);
   result.timing.topology = watch.lap();
   result.sharp_edge_count = features.sharp_edge_count;
   result.boundary_edge_count = features.sharp_edge_count - features.interior_sharp_edge_count;
   result.corner_count = features.corner_count;
   if (options.method == InterpolationMethod::Fair) {
+    FitOptions solve = options;
+    solve.callbacks = share_of(options.callbacks, kTopologyKnown, 0.95);
     // Its first step takes the weights of 1978 whatever the later levels take.
-    solve_fair(result, used.mesh, Subdivision(split, features, Weights::DooSabin), given, backend,
-               options);
+    solve_fair(result, used.mesh, Subdivision(topology, features, Weights::DooSabin), given,
+               backend, solve);
     result.timing.solve = watch.lap();
   } else {
-    const Subdivision subdivision(split, features, options.weights);
+    tell(options.callbacks, "stencils", kTopologyKnown);
+    const Subdivision subdivision(topology, features, options.weights);
     solve_progressive(result, doo_sabin_system(used.mesh, subdivision, options), given, backend,
                       options, watch);
   }
@@ -138,22 +142,22 @@ void fit_primal(Fit& result, const UsedPart& used, PrimalScheme scheme,
 
 }  // namespace
 
-Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
+namespace {
+
+Fit fitted(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
   Stopwatch watch;
   Fit result;
-  require_method_fits(options);
   result.prepared = options.prepared ? options.prepared : prepare_mesh(mesh, "mesh");
   const UsedPart used = used_part(mesh, result.prepared);
   warn_of_semi_sharp(mesh, options);
   result.placement = placement_of(used.mesh.positions);
   RawVector<glm::dvec3> given(used.mesh.positions.size());
-  parallel_for(given.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v)
-      given[v] = result.placement.to_unit(used.mesh.positions[v]);
+  parallel_each(given.size(), kGrain, [&](std::size_t v) {
+    given[v] = result.placement.to_unit(used.mesh.positions[v]);
   });
   result.timing.check = watch.lap();
 
-  options.callbacks.report("stencils", 0);
+  tell(options.callbacks, "stencils", kChecked);
   if (const auto scheme = primal_scheme(options.scheme)) {
     fit_primal(result, used, *scheme, given, backend, options, watch);
   } else {
@@ -165,6 +169,18 @@ Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
   if (result.interpolation.worst_vertex >= 0) {
     result.interpolation.worst_vertex = used.vertices[result.interpolation.worst_vertex];
   }
+  return result;
+}
+
+}  // namespace
+
+Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
+  require_method_fits(options);
+  const HostScope host(options.callbacks);
+  tell(options.callbacks, "check", 0);
+  Fit result;
+  backend.run_on_host([&] { result = fitted(mesh, backend, options); });
+  tell(options.callbacks, "solve", 1);
   return result;
 }
 

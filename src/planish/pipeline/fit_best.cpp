@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/host_scope.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
 #include "planish/mesh/folded_edges.h"
@@ -24,28 +25,37 @@ struct Candidate {
   [[nodiscard]] bool is_sound() const { return fit.interpolation.converged && !folds(); }
 };
 
+// Of the time of a candidate, that of its fit.
+constexpr double kCandidateFitted = 0.75;
+// Of the time of two candidates, that of the first and of both: a look at level 2 may come.
+constexpr double kFirstMeasured = 0.3, kBothMeasured = 0.9;
+
 SurfaceQuality measured_quality(const PolygonMesh& mesh, const Fit& fit, const FitOptions& options,
-                                int level = 1) {
+                                const Callbacks& callbacks, int level = 1) {
   EvaluateOptions evaluation;
   evaluation.weights = options.weights;
   evaluation.sharp = options.sharp;
-  evaluation.callbacks = options.callbacks;
   const auto surface = fitted_surface(mesh, fit, evaluation);
   return surface_quality(*surface->level(level), mesh,
-                         folded_edges(mesh, *fit.prepared->topology).is_beside, options.callbacks);
+                         folded_edges(mesh, *fit.prepared->topology).is_beside, callbacks);
 }
 
 Candidate candidate(const PolygonMesh& mesh, Backend& backend, FitOptions options) {
   Candidate result;
+  const Callbacks whole = options.callbacks;
+  options.callbacks = share_of(whole, 0, kCandidateFitted);
   options.method = InterpolationMethod::Progressive;
   options.callbacks.warning = [&](const Warning& warning) { result.warnings.push_back(warning); };
   result.fit = fit(mesh, backend, options);
-  result.quality = measured_quality(mesh, result.fit, options);
+  result.quality =
+      measured_quality(mesh, result.fit, options, share_of(whole, kCandidateFitted, 1));
   return result;
 }
 
 Candidate fair_candidate(FairMesh& made, Backend& backend, FitOptions options, BestFit& best) {
   Candidate result;
+  const Callbacks whole = options.callbacks;
+  options.callbacks = share_of(whole, 0, kCandidateFitted);
   options.method = InterpolationMethod::Fair;
   options.prepared = made.prepared;
   options.callbacks.warning = [&](const Warning& warning) { result.warnings.push_back(warning); };
@@ -56,7 +66,8 @@ Candidate fair_candidate(FairMesh& made, Backend& backend, FitOptions options, B
   } else {
     result.fit = fit(made.mesh, backend, options);
   }
-  result.quality = measured_quality(made.mesh, result.fit, options);
+  result.quality =
+      measured_quality(made.mesh, result.fit, options, share_of(whole, kCandidateFitted, 1));
   return result;
 }
 
@@ -119,10 +130,14 @@ void give_out(Candidate&& taken, BestFit& best, const Callbacks& callbacks) {
 
 }  // namespace
 
-BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
-                 const std::function<FairMesh()>& make_fair_mesh) {
+namespace {
+
+BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
+                const std::function<FairMesh()>& make_fair_mesh) {
   BestFit best;
-  Candidate progressive = candidate(mesh, backend, options);
+  FitOptions of_candidate = options;
+  of_candidate.callbacks = share_of(options.callbacks, 0, kFirstMeasured);
+  Candidate progressive = candidate(mesh, backend, of_candidate);
   best.progressive = progressive.quality;
   if (progressive.is_sound() && best.progressive.rms_normal_deviation < kCloseDegrees) {
     best.reason = text_of(
@@ -135,11 +150,16 @@ BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& op
   FairMesh made = make_fair_mesh
                       ? make_fair_mesh()
                       : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}};
-  Candidate fair = fair_candidate(made, backend, options, best);
+  of_candidate.callbacks = share_of(options.callbacks, kFirstMeasured, kBothMeasured);
+  Candidate fair = fair_candidate(made, backend, of_candidate, best);
   best.fair = fair.quality;
   choose(
       progressive, fair,
-      [&] { return measured_quality(mesh, progressive.fit, options, 2).folded_area_elsewhere; },
+      [&] {
+        return measured_quality(mesh, progressive.fit, options,
+                                share_of(options.callbacks, kBothMeasured, 1), 2)
+            .folded_area_elsewhere;
+      },
       best);
   const bool is_fair = best.method == InterpolationMethod::Fair;
   give_out(std::move(is_fair ? fair : progressive), best, options.callbacks);
@@ -148,6 +168,17 @@ BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& op
   } else {
     best.smoothed_vertices.clear();
   }
+  return best;
+}
+
+}  // namespace
+
+BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
+                 const std::function<FairMesh()>& make_fair_mesh) {
+  const HostScope host(options.callbacks);
+  BestFit best;
+  backend.run_on_host([&] { best = best_of(mesh, backend, options, make_fair_mesh); });
+  tell(options.callbacks, "choose", 1);
   return best;
 }
 

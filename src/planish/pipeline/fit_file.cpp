@@ -1,11 +1,14 @@
 #include "planish/pipeline/fit_file.h"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
@@ -26,6 +29,13 @@ FileFormat output_format(const std::filesystem::path& path, FormatUse use) {
                   "\" names no format that is written; take " + extensions_in_words(use));
 }
 
+// Where a path leads, by whatever links.
+std::filesystem::path place_of(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::path place = std::filesystem::weakly_canonical(path, error);
+  return error ? path : place;
+}
+
 void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output) {
   std::error_code error;
   if (!std::filesystem::equivalent(input, output, error)) return;
@@ -33,8 +43,8 @@ void require_other_file(const std::filesystem::path& input, const std::filesyste
               visible(output) + ": is the input itself; name another output");
 }
 
-MeshFile read_faces(const std::filesystem::path& input, bool split_normals) {
-  MeshFile file = read_mesh(input, {.split_normals_crease = split_normals});
+MeshFile read_faces(const std::filesystem::path& input, bool split_normals, bool is_strict) {
+  MeshFile file = read_mesh(input, {.split_normals_crease = split_normals, .is_strict = is_strict});
   if (file.mesh.face_count() == 0 && file.mesh.vertex_count() > 0) {
     throw Error(
         ErrorCode::UnusableMesh,
@@ -46,6 +56,17 @@ MeshFile read_faces(const std::filesystem::path& input, bool split_normals) {
   }
   return file;
 }
+
+// Callbacks for making a surface and for writing it.
+struct SurfaceShares {
+  explicit SurfaceShares(const SurfaceFileOptions& whole) : making(whole), writing(whole) {
+    // What comes before the surface's rows, which are made as they are written, takes as level 1.
+    const double made = 1 / (1 + std::ldexp(1.0, 2 * std::max(whole.level - 1, 0)));
+    making.callbacks = share_of(whole.callbacks, 0, made);
+    writing.callbacks = share_of(whole.callbacks, made, 1);
+  }
+  SurfaceFileOptions making, writing;
+};
 
 // The surface, which is made as it is read; what it is made of stands beside it.
 struct SurfaceLevel {
@@ -66,6 +87,7 @@ SurfaceLevel surface_level(const FittedMesh& fitted, Backend& backend,
     made.blocks = blocks_of(*made.whole, fitted.mesh);
     return made;
   }
+  tell(options.callbacks, "evaluate", 0);
   made.doo_sabin = fitted_surface(fitted.mesh, fitted.fit, how);
   made.blocks = made.doo_sabin->level(options.level, 0, dynamic_cast<PatchEvaluator*>(&backend));
   return made;
@@ -95,14 +117,52 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
   return write_surface(path, format, surface, how);
 }
 
+// `how` with the method as it is settled.
+FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::path& output,
+                    MeshFitOptions how, std::optional<FileFormat> cage_format, Backend& backend,
+                    const FitFileOptions& options) {
+  const Callbacks callbacks = how.fit.callbacks;
+  // Of the time when the file is read, and when the mesh is fitted: a level takes as its faces do.
+  const double surface = 0.1 * std::ldexp(1.0, 2 * options.level);
+  const double read = 0.2 / (1 + surface), fit = 1 / (1 + surface);
+  how.fit.callbacks = share_of(callbacks, read, fit);
+  tell(callbacks, "read", 0);
+  MeshFile file = read_faces(input, options.split_normals, !options.mesh.repairs);
+  for (const Warning& warning : file.warnings) callbacks.warn(warning);
+  FileFit result;
+  result.fitted = fit_mesh(std::move(file.mesh), visible(input), backend, how);
+  result.fitted.split_normals = options.split_normals;
+  auto& warnings = result.fitted.warnings;
+  warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
+
+  const SurfaceShares shares({options.level, options.z_up, share_of(callbacks, fit, 1)});
+  const SurfaceLevel made = surface_level(result.fitted, backend, shares.making);
+  result.vertex_count = made.blocks->info().row_count;
+  result.face_count = made.blocks->info().face_count;
+  result.byte_count =
+      write_level(output, result.fitted, *made.blocks, visible(input.stem()), shares.writing);
+  if (cage_format) {
+    write_mesh(options.cage, *cage_format,
+               control_cage(result.fitted.mesh, result.fitted.fit, result.fitted.options.sharp));
+  }
+  return result;
+}
+
 }  // namespace
 
 std::uint64_t write_fitted_surface(const std::filesystem::path& path, const FittedMesh& fitted,
                                    std::string_view name, Backend& backend,
                                    const SurfaceFileOptions& options) {
   (void)output_format(path, FormatUse::WriteSurface);  // before the work
-  const SurfaceLevel surface = surface_level(fitted, backend, options);
-  return write_level(path, fitted, *surface.blocks, name, options);
+  const HostScope host(options.callbacks);
+  const SurfaceShares shares(options);
+  std::uint64_t bytes = 0;
+  backend.run_on_host([&] {
+    const SurfaceLevel surface = surface_level(fitted, backend, shares.making);
+    bytes = write_level(path, fitted, *surface.blocks, name, shares.writing);
+  });
+  tell(options.callbacks, "write", 1);
+  return bytes;
 }
 
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
@@ -115,6 +175,9 @@ FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path
   if (!options.cage.empty()) {
     cage_format = output_format(options.cage, FormatUse::WriteCage);
     require_other_file(input, options.cage);
+    if (place_of(output) == place_of(options.cage))
+      throw Error(ErrorCode::InvalidArgument,
+                  visible(options.cage) + ": surface and cage cannot be one file; name another");
     // Of both methods, the one whose cage keeps the mesh's faces.
     if (!how.method) how.method = InterpolationMethod::Progressive;
   }
@@ -123,26 +186,12 @@ FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path
     own = make_cpu_backend({.solve_precision = precision_for(how.fit.tolerance)});
   Backend& backend = own ? *own : *options.backend;
 
-  const Callbacks& callbacks = how.fit.callbacks;
-  callbacks.report("read", 0);
-  MeshFile file = read_faces(input, options.split_normals);
-  for (const Warning& warning : file.warnings) callbacks.warn(warning);
+  const Callbacks callbacks = how.fit.callbacks;
+  const HostScope host(callbacks);
   FileFit result;
-  result.fitted = fit_mesh(std::move(file.mesh), visible(input), backend, how);
-  result.fitted.split_normals = options.split_normals;
-  auto& warnings = result.fitted.warnings;
-  warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
-
-  const SurfaceFileOptions surface_options{options.level, options.z_up, callbacks};
-  const SurfaceLevel surface = surface_level(result.fitted, backend, surface_options);
-  result.vertex_count = surface.blocks->info().row_count;
-  result.face_count = surface.blocks->info().face_count;
-  result.byte_count =
-      write_level(output, result.fitted, *surface.blocks, visible(input.stem()), surface_options);
-  if (cage_format) {
-    write_mesh(options.cage, *cage_format,
-               control_cage(result.fitted.mesh, result.fitted.fit, result.fitted.options.sharp));
-  }
+  backend.run_on_host(
+      [&] { result = fitted_file(input, output, how, cage_format, backend, options); });
+  tell(callbacks, "write", 1);
   return result;
 }
 

@@ -31,8 +31,9 @@ struct FileFit {
 /// `planish fit INPUT -o OUTPUT --device cpu` writes. Not converging is a result; the file is
 /// written and says so. An existing file is replaced, once the new one is whole.
 /// Throws Error{UnreadableInput}, Error{UnusableMesh} with the remedy, Error{InvalidArgument} for
-/// extensions, options, an output that is the input, and a file of points, which reconstruct()
-/// makes a mesh of; Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
+/// extensions, options, an output or a cage that is the input or one another, and a file of points,
+/// which reconstruct() makes a mesh of; Error{UnwritableOutput}, Error{OutOfMemory},
+/// Error{Cancelled}.
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options = {});
 

@@ -1,10 +1,12 @@
 #include "planish/pipeline/fit_mesh.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/version.h"
 #include "planish/mesh/check.h"
 #include "planish/pipeline/found_creases.h"
@@ -13,6 +15,9 @@
 
 namespace planish {
 namespace {
+
+// Share of the time when the mesh is checked and repaired.
+constexpr double kMadeReady = 0.15;
 
 Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod method) {
   return {.repairs = options.repairs,
@@ -46,6 +51,8 @@ void take(FittedMesh& result, ReadyMesh&& ready, std::string_view name,
     change.message = std::string(name) + ": " + change.message;
     warnings.add(change);
   }
+  result.mesh = std::move(ready.mesh);
+  result.welded_count = ready.welded_count;
   result.changed_faces = std::move(ready.changed_faces);
   result.separated_edges = std::move(ready.separated_edges);
   result.source_vertices = std::move(ready.source_vertices);
@@ -53,22 +60,30 @@ void take(FittedMesh& result, ReadyMesh&& ready, std::string_view name,
   result.options.prepared = std::move(ready.prepared);
 }
 
-void choose_method(FittedMesh& result, PolygonMesh&& given, std::string_view name, Backend& backend,
-                   const MeshFitOptions& options, const WarningList& warnings) {
-  ReadyMesh ready;
+double sum_of(const FitTiming& timing) {
+  return timing.check + timing.topology + timing.stencils + timing.upload + timing.solve;
+}
+
+void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warnings) {
+  const auto began = std::chrono::steady_clock::now();
+  FittedMesh& result = ready.fitted;
+  ReadyMesh fair;
   const auto make_fair_mesh = [&] {
-    ready = make_ready(std::move(given), preparation_of(options, InterpolationMethod::Fair));
-    return FairMesh{std::move(ready.mesh), ready.prepared, std::move(ready.found)};
+    fair = make_ready(std::move(*ready.given),
+                      preparation_of(ready.options, InterpolationMethod::Fair));
+    return FairMesh{std::move(fair.mesh), fair.prepared, std::move(fair.found)};
   };
   BestFit best = fit_best(result.mesh, backend, result.options, make_fair_mesh);
   result.reason = MethodReason{best.reason, best.progressive, best.fair};
   result.options.method = best.method;
   result.smoothed_vertices = std::move(best.smoothed_vertices);
   if (best.fair_mesh) {
-    take(result, std::move(ready), name, warnings);
-    result.mesh = std::move(*best.fair_mesh);
+    fair.mesh = std::move(*best.fair_mesh);
+    take(result, std::move(fair), ready.name, warnings);
   }
   result.fit = std::move(best.fit);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
+  result.choose_milliseconds = took.count() - sum_of(result.fit.timing);
 }
 
 }  // namespace
@@ -82,37 +97,46 @@ std::string FittedMesh::creases() const {
   return split_normals ? "normals" : creases_text(uses_tags, crease_degrees);
 }
 
-FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,
-                    const MeshFitOptions& options) {
-  FittedMesh result;
-  const WarningList warnings(result.warnings, options.fit.callbacks);
+ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
+  const HostScope host(options.fit.callbacks);
+  tell(options.fit.callbacks, "check", 0);
+  ReadyFit ready{.name = std::string(name), .options = options};
+  FittedMesh& result = ready.fitted;
   result.options = options.fit;
+  result.options.callbacks = {};  // the caller's end with the call
   result.options.method = options.method.value_or(InterpolationMethod::Progressive);
   result.repairs = options.repairs;
   result.crease_degrees = options.crease_degrees;
   result.weld = options.weld;
   result.uses_tags = options.fit.sharp.use_tags;
   result.options.sharp.use_tags = true;  // what make_ready() left has none but those that count
-  result.options.callbacks.warning = [&](const Warning& warning) { warnings.add(warning); };
-  const bool chooses = !options.method && options.fit.scheme == Scheme::DooSabin;
-  PolygonMesh given;
-  std::optional<FoundCreases> found;
-  if (chooses) given = mesh;
+  if (!options.method && options.fit.scheme == Scheme::DooSabin) ready.given = mesh;
+  const WarningList warnings(result.warnings, options.fit.callbacks);
   try {
-    ReadyMesh ready = make_ready(std::move(mesh), preparation_of(options, result.options.method));
-    result.mesh = std::move(ready.mesh);
-    found = std::move(ready.found);
-    take(result, std::move(ready), name, warnings);
+    ReadyMesh made = make_ready(std::move(mesh), preparation_of(options, result.options.method));
+    ready.found = std::move(made.found);
+    take(result, std::move(made), name, warnings);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::UnusableMesh) require_usable(mesh, name);
     throw;
   }
   if (!result.options.prepared) require_usable(result.mesh, name);
+  return ready;
+}
+
+FittedMesh fit_prepared(ReadyFit ready, Backend& backend) {
+  FittedMesh& result = ready.fitted;
+  const Callbacks& caller = ready.options.fit.callbacks;
+  const HostScope host(caller);
+  const WarningList warnings(result.warnings, caller);
+  result.options.callbacks = caller;
+  result.options.callbacks.warning = [&](const Warning& warning) { warnings.add(warning); };
   try {
-    if (chooses) {
-      choose_method(result, std::move(given), name, backend, options, warnings);
-    } else if (found) {
-      CreasedFit creased = fit_with_found_creases(result.mesh, *found, backend, result.options);
+    if (ready.chooses_method()) {
+      choose_method(ready, backend, warnings);
+    } else if (ready.found) {
+      CreasedFit creased =
+          fit_with_found_creases(result.mesh, *ready.found, backend, result.options);
       result.smoothed_vertices = std::move(creased.smoothed_vertices);
       result.fit = std::move(creased.fit);
     } else {
@@ -121,10 +145,22 @@ FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,
   } catch (const Error& error) {
     // fit() knows no name: say it again with the name.
     if (error.code() != ErrorCode::UnusableMesh) throw;
-    throw Error(error.code(), std::string(name) + ": " + error.what(), error.element());
+    throw Error(error.code(), ready.name + ": " + error.what(), error.element());
   }
-  // The caller's callbacks end with the call.
   result.options.callbacks = {};
+  return std::move(ready.fitted);
+}
+
+FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,
+                    const MeshFitOptions& options) {
+  const HostScope host(options.fit.callbacks);
+  FittedMesh result;
+  backend.run_on_host([&] {
+    ReadyFit ready = prepare_fit(std::move(mesh), name, options);
+    ready.options.fit.callbacks = share_of(options.fit.callbacks, kMadeReady, 1);
+    result = fit_prepared(std::move(ready), backend);
+  });
+  tell(options.fit.callbacks, "fit", 1);
   return result;
 }
 

@@ -42,6 +42,8 @@ struct FittedMesh {
   std::optional<double> crease_degrees, weld;
   bool split_normals = false;  ///< see FitFileOptions
   std::optional<MethodReason> reason;
+  double choose_milliseconds = 0;  ///< what measuring and a fit that was not taken cost
+  std::int64_t welded_count = 0;   ///< vertices that became another
   /// For each vertex and face of `mesh` the given one's; empty: the same.
   std::vector<std::int32_t> source_vertices, source_faces;
   std::vector<std::int32_t> changed_faces;      ///< the given mesh's that repair changed
@@ -56,9 +58,27 @@ struct FittedMesh {
   [[nodiscard]] std::string creases() const;
 };
 
-/// What the command does between reading a mesh and evaluating its surface: repair, creases, the
+/// A mesh that can be fitted, repaired and tagged.
+struct ReadyFit {
+  FittedMesh fitted;  ///< all but the fit; the method may change where measurement chooses it
+  std::string name;
+  MeshFitOptions options;
+  std::optional<FoundCreases> found;  ///< where creases were for the fair method
+  std::optional<PolygonMesh> given;   ///< as it was, where measurement chooses the method
+
+  [[nodiscard]] bool chooses_method() const { return given.has_value(); }
+};
+
+/// The first half of fit_mesh(): welds, repairs and tags. Throws Error{UnusableMesh} with every
+/// problem and its remedy, and as repair(). Callbacks must outlive what is returned.
+[[nodiscard]] ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name,
+                                   const MeshFitOptions& options = {});
+
+/// The second half: the choice of the method, and fit(). Throws as that.
+[[nodiscard]] FittedMesh fit_prepared(ReadyFit ready, Backend& backend);
+
+/// All that happens between reading a mesh and evaluating its surface: repair, creases, the
 /// choice of the method, fit(). `name` stands in messages. Warnings go to the callbacks, too.
-/// Throws as fit(), Error{UnusableMesh} with every problem and its remedy.
 [[nodiscard]] FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,
                                   const MeshFitOptions& options = {});
 

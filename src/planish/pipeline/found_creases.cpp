@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "planish/core/host_scope.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/pipeline/deep_folds.h"
 #include "planish/surface/block_quality.h"
@@ -24,7 +25,8 @@ struct CreasedCandidate {
   double area = 0;                   // folded of levels 1 to 3, the largest share
 };
 
-double folded_area(const PolygonMesh& mesh, const Fit& fitted, const FitOptions& options) {
+double folded_area(const PolygonMesh& mesh, const Fit& fitted, const FitOptions& options,
+                   const Callbacks& callbacks) {
   EvaluateOptions evaluation;
   evaluation.weights = options.weights;
   evaluation.sharp = options.sharp;
@@ -33,7 +35,8 @@ double folded_area(const PolygonMesh& mesh, const Fit& fitted, const FitOptions&
   double area = 0;
   for (int level = 1; level <= 3; ++level) {
     const SurfaceQuality quality =
-        surface_quality(*surface->level(level), mesh, folds.is_beside, options.callbacks);
+        surface_quality(*surface->level(level), mesh, folds.is_beside,
+                        share_of(callbacks, (level - 1) / 3.0, level / 3.0));
     area = std::max(area, quality.folded_area_elsewhere);
   }
   return area;
@@ -41,17 +44,20 @@ double folded_area(const PolygonMesh& mesh, const Fit& fitted, const FitOptions&
 
 CreasedCandidate creased_candidate(const PolygonMesh& mesh, Backend& backend, FitOptions options) {
   CreasedCandidate result;
+  const Callbacks whole = options.callbacks;
+  options.callbacks = share_of(whole, 0, 0.6);
   options.method = InterpolationMethod::Fair;
   options.callbacks.warning = [&](const Warning& warning) { result.warnings.push_back(warning); };
   result.fit = fit(mesh, backend, options);
   result.creases = mesh.creases;
   result.corners = mesh.corners;
   const UsedPart used = used_part(mesh, result.fit.prepared);
+  options.callbacks = share_of(whole, 0.6, 0.8);
   DeepFolds folds =
       deep_folds(used.mesh, used.prepared->topology, result.fit.fair->level_one, options);
   result.folded = std::move(folds.at_vertex);
   // A place of a coarser level counts for more of the area.
-  if (folds.area > 0) result.area = folded_area(mesh, result.fit, options);
+  if (folds.area > 0) result.area = folded_area(mesh, result.fit, options, share_of(whole, 0.8, 1));
   return result;
 }
 
@@ -108,11 +114,15 @@ void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCr
   find(mesh, prepared, options);
 }
 
-CreasedFit fit_with_found_creases(PolygonMesh& mesh, const FoundCreases& found, Backend& backend,
-                                  const FitOptions& options) {
+namespace {
+
+CreasedFit creased_fit(PolygonMesh& mesh, const FoundCreases& found, Backend& backend,
+                       const FitOptions& options) {
   CreasedFit result;
-  CreasedCandidate best = creased_candidate(mesh, backend, options);
+  RoundParts rounds(options.callbacks, 0.8);  // mostly one is enough
   FitOptions prepared = options;
+  prepared.callbacks = rounds.next();
+  CreasedCandidate best = creased_candidate(mesh, backend, prepared);
   prepared.prepared = best.fit.prepared;
   std::vector<std::uint8_t> smooth(mesh.positions.size(), 0);
   const auto try_smooth = [&] {
@@ -120,6 +130,7 @@ CreasedFit fit_with_found_creases(PolygonMesh& mesh, const FoundCreases& found, 
     const std::size_t before = mesh.creases.size() + mesh.corners.size();
     leave_smooth(mesh, *prepared.prepared, found, smoothed);
     if (mesh.creases.size() + mesh.corners.size() == before) return;
+    prepared.callbacks = rounds.next();
     CreasedCandidate next = creased_candidate(mesh, backend, prepared);
     const bool is_better = next.area < best.area;
     if (is_better) result.smoothed_vertices = std::move(smoothed);
@@ -137,6 +148,17 @@ CreasedFit fit_with_found_creases(PolygonMesh& mesh, const FoundCreases& found, 
   mesh.corners = std::move(best.corners);
   for (const Warning& warning : best.warnings) options.callbacks.warn(warning);
   result.fit = std::move(best.fit);
+  return result;
+}
+
+}  // namespace
+
+CreasedFit fit_with_found_creases(PolygonMesh& mesh, const FoundCreases& found, Backend& backend,
+                                  const FitOptions& options) {
+  const HostScope host(options.callbacks);
+  CreasedFit result;
+  backend.run_on_host([&] { result = creased_fit(mesh, found, backend, options); });
+  tell(options.callbacks, "solve", 1);
   return result;
 }
 

@@ -36,17 +36,17 @@ LimitSystem doo_sabin_system(const PolygonMesh& mesh, const Subdivision& subdivi
   const SharpFeatures& features = subdivision.features();
   require_solver_fits(options, is_self_adjoint(features), features.sharp_edge_count,
                       features.corner_count);
-  LimitSystem system{limit_mask_arrays(subdivision)};
+  LimitSystem system{limit_masks(subdivision)};
   system.spectral_bound = spectral_bound(mesh, options.weights);
   system.smallest_eigenvalue = system.spectral_bound;
   if (options.solver == Solver::ConjugateGradients) {
-    system.row_weights = valences(subdivision.split());
+    system.row_weights = valences(subdivision.topology());
   }
   return system;
 }
 
 LimitSystem primal_system(const PrimalSplit& split, const FitOptions& options) {
-  LimitSystem system{arrays_of(primal_limit_masks(split).view())};
+  LimitSystem system{primal_limit_masks(split)};
   const Spectrum spectrum = primal_spectrum(split, system.masks.view());
   require_solver_fits(options, spectrum.self_adjoint, split.sharp_edge_count(),
                       split.corner_count());

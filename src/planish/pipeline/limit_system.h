@@ -6,13 +6,13 @@
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit.h"
 #include "planish/primal/primal_split.h"
-#include "planish/stencil/stencil_arrays.h"
+#include "planish/stencil/stencil_table.h"
 
 namespace planish {
 
 /// The linear system of the interpolation, B P = V0, and what is known of it.
 struct LimitSystem {
-  StencilArrays masks;        ///< B
+  StencilTable masks;         ///< B
   double spectral_bound = 0;  ///< above 0 and below 1; what the Chebyshev semi-iteration takes
   /// Estimate of B's smallest eigenvalue; at or near 0 B is singular, below it no iteration
   /// converges.

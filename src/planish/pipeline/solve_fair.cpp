@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/fair/fair_builder.h"
 #include "planish/fair/hub_ellipse.h"
 #include "planish/mesh/convex_faces.h"
@@ -15,6 +17,9 @@
 namespace planish {
 
 namespace {
+
+// Of the time of a round, that of the net; the rest is the look at its surface.
+constexpr double kNetMade = 0.6;
 
 // The error of the finished net: nothing that built it is taken at its word.
 Interpolation measured(const Subdivision& subdivision, std::span<const glm::dvec3> state,
@@ -40,8 +45,8 @@ Interpolation measured(const Subdivision& subdivision, std::span<const glm::dvec
 // On the backend's device where it can.
 FairNet make_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                  std::span<const glm::dvec3> given, Backend& backend, const FitOptions& options,
-                 const FairDecisions* decisions) {
-  const FairOptions fair{options.polish_steps, options.callbacks, decisions, options.cures_folds};
+                 const Callbacks& callbacks, const FairDecisions* decisions) {
+  const FairOptions fair{options.polish_steps, callbacks, decisions, options.cures_folds};
   if (fair.decisions && fair.decisions->reversed.size() != given.size()) {
     throw Error(ErrorCode::InvalidArgument,
                 "fair_decisions are of " + std::to_string(fair.decisions->reversed.size()) +
@@ -72,17 +77,23 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
                        std::span<const glm::dvec3> given, Backend& backend,
                        const FitOptions& options) {
   if (!options.cures_folds || options.fair_decisions != nullptr)
-    return make_net(mesh, subdivision, given, backend, options, options.fair_decisions);
+    return make_net(mesh, subdivision, given, backend, options, options.callbacks,
+                    options.fair_decisions);
+  RoundParts rounds(options.callbacks, 0.75);
+  Callbacks round;
   return deeply_cured_net(
       {.make_net =
            [&](const FairDecisions* decisions) {
-             options.callbacks.check_cancelled();
-             return make_net(mesh, subdivision, given, backend, options, decisions);
+             round = rounds.next();
+             return make_net(mesh, subdivision, given, backend, options,
+                             share_of(round, 0, kNetMade), decisions);
            },
        .folds_of = [&](FairNet& net) -> DeepFolds {
          if (net.decisions.cures.size() != given.size()) return {};
          LevelOne level_one{std::move(net.state), result.placement};
-         DeepFolds folds = deep_folds(mesh, result.prepared->topology, level_one, options);
+         FitOptions looked = options;
+         looked.callbacks = share_of(round, kNetMade, 1);
+         DeepFolds folds = deep_folds(mesh, result.prepared->topology, level_one, looked);
          net.state = std::move(level_one.state);
          return folds;
        },
@@ -97,9 +108,9 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
 
 Warning folds_left_warning(std::int64_t edges, std::int64_t faces) {
   return {"folds-left",
-          "the fair surface still turns over at " + std::to_string(edges) + " edges and " +
-              std::to_string(faces) +
-              " faces, where the mesh itself is folded or too sharp for a smooth surface; "
+          "the fair surface still turns over at " + counted(edges, "edge") + " and " +
+              counted(faces, "face") +
+              ", where the mesh itself is folded or too sharp for a smooth surface; "
               "--creases auto keeps sharp edges sharp",
           edges + faces, -1};
 }

@@ -84,7 +84,9 @@ Verification verify_cage(const PolygonMesh& cage, const PolygonMesh& given,
   for (std::int64_t vertex = 0; vertex < result.vertex_count; ++vertex) {
     const glm::dvec3 offset = limit[vertex] - prepared.positions[vertex];
     double error = std::hypot(offset.x, offset.y, offset.z) / diagonal;
-    if (!std::isfinite(error)) error = std::numeric_limits<double>::infinity();
+    // libstdc++'s hypot() of three says 0 where one is NaN and the others are 0.
+    if (!std::isfinite(error + offset.x + offset.y + offset.z))
+      error = std::numeric_limits<double>::infinity();
     sum_of_squares += error * error;
     if (result.worst_vertex < 0 || error > result.error.max) {
       result.error.max = error;

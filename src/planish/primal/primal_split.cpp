@@ -28,7 +28,9 @@ void require_triangles(const PolygonMesh& mesh) {
 PrimalSplit::PrimalSplit(const PolygonMesh& mesh, const PrimalSplitOptions& options)
     : scheme_(options.scheme) {
   if (scheme_ == PrimalScheme::Loop) require_triangles(mesh);
-  const RefinerOptions refined{sdc_scheme(scheme_), options.sharp};
+  const RefinerOptions refined{scheme_ == PrimalScheme::Loop ? OpenSubdiv::Sdc::SCHEME_LOOP
+                                                             : OpenSubdiv::Sdc::SCHEME_CATMARK,
+                               options.sharp};
   refiner_ = options.topology != nullptr ? make_refiner(mesh, refined, *options.topology)
                                          : make_refiner(mesh, refined, MeshTopology(mesh));
 }

@@ -11,7 +11,7 @@
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/sharpness.h"
 #include "planish/primal/scheme.h"
-#include "planish/stencil/quad_split.h"
+#include "planish/stencil/level_counts.h"
 
 namespace planish {
 

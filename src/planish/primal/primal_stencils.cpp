@@ -9,6 +9,7 @@
 #include "planish/primal/star_limit.h"
 #include "planish/primal/star_masks.h"
 #include "planish/primal/vertex_star.h"
+#include "planish/stencil/stencil_builder.h"
 
 namespace planish {
 
@@ -120,10 +121,9 @@ class LimitEmitter {
 
 }  // namespace
 
-StencilTable<double> primal_refinement_table(const PrimalSplit& split, int level, RowRange rows) {
-  return StencilTable<double>(split.level(level).GetNumVertices(),
-                              build_rows(rows.first, rows.count, Derivatives::No,
-                                         [&] { return StepEmitter(split, level); }));
+StencilTable primal_refinement_table(const PrimalSplit& split, int level, RowRange rows) {
+  return build_rows(split.level(level).GetNumVertices(), rows, Derivatives::No,
+                    [&] { return StepEmitter(split, level); });
 }
 
 SectorRows primal_sector_rows(const PrimalSplit& split, int level, std::int64_t vertex_count) {
@@ -143,32 +143,26 @@ SectorRows primal_sector_rows(const PrimalSplit& split, int level, std::int64_t 
   return {vertex_count, std::move(extra)};
 }
 
-LimitStencilTable<double> primal_limit_table(const PrimalSplit& split, int level,
-                                             const SectorRows& sectors, RowRange rows) {
-  return LimitStencilTable<double>(
-      split.level(level).GetNumVertices(),
-      build_rows(rows.first, rows.count, Derivatives::Yes, [&] {
-        return
-            [&, emitter = LimitEmitter(split, level)](std::int32_t index, StencilRow& row) mutable {
-              emitter.for_points(sectors.place(index),
-                                 [&](std::int32_t vertex, double weight, double du, double dv) {
-                                   row.add(vertex, weight, du, dv);
-                                 });
-            };
-      }));
+StencilTable primal_limit_table(const PrimalSplit& split, int level, const SectorRows& sectors,
+                                RowRange rows) {
+  return build_rows(split.level(level).GetNumVertices(), rows, Derivatives::Yes, [&] {
+    return [&, emitter = LimitEmitter(split, level)](std::int32_t index, StencilRow& row) mutable {
+      emitter.for_points(sectors.place(index), [&](std::int32_t vertex, double weight, double du,
+                                                   double dv) { row.add(vertex, weight, du, dv); });
+    };
+  });
 }
 
-StencilTable<double> primal_limit_masks(const PrimalSplit& split) {
+StencilTable primal_limit_masks(const PrimalSplit& split) {
   const std::int32_t count = split.level(0).GetNumVertices();
-  return StencilTable<double>(
-      count, build_rows(0, count, Derivatives::No, [&] {
-        return [&, limits = LimitEmitter(split, 1), step = StepEmitter(split, 0)](
-                   std::int32_t vertex, StencilRow& row) mutable {
-          limits.for_points({vertex, 0}, [&](std::int32_t point, double weight, double, double) {
-            if (weight != 0) step.add(point, weight, row);
-          });
-        };
-      }));
+  return build_rows(count, {0, count}, Derivatives::No, [&] {
+    return [&, limits = LimitEmitter(split, 1), step = StepEmitter(split, 0)](
+               std::int32_t vertex, StencilRow& row) mutable {
+      limits.for_points({vertex, 0}, [&](std::int32_t point, double weight, double, double) {
+        if (weight != 0) step.add(point, weight, row);
+      });
+    };
+  });
 }
 
 }  // namespace planish

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <opensubdiv/sdc/types.h>
-
 #include <cstdint>
 #include <optional>
 
@@ -16,11 +14,6 @@ enum class Scheme : std::uint8_t {
 
 /// The two whose control points are the vertices of their refined meshes, OpenSubdiv's own.
 enum class PrimalScheme : std::uint8_t { CatmullClark, Loop };
-
-[[nodiscard]] constexpr OpenSubdiv::Sdc::SchemeType sdc_scheme(PrimalScheme scheme) {
-  return scheme == PrimalScheme::Loop ? OpenSubdiv::Sdc::SCHEME_LOOP
-                                      : OpenSubdiv::Sdc::SCHEME_CATMARK;
-}
 
 [[nodiscard]] constexpr std::optional<PrimalScheme> primal_scheme(Scheme scheme) {
   if (scheme == Scheme::CatmullClark) return PrimalScheme::CatmullClark;

@@ -83,15 +83,13 @@ class SmoothPart {
       : masks_(masks), facts_(facts), weights_(weights) {}
 
   void apply(const std::vector<double>& x, std::vector<double>& image) const {
-    parallel_for(x.size(), 4096, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        double sum = 0;
-        const std::int32_t last = masks_.offsets[i] + masks_.sizes[i];
-        for (std::int32_t k = masks_.offsets[i]; k < last; ++k) {
-          sum += masks_.weights[k] * x[masks_.indices[k]];
-        }
-        image[i] = facts_.smooth[i] ? sum : 0.0;
+    parallel_each(x.size(), [&](std::size_t i) {
+      double sum = 0;
+      const std::int32_t last = masks_.offsets[i] + masks_.sizes[i];
+      for (std::int32_t k = masks_.offsets[i]; k < last; ++k) {
+        sum += masks_.weights[k] * x[masks_.indices[k]];
       }
+      image[i] = facts_.smooth[i] ? sum : 0.0;
     });
   }
   [[nodiscard]] double product(const std::vector<double>& x, const std::vector<double>& y) const {

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <string>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/reconstruct/point_tree.h"
 
@@ -16,7 +18,6 @@ namespace {
 constexpr std::int32_t kMaxNeighbours = 100;
 constexpr std::size_t kSpacingNeighbours = 6;
 constexpr std::size_t kCleanGrain = 1024;
-constexpr std::size_t kCleanSlice = 1 << 16;  // between tests for cancelling
 
 std::uint64_t hash_of(const glm::dvec3& point) {
   std::uint64_t hash = 0;
@@ -77,24 +78,19 @@ Distances measure(std::span<const glm::dvec3> points, const CleanOptions& option
   Distances distances{std::vector<double>(points.size()), std::vector<double>(points.size())};
   const std::size_t wide =
       options.outliers == OutlierRule::Off ? 0 : static_cast<std::size_t>(options.neighbour_count);
-  for (std::size_t first = 0; first < points.size(); first += kCleanSlice) {
-    options.callbacks.check_cancelled();
-    options.callbacks.report("clean", static_cast<double>(first) / points.size());
-    parallel_for(std::min(kCleanSlice, points.size() - first), kCleanGrain,
-                 [&](std::size_t begin, std::size_t end) {
-                   std::array<Neighbour, kMaxNeighbours + 1> nearest;
-                   for (std::size_t i = first + begin; i < first + end; ++i) {
-                     const std::size_t wanted = std::max(wide, kSpacingNeighbours) + 1;
-                     const std::size_t found =
-                         tree.find_nearest(points[i], std::span(nearest).first(wanted));
-                     // The first is the point itself: places are distinct here.
-                     const auto others = std::span(nearest).subspan(1, found - 1);
-                     distances.wide[i] = mean_distance(others.first(std::min(wide, others.size())));
-                     distances.close[i] =
-                         mean_distance(others.first(std::min(kSpacingNeighbours, others.size())));
-                   }
-                 });
-  }
+  LoopProgress progress(options.callbacks, "clean", 0.2, 1, std::ssize(points));
+  parallel_for(points.size(), kCleanGrain, [&](std::size_t begin, std::size_t end) {
+    std::array<Neighbour, kMaxNeighbours + 1> nearest;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t wanted = std::max(wide, kSpacingNeighbours) + 1;
+      const std::size_t found = tree.find_nearest(points[i], std::span(nearest).first(wanted));
+      // The first is the point itself: places are distinct here.
+      const auto others = std::span(nearest).subspan(1, found - 1);
+      distances.wide[i] = mean_distance(others.first(std::min(wide, others.size())));
+      distances.close[i] = mean_distance(others.first(std::min(kSpacingNeighbours, others.size())));
+    }
+    progress.add(static_cast<std::int64_t>(end - begin));
+  });
   return distances;
 }
 
@@ -111,6 +107,8 @@ void check_clean_options(const CleanOptions& options) {
 
 CleanPoints clean(std::span<const glm::dvec3> points, const CleanOptions& options) {
   check_clean_options(options);
+  const HostScope host(options.callbacks);
+  tell(options.callbacks, "clean", 0);
   CleanPoints result;
   result.kept = without_duplicates(points);
   result.duplicate_count = static_cast<std::int64_t>(points.size() - result.kept.size());
@@ -126,8 +124,8 @@ CleanPoints clean(std::span<const glm::dvec3> points, const CleanOptions& option
                         static_cast<double>(far) > kMostOutliers * distinct.size();
     if (uneven) {
       options.callbacks.warn({.code = "uneven-density",
-                              .message = std::to_string(far) +
-                                         " points lie far from their neighbours; so many are "
+                              .message = counted(far, "point") +
+                                         " lie far from their neighbours; so many are "
                                          "taken for a sparse part of the shape and kept; "
                                          "--outliers 12,2 removes them",
                               .count = far});
@@ -144,7 +142,7 @@ CleanPoints clean(std::span<const glm::dvec3> points, const CleanOptions& option
     }
   }
   result.spacing = median_of(std::move(distances.close));
-  options.callbacks.report("clean", 1.0);
+  tell(options.callbacks, "clean", 1.0);
   return result;
 }
 

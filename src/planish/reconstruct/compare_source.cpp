@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/raw_vector.h"
 #include "planish/surface/quality_sum.h"
 
@@ -16,6 +17,8 @@ namespace {
 
 // How far from its corner towards the face's middle a normal is looked up.
 constexpr double kInward = 0.01;
+// Of the time, that of the source's tree.
+constexpr double kTreeMade = 0.2;
 // Each a few dozen milliseconds of a thread.
 constexpr std::int64_t kFacesAtOnce = 4096, kRowsAtOnce = 1 << 14;
 
@@ -115,6 +118,7 @@ std::span<Value> part_of(RawVector<Value>& values, RowRange range) {
 SurfaceQuality quality_against(const SurfaceBlocks& surface, const SourceShape& source,
                                const Callbacks& callbacks) {
   const SurfaceInfo& info = surface.info();
+  LoopProgress progress(callbacks, "measure", kTreeMade, 0.8, info.face_count);
   QualitySum sum;
   in_order<ComparedFaces>(
       ranges_of(info.face_count, kFacesAtOnce),
@@ -126,18 +130,19 @@ SurfaceQuality quality_against(const SurfaceBlocks& surface, const SourceShape& 
         }
       },
       [&](RowRange faces, ComparedFaces& piece) {
-        callbacks.check_cancelled();
         for (std::int64_t f = faces.first; f < faces.first + faces.count; ++f) {
           const RowRange corners = corners_in_piece(info, faces.first, f);
           sum.add(part_of(piece.positions, corners), part_of(piece.normals, corners),
                   part_of(piece.wanted, corners));
         }
+        progress.add(faces.count);
       });
   return sum.result();
 }
 
 PointDistances distances_of(const SurfaceBlocks& surface, const SourceShape& source,
                             const Callbacks& callbacks) {
+  LoopProgress progress(callbacks, "measure", 0.8, 1, surface.info().row_count);
   PointDistances distances;
   double largest = -1, total = 0;  // of squares
   in_order<std::vector<double>>(
@@ -153,13 +158,13 @@ PointDistances distances_of(const SurfaceBlocks& surface, const SourceShape& sou
         });
       },
       [&](RowRange rows, std::vector<double>& squared) {
-        callbacks.check_cancelled();
         for (std::size_t i = 0; i < squared.size(); ++i) {
           total += squared[i];
           if (squared[i] <= largest) continue;
           largest = squared[i];
           distances.farthest = rows.first + static_cast<std::int64_t>(i);
         }
+        progress.add(rows.count);
       });
   if (distances.farthest < 0) return distances;
   distances.max = std::sqrt(largest);
@@ -171,9 +176,13 @@ PointDistances distances_of(const SurfaceBlocks& surface, const SourceShape& sou
 
 SourceComparison compare_with_source(const SurfaceBlocks& surface, const PolygonMesh& source,
                                      const Callbacks& callbacks) {
+  const HostScope host(callbacks);
+  tell(callbacks, "measure", 0);
   const SourceShape shape(source);
-  return {.quality = quality_against(surface, shape, callbacks),
-          .distances = distances_of(surface, shape, callbacks)};
+  const SourceComparison found{.quality = quality_against(surface, shape, callbacks),
+                               .distances = distances_of(surface, shape, callbacks)};
+  tell(callbacks, "measure", 1);
+  return found;
 }
 
 }  // namespace planish

@@ -16,6 +16,7 @@
 #include <system_error>
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/reconstruct/mesher_protocol.h"
 
 extern char** environ;
@@ -91,8 +92,9 @@ class Conversation {
   }
 
   std::vector<Triangle> run() {
+    const HostScope host(callbacks_);
     while (!finished_) {
-      callbacks_.check_cancelled();
+      check_stop();
       pollfd wanted{.fd = child_.socket(), .events = POLLIN, .revents = 0};
       if (has_unsent()) wanted.events |= POLLOUT;
       if (::poll(&wanted, 1, kPollMilliseconds) < 0 && errno != EINTR) fail(std::strerror(errno));
@@ -141,7 +143,7 @@ class Conversation {
     const char kind = static_cast<char>(received_.front());
     std::size_t size = kMessageHead;
     if (kind == kMesherProgress) {
-      callbacks_.report("mesh", std::clamp(value_at<double>(1), 0.0, 1.0));
+      tell(callbacks_, "mesh", std::clamp(value_at<double>(1), 0.0, 1.0));
     } else if (kind == kMesherTriangles) {
       const auto count = value_at<std::int64_t>(1);
       // A front names no triangle twice and closes a surface at most: far below this.
@@ -179,7 +181,7 @@ class Conversation {
   }
 
   [[noreturn]] void explain_end() {
-    callbacks_.check_cancelled();
+    check_stop();
     const int status = child_.wait();
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
       throw Error(ErrorCode::OutOfMemory, child_.program() + ": was killed while meshing " +

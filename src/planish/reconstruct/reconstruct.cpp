@@ -7,7 +7,9 @@
 #include <cmath>
 #include <string>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/used_vertices.h"
 #include "planish/reconstruct/pair_triangles.h"
@@ -23,6 +25,10 @@ constexpr std::size_t kFewestPoints = 4;
 // Degrees at a corner of a quad where even spacing is asked for: it halves what is folded, and
 // pairs 68 % of the triangles instead of 82 %.
 constexpr double kEvenLargestAngle = 130;
+
+// Shares of the time when the steps are done.
+constexpr double kCleaned = 0.05, kSmoothed = 0.07, kMeshed = 0.4, kRepaired = 0.43,
+                 kSimplified = 0.95;
 
 class Stopwatch {
  public:
@@ -74,11 +80,12 @@ void diagnose(const Reconstruction& result, const ReconstructOptions& options) {
   const Callbacks& callbacks = options.callbacks;
   const MeshStatistics& facts = result.statistics;
   if (facts.boundary_loop_count > 0)
-    callbacks.warn({.code = "open-mesh",
-                    .message = "the mesh is open: " + std::to_string(facts.boundary_loop_count) +
-                               " boundary loops are left, genus " + std::to_string(facts.genus) +
-                               "; --fill-holes N closes loops of up to N edges",
-                    .count = facts.boundary_loop_count});
+    callbacks.warn(
+        {.code = "open-mesh",
+         .message = "the mesh is open: " + counted(facts.boundary_loop_count, "boundary loop") +
+                    (facts.boundary_loop_count == 1 ? " is" : " are") + " left, genus " +
+                    std::to_string(facts.genus) + "; --fill-holes N closes loops of up to N edges",
+         .count = facts.boundary_loop_count});
   if (facts.component_count > 1)
     callbacks.warn({.code = "several-components",
                     .message = "the mesh has " + std::to_string(facts.component_count) +
@@ -86,19 +93,21 @@ void diagnose(const Reconstruction& result, const ReconstructOptions& options) {
                     .count = facts.component_count});
   if (result.dropped_component_count > 0)
     callbacks.warn({.code = "components-dropped",
-                    .message = std::to_string(result.dropped_component_count) +
-                               " smaller components were dropped; --components all keeps them",
+                    .message = counted(result.dropped_component_count, "smaller component") +
+                               (result.dropped_component_count == 1 ? " was" : " were") +
+                               " dropped; --components all keeps all",
                     .count = result.dropped_component_count});
   if (result.strayed_count > 0)
     callbacks.warn({.code = "points-left-out",
                     .message = std::to_string(result.strayed_count) + " of " +
-                               std::to_string(result.used_points.size()) +
-                               " points fit into no triangle and lie farther than the tolerance "
-                               "from the mesh",
+                               counted(std::ssize(result.used_points), "point") +
+                               (result.strayed_count == 1 ? " fits into no triangle and lies"
+                                                          : " fit into no triangle and lie") +
+                               " farther than the tolerance from the mesh",
                     .count = result.strayed_count});
   if (options.target_vertices > 0 && facts.vertex_count > options.target_vertices)
     callbacks.warn({.code = "target-not-reached",
-                    .message = std::to_string(facts.vertex_count) + " vertices are left of " +
+                    .message = counted(facts.vertex_count, "vertex") + " are left of " +
                                std::to_string(options.target_vertices) +
                                " aimed at; a larger --tolerance-mesh allows fewer",
                     .count = facts.vertex_count});
@@ -142,22 +151,23 @@ void clean_points(Work& work) {
   const Callbacks& callbacks = work.options.callbacks;
   Reconstruction& result = work.result;
   CleanOptions clean_options = work.options.clean;
-  clean_options.callbacks = callbacks;
+  clean_options.callbacks = share_of(callbacks, 0, kCleaned);
   CleanPoints cleaned = clean(work.cloud.points, clean_options);
   result.used_points = std::move(cleaned.kept);
   result.duplicate_count = cleaned.duplicate_count;
   result.outlier_count = cleaned.outlier_count;
   result.spacing = cleaned.spacing;
   if (result.used_points.size() < kFewestPoints)
-    throw Error(ErrorCode::UnusableMesh, std::to_string(result.used_points.size()) +
-                                             " points are left after cleaning; a surface needs "
-                                             "at least " +
+    throw Error(ErrorCode::UnusableMesh, counted(std::ssize(result.used_points), "point") +
+                                             (result.used_points.size() == 1 ? " is" : " are") +
+                                             " left after cleaning; a surface needs at least " +
                                              std::to_string(kFewestPoints));
   if (result.outlier_count > 0)
     callbacks.warn({.code = "outliers-removed",
-                    .message = std::to_string(result.outlier_count) +
-                               " points lie far from all others and were removed; --outliers off "
-                               "keeps them",
+                    .message = counted(result.outlier_count, "point") +
+                               (result.outlier_count == 1 ? " lies far from all others and was"
+                                                          : " lie far from all others and were") +
+                               " removed; --outliers off keeps them all",
                     .count = result.outlier_count});
   work.points = chosen(work.cloud.points, result.used_points);
   result.diagonal = diagonal_of(work.points);
@@ -167,10 +177,11 @@ void clean_points(Work& work) {
 
 void repair(Work& work) {
   const ReconstructOptions& options = work.options;
-  RepairedTriangles repaired = repair_triangles(work.points, std::move(work.triangles),
-                                                {.longest_filled_loop = options.longest_filled_loop,
-                                                 .components = options.components,
-                                                 .callbacks = options.callbacks});
+  RepairedTriangles repaired =
+      repair_triangles(work.points, std::move(work.triangles),
+                       {.longest_filled_loop = options.longest_filled_loop,
+                        .components = options.components,
+                        .callbacks = share_of(options.callbacks, kMeshed, kRepaired)});
   work.triangles = std::move(repaired.triangles);
   work.result.filled_loop_count = repaired.filled_loop_count;
   work.result.dropped_component_count = repaired.dropped_component_count;
@@ -179,20 +190,21 @@ void repair(Work& work) {
         work.points, chosen(work.cloud.normals, work.result.used_points), work.triangles);
   if (work.triangles.empty())
     throw Error(ErrorCode::UnusableMesh,
-                "no surface was found in " + std::to_string(work.points.size()) + " points");
+                "no surface was found in " + counted(std::ssize(work.points), "point"));
   work.result.timing.repair = work.watch.lap();
 }
 
 void simplify_within_tolerance(Work& work) {
   const ReconstructOptions& options = work.options;
   if (options.tolerance > 0) {
-    SimplifiedMesh simplified = simplify(work.points, work.triangles,
-                                         {.tolerance = options.tolerance * work.result.diagonal,
-                                          .target_vertices = options.target_vertices,
-                                          .spacing = options.spacing,
-                                          .least_angle = options.least_angle,
-                                          .max_valence = options.max_valence,
-                                          .callbacks = options.callbacks});
+    SimplifiedMesh simplified =
+        simplify(work.points, work.triangles,
+                 {.tolerance = options.tolerance * work.result.diagonal,
+                  .target_vertices = options.target_vertices,
+                  .spacing = options.spacing,
+                  .least_angle = options.least_angle,
+                  .max_valence = options.max_valence,
+                  .callbacks = share_of(options.callbacks, kRepaired, kSimplified)});
     work.triangles = std::move(simplified.triangles);
     work.result.strayed_count = simplified.strayed_count;
   }
@@ -221,17 +233,22 @@ void measure_and_pair(Work& work) {
 Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
                            const ReconstructOptions& options) {
   check_options(options);
+  const HostScope host(options.callbacks);
   Work work{.cloud = cloud, .options = options};
   clean_points(work);
   // Only on request: it moves the samples.
   if (options.smooth_rounds > 0)
-    work.points = smooth_points(work.points, options.smooth_rounds, options.callbacks);
+    work.points = smooth_points(work.points, options.smooth_rounds,
+                                share_of(options.callbacks, kCleaned, kSmoothed));
   work.result.timing.smooth = work.watch.lap();
-  work.triangles = mesher(work.points, options.callbacks);  // through all points
+  work.triangles =
+      mesher(work.points, share_of(options.callbacks, kSmoothed, kMeshed));  // through all points
   work.result.timing.mesh = work.watch.lap();
   repair(work);
   simplify_within_tolerance(work);
+  tell(options.callbacks, "pair", kSimplified);
   measure_and_pair(work);
+  tell(options.callbacks, "pair", 1);
   diagnose(work.result, options);
   return std::move(work.result);
 }

@@ -9,6 +9,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/reconstruct/fill_hole.h"
 #include "planish/reconstruct/triangle_edges.h"
@@ -187,7 +188,7 @@ std::int64_t fill_holes(std::span<const glm::dvec3> positions, std::vector<Trian
   std::int64_t filled = 0;
   for (std::size_t first = 0; first < twins.size(); ++first) {
     if (twins[first] >= 0 || visited[first]) continue;
-    options.callbacks.check_cancelled();
+    check_stop();
     // Against the half-edges, so that the patch runs opposite to its neighbours.
     Hole hole;
     for (auto h = static_cast<std::int32_t>(first); !visited[h];) {
@@ -248,23 +249,24 @@ RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
                     " edges are asked for; 0 to " + std::to_string(kLongestLoop) + " work");
   const std::size_t given = triangles.size();
   RepairedTriangles result;
-  options.callbacks.report("repair", 0.0);
+  const HostScope host(options.callbacks);
+  tell(options.callbacks, "repair", 0.0);
   drop_repeated(triangles);
   // Each step can undo another's work by what it drops; each drops something or all are content.
   while (true) {
-    options.callbacks.check_cancelled();
+    check_stop();
     if (drop_surplus_at_edges(positions, triangles)) continue;
     if (orient(positions.size(), triangles)) continue;
     if (!drop_extra_fans(positions.size(), triangles)) break;
   }
   result.dropped_triangle_count = static_cast<std::int64_t>(given - triangles.size());
-  options.callbacks.report("repair", 0.5);
+  tell(options.callbacks, "repair", 0.5);
   result.dropped_component_count = drop_components(positions.size(), triangles, options.components);
   if (options.longest_filled_loop > 0)
     result.filled_loop_count = fill_holes(positions, triangles, options);
   turn_outwards(positions, triangles);
   result.triangles = std::move(triangles);
-  options.callbacks.report("repair", 1.0);
+  tell(options.callbacks, "repair", 1.0);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/reconstruct/collapse_pass.h"
 #include "planish/reconstruct/flip_pass.h"
 #include "planish/reconstruct/move_pass.h"
@@ -83,7 +84,8 @@ std::int32_t default_max_valence(Spacing spacing) { return spacing == Spacing::E
 SimplifiedMesh simplify(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                         const SimplifyOptions& options) {
   check_simplify_options(options);
-  options.callbacks.report("simplify", 0.0);
+  const HostScope host(options.callbacks);
+  tell(options.callbacks, "simplify", 0.0);
   const OrderedMesh ordered = in_spatial_order(positions, triangles);
   SimplifyState state(ordered.positions, ordered.triangles, options);
   run_rounds(state);
@@ -94,7 +96,7 @@ SimplifiedMesh simplify(std::span<const glm::dvec3> positions, std::span<const T
     for (std::int32_t& corner : triangle) corner = ordered.given[corner];
     result.triangles.push_back(triangle);
   }
-  options.callbacks.report("simplify", 1.0);
+  tell(options.callbacks, "simplify", 1.0);
   return result;
 }
 

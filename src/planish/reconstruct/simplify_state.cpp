@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "planish/core/host_scope.h"
+
 namespace planish {
 namespace {
 
@@ -71,10 +73,10 @@ TriangleQuality SimplifyState::worst_of(const Fan& fan) const {
 
 void SimplifyState::count_step() {
   if (++steps_ % kStepsPerReport != 0) return;
-  options.callbacks.check_cancelled();
-  options.callbacks.report("simplify",
-                           1 - static_cast<double>(result.vertex_count) /
-                                   static_cast<double>(std::max<std::int64_t>(initial_count_, 1)));
+  check_stop();
+  tell(options.callbacks, "simplify",
+       1 - static_cast<double>(result.vertex_count) /
+               static_cast<double>(std::max<std::int64_t>(initial_count_, 1)));
 }
 
 }  // namespace planish

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/reconstruct/point_tree.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 constexpr int kTerms = 6;  // 1, x, y, x^2, xy, y^2
 constexpr std::size_t kSmoothGrain = 256;
-constexpr std::size_t kSmoothSlice = 1 << 15;  // between tests for cancelling
 
 using Terms = std::array<double, kTerms>;
 
@@ -133,24 +133,23 @@ LocalFit fit_at(std::int32_t index, std::span<const glm::dvec3> points, const Po
 
 std::vector<glm::dvec3> smooth_points(std::span<const glm::dvec3> points, std::int32_t rounds,
                                       const Callbacks& callbacks) {
+  const HostScope host(callbacks);
   std::vector<glm::dvec3> current(points.begin(), points.end());
   std::vector<glm::dvec3> next(current);
   for (std::int32_t round = 0; round < rounds && !points.empty(); ++round) {
     const PointTree tree(current);
-    for (std::size_t first = 0; first < current.size(); first += kSmoothSlice) {
-      callbacks.check_cancelled();
-      callbacks.report("smooth", (round + static_cast<double>(first) / current.size()) / rounds);
-      parallel_for(std::min(kSmoothSlice, current.size() - first), kSmoothGrain,
-                   [&](std::size_t begin, std::size_t end) {
-                     for (std::size_t i = first + begin; i < first + end; ++i) {
-                       const LocalFit fit = fit_at(static_cast<std::int32_t>(i), current, tree);
-                       next[i] = fit.stable ? current[i] + fit.offset : current[i];
-                     }
-                   });
-    }
+    LoopProgress progress(callbacks, "smooth", (round + 0.1) / rounds, (round + 1.0) / rounds,
+                          std::ssize(current));
+    parallel_for(current.size(), kSmoothGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const LocalFit fit = fit_at(static_cast<std::int32_t>(i), current, tree);
+        next[i] = fit.stable ? current[i] + fit.offset : current[i];
+      }
+      progress.add(static_cast<std::int64_t>(end - begin));
+    });
     std::swap(current, next);
   }
-  if (rounds > 0) callbacks.report("smooth", 1.0);
+  if (rounds > 0) tell(callbacks, "smooth", 1.0);
   return current;
 }
 

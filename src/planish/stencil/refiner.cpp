@@ -52,45 +52,39 @@ bool SourceFactory::resizeComponentTopology(TopologyRefiner& refiner, const Refi
 template <>
 bool SourceFactory::assignComponentTopology(TopologyRefiner& refiner, const RefinerSource& source) {
   const MeshTopology& topology = source.topology;
-  planish::parallel_for(topology.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto f = static_cast<int>(i);
-      IndexArray vertices = getBaseFaceVertices(refiner, f), edges = getBaseFaceEdges(refiner, f);
-      std::copy_n(topology.face(f).begin(), vertices.size(), vertices.begin());
-      std::copy_n(topology.face_edges(f).begin(), edges.size(), edges.begin());
+  planish::parallel_each(topology.face_count(), kGrain, [&](std::size_t i) {
+    const auto f = static_cast<int>(i);
+    IndexArray vertices = getBaseFaceVertices(refiner, f), edges = getBaseFaceEdges(refiner, f);
+    std::copy_n(topology.face(f).begin(), vertices.size(), vertices.begin());
+    std::copy_n(topology.face_edges(f).begin(), edges.size(), edges.begin());
+  });
+  planish::parallel_each(topology.edge_count(), kGrain, [&](std::size_t i) {
+    const auto e = static_cast<int>(i);
+    const int corners[] = {topology.corner_of(e), topology.twin(topology.corner_of(e))};
+    const auto ends = topology.edge_vertices(e);
+    getBaseEdgeVertices(refiner, e)[0] = ends.first;
+    getBaseEdgeVertices(refiner, e)[1] = ends.second;
+    IndexArray faces = getBaseEdgeFaces(refiner, e);
+    LocalIndexArray places = getBaseEdgeFaceLocalIndices(refiner, e);
+    for (int k = 0; k < faces.size(); ++k) {
+      faces[k] = topology.face_of(corners[k]);
+      places[k] = static_cast<LocalIndex>(topology.place_of(corners[k]));
     }
   });
-  planish::parallel_for(topology.edge_count(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto e = static_cast<int>(i);
-      const int corners[] = {topology.corner_of(e), topology.twin(topology.corner_of(e))};
-      const auto ends = topology.edge_vertices(e);
-      getBaseEdgeVertices(refiner, e)[0] = ends.first;
-      getBaseEdgeVertices(refiner, e)[1] = ends.second;
-      IndexArray faces = getBaseEdgeFaces(refiner, e);
-      LocalIndexArray places = getBaseEdgeFaceLocalIndices(refiner, e);
-      for (int k = 0; k < faces.size(); ++k) {
-        faces[k] = topology.face_of(corners[k]);
-        places[k] = static_cast<LocalIndex>(topology.place_of(corners[k]));
-      }
+  planish::parallel_each(topology.vertex_count(), kGrain, [&](std::size_t i) {
+    const auto v = static_cast<int>(i);
+    const auto corners = topology.corners_at(v);
+    IndexArray faces = getBaseVertexFaces(refiner, v), edges = getBaseVertexEdges(refiner, v);
+    LocalIndexArray places = getBaseVertexFaceLocalIndices(refiner, v);
+    LocalIndexArray ends = getBaseVertexEdgeLocalIndices(refiner, v);
+    for (int k = 0; k < faces.size(); ++k) {
+      faces[k] = topology.face_of(corners[k]);
+      places[k] = static_cast<LocalIndex>(topology.place_of(corners[k]));
     }
-  });
-  planish::parallel_for(topology.vertex_count(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto v = static_cast<int>(i);
-      const auto corners = topology.corners_at(v);
-      IndexArray faces = getBaseVertexFaces(refiner, v), edges = getBaseVertexEdges(refiner, v);
-      LocalIndexArray places = getBaseVertexFaceLocalIndices(refiner, v);
-      LocalIndexArray ends = getBaseVertexEdgeLocalIndices(refiner, v);
-      for (int k = 0; k < faces.size(); ++k) {
-        faces[k] = topology.face_of(corners[k]);
-        places[k] = static_cast<LocalIndex>(topology.place_of(corners[k]));
-      }
-      for (int k = 0; k < edges.size(); ++k) {
-        edges[k] = k < faces.size() ? topology.edge_of(corners[k])
-                                    : topology.edge_of(topology.prev(corners.back()));
-        ends[k] = topology.edge_vertices(edges[k]).first == v ? 0 : 1;
-      }
+    for (int k = 0; k < edges.size(); ++k) {
+      edges[k] = k < faces.size() ? topology.edge_of(corners[k])
+                                  : topology.edge_of(topology.prev(corners.back()));
+      ends[k] = topology.edge_vertices(edges[k]).first == v ? 0 : 1;
     }
   });
   return true;
@@ -115,14 +109,12 @@ bool SourceFactory::assignFaceVaryingTopology(TopologyRefiner& refiner,
   if (mesh.face_uvs.empty()) return true;
   const auto uv_count = static_cast<int>(mesh.uvs.size());
   const int channel = createBaseFVarChannel(refiner, uv_count + 1);
-  planish::parallel_for(mesh.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto f = static_cast<int>(i);
-      IndexArray values = getBaseFaceFVarValues(refiner, f, channel);
-      for (int k = 0; k < values.size(); ++k) {
-        const std::int32_t uv = mesh.face_uvs[mesh.face_offsets[i] + k];
-        values[k] = uv < 0 ? uv_count : uv;
-      }
+  planish::parallel_each(mesh.face_count(), kGrain, [&](std::size_t i) {
+    const auto f = static_cast<int>(i);
+    IndexArray values = getBaseFaceFVarValues(refiner, f, channel);
+    for (int k = 0; k < values.size(); ++k) {
+      const std::int32_t uv = mesh.face_uvs[mesh.face_offsets[i] + k];
+      values[k] = uv < 0 ? uv_count : uv;
     }
   });
   return true;

@@ -38,7 +38,7 @@ void StencilRow::finish() {
   count_ = last + 1;
 }
 
-void reserve(StencilRows<double>& rows, std::size_t row_count, std::size_t entry_count,
+void reserve(StencilTable& rows, std::size_t row_count, std::size_t entry_count,
              Derivatives derivatives) {
   rows.sizes.reserve(row_count);
   rows.indices.reserve(entry_count);
@@ -48,7 +48,7 @@ void reserve(StencilRows<double>& rows, std::size_t row_count, std::size_t entry
   rows.dv_weights.reserve(entry_count);
 }
 
-void append(StencilRows<double>& rows, const StencilRow& row, Derivatives derivatives) {
+void append(StencilTable& rows, const StencilRow& row, Derivatives derivatives) {
   rows.sizes.push_back(static_cast<std::int32_t>(row.entries().size()));
   for (const StencilRow::Entry& entry : row.entries()) {
     rows.indices.push_back(entry.index);
@@ -60,46 +60,44 @@ void append(StencilRows<double>& rows, const StencilRow& row, Derivatives deriva
   }
 }
 
-StencilRows<double> concatenate(std::vector<StencilRows<double>>&& pieces) {
+void require_entries_fit(std::int64_t entry_count) {
+  if (entry_count <= std::numeric_limits<std::int32_t>::max()) return;
+  throw Error(ErrorCode::OutOfMemory,
+              "a stencil table of up to " + std::to_string(entry_count) +
+                  " entries exceeds 2^31 - 1; split faces or vertices with thousands of edges");
+}
+
+StencilTable concatenate(std::int32_t source_count, std::vector<StencilTable>&& pieces) {
   std::vector<std::size_t> first_row(pieces.size() + 1, 0), first_entry(pieces.size() + 1, 0);
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     first_row[p + 1] = first_row[p] + pieces[p].sizes.size();
     first_entry[p + 1] = first_entry[p] + pieces[p].indices.size();
   }
-  const std::size_t entry_count = first_entry.back();
-  if (entry_count >= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
-    throw Error(ErrorCode::OutOfMemory,
-                "a stencil table of " + std::to_string(entry_count) +
-                    " entries exceeds 2^31 - 1; split faces or vertices with thousands of edges");
+  require_entries_fit(static_cast<std::int64_t>(first_entry.back()));
+  StencilTable table;
+  if (pieces.size() == 1) {
+    table = std::move(pieces.front());
+  } else {
+    // `part` is a member of the table; pieces stand from `first` on.
+    const auto join = [&](auto part, const std::vector<std::size_t>& first) {
+      const bool has_part = std::ranges::any_of(
+          pieces, [&](const StencilTable& piece) { return !(piece.*part).empty(); });
+      if (!has_part) return;
+      (table.*part).resize(first.back());
+      parallel_each(pieces.size(), 1, [&](std::size_t p) {
+        std::ranges::copy(pieces[p].*part,
+                          (table.*part).begin() + static_cast<std::ptrdiff_t>(first[p]));
+        pieces[p].*part = {};
+      });
+    };
+    join(&StencilTable::sizes, first_row);
+    join(&StencilTable::indices, first_entry);
+    join(&StencilTable::weights, first_entry);
+    join(&StencilTable::du_weights, first_entry);
+    join(&StencilTable::dv_weights, first_entry);
   }
-  if (pieces.size() == 1) return std::move(pieces.front());
-
-  bool derivatives = false;
-  for (const auto& piece : pieces) derivatives = derivatives || !piece.du_weights.empty();
-  StencilRows<double> rows;
-  rows.sizes.resize(first_row.back());
-  rows.indices.resize(entry_count);
-  rows.weights.resize(entry_count);
-  rows.du_weights.resize(derivatives ? entry_count : 0);
-  rows.dv_weights.resize(derivatives ? entry_count : 0);
-  parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      StencilRows<double>& piece = pieces[p];
-      const auto entry = static_cast<std::ptrdiff_t>(first_entry[p]);
-      std::copy(piece.sizes.begin(), piece.sizes.end(),
-                rows.sizes.begin() + static_cast<std::ptrdiff_t>(first_row[p]));
-      std::copy(piece.indices.begin(), piece.indices.end(), rows.indices.begin() + entry);
-      std::copy(piece.weights.begin(), piece.weights.end(), rows.weights.begin() + entry);
-      if (derivatives) {
-        std::copy(piece.du_weights.begin(), piece.du_weights.end(),
-                  rows.du_weights.begin() + entry);
-        std::copy(piece.dv_weights.begin(), piece.dv_weights.end(),
-                  rows.dv_weights.begin() + entry);
-      }
-      piece = {};
-    }
-  });
-  return rows;
+  table.close(source_count);
+  return table;
 }
 
 }  // namespace planish

@@ -4,17 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/core/range.h"
 #include "planish/stencil/stencil_table.h"
 
 namespace planish {
-
-/// A range of rows of a table.
-struct RowRange {
-  std::int64_t first, count;
-};
 
 /// One row being gathered: sources may be added several times and in any order.
 class StencilRow {
@@ -41,38 +38,41 @@ class StencilRow {
 /// Whether rows carry derivative weights.
 enum class Derivatives { No, Yes };
 
-/// Rows [first, first + count) on all threads; the result does not depend on their number.
+/// `rows` of a table on all threads; the result does not depend on their number.
 /// `make_emitter()` is called once per piece of rows and returns a callable
 /// emit(row_index, StencilRow&) with its own scratch memory.
 /// Throws Error{OutOfMemory} when the entries exceed what 32-bit offsets address.
 template <class MakeEmitter>
-[[nodiscard]] StencilRows<double> build_rows(std::int64_t first, std::int64_t count,
-                                             Derivatives derivatives,
-                                             const MakeEmitter& make_emitter);
+[[nodiscard]] StencilTable build_rows(std::int32_t source_count, RowRange rows,
+                                      Derivatives derivatives, const MakeEmitter& make_emitter);
 
 /// Joins pieces in order. Throws as build_rows.
-[[nodiscard]] StencilRows<double> concatenate(std::vector<StencilRows<double>>&& pieces);
+[[nodiscard]] StencilTable concatenate(std::int32_t source_count,
+                                       std::vector<StencilTable>&& pieces);
 
-void reserve(StencilRows<double>& rows, std::size_t row_count, std::size_t entry_count,
+/// Throws Error{OutOfMemory} where 32-bit offsets do not address so many entries.
+void require_entries_fit(std::int64_t entry_count);
+
+void reserve(StencilTable& rows, std::size_t row_count, std::size_t entry_count,
              Derivatives derivatives);
-void append(StencilRows<double>& rows, const StencilRow& row, Derivatives derivatives);
+void append(StencilTable& rows, const StencilRow& row, Derivatives derivatives);
 
 template <class MakeEmitter>
-StencilRows<double> build_rows(std::int64_t first, std::int64_t count, Derivatives derivatives,
-                               const MakeEmitter& make_emitter) {
+StencilTable build_rows(std::int32_t source_count, RowRange rows, Derivatives derivatives,
+                        const MakeEmitter& make_emitter) {
   // Large enough to hide the cost of a piece, small enough to balance uneven rows.
   constexpr std::int64_t kPieceRows = 8192;
-  const std::int64_t piece_count = (count + kPieceRows - 1) / kPieceRows;
-  std::vector<StencilRows<double>> pieces(static_cast<std::size_t>(piece_count));
+  const std::int64_t end_row = rows.first + rows.count;
+  std::vector<StencilTable> pieces(
+      static_cast<std::size_t>((rows.count + kPieceRows - 1) / kPieceRows));
   parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
     auto emit = make_emitter();
     StencilRow row;
     std::size_t entry_count = 0;  // of the last piece: the next is much like it
     for (std::size_t p = begin; p < end; ++p) {
-      const std::int64_t piece_first = first + static_cast<std::int64_t>(p) * kPieceRows;
-      const std::int64_t piece_end = std::min(piece_first + kPieceRows, first + count);
+      const std::int64_t first = rows.first + static_cast<std::int64_t>(p) * kPieceRows;
       reserve(pieces[p], kPieceRows, entry_count, derivatives);
-      for (std::int64_t i = piece_first; i < piece_end; ++i) {
+      for (std::int64_t i = first; i < std::min(first + kPieceRows, end_row); ++i) {
         row.clear();
         emit(static_cast<std::int32_t>(i), row);
         row.finish();
@@ -81,7 +81,7 @@ StencilRows<double> build_rows(std::int64_t first, std::int64_t count, Derivativ
       entry_count = pieces[p].indices.size();
     }
   });
-  return concatenate(std::move(pieces));
+  return concatenate(source_count, std::move(pieces));
 }
 
 }  // namespace planish

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "planish/mesh/hole_flags.h"
+
 namespace planish {
 
 namespace Far = OpenSubdiv::Far;
@@ -100,8 +102,7 @@ void carry_attributes(const PolygonMesh& mesh, const Far::TopologyRefiner& topol
 
 void remove_holes(const PolygonMesh& mesh, SurfaceMesh& surface) {
   if (mesh.hole_faces.empty()) return;
-  std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
-  for (const std::int32_t f : mesh.hole_faces) is_hole[f] = true;
+  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
 
   const SurfaceMesh whole = std::move(surface);
   surface = SurfaceMesh{.level = whole.level};

@@ -1,11 +1,13 @@
 #include "planish/surface/block_quality.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 
 #include "planish/core/assert.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/area_vector.h"
@@ -63,7 +65,7 @@ class QuadMeter {
         position[j * kQuadLanes + static_cast<std::size_t>(i)] = p[j];
         normal[j * kQuadLanes + static_cast<std::size_t>(i)] = static_cast<double>(n[j]);
       }
-      // A face without an area has no normal to deviate from.
+      deviates_[i] = has_normal_;
       for (int axis = 0; axis < 3; ++axis)
         batch_.wanted[axis][i] = has_normal_ ? wanted_[axis] : static_cast<double>(n[axis]);
     }
@@ -89,10 +91,11 @@ class QuadMeter {
 
   void add(std::size_t face, int i, Sums& sums) const {
     sums.area += figures_.area[i];
+    sums.bending += figures_.bending[i];
+    if (!deviates_[i]) return;
     if (figures_.folded[i] > 0) add_fold(face, figures_.folded[i], sums);
     sums.squares += figures_.squares[i];
     sums.largest = std::max(sums.largest, figures_.largest[i]);
-    sums.bending += figures_.bending[i];
   }
 
   const PolygonMesh* input_ = nullptr;
@@ -103,6 +106,7 @@ class QuadMeter {
   std::int32_t ancestor_ = -1;
   bool has_normal_ = false;
   glm::dvec3 wanted_{0.0};
+  std::array<bool, kQuadLanes> deviates_{};  // a face without an area has no normal to deviate from
   QuadBatch batch_;
   QuadFigures figures_;
 };
@@ -181,11 +185,12 @@ SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& 
   // At level 1 the quads of a range share their points, so that long ones make fewer of them.
   const std::size_t together = surface.info().level == 1 ? kSharedPieces : 1;
   const std::size_t range_count = (pieces.size() + together - 1) / together;
+  const HostScope host(callbacks);
+  LoopProgress progress(callbacks, "measure", 0, 1, static_cast<std::int64_t>(range_count));
   parallel_for(range_count, 1, [&](std::size_t begin, std::size_t end) {
     RawVector<glm::dvec3> positions;
     RawVector<glm::vec3> normals;
     for (std::size_t i = begin; i < end; ++i) {
-      callbacks.check_cancelled();
       const auto some =
           std::span(pieces).subspan(i * together, std::min(together, pieces.size() - i * together));
       const std::int64_t first = some.front().first;
@@ -199,8 +204,10 @@ SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& 
         quality.add(piece, std::span(positions).subspan(at, count),
                     std::span(normals).subspan(at, count));
       }
+      progress.add();
     }
   });
+  tell(callbacks, "measure", 1);
   return quality.result();
 }
 

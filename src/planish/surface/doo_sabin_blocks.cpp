@@ -12,12 +12,10 @@ void DooSabinBlocks::take_base_vertices() {
   const PatchNumbering& numbering = surface_.numbering();
   const auto count = static_cast<std::size_t>(numbering.item_count(PatchNumbering::Part::Vertices));
   info_.base_vertices.resize(count);
-  parallel_for(count, 1 << 14, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::int32_t vertex = topology_.vertex_of(
-          numbering.item_corner(PatchNumbering::Part::Vertices, static_cast<std::int64_t>(i)));
-      info_.base_vertices[i] = base_.used().vertices[vertex];
-    }
+  parallel_each(count, 1 << 14, [&](std::size_t i) {
+    const std::int32_t vertex = topology_.vertex_of(
+        numbering.item_corner(PatchNumbering::Part::Vertices, static_cast<std::int64_t>(i)));
+    info_.base_vertices[i] = base_.used().vertices[vertex];
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
+#include "planish/mesh/hole_flags.h"
 #include "planish/patches/first_step.h"
 #include "planish/surface/doo_sabin_blocks.h"
 #include "planish/surface/subdivided_mesh.h"
@@ -29,8 +30,7 @@ DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const EvaluateOptions&
       patches_(topology(), features_),
       weights_(options.weights) {
   if (used_.mesh.hole_faces.empty()) return;
-  hidden_.assign(static_cast<std::size_t>(topology().face_count()), 0);
-  for (const std::int32_t face : used_.mesh.hole_faces) hidden_[face] = 1;
+  hidden_ = hole_flags(used_.mesh);
 }
 
 DooSabinSurface::DooSabinSurface(const PolygonMesh& cage, const EvaluateOptions& options)
@@ -47,11 +47,8 @@ DooSabinSurface::DooSabinSurface(const PolygonMesh& cage, const Placement& place
 void DooSabinSurface::take_cage(const Placement& placement) {
   placement_ = placement;
   RawVector<glm::dvec3> unit(used_.mesh.positions.size());
-  parallel_for(unit.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      unit[v] = placement_.to_unit(used_.mesh.positions[v]);
-    }
-  });
+  parallel_each(unit.size(), 1 << 14,
+                [&](std::size_t v) { unit[v] = placement_.to_unit(used_.mesh.positions[v]); });
   own_state_ = first_step(patches_, weights_, unit);
   state_ = own_state_;
 }

@@ -1,22 +1,24 @@
 // Doo-Sabin surfaces are collected from blocks of patches. Those of the other schemes come from the
-// chain of small stencil tables of SurfaceTables, made and used in slices of rows, so that the
+// chain of small stencil tables of PrimalTables, made and used in slices of rows, so that the
 // tables of the last level never stand in memory whole.
 #include "planish/surface/evaluate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <string>
 
 #include "planish/core/assert.h"
+#include "planish/core/host_scope.h"
 #include "planish/doosabin/limit_masks.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/placement.h"
 #include "planish/primal/primal_stencils.h"
 #include "planish/surface/attributes.h"
 #include "planish/surface/doo_sabin_surface.h"
+#include "planish/surface/primal_tables.h"
 #include "planish/surface/subdivided_mesh.h"
 #include "planish/surface/surface_blocks.h"
-#include "planish/surface/surface_tables.h"
 
 namespace planish {
 
@@ -28,9 +30,9 @@ namespace {
 constexpr std::int64_t kSliceRows = 1 << 17;
 
 template <class Body>
-void for_slices(std::int64_t count, const Callbacks& callbacks, const Body& body) {
+void for_slices(std::int64_t count, const Body& body) {
   for (std::int64_t first = 0; first < count; first += kSliceRows) {
-    callbacks.check_cancelled();
+    check_stop();
     body(RowRange{first, std::min(kSliceRows, count - first)});
   }
 }
@@ -42,23 +44,23 @@ struct Source {
 };
 
 // The state of the level that gives the output's limit points.
-std::unique_ptr<DevicePoints> refine_points(Source source, const SurfaceTables& tables,
+std::unique_ptr<DevicePoints> refine_points(Source source, const PrimalTables& tables,
                                             Backend& backend, const Callbacks& callbacks) {
   for (int l = source.level + 1; l <= tables.state_level(); ++l) {
     const std::int64_t size = tables.state_size(l);
     auto target = backend.allocate(static_cast<std::int32_t>(size));
-    for_slices(size, callbacks, [&](RowRange rows) {
+    for_slices(size, [&](RowRange rows) {
       backend.apply(tables.step(l, rows).view(), *source.points, *target,
                     static_cast<std::int32_t>(rows.first));
     });
     source.points = std::move(target);
-    callbacks.report("evaluate", 0.4 * l / tables.state_level());
+    tell(callbacks, "evaluate", 0.4 * l / tables.state_level());
   }
   return std::move(source.points);
 }
 
 // The output's faces, whose size is not stored where all are quads.
-void connect(const PolygonMesh& mesh, const SurfaceTables& tables, SurfaceMesh& surface) {
+void connect(const PolygonMesh& mesh, const PrimalTables& tables, SurfaceMesh& surface) {
   const std::vector<std::int32_t> corners = tables.face_vertices();
   surface.face_vertices.assign(corners.begin(), corners.end());
   if (surface.level == 0) {
@@ -108,7 +110,7 @@ void replace_degenerate_normals(SurfaceMesh& surface, const Callbacks& callbacks
 }
 
 SurfaceMesh surface_from(Source source, const Placement& placement, const UsedPart& used,
-                         const SurfaceTables& tables, Backend& backend,
+                         const PrimalTables& tables, Backend& backend,
                          const EvaluateOptions& options) {
   const auto state = refine_points(std::move(source), tables, backend, options.callbacks);
   SurfaceMesh surface;
@@ -117,14 +119,14 @@ SurfaceMesh surface_from(Source source, const Placement& placement, const UsedPa
   const SectorRows& rows = tables.rows();
   surface.positions.resize(static_cast<std::size_t>(rows.count()));
   surface.normals.resize(surface.positions.size());
-  for_slices(rows.count(), options.callbacks, [&](RowRange range) {
-    const LimitStencilTable<double> table = tables.limit(range);
+  for_slices(rows.count(), [&](RowRange range) {
+    const StencilTable table = tables.limit(range);
     const auto first = static_cast<std::size_t>(range.first);
     const auto count = static_cast<std::size_t>(range.count);
     backend.apply_limit(table.view(), *state, std::span(surface.positions).subspan(first, count),
                         std::span(surface.normals).subspan(first, count));
-    options.callbacks.report(
-        "evaluate", 0.4 + 0.6 * static_cast<double>(range.first + range.count) / rows.count());
+    tell(options.callbacks, "evaluate",
+         0.4 + 0.6 * static_cast<double>(range.first + range.count) / rows.count());
   });
   for (glm::dvec3& position : surface.positions) position = placement.to_model(position);
   connect(used.mesh, tables, surface);
@@ -144,38 +146,47 @@ Source cage_points(const PolygonMesh& cage, const Placement& placement, Backend&
 SurfaceMesh primal_surface(const PolygonMesh& cage, PrimalScheme scheme, Backend& backend,
                            const EvaluateOptions& options) {
   const UsedPart used = usable_part(cage, options.prepared);
-  const auto tables = primal_tables(used, scheme, options);
+  const PrimalTables tables(used, scheme, options);
   const Placement placement = placement_of(used.mesh);
-  return surface_from(cage_points(used.mesh, placement, backend), placement, used, *tables, backend,
+  return surface_from(cage_points(used.mesh, placement, backend), placement, used, tables, backend,
                       options);
 }
 
 SurfaceMesh doo_sabin_surface(const PolygonMesh& mesh, const LevelOne* level_one, Backend& backend,
                               const EvaluateOptions& options) {
+  tell(options.callbacks, "evaluate", 0);
+  const DooSabinSurface base = level_one != nullptr ? DooSabinSurface(mesh, *level_one, options)
+                                                    : DooSabinSurface(mesh, options);
+  auto* const evaluator = dynamic_cast<PatchEvaluator*>(&backend);
+  base.require_whole(options.level, options.memory_limit_bytes, evaluator);
+  // What comes before takes about as long as level 1.
+  const double made = 1 / (1 + std::ldexp(1.0, 2 * std::max(options.level - 1, 0)));
+  return collect(*base.level(options.level, options.memory_limit_bytes, evaluator),
+                 share_of(options.callbacks, made, 1));
+}
+
+// On the backend's threads, for its callers.
+template <class Make>
+SurfaceMesh evaluated(Backend& backend, const EvaluateOptions& options, const Make& make) {
+  require_level(options.level);
+  const HostScope host(options.callbacks);
   SurfaceMesh surface;
-  backend.run_on_host([&] {
-    const DooSabinSurface base = level_one != nullptr ? DooSabinSurface(mesh, *level_one, options)
-                                                      : DooSabinSurface(mesh, options);
-    auto* const evaluator = dynamic_cast<PatchEvaluator*>(&backend);
-    base.require_whole(options.level, options.memory_limit_bytes, evaluator);
-    surface = collect(*base.level(options.level, options.memory_limit_bytes, evaluator),
-                      options.callbacks);
-  });
+  backend.run_on_host([&] { surface = make(); });
+  tell(options.callbacks, "evaluate", 1);
   return surface;
 }
 
-StencilTable<double> primal_masks(const UsedPart& used, PrimalScheme scheme,
-                                  const LimitOptions& options) {
+StencilTable primal_masks(const UsedPart& used, PrimalScheme scheme, const LimitOptions& options) {
   PrimalSplit split(used.mesh, {scheme, options.sharp, used.prepared->topology.get()});
   split.refine(1);
   return primal_limit_masks(split);
 }
 
-StencilTable<double> doo_sabin_masks(const UsedPart& used, const LimitOptions& options) {
-  const PolygonMesh& mesh = used.mesh;
-  const QuadSplit split(mesh, used.prepared->topology);
-  const SharpFeatures features = find_sharp_features(mesh, split, mesh.positions, options.sharp);
-  return limit_masks(mesh, Subdivision(split, features, options.weights));
+StencilTable doo_sabin_masks(const UsedPart& used, const LimitOptions& options) {
+  const MeshTopology& topology = *used.prepared->topology;
+  const SharpFeatures features =
+      find_sharp_features(used.mesh, topology, used.mesh.positions, options.sharp);
+  return limit_masks(Subdivision(topology, features, options.weights));
 }
 
 }  // namespace
@@ -187,28 +198,28 @@ void require_level(int level) {
 }
 
 SurfaceMesh evaluate(const PolygonMesh& cage, Backend& backend, const EvaluateOptions& options) {
-  require_level(options.level);
   PLANISH_ASSERT(options.rest_positions.empty() ||
                  options.rest_positions.size() == cage.positions.size());
-  if (const auto scheme = primal_scheme(options.scheme)) {
-    return primal_surface(cage, *scheme, backend, options);
-  }
-  return doo_sabin_surface(cage, nullptr, backend, options);
+  return evaluated(backend, options, [&] {
+    const auto scheme = primal_scheme(options.scheme);
+    return scheme ? primal_surface(cage, *scheme, backend, options)
+                  : doo_sabin_surface(cage, nullptr, backend, options);
+  });
 }
 
 SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one, Backend& backend,
                      const EvaluateOptions& options) {
-  require_level(options.level);
   PLANISH_ASSERT(options.scheme == Scheme::DooSabin);
   PLANISH_ASSERT(options.rest_positions.empty() ||
                  options.rest_positions.size() == mesh.positions.size());
-  return doo_sabin_surface(mesh, &level_one, backend, options);
+  return evaluated(backend, options,
+                   [&] { return doo_sabin_surface(mesh, &level_one, backend, options); });
 }
 
 std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, const LimitOptions& options) {
   const UsedPart used = usable_part(cage);
   const auto scheme = primal_scheme(options.scheme);
-  const StencilTable<double> masks =
+  const StencilTable masks =
       scheme ? primal_masks(used, *scheme, options) : doo_sabin_masks(used, options);
   const StencilView<double> view = masks.view();
   std::vector<glm::dvec3> limits = cage.positions;

@@ -31,16 +31,13 @@ void SubsetNumbers::add(std::span<const std::int32_t> numbers) {
 void SubsetNumbers::finish() {
   constexpr std::size_t kWords = std::size_t{1} << 12;
   before_.resize(marks_.size());
-  parallel_for(marks_.size(), kWords, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t w = begin; w < end; ++w) before_[w] = std::popcount(marks_[w]);
-  });
+  parallel_each(marks_.size(), kWords,
+                [&](std::size_t w) { before_[w] = std::popcount(marks_[w]); });
   numbers_.resize(static_cast<std::size_t>(exclusive_sum(before_)));
-  parallel_for(marks_.size(), kWords, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t w = begin; w < end; ++w) {
-      std::int32_t* to = numbers_.data() + before_[w];
-      for (std::uint64_t left = marks_[w]; left != 0; left &= left - 1)
-        *to++ = static_cast<std::int32_t>(w) * kWordBits + std::countr_zero(left);
-    }
+  parallel_each(marks_.size(), kWords, [&](std::size_t w) {
+    std::int32_t* to = numbers_.data() + before_[w];
+    for (std::uint64_t left = marks_[w]; left != 0; left &= left - 1)
+      *to++ = static_cast<std::int32_t>(w) * kWordBits + std::countr_zero(left);
   });
 }
 

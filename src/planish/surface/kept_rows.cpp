@@ -62,6 +62,7 @@ class KeptRows final : public SurfaceBlocks {
  public:
   KeptRows(const SurfaceBlocks& surface, const KeepOptions& options)
       : surface_(surface), origin_(options.origin) {
+    const HostScope host(options.callbacks);
     info_ = surface.info();
     // Few rows name each other's from all over: their doubles serve as corners too.
     const std::int64_t count = info_.row_count;
@@ -76,6 +77,7 @@ class KeptRows final : public SurfaceBlocks {
     if (keeps_rows_) make_rows(options.callbacks);
     if (info_.corners_per_face == 4 && info_.face_offsets.empty()) sweep(options);
     warn_of(degenerate_, options.callbacks);
+    tell(options.callbacks, "evaluate", 1);
   }
 
   [[nodiscard]] std::vector<RowRange> row_blocks(std::int64_t row_count) const override {
@@ -166,7 +168,7 @@ void KeptRows::sweep(const KeepOptions& options) {
   along.origin = origin_;
   along.stored = stored_.places();
   along.normals = normals_.places();
-  for_pieces(pieces, options.callbacks, 0.3, 0.7, [&](const RowRange& faces) {
+  for_pieces(pieces, options.callbacks, 0.3, 1, [&](const RowRange& faces) {
     thread_local RawVector<glm::dvec3> positions;
     thread_local RawVector<glm::vec3> normals;
     positions.resize(static_cast<std::size_t>(4 * faces.count));

@@ -1,16 +1,11 @@
 #include "planish/surface/level_faces.h"
 
 #include "planish/core/assert.h"
+#include "planish/mesh/hole_flags.h"
 #include "planish/surface/attributes.h"
 
 namespace planish {
 namespace {
-
-std::vector<bool> hole_flags(const PolygonMesh& mesh) {
-  std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
-  for (const std::int32_t f : mesh.hole_faces) is_hole[f] = true;
-  return is_hole;
-}
 
 // Faces by their sizes; each child gives the corner that it keeps.
 template <class SizeOf>
@@ -59,7 +54,7 @@ std::vector<LevelFaces> level_faces(const SurfaceMesh& surface, const PolygonMes
                                [&](std::size_t) { return size; });
   }
   std::vector<std::size_t> sizes;
-  const std::vector<bool> is_hole = hole_flags(mesh);
+  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if (!is_hole[f]) sizes.push_back(static_cast<std::size_t>(mesh.face_size(f)));
   }
@@ -69,7 +64,7 @@ std::vector<LevelFaces> level_faces(const SurfaceMesh& surface, const PolygonMes
 }
 
 std::vector<std::int32_t> ancestor_faces(const SurfaceMesh& surface, const PolygonMesh& mesh) {
-  const std::vector<bool> is_hole = hole_flags(mesh);
+  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
   std::vector<std::int32_t> result;
   result.reserve(static_cast<std::size_t>(surface.face_count()));
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {

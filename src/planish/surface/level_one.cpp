@@ -9,10 +9,6 @@
 
 namespace planish {
 
-void require_state_of(const Subdivision& subdivision, const LevelOne& level_one) {
-  require_state_size(subdivision.state_layout(1).size, level_one);
-}
-
 void require_state_size(std::int64_t size, const LevelOne& level_one) {
   if (static_cast<std::int64_t>(level_one.state.size()) == size) return;
   throw Error(ErrorCode::InvalidArgument,
@@ -22,12 +18,12 @@ void require_state_size(std::int64_t size, const LevelOne& level_one) {
 
 std::vector<glm::dvec3> limit_points(const Subdivision& subdivision,
                                      std::span<const glm::dvec3> state) {
-  const auto count = static_cast<std::size_t>(subdivision.split().counts(0).vertices);
+  const auto count = static_cast<std::size_t>(subdivision.topology().vertex_count());
   std::vector<glm::dvec3> limits(count);
   parallel_for(count, 1024, [&](std::size_t begin, std::size_t end) {
     VertexRing ring;
     for (std::size_t v = begin; v < end; ++v) {
-      gather_ring(subdivision, 1, static_cast<std::int32_t>(v), ring);
+      gather_ring(subdivision, static_cast<std::int32_t>(v), ring);
       if (ring.kind == VertexKind::Corner) {
         limits[v] = state[ring.corner_point];
       } else if (ring.kind == VertexKind::Crease) {
@@ -47,8 +43,8 @@ std::vector<glm::dvec3> limit_points(const Subdivision& subdivision,
 
 std::vector<glm::dvec3> limit_positions(const PolygonMesh& mesh, const LevelOne& level_one,
                                         const SharpFeatureOptions& sharp) {
-  const SubdividedMesh base(mesh, first_level(sharp));
-  require_state_of(base.subdivision, level_one);
+  const SubdividedMesh base(mesh, sharp);
+  require_state_size(base.subdivision.state_size(), level_one);
   const auto points = limit_points(base.subdivision, level_one.state);
   std::vector<glm::dvec3> limits = mesh.positions;
   for (std::size_t v = 0; v < points.size(); ++v) {

@@ -21,10 +21,7 @@ struct LevelOne {
   Placement placement;
 };
 
-/// Throws Error{InvalidArgument} unless the state has the size that the subdivision needs.
-void require_state_of(const Subdivision& subdivision, const LevelOne& level_one);
-
-/// The same for a state of so many points.
+/// Throws Error{InvalidArgument} unless the state has so many points.
 void require_state_size(std::int64_t size, const LevelOne& level_one);
 
 /// Limit points of the vertices of the mesh without its unused ones, from the state of level 1 and

@@ -33,10 +33,10 @@ class MeshBuilder {
   }
 
   void add_polygons() {
-    const auto counts = base_.split.counts(1);
     const auto first_edge = mesh_.vertex_count() + mesh_.face_count();
-    for (std::int32_t v = 0; v < counts.vertices; ++v) {
-      gather_ring(base_.subdivision, 1, v, ring_);
+    const std::int32_t count = first_edge + base_.subdivision.topology().edge_count();
+    for (std::int32_t v = 0; v < count; ++v) {
+      gather_ring(base_.subdivision, v, ring_);
       around_ = v < first_edge ? RingAround::Vertex : RingAround::Edge;
       centre_ = ring_.corner_point;
       vertex_ = v;
@@ -201,23 +201,23 @@ class MeshBuilder {
 
   // The curve point at a vertex of the mesh where one sharp edge ends.
   [[nodiscard]] std::int32_t curve_point_at(std::int32_t vertex) const {
-    const MeshTopology& topology = base_.split.topology();
+    const MeshTopology& topology = base_.subdivision.topology();
     for (const std::int32_t corner : topology.corners_at(vertex)) {
       const std::int32_t edge = topology.edge_of(corner);
-      const std::int32_t sharp = base_.subdivision.sharp_of_edge(0, edge);
+      const std::int32_t sharp = base_.subdivision.sharp_of_edge(edge);
       if (sharp < 0) continue;
       const int end = topology.edge_vertices(edge).first == vertex ? 0 : 1;
-      return static_cast<std::int32_t>(base_.subdivision.state_layout(1).first_sharp) + 2 * sharp +
-             end;
+      return base_.subdivision.first_sharp() + 2 * sharp + end;
     }
     PLANISH_ASSERT(!"no sharp edge ends here");
     return -1;
   }
 
   [[nodiscard]] bool is_interior(std::int32_t curve_point) const {
-    const auto first = static_cast<std::int32_t>(base_.subdivision.state_layout(1).first_sharp);
-    const std::int32_t edge = base_.subdivision.edge_of_sharp(0, (curve_point - first) / 2);
-    return !base_.split.topology().is_boundary_edge(edge);
+    const Subdivision& subdivision = base_.subdivision;
+    const std::int32_t edge =
+        subdivision.edge_of_sharp((curve_point - subdivision.first_sharp()) / 2);
+    return !base_.subdivision.topology().is_boundary_edge(edge);
   }
 
   void tag_crease(std::int32_t a, std::int32_t b) {
@@ -256,7 +256,8 @@ void carry_colors_once(const SubdividedMesh& base, PolygonMesh& result) {
     }
   }
   for (std::int32_t s = 0; s < base.features.sharp_edge_count; ++s) {
-    const auto [v0, v1] = base.split.topology().edge_vertices(base.subdivision.edge_of_sharp(0, s));
+    const auto [v0, v1] =
+        base.subdivision.topology().edge_vertices(base.subdivision.edge_of_sharp(s));
     const glm::vec4 a = mesh.colors[v0], b = mesh.colors[v1];
     result.colors.push_back(0.75f * a + 0.25f * b);
     result.colors.push_back(0.75f * b + 0.25f * a);
@@ -268,7 +269,7 @@ void carry_colors_once(const SubdividedMesh& base, PolygonMesh& result) {
 
 PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one,
                    std::vector<std::int32_t>* rings = nullptr) {
-  require_state_of(base.subdivision, level_one);
+  require_state_size(base.subdivision.state_size(), level_one);
   PolygonMesh net;
   for (const glm::dvec3& point : level_one.state) {
     net.positions.push_back(level_one.placement.to_model(point));
@@ -276,10 +277,8 @@ PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one,
   carry_colors_once(base, net);
   if (!base.used.mesh.face_groups.empty()) net.groups = base.used.mesh.groups;
   MeshBuilder(base, net, rings).add_polygons();
-  const auto first_corner =
-      static_cast<std::int32_t>(base.subdivision.state_layout(1).first_corner);
   for (std::int32_t c = 0; c < base.features.corner_count; ++c) {
-    net.corners.push_back({first_corner + c, kInfiniteSharpness});
+    net.corners.push_back({base.subdivision.first_corner() + c, kInfiniteSharpness});
   }
   return net;
 }
@@ -288,13 +287,13 @@ PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one,
 
 PolygonMesh level_one_mesh(const PolygonMesh& mesh, const LevelOne& level_one,
                            const SharpFeatureOptions& sharp, std::vector<std::int32_t>* around) {
-  return net_of(SubdividedMesh(mesh, first_level(sharp)), level_one, around);
+  return net_of(SubdividedMesh(mesh, sharp), level_one, around);
 }
 
 LevelOne level_one_of_cage(const PolygonMesh& mesh, const PolygonMesh& cage,
                            const SharpFeatureOptions& sharp) {
-  const SubdividedMesh base(mesh, first_level(sharp));
-  const auto size = static_cast<std::size_t>(base.subdivision.state_layout(1).size);
+  const SubdividedMesh base(mesh, sharp);
+  const auto size = static_cast<std::size_t>(base.subdivision.state_size());
   LevelOne level_one{cage.positions, {}};
   level_one.state.resize(std::min(size, cage.positions.size()));
   const PolygonMesh expected = net_of(base, level_one);

@@ -80,7 +80,7 @@ glm::dvec2 LevelOneUvs::mean_over(std::int32_t corner) const {
 void LevelOneUvs::interpolate_given() {
   VertexRing ring;
   for (std::int32_t v = 0; v < mesh_.vertex_count(); ++v) {
-    gather_ring(base_.subdivision, 1, v, ring);
+    gather_ring(base_.subdivision, v, ring);
     const std::size_t n = ring.faces.size();
     if (ring.kind != VertexKind::Smooth) continue;
     bool whole = true;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
 
 namespace planish {
@@ -15,9 +16,8 @@ namespace planish {
 namespace {
 
 // OpenSubdiv's tables for one quad with its share of edges and vertices: both directions of all
-// incidences on full levels, parents and the faces' vertices only on the last.
-constexpr std::uint64_t kFullTopologyBytes = 260;
-constexpr std::uint64_t kLastTopologyBytes = 90;
+// incidences.
+constexpr std::uint64_t kTopologyBytes = 260;
 // A control point of a level's state in double.
 constexpr std::uint64_t kStateBytes = 24;
 // Position in double, normal in float, four indices.
@@ -59,8 +59,7 @@ std::string gibibytes(std::uint64_t bytes) {
 
 std::string counts_text(std::span<const LevelCounts> levels) {
   return "level " + std::to_string(levels.size() - 1) + " has " +
-         std::to_string(levels.back().vertices) + " vertices and " +
-         std::to_string(levels.back().faces) + " faces";
+         counted(levels.back().vertices, "vertex") + " and " + counted(levels.back().faces, "face");
 }
 
 std::uint64_t read_number(const char* path) {
@@ -117,11 +116,9 @@ std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel 
   if (last == LastLevel::None || last == LastLevel::Blocks)
     return patch_bytes(levels, last, attributes);
   std::uint64_t bytes = kFixedBytes;
-  for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
-    bytes += kFullTopologyBytes * static_cast<std::uint64_t>(levels[l].faces);
-  }
+  for (const LevelCounts& level : levels)
+    bytes += kTopologyBytes * static_cast<std::uint64_t>(level.faces);
   const auto faces = static_cast<std::uint64_t>(levels.back().faces);
-  bytes += (last == LastLevel::Full ? kFullTopologyBytes : kLastTopologyBytes) * faces;
   bytes += kStateBytes * (faces + faces / 4);
   const auto vertices = static_cast<std::uint64_t>(levels.back().vertices);
   std::uint64_t surface = kSurfaceVertexBytes * vertices + kSurfaceFaceBytes * faces;

@@ -4,16 +4,15 @@
 #include <span>
 
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/stencil/quad_split.h"
+#include "planish/stencil/level_counts.h"
 
 namespace planish {
 
-/// How much of the last level's topology a scheme keeps.
+/// What a scheme keeps of the levels.
 enum class LastLevel {
-  None,    ///< nor any other: surfaces of patches
+  None,    ///< no topology: surfaces of patches
   Blocks,  ///< nor the surface: patches for who takes it piece by piece and keeps rows at most
-  FacesOnly,
-  Full,
+  Full,    ///< OpenSubdiv's, of all levels: the primal schemes
 };
 
 /// What of a mesh is refined with it, besides points and normals.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planish/mesh/hole_flags.h"
 #include "planish/surface/attributes.h"
 
 namespace planish {
@@ -20,8 +21,7 @@ MeshBlocks::MeshBlocks(const SurfaceMesh& surface) : surface_(surface) {
 }
 
 MeshBlocks::MeshBlocks(const SurfaceMesh& surface, const PolygonMesh& mesh) : MeshBlocks(surface) {
-  std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
-  for (const std::int32_t face : mesh.hole_faces) is_hole[face] = true;
+  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
   for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
     if (is_hole[face]) continue;
     mesh_faces_.push_back(face);

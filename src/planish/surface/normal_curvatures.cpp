@@ -7,39 +7,21 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "planish/core/group_by.h"
 #include "planish/core/parallel.h"
 
 namespace planish {
 namespace {
 
-constexpr std::size_t kGrain = std::size_t{1} << 12;
-
 // Below this the edges around a vertex leave the form open: two directions only, or none. Rows are
 // of unit size, so the determinant of a full set is of order 1.
 constexpr double kOpenForm = 1e-9;
 
-// The faces at each vertex.
-struct FacesAround {
-  std::vector<std::int32_t> offsets;  // corners are counted by int32
-  std::vector<std::int32_t> faces;
-};
-
-FacesAround faces_around(const SurfaceMesh& surface) {
-  FacesAround around;
-  around.offsets.assign(surface.positions.size() + 1, 0);
-  for (const std::int32_t v : surface.face_vertices) ++around.offsets[v + 1];
-  for (std::size_t v = 1; v < around.offsets.size(); ++v)
-    around.offsets[v] += around.offsets[v - 1];
-  around.faces.resize(surface.face_vertices.size());
-  for (std::int64_t f = 0; f < surface.face_count(); ++f) {
-    for (const std::int32_t v : surface.face(f))
-      around.faces[around.offsets[v]++] = static_cast<std::int32_t>(f);
-  }
-  // Each offset is now the next one's.
-  for (std::size_t v = around.offsets.size() - 1; v > 0; --v)
-    around.offsets[v] = around.offsets[v - 1];
-  around.offsets[0] = 0;
-  return around;
+Groups<std::int32_t> faces_by_vertex(const SurfaceMesh& surface) {
+  return group_by<std::int32_t>(surface.positions.size(), [&](const auto& take) {
+    for (std::int64_t f = 0; f < surface.face_count(); ++f)
+      for (const std::int32_t v : surface.face(f)) take(v, static_cast<std::int32_t>(f));
+  });
 }
 
 struct Tangents {
@@ -103,18 +85,14 @@ std::array<double, 3> form_at(const SurfaceMesh& surface, std::int32_t vertex,
 }  // namespace
 
 Curvatures curvatures_of_normals(const SurfaceMesh& surface) {
-  const FacesAround around = faces_around(surface);
+  const Groups<std::int32_t> faces = faces_by_vertex(surface);
   Curvatures result;
   result.mean.resize(surface.positions.size());
   result.gaussian.resize(surface.positions.size());
-  parallel_for(surface.positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      const std::span faces(around.faces.data() + around.offsets[v],
-                            static_cast<std::size_t>(around.offsets[v + 1] - around.offsets[v]));
-      const auto [e, f, g] = form_at(surface, static_cast<std::int32_t>(v), faces);
-      result.mean[v] = static_cast<float>((e + g) / 2);
-      result.gaussian[v] = static_cast<float>(e * g - f * f);
-    }
+  parallel_each(surface.positions.size(), [&](std::size_t v) {
+    const auto [e, f, g] = form_at(surface, static_cast<std::int32_t>(v), faces.of(v));
+    result.mean[v] = static_cast<float>((e + g) / 2);
+    result.gaussian[v] = static_cast<float>(e * g - f * f);
   });
   return result;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "planish/core/range.h"
 #include "planish/patches/patch_numbering.h"
-#include "planish/stencil/stencil_builder.h"
 
 namespace planish {
 

@@ -6,8 +6,6 @@
 #include "planish/doosabin/subdivision.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/prepared_mesh.h"
-#include "planish/stencil/quad_split.h"
-#include "planish/surface/evaluate.h"
 
 namespace planish {
 
@@ -16,21 +14,15 @@ namespace planish {
 [[nodiscard]] UsedPart usable_part(const PolygonMesh& mesh,
                                    std::shared_ptr<const PreparedMesh> prepared = nullptr);
 
-/// Evaluates the mesh itself, with these sharp features.
-[[nodiscard]] EvaluateOptions first_level(const SharpFeatureOptions& sharp);
-
-/// A mesh with everything that Doo-Sabin's tables depend on besides control points, down to a
-/// level.
+/// A mesh with everything that its level 1 depends on besides control points; a fair net's first
+/// step takes the weights of 1978.
 struct SubdividedMesh {
-  /// The mesh must outlive it. Takes what was prepared, the level, the weights, what is sharp and
-  /// the rest pose of the options. Throws Error{UnusableMesh}, and Error{OutOfMemory} for what
-  /// evaluating that level needs.
-  SubdividedMesh(const PolygonMesh& mesh, const EvaluateOptions& options);
+  /// The mesh must outlive it. Throws Error{UnusableMesh}.
+  SubdividedMesh(const PolygonMesh& mesh, const SharpFeatureOptions& sharp);
   SubdividedMesh(const SubdividedMesh&) = delete;
   SubdividedMesh& operator=(const SubdividedMesh&) = delete;
 
   UsedPart used;
-  QuadSplit split;
   SharpFeatures features;
   Subdivision subdivision;
 };

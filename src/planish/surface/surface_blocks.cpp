@@ -4,6 +4,7 @@
 #include <mutex>
 #include <string>
 
+#include "planish/core/counted.h"
 #include "planish/surface/piece_loop.h"
 #include "planish/surface/quad_cut.h"
 
@@ -73,10 +74,12 @@ std::vector<RowRange> sorted(std::vector<RowRange> ranges) {
 
 void warn_of(const DegenerateRows& rows, const Callbacks& callbacks) {
   if (rows.count == 0) return;
-  callbacks.warn({"degenerate-normals",
-                  std::to_string(rows.count) +
-                      " vertices have parallel tangents; their normals are those of the facets",
-                  rows.count, rows.first});
+  callbacks.warn(
+      {"degenerate-normals",
+       counted(rows.count, "vertex") +
+           (rows.count == 1 ? " has parallel tangents; its normal is that of the facets"
+                            : " have parallel tangents; their normals are those of the facets"),
+       rows.count, rows.first});
 }
 
 DegenerateRows make_all_rows(const SurfaceBlocks& blocks, const RowTarget& all,
@@ -91,14 +94,14 @@ DegenerateRows make_all_rows(const SurfaceBlocks& blocks, const RowTarget& all,
   const bool by_faces = blocks.makes_face_rows() && all.stored.empty() && all.colors.empty();
   const RowRange along = by_faces ? blocks.rows_of_faces() : RowRange{0, 0};
   if (by_faces) {
-    for_pieces(ranges_of(blocks.info().face_count, kPieceFaces), callbacks, 0, 0.8,
+    for_pieces(ranges_of(blocks.info().face_count, kPieceFaces), callbacks, 0, 0.75,
                [&](RowRange faces) { add(blocks.face_rows(faces, all)); });
   }
   std::vector<RowRange> pieces = blocks.row_blocks(kPieceRows);
   std::erase_if(pieces, [&](const RowRange& piece) {
     return piece.first >= along.first && piece.first + piece.count <= along.first + along.count;
   });
-  for_pieces(pieces, callbacks, by_faces ? 0.8 : 0, by_faces ? 0 : 0.8, [&](RowRange rows) {
+  for_pieces(pieces, callbacks, by_faces ? 0.75 : 0, 0.8, [&](RowRange rows) {
     RowTarget target = all;
     const auto take = [&](auto& values) {
       if (!values.empty())
@@ -115,6 +118,7 @@ DegenerateRows make_all_rows(const SurfaceBlocks& blocks, const RowTarget& all,
 }
 
 SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
+  const HostScope host(callbacks);
   const SurfaceInfo& info = blocks.info();
   SurfaceMesh surface;
   surface.level = info.level;
@@ -134,7 +138,7 @@ SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
   surface.face_vertices.resize(static_cast<std::size_t>(info.corner_count));
   if (info.uv_count > 0) surface.face_uvs.resize(surface.face_vertices.size());
   if (info.has_groups) surface.face_groups.resize(static_cast<std::size_t>(info.face_count));
-  for_pieces(ranges_of(info.face_count, kPieceRows), callbacks, 0.8, 0.2, [&](RowRange faces) {
+  for_pieces(ranges_of(info.face_count, kPieceRows), callbacks, 0.8, 1, [&](RowRange faces) {
     const std::int64_t first = info.first_corner(faces.first);
     const std::int64_t count = info.first_corner(faces.first + faces.count) - first;
     blocks.face_vertices(faces, part_of(surface.face_vertices, first, count));
@@ -147,6 +151,7 @@ SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
   for_pieces(ranges_of(info.uv_count, kPieceRows), {}, 0, 0,
              [&](RowRange uvs) { blocks.uvs(uvs, part_of(surface.uvs, uvs.first, uvs.count)); });
   warn_of(degenerate, callbacks);
+  tell(callbacks, "evaluate", 1);
   return surface;
 }
 

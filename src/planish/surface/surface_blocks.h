@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/core/range.h"
 #include "planish/core/stop.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/patches/patch_surface.h"
-#include "planish/stencil/stencil_builder.h"
 #include "planish/surface/surface_mesh.h"
 
 namespace planish {

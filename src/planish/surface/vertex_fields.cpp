@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "planish/mesh/area_vector.h"
+#include "planish/mesh/hole_flags.h"
 #include "planish/surface/derivative_curvatures.h"
 #include "planish/surface/level_faces.h"
 
@@ -67,8 +68,7 @@ void note_given_errors(const SurfaceMesh& surface, const PolygonMesh& mesh, cons
   };
   for (std::size_t i = 0; i < surface.base_vertices.size(); ++i)
     note(static_cast<std::int32_t>(i), surface.base_vertices[i]);
-  std::vector<bool> is_hole(static_cast<std::size_t>(mesh.face_count()), false);
-  for (const std::int32_t f : mesh.hole_faces) is_hole[f] = true;
+  const std::vector<std::uint8_t> is_hole = hole_flags(mesh);
   std::size_t face = 0;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if (is_hole[f]) continue;

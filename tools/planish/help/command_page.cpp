@@ -8,20 +8,28 @@
 namespace planish::command {
 namespace {
 
-// "a|b|c" is a choice where every part is a word in small letters; "auto|INDEX" leaves "auto".
-std::vector<std::string> choices_of(const std::string& value) {
-  std::vector<std::string> choices;
-  if (value.find('|') == std::string::npos) return choices;
-  std::istringstream parts(value);
-  for (std::string word; std::getline(parts, word, '|');) {
-    if (const std::size_t optional = word.find('['); optional != std::string::npos)
-      word.resize(optional);
-    const bool is_word = !word.empty() && std::ranges::none_of(word, [](unsigned char c) {
-      return std::isupper(c) != 0 || c == ',';
-    });
-    if (is_word) choices.push_back(word);
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::istringstream stream(text);
+  std::vector<std::string> parts;
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+// A word in small letters; "N", "K,FACTOR" and "L[,L2,...]" are none.
+bool is_word(const std::string& text) {
+  return !text.empty() && std::ranges::none_of(text, [](unsigned char c) {
+    return std::isupper(c) != 0 || c == ',' || c == '[' || c == ' ';
+  });
+}
+
+// Of "a|b|c", "a,b,c", whose words may stand together, and "a"; "auto[:N]|INDEX" leaves "auto".
+void take_choices(HelpOption& option) {
+  const std::vector<std::string> several = split(option.value, ',');
+  option.takes_several = several.size() > 1 && std::ranges::all_of(several, is_word);
+  for (const std::string& part : option.takes_several ? several : split(option.value, '|')) {
+    const std::string word = part.substr(0, part.find('['));
+    if (is_word(word)) option.choices.push_back(word);
   }
-  return choices;
 }
 
 HelpOption option_of(const CLI::Option& option, const CommandText& text) {
@@ -30,7 +38,7 @@ HelpOption option_of(const CLI::Option& option, const CommandText& text) {
   for (const std::string& name : option.get_lnames()) result.names.push_back("--" + name);
   if (option.get_items_expected_max() != 0) result.value = option.get_type_name();
   if (option.get_positional()) result.names = {result.value};
-  result.choices = choices_of(result.value);
+  take_choices(result);
   result.text = option.get_description();
   const auto is_first = [&](const std::string& name) {
     return std::ranges::find(text.first_flags, name) != text.first_flags.end();
@@ -42,10 +50,13 @@ HelpOption option_of(const CLI::Option& option, const CommandText& text) {
 
 HelpPage page_of(const CLI::App& command, const CommandTexts& texts) {
   HelpPage page;
-  page.name = command.get_parent() == nullptr ? "" : command.get_name();
+  const CLI::App* parent = command.get_parent();
+  page.program = parent == nullptr ? command.get_name() : parent->get_name();
+  if (parent != nullptr) page.name = command.get_name();
   page.summary = command.get_description();
   if (const auto text = texts.find(page.name); text != texts.end()) page.text = text->second;
   for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group().empty()) continue;  // hidden
     const HelpOption described = option_of(*option, page.text);
     if (option->get_positional()) {
       page.arguments.push_back(described);

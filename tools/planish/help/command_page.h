@@ -23,7 +23,8 @@ using CommandTexts = std::map<std::string, CommandText>;
 struct HelpOption {
   std::vector<std::string> names;    ///< "-o", "--output"; of an argument without dashes, "INPUT"
   std::string value;                 ///< "FILE", "auto|cpu"; empty for a switch
-  std::vector<std::string> choices;  ///< the words of `value` where it is a list of them
+  std::vector<std::string> choices;  ///< the words of `value` where there are some
+  bool takes_several = false;        ///< of the choices, with commas between
   std::string text;
   bool is_first = false;  ///< belongs into the short help
   bool takes_file = false;
@@ -37,21 +38,22 @@ struct HelpTopic {
 /// All that help texts, man pages and completions say of a command: the only source is the tree of
 /// options that parses the arguments, and its CommandText.
 struct HelpPage {
-  std::string name;  ///< "fit"; empty: planish itself
+  std::string program;  ///< "planish"
+  std::string name;     ///< "fit"; empty: the program itself
   std::string summary;
   std::vector<HelpOption> arguments;  ///< positional
   std::vector<HelpTopic> topics;
-  std::vector<HelpPage> commands;  ///< of planish itself
+  std::vector<HelpPage> commands;  ///< of the program itself
   CommandText text;
 
   [[nodiscard]] std::string full_name() const {
-    return name.empty() ? "planish" : "planish " + name;
+    return name.empty() ? program : program + " " + name;
   }
   /// "planish fit [FLAGS] INPUT..."
   [[nodiscard]] std::string usage() const;
 };
 
-/// The page of planish with those of its commands. Commands without a description are for the
+/// The page of a program with those of its commands. Commands without a description are for the
 /// build and left out.
 [[nodiscard]] HelpPage help_page(const CLI::App& app, const CommandTexts& texts);
 

@@ -43,12 +43,14 @@ std::string bash_values(const HelpPage& page) {
   for (const HelpTopic& topic : page.topics) {
     for (const HelpOption& option : topic.options) {
       if (option.value.empty()) continue;
-      const std::string words =
-          option.choices.empty()
-              ? ""
-              : "COMPREPLY=($(compgen -W '" + word_list(option.choices, " ") + "' -- \"$word\")); ";
+      cases += "        " + word_list(option.names, "|") + ") ";
+      if (option.takes_several)
+        cases += "[[ $word == *,* ]] && head+=${word%,*}, word=${word##*,}; ";
+      if (!option.choices.empty())
+        cases += "COMPREPLY=($(compgen -P \"$head\" -W '" + word_list(option.choices, " ") +
+                 "' -- \"$word\")); ";
       // What is no list of words is a file, or a number: bash's own files do no harm.
-      cases += "        " + word_list(option.names, "|") + ") " + words + "return ;;\n";
+      cases += "return ;;\n";
     }
   }
   return cases;
@@ -71,8 +73,13 @@ std::string bash_script(const HelpPage& help) {
   std::string text =
       "# bash completion of planish; made by: planish completion bash\n"
       "_planish() {\n"
-      "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}\n"
+      "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} head=\n"
       "  COMPREPLY=()\n"
+      "  # --flag=VALUE is three words to bash, unless COMP_WORDBREAKS has no =.\n"
+      "  if [[ $word == = ]]; then word=\n"
+      "  elif [[ $before == = ]]; then before=${COMP_WORDS[COMP_CWORD-2]}\n"
+      "  elif [[ $word == --*=* ]]; then before=${word%%=*} head=$before= word=${word#*=}\n"
+      "  fi\n"
       "  if ((COMP_CWORD == 1)); then\n"
       "    COMPREPLY=($(compgen -W '" +
       word_list(command_names(help.commands), " ") + " " + word_list(all_flags(help), " ") +
@@ -94,14 +101,18 @@ std::string zsh_text(const std::string& text) {
 }
 
 std::string zsh_action(const HelpOption& option) {
-  if (!option.choices.empty()) return "(" + word_list(option.choices, " ") + ")";
+  const std::string words = word_list(option.choices, " ");
+  if (option.takes_several) return "_values -s , " + zsh_text(option.value) + " " + words;
+  if (!words.empty()) return "(" + words + ")";
   return option.takes_file ? "_files" : "";
 }
 
 std::string zsh_option(const HelpOption& option) {
   std::string text;
   for (const std::string& name : option.names) {
-    std::string spec = "*" + name + "[" + zsh_text(option.text) + "]";
+    // With = the value may stand behind it or be the next word.
+    const bool is_long = !option.value.empty() && name.starts_with("--");
+    std::string spec = "*" + name + (is_long ? "=" : "") + "[" + zsh_text(option.text) + "]";
     if (!option.value.empty()) spec += ":" + zsh_text(option.value) + ":" + zsh_action(option);
     text += "        " + in_quotes(spec) + " \\\n";
   }
@@ -141,7 +152,10 @@ std::string fish_option(const std::string& condition, const HelpOption& option) 
   for (const std::string& name : option.names)
     text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
   if (!option.value.empty()) {
-    if (!option.choices.empty()) {
+    if (option.takes_several) {
+      text += " -x -a " + in_quotes("(__fish_complete_list , \"string split , " +
+                                    word_list(option.choices, ",") + "\")");
+    } else if (!option.choices.empty()) {
       text += " -x -a " + in_quotes(word_list(option.choices, " "));
     } else {
       text += option.takes_file ? " -r -F" : " -x";

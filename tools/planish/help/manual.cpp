@@ -28,7 +28,7 @@ std::string roff(const std::string& text) {
 }
 
 std::string page_name(const HelpPage& page) {
-  return page.name.empty() ? "planish" : "planish-" + page.name;
+  return page.name.empty() ? page.program : page.program + "-" + page.name;
 }
 
 std::string upper(std::string text) {
@@ -50,7 +50,7 @@ std::string commands_section(const HelpPage& page) {
   if (page.commands.empty()) return {};
   std::string text = ".SH COMMANDS\n";
   for (const HelpPage& command : page.commands)
-    text += ".TP\n\\fBplanish " + roff(command.name) + "\\fR\n" + roff(command.summary) + "\n";
+    text += ".TP\n\\fB" + roff(command.full_name()) + "\\fR\n" + roff(command.summary) + "\n";
   return text;
 }
 
@@ -85,6 +85,7 @@ std::string notes_section(const HelpPage& page) {
 
 std::string see_also(const HelpPage& page, const HelpPage& help) {
   std::vector<std::string> names;
+  if (help.program != "planish") names.emplace_back("planish");
   if (!page.name.empty()) names.push_back(page_name(help));
   for (const HelpPage& command : help.commands)
     if (command.name != page.name) names.push_back(page_name(command));
@@ -94,12 +95,18 @@ std::string see_also(const HelpPage& page, const HelpPage& help) {
   return text;
 }
 
+// "planish: what it is" says its name already.
+std::string summary_of(const HelpPage& page) {
+  const std::string title = page_name(page) + ": ";
+  return page.summary.starts_with(title) ? page.summary.substr(title.size()) : page.summary;
+}
+
 }  // namespace
 
 std::string manual_page(const HelpPage& page, const HelpPage& help) {
   // No date: the same build gives the same page.
   return ".TH " + upper(page_name(page)) + " 1 \"\" \"planish " PLANISH_VERSION "\" \"planish\"\n" +
-         ".SH NAME\n" + roff(page_name(page)) + " \\- " + roff(page.summary) +
+         ".SH NAME\n" + roff(page_name(page)) + " \\- " + roff(summary_of(page)) +
          "\n.SH SYNOPSIS\n\\fB" + roff(page.usage()) + "\\fR\n" + commands_section(page) +
          options_section(page) + examples_section(page) + notes_section(page) +
          see_also(page, help);

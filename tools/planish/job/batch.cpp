@@ -40,7 +40,7 @@ class OpenBackends {
 
 JobOutcome failure(const PlannedJob& planned, Console& console, ExitCode exit_code,
                    const std::string& message) {
-  console.error(planned.job.name + ": " + message);
+  console.error(named_message(planned.job.label, message));
   return {.report = {},
           .exit_code = exit_code,
           .message = message,
@@ -91,6 +91,7 @@ std::vector<std::string> failed_row(const Job& job) {
 }  // namespace
 
 void claim_outputs(PlannedJob& planned, PathClaims& claims, Faults& faults) {
+  planned.job.overwrites = claims.overwrites();
   for (const OutputRequest& request : planned.job.outputs) {
     faults.note([&] {
       for (PlannedOutput& output : plan_output(request, claims))
@@ -181,21 +182,22 @@ std::string failed_jobs_text(const std::vector<JobOutcome>& outcomes) {
          counted(static_cast<std::int64_t>(outcomes.size()), "job") + " failed";
 }
 
-void write_batch_report(const std::string& path, const nlohmann::ordered_json& json) {
+void write_batch_report(const std::string& path, const nlohmann::ordered_json& json,
+                        bool overwrites) {
   if (path == "-") return write_stdout(json_text(json));
-  StagedFiles staged;
+  StagedFiles staged(overwrites);
   staged.write(path, json_text(json));
   staged.commit();
 }
 
 void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes,
-                      const PageOptions& options, Console& console) {
+                      const PageOptions& options, Console& console, bool overwrites) {
   std::vector<PageJob> page_jobs;
   for (JobOutcome& outcome : outcomes)
     std::ranges::move(outcome.page_jobs, std::back_inserter(page_jobs));
   const std::string text = make_page(page_jobs, options, std::filesystem::current_path());
   if (path == "-") return write_stdout(text);
-  StagedFiles staged;
+  StagedFiles staged(overwrites);
   staged.write(path, text);
   staged.commit();
   console.info(visible(path) + ": " + byte_size(text.size()) + ", page of " +

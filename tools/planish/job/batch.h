@@ -60,12 +60,13 @@ struct JobOutcome {
 [[nodiscard]] std::string failed_jobs_text(const std::vector<JobOutcome>& outcomes);
 
 /// Writes it to the path, "-" for stdout. Throws Error{UnwritableOutput}.
-void write_batch_report(const std::string& path, const nlohmann::ordered_json& json);
+void write_batch_report(const std::string& path, const nlohmann::ordered_json& json,
+                        bool overwrites);
 
 /// Writes the page of all jobs to the path, "-" for stdout, and says so. Throws
 /// Error{UnwritableOutput}.
 void write_batch_page(const std::string& path, std::vector<JobOutcome>& outcomes,
-                      const PageOptions& options, Console& console);
+                      const PageOptions& options, Console& console, bool overwrites);
 
 /// Schema planish.batch/1: the reports of all jobs, those that failed with their message.
 [[nodiscard]] nlohmann::ordered_json batch_json(const std::vector<PlannedJob>& jobs,

@@ -4,12 +4,10 @@
 #include "job/input.h"
 #include "job/job_input.h"
 #include "job/point_input.h"
-#include "job/prepare.h"
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_polygons.h"
-#include "planish/mesh/check.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -19,30 +17,44 @@ std::string write_line(const std::filesystem::path& path, const std::string& wha
                        const PathClaims& claims) {
   const std::string refusal = claims.refusal(path);
   if (!refusal.empty()) return "  would refuse " + refusal + "\n";
-  return "  would write  " + (path == "-" ? "stdout" : visible(path)) + what + "\n";
+  return "  would write  " + output_name(path.native()) + what + "\n";
 }
 
-std::string face_count_text(const PolygonMesh& mesh, Scheme scheme, int level) {
-  if (level == 0) return counted(mesh.face_count(), "face");
-  if (scheme == Scheme::Loop) {
-    return counted(static_cast<std::int64_t>(mesh.face_count()) << (2 * level), "triangle");
-  }
-  const auto corners = static_cast<std::int64_t>(mesh.face_vertices.size());
-  return counted(corners << (2 * (level - 1)), "quad");
+std::string file_text(const OutputForecast& file, std::string_view faces,
+                      GltfCompression compression) {
+  if (file.vertices == 0) return "";
+  std::string text = ", " + counted(file.vertices, "vertex") + ", " + counted(file.faces, faces);
+  if (!file.bytes) return text;
+  const bool is_known = compression == GltfCompression::None;
+  return text + (is_known ? ", about " : ", at most about ") + byte_size(*file.bytes);
+}
+
+std::string_view faces_of(const PlannedOutput& output, Scheme scheme) {
+  const bool is_cage = output.kind == OutputKind::Cage;
+  if (is_cage || output.fineness.level == 0) return "face";
+  return scheme == Scheme::Loop ? "triangle" : "quad";
 }
 
 std::string device_line(const DeviceDescription& device) {
   return "  device       " + device.kind + ", " + device.name + "\n";
 }
 
+std::string needs_text(const Forecast& forecast) {
+  return "  memory       " +
+         (forecast.peak_bytes > 0 ? "at most about " + byte_size(forecast.peak_bytes)
+                                  : std::string("known once there is a mesh")) +
+         "\n  time         " + rough_duration(forecast.seconds) + "\n";
+}
+
 // How large the mesh of points will be is not known before it is made.
 std::string describe_points(const PlannedJob& planned, const PointInput& input,
-                            const DeviceDescription& device, const PathClaims& claims) {
+                            const DeviceDescription& device, const PathClaims& claims,
+                            std::uint64_t page_bytes) {
   std::string text = "would reconstruct and fit " + input.name + ": " +
-                     with_separators(static_cast<std::int64_t>(input.cloud.points.size())) +
-                     " points\n" + device_line(device);
+                     counted(std::ssize(input.cloud.points), "point") + "\n" + device_line(device);
   for (const PlannedOutput& output : planned.outputs) text += write_line(output.path, "", claims);
-  return text;
+  return text + needs_text(forecast_of_points(std::ssize(input.cloud.points), planned.job.settings,
+                                              planned.outputs, page_bytes));
 }
 
 // The files beside an output of about so many bytes: a .gltf's buffers; that of an OBJ is written
@@ -68,22 +80,13 @@ std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
   std::string text;
   for (std::size_t i = 0; i < planned.outputs.size(); ++i) {
     const PlannedOutput& output = planned.outputs[i];
-    const std::string size = ", about " + byte_size(forecast.output_bytes[i]) + ")";
-    if (output.kind == OutputKind::Cage) {
-      text += write_line(output.path, "  (control cage" + size, claims) +
-              companion_lines(output, forecast.output_bytes[i], mesh, compression, claims);
-      continue;
-    }
-    const Fineness& fineness = output.fineness;
-    std::string what = "  (" + fineness_text(fineness);
-    // How many triangles an error takes is known once the surface is.
-    what += fineness.is_adaptive()
-                ? ")"
-                : ", " + face_count_text(mesh, planned.job.settings.scheme, fineness.level) + size;
+    const OutputForecast& file = forecast.outputs[i];
+    const bool is_cage = output.kind == OutputKind::Cage;
+    const std::string what =
+        "  (" + (is_cage ? "control cage" : fineness_text(output.fineness)) +
+        file_text(file, faces_of(output, planned.job.settings.scheme), compression) + ")";
     text += write_line(output.path, what, claims);
-    // A size that is not known may be anything.
-    const std::uint64_t bytes = fineness.is_adaptive() ? 0 : forecast.output_bytes[i];
-    text += companion_lines(output, bytes, mesh, compression, claims);
+    text += companion_lines(output, file.bytes.value_or(0), mesh, compression, claims);
   }
   return text;
 }
@@ -96,18 +99,19 @@ std::string solve_text(const Settings& settings, const std::vector<PlannedOutput
 }
 
 std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDescription& device,
-                          const PathClaims& claims) {
+                          const PathClaims& claims, std::uint64_t page_bytes) {
   const Settings& settings = planned.job.settings;
-  const auto method = settings.interpolation == InterpolationChoice::Fair
-                          ? InterpolationMethod::Fair
-                          : InterpolationMethod::Progressive;
+  MeshFitOptions options = mesh_fit_options(settings);
+  options.method = settings.interpolation == InterpolationChoice::Fair
+                       ? InterpolationMethod::Fair
+                       : InterpolationMethod::Progressive;
   const std::int64_t vertices = input.file.mesh.vertex_count();
   const std::int64_t faces = input.file.mesh.face_count();
-  const ReadyMesh ready = prepare(std::move(input.file.mesh), settings, method);
-  const PolygonMesh& mesh = ready.mesh;
-  if (!ready.prepared) require_usable(mesh, input.name);
-  const Forecast forecast = forecast_of(mesh, *ready.prepared, settings, planned.outputs);
-  require_memory_for(mesh, *ready.prepared, settings, planned.outputs);
+  const ReadyFit ready = prepare_mesh(std::move(input), options, settings);
+  const PolygonMesh& mesh = ready.fitted.mesh;
+  const PreparedMesh& prepared = *ready.fitted.options.prepared;
+  const Forecast forecast = forecast_of(mesh, prepared, settings, planned.outputs, page_bytes);
+  require_memory_for(mesh, prepared, settings, planned.outputs);
   std::string text = "would fit " + input.name + ": " +
                      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count()) + "\n" +
                      device_line(device) + "  solve        " +
@@ -115,22 +119,22 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
                      subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
                      short_number(settings.tolerance) + "\n";
   text += outputs_text(planned, mesh, forecast, claims);
-  return text + "  memory       at most about " + byte_size(forecast.peak_bytes) +
-         "\n  time         " + rough_duration(forecast.seconds) + "\n";
+  return text + needs_text(forecast);
 }
 
 std::string describe(const PlannedJob& planned, const DeviceDescription& device,
-                     const PathClaims& claims) {
+                     const PathClaims& claims, std::uint64_t page_bytes) {
   InputFile file = load_input(planned.job.input, planned.job.input_format);
   file.split_normals_crease = planned.job.settings.creases.split_normals;
+  file.is_strict = planned.job.settings.repair == RepairChoice::None;
   if (holds_points_only(file.format))
-    return describe_points(planned, points_of(file), device, claims);
+    return describe_points(planned, points_of(file), device, claims, page_bytes);
   Input input = mesh_of(file);
   if (const auto cloud = points_of(input)) {
     (void)require_mesher();
-    return describe_points(planned, *cloud, device, claims);
+    return describe_points(planned, *cloud, device, claims, page_bytes);
   }
-  return describe_mesh(planned, std::move(input), device, claims);
+  return describe_mesh(planned, std::move(input), device, claims, page_bytes);
 }
 
 }  // namespace
@@ -141,10 +145,12 @@ ExitCode describe_jobs(const std::vector<PlannedJob>& jobs, const DeviceList& de
   for (const PlannedJob& planned : jobs) {
     std::string text;
     try {
-      text = describe(planned, devices.devices[planned.device].description, claims);
+      const bool has_page = !planned.job.page.empty() || !files.page.empty();
+      text = describe(planned, devices.devices[planned.device].description, claims,
+                      has_page ? files.page_bytes : 0);
     } catch (const Error& error) {
       if (error.code() == ErrorCode::Cancelled) throw;
-      text = "would fail on " + planned.job.name + ": " + error.what() + "\n";
+      text = "would fail on " + named_message(planned.job.label, error.what()) + "\n";
       exit_code = jobs.size() > 1 ? ExitCode::JobsFailed : exit_code_of(error.code());
     }
     if (!planned.job.report.empty()) text += write_line(planned.job.report, "  (report)", claims);

@@ -7,6 +7,7 @@ namespace planish::command {
 /// What is written of all jobs together; empty paths: nothing.
 struct BatchFiles {
   std::string report, page;
+  std::uint64_t page_bytes = 0;  ///< limit of any page's size
 };
 
 /// A dry run: reads and checks every input as run_job() does, and says on stdout what would be

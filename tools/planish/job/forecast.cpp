@@ -1,11 +1,13 @@
 #include "job/forecast.h"
 
 #include <algorithm>
-#include <cmath>
+#include <span>
 #include <thread>
 
+#include "job/expected_triangles.h"
 #include "job/job_input.h"
 #include "job/output_bytes.h"
+#include "page/page.h"
 #include "planish/core/error.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/surface/memory_need.h"
@@ -41,10 +43,16 @@ std::vector<LevelCounts> levels_to(const MeshCounts& mesh, Scheme scheme, int la
   return levels;
 }
 
-// Seconds a million points of one level take on one thread, reading and writing included, and a
-// million vertices of the mesh (measured on a loaded machine of two cores: an upper value).
-constexpr double kSecondsPerMillionPoints = 1.6;
-constexpr double kSecondsPerMillionVertices = 8;
+// CPU seconds, reading and writing included, measured on two cores: of a million vertices of the
+// mesh for each fit, of points of a surface, of vertices of a page's, of triangles cut where it
+// bends, and of points that are meshed.
+constexpr double kVertexSeconds = 6, kPointSeconds = 0.6, kPageSeconds = 4, kBendSeconds = 2.5,
+                 kCloudSeconds = 80;
+
+// Bytes of host memory, upper values of what the command took: tools/planish/README.md has them.
+constexpr std::uint64_t kPageVertexBytes = 210, kBendBytes = 48, kBendUvBytes = 96;
+constexpr std::uint64_t kTileVertexBytes = 180;
+constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCloudPointBytes = 2400;
 
 // What packing takes beside the surface: a small one's plain bytes and those of the result; of a
 // large one, quantized ones, and a block for each thread.
@@ -59,15 +67,15 @@ std::uint64_t packing_bytes(const LevelCounts& level) {
 
 // What a job holds at its peak. Doo-Sabin surfaces go by blocks to who writes them, but for those
 // who need neighbours: values of vertices.
-std::uint64_t peak_bytes(const PolygonMesh& mesh, const std::vector<LevelCounts>& levels,
-                         const Settings& settings) {
+std::uint64_t held_bytes(const RefinedAttributes& attributes,
+                         const std::vector<LevelCounts>& levels, const Settings& settings) {
   // The mesh, its stencils and the solve's vectors take about this for a vertex.
   constexpr std::uint64_t kSolveBytes = 1200;
   const std::uint64_t solve = kSolveBytes * static_cast<std::uint64_t>(levels[0].vertices);
   const LastLevel last = settings.scheme != Scheme::DooSabin ? LastLevel::Full
                          : settings.attributes.any()         ? LastLevel::None
                                                              : LastLevel::Blocks;
-  std::uint64_t surface = tessellation_bytes(levels, last, RefinedAttributes::of(mesh));
+  std::uint64_t surface = tessellation_bytes(levels, last, attributes);
   // Fields, and what they are made from: who is a vertex's neighbour.
   constexpr std::uint64_t kFieldBytes = 120;
   if (settings.attributes.any())
@@ -86,40 +94,105 @@ int highest_level(const std::vector<PlannedOutput>& outputs) {
   return level;
 }
 
+// Whose elements the file has. Control cages of the fair method are its meshes of level 1.
+int level_of(const PlannedOutput& output, const Settings& settings) {
+  if (output.kind == OutputKind::Surface) return output.fineness.level;
+  return settings.interpolation == InterpolationChoice::Fair ? 1 : 0;
+}
+
+// The finest level that a page shows: the next is made while that of the last leaves room, which
+// takes three bytes a vertex at least.
+const LevelCounts& page_counts(const std::vector<LevelCounts>& levels, std::uint64_t page_bytes) {
+  std::size_t level = 0;
+  while (level < kPageLevel && 9 * levels[level].vertices / 2 <= std::int64_t(page_bytes)) ++level;
+  return levels[level];
+}
+
+// What any job with these numbers of elements takes; those of files aside that curvature decides.
+Forecast forecast_by_counts(const MeshCounts& counts, const RefinedAttributes& attributes,
+                            const Settings& settings, const std::vector<PlannedOutput>& outputs,
+                            std::uint64_t page_bytes) {
+  int finest = kPageLevel;
+  for (const PlannedOutput& output : outputs) finest = std::max(finest, output.fineness.level);
+  const std::vector<LevelCounts> levels = levels_to(counts, settings.scheme, finest);
+  const std::span<const LevelCounts> all(levels);
+  Forecast forecast;
+  double points = 0;
+  std::uint64_t beside = 0;  // the held surface
+  for (const PlannedOutput& output : outputs) {
+    OutputForecast& file = forecast.outputs.emplace_back();
+    if (output.fineness.is_adaptive()) continue;
+    const int level = level_of(output, settings);
+    const bool is_tiles = info_of(output.format).is_tiles;
+    for (const LevelCounts& l : all.subspan(is_tiles ? 1 : level, is_tiles ? level : 1)) {
+      file.vertices += l.vertices;
+      file.faces += l.faces;
+    }
+    points += static_cast<double>(file.vertices);
+    if (is_tiles)
+      beside = std::max(beside, kTileVertexBytes * static_cast<std::uint64_t>(std::min(
+                                                       settings.tile_vertices, file.vertices)));
+  }
+  double seconds = kPointSeconds * points;
+  if (page_bytes > 0) {
+    const std::int64_t vertices = page_counts(levels, page_bytes).vertices;
+    beside += kPageVertexBytes * static_cast<std::uint64_t>(vertices);
+    seconds += kPageSeconds * static_cast<double>(vertices);
+  }
+  const double fits = chooses_by_measurement(settings, outputs) ? 2 : 1;
+  seconds += kVertexSeconds * fits * static_cast<double>(levels[0].vertices);
+  forecast.peak_bytes =
+      beside +
+      held_bytes(attributes, levels_to(counts, settings.scheme, highest_level(outputs)), settings);
+  forecast.seconds = 1e-6 * seconds;
+  return forecast;
+}
+
+double thread_count() { return std::max(1u, std::thread::hardware_concurrency()); }
+
 }  // namespace
 
 Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
-                     const Settings& settings, const std::vector<PlannedOutput>& outputs) {
-  const MeshCounts counts = mesh_counts_of(prepared);
-  int highest = highest_level(outputs);
-  const std::vector<LevelCounts> held = levels_to(counts, settings.scheme, highest);
-  for (const PlannedOutput& output : outputs) highest = std::max(highest, output.fineness.level);
-  const std::vector<LevelCounts> levels = levels_to(counts, settings.scheme, highest);
+                     const Settings& settings, const std::vector<PlannedOutput>& outputs,
+                     std::uint64_t page_bytes) {
+  const auto attributes = RefinedAttributes::of(mesh);
+  Forecast forecast =
+      forecast_by_counts(mesh_counts_of(prepared), attributes, settings, outputs, page_bytes);
   const WrittenShape shape = written_shape(mesh, prepared);
   const bool triangles = settings.scheme == Scheme::Loop;
-  Forecast forecast;
-  double points = 0;
-  for (const PlannedOutput& output : outputs) {
-    const int level = output.kind == OutputKind::Surface ? output.fineness.level : 0;
-    const auto bytes_of = [&](int l) {
-      return output_bytes(shape, {l, levels[static_cast<std::size_t>(l)], triangles}, output,
-                          settings);
-    };
-    std::uint64_t bytes = bytes_of(level);
-    points += static_cast<double>(levels[static_cast<std::size_t>(level)].vertices);
-    // Tiles have every level.
-    for (int l = 1; info_of(output.format).is_tiles && l < level; ++l) {
-      bytes += bytes_of(l);
-      points += static_cast<double>(levels[static_cast<std::size_t>(l)].vertices);
+  double most = 0, bends = 0;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    OutputForecast& file = forecast.outputs[i];
+    if (outputs[i].fineness.is_adaptive()) {
+      const double count = expected_triangles(mesh, prepared, outputs[i].fineness);
+      bends += count;
+      most = std::max(most, count);
+    } else if (!info_of(outputs[i].format).is_tiles) {
+      const WrittenLevel written{
+          level_of(outputs[i], settings), {file.vertices, 0, file.faces}, triangles};
+      file.bytes = output_bytes(shape, written, outputs[i], settings);
+      file.vertices = written_vertices(shape, written, outputs[i].kind);
     }
-    forecast.output_bytes.push_back(bytes);
   }
-  forecast.peak_bytes = peak_bytes(mesh, held, settings);
-  const double threads = std::max(1u, std::thread::hardware_concurrency());
-  const double fits = chooses_by_measurement(settings, outputs) ? 2 : 1;
-  forecast.seconds = (kSecondsPerMillionPoints * points +
-                      kSecondsPerMillionVertices * fits * static_cast<double>(levels[0].vertices)) *
-                     1e-6 / threads;
+  const std::uint64_t triangle_bytes = attributes.uvs ? kBendUvBytes : kBendBytes;
+  forecast.peak_bytes += triangle_bytes * static_cast<std::uint64_t>(most);
+  forecast.seconds = (forecast.seconds + 1e-6 * kBendSeconds * bends) / thread_count();
+  return forecast;
+}
+
+Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
+                            const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
+  // A closed mesh of triangles has twice as many faces as vertices; pairs of them are quads.
+  const MeshCounts counts{{point_count, 3 * point_count, 2 * point_count}, 6 * point_count};
+  Forecast forecast = forecast_by_counts(counts, {}, settings, outputs, page_bytes);
+  forecast.outputs.assign(outputs.size(), {});
+  const std::uint64_t meshing =
+      kCloudFixedBytes + kCloudPointBytes * static_cast<std::uint64_t>(point_count);
+  forecast.peak_bytes = std::max(forecast.peak_bytes, meshing);
+  for (const PlannedOutput& output : outputs)
+    if (output.fineness.is_adaptive()) forecast.peak_bytes = 0;
+  forecast.seconds =
+      forecast.seconds / thread_count() + 1e-6 * kCloudSeconds * static_cast<double>(point_count);
   return forecast;
 }
 
@@ -130,7 +203,8 @@ void require_memory_for(const PolygonMesh& mesh, const PreparedMesh& prepared,
   const std::uint64_t free = available_memory_bytes();
   require_indices(levels_to(counts, settings.scheme, wanted));
   const auto need = [&](int level) {
-    return peak_bytes(mesh, levels_to(counts, settings.scheme, level), settings);
+    return held_bytes(RefinedAttributes::of(mesh), levels_to(counts, settings.scheme, level),
+                      settings);
   };
   const std::uint64_t needed = need(wanted);
   if (needed <= free) return;

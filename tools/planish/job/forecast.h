@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "job/job.h"
@@ -9,17 +10,30 @@
 
 namespace planish::command {
 
-/// What a job will take, told from its mesh before work.
-struct Forecast {
-  std::vector<std::uint64_t> output_bytes;  ///< one per planned output; a .gltf counts its .bin
-  std::uint64_t peak_bytes = 0;             ///< of host memory; an upper estimate
-  double seconds = 0;                       ///< roughly, on this machine's threads
+/// What is known of a file before work.
+struct OutputForecast {
+  std::int64_t vertices = 0, faces = 0;  ///< 0: as many as the surface's curvature asks for
+  std::optional<std::uint64_t> bytes;    ///< as output_bytes() has them
 };
 
-/// Sizes as output_bytes() has them.
+/// What a job will take, told from its mesh before work.
+struct Forecast {
+  std::vector<OutputForecast> outputs;  ///< one per planned output; a .gltf counts its .bin
+  std::uint64_t peak_bytes = 0;         ///< of host memory; an upper estimate
+  double seconds = 0;                   ///< on this machine's threads, within a factor of three
+};
+
+/// `page_bytes` is the limit of a page's size, 0 where no page is made.
 [[nodiscard]] Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
                                    const Settings& settings,
-                                   const std::vector<PlannedOutput>& outputs);
+                                   const std::vector<PlannedOutput>& outputs,
+                                   std::uint64_t page_bytes);
+
+/// Of a job on so many points: what it would take if their mesh went through all of them; nothing
+/// of the files. Without a peak where an output's fineness asks for the mesh.
+[[nodiscard]] Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
+                                          const std::vector<PlannedOutput>& outputs,
+                                          std::uint64_t page_bytes);
 
 /// Throws Error{OutOfMemory} where the levels asked for need more than the machine has free, naming
 /// the need and the highest level that fits.

@@ -8,14 +8,15 @@
 #include <span>
 #include <string>
 
-#include "options/nearest.h"
 #include "output/digest.h"
 #include "planish/core/error.h"
+#include "planish/core/nearest.h"
 #include "planish/core/stop.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
 #include "planish/files/sniff_format.h"
 #include "terminal/interrupt.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -43,7 +44,6 @@ FileFormat settled_format(const InputFile& file, std::optional<FileFormat> forma
   if (format) return *format;
   // A document of tiles has the extension of any JSON.
   if (const auto named = format_of(file.path); named && !info_of(*named).is_tiles) return *named;
-  refuse_utf16(file.bytes, file.name);
   if (const auto sniffed = sniff_format(file.bytes)) return *sniffed;
   throw Error(ErrorCode::UnreadableInput,
               file.name + ": neither name nor content is that of a format that is read (" +
@@ -54,11 +54,10 @@ FileFormat settled_format(const InputFile& file, std::optional<FileFormat> forma
 
 InputFile load_input(const std::string& path, std::optional<FileFormat> format) {
   InputFile file;
+  file.name = input_name(path);
   if (path == "-") {
-    file.name = "stdin";
     file.bytes = read_stdin();
   } else {
-    file.name = visible(path);
     file.path = path;
     file.bytes = read_file(path);
   }
@@ -82,7 +81,8 @@ Input mesh_of(const InputFile& file) {
               .file = read_mesh(FileBytes{.bytes = file.bytes,
                                           .name = file.name,
                                           .path = file.path,
-                                          .split_normals_crease = file.split_normals_crease},
+                                          .split_normals_crease = file.split_normals_crease,
+                                          .is_strict = file.is_strict},
                                 file.format),
               .sha256 = {}};
   input.sha256 = file.sha256();

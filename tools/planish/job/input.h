@@ -19,6 +19,7 @@ struct InputFile {
   RawVector<std::byte> bytes;
   FileFormat format = FileFormat::Obj;
   bool split_normals_crease = false;       ///< as FileBytes has it
+  bool is_strict = false;                  ///< the same
   std::shared_future<std::string> digest;  ///< is taken while the bytes are read
 
   [[nodiscard]] std::string sha256() const { return digest.get(); }

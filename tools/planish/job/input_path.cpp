@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "options/nearest.h"
 #include "planish/core/error.h"
+#include "planish/core/nearest.h"
 #include "planish/core/visible_text.h"
 
 namespace planish::command {

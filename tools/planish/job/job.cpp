@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "job/forecast.h"
 #include "job/job_fit.h"
@@ -10,7 +12,6 @@
 #include "job/point_input.h"
 #include "job/timed.h"
 #include "output/job_outputs.h"
-#include "planish/mesh/check.h"
 #include "report/details.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
@@ -38,20 +39,29 @@ std::string write_page(const Job& job, PageJob&& page, JobReport& report, Staged
   return text;
 }
 
+// By the head of a PLY file, which holds either; by the format of others.
+bool may_be_points(const Job& job) {
+  if (is_point_path(job.input, job.input_format)) return true;
+  if (job.input == "-" || job.input_format.value_or(FileFormat::Ply) != FileFormat::Ply)
+    return false;
+  std::ifstream file(job.input, std::ios::binary);
+  std::string line;
+  if (!std::getline(file, line) || !line.starts_with("ply")) return false;
+  constexpr int kMostLines = 1000;
+  for (int i = 0; i < kMostLines && std::getline(file, line) && !line.starts_with("end_header");
+       ++i)
+    if (line.starts_with("element face")) return false;
+  return true;
+}
+
 }  // namespace
 
 std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutput>& outputs) {
-  // Weights by what the steps take on a goblet; those of a level grow with its points.
+  // Weights by what the steps take; those of a level grow with its points.
   std::vector<PlannedStep> steps{{"read", 2}};
-  if (job.sampling || is_point_path(job.input, job.input_format)) {
-    if (job.sampling)
-      steps.insert(steps.end(), {{"stencils", 1}, {"solve", 1}, {"evaluate", 4}, {"sample", 4}});
-    steps.insert(steps.end(),
-                 {{"clean", 5}, {"smooth", 0.5}, {"mesh", 40}, {"repair", 2}, {"simplify", 60}});
-  }
-  steps.insert(steps.end(), {{"stencils", 2}, {"solve", 3}});
-  if (chooses_by_measurement(job.settings, outputs))
-    steps.insert(steps.end(), {{"stencils", 2}, {"solve", 3}});
+  if (job.sampling) steps.push_back({"sample", 4});
+  if (job.sampling || may_be_points(job)) steps.push_back({"points", 80});
+  steps.push_back({"fit", 8});
   std::vector<Fineness> all;
   for (const PlannedOutput& output : outputs) {
     const bool is_new = std::ranges::find(all, output.fineness) == all.end();
@@ -60,10 +70,7 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
   }
   for (const Fineness& fineness : all) {
     const double points = std::ldexp(1.0, 2 * fineness.level);
-    steps.push_back({"evaluate", points});
-    if (fineness.level > 0 &&
-        steps.end() == std::ranges::find(steps, "measure", &PlannedStep::name))
-      steps.push_back({"measure", 0.4 * points});
+    steps.push_back({"level", points});
     for (const PlannedOutput& output : outputs)
       if (output.kind == OutputKind::Surface && output.fineness == fineness &&
           !info_of(output.format).is_tiles)
@@ -80,30 +87,30 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
                   const JobContext& context) {
   JobReport report;
   report.job = job.name;
+  report.label = job.label;
   report.input.path = job.input;
   report.arguments = context.arguments;
   report.settings = job.settings;
   report.device = backend.description();
   context.progress.plan(steps_of(job, outputs));
-  StagedFiles staged;
+  StagedFiles staged(job.overwrites);
   PageJob page{.name = job.name};
   std::vector<std::byte> stdout_bytes;
   timed(report.timing.total, [&] {
     context.progress.update("read", 0);
     JobInput made = timed(report.timing.read, [&] { return read_job_input(job, report, context); });
-    timed(report.timing.check, [&] {
-      prepare_input(made, outputs, report, context.console);
-      if (!made.unprepared) warn_of_unused_settings(job, made, report, context.console);
-      const PolygonMesh& mesh = made.input.file.mesh;
-      if (!made.prepared) require_usable(mesh, made.input.name);
-      require_memory_for(mesh, *made.prepared, job.settings, outputs);
+    ReadyFit ready = timed(report.timing.check, [&] {
+      ReadyFit prepared = prepare_input(made, outputs, report, context);
+      if (!prepared.chooses_method()) warn_of_unused_settings(job, made, report, context.console);
+      const FittedMesh& fitted = prepared.fitted;
+      require_memory_for(fitted.mesh, *fitted.options.prepared, job.settings, outputs);
+      return prepared;
     });
-    const bool was_open = made.unprepared.has_value();
-    const Fit result = fit_input(made, backend, report, context);
+    const bool was_open = ready.chooses_method();
+    fit_input(made, std::move(ready), backend, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context.console);
     stdout_bytes = staged.naming_targets([&] {
-      return write_outputs(
-          {job, outputs, backend, context, made, result, report, staged, page.payloads});
+      return write_outputs({job, outputs, backend, context, made, report, staged, page.payloads});
     });
   });
   report.host_peak_bytes = peak_host_bytes();

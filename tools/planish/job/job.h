@@ -19,8 +19,9 @@ namespace planish::command {
 /// One piece of work: a mesh in, its surface and reports out. `fit` makes one of its arguments,
 /// `run` makes them of a scene file.
 struct Job {
-  std::string name;                        ///< in messages and tables
-  std::string input;                       ///< path, or "-" for stdin
+  std::string name;   ///< in tables, of progress
+  std::string label;  ///< what messages begin with: a scene's job's name, else that of the input
+  std::string input;  ///< path, or "-" for stdin
   std::optional<FileFormat> input_format;  ///< empty: by extension, else by content
   std::optional<Sampling> sampling;        ///< then the input is only what points are sampled from
   Settings settings;
@@ -30,9 +31,10 @@ struct Job {
   /// Settings, "sample", "source" and "page" of a scene file as they stand there, those of the
   /// defaults first.
   std::vector<GivenSetting> given;
-  std::string source;  ///< mesh that the surface is compared with; empty: the input
-  std::string report;  ///< path, "-" for stdout, empty for none
-  std::string page;    ///< the same
+  std::string source;       ///< mesh that the surface is compared with; empty: the input
+  std::string report;       ///< path, "-" for stdout, empty for none
+  std::string page;         ///< the same
+  bool overwrites = false;  ///< files that exist
 };
 
 /// What a job's steps share with the process around them.

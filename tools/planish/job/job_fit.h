@@ -2,13 +2,13 @@
 
 #include "job/job.h"
 #include "job/job_input.h"
-#include "planish/pipeline/fit.h"
+#include "planish/pipeline/fit_mesh.h"
 
 namespace planish::command {
 
-/// fit() as the job's settings say, noted in the report: figures, times, warnings, and exit code 5
-/// where the solve does not converge. Errors name the input's file.
-[[nodiscard]] Fit fit_input(JobInput& made, Backend& backend, JobReport& report,
-                            const JobContext& context);
+/// fit_prepared() into `made`, noted in the report: figures, times, and exit code 5 with a warning
+/// where the solve does not converge. Throws as that.
+void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, JobReport& report,
+               const JobContext& context);
 
 }  // namespace planish::command

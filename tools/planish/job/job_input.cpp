@@ -4,13 +4,14 @@
 #include <utility>
 
 #include "job/point_input.h"
-#include "job/prepare.h"
 #include "job/torn_vertices.h"
-#include "options/point_settings.h"
 #include "planish/core/error.h"
 #include "planish/files/formats.h"
 #include "planish/mesh/check.h"
+#include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
 #include "terminal/interrupt.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 
@@ -21,10 +22,7 @@ void add_warning(JobReport& report, Console& console, const Warning& warning) {
   // Every level of a surface meets the same places.
   if (std::ranges::any_of(report.warnings, same)) return;
   report.warnings.push_back(warning);
-  // Of several inputs nobody knows otherwise whose it is.
-  const std::string name = report.job + ": ";
-  console.warning(warning.message.starts_with(report.input.path) ? warning.message
-                                                                 : name + warning.message);
+  console.warning(named_message(report.label, warning.message));
 }
 
 Callbacks callbacks_for(JobReport& report, const JobContext& context) {
@@ -32,7 +30,6 @@ Callbacks callbacks_for(JobReport& report, const JobContext& context) {
   callbacks.progress = [&context](std::string_view step, double fraction) {
     context.progress.update(step, fraction);
   };
-  callbacks.cancelled = [] { return interrupt_signal() != 0; };
   callbacks.warning = [&report, &context](const Warning& warning) {
     add_warning(report, context.console, warning);
   };
@@ -86,32 +83,37 @@ bool is_left_open(const Settings& settings) {
   return settings.interpolation == InterpolationChoice::Auto && settings.scheme == Scheme::DooSabin;
 }
 
-void note_preparation(JobInput& made, ReadyMesh& ready, JobReport& report, Console& console) {
-  for (Warning change : ready.changes) {
-    change.message = made.input.name + ": " + change.message;
-    add_warning(report, console, change);
-  }
-  report.input.changed_faces = std::move(ready.changed_faces);
-  report.input.welded = made.input.file.welded_vertex_count + ready.welded_count;
-  report.input.separated_edges = std::ssize(ready.separated_edges);
-  made.separated_edges = std::move(ready.separated_edges);
-  made.found = std::move(ready.found);
-  made.file_vertices = std::move(ready.source_vertices);
-  made.file_faces = std::move(ready.source_faces);
-  made.prepared = std::move(ready.prepared);
+// With the tags that a scene adds.
+PolygonMesh tagged(PolygonMesh mesh, const Settings& settings, const std::string& name) {
+  const auto require_vertex = [&](std::int32_t vertex, const char* key) {
+    if (vertex < mesh.vertex_count()) return;
+    require_usable(mesh, name);
+    throw Error(ErrorCode::UnusableMesh, std::string(key) + " of the scene names vertex " +
+                                             std::to_string(vertex) + " of " +
+                                             std::to_string(mesh.vertex_count()));
+  };
+  for (const CreaseEdge& crease : settings.crease_edges)
+    require_vertex(std::max(crease.v0, crease.v1), "crease_edges");
+  for (const CornerVertex& corner : settings.corner_vertices)
+    require_vertex(corner.vertex, "corner_vertices");
+  mesh.creases.insert(mesh.creases.end(), settings.crease_edges.begin(),
+                      settings.crease_edges.end());
+  mesh.corners.insert(mesh.corners.end(), settings.corner_vertices.begin(),
+                      settings.corner_vertices.end());
+  return mesh;
 }
 
 // Whoever has welded, or had sheets separated, knows of vertices at one place.
-void warn_of_torn_vertices(const JobInput& made, JobReport& report, Console& console) {
-  if (!made.prepared || !made.prepared->uses_all() || report.settings.weld ||
-      !made.separated_edges.empty())
-    return;
-  const TornVertices torn = torn_vertices(made.input.file.mesh, *made.prepared->topology);
+void warn_of_torn_vertices(const ReadyFit& ready, JobReport& report, Console& console) {
+  const FittedMesh& made = ready.fitted;
+  const PreparedMesh& prepared = *made.options.prepared;
+  if (!prepared.uses_all() || made.weld || !made.separated_edges.empty()) return;
+  const TornVertices torn = torn_vertices(made.mesh, *prepared.topology);
   if (torn.count == 0) return;
   const auto first = static_cast<std::size_t>(torn.first);
   add_warning(report, console,
-              {"torn-vertices", made.input.name + ": " + torn_text(torn), torn.count,
-               made.file_vertices.empty() ? torn.first : made.file_vertices[first]});
+              {"torn-vertices", ready.name + ": " + torn_text(torn), torn.count,
+               made.source_vertices.empty() ? torn.first : made.source_vertices[first]});
 }
 
 }  // namespace
@@ -123,17 +125,23 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
   const Callbacks callbacks = callbacks_for(report, context);
   InputFile file = load_input(job.input, job.input_format);
   file.split_normals_crease = report.settings.creases.split_normals;
+  file.is_strict = report.settings.repair == RepairChoice::None;
   input.name = file.name;
   report.input.format = name_of(file.format);
+  const auto reconstruct = [&](const PointInput& cloud) {
+    context.progress.update("points", 0);
+    reconstruct_points(cloud, made, report, callbacks);
+  };
   if (job.sampling) {
-    reconstruct_points(sample_input(file, *job.sampling, callbacks), made, report, callbacks);
+    context.progress.update("sample", 0);
+    reconstruct(sample_input(file, *job.sampling, callbacks));
     report.reconstruction["sampled"] = sampling_json(*job.sampling);
   } else if (holds_points_only(file.format)) {
-    reconstruct_points(points_of(file), made, report, callbacks);
+    reconstruct(points_of(file));
   } else {
     input = mesh_of(file);
     report.input.format = name_of(input.file.format);
-    if (const auto cloud = points_of(input)) reconstruct_points(*cloud, made, report, callbacks);
+    if (const auto cloud = points_of(input)) reconstruct(*cloud);
   }
   if (file.split_normals_crease && input.file.mesh.creases.empty())
     add_warning(report, console,
@@ -143,6 +151,7 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
   for (const Warning& warning : input.file.warnings) add_warning(report, console, warning);
   report.input.sha256 = file.sha256();
   report.input.dropped = input.file.dropped_element_count;
+  report.input.welded = input.file.welded_vertex_count;
   report.input.file_vertices = input.file.mesh.vertex_count();
   report.input.file_faces = input.file.mesh.face_count();
   return made;
@@ -154,33 +163,27 @@ bool chooses_by_measurement(const Settings& settings, const std::vector<PlannedO
          });
 }
 
-void prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs, JobReport& report,
-                   Console& console) {
-  Input& input = made.input;
-  if (!made.points.empty()) report.settings.weld.reset();  // the mesh is our own
-  report.method = method_for(report.settings, made);
-  if (made.points.empty() && is_left_open(report.settings)) {
-    report.choice.emplace().reason =
-        "progressive: the control cage keeps the input's faces, as that of --interpolation fair "
-        "does not";
-    if (chooses_by_measurement(report.settings, outputs)) made.unprepared = input.file.mesh;
-  }
-  try {
-    ReadyMesh ready = prepare(std::move(input.file.mesh), report.settings, report.method);
-    note_preparation(made, ready, report, console);
-    input.file.mesh = std::move(ready.mesh);
-    if (made.points.empty()) warn_of_torn_vertices(made, report, console);
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::UnusableMesh) require_usable(input.file.mesh, input.name);
-    throw;
-  }
+ReadyFit prepare_mesh(Input&& input, const MeshFitOptions& options, const Settings& settings) {
+  return prepare_fit(tagged(std::move(input.file.mesh), settings, input.name), input.name, options);
 }
 
-void take_fair_mesh(JobInput& made, PolygonMesh&& mesh, ReadyMesh&& ready, JobReport& report,
-                    Console& console) {
-  report.method = InterpolationMethod::Fair;
-  note_preparation(made, ready, report, console);
-  made.input.file.mesh = std::move(mesh);
+ReadyFit prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs, JobReport& report,
+                       const JobContext& context) {
+  const bool is_mesh = made.points.empty();
+  if (!is_mesh) report.settings.weld.reset();  // the mesh is our own
+  const bool chooses = is_mesh && chooses_by_measurement(report.settings, outputs);
+  MeshFitOptions options = mesh_fit_options(report.settings);
+  options.fit.callbacks = callbacks_for(report, context);
+  if (!chooses) options.method = method_for(report.settings, made);
+  ReadyFit ready = prepare_mesh(std::move(made.input), options, report.settings);
+  report.method = ready.fitted.options.method;
+  if (is_mesh && is_left_open(report.settings) && !chooses) {
+    ready.fitted.reason.emplace().text =
+        "progressive: the control cage keeps the input's faces, as that of --interpolation fair "
+        "does not";
+  }
+  if (is_mesh) warn_of_torn_vertices(ready, report, context.console);
+  return ready;
 }
 
 void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,
@@ -193,21 +196,33 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
   std::string unused;
   std::int64_t count = 0;
   bool lacks_tiles = false;
-  const auto note = [&](std::string_view name) {
-    unused += (unused.empty() ? "" : ", ") + flag_of(name);
+  const auto is_met = [&](OptionNeeds needs) {
+    switch (needs) {
+      case OptionNeeds::Nothing:
+        return true;
+      case OptionNeeds::Points:
+        return !made.points.empty();
+      case OptionNeeds::Faces:
+        return made.points.empty();
+      case OptionNeeds::Progressive:
+        return !is_fair;
+      case OptionNeeds::Fair:
+        return is_fair;
+      case OptionNeeds::Tiles:
+        return has_tiles;
+    }
+    return true;
+  };
+  const auto note = [&](const OptionInfo& option) {
+    const bool is_given =
+        std::ranges::find(job.given_settings, option.name) != job.given_settings.end();
+    if (!is_given || is_met(option.needs)) return;
+    unused += (unused.empty() ? "" : ", ") + flag_of(option);
+    lacks_tiles |= option.needs == OptionNeeds::Tiles;
     ++count;
   };
-  for (const std::string& name : job.given_settings) {
-    const auto of_points = std::ranges::find(point_settings(), name, &PointSetting::name);
-    const bool without_points =
-        made.points.empty() ? of_points != point_settings().end() : name == "weld";
-    const bool without_steps =
-        is_fair && (name == "solver" || name == "max_iterations" || name == "precision");
-    const bool without_tiles = !has_tiles && (name == "tile_vertices" || name == "skirts");
-    lacks_tiles |= without_tiles;
-    if (without_points || without_steps || without_tiles || (!is_fair && name == "polish"))
-      note(name);
-  }
+  for (const FitOption& option : option_table()) note(option);
+  for (const PointOption& option : point_option_table()) note(option);
   if (count == 0) return;
   add_warning(
       report, console,

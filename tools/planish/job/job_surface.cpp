@@ -24,20 +24,17 @@ const SurfaceMesh& JobLevel::whole() {
   return *collected_;
 }
 
-JobSurface::JobSurface(const JobInput& made, const Fit& fitted, Backend& backend,
-                       const Settings& settings, Callbacks callbacks)
-    : mesh_(made.input.file.mesh), fitted_(fitted), backend_(backend) {
-  options_.scheme = settings.scheme;
-  options_.weights = settings.weights;
-  options_.sharp = settings.sharp();
+JobSurface::JobSurface(const FittedMesh& fitted, Backend& backend, Callbacks callbacks)
+    : fitted_(fitted), backend_(backend), options_(fitted.evaluate_options()) {
   options_.callbacks = std::move(callbacks);
 }
 
 JobLevel JobSurface::level(int level) {
   options_.level = level;
   if (options_.scheme != Scheme::DooSabin) {
-    return {std::make_unique<const SurfaceMesh>(evaluate(mesh_, fitted_, backend_, options_)),
-            mesh_};
+    return {std::make_unique<const SurfaceMesh>(
+                evaluate(fitted_.mesh, fitted_.fit, backend_, options_)),
+            fitted_.mesh};
   }
   (void)made_doo_sabin();
   auto* const evaluator = dynamic_cast<PatchEvaluator*>(&backend_);
@@ -47,7 +44,7 @@ JobLevel JobSurface::level(int level) {
 
 std::shared_ptr<const DooSabinSurface> JobSurface::made_doo_sabin() {
   if (!doo_sabin_ && options_.scheme == Scheme::DooSabin)
-    doo_sabin_ = fitted_surface(mesh_, fitted_, options_);
+    doo_sabin_ = fitted_surface(fitted_.mesh, fitted_.fit, options_);
   return doo_sabin_;
 }
 
@@ -61,7 +58,7 @@ JobLevel JobSurface::adaptive(const Fineness& fineness) {
   return JobLevel(std::make_unique<const AdaptiveSurface>(
       tessellate(limit(), {.chord_error = fineness.chord_error,
                            .angle = fineness.angle,
-                           .diagonal = fitted_.placement.diagonal,
+                           .diagonal = fitted_.fit.placement.diagonal,
                            .callbacks = options_.callbacks})));
 }
 

@@ -47,8 +47,7 @@ class JobLevel {
 class JobSurface {
  public:
   /// All of it must outlive the surface.
-  JobSurface(const JobInput& made, const Fit& fitted, Backend& backend, const Settings& settings,
-             Callbacks callbacks);
+  JobSurface(const FittedMesh& fitted, Backend& backend, Callbacks callbacks);
 
   /// Throws as evaluate(). The surface must outlive its levels.
   [[nodiscard]] JobLevel level(int level);
@@ -62,8 +61,7 @@ class JobSurface {
   [[nodiscard]] std::shared_ptr<const DooSabinSurface> made_doo_sabin();
 
  private:
-  const PolygonMesh& mesh_;
-  const Fit& fitted_;
+  const FittedMesh& fitted_;
   Backend& backend_;
   EvaluateOptions options_;
   std::shared_ptr<const DooSabinSurface> doo_sabin_;  // made with the first level

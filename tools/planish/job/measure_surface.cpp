@@ -39,7 +39,7 @@ std::vector<Triangle> triangles_of(const SurfaceMesh& surface) {
 SurfaceQuality quality_of(const JobInput& made, JobLevel& surface,
                           const std::optional<glm::dvec3>& stored_about,
                           const Callbacks& callbacks) {
-  const PolygonMesh& mesh = made.input.file.mesh;
+  const PolygonMesh& mesh = made.fitted.mesh;
   if (surface.is_whole()) return surface_quality(surface.whole(), mesh);
   const std::vector<std::uint8_t>& is_beside = made.folds.is_beside;
   if (!stored_about) return surface_quality(surface.blocks(), mesh, is_beside, callbacks);
@@ -50,7 +50,7 @@ SurfaceQuality quality_of(const JobInput& made, JobLevel& surface,
   return quality.result();
 }
 
-void note_quality(const JobInput& made, const Fit& fitted, JobLevel& surface,
+void note_quality(const JobInput& made, JobLevel& surface,
                   const std::optional<glm::dvec3>& stored_about, JobReport& report,
                   const Callbacks& callbacks) {
   MeasuredSurface& measured = report.surface.emplace();
@@ -63,17 +63,18 @@ void note_quality(const JobInput& made, const Fit& fitted, JobLevel& surface,
       compare_with_source(surface.blocks(), made.source->file.mesh, callbacks);
   measured.quality = comparison.quality;
   measured.reference = made.source->name;
-  measured.source_distances = relative(comparison.distances, fitted.placement.diagonal);
+  measured.source_distances = relative(comparison.distances, made.fitted.fit.placement.diagonal);
 }
 
 std::int64_t file_face(const FoldedPlace& place, const JobInput& made) {
-  return made.file_faces.empty() ? place.face : made.file_faces[place.face];
+  const auto& faces = made.fitted.source_faces;
+  return faces.empty() ? place.face : faces[place.face];
 }
 
 // By closest points, so many at a time that answers take little memory; of the diagonal.
 PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSurface& surface,
-                              double diagonal) {
-  constexpr std::size_t kAtOnce = 1 << 16;
+                              double diagonal, const JobContext& context) {
+  constexpr std::size_t kAtOnce = 1 << 14;
   const SurfaceQueries queries(surface);
   std::vector<ClosestPoint> closest;
   PointDistances distances;
@@ -88,6 +89,8 @@ PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSur
       distances.max = distance;
       distances.farthest = static_cast<std::int64_t>(first + i);
     }
+    context.progress.update("measure", static_cast<double>(first + closest.size()) /
+                                           static_cast<double>(points.size()));
   }
   distances.rms = std::sqrt(sum / static_cast<double>(points.size()));
   return distances;
@@ -138,11 +141,11 @@ void warn_of_folds(const JobInput& made, JobReport& report, Console& console) {
 
 }  // namespace
 
-void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
+void measure_surface(const JobInput& made, JobLevel& surface,
                      const std::optional<glm::dvec3>& stored_about, JobReport& report,
                      const JobContext& context) {
   if (surface.level() >= 1 && !report.surface) {
-    note_quality(made, fitted, surface, stored_about, report, callbacks_for(report, context));
+    note_quality(made, surface, stored_about, report, callbacks_for(report, context));
     warn_of_folds(made, report, context.console);
   }
   if (report.settings.scheme != Scheme::DooSabin && surface.level() >= kPointDistanceLevel &&
@@ -150,29 +153,32 @@ void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
     const SurfaceMesh& whole = surface.whole();
     report.point_distances =
         relative(measure_distances(made.points, whole.positions, triangles_of(whole)),
-                 fitted.placement.diagonal);
+                 made.fitted.fit.placement.diagonal);
   }
   if (stored_about && !surface.is_whole() && !surface.is_kept()) surface.keep(*stored_about, {});
 }
 
-void note_sheet_gap(const JobInput& made, const Fit& fitted,
-                    const std::shared_ptr<const DooSabinSurface>& surface, JobReport& report) {
+void note_sheet_gap(const JobInput& made, const std::shared_ptr<const DooSabinSurface>& surface,
+                    JobReport& report) {
   if (!surface || !report.surface) return;
   report.surface->sheet_gap =
-      sheet_gap(LimitSurface(surface), made.file_vertices, made.separated_edges) /
-      fitted.placement.diagonal;
+      sheet_gap(LimitSurface(surface), made.fitted.source_vertices, made.fitted.separated_edges) /
+      made.fitted.fit.placement.diagonal;
 }
 
-void measure_points(const JobInput& made, const Fit& fitted, JobSurface& surface,
-                    JobReport& report) {
-  report.point_distances = distances_from(made.points, surface.limit(), fitted.placement.diagonal);
+void measure_points(const JobInput& made, JobSurface& surface, JobReport& report,
+                    const JobContext& context) {
+  context.progress.update("distances", 0);
+  report.point_distances =
+      distances_from(made.points, surface.limit(), made.fitted.fit.placement.diagonal, context);
 }
 
-void measure_source(const JobInput& made, const Fit& fitted, JobSurface& surface,
-                    JobReport& report) {
+void measure_source(const JobInput& made, JobSurface& surface, JobReport& report,
+                    const JobContext& context) {
+  context.progress.update("distances", 0);
   const UsedMesh source = without_unused_vertices(made.source->file.mesh);
-  report.surface->distances_from_source =
-      distances_from(source.mesh.positions, surface.limit(), fitted.placement.diagonal);
+  report.surface->distances_from_source = distances_from(
+      source.mesh.positions, surface.limit(), made.fitted.fit.placement.diagonal, context);
 }
 
 bool note_chosen_surface(const JobInput& made, JobReport& report, const JobContext& context) {

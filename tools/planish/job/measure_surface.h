@@ -6,7 +6,6 @@
 
 #include "job/job_input.h"
 #include "job/job_surface.h"
-#include "planish/pipeline/fit.h"
 #include "report/report.h"
 
 namespace planish::command {
@@ -20,18 +19,18 @@ inline constexpr int kPointDistanceLevel = 2;
 /// kPointDistanceLevel on with schemes that measure_points() does not know. Nothing of it can be
 /// seen at level 0. Warns "folded-area". `stored_about`: the origin of rows where a file is made of
 /// them next; in the same pass they are kept for it.
-void measure_surface(const JobInput& made, const Fit& fitted, JobLevel& surface,
+void measure_surface(const JobInput& made, JobLevel& surface,
                      const std::optional<glm::dvec3>& stored_about, JobReport& report,
                      const JobContext& context);
 
 /// The distances of a cloud's points to the surface itself, by closest points.
-void measure_points(const JobInput& made, const Fit& fitted, JobSurface& surface,
-                    JobReport& report);
+void measure_points(const JobInput& made, JobSurface& surface, JobReport& report,
+                    const JobContext& context);
 
 /// The distances of the source's vertices to the surface itself; the report must have figures of
 /// the surface.
-void measure_source(const JobInput& made, const Fit& fitted, JobSurface& surface,
-                    JobReport& report);
+void measure_source(const JobInput& made, JobSurface& surface, JobReport& report,
+                    const JobContext& context);
 
 /// What the choice of the method measured at level 1, as the figures of the surface where no other
 /// level has any; false where there is none, or the source is what counts.
@@ -40,7 +39,7 @@ void measure_source(const JobInput& made, const Fit& fitted, JobSurface& surface
 
 /// Notes how far sheets that repair separated are from each other on the surface that the report
 /// has figures of. Null: a scheme that has no such figure.
-void note_sheet_gap(const JobInput& made, const Fit& fitted,
-                    const std::shared_ptr<const DooSabinSurface>& surface, JobReport& report);
+void note_sheet_gap(const JobInput& made, const std::shared_ptr<const DooSabinSurface>& surface,
+                    JobReport& report);
 
 }  // namespace planish::command

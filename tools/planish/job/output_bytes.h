@@ -2,23 +2,24 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "options/settings.h"
 #include "output/output_plan.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/prepared_mesh.h"
-#include "planish/stencil/quad_split.h"
+#include "planish/stencil/level_counts.h"
 
 namespace planish::command {
 
 /// What of a mesh decides how many rows, vertices and bytes its surface is written as.
 struct WrittenShape {
-  bool has_uvs = false, has_colors = false, has_groups = false;
-  std::int64_t uv_count = 0;  ///< of level 0
+  bool has_uvs = false, has_colors = false;
+  bool has_uv_seams = false;  ///< or corners without coordinates
   std::int64_t group_count = 0;
   std::uint64_t name_bytes = 0;  ///< of groups and materials
   std::size_t largest_face = 0;
-  std::int64_t vertex_count = 0, corner_count = 0;  ///< of level 0
+  std::int64_t corner_count = 0;  ///< of level 0
 
   /// Copies of a mesh's vertices, and edges whose inner vertices are copied at every level.
   struct Copies {
@@ -28,9 +29,8 @@ struct WrittenShape {
       return vertices + edges * ((std::int64_t{1} << level) - 1);
     }
   };
-  Copies rows;                ///< where the surface has several normals
-  Copies gltf_vertices;       ///< further ones for groups and texture coordinates
-  std::int64_t uv_seams = 0;  ///< edges that two pairs of texture coordinates belong to
+  Copies rows;           ///< where the surface has several normals
+  Copies gltf_vertices;  ///< further ones for groups and texture coordinates
 };
 
 /// `prepared` is of `mesh`.
@@ -43,9 +43,15 @@ struct WrittenLevel {
   bool is_triangles = false;  ///< of Loop
 };
 
-/// About how many bytes the file takes, with its companions: binary formats to some hundred bytes
-/// of header; text at the full length of its numbers, a third more where many are round.
-[[nodiscard]] std::uint64_t output_bytes(const WrittenShape& shape, const WrittenLevel& level,
-                                         const PlannedOutput& output, const Settings& settings);
+/// How many vertices the file has, copies of groups and texture coordinates apart.
+[[nodiscard]] std::int64_t written_vertices(const WrittenShape& shape, const WrittenLevel& level,
+                                            OutputKind kind);
+
+/// How many bytes the file takes, with its companions: glTF, PLY and STL to some hundred bytes of
+/// header; of packed glTF an upper estimate; nothing of text and of tiles.
+[[nodiscard]] std::optional<std::uint64_t> output_bytes(const WrittenShape& shape,
+                                                        const WrittenLevel& level,
+                                                        const PlannedOutput& output,
+                                                        const Settings& settings);
 
 }  // namespace planish::command

@@ -27,7 +27,10 @@ PointInput points_of(const InputFile& file) {
                                                 " is no format of points (" +
                                                 names_of(FormatUse::ReadPoints) + " are)");
   return {.name = file.name,
-          .cloud = read_points(FileBytes{.bytes = file.bytes, .name = file.name, .path = file.path},
+          .cloud = read_points(FileBytes{.bytes = file.bytes,
+                                         .name = file.name,
+                                         .path = file.path,
+                                         .is_strict = file.is_strict},
                                file.format),
           .sha256 = file.sha256(),
           .format = file.format};
@@ -59,11 +62,12 @@ Reconstruction reconstruct_input(const PointInput& input, const ReconstructOptio
   const Mesher mesher = require_mesher();
   for (const Warning& warning : input.cloud.warnings) options.callbacks.warn(warning);
   if (input.cloud.missing_count > 0)
-    options.callbacks.warn({.code = "missing-points",
-                            .message = input.name + ": " +
-                                       with_separators(input.cloud.missing_count) +
-                                       " points are not numbers and left out",
-                            .count = input.cloud.missing_count});
+    options.callbacks.warn(
+        {.code = "missing-points",
+         .message = input.name + ": " + counted(input.cloud.missing_count, "point") +
+                    (input.cloud.missing_count == 1 ? " is not a number and left out"
+                                                    : " are not numbers and left out"),
+         .count = input.cloud.missing_count});
   try {
     return reconstruct(input.cloud, mesher, options);
   } catch (const Error& error) {
@@ -114,8 +118,8 @@ std::string reconstruction_summary(const PointInput& input, const Reconstruction
   return "  points      " + with_separators(static_cast<std::int64_t>(input.cloud.points.size())) +
          ", " + with_separators(used) + " used, spacing " +
          short_number(result.spacing / result.diagonal) + " of the diagonal\n" + "  mesh        " +
-         with_separators(facts.vertex_count) + " vertices, " + with_separators(facts.face_count) +
-         " faces, genus " + std::to_string(facts.genus) + ", " +
+         counted(facts.vertex_count, "vertex") + ", " + counted(facts.face_count, "face") +
+         ", genus " + std::to_string(facts.genus) + ", " +
          counted(facts.boundary_loop_count, "boundary loop") + "; farthest point " +
          short_number(result.distances.max / result.diagonal) + ", rms " +
          short_number(result.distances.rms / result.diagonal) + " of the diagonal\n";

@@ -57,7 +57,7 @@ PointCloud sample_surface(const Input& input, const Sampling& sampling,
     shapes::add_noise(points, sampling.noise * diagonal_of(points), sampling.seed + 1);
   const auto outliers = static_cast<std::int32_t>(std::lround(sampling.outliers * count));
   shapes::add_outliers(points, outliers, sampling.seed + 2);
-  callbacks.check_cancelled();
+  check_stop();
   callbacks.report("sample", 1.0);
   return cloud_of(std::move(points), input.name);
 }

@@ -6,7 +6,7 @@
 
 #include "job/input_path.h"
 #include "options/input_list.h"
-#include "options/nearest.h"
+#include "planish/core/nearest.h"
 #include "planish/core/visible_text.h"
 
 namespace planish::command {

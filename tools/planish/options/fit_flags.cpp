@@ -1,14 +1,16 @@
 #include "options/fit_flags.h"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 
 #include "job/input.h"
 #include "options/input_list.h"
-#include "options/point_settings.h"
-#include "options/refuse.h"
 #include "page/page_job.h"
+#include "planish/core/number_text.h"
+#include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -58,18 +60,9 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
   option("--cage", flags.cage,
          "control cage (" + extensions_of(FormatUse::WriteCage) + "), or a folder", "FILE");
   option("--report", flags.report, "JSON report; - for stdout", "FILE");
-  option("--levels", flags.levels,
-         "quad splits, 0 to 6 [2]; several write NAME_LOD0.glb, NAME_LOD1.glb, ...; "
-         "3D Tiles have all from 1 to it",
-         "L[,L2,...]");
-  option("--chord-error", flags.chord_error,
-         "instead of levels: triangles within so much of the surface, relative to the diagonal; "
-         "several write NAME_LOD0.glb, ...",
-         "E[,E2,...]");
-  option("--angle", flags.angle,
-         "instead of levels, or besides --chord-error: most degrees that the surface turns beneath "
-         "a triangle",
-         "DEGREES");
+  for (const FitOption& fineness : option_table())
+    if (fineness.stage == OptionStage::Fineness)
+      add_option_flag(command, flags.options, fineness, kFiles);
   option("--source", flags.source,
          "mesh that the surface stands for: the report compares with it, not the input", "FILE");
   option("--input-format", flags.input_format,
@@ -88,69 +81,20 @@ void add_file_flags(CLI::App& command, FitFlags& flags) {
 
 }  // namespace
 
-std::vector<int> parse_levels(const std::string& text) {
-  std::vector<std::int64_t> values;
-  const char* at = text.data();
-  const char* const end = text.data() + text.size();
-  while (true) {
-    std::int64_t value = 0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    if (error != std::errc() || (next != end && *next != ',')) {
-      refuse("--levels", "\"" + visible(text) + "\" is no list of levels such as 2 or 3,1");
-    }
-    values.push_back(value);
-    if (next == end) break;
-    at = next + 1;
-  }
-  return checked_levels(values, "--levels");
+// Tags have no flag: they name vertices.
+bool has_flag(const FitOption& option) {
+  return option.kind != OptionKind::Vertices && option.kind != OptionKind::Edges;
 }
 
 void add_fit_flags(CLI::App& command, FitFlags& flags) {
   add_file_flags(command, flags);
   add_page_flags(command, {flags.page, flags.page_limit, flags.page_no_times});
-  for (const WordSetting& setting : word_settings())
-    add_word_flag(command, flags.words, setting, kSurface);
-  const auto number = [&](const char* name, std::string& target, const char* help,
-                          const char* type) {
-    command.add_option(name, target, help)->type_name(type)->group(kSurface);
-  };
-  number("--tolerance", flags.tolerance,
-         "largest vertex error, relative to the bounding-box diagonal [1e-6]", "T");
-  number("--max-iterations", flags.max_iterations, "give up after so many [200]", "N");
-  number("--polish", flags.polish, "steps that even out the curvature of a fair surface [8]", "N");
-  number("--weld", flags.weld,
-         "meshes: make vertices one that lie within this fraction of the diagonal", "T");
-  number("--tile-vertices", flags.tile_vertices, "about so many has each file of 3D Tiles [262144]",
-         "N");
-  command
-      .add_flag("--skirts", flags.skirts,
-                "hide gaps between 3D Tiles of different levels behind strips along their edges")
-      ->group(kSurface);
-  for (const PointSetting& setting : point_settings())
-    add_word_flag(command, flags.words, setting, kPoints);
+  for (const FitOption& option : option_table())
+    if (option.stage != OptionStage::Fineness && has_flag(option))
+      add_option_flag(command, flags.options, option, kSurface);
+  for (const PointOption& option : point_option_table())
+    add_option_flag(command, flags.options, option, kPoints);
 }
-
-namespace {
-
-void take_adaptive(const FitFlags& flags, AdaptiveChoice& adaptive) {
-  const auto one_number = [](const std::string& text, const char* flag) {
-    const std::vector<double> values = parse_numbers(text, flag);
-    if (values.size() != 1) refuse(flag, "one number is wanted, not " + visible(text));
-    return values.front();
-  };
-  if (!flags.chord_error.empty())
-    adaptive.chord_errors =
-        checked_chord_errors(parse_numbers(flags.chord_error, "--chord-error"), "--chord-error");
-  if (!flags.angle.empty())
-    adaptive.angle = checked_angle(one_number(flags.angle, "--angle"), "--angle");
-  if (adaptive.any() && !flags.levels.empty()) {
-    refuse("--levels", std::string("a surface has levels or ") +
-                           (flags.chord_error.empty() ? "an --angle" : "a --chord-error") +
-                           ", not both; leave one of them out");
-  }
-}
-
-}  // namespace
 
 std::optional<FileFormat> input_format_of(const FitFlags& flags) {
   if (flags.input_format.empty()) return std::nullopt;
@@ -159,20 +103,14 @@ std::optional<FileFormat> input_format_of(const FitFlags& flags) {
 
 Settings settings_of(const FitFlags& flags) {
   Settings settings;
-  apply_words(flags.words, word_settings(), settings);
-  apply_words(flags.words, point_settings(), settings.points);
-  const auto whole = [&](const std::string& text, const char* flag, auto set) {
-    if (!text.empty()) set(settings, parse_whole(text, flag), flag);
-  };
-  if (!flags.tolerance.empty())
-    set_tolerance(settings, std::string_view(flags.tolerance), "--tolerance");
-  if (!flags.weld.empty()) set_weld(settings, std::string_view(flags.weld), "--weld");
-  whole(flags.max_iterations, "--max-iterations", set_max_iterations);
-  whole(flags.polish, "--polish", set_polish_steps);
-  whole(flags.tile_vertices, "--tile-vertices", set_tile_vertices);
-  settings.skirts = flags.skirts;
-  if (!flags.levels.empty()) settings.levels = parse_levels(flags.levels);
-  take_adaptive(flags, settings.adaptive);
+  apply_flags<FitSettings>(flags.options, option_table(), settings);
+  apply_flags(flags.options, point_option_table(), settings.points);
+  if (settings.adaptive.any() && flags.options.contains("levels")) {
+    refuse("--levels",
+           std::string("a surface has levels or ") +
+               (settings.adaptive.chord_errors.empty() ? "an --angle" : "a --chord-error") +
+               ", not both; leave one of them out");
+  }
   check_consistent(settings);
   return settings;
 }
@@ -180,7 +118,9 @@ Settings settings_of(const FitFlags& flags) {
 int workers_of(const FitFlags& flags) {
   constexpr std::int64_t kMost = 256;
   if (flags.workers.empty()) return 1;
-  const std::int64_t workers = parse_whole(flags.workers, "--jobs");
+  std::int64_t workers = 0;
+  if (!parse_integer(flags.workers, workers))
+    refuse("--jobs", "\"" + visible(flags.workers) + "\" is no whole number");
   if (workers < 1 || workers > kMost)
     refuse("--jobs", std::to_string(workers) + " is out of range; 1 to 256 is wanted");
   return static_cast<int>(workers);
@@ -190,13 +130,7 @@ namespace {
 
 std::vector<std::string> given_settings(const FitFlags& flags) {
   std::vector<std::string> given;
-  for (const auto& [name, value] : flags.words)
-    if (!value.empty()) given.emplace_back(name);
-  if (!flags.max_iterations.empty()) given.emplace_back("max_iterations");
-  if (!flags.polish.empty()) given.emplace_back("polish");
-  if (!flags.weld.empty()) given.emplace_back("weld");
-  if (!flags.tile_vertices.empty()) given.emplace_back("tile_vertices");
-  if (flags.skirts) given.emplace_back("skirts");
+  for (const auto& [name, text] : flags.options) given.emplace_back(name);
   return given;
 }
 
@@ -207,6 +141,7 @@ Job job_of(const FitFlags& flags, const Settings& settings, const std::string& i
   Job job;
   job.input = input;
   job.name = job_name_of(input);
+  job.label = input_name(input);
   job.input_format = input_format_of(flags);
   job.settings = settings;
   job.given_settings = given_settings(flags);

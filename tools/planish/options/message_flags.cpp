@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "commands.h"
-#include "options/nearest.h"
 #include "planish/core/error.h"
+#include "planish/core/nearest.h"
 #include "planish/core/visible_text.h"
 
 namespace planish::command {

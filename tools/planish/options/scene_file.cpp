@@ -9,13 +9,13 @@
 #include "job/input.h"
 #include "job/point_input.h"
 #include "options/json_lines.h"
-#include "options/nearest.h"
-#include "options/refuse.h"
 #include "options/scene_settings.h"
 #include "options/scene_values.h"
 #include "options/strict_json.h"
 #include "page/page_job.h"
 #include "planish/core/error.h"
+#include "planish/core/nearest.h"
+#include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
 
@@ -63,7 +63,7 @@ class JobParser {
     job.input = path_of(json["input"], key_path(where, "input"));
     job.name = std::filesystem::path(job.input).stem().string();
     if (json.contains("name")) job.name = text_of(json["name"], key_path(where, "name"));
-    job.name = visible(job.name);
+    job.label = job.name = visible(job.name);
     if (job.name.empty()) refuse(key_path(where, "name"), "is empty");
     if (json.contains("input_format")) {
       const std::string path = key_path(where, "input_format");
@@ -132,9 +132,10 @@ class JobParser {
         if (json.contains(key)) refuse(key_path(where, key), "a cage has no levels");
       return request;
     }
-    request.levels = settings.levels;
-    request.adaptive = settings.adaptive;
-    apply_fineness(json, where, request.levels, request.adaptive);
+    FitSettings fineness = settings;
+    apply_fineness(json, where, fineness);
+    request.levels = fineness.levels;
+    request.adaptive = fineness.adaptive;
     if (request.adaptive.any() && settings.scheme != Scheme::DooSabin)
       refuse(where, "only Doo-Sabin surfaces have chord errors and angles; take levels");
     return request;

@@ -3,68 +3,91 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "options/nearest.h"
-#include "options/point_settings.h"
-#include "options/refuse.h"
+#include "planish/core/nearest.h"
+#include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
 
 namespace planish::command {
 namespace {
 
-template <class Read>
-auto list_of(const Json& json, const std::string& where, const char* wanted, const Read& read) {
-  if (!json.is_array())
-    refuse(where, std::string("a list of ") + wanted + " is wanted, not " + json.type_name());
-  std::vector<decltype(read(json, where))> values;
+template <class Value, class Read>
+std::vector<Value> list_of(const OptionInfo& option, const Json& json, const std::string& where,
+                           const Read& read) {
+  if (!json.is_array()) {
+    refuse(where, "a list of " + std::string(option.entry) + "s such as [" +
+                      std::string(option.example) + "] is wanted, not " + json.type_name());
+  }
+  std::vector<Value> values;
   for (std::size_t i = 0; i < json.size(); ++i)
     values.push_back(read(json[i], entry_path(where, i)));
   return values;
 }
 
-std::vector<int> levels_of(const Json& json, const std::string& where) {
-  return checked_levels(list_of(json, where, "levels such as [2]", integer_of), where);
-}
-
-std::vector<double> chord_errors_of(const Json& json, const std::string& where) {
-  return checked_chord_errors(list_of(json, where, "errors such as [0.001]", number_of), where);
-}
-
-std::int32_t vertex_of(const Json& json, const std::string& where) {
+std::int64_t vertex_of(const Json& json, const std::string& where) {
   const std::int64_t vertex = integer_of(json, where);
   if (vertex < 0) refuse(where, "a vertex counted from 0 is wanted, not " + std::to_string(vertex));
-  return static_cast<std::int32_t>(vertex);
+  return vertex;
+}
+
+std::vector<std::int64_t> tagged_edges(const Json& json, const std::string& where) {
+  std::vector<std::int64_t> vertices;
+  for_entries(json, where, [&](const Json& edge, const std::string& entry) {
+    if (!edge.is_array() || edge.size() != 2)
+      refuse(entry, "two vertices such as [0, 1] are wanted");
+    for (std::size_t i = 0; i < 2; ++i)
+      vertices.push_back(vertex_of(edge[i], entry_path(entry, i)));
+  });
+  return vertices;
+}
+
+// Calls set(value): its text may be one that was made here.
+template <class Set>
+void with_value(const OptionInfo& option, const Json& json, const std::string& where,
+                const Set& set) {
+  OptionValue value;
+  std::string number;
+  switch (option.kind) {
+    case OptionKind::Word:
+    case OptionKind::Words:
+    case OptionKind::Text:
+      value.text = text_of(json, where);
+      break;
+    case OptionKind::TextOrWhole:
+      if (json.is_number()) number = json.dump();
+      value.text = json.is_number() ? std::string_view(number) : text_of(json, where);
+      break;
+    case OptionKind::Whole:
+      value.whole = integer_of(json, where);
+      break;
+    case OptionKind::Number:
+      value.number = number_of(json, where);
+      break;
+    case OptionKind::Switch:
+      if (!json.is_boolean())
+        refuse(where, std::string("true or false is wanted, not ") + json.type_name());
+      value.is_on = json.get<bool>();
+      break;
+    case OptionKind::Wholes:
+      value.wholes = list_of<std::int64_t>(option, json, where, integer_of);
+      break;
+    case OptionKind::Numbers:
+      value.numbers = list_of<double>(option, json, where, number_of);
+      break;
+    case OptionKind::Vertices:
+      for_entries(json, where, [&](const Json& vertex, const std::string& entry) {
+        value.wholes.push_back(vertex_of(vertex, entry));
+      });
+      break;
+    case OptionKind::Edges:
+      value.wholes = tagged_edges(json, where);
+      break;
+  }
+  set(value);
 }
 
 }  // namespace
-
-std::vector<std::string_view> scene_keys(SceneObject object) {
-  std::vector<std::string_view> solve{"tolerance", "max_iterations", "polish",
-                                      "weld",      "crease_edges",   "corner_vertices"};
-  std::vector<std::string_view> all = solve;
-  all.insert(all.end(), {"levels", "chord_errors", "angle", "tile_vertices", "skirts", "solve"});
-  for (const WordSetting& setting : word_settings()) {
-    all.push_back(setting.name);
-    if (setting.belongs_to_solve) solve.push_back(setting.name);
-  }
-  for (const PointSetting& setting : point_settings()) all.push_back(setting.name);
-  switch (object) {
-    case SceneObject::Scene:
-      return {"$schema", "version", "defaults", "jobs"};
-    case SceneObject::Defaults:
-      return all;
-    case SceneObject::Job:
-      all.insert(all.end(), {"name", "input", "input_format", "sample", "outputs", "source",
-                             "report", "page"});
-      return all;
-    case SceneObject::Solve:
-      return solve;
-    case SceneObject::Output:
-      return {"path", "what", "levels", "chord_errors", "angle"};
-    case SceneObject::Sample:
-      return {"points", "pattern", "seed", "noise", "outliers"};
-  }
-  return {};
-}
 
 void check_keys(const Json& json, SceneObject kind, const std::string& where) {
   require_object(json, where);
@@ -75,22 +98,19 @@ void check_keys(const Json& json, SceneObject kind, const std::string& where) {
   }
 }
 
-void apply_fineness(const Json& json, const std::string& where, std::vector<int>& levels,
-                    AdaptiveChoice& adaptive) {
-  const bool is_adaptive = json.contains("chord_errors") || json.contains("angle");
+void apply_fineness(const Json& json, const std::string& where, FitSettings& settings) {
   if (json.contains("levels")) {
-    if (is_adaptive) {
+    if (json.contains("chord_errors") || json.contains("angle")) {
       refuse(key_path(where, "levels"),
              "a surface has levels or chord_errors and an angle, not both; leave one of them out");
     }
-    levels = levels_of(json["levels"], key_path(where, "levels"));
-    adaptive = {};
+    settings.adaptive = {};
   }
-  if (json.contains("chord_errors"))
-    adaptive.chord_errors = chord_errors_of(json["chord_errors"], key_path(where, "chord_errors"));
-  if (json.contains("angle")) {
-    const std::string path = key_path(where, "angle");
-    adaptive.angle = checked_angle(number_of(json["angle"], path), path);
+  for (const FitOption& option : option_table()) {
+    if (option.stage != OptionStage::Fineness || !json.contains(option.name)) continue;
+    const std::string path = key_path(where, option.name);
+    with_value(option, json[std::string(option.name)], path,
+               [&](const OptionValue& value) { set_option(option, settings, value, path); });
   }
 }
 
@@ -102,69 +122,25 @@ void apply_settings(Settings& settings, std::vector<GivenSetting>& given, const 
   const std::string solve_path = key_path(where, "solve");
   if (has_solve) check_keys(solve, SceneObject::Solve, solve_path);
 
-  const auto visit = [&](std::string_view key, const auto& set) {
+  const auto visit = [&](const auto& option, auto& target) {
+    const std::string_view key = option.name;
     const bool here = json.contains(key);
     const bool in_solve = solve.contains(key);
-    if (here && in_solve) {
+    if (here && in_solve)
       refuse(key_path(solve_path, key), "stands in " + where + " as well; once is enough");
-    }
-    if (here) set(json[std::string(key)], key_path(where, key));
-    if (in_solve) set(solve[std::string(key)], key_path(solve_path, key));
     note_given(given, json, key, where);
     note_given(given, solve, key, solve_path);
+    if (!here && !in_solve) return;
+    const std::string path = key_path(in_solve ? solve_path : where, key);
+    with_value(option, (in_solve ? solve : json)[std::string(key)], path,
+               [&](const OptionValue& value) { set_option(option, target, value, path); });
   };
-  for (const WordSetting& setting : word_settings()) {
-    visit(setting.name, [&](const Json& value, const std::string& path) {
-      setting.set(settings, text_of(value, path), path);
-    });
-  }
-  for (const PointSetting& setting : point_settings()) {
-    visit(setting.name, [&](const Json& value, const std::string& path) {
-      const bool as_number = setting.is_number && value.is_number();
-      setting.set(settings.points, as_number ? value.dump() : text_of(value, path), path);
-    });
-  }
-  visit("tolerance", [&](const Json& value, const std::string& path) {
-    set_tolerance(settings, number_of(value, path), path);
-  });
-  visit("weld", [&](const Json& value, const std::string& path) {
-    if (!value.is_number())
-      refuse(path, std::string("a number is wanted, not ") + value.type_name());
-    set_weld(settings, value.get<double>(), path);
-  });
-  visit("max_iterations", [&](const Json& value, const std::string& path) {
-    set_max_iterations(settings, integer_of(value, path), path);
-  });
-  visit("polish", [&](const Json& value, const std::string& path) {
-    set_polish_steps(settings, integer_of(value, path), path);
-  });
-  visit("tile_vertices", [&](const Json& value, const std::string& path) {
-    set_tile_vertices(settings, integer_of(value, path), path);
-  });
-  visit("skirts", [&](const Json& value, const std::string& path) {
-    if (!value.is_boolean())
-      refuse(path, std::string("true or false is wanted, not ") + value.type_name());
-    settings.skirts = value.get<bool>();
-  });
-  visit("crease_edges", [&](const Json& value, const std::string& path) {
-    settings.crease_edges.clear();
-    for_entries(value, path, [&](const Json& edge, const std::string& entry) {
-      if (!edge.is_array() || edge.size() != 2) {
-        refuse(entry, "two vertices such as [0, 1] are wanted");
-      }
-      settings.crease_edges.push_back(
-          {vertex_of(edge[0], entry_path(entry, 0)), vertex_of(edge[1], entry_path(entry, 1))});
-    });
-  });
-  visit("corner_vertices", [&](const Json& value, const std::string& path) {
-    settings.corner_vertices.clear();
-    for_entries(value, path, [&](const Json& vertex, const std::string& entry) {
-      settings.corner_vertices.push_back({vertex_of(vertex, entry)});
-    });
-  });
-  apply_fineness(json, where, settings.levels, settings.adaptive);
-  for (const char* const key : {"levels", "chord_errors", "angle"})
-    note_given(given, json, key, where);
+  for (const FitOption& option : option_table())
+    if (option.stage != OptionStage::Fineness) visit(option, static_cast<FitSettings&>(settings));
+  for (const PointOption& option : point_option_table()) visit(option, settings.points);
+  apply_fineness(json, where, settings);
+  for (const FitOption& option : option_table())
+    if (option.stage == OptionStage::Fineness) note_given(given, json, option.name, where);
 }
 
 void note_given(std::vector<GivenSetting>& given, const Json& json, std::string_view key,

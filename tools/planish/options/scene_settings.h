@@ -5,14 +5,11 @@
 #include <vector>
 
 #include "options/given_setting.h"
+#include "options/scene_schema.h"
 #include "options/scene_values.h"
 #include "options/settings.h"
 
 namespace planish::command {
-
-/// The keys that each kind of object in a scene file may have; the schema is held against them.
-enum class SceneObject { Scene, Defaults, Job, Solve, Output, Sample };
-[[nodiscard]] std::vector<std::string_view> scene_keys(SceneObject object);
 
 /// Throws Error{InvalidArgument} for a key that the object may not have.
 void check_keys(const Json& json, SceneObject kind, const std::string& where);
@@ -22,8 +19,7 @@ void apply_settings(Settings& settings, std::vector<GivenSetting>& given, const 
                     const std::string& where);
 
 /// The same of keys that say how fine a surface is, which take the place of what said so before.
-void apply_fineness(const Json& json, const std::string& where, std::vector<int>& levels,
-                    AdaptiveChoice& adaptive);
+void apply_fineness(const Json& json, const std::string& where, FitSettings& settings);
 
 /// Notes a key that the object has.
 void note_given(std::vector<GivenSetting>& given, const Json& json, std::string_view key,

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-#include "options/refuse.h"
+#include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "terminal/text.h"
 

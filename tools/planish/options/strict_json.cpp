@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "options/refuse.h"
+#include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 
 namespace planish::command {

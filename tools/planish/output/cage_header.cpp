@@ -1,52 +1,31 @@
 #include "output/cage_header.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <limits>
+#include <string_view>
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
+#include "planish/core/refuse.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_table.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
-
-std::string shortest(double number) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number);
-  return {buffer.data(), end.ptr};
-}
-
-double parse_tolerance(std::string_view value, const std::string& where) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-  const bool whole = error == std::errc() && end == value.data() + value.size();
-  if (!whole || !std::isfinite(number) || number <= 0) {
-    throw Error(ErrorCode::InvalidArgument, where + ": \"" + visible(value) + "\" is no tolerance");
-  }
-  return number;
-}
-
-double parse_weld(std::string_view value, const std::string& where) {
-  Settings checked;
-  set_weld(checked, value, where);
-  return *checked.weld;
-}
 
 // "3 17 20"
 std::vector<std::int32_t> parse_vertices(std::string_view value, const std::string& where) {
   std::vector<std::int32_t> vertices;
   while (!value.empty()) {
     const std::size_t end = std::min(value.find(' '), value.size());
-    const std::int64_t vertex = parse_whole(value.substr(0, end), where);
-    if (vertex < 0 || vertex > std::numeric_limits<std::int32_t>::max())
-      throw Error(ErrorCode::InvalidArgument, where + ": " + std::to_string(vertex) +
-                                                  " is no vertex; 0 to 2147483647 is wanted");
+    const std::string_view number = value.substr(0, end);
+    std::int64_t vertex = 0;
+    if (!parse_integer(number, vertex) || vertex < 0 ||
+        vertex > std::numeric_limits<std::int32_t>::max())
+      refuse(where, "\"" + visible(number) + "\" is no vertex; 0 to 2147483647 is wanted");
     vertices.push_back(static_cast<std::int32_t>(vertex));
     value.remove_prefix(std::min(end + 1, value.size()));
   }
@@ -55,42 +34,49 @@ std::vector<std::int32_t> parse_vertices(std::string_view value, const std::stri
 
 void apply(CageHeader& header, std::string_view key, std::string_view value,
            const std::string& where) {
-  if (key == "interpolation") header.interpolation = parse_method(value, where);
-  if (key == "weights") header.weights = parse_weights(value, where);
-  if (key == "boundary") header.boundary = parse_boundary(value, where);
-  if (key == "creases") header.creases = parse_creases(value, where);
-  if (key == "repair") header.repair = parse_repair(value, where);
-  if (key == "tolerance") header.tolerance = parse_tolerance(value, where);
-  if (key == "weld") header.weld = parse_weld(value, where);
   if (key == "smoothed_vertices") header.smoothed_vertices = parse_vertices(value, where);
   if (key == "source") header.source = std::string(value);
-  if (key == "scheme") header.scheme = parse_scheme(value, where);
+  const FitOption* option = find_option(option_table(), key);
+  if (option == nullptr || !is_of_cages(*option)) return;
+  read_option(*option, header.settings, value, where);
+  require_known_method(header.settings, where);
 }
 
 }  // namespace
 
-std::vector<std::string> cage_header_lines(const Settings& settings, InterpolationMethod method,
+bool is_of_cages(const OptionInfo& option) {
+  return option.stage == OptionStage::Shape || option.name == "tolerance";
+}
+
+void require_known_method(const FitSettings& settings, std::string_view where) {
+  if (settings.interpolation == InterpolationChoice::Auto)
+    refuse(where, "\"auto\" is not one of progressive, fair");
+}
+
+std::vector<std::string> cage_header_lines(FitSettings settings, InterpolationMethod method,
                                            const std::string& source,
                                            std::span<const std::int32_t> smoothed_vertices) {
-  const auto line = [](std::string_view key, std::string_view value) {
-    return "planish " + std::string(key) + "=" + std::string(value);
+  settings.interpolation = method == InterpolationMethod::Fair ? InterpolationChoice::Fair
+                                                               : InterpolationChoice::Progressive;
+  std::vector<std::string> lines;
+  const auto add = [&](std::string_view key, std::string_view value) {
+    lines.push_back("planish " + std::string(key) + "=" + std::string(value));
   };
-  const std::string file_name = std::filesystem::path(source).filename().string();
-  std::vector<std::string> lines{line("version", PLANISH_VERSION),
-                                 line("scheme", name_of(settings.scheme)),
-                                 line("interpolation", name_of(method)),
-                                 line("weights", name_of(settings.weights)),
-                                 line("boundary", name_of(settings.boundary)),
-                                 line("creases", name_of(settings.creases)),
-                                 line("repair", name_of(settings.repair)),
-                                 line("tolerance", shortest(settings.tolerance)),
-                                 line("source", plain_utf8(file_name))};
-  if (settings.weld) lines.push_back(line("weld", shortest(*settings.weld)));
+  add("version", PLANISH_VERSION);
+  // First what every cage says, then what was asked for besides.
+  for (const bool has_default : {true, false}) {
+    for (const FitOption& option : option_table()) {
+      if (!is_of_cages(option) || option.initial.empty() == has_default) continue;
+      const std::string text = option.get(settings);
+      if (!text.empty()) add(option.name, text);
+    }
+    if (has_default) add("source", plain_utf8(std::filesystem::path(source).filename().string()));
+  }
   if (smoothed_vertices.empty()) return lines;
   std::string numbers;
   for (const std::int32_t vertex : smoothed_vertices)
     numbers += (numbers.empty() ? "" : " ") + std::to_string(vertex);
-  lines.push_back(line("smoothed_vertices", numbers));
+  add("smoothed_vertices", numbers);
   return lines;
 }
 

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/write_gltf.h"
@@ -42,12 +41,9 @@ void stage_further_buffers(const PlannedOutput& planned, const fs::path& written
   std::size_t count = 1;
   for (; fs::exists(gltf_buffer_path(written, count)); ++count) {
     const fs::path buffer = gltf_buffer_path(planned.path, count);
-    std::error_code error;
-    if (!planned.overwrites && fs::exists(fs::symlink_status(buffer, error)))
-      throw Error(ErrorCode::UnwritableOutput, visible(buffer) + ": exists; --force overwrites it");
     (void)staged.stage(buffer);
   }
-  if (!planned.overwrites) return;
+  if (!staged.overwrites()) return;
   for (const std::size_t end = own_buffers(planned.path); count < end; ++count)
     staged.remove_later(gltf_buffer_path(planned.path, count));
 }

@@ -19,12 +19,11 @@ namespace planish::command {
 namespace {
 
 SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
-                                     const Placement& placement, const PolygonMesh& input,
-                                     const Callbacks& callbacks) {
+                                     const FittedMesh& fitted, const Callbacks& callbacks) {
   SurfaceOutputOptions options;
-  options.given = input.positions;
+  options.given = fitted.mesh.positions;
   options.gltf.callbacks = callbacks;
-  options.diagonal = placement.diagonal;
+  options.diagonal = fitted.fit.placement.diagonal;
   options.tolerance = job.settings.tolerance;
   options.gltf.compression = job.settings.compression;
   const std::string stem =
@@ -32,9 +31,8 @@ SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
   options.gltf.name = plain_utf8(stem);
   options.gltf.double_sided = report.input.statistics.boundary_loop_count > 0;
   options.gltf.z_up = job.settings.up == UpAxis::Z;
-  options.gltf.origin = storage_origin(placement);
-  options.gltf.extras = fit_extras(fit_options(report.settings, report.method),
-                                   name_of(report.settings.creases), report.interpolation);
+  options.gltf.origin = storage_origin(fitted.fit.placement);
+  options.gltf.extras = fit_extras(fitted.options, fitted.creases(), report.interpolation);
   return options;
 }
 
@@ -44,7 +42,7 @@ void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& 
   if (!report.interpolation.converged || output.as_written_error <= tolerance) return;
   add_warning(report, console,
               {"rounded-output",
-               output.path + ": rounding for the file leaves an error of " +
+               output_name(output.path) + ": rounding for the file leaves an error of " +
                    short_number(output.as_written_error) + ", above the tolerance " +
                    short_number(tolerance) + "; --cage and .ply keep every digit",
                1, -1});
@@ -65,16 +63,18 @@ std::optional<glm::dvec3> stored_about(const FittedJob& work, const Fineness& fi
 JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level,
                         const SurfaceOutputOptions& options) {
   return timed(work.report.timing.evaluate, [&] {
+    work.context.progress.update("level", 0);
     JobLevel made = surface.level(level);
     work.context.progress.update("measure", 0);
-    measure_surface(work.made, work.fitted, made, stored_about(work, {.level = level}, options),
-                    work.report, work.context);
+    measure_surface(work.made, made, stored_about(work, {.level = level}, options), work.report,
+                    work.context);
     return made;
   });
 }
 
 // Nothing is measured on triangles of all sizes: that is for a level.
 JobLevel adaptive_surface(const FittedJob& work, JobSurface& surface, const Fineness& fineness) {
+  work.context.progress.update("level", 0);
   return timed(work.report.timing.evaluate, [&] { return surface.adaptive(fineness); });
 }
 
@@ -88,8 +88,7 @@ void write_one(const FittedJob& work, const PlannedOutput& planned, JobLevel* su
     if (!planned.to_stdout) target = work.staged.stage(planned.path);
     written = surface != nullptr
                   ? write_surface_output(planned, target, *surface, options, stdout_bytes)
-                  : write_cage_output(planned, target, work.fitted, work.made.input.file.mesh,
-                                      work.report);
+                  : write_cage_output(planned, target, work.made.fitted, work.report);
     if (planned.to_stdout) return;
     const std::filesystem::path beside = companion_of(target, planned.format);
     if (!beside.empty() && std::filesystem::exists(beside))
@@ -118,8 +117,8 @@ void add_attributes(const FittedJob& work, const JobSurface& all, JobLevel& surf
                     VertexFields& fields, GltfOptions& options) {
   const FieldChoice& choice = work.job.settings.attributes;
   if (!choice.any()) return;
-  fields = vertex_fields(surface.whole(), work.made.input.file.mesh, work.fitted.placement.diagonal,
-                         all.doo_sabin());
+  fields = vertex_fields(surface.whole(), work.made.fitted.mesh,
+                         work.made.fitted.fit.placement.diagonal, all.doo_sabin());
   options.fields = named_fields(fields, choice);
   if (!choice.curvature) return;
   options.extras.emplace_back("curvature_from", std::string(name_of(fields.curvature_source)));
@@ -132,8 +131,9 @@ void make_scene(const FittedJob& work, const JobSurface& all, JobLevel& surface)
   timed(work.report.timing.write, [&] {
     const Settings& settings = work.job.settings;
     work.scene.clear();
-    const PageScene scene = job_scene({surface.whole(), work.made.input.file.mesh, work.fitted,
-                                       settings, work.made.file_vertices, all.doo_sabin()});
+    const PageScene scene =
+        job_scene({surface.whole(), work.made.fitted.mesh, work.made.fitted.fit, settings,
+                   work.made.fitted.source_vertices, all.doo_sabin()});
     surface.let_go();
     work.scene = make_payloads(scene, settings, work.context.page);
   });
@@ -154,9 +154,8 @@ void make_scene_by_level(const FittedJob& work, JobSurface& all, int deepest) {
 
 std::vector<std::byte> write_outputs(const FittedJob& work) {
   std::vector<std::byte> stdout_bytes;
-  const SurfaceOutputOptions common =
-      surface_options(work.job, work.report, work.fitted.placement, work.made.input.file.mesh,
-                      callbacks_for(work.report, work.context));
+  const SurfaceOutputOptions common = surface_options(work.job, work.report, work.made.fitted,
+                                                      callbacks_for(work.report, work.context));
   std::vector<WrittenOutput>& written = work.report.outputs;
   written.resize(work.outputs.size());
   std::vector<Fineness> finenesses;
@@ -169,14 +168,13 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
       finenesses.push_back(planned.fineness);
     }
   }
-  JobSurface all(work.made, work.fitted, work.backend, work.job.settings,
-                 callbacks_for(work.report, work.context));
+  JobSurface all(work.made.fitted, work.backend, callbacks_for(work.report, work.context));
   int scene_level =
       work.context.wants_page(work.job)
-          ? page_level(work.made.input.file.mesh, work.job.settings.scheme, work.context.page)
+          ? page_level(work.made.fitted.mesh, work.job.settings.scheme, work.context.page)
           : -1;
   constexpr std::int32_t kLarge = 1 << 15;
-  if (scene_level > 0 && work.made.input.file.mesh.vertex_count() >= kLarge) {
+  if (scene_level > 0 && work.made.fitted.mesh.vertex_count() >= kLarge) {
     make_scene_by_level(work, all, scene_level);
     scene_level = -1;
   }
@@ -216,7 +214,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   if (asks_for_result && lacks_distances) {
     if (work.job.settings.scheme == Scheme::DooSabin) {
       timed(work.report.timing.evaluate,
-            [&] { measure_points(work.made, work.fitted, all, work.report); });
+            [&] { measure_points(work.made, all, work.report, work.context); });
     } else {
       (void)measured_level(work, all, kPointDistanceLevel, common);
     }
@@ -226,10 +224,10 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
     (void)measured_level(work, all, 1, common);
   if (work.report.surface && work.made.source && work.job.settings.scheme == Scheme::DooSabin) {
     timed(work.report.timing.evaluate,
-          [&] { measure_source(work.made, work.fitted, all, work.report); });
+          [&] { measure_source(work.made, all, work.report, work.context); });
   }
-  if (work.report.surface && !work.made.separated_edges.empty())
-    note_sheet_gap(work.made, work.fitted, all.made_doo_sabin(), work.report);
+  if (work.report.surface && !work.made.fitted.separated_edges.empty())
+    note_sheet_gap(work.made, all.made_doo_sabin(), work.report);
   return stdout_bytes;
 }
 

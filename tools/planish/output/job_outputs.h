@@ -6,7 +6,6 @@
 #include "job/job.h"
 #include "job/job_input.h"
 #include "output/staged_files.h"
-#include "planish/pipeline/fit.h"
 
 namespace planish::command {
 
@@ -17,7 +16,6 @@ struct FittedJob {
   Backend& backend;
   const JobContext& context;
   const JobInput& made;
-  const Fit& fitted;
   JobReport& report;
   StagedFiles& staged;
   std::vector<PagePayload>& scene;  ///< for the page; left empty where none is wanted

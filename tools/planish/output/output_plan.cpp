@@ -6,8 +6,8 @@
 #include <climits>
 
 #include "job/input_path.h"
-#include "options/refuse.h"
 #include "planish/core/error.h"
+#include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/tiles/tileset.h"
 #include "planish/files/tiles/write_tiles.h"
@@ -60,6 +60,17 @@ std::vector<Fineness> finenesses_of(const OutputRequest& request) {
   if (!all.empty()) return all;
   for (const int level : request.levels) all.push_back({level, 0, 0});
   return all;
+}
+
+// Coordinates of up to half a diagonal round by 3e-8 of it as float32.
+void require_chord_error(const OutputRequest& request, FileFormat format, double chord_error) {
+  constexpr double kLeastOfFloats = 1e-7;
+  if (chord_error == 0 || chord_error >= kLeastOfFloats || info_of(format).keeps_doubles) return;
+  refuse(
+      request.where,
+      visible(request.path) + ": a chord error of " + short_number(chord_error) +
+          " of the diagonal is finer than the file's float32 numbers hold; take 1e-7 or more, or "
+          "write .ply, which keeps doubles");
 }
 
 }  // namespace
@@ -205,6 +216,7 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
           request.where,
           "a GLB is not written to a terminal; name a file, or send stdout somewhere: > out.glb");
     claims.add_output("-", request.where);
+    require_chord_error(request, FileFormat::Glb, finenesses.at(0).chord_error);
     return {{"-", OutputKind::Surface, FileFormat::Glb, finenesses.at(0), true}};
   }
   if (request.path.empty()) refuse(request.where, "the path is empty");
@@ -230,7 +242,7 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
     }
   }
   for (PlannedOutput& output : planned) {
-    output.overwrites = claims.overwrites();
+    require_chord_error(request, format, output.fineness.chord_error);
     claims.add_output(output.path, request.where);
     const fs::path companion = companion_of(output.path, format);
     if (!companion.empty()) claims.add_output(companion, request.where);

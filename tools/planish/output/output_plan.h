@@ -42,7 +42,6 @@ struct PlannedOutput {
   FileFormat format = FileFormat::Glb;
   Fineness fineness;  ///< of a surface
   bool to_stdout = false;
-  bool overwrites = false;  ///< files that exist, its further buffers among them
 };
 
 struct PathRules {

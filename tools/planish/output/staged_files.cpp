@@ -7,11 +7,33 @@
 #include <cstring>
 
 #include "planish/core/output_file.h"
+#include "planish/core/rename_file.h"
 #include "planish/core/visible_text.h"
 #include "terminal/interrupt.h"
 
 namespace planish::command {
 namespace fs = std::filesystem;
+
+namespace {
+
+void rename(const fs::path& from, const fs::path& to, bool replaces, const fs::path& target) {
+  const std::error_code error = rename_file(from, to, replaces);
+  if (!error) return;
+  const bool has_come = error == std::errc::file_exists || error == std::errc::directory_not_empty;
+  throw Error(ErrorCode::UnwritableOutput,
+              has_come ? visible(to) + " exists by now; --force overwrites it"
+                       : visible(target) + ": cannot be put in place: " + error.message());
+}
+
+fs::path staged_folder(const fs::path& temporary, const fs::path& beside) {
+  return temporary.parent_path() / beside.filename();
+}
+
+void take_back(const fs::path& from, const fs::path& to) {
+  [[maybe_unused]] const std::error_code ignored = rename_file(from, to, true);
+}
+
+}  // namespace
 
 StagedFiles::~StagedFiles() {
   std::error_code ignored;
@@ -70,41 +92,49 @@ std::string StagedFiles::with_targets(std::string message) const {
 void StagedFiles::commit() {
   const auto lock = while_files_move();
   check_interrupt();  // the last moment at which nothing has happened
-  for (const File& file : files_) move(file);
+  std::size_t moved = 0;
+  try {
+    for (; moved < files_.size(); ++moved) move(files_[moved]);
+  } catch (const Error&) {
+    // What was replaced is gone; what was not can be as if nothing had happened.
+    while (!overwrites_ && moved-- > 0) take_back(files_[moved].target, files_[moved].temporary);
+    throw;
+  }
   files_.clear();
   std::error_code ignored;  // what stays is in nobody's way
   for (const fs::path& path : remains_) fs::remove(path, ignored);
   remains_.clear();
 }
 
+void StagedFiles::move(const File& file) const {
+  if (!file.beside.empty()) {
+    if (overwrites_) put_away(file);
+    // No folder that holds anything is replaced by another one.
+    rename(staged_folder(file.temporary, file.beside), file.beside, true, file.target);
+  }
+  try {
+    rename(file.temporary, file.target, overwrites_, file.target);
+  } catch (const Error&) {
+    if (!file.beside.empty()) take_back(file.beside, staged_folder(file.temporary, file.beside));
+    throw;
+  }
+}
+
 // A document that stands there goes first, then its folder; they are removed with the hidden
 // folder.
-void StagedFiles::move(const File& file) {
-  std::error_code error;
-  const auto rename = [&](const fs::path& from, const fs::path& to) {
-    fs::rename(from, to, error);
-    if (error) {
-      throw Error(ErrorCode::UnwritableOutput,
-                  visible(file.target) + ": cannot be put in place: " + error.message());
-    }
-  };
-  if (!file.beside.empty()) {
-    // The names may be as long as names can be, so that nothing can be added to them.
-    const fs::path folder = file.temporary.parent_path();
-    int number = 0;
-    const auto put_away = [&](const fs::path& old) {
-      if (!fs::exists(fs::symlink_status(old, error))) return;
-      fs::path away;
-      do {
-        away = folder / (".replaced-" + std::to_string(number++));
-      } while (fs::exists(fs::symlink_status(away, error)));
-      rename(old, away);
-    };
-    put_away(file.target);
-    put_away(file.beside);
-    rename(file.temporary.parent_path() / file.beside.filename(), file.beside);
+void StagedFiles::put_away(const File& file) const {
+  // The names may be as long as names can be, so that nothing can be added to them.
+  const fs::path folder = file.temporary.parent_path();
+  int number = 0;
+  std::error_code ignored;
+  for (const fs::path& old : {file.target, file.beside}) {
+    if (!fs::exists(fs::symlink_status(old, ignored))) continue;
+    fs::path away;
+    do {
+      away = folder / (".replaced-" + std::to_string(number++));
+    } while (fs::exists(fs::symlink_status(away, ignored)));
+    rename(old, away, true, file.target);
   }
-  rename(file.temporary, file.target);
 }
 
 }  // namespace planish::command

@@ -13,7 +13,8 @@ namespace planish::command {
 /// moves all of them. Without commit the folders vanish with everything in them.
 class StagedFiles {
  public:
-  StagedFiles() = default;
+  /// Without `overwrites` what stands at a file's place when commit() comes to it stays.
+  explicit StagedFiles(bool overwrites) : overwrites_(overwrites) {}
   ~StagedFiles();
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
@@ -22,8 +23,11 @@ class StagedFiles {
   /// Throws Error{UnwritableOutput}.
   [[nodiscard]] std::filesystem::path stage(const std::filesystem::path& path);
 
+  [[nodiscard]] bool overwrites() const { return overwrites_; }
+
   /// The same for a document and a folder beside it that it names: a document is in place only
-  /// while its folder is, whatever ends the process. A folder that stands there is replaced whole.
+  /// while its folder is, whatever ends the process. A folder that stands there is replaced whole;
+  /// without `overwrites` only one that is empty is.
   [[nodiscard]] std::filesystem::path stage_with_folder(const std::filesystem::path& document,
                                                         const std::filesystem::path& folder);
 
@@ -44,7 +48,8 @@ class StagedFiles {
   /// A file beside one that was staged, which goes when that has come: what an earlier one needed.
   void remove_later(const std::filesystem::path& path) { remains_.push_back(path); }
 
-  /// Moves every file that was staged to its place. Throws Error{UnwritableOutput}.
+  /// Moves every file that was staged to its place. Throws Error{UnwritableOutput}; without
+  /// `overwrites` those that were moved by then are taken back.
   void commit();
 
  private:
@@ -55,9 +60,11 @@ class StagedFiles {
     std::filesystem::path temporary, target;
     std::filesystem::path beside;  // a folder that goes with it; empty: none
   };
-  static void move(const File& file);
+  void move(const File& file) const;
+  void put_away(const File& file) const;
   [[nodiscard]] std::string with_targets(std::string message) const;
 
+  bool overwrites_;
   std::vector<Folder> folders_;
   std::vector<File> files_;
   std::vector<std::filesystem::path> remains_;

@@ -206,9 +206,10 @@ WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesy
 }
 
 WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesystem::path& target,
-                                const Fit& fitted, const PolygonMesh& input,
-                                const JobReport& report) {
+                                const FittedMesh& whole, const JobReport& report) {
   const Settings& settings = report.settings;
+  const PolygonMesh& input = whole.mesh;
+  const Fit& fitted = whole.fit;
   PolygonMesh cage = control_cage(input, fitted, settings.sharp());
   round_for(planned.format, cage.positions);
   write_mesh(target, planned.format, cage,

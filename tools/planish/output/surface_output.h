@@ -37,11 +37,10 @@ struct SurfaceOutputOptions {
                                                const SurfaceOutputOptions& options);
 
 /// Writes the cage of a fitted mesh and measures how far its limit surface, recomputed in double,
-/// is from the vertices of `input`.
+/// is from the mesh's vertices.
 [[nodiscard]] WrittenOutput write_cage_output(const PlannedOutput& planned,
                                               const std::filesystem::path& target,
-                                              const Fit& fitted, const PolygonMesh& input,
-                                              const JobReport& report);
+                                              const FittedMesh& whole, const JobReport& report);
 
 /// max |a_i - b_i| over the shorter of both; infinite where one is not a number.
 [[nodiscard]] double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b);

@@ -127,8 +127,8 @@ std::string convergence_plot(const Json& solve, const std::string& id) {
                     id + "t " + id + "d\"><title id=\"" + id +
                     "t\">Error by iteration</title><desc id=\"" + id + "d\">From " +
                     figure(history.front()["max"]) + " to " + figure(history.back()["max"]) +
-                    " of the diagonal in " + std::to_string(history.size() - 1) +
-                    " iterations; the tolerance is " + figure(tolerance) + ".</desc>";
+                    " of the diagonal in " + counted(std::ssize(history) - 1, "iteration") +
+                    "; the tolerance is " + figure(tolerance) + ".</desc>";
   svg += grid(axes) + tolerance_line(axes, tolerance) + curve(history, "max", axes) +
          curve(history, "rms", axes) + "</svg>";
   return svg +
@@ -145,13 +145,12 @@ std::string timing_bar(const Json& timing, const std::string& id) {
   if (!(sum > 0)) return "";
   std::string bar, list, words;
   double x = 0;
-  int colour = 0;
   for (const auto& [step, value] : timing.items()) {
     const double milliseconds = value.get<double>();
     if (step == "total" || !(milliseconds > 0)) continue;
     const double width = kWidth * milliseconds / sum;
     const std::string text = step + " " + duration(milliseconds);
-    const std::string rectangle = "<rect class=\"c" + std::to_string(colour++ % 8) + "\"";
+    const std::string rectangle = "<rect class=\"t-" + step + "\"";  // its colour is page.css's
     bar += rectangle;
     bar += " x=\"" + fixed(x, 2) + "\" width=\"" + fixed(width, 2) + "\" height=\"22\"><title>";
     bar += text + "</title></rect>";

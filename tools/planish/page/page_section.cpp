@@ -165,7 +165,7 @@ std::string summary_sentence(const Json& report) {
       loops == 0 ? "A closed surface" : "An open surface with " + counted(loops, "boundary loop");
   text += " of genus " + count_of(input["genus"]);
   if (parts > 1) text += " in " + counted(parts, "part");
-  text += ", for " + count_of(input["vertices"]) + " vertices of " +
+  text += ", for " + counted(input["vertices"].get<std::int64_t>(), "vertex") + " of " +
           counted(input["faces"].get<std::int64_t>(), "face") + ". ";
   const std::string error = figure(solve["error"]["max"]) + " of the diagonal";
   const std::string tolerance = figure(solve["tolerance"]);

@@ -3,59 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
+#include "planish/core/utf8.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
-
-struct Range {
-  std::uint32_t first, last;
-};
-
-// Unicode's controls, format characters, line and paragraph separators, fillers, variation
-// selectors and non-characters: what a reader cannot see, and what makes him see something else.
-constexpr std::array kInvisible{
-    Range{0x0000, 0x001F},   Range{0x007F, 0x009F},   Range{0x00AD, 0x00AD},
-    Range{0x034F, 0x034F},   Range{0x061C, 0x061C},   Range{0x115F, 0x1160},
-    Range{0x17B4, 0x17B5},   Range{0x180B, 0x180F},   Range{0x200B, 0x200F},
-    Range{0x2028, 0x202F},   Range{0x2060, 0x206F},   Range{0x3164, 0x3164},
-    Range{0xE000, 0xF8FF},   Range{0xFDD0, 0xFDEF},   Range{0xFE00, 0xFE0F},
-    Range{0xFEFF, 0xFEFF},   Range{0xFFA0, 0xFFA0},   Range{0xFFF0, 0xFFFB},
-    Range{0xFFFE, 0xFFFF},   Range{0x1BCA0, 0x1BCA3}, Range{0x1D173, 0x1D17A},
-    Range{0xE0000, 0x10FFFF}};
-
-bool is_invisible(std::uint32_t point) {
-  return std::ranges::any_of(
-      kInvisible, [&](const Range& range) { return point >= range.first && point <= range.last; });
-}
-
-// A code point at the start of a text; length 0 where no well-formed UTF-8 stands there.
-struct Decoded {
-  std::uint32_t point = 0;
-  std::size_t length = 0;
-};
-
-Decoded decode(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const std::uint32_t first = byte(0);
-  if (first < 0x80) return {first, 1};
-  if (first < 0xC2 || first > 0xF4) return {};
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (text.size() < length) return {};
-  std::uint32_t point = first & (0x7Fu >> length);
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return {};
-    point = point << 6 | (byte(i) & 0x3Fu);
-  }
-  constexpr std::array<std::uint32_t, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};
-  const bool surrogate = point >= 0xD800 && point <= 0xDFFF;
-  if (point < kLeast[length] || point > 0x10FFFF || surrogate) return {};
-  return {point, length};
-}
 
 template <class... Arguments>
 std::string printed(const char* format, Arguments... arguments) {
@@ -81,12 +36,12 @@ std::string escaped(std::string_view text) {
 std::string visible_text(std::string_view text) {
   std::string out;
   while (!text.empty()) {
-    const Decoded decoded = decode(text);
+    const CodePoint decoded = decode_utf8(text);
     if (decoded.length == 0) {
       out += printed("\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(text[0])));
-    } else if (is_invisible(decoded.point)) {
-      out += printed(decoded.point > 0xFFFF ? "\\u{%x}" : "\\u%04x",
-                     static_cast<unsigned>(decoded.point));
+    } else if (is_invisible(decoded.value)) {
+      out += printed(decoded.value > 0xFFFF ? "\\u{%x}" : "\\u%04x",
+                     static_cast<unsigned>(decoded.value));
     } else {
       out += text.substr(0, decoded.length);
     }

@@ -1,11 +1,16 @@
 #include "report/inspection.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <nlohmann/json.hpp>
+#include <span>
 
+#include "planish/core/error.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/write_polygons.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/prepared_mesh.h"
+#include "planish/mesh/repair.h"
 #include "planish/reconstruct/clean.h"
 #include "report/report.h"
 #include "terminal/text.h"
@@ -17,8 +22,30 @@ std::int64_t point_count(const Inspection& inspection) {
   return static_cast<std::int64_t>(inspection.points->cloud.points.size());
 }
 
+// As fit does it.
+bool can_be_mended(const PolygonMesh& mesh) {
+  try {
+    return prepare_if_sound(repair(mesh).mesh) != nullptr;
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnusableMesh) throw;
+    return false;
+  }
+}
+
+void note_box(Inspection& inspection, std::span<const glm::dvec3> points,
+              const glm::dvec3& origin) {
+  if (points.empty()) return;
+  glm::dvec3 lower = points.front(), upper = lower;
+  for (const glm::dvec3& point : points) {
+    lower = glm::min(lower, point);
+    upper = glm::max(upper, point);
+  }
+  inspection.box = {origin + lower, origin + upper};
+}
+
 void measure_points(Inspection& inspection) {
   const PointCloud& cloud = inspection.points->cloud;
+  note_box(inspection, cloud.points, cloud.origin);
   inspection.diagonal = diagonal_of(cloud.points);
   inspection.spacing = clean(cloud.points, {.outliers = OutlierRule::Off, .callbacks = {}}).spacing;
 }
@@ -32,6 +59,16 @@ std::string inspection_line(const std::string& label, const std::string& value) 
 // A line only where there is something to count.
 std::string line_if_any(const std::string& label, std::int64_t count) {
   return count > 0 ? inspection_line(label, with_separators(count)) : std::string();
+}
+
+std::string vector_text(const glm::dvec3& v) {
+  return "(" + short_number(v.x) + ", " + short_number(v.y) + ", " + short_number(v.z) + ")";
+}
+
+std::string box_line(const Inspection& inspection) {
+  if (!inspection.box) return "";
+  return inspection_line("bounds", vector_text(inspection.box->front()) + " to " +
+                                       vector_text(inspection.box->back()));
 }
 
 // "3: 20, 4: 1"
@@ -48,8 +85,9 @@ std::string points_text(const Inspection& inspection) {
   const PointCloud& cloud = inspection.points->cloud;
   std::string text = inspection_line("points", with_separators(point_count(inspection)));
   text += line_if_any("not numbers", cloud.missing_count);
-  text +=
-      line_if_any("colours", static_cast<std::int64_t>(inspection.input.file.mesh.colors.size()));
+  text += line_if_any("normals", std::ssize(cloud.normals));
+  text += line_if_any("colours", std::ssize(cloud.colors));
+  text += box_line(inspection);
   text += inspection_line("diagonal", short_number(inspection.diagonal));
   text += inspection_line("spacing", short_number(inspection.spacing));
   for (const Warning& warning : cloud.warnings)
@@ -74,11 +112,12 @@ std::string folds_line(const FoldedEdges& folds) {
                              std::to_string(folds.first_face));
 }
 
-std::string problems_text(const std::vector<MeshProblem>& problems) {
+std::string problems_text(const Inspection& inspection) {
   constexpr std::size_t kShown = 10;
-  std::string text = inspection_line(
-      "problems",
-      problems.empty() ? "none" : with_separators(static_cast<std::int64_t>(problems.size())));
+  const std::vector<MeshProblem>& problems = inspection.problems;
+  std::string count = problems.empty() ? "none" : with_separators(std::ssize(problems));
+  if (inspection.is_mended) count += ", which fit mends with a warning";
+  std::string text = inspection_line("problems", count);
   for (std::size_t i = 0; i < std::min(kShown, problems.size()); ++i)
     text += "    " + std::string(name_of(problems[i].kind)) + ": " + problems[i].message + "\n";
   if (problems.size() > kShown) text += "    and more; --json lists all\n";
@@ -89,6 +128,7 @@ std::string mesh_text(const Inspection& inspection) {
   const MeshFile& file = inspection.input.file;
   std::string text = inspection_line("vertices", with_separators(file.mesh.vertex_count()));
   text += inspection_line("faces", with_separators(file.mesh.face_count()));
+  text += box_line(inspection);
   if (inspection.statistics) {
     text += statistics_text(*inspection.statistics);
     text += inspection_line("diagonal", short_number(inspection.diagonal));
@@ -96,19 +136,20 @@ std::string mesh_text(const Inspection& inspection) {
     if (inspection.torn.count > 0)
       text += inspection_line("torn vertices", torn_text(inspection.torn));
   }
-  const auto count = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
+  const auto count = [](const auto& list) { return std::ssize(list); };
   text += inspection_line("crease edges", with_separators(count(file.mesh.creases)));
   text += inspection_line("corner vertices", with_separators(count(file.mesh.corners)));
   text += line_if_any("hole faces", count(file.mesh.hole_faces));
   text += line_if_any("texture points", count(file.mesh.uvs));
   text += line_if_any("colours", count(file.mesh.colors));
   text += line_if_any("groups", count(file.mesh.groups));
+  text += line_if_any("materials", count(materials_of(file.mesh.groups)));
   text += line_if_any("welded vertices", file.welded_vertex_count);
   text += line_if_any("dropped elements", file.dropped_element_count);
   for (const std::string& entry : file.header) text += inspection_line("header", visible(entry));
   for (const Warning& warning : file.warnings)
     text += inspection_line("warning", visible(warning.message));
-  return text + problems_text(inspection.problems);
+  return text + problems_text(inspection);
 }
 
 void add_mesh(const Inspection& inspection, nlohmann::ordered_json& json) {
@@ -118,6 +159,10 @@ void add_mesh(const Inspection& inspection, nlohmann::ordered_json& json) {
   json["crease_edges"] = file.mesh.creases.size();
   json["corner_vertices"] = file.mesh.corners.size();
   json["hole_faces"] = file.mesh.hole_faces.size();
+  json["texture_points"] = file.mesh.uvs.size();
+  json["colors"] = file.mesh.colors.size();
+  json["groups"] = file.mesh.groups.size();
+  json["materials"] = materials_of(file.mesh.groups);
   json["welded"] = file.welded_vertex_count;
   json["dropped"] = file.dropped_element_count;
   if (const auto& statistics = inspection.statistics) {
@@ -140,6 +185,8 @@ void add_mesh(const Inspection& inspection, nlohmann::ordered_json& json) {
 void add_points(const Inspection& inspection, nlohmann::ordered_json& json) {
   json["points"] = point_count(inspection);
   json["missing"] = inspection.points->cloud.missing_count;
+  json["normals"] = inspection.points->cloud.normals.size();
+  json["colors"] = inspection.points->cloud.colors.size();
   json["diagonal"] = inspection.diagonal;
   json["spacing"] = inspection.spacing;
 }
@@ -164,7 +211,9 @@ Inspection inspect(const std::string& path, std::optional<FileFormat> requested)
     return inspection;
   }
   const PolygonMesh& mesh = inspection.input.file.mesh;
+  note_box(inspection, mesh.positions, glm::dvec3(0));
   inspection.problems = check(mesh);
+  inspection.is_mended = !inspection.problems.empty() && can_be_mended(mesh);
   if (inspection.problems.empty()) {
     inspection.statistics = statistics(mesh);
     inspection.folds = folded_edges(mesh);
@@ -187,6 +236,10 @@ nlohmann::ordered_json inspection_json(const Inspection& inspection) {
   } else {
     add_mesh(inspection, json);
   }
+  if (inspection.box) {
+    json["bounds"] = nlohmann::ordered_json::array();
+    for (const glm::dvec3& v : *inspection.box) json["bounds"].push_back({v.x, v.y, v.z});
+  }
   const std::vector<Warning>& warnings =
       inspection.points ? inspection.points->cloud.warnings : inspection.input.file.warnings;
   json["warnings"] = nlohmann::ordered_json::array();
@@ -197,6 +250,7 @@ nlohmann::ordered_json inspection_json(const Inspection& inspection) {
                                 {"element", problem.element},
                                 {"message", problem.message}});
   }
+  json["mended"] = inspection.is_mended;
   return json;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <glm/vec3.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -17,14 +19,21 @@ namespace planish::command {
 struct Inspection {
   Input input;  ///< of a mesh; else only its name and digest
   FileFormat format = FileFormat::Obj;
-  std::vector<MeshProblem> problems;         ///< of a mesh
-  std::optional<MeshStatistics> statistics;  ///< of a mesh without problems
-  std::optional<FoldedEdges> folds;          ///< the same
-  TornVertices torn;                         ///< the same
-  std::optional<PointInput> points;          ///< of a file without faces
+  std::vector<MeshProblem> problems;             ///< of a mesh
+  bool is_mended = false;                        ///< fit mends the problems, with warnings
+  std::optional<MeshStatistics> statistics;      ///< of a mesh without problems
+  std::optional<FoldedEdges> folds;              ///< the same
+  TornVertices torn;                             ///< the same
+  std::optional<PointInput> points;              ///< of a file without faces
+  std::optional<std::array<glm::dvec3, 2>> box;  ///< least and largest coordinates, where any are
   double diagonal = 0;
   double spacing = 0;  ///< median distance of a point to its nearest neighbour
 };
+
+/// Whether fit would refuse the file.
+[[nodiscard]] inline bool is_refused(const Inspection& inspection) {
+  return !inspection.problems.empty() && !inspection.is_mended;
+}
 
 /// Reads a mesh or points. Throws what load_input() and the readers throw.
 [[nodiscard]] Inspection inspect(const std::string& path, std::optional<FileFormat> format);

@@ -10,7 +10,7 @@
 #include "output/output_plan.h"
 #include "planish/backend/backend.h"
 #include "planish/mesh/statistics.h"
-#include "planish/pipeline/fit.h"
+#include "planish/pipeline/fit_mesh.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "planish/surface/surface_quality.h"
 #include "terminal/exit_codes.h"
@@ -49,20 +49,13 @@ struct WrittenPage {
 struct InputFacts {
   std::string path, sha256, format;
   MeshStatistics statistics{};
-  std::int32_t sharp_edges = 0, corners = 0;
+  nlohmann::ordered_json mesh;    ///< input_json() of what was fitted
   std::int64_t folded_edges = 0;  ///< see FoldedEdges, as the area
   double folded_edge_area = 0;
-  std::vector<std::int32_t> changed_faces;  ///< by repair; the file's indices
   std::int64_t welded = 0, dropped = 0;
   std::int64_t separated_edges = 0;  ///< along which repair separated sheets
   /// The file's own, or the reconstruction's, before mending; `statistics` has those after it.
   std::int64_t file_vertices = 0, file_faces = 0;
-};
-
-/// Which method was taken where the settings leave it open, and why; see fit_best().
-struct MethodChoice {
-  std::string reason;                               ///< in a line
-  std::optional<SurfaceQuality> progressive, fair;  ///< at level 1; empty: not measured
 };
 
 /// The fair method's own figures, see FairNet.
@@ -96,14 +89,16 @@ struct JobTiming {
 /// What a job did; the source of its JSON report, its summary and its table row.
 struct JobReport {
   std::string job;
+  std::string label;  ///< Job::label
   std::vector<std::string> arguments;
   ExitCode exit_code = ExitCode::Done;
   InputFacts input;
   DeviceDescription device;
   Settings settings;
   InterpolationMethod method = InterpolationMethod::Progressive;
-  std::optional<MethodChoice> choice;
+  std::optional<MethodReason> choice;  ///< where the settings leave the method open
   std::optional<FairFigures> fair;
+  nlohmann::ordered_json solve;                 ///< solve_json()
   std::vector<std::int32_t> smoothed_vertices;  ///< see CreasedFit
   Interpolation interpolation;                  ///< displacement left empty
   double spectral_bound = 0;

@@ -33,7 +33,7 @@ std::string timing_line(const JobTiming& timing) {
 }
 
 std::string output_line(const WrittenOutput& output, std::size_t path_width) {
-  std::string line = output.path == "-" ? "stdout" : visible(output.path);
+  std::string line = output_name(output.path);
   line.resize(std::max(line.size(), path_width), ' ');
   line += "  " + byte_size(output.bytes) + ", ";
   if (output.kind == OutputKind::Cage) return line + "control cage";
@@ -55,7 +55,7 @@ std::string method_line(const JobReport& report) {
   std::string line;
   if (report.fair) {
     line = "  method      fair (" + counted(report.settings.polish_steps, "polish step") + ", " +
-           weights + ", " + with_separators(report.fair->shrunk_vertices) + " vertices drawn in";
+           weights + ", " + counted(report.fair->shrunk_vertices, "vertex") + " drawn in";
   } else {
     line = "  iterations  " + std::to_string(result.iterations) + " (" +
            std::string(name_of(report.settings.solver)) + ", " + weights;
@@ -119,7 +119,7 @@ std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces, std
 std::string summary(const JobReport& report) {
   const Interpolation& result = report.interpolation;
   const MeshStatistics& statistics = report.input.statistics;
-  std::string text = (report.input.path == "-" ? "stdin" : visible(report.input.path)) + ": " +
+  std::string text = input_name(report.input.path) + ": " +
                      counts_text(report.input.file_vertices, report.input.file_faces,
                                  statistics.vertex_count, statistics.face_count) +
                      " (" + shape_of(statistics) + ")\n";
@@ -131,14 +131,14 @@ std::string summary(const JobReport& report) {
             short_number(report.point_distances->rms) + " of the diagonal from the surface\n";
   text += "  device      " + report.device.kind + ", " + report.device.name + "\n";
   text += method_line(report) + "\n";
-  if (report.choice) text += "  chosen      " + report.choice->reason + "\n";
+  if (report.choice) text += "  chosen      " + report.choice->text + "\n";
   text += "  max error   " + short_number(result.error.max) + " of the diagonal (tolerance " +
           short_number(report.settings.tolerance) + ")\n";
   if (report.surface) text += quality_line(*report.surface) + "\n";
   text += "  time        " + timing_line(report.timing) + "\n";
   std::size_t path_width = 0;
   for (const WrittenOutput& output : report.outputs) {
-    path_width = std::max(path_width, visible(output.path).size());
+    path_width = std::max(path_width, output_name(output.path).size());
   }
   const char* label = "  wrote       ";
   for (const WrittenOutput& output : report.outputs) {
@@ -146,8 +146,8 @@ std::string summary(const JobReport& report) {
     label = "              ";
   }
   if (!report.page.path.empty()) {
-    text += label + (report.page.path == "-" ? "stdout" : visible(report.page.path)) + "  " +
-            byte_size(report.page.bytes) + ", page\n";
+    text +=
+        label + output_name(report.page.path) + "  " + byte_size(report.page.bytes) + ", page\n";
   }
   text.pop_back();
   return text;

@@ -15,6 +15,8 @@
 namespace planish::command {
 namespace {
 
+constexpr const char* kClearLine = "\r\033[K";
+
 // Terminals that cannot move the cursor get neither colour nor a bar.
 bool is_capable_terminal() {
   const char* term = std::getenv("TERM");
@@ -37,9 +39,11 @@ Console::Console(LogLevel level, ColorMode color, MessageForm form, std::string_
              (color == ColorMode::Auto && terminal_ && !no_color_is_set())) {}
 
 void Console::write_line(std::string line) {
-  clear_status();
   line += '\n';
   const std::scoped_lock lock(mutex_);
+  // Within the lock, or another thread's status line may come between.
+  if (status_shown_) line.insert(0, kClearLine);
+  status_shown_ = false;
   std::fwrite(line.data(), 1, line.size(), stderr);
   std::fflush(stderr);
 }
@@ -77,7 +81,7 @@ void Console::debug(std::string_view text) {
 }
 
 void Console::status(std::string_view text) {
-  const std::string line = "\r\033[K" + visible(text);
+  const std::string line = kClearLine + visible(text);
   const std::scoped_lock lock(mutex_);
   std::fwrite(line.data(), 1, line.size(), stderr);
   std::fflush(stderr);
@@ -87,7 +91,7 @@ void Console::status(std::string_view text) {
 void Console::clear_status() {
   const std::scoped_lock lock(mutex_);
   if (!status_shown_) return;
-  std::fputs("\r\033[K", stderr);
+  std::fputs(kClearLine, stderr);
   std::fflush(stderr);
   status_shown_ = false;
 }

@@ -120,8 +120,8 @@ void JobProgress::advance() {
   }
   const auto from = steps_.begin() + static_cast<std::ptrdiff_t>(std::min(place_, steps_.size()));
   const auto found = std::ranges::find(from, steps_.end(), step_, &PlannedStep::name);
-  if (found == steps_.end()) return;
-  place_ = static_cast<std::size_t>(found - steps_.begin());
+  if (found != steps_.end()) place_ = static_cast<std::size_t>(found - steps_.begin());
+  if (place_ >= steps_.size()) return;
   double before = 0, all = 0;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     if (i < place_) before += steps_[i].weight;

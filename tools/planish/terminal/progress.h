@@ -57,7 +57,7 @@ class JobProgress {
   /// `number` counts from 1.
   JobProgress(Progress& progress, std::string_view name, int number = 1);
 
-  /// The steps to come, in their order; a step that is not among them counts for nothing.
+  /// The steps to come, in order; others are parts of the one under way, with its fraction.
   void plan(std::vector<PlannedStep> steps);
   void update(std::string_view step, double fraction);
   /// Of the whole job, 0 to 1; never falls.

@@ -1,8 +1,11 @@
 #include "terminal/text.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
+#include "planish/core/counted.h"
 #include "planish/core/visible_text.h"
 
 namespace planish::command {
@@ -45,15 +48,23 @@ std::string duration(double milliseconds) {
 }
 
 std::string rough_duration(double seconds) {
-  if (seconds < 1) return "under 1 s";
-  if (seconds < 100) return formatted("about %.0f s", seconds);
-  return formatted("about %.0f min", seconds / 60);
+  const double unit = seconds < 100 ? 1 : 60;
+  const double least = seconds / unit / 3;
+  return (least < 1 ? "under " : formatted("%.0f to ", least)) +
+         formatted(unit > 1 ? "%.0f min" : "%.0f s", std::max(1.0, std::ceil(3 * seconds / unit)));
 }
 
 std::string counted(std::int64_t count, std::string_view singular) {
-  const std::string number = with_separators(count) + " ";
-  if (singular == "vertex") return number + (count == 1 ? "vertex" : "vertices");
-  return number + std::string(singular) + (count == 1 ? "" : "s");
+  return with_separators(count) + " " + noun_for(count, singular);
+}
+
+std::string input_name(std::string_view path) { return path == "-" ? "stdin" : visible(path); }
+
+std::string output_name(std::string_view path) { return path == "-" ? "stdout" : visible(path); }
+
+std::string named_message(std::string_view name, const std::string& message) {
+  if (name.empty() || message.starts_with(std::string(name) + ":")) return message;
+  return std::string(name) + ": " + message;
 }
 
 std::string plain_utf8(std::string_view text) {

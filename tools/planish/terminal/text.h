@@ -18,11 +18,18 @@ namespace planish::command {
 /// 0.41 s or 12 ms or 0.3 ms.
 [[nodiscard]] std::string duration(double milliseconds);
 
-/// "under 1 s", "about 12 s", "about 3 min".
+/// A third to three times as long: "under 2 s", "4 to 36 s", "1 to 9 min".
 [[nodiscard]] std::string rough_duration(double seconds);
 
-/// "1 face", "2 faces"; "1 vertex", "2 vertices".
+/// "1 face", "2,000 faces"; "1 vertex", "2 vertices".
 [[nodiscard]] std::string counted(std::int64_t count, std::string_view singular);
+
+/// What messages call an input or an output: its whole path, made visible; "-" is stdin or stdout.
+[[nodiscard]] std::string input_name(std::string_view path);
+[[nodiscard]] std::string output_name(std::string_view path);
+
+/// A message that says whose it is: "bust.obj: what", the name once. No name: the message.
+[[nodiscard]] std::string named_message(std::string_view name, const std::string& message);
 
 /// Valid UTF-8 without control characters: what may stand in a file's header or in glTF. Each
 /// byte that does not fit becomes '?'.

@@ -28,7 +28,11 @@ class UnusableMesh(Error, ValueError):
 
 
 class NoDevice(Error):
-    """A program that is needed is missing, such as planish-reconstruct."""
+    """What the work needs is missing."""
+
+
+class MissingProgram(NoDevice):
+    """A program that the work needs is missing: planish-reconstruct, for points."""
 
 
 class DeviceLost(Error):

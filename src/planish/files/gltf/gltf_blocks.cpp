@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_packing.h"
@@ -14,7 +15,7 @@
 namespace planish {
 namespace {
 
-// Between two calls of callbacks.
+// Of which all stand in memory.
 constexpr std::size_t kBlocksAtOnce = 8;
 // Of the room in a buffer: the vertices where two blocks meet are in both.
 constexpr double kFill = 0.98;
@@ -81,17 +82,18 @@ GltfDocument GltfBlock::document(DegenerateRows& degenerate) const {
 PackedGltf pack_by_blocks(const SurfaceBlocks& surface, const GltfOptions& options) {
   const GltfBounds bounds = bounds_of_rows(surface, options);
   const std::vector<RowRange> ranges = ranges_of(surface.info().face_count, kPackedFaces);
+  LoopProgress progress(options.callbacks, "write", kGltfSurveyed, kGltfPacked, std::ssize(ranges));
   PackedGltf all;
   std::vector<glm::dvec3> decoded(
       static_cast<std::size_t>(std::min(surface.info().row_count, options.decoded_rows)));
   for (std::size_t first = 0; first < ranges.size(); first += kBlocksAtOnce) {
-    options.callbacks.check_cancelled();
     std::vector<PackedBlock> blocks(std::min(kBlocksAtOnce, ranges.size() - first));
     parallel_for(blocks.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         // A thread that waits here must not begin another block.
         oneapi::tbb::this_task_arena::isolate(
             [&] { blocks[i] = pack_block(surface, ranges[first + i], options, bounds); });
+        progress.add();
       }
     });
     for (PackedBlock& block : blocks) {
@@ -106,8 +108,6 @@ PackedGltf pack_by_blocks(const SurfaceBlocks& surface, const GltfOptions& optio
       all.vertex_count += block.vertex_count;
       all.pieces.push_back(std::move(block.contents.buffer));
     }
-    options.callbacks.report(
-        "write", static_cast<double>(first + blocks.size()) / static_cast<double>(ranges.size()));
   }
   if (options.decoded) options.decoded(decoded);
   return all;

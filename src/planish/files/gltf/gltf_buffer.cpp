@@ -12,6 +12,7 @@
 #include <mutex>
 #include <string>
 
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/files/gltf/float_box.h"
 #include "planish/files/gltf/gltf_checks.h"
@@ -301,13 +302,14 @@ GltfSurvey gltf_survey(const SurfaceBlocks& surface, const GltfVertices& vertice
   const std::vector<RowRange> pieces = surface.row_blocks(kSurveyedRows);
   Survey all;
   std::mutex mutex;
+  LoopProgress progress(options.callbacks, "write", 0, kGltfSurveyed, std::ssize(pieces));
   parallel_for(pieces.size(), 1, [&](std::size_t begin, std::size_t end) {
     Surveyor survey(surface, vertices, copied, options);
     for (std::size_t i = begin; i < end; ++i) {
-      options.callbacks.check_cancelled();
       const Survey part = survey(pieces[i]);
       const std::lock_guard lock(mutex);
       all.add(part);
+      progress.add();
     }
   });
   if (all.fault.row >= 0) {
@@ -330,13 +332,13 @@ std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface, const GltfVert
 void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
                   const GltfOptions& options, std::span<const ByteSink> sinks) {
   const GltfLayout layout = gltf_layout(surface, vertices, options);
+  LoopProgress progress(options.callbacks, "write", kGltfSurveyed, 1,
+                        static_cast<std::int64_t>(layout.buffer_bytes));
   std::uint64_t written = 0;
   std::vector<ByteSink> all(sinks.begin(), sinks.end());
   all.push_back([&](std::span<const std::byte> bytes) {
-    options.callbacks.check_cancelled();
     written += bytes.size();
-    options.callbacks.report(
-        "write", static_cast<double>(written) / static_cast<double>(layout.buffer_bytes));
+    progress.add(std::ssize(bytes));
   });
   RowWriter rows(surface, vertices, options, all);
   rows.write<glm::vec3>(Part::Position);

@@ -10,6 +10,9 @@
 
 namespace planish {
 
+/// Of the progress of writing: where the survey ends, and where all is packed if it is.
+inline constexpr double kGltfSurveyed = 0.35, kGltfPacked = 0.97;
+
 /// The layout of a surface.
 [[nodiscard]] GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
                                      const GltfOptions& options);
@@ -30,7 +33,8 @@ struct GltfSurvey {
                                                   const GltfVertices& vertices,
                                                   const GltfOptions& options);
 
-/// Sends the binary buffer of gltf_layout() to the sinks in pieces of about a MB, in order.
+/// Sends the binary buffer of gltf_layout() to the sinks in pieces of about a MB, in order, the
+/// survey being done.
 /// Throws Error{Cancelled} and whatever a sink throws.
 void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
                   const GltfOptions& options, std::span<const ByteSink> sinks);

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 
+#include "planish/core/host_scope.h"
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"
@@ -59,7 +60,9 @@ GltfLayout whole_layout(const SurfaceBlocks& surface, const GltfVertices& vertic
 }
 
 // In memory first, since packing needs all of it.
-PackedGltf pack_at_once(const SurfaceBlocks& surface, const GltfOptions& options) {
+PackedGltf pack_at_once(const SurfaceBlocks& surface, const GltfOptions& given) {
+  GltfOptions options = given;
+  options.callbacks = share_of(given.callbacks, 0, 0.5);
   const GltfVertices vertices = gltf_vertices(surface);
   const GltfLayout layout = whole_layout(surface, vertices, options);
   GltfContents plain{plain_document(layout, gltf_bounds(surface, vertices, options), options), {}};
@@ -213,10 +216,7 @@ class SeveralBuffers {
         static_cast<double>(first) / static_cast<double>(surface_.info().face_count);
     const double share =
         static_cast<double>(faces.count) / static_cast<double>(surface_.info().face_count);
-    block->options().callbacks.cancelled = options_.callbacks.cancelled;
-    block->options().callbacks.progress = [&](std::string_view step, double fraction) {
-      options_.callbacks.report(step, done + share * fraction);
-    };
+    block->options().callbacks.progress = share_of(options_.callbacks, done, done + share).progress;
     const std::filesystem::path path = gltf_buffer_path(path_, buffers_.size());
     append_mesh(document_, block->document(degenerate), encode_uri(path.filename().string()));
     OutputFile& buffer = *buffers_.emplace_back(std::make_unique<OutputFile>(path));
@@ -253,6 +253,7 @@ std::uint64_t least_buffer_bytes(const SurfaceInfo& info, const GltfOptions& opt
 }  // namespace
 
 std::vector<std::byte> encode_glb(const SurfaceBlocks& surface, const GltfOptions& options) {
+  const HostScope host(options.callbacks);
   const Glb glb(surface, options);
   std::vector<std::byte> bytes;
   bytes.reserve(glb.byte_count);
@@ -260,6 +261,7 @@ std::vector<std::byte> encode_glb(const SurfaceBlocks& surface, const GltfOption
     bytes.insert(bytes.end(), piece.begin(), piece.end());
   };
   glb.write(std::span(&append, 1));
+  tell(options.callbacks, "write", 1);
   return bytes;
 }
 
@@ -272,17 +274,21 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
     throw Error(ErrorCode::InvalidArgument,
                 visible(path) + ": extension is neither .glb nor .gltf");
   }
+  const HostScope host(options.callbacks);
+  const std::uint64_t bytes = least_buffer_bytes(surface.info(), options);
+  GltfFile written;
   if (extension == ".glb") {
     const Glb glb(surface, options);
     write_glb(path, glb);
-    return {glb.byte_count, glb.contents.vertex_count, glb.contents.triangle_count};
-  }
-  const std::uint64_t bytes = least_buffer_bytes(surface.info(), options);
-  if (options.compression == GltfCompression::None && bytes > options.buffer_bytes) {
+    written = {glb.byte_count, glb.contents.vertex_count, glb.contents.triangle_count};
+  } else if (options.compression == GltfCompression::None && bytes > options.buffer_bytes) {
     require_fields(surface.info().row_count, options);
-    return SeveralBuffers(path, surface, bytes, options).write();
+    written = SeveralBuffers(path, surface, bytes, options).write();
+  } else {
+    written = write_pair(path, contents_of(surface, options, false), options);
   }
-  return write_pair(path, contents_of(surface, options, false), options);
+  tell(options.callbacks, "write", 1);
+  return written;
 }
 
 std::filesystem::path gltf_buffer_path(const std::filesystem::path& document, std::size_t index) {

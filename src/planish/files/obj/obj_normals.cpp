@@ -31,8 +31,8 @@ std::int64_t normal_index(std::string_view corner) {
 
 }  // namespace
 
-CornerNormals read_obj_normals(std::span<const std::byte> bytes, std::string_view name) {
-  TextLines lines(bytes, name, TextLines::Continuation::Backslash);
+CornerNormals read_obj_normals(const FileBytes& file, LineNote& missing) {
+  TextLines lines(file, TextLines::Continuation::Backslash);
   CornerNormals normals;
   LargestIndex largest;
   std::int64_t face = 0;
@@ -44,21 +44,33 @@ CornerNormals read_obj_normals(std::span<const std::byte> bytes, std::string_vie
     for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
       const auto before = static_cast<std::int64_t>(normals.values.size());
       const std::int64_t index = normal_index(word);
-      if (index < -before)
-        lines.fail("face names normal " + std::to_string(index) + ", but only " +
+      std::int32_t normal = -1;
+      if (index > 0) {
+        normal = largest.note(index - 1, lines.number(), face);
+      } else if (index < -before) {
+        lines.note(missing,
+                   "face names normal " + std::to_string(index) + ", but only " +
                        std::to_string(before) + " stand before it",
                    face);
-      normals.of_corners.push_back(
-          index > 0 ? largest.note(index - 1, lines.number(), face)
-                    : static_cast<std::int32_t>(index < 0 ? before + index : -1));
+      } else if (index < 0) {
+        normal = static_cast<std::int32_t>(before + index);
+      }
+      normals.of_corners.push_back(normal);
     }
     ++face;
   }
-  if (largest.index >= static_cast<std::int64_t>(normals.values.size()))
-    lines.fail_at(largest.line,
-                  "face names normal " + std::to_string(largest.index + 1) + " of " +
-                      std::to_string(normals.values.size()),
-                  largest.element);
+  const auto count = static_cast<std::int64_t>(normals.values.size());
+  if (largest.index < count) return normals;
+  lines.note_at(
+      missing, largest.line,
+      "face names normal " + std::to_string(largest.index + 1) + " of " + std::to_string(count),
+      largest.element);
+  --missing.count;
+  for (std::int32_t& normal : normals.of_corners) {
+    if (normal < count) continue;
+    normal = -1;
+    ++missing.count;
+  }
   return normals;
 }
 

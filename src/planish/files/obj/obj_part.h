@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
+#include <limits>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "planish/files/obj/obj_tags.h"
@@ -17,60 +17,50 @@ namespace planish {
 /// The colour of a vertex that has none; colours are not negative.
 inline constexpr glm::vec4 kNoObjColor(-1.0f);
 
-/// What the lines of a part of an OBJ file say. Parts know nothing of each other: whoever joins
-/// them settles the numbers of lines, groups that go on, and indices that count backwards.
+/// How much of an OBJ file stands before a place.
+struct ObjCounts {
+  std::int64_t line = 0, vertex = 0, uv = 0, face = 0, corner = 0;
+};
+
+/// Indices that count backwards from where nobody knows what stands before: from the part's first
+/// vertex (coordinate), and below 0 before it.
+struct ObjBackward {
+  std::vector<std::size_t> corners;  ///< places in face_vertices or face_uvs
+  std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
+};
+
+/// What the reader of an OBJ file made the best of.
+struct ObjNotes {
+  LineNote unknown_keyword, bad_colors, bad_uvs, missing_uvs;
+  std::int64_t clamped_colors = 0;
+};
+
+/// What the lines of a part of an OBJ file say.
 struct ObjPart {
   PolygonMesh mesh;  ///< offsets count from 0; colours and texture corners up to the last given
-  std::vector<glm::dvec2> uvs;
-  /// Corners that count backwards: their index is from the part's first vertex (coordinate), and
-  /// below 0 before it.
-  std::vector<std::size_t> backward_vertices, backward_uvs;
+  std::vector<glm::dvec2> uvs;  ///< NaN: none
+  ObjBackward backward_vertices, backward_uvs;
 
   struct Naming {
     enum class What : std::uint8_t { Object, Group, Material } what;
-    std::int32_t faces_before;
+    std::int64_t faces_before;
     std::string name;
   };
   std::vector<Naming> namings;
 
   LargestIndex largest_vertex, largest_uv;
-  UnknownWord unknown_keyword;
+  ObjTagNotes tags;
+  ObjNotes notes;
   std::vector<std::string> header;
-  std::int64_t dropped_element_count = 0, clamped_colors = 0, line_count = 0;
+  std::int64_t dropped_element_count = 0, line_count = 0;
+  bool is_settled = false;  ///< what stands before was known: lines count from the file's beginning
+
+  [[nodiscard]] ObjCounts counts() const;
 };
 
-/// Reads one part. Of one that is not the first, indices may count backwards into those before it.
-/// Throws Error{UnreadableInput}, whose lines and faces are those of the part.
-class ObjPartReader {
- public:
-  ObjPartReader(const TextLines& lines, bool is_first)
-      : lines_(lines), tags_(lines_, part_.mesh), is_first_(is_first) {}
-
-  ObjPartReader(const ObjPartReader&) = delete;
-  ObjPartReader& operator=(const ObjPartReader&) = delete;
-
-  void read();
-
-  [[nodiscard]] ObjPart& part() { return part_; }
-  [[nodiscard]] const TextLines& lines() const { return lines_; }
-  [[nodiscard]] const ObjTags& tags() const { return tags_; }
-
- private:
-  void read_line();
-  void read_comment();
-  void read_vertex(Words words);
-  void read_uv(Words words);
-  void read_face(Words words);
-  void read_corner(std::string_view word);
-  std::int32_t zero_based(std::int64_t index, const char* what, std::size_t count,
-                          LargestIndex& largest, std::vector<std::size_t>& backward);
-  void read_other(std::string_view keyword);
-  void name(ObjPart::Naming::What what, Words words);
-
-  TextLines lines_;
-  ObjPart part_;
-  ObjTags tags_;
-  bool is_first_;
-};
+/// Reads a part. `before`: what stands before it in the file; null where nobody knows yet, then
+/// lines and elements count from the part, and indices may count back behind it.
+/// Throws Error{UnreadableInput}.
+[[nodiscard]] ObjPart read_obj_part(const TextLines& lines, const ObjCounts* before);
 
 }  // namespace planish

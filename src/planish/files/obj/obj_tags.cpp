@@ -14,10 +14,10 @@ std::int32_t LargestIndex::note(std::int64_t value, std::int64_t at_line, std::i
       std::min<std::int64_t>(value, std::numeric_limits<std::int32_t>::max()));
 }
 
-void UnknownWord::add(std::string_view word, std::int64_t at_line) {
-  if (count++ > 0) return;
-  line = at_line;
-  name = quote(word);
+void LargestIndex::join(const LargestIndex& behind, std::int64_t lines_before,
+                        std::int64_t elements_before) {
+  if (behind.index > index)
+    *this = {behind.index, behind.line + lines_before, behind.element + elements_before};
 }
 
 std::array<std::int64_t, 3> ObjTags::read_counts(std::string_view word) const {
@@ -35,11 +35,11 @@ void ObjTags::read(Words words) {
   const std::string_view name = words.next();
   const bool is_hole = name == "hole";
   if (name != "crease" && name != "corner" && !is_hole) {
-    unknown_.add(name, lines_.number());
+    notes_.unknown.add(lines_.number(), "unknown tag " + quote(name));
     return;
   }
   const auto [integers, numbers, strings] = read_counts(words.next());
-  LargestIndex& largest = is_hole ? largest_face_ : largest_vertex_;
+  LargestIndex& largest = is_hole ? notes_.largest_face : notes_.largest_vertex;
   std::vector<std::int32_t> indices;
   for (std::int64_t i = 0; i < integers; ++i) {
     const std::string_view word = words.next();

@@ -17,28 +17,25 @@ struct LargestIndex {
 
   /// Notes a zero-based index and returns it in 32 bits, which a wrong one may not fit.
   std::int32_t note(std::int64_t value, std::int64_t at_line, std::int64_t at_element = -1);
+  /// Takes up that of the lines behind, whose lines and elements count from these.
+  void join(const LargestIndex& behind, std::int64_t lines_before, std::int64_t elements_before);
 };
 
-/// Lines that say nothing to a reader; the first of them is named.
-struct UnknownWord {
-  std::int64_t count = 0, line = 0;
-  std::string name;
-
-  void add(std::string_view word, std::int64_t at_line);
+/// What tags name, and tags that say nothing to the reader.
+struct ObjTagNotes {
+  LargestIndex largest_vertex, largest_face;
+  LineNote unknown;
 };
 
 /// The tags `t crease`, `t corner` and `t hole` of OpenSubdiv's shapes, which count from 0:
 /// `t name integers/numbers/strings values...`. Throws Error{UnreadableInput}.
 class ObjTags {
  public:
-  ObjTags(const TextLines& lines, PolygonMesh& mesh) : lines_(lines), mesh_(mesh) {}
+  ObjTags(const TextLines& lines, PolygonMesh& mesh, ObjTagNotes& notes)
+      : lines_(lines), mesh_(mesh), notes_(notes) {}
 
   /// The rest of a line behind its `t`.
   void read(Words words);
-
-  [[nodiscard]] const LargestIndex& largest_vertex() const { return largest_vertex_; }
-  [[nodiscard]] const LargestIndex& largest_face() const { return largest_face_; }
-  [[nodiscard]] const UnknownWord& unknown() const { return unknown_; }
 
  private:
   std::array<std::int64_t, 3> read_counts(std::string_view word) const;
@@ -47,8 +44,7 @@ class ObjTags {
 
   const TextLines& lines_;
   PolygonMesh& mesh_;
-  LargestIndex largest_vertex_, largest_face_;
-  UnknownWord unknown_;
+  ObjTagNotes& notes_;
 };
 
 }  // namespace planish

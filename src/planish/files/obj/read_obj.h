@@ -1,10 +1,9 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
-#include <string_view>
 
 #include "planish/files/mesh_file.h"
+#include "planish/files/shared/text_lines.h"
 
 namespace planish {
 
@@ -14,12 +13,6 @@ namespace planish {
 /// name from g, or from o where g names none. Lines, points and free-form elements are counted as
 /// dropped. Normals are passed over but for `split_normals_crease`, and in files without faces,
 /// which have as many as vertices or none. Conditions and exceptions as read_mesh().
-[[nodiscard]] MeshFile read_obj(const FileBytes& file);
-[[nodiscard]] MeshFile read_obj(std::span<const std::byte> bytes, std::string_view name);
-
-/// The same in parts of about `part_bytes`, on which the result does not depend; threads take one
-/// part at a time.
-[[nodiscard]] MeshFile read_obj_in_parts(std::span<const std::byte> bytes, std::string_view name,
-                                         std::size_t part_bytes);
+[[nodiscard]] MeshFile read_obj(const FileBytes& file, std::size_t part_bytes = kTextPartBytes);
 
 }  // namespace planish

@@ -84,11 +84,7 @@ void write_obj_tags(FileBuffer& out, const PolygonView& view) {
   for (const std::int32_t face : view.hole_faces) out.text("t hole 1/0/0 ").number(face).text("\n");
 }
 
-}  // namespace
-
-bool is_obj_part(PolygonPart part) { return part != PolygonPart::Vertices; }
-
-void write_obj(FileBuffer& out, const PolygonPiece& piece) {
+void write_obj_piece(FileBuffer& out, const PolygonPiece& piece) {
   const PolygonView& view = piece.view;
   switch (piece.part) {
     case PolygonPart::Head:
@@ -113,6 +109,18 @@ void write_obj(FileBuffer& out, const PolygonPiece& piece) {
       break;
     default:
       break;
+  }
+}
+
+}  // namespace
+
+void write_obj(const PolygonStream& stream) {
+  for (const PolygonPart part : kObjParts) {
+    stream.part(part, [&](FileBuffer& out, const PolygonPiece& piece, RowRange) {
+      write_obj_piece(out, piece);
+      if (part == PolygonPart::Head && !stream.companion().empty())
+        write_mtllib(out, stream.companion());
+    });
   }
 }
 

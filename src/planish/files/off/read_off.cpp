@@ -2,10 +2,16 @@
 #include "planish/files/off/read_off.h"
 
 #include <array>
+#include <bit>
 #include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "planish/core/counted.h"
 #include "planish/core/number_text.h"
+#include "planish/files/ply/read_ply.h"
+#include "planish/files/shared/bytes.h"
 #include "planish/files/shared/line_records.h"
 #include "planish/files/shared/text_lines.h"
 
@@ -18,32 +24,36 @@ constexpr std::size_t kLeastFaceBytes = 2;
 
 class OffReader {
  public:
-  OffReader(std::span<const std::byte> bytes, std::string_view name, std::size_t part_bytes)
-      : lines_(bytes, name), part_bytes_(part_bytes) {}
+  OffReader(const FileBytes& file, std::size_t part_bytes)
+      : bytes_(file), lines_(TextLines::of_header(file)), part_bytes_(part_bytes) {}
 
   MeshFile read() {
     file_.format = FileFormat::Off;
-    const auto [vertex_count, face_count] = read_counts();
-    if (read_parts(vertex_count, face_count)) return std::move(file_);
-    file_.mesh = {};
-    file_.mesh.positions.reserve(vertex_count);
-    for (std::int64_t i = 0; i < vertex_count; ++i) read_vertex(i, vertex_count);
-    file_.mesh.face_offsets.reserve(face_count + 1);
-    for (std::int64_t i = 0; i < face_count; ++i) read_face(i, face_count);
-    if (lines_.next_with_words()) lines_.fail("more follows after the last face");
+    const std::string_view rest = read_keyword();
+    if (Words(rest).next() == "BINARY") return read_binary();
+    lines_ = TextLines(bytes_);
+    file_.header.clear();
+    const auto [vertex_count, face_count] = read_counts(read_keyword());
+    const LineRecords records(lines_, part_bytes_);
+    read_vertices(records, vertex_count);
+    read_faces(records, vertex_count, face_count);
+    TextLines behind = records.before(vertex_count + face_count);
+    if (behind.next_with_words()) behind.fail("more follows after the last face");
     return std::move(file_);
   }
 
  private:
   bool next_line();
   std::string_view read_keyword();
-  std::array<std::int64_t, 2> read_counts();
-  bool read_parts(std::int64_t vertex_count, std::int64_t face_count);
-  void read_vertex(std::int64_t vertex, std::int64_t count);
-  void read_face(std::int64_t face, std::int64_t count);
+  std::array<std::int64_t, 2> read_counts(std::string_view behind_keyword);
+  void read_vertices(const LineRecords& records, std::int64_t count);
+  void read_faces(const LineRecords& records, std::int64_t vertex_count, std::int64_t count);
+  MeshFile read_binary();
 
+  FileBytes bytes_;
   TextLines lines_;
   std::size_t part_bytes_;
+  std::string prefix_;  // of the keyword OFF
   MeshFile file_;
 };
 
@@ -73,13 +83,12 @@ std::string_view OffReader::read_keyword() {
   if (!rest.empty())
     lines_.fail(quote(line.substr(begin, end + 3 - begin)) +
                 ": only three-dimensional OFF with the prefixes ST, C and N can be read");
-  Words words(line.substr(end + 3));
-  if (words.next() == "BINARY") lines_.fail("binary OFF cannot be read; save it as text");
+  prefix_ = prefix;
   return line.substr(end + 3);
 }
 
-std::array<std::int64_t, 2> OffReader::read_counts() {
-  Words words(read_keyword());
+std::array<std::int64_t, 2> OffReader::read_counts(std::string_view behind_keyword) {
+  Words words(behind_keyword);
   std::string_view word = words.next();
   if (word.empty()) {
     if (!next_line()) lines_.fail("the file ends before its counts");
@@ -111,7 +120,7 @@ glm::dvec3 vertex_of(const TextLines& lines, std::int64_t vertex) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::string_view word = words.next();
     if (!parse_number(word, position[axis]))
-      lines.fail("vertex coordinate " + quote(word) + " is no finite number", vertex);
+      lines.fail("vertex coordinate " + no_finite_number(word), vertex);
   }
   return position;
 }
@@ -126,7 +135,7 @@ std::int64_t append_face_of(const TextLines& lines, std::int64_t face, std::int6
   for (std::int64_t i = 0; i < size; ++i) {
     word = words.next();
     if (word.empty())
-      lines.fail("face has " + std::to_string(i) + " corners of " + std::to_string(size), face);
+      lines.fail("face has " + counted(i, "corner") + " of " + std::to_string(size), face);
     std::int64_t vertex = 0;
     if (!parse_integer(word, vertex))
       lines.fail("face corner " + quote(word) + " is no integer", face);
@@ -139,59 +148,76 @@ std::int64_t append_face_of(const TextLines& lines, std::int64_t face, std::int6
   return size;
 }
 
-// On all threads. False where something is wrong: reading one line after another finds the first.
-bool OffReader::read_parts(std::int64_t vertex_count, std::int64_t face_count) {
-  const LineRecords records(lines_, part_bytes_);
-  if (records.part_count() == 1 || records.count() != vertex_count + face_count) return false;
+void OffReader::read_vertices(const LineRecords& records, std::int64_t count) {
   std::vector<glm::dvec3>& positions = file_.mesh.positions;
-  positions.resize(static_cast<std::size_t>(vertex_count));
+  positions.resize(static_cast<std::size_t>(count));
+  records.for_parts(0, count, "vertex",
+                    [&](std::size_t, TextLines& lines, std::int64_t begin, std::int64_t end) {
+                      for (std::int64_t v = begin; v < end && lines.next_with_words(); ++v)
+                        positions[v] = vertex_of(lines, v);
+                    });
+}
+
+void OffReader::read_faces(const LineRecords& records, std::int64_t vertex_count,
+                           std::int64_t count) {
   FaceParts faces;
   faces.parts.resize(records.part_count());
-  const auto read_vertices = [&](std::size_t, TextLines& lines, std::int64_t begin,
-                                 std::int64_t end) {
-    for (std::int64_t v = begin; v < end && lines.next_with_words(); ++v)
-      positions[v] = vertex_of(lines, v);
-  };
-  const auto read_faces = [&](std::size_t part, TextLines& lines, std::int64_t begin,
-                              std::int64_t end) {
-    FaceParts::Part& of = faces.parts[part];
-    for (std::int64_t f = begin; f < end && lines.next_with_words(); ++f)
-      of.sizes.push_back(static_cast<std::int32_t>(
-          append_face_of(lines, f - vertex_count, vertex_count, of.vertices)));
-  };
-  return records.for_parts(0, vertex_count, read_vertices) &&
-         records.for_parts(vertex_count, vertex_count + face_count, read_faces) &&
-         faces.append_to(file_.mesh);
+  records.for_parts(vertex_count, vertex_count + count, "face",
+                    [&](std::size_t part, TextLines& lines, std::int64_t begin, std::int64_t end) {
+                      FaceParts::Part& of = faces.parts[part];
+                      for (std::int64_t f = begin; f < end && lines.next_with_words(); ++f)
+                        of.sizes.push_back(static_cast<std::int32_t>(
+                            append_face_of(lines, f - vertex_count, vertex_count, of.vertices)));
+                    });
+  const std::int64_t face = faces.append_to(file_.mesh);
+  if (face < 0) return;
+  TextLines line = records.before(vertex_count + face + 1);
+  line.fail("more face corners than 32 bits can count", face);
 }
 
-void OffReader::read_vertex(std::int64_t vertex, std::int64_t count) {
-  if (!lines_.next_with_words())
-    lines_.fail(
-        "the file ends at vertex " + std::to_string(vertex) + " of " + std::to_string(count),
-        vertex);
-  file_.mesh.positions.push_back(vertex_of(lines_, vertex));
-}
-
-void OffReader::read_face(std::int64_t face, std::int64_t count) {
-  if (!lines_.next_with_words())
-    lines_.fail("the file ends at face " + std::to_string(face) + " of " + std::to_string(count),
-                face);
-  (void)append_face_of(lines_, face, file_.mesh.vertex_count(), file_.mesh.face_vertices);
-  if (file_.mesh.face_vertices.size() > std::numeric_limits<std::int32_t>::max())
-    lines_.fail("more face corners than 32 bits can count", face);
-  file_.mesh.face_offsets.push_back(static_cast<std::int32_t>(file_.mesh.face_vertices.size()));
+// Numbers of 32 bits, big endian: three counts; vertices with what the keyword promises; faces as
+// a list of vertices and one of the components of a colour. That is what a PLY may have.
+MeshFile OffReader::read_binary() {
+  constexpr std::size_t kCounts = 12;
+  const std::size_t begin = bytes_.bytes.size() - lines_.bytes_left();
+  if (lines_.bytes_left() < kCounts)
+    lines_.fail("the file ends before its counts, 12 bytes behind the keyword");
+  const auto count_at = [&](std::size_t at) {
+    const auto count = load<std::int32_t>(bytes_.bytes.subspan(begin + at), std::endian::big);
+    if (count < 0)
+      lines_.fail("count " + std::to_string(count) + " behind the keyword is no integer from 0");
+    return count;
+  };
+  const bool has_uvs = prefix_.starts_with("ST");
+  const std::string_view behind_uvs = std::string_view(prefix_).substr(has_uvs ? 2 : 0);
+  const bool has_colors = behind_uvs.find('C') != std::string_view::npos;
+  const bool has_normals = behind_uvs.find('N') != std::string_view::npos;
+  PlyElement vertex{.name = "vertex", .count = count_at(0), .properties = {}};
+  for (const char* name : {"x", "y", "z"})
+    vertex.properties.push_back({.name = name, .type = PlyType::Float32, .count_type = {}});
+  // As in text, what stands behind the position is passed over.
+  const int passed_over = (has_normals ? 3 : 0) + (has_colors ? 4 : 0) + (has_uvs ? 2 : 0);
+  for (int i = 0; i < passed_over; ++i)
+    vertex.properties.push_back(
+        {.name = "passed over", .type = PlyType::Float32, .count_type = {}});
+  const PlyElement face{
+      .name = "face",
+      .count = count_at(4),
+      .properties = {
+          {.name = "vertex_indices", .type = PlyType::Int32, .count_type = PlyType::Int32},
+          {.name = "color", .type = PlyType::Float32, .count_type = PlyType::Int32}}};
+  PlyHeader header{.format = PlyFormat::BigEndian, .elements = {vertex, face}};
+  header.byte_count = begin + kCounts;
+  MeshFile found = read_binary_ply_body(bytes_, header);
+  found.format = FileFormat::Off;
+  found.header = std::move(file_.header);
+  return found;
 }
 
 }  // namespace
 
-MeshFile read_off(std::span<const std::byte> bytes, std::string_view name) {
-  constexpr std::size_t kPartBytes = std::size_t{1} << 20;
-  return read_off_in_parts(bytes, name, kPartBytes);
-}
-
-MeshFile read_off_in_parts(std::span<const std::byte> bytes, std::string_view name,
-                           std::size_t part_bytes) {
-  return OffReader(bytes, name, part_bytes).read();
+MeshFile read_off(const FileBytes& file, std::size_t part_bytes) {
+  return OffReader(file, part_bytes).read();
 }
 
 }  // namespace planish

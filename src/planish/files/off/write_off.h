@@ -1,12 +1,15 @@
 #pragma once
 
-#include "planish/files/shared/file_buffer.h"
-#include "planish/files/write_polygons.h"
+#include <array>
+
+#include "planish/files/polygon_stream.h"
 
 namespace planish {
 
+inline constexpr std::array kOffParts = {PolygonPart::Head, PolygonPart::Positions,
+                                         PolygonPart::Faces};
+
 /// OFF: positions and faces.
-void write_off(FileBuffer& out, const PolygonPiece& piece);
-[[nodiscard]] bool is_off_part(PolygonPart part);
+void write_off(const PolygonStream& stream);
 
 }  // namespace planish

@@ -9,13 +9,15 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/files/pcd/lzf.h"
+#include "planish/files/pcd/pcd_header.h"
 #include "planish/files/shared/bytes.h"
+#include "planish/files/shared/line_records.h"
 #include "planish/files/shared/srgb.h"
-#include "planish/files/shared/text_lines.h"
 #include "planish/mesh/check.h"
 
 namespace planish {
@@ -27,55 +29,7 @@ constexpr std::int64_t kMaxFieldCount = 1 << 20;
 // Times kMaxPoints it stays within 64 bits.
 constexpr std::int64_t kMaxRecordBytes = 1 << 30;
 
-struct Field {
-  std::string name;
-  std::int64_t size = 4, count = 1;
-  char type = 'F';
-};
-
-enum class Data { Text, Binary, Compressed };
-
-struct Header {
-  std::vector<Field> fields;
-  std::int64_t width = -1, height = 1, points = -1;
-  Data data = Data::Text;
-  // Indices of the fields x, y, z, normal_x, normal_y, normal_z and rgb or rgba.
-  std::array<std::size_t, 7> places{};
-
-  [[nodiscard]] bool has(std::size_t slot) const { return places[slot] < fields.size(); }
-
-  [[nodiscard]] std::int64_t record_bytes() const {
-    std::int64_t bytes = 0;
-    for (const Field& field : fields) bytes += field.size * field.count;
-    return bytes;
-  }
-  // Bytes of a record that stand before the field of each slot.
-  [[nodiscard]] std::array<std::size_t, 7> offsets() const {
-    std::array<std::size_t, 7> bytes{};
-    for (std::size_t slot = 0; slot < places.size(); ++slot)
-      for (std::size_t i = 0; i < std::min(places[slot], fields.size()); ++i)
-        bytes[slot] += static_cast<std::size_t>(fields[i].size * fields[i].count);
-    return bytes;
-  }
-};
-
-double load_value(std::span<const std::byte> bytes, const Field& field) {
-  if (field.type == 'F') return field.size == 8 ? load<double>(bytes) : load<float>(bytes);
-  const bool is_signed = field.type == 'I';
-  switch (field.size) {
-    case 1:
-      return is_signed ? load<std::int8_t>(bytes) : load<std::uint8_t>(bytes);
-    case 2:
-      return is_signed ? load<std::int16_t>(bytes) : load<std::uint16_t>(bytes);
-    case 4:
-      return is_signed ? load<std::int32_t>(bytes) : load<std::uint32_t>(bytes);
-    default:
-      return is_signed ? static_cast<double>(load<std::int64_t>(bytes))
-                       : static_cast<double>(load<std::uint64_t>(bytes));
-  }
-}
-
-constexpr std::size_t kNormal = 3, kColor = 6;  // slots of Header::places
+constexpr std::size_t kNormal = 3, kColor = 6;  // slots of PcdHeader::places
 
 // What a point has, by slot.
 struct Record {
@@ -84,61 +38,71 @@ struct Record {
 };
 
 // Colours are packed in 32 bits, which the library also calls a float.
-std::uint32_t color_bits(double value, const Field& field) {
+std::uint32_t color_bits(double value, const PcdField& field) {
   if (field.type == 'F') return std::bit_cast<std::uint32_t>(static_cast<float>(value));
   return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
 }
 
-void store(Record& record, std::size_t slot, std::span<const std::byte> bytes, const Field& field) {
+void store(Record& record, std::size_t slot, std::span<const std::byte> bytes,
+           const PcdField& field) {
   if (slot == kColor) {
     record.color = load<std::uint32_t>(bytes);
   } else {
-    record.numbers[slot] = load_value(bytes, field);
+    record.numbers[slot] = load_pcd_value(bytes, field);
   }
 }
 
 class PcdReader {
  public:
-  PcdReader(std::span<const std::byte> bytes, std::string_view name)
-      : bytes_(bytes), name_(name), lines_(bytes, name) {}
+  PcdReader(const FileBytes& file, std::size_t part_bytes)
+      : file_(file),
+        name_(file.name),
+        lines_(TextLines::of_header(file)),
+        part_bytes_(part_bytes) {}
 
   PointCloud read() {
     read_header();
     switch (header_.data) {
-      case Data::Text:
+      case PcdData::Text:
         read_text();
         break;
-      case Data::Binary:
+      case PcdData::Binary:
         read_binary();
         break;
-      case Data::Compressed:
+      case PcdData::Compressed:
         read_compressed();
         break;
     }
+    unknown_.warn(cloud_.warnings, "unknown-keyword", name_, "such lines are passed over");
     return std::move(cloud_);
   }
 
  private:
   void read_header();
   void read_header_line(std::string_view keyword, Words words);
+  void pass_over(std::string_view keyword, Words words);
   template <class Set>
   void for_each_field(Words words, std::string_view keyword, const Set& set);
   std::int64_t read_count(std::string_view keyword, std::string_view word, std::int64_t most);
   void check_header();
   void find_attributes();
-  void set_word(Record& record, std::size_t slot, std::string_view word, std::int64_t index) const;
+  void set_word(Record& record, std::size_t slot, std::string_view word, const TextLines& line,
+                std::int64_t index) const;
+  Record record_of(const TextLines& line, std::int64_t index) const;
   void read_text();
   void read_binary();
   void read_compressed();
-  void add(const Record& record, std::int64_t index);
+  void add(const Record& record, std::int64_t index, PointCloud& cloud) const;
   [[noreturn]] void fail(const std::string& what, std::int64_t element = -1) const {
     throw Error(ErrorCode::UnreadableInput, name_ + ": " + what, element);
   }
 
-  std::span<const std::byte> bytes_;
+  FileBytes file_;
   std::string name_;
   TextLines lines_;
-  Header header_;
+  std::size_t part_bytes_;
+  LineNote unknown_;
+  PcdHeader header_;
   PointCloud cloud_;
 };
 
@@ -153,7 +117,7 @@ std::int64_t PcdReader::read_count(std::string_view keyword, std::string_view wo
 
 template <class Set>
 void PcdReader::for_each_field(Words words, std::string_view keyword, const Set& set) {
-  for (Field& field : header_.fields) {
+  for (PcdField& field : header_.fields) {
     const std::string_view word = words.next();
     if (word.empty()) lines_.fail(std::string(keyword) + " names fewer values than FIELDS");
     set(field, word);
@@ -166,19 +130,19 @@ void PcdReader::read_header_line(std::string_view keyword, Words words) {
     for (std::string_view word = words.next(); !word.empty(); word = words.next())
       header_.fields.push_back({.name = std::string(word)});
   } else if (keyword == "SIZE") {
-    for_each_field(words, keyword, [&](Field& field, std::string_view word) {
+    for_each_field(words, keyword, [&](PcdField& field, std::string_view word) {
       field.size = read_count(keyword, word, 8);
       if (!std::has_single_bit(static_cast<std::uint64_t>(field.size)))
         lines_.fail("SIZE " + quote(word) + " is not 1, 2, 4 or 8");
     });
   } else if (keyword == "TYPE") {
-    for_each_field(words, keyword, [&](Field& field, std::string_view word) {
+    for_each_field(words, keyword, [&](PcdField& field, std::string_view word) {
       if (word != "F" && word != "I" && word != "U")
         lines_.fail("TYPE " + quote(word) + " is not F, I or U");
       field.type = word.front();
     });
   } else if (keyword == "COUNT") {
-    for_each_field(words, keyword, [&](Field& field, std::string_view word) {
+    for_each_field(words, keyword, [&](PcdField& field, std::string_view word) {
       field.count = read_count(keyword, word, kMaxFieldCount);
     });
   } else if (keyword == "WIDTH") {
@@ -188,8 +152,18 @@ void PcdReader::read_header_line(std::string_view keyword, Words words) {
   } else if (keyword == "POINTS") {
     header_.points = read_count(keyword, words.next(), kMaxPoints);
   } else if (keyword != "VERSION" && keyword != "VIEWPOINT") {
-    lines_.fail("unknown keyword " + quote(keyword) + "; is this a PCD file?");
+    pass_over(keyword, words);
   }
+}
+
+// A line that may be a misspelt count, or sizes of the fields, on which the places of all values
+// depend, cannot be passed over.
+void PcdReader::pass_over(std::string_view keyword, Words words) {
+  const std::string what = "unknown keyword " + quote(keyword) + "; is this a PCD file?";
+  std::size_t count = 0;
+  while (!words.next().empty()) ++count;
+  if (count == 1 || count == header_.fields.size()) lines_.fail(what);
+  lines_.note(unknown_, what);
 }
 
 void PcdReader::read_header() {
@@ -202,11 +176,11 @@ void PcdReader::read_header() {
     }
     const std::string_view kind = words.next();
     if (kind == "ascii") {
-      header_.data = Data::Text;
+      header_.data = PcdData::Text;
     } else if (kind == "binary") {
-      header_.data = Data::Binary;
+      header_.data = PcdData::Binary;
     } else if (kind == "binary_compressed") {
-      header_.data = Data::Compressed;
+      header_.data = PcdData::Compressed;
     } else {
       lines_.fail("DATA " + quote(kind) + " is not ascii, binary or binary_compressed");
     }
@@ -219,7 +193,7 @@ void PcdReader::read_header() {
 void PcdReader::check_header() {
   constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) {
-    const auto found = std::ranges::find(header_.fields, kAxes[axis], &Field::name);
+    const auto found = std::ranges::find(header_.fields, kAxes[axis], &PcdField::name);
     if (found == header_.fields.end())
       lines_.fail("FIELDS has no " + quote(kAxes[axis]) + "; x, y and z are needed");
     if (found->count != 1) lines_.fail("COUNT of " + quote(kAxes[axis]) + " is not 1");
@@ -243,7 +217,7 @@ void PcdReader::find_attributes() {
   constexpr std::array<std::string_view, 3> kNormals = {"normal_x", "normal_y", "normal_z"};
   const std::size_t none = header_.fields.size();
   const auto place_of = [&](std::string_view name, bool is_number) {
-    const auto found = std::ranges::find(header_.fields, name, &Field::name);
+    const auto found = std::ranges::find(header_.fields, name, &PcdField::name);
     const bool fits = found != header_.fields.end() && found->count == 1 &&
                       (is_number ? found->type == 'F' && found->size >= 4 : found->size == 4);
     return fits ? static_cast<std::size_t>(found - header_.fields.begin()) : none;
@@ -256,11 +230,11 @@ void PcdReader::find_attributes() {
   header_.places[kColor] = opaque < none ? opaque : place_of("rgba", false);
 }
 
-void PcdReader::add(const Record& record, std::int64_t index) {
+void PcdReader::add(const Record& record, std::int64_t index, PointCloud& cloud) const {
   const glm::dvec3 point(record.numbers[0], record.numbers[1], record.numbers[2]);
   for (int axis = 0; axis < 3; ++axis) {
     if (std::isnan(point[axis])) {
-      ++cloud_.missing_count;
+      ++cloud.missing_count;
       return;
     }
     if (std::abs(point[axis]) > kMaxCoordinate)
@@ -268,22 +242,22 @@ void PcdReader::add(const Record& record, std::int64_t index) {
                " has a coordinate beyond 1e150",
            index);
   }
-  cloud_.points.push_back(point);
+  cloud.points.push_back(point);
   if (header_.has(kNormal))
-    cloud_.normals.emplace_back(record.numbers[3], record.numbers[4], record.numbers[5]);
+    cloud.normals.emplace_back(record.numbers[3], record.numbers[4], record.numbers[5]);
   if (!header_.has(kColor)) return;
   const auto share = [&](int shift) { return (record.color >> shift & 0xff) / 255.0; };
   const bool is_opaque = header_.fields[header_.places[kColor]].name == "rgb";
-  cloud_.colors.push_back(
+  cloud.colors.push_back(
       linear_of_srgb(glm::dvec4(share(16), share(8), share(0), is_opaque ? 1.0 : share(24))));
 }
 
 void PcdReader::set_word(Record& record, std::size_t slot, std::string_view word,
-                         std::int64_t index) const {
+                         const TextLines& line, std::int64_t index) const {
   double value = 0;
   if (!parse_number(word, value)) {
-    if (slot < kNormal && word != "nan" && word != "-nan")
-      lines_.fail("coordinate " + quote(word) + " is no finite number", index);
+    if (slot < kNormal && !is_nan_word(word))
+      line.fail("coordinate " + no_finite_number(word), index);
     value = std::numeric_limits<double>::quiet_NaN();
   }
   if (slot < kColor) {
@@ -297,30 +271,48 @@ void PcdReader::read_text() {
   if (static_cast<std::uint64_t>(header_.points) > (lines_.bytes_left() + 1) / 6)
     lines_.fail("POINTS promises " + std::to_string(header_.points) + ", but only " +
                 std::to_string(lines_.bytes_left()) + " bytes follow");
-  cloud_.points.reserve(header_.points);
-  for (std::int64_t index = 0; index < header_.points; ++index) {
-    if (!lines_.next_with_words())
-      lines_.fail("the file ends at point " + std::to_string(index) + " of " +
-                      std::to_string(header_.points),
-                  index);
-    Words words(lines_.line());
-    Record record;
-    for (std::size_t f = 0; f < header_.fields.size(); ++f) {
-      std::string_view word;
-      for (std::int64_t i = 0; i < header_.fields[f].count; ++i) {
-        word = words.next();
-        if (word.empty()) lines_.fail("point " + std::to_string(index) + " has too few values");
-      }
-      const auto slot = std::ranges::find(header_.places, f) - header_.places.begin();
-      if (slot <= static_cast<std::ptrdiff_t>(kColor))
-        set_word(record, static_cast<std::size_t>(slot), word, index);
-    }
-    add(record, index);
+  FileBytes body = file_;
+  body.bytes = file_.bytes.last(lines_.bytes_left());
+  TextLines lines(body);
+  lines.count_from(lines_.number());
+  const LineRecords records(lines, part_bytes_);
+  std::vector<PointCloud> clouds(records.part_count());
+  records.for_parts(0, header_.points, "point",
+                    [&](std::size_t part, TextLines& line, std::int64_t begin, std::int64_t end) {
+                      for (std::int64_t i = begin; i < end && line.next_with_words(); ++i)
+                        add(record_of(line, i), i, clouds[part]);
+                    });
+  const auto append = [](auto& to, const auto& values) {
+    to.insert(to.end(), values.begin(), values.end());
+  };
+  for (PointCloud& cloud : clouds) {
+    append(cloud_.points, cloud.points);
+    append(cloud_.normals, cloud.normals);
+    append(cloud_.colors, cloud.colors);
+    cloud_.missing_count += cloud.missing_count;
+    cloud = {};
   }
 }
 
+// What a line of text says.
+Record PcdReader::record_of(const TextLines& line, std::int64_t index) const {
+  Words words(line.line());
+  Record record;
+  for (std::size_t f = 0; f < header_.fields.size(); ++f) {
+    std::string_view word;
+    for (std::int64_t i = 0; i < header_.fields[f].count; ++i) {
+      word = words.next();
+      if (word.empty()) line.fail("point " + std::to_string(index) + " has too few values");
+    }
+    const auto slot = std::ranges::find(header_.places, f) - header_.places.begin();
+    if (slot <= static_cast<std::ptrdiff_t>(kColor))
+      set_word(record, static_cast<std::size_t>(slot), word, line, index);
+  }
+  return record;
+}
+
 void PcdReader::read_binary() {
-  const std::span<const std::byte> body = bytes_.last(lines_.bytes_left());
+  const std::span<const std::byte> body = file_.bytes.last(lines_.bytes_left());
   const std::int64_t stride = header_.record_bytes();
   if (static_cast<std::uint64_t>(header_.points) > body.size() / static_cast<std::size_t>(stride))
     fail("POINTS promises " + std::to_string(header_.points) + " points of " +
@@ -334,13 +326,13 @@ void PcdReader::read_binary() {
     for (std::size_t slot = 0; slot <= kColor; ++slot)
       if (header_.has(slot))
         store(found, slot, record.subspan(offsets[slot]), header_.fields[header_.places[slot]]);
-    add(found, index);
+    add(found, index, cloud_);
   }
 }
 
 void PcdReader::read_compressed() {
   constexpr std::size_t kSizes = 8;
-  const std::span<const std::byte> body = bytes_.last(lines_.bytes_left());
+  const std::span<const std::byte> body = file_.bytes.last(lines_.bytes_left());
   if (body.size() < kSizes) fail("the file ends inside the sizes of its compressed data");
   const std::size_t packed = load<std::uint32_t>(body);
   const std::size_t expanded = load<std::uint32_t>(body.subspan(4));
@@ -361,18 +353,18 @@ void PcdReader::read_compressed() {
     Record record;
     for (std::size_t slot = 0; slot <= kColor; ++slot) {
       if (!header_.has(slot)) continue;
-      const Field& field = header_.fields[header_.places[slot]];
+      const PcdField& field = header_.fields[header_.places[slot]];
       store(record, slot, std::span(data).subspan(offsets[slot] * count + index * field.size),
             field);
     }
-    add(record, static_cast<std::int64_t>(index));
+    add(record, static_cast<std::int64_t>(index), cloud_);
   }
 }
 
 }  // namespace
 
-PointCloud read_pcd(std::span<const std::byte> bytes, std::string_view name) {
-  return PcdReader(bytes, name).read();
+PointCloud read_pcd(const FileBytes& file, std::size_t part_bytes) {
+  return PcdReader(file, part_bytes).read();
 }
 
 }  // namespace planish

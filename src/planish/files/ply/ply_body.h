@@ -1,19 +1,21 @@
 #pragma once
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
+#include "planish/core/parallel.h"
 #include "planish/files/ply/ply_header.h"
 #include "planish/files/shared/bytes.h"
-#include "planish/files/shared/text_lines.h"
+#include "planish/files/shared/line_records.h"
 
 namespace planish {
 
@@ -22,45 +24,69 @@ namespace planish {
   return element.name + " " + std::to_string(index) + " of " + std::to_string(element.count);
 }
 
-/// What follows a header, as text.
-class PlyTextBody {
- public:
-  PlyTextBody(std::span<const std::byte> bytes, std::string_view name)
-      : lines_(bytes, name), words_("") {}
-  explicit PlyTextBody(const TextLines& lines) : lines_(lines), words_("") {}
-
-  [[nodiscard]] const TextLines& lines() const { return lines_; }
-
-  void skip_header(const PlyHeader& header) {
-    while (lines_.number() < header.line_count) (void)lines_.next();
+/// The number at the beginning of `bytes`.
+[[nodiscard]] inline double ply_number(std::span<const std::byte> bytes, PlyType type,
+                                       std::endian order) {
+  switch (type) {
+    case PlyType::Int8:
+      return load<std::int8_t>(bytes, order);
+    case PlyType::UInt8:
+      return load<std::uint8_t>(bytes, order);
+    case PlyType::Int16:
+      return load<std::int16_t>(bytes, order);
+    case PlyType::UInt16:
+      return load<std::uint16_t>(bytes, order);
+    case PlyType::Int32:
+      return load<std::int32_t>(bytes, order);
+    case PlyType::UInt32:
+      return load<std::uint32_t>(bytes, order);
+    case PlyType::Float32:
+      return load<float>(bytes, order);
+    case PlyType::Float64:
+      return load<double>(bytes, order);
   }
+  return 0;
+}
+
+/// Reads values from what follows a header, as text: one entry a line.
+class PlyTextCursor {
+ public:
+  explicit PlyTextCursor(const TextLines& lines) : lines_(lines), words_("") {}
+
   [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
     lines_.fail(what, index);
   }
-  // An entry has at least one digit and one blank or line end for each of its values.
-  void require_room(const PlyElement& element) const {
-    const std::size_t least = 2 * std::max<std::size_t>(element.properties.size(), 1);
-    if (static_cast<std::uint64_t>(element.count) > (lines_.bytes_left() + 1) / least)
-      lines_.fail("header promises " + std::to_string(element.count) + " of element " +
-                  quote(element.name) + ", but only " + std::to_string(lines_.bytes_left()) +
-                  " bytes follow");
+  void note(LineNote& note, const std::string& what, std::int64_t index) const {
+    lines_.note(note, what, index);
   }
-  void begin(const PlyElement& element, std::int64_t index) {
-    if (!lines_.next_with_words())
-      lines_.fail("the file ends at " + place_of(element, index), index);
+  void begin() {
+    (void)lines_.next_with_words();
     words_ = Words(lines_.line());
   }
-  void end(const PlyElement& element, std::int64_t index) {
+  void end(const PlyElement& element, std::int64_t index, LineNote& excess) {
     if (const std::string_view word = words_.next(); !word.empty())
-      lines_.fail(place_of(element, index) + " has a value too many: " + quote(word), index);
+      note(excess, place_of(element, index) + " has a value too many: " + quote(word), index);
   }
-  void skip(PlyType, const PlyElement& element, std::int64_t index) { (void)word(element, index); }
+  void skip(PlyType, std::int64_t count, const PlyElement& element, std::int64_t index) {
+    while (count-- > 0) (void)word(element, index);
+  }
   double number(PlyType, const PlyElement& element, std::int64_t index) {
     const std::string_view text = word(element, index);
     double value = 0;
     if (!parse_number(text, value))
-      lines_.fail(place_of(element, index) + ": " + quote(text) + " is no finite number", index);
+      lines_.fail(place_of(element, index) + ": " + no_finite_number(text), index);
     return value;
+  }
+  /// The same, but words for what is not finite are numbers too.
+  double any_number(PlyType, const PlyElement& element, std::int64_t index) {
+    const std::string_view text = word(element, index);
+    double value = 0;
+    if (parse_number(text, value)) return value;
+    if (is_nan_word(text)) return std::numeric_limits<double>::quiet_NaN();
+    if (!is_non_finite_word(text))
+      lines_.fail(place_of(element, index) + ": " + no_finite_number(text), index);
+    const double infinite = std::numeric_limits<double>::infinity();
+    return text.starts_with('-') ? -infinite : infinite;
   }
   /// The same, 0 for what is no finite number.
   double number_or_zero(PlyType, const PlyElement& element, std::int64_t index) {
@@ -68,6 +94,10 @@ class PlyTextBody {
     return parse_number(word(element, index), value) ? value : 0;
   }
   [[nodiscard]] std::size_t values_left(PlyType) const { return words_.rest().size(); }
+  /// Whether so many can follow.
+  [[nodiscard]] bool has_values(double count, PlyType type) const {
+    return count <= static_cast<double>(values_left(type));
+  }
 
  private:
   std::string_view word(const PlyElement& element, std::int64_t index) {
@@ -81,75 +111,51 @@ class PlyTextBody {
 };
 
 /// The same in binary.
-class PlyBinaryBody {
+class PlyBinaryCursor {
  public:
-  PlyBinaryBody(std::span<const std::byte> bytes, std::string_view name)
-      : left_(bytes), name_(name) {}
+  PlyBinaryCursor(const FileBytes& file, const PlyHeader& header)
+      : left_(file.bytes.subspan(header.byte_count)),
+        name_(file.name),
+        order_(header.format == PlyFormat::BigEndian ? std::endian::big : std::endian::little),
+        is_strict_(file.is_strict) {}
 
-  void skip_header(const PlyHeader& header) {
-    left_ = left_.subspan(header.byte_count);
-    order_ = header.format == PlyFormat::BigEndian ? std::endian::big : std::endian::little;
-  }
   [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
     throw Error(ErrorCode::UnreadableInput, name_ + ": " + what, index);
   }
-  void require_room(const PlyElement& element) const {
-    const std::size_t least = std::max<std::size_t>(element.least_bytes(), 1);
-    if (static_cast<std::uint64_t>(element.count) > left_.size() / least)
-      fail("header promises " + std::to_string(element.count) + " of element " +
-               quote(element.name) + " of at least " + std::to_string(least) + " bytes, but only " +
-               std::to_string(left_.size()) + " bytes follow",
-           -1);
+  void note(LineNote& note, const std::string& what, std::int64_t index) const {
+    if (is_strict_) fail(what, index);
+    note.add(0, what, index);
   }
   [[nodiscard]] std::size_t bytes_left() const { return left_.size(); }
   /// What follows `count` bytes farther, of which so many must be left.
-  [[nodiscard]] PlyBinaryBody behind(std::size_t count) const {
-    PlyBinaryBody body = *this;
-    body.left_ = left_.subspan(count);
-    return body;
+  [[nodiscard]] PlyBinaryCursor behind(std::size_t count) const {
+    PlyBinaryCursor cursor = *this;
+    cursor.left_ = left_.subspan(count);
+    return cursor;
   }
-  void begin(const PlyElement&, std::int64_t) {}
-  void end(const PlyElement&, std::int64_t) {}
-  void skip(PlyType type, const PlyElement& element, std::int64_t index) {
-    (void)take(byte_count_of(type), element, index);
+  void begin() {}
+  void end(const PlyElement&, std::int64_t, LineNote&) {}
+  void skip(PlyType type, std::int64_t count, const PlyElement& element, std::int64_t index) {
+    (void)take(static_cast<std::size_t>(count) * byte_count_of(type), element, index);
+  }
+  double any_number(PlyType type, const PlyElement& element, std::int64_t index) {
+    return ply_number(take(byte_count_of(type), element, index), type, order_);
   }
   double number(PlyType type, const PlyElement& element, std::int64_t index) {
-    return number_in(take(byte_count_of(type), element, index), type);
+    return any_number(type, element, index);
   }
   double number_or_zero(PlyType type, const PlyElement& element, std::int64_t index) {
-    const double value = number(type, element, index);
+    const double value = any_number(type, element, index);
     return std::isfinite(value) ? value : 0;
-  }
-  /// The number that stands `place` bytes farther, which must be left with the number's own.
-  [[nodiscard]] double behind_number(std::size_t place, PlyType type) const {
-    return number_in(left_.subspan(place, byte_count_of(type)), type);
   }
   [[nodiscard]] std::size_t values_left(PlyType type) const {
     return left_.size() / byte_count_of(type);
   }
+  [[nodiscard]] bool has_values(double count, PlyType type) const {
+    return count * static_cast<double>(byte_count_of(type)) <= static_cast<double>(left_.size());
+  }
 
  private:
-  [[nodiscard]] double number_in(std::span<const std::byte> bytes, PlyType type) const {
-    switch (type) {
-      case PlyType::Int8:
-        return load<std::int8_t>(bytes, order_);
-      case PlyType::UInt8:
-        return load<std::uint8_t>(bytes, order_);
-      case PlyType::Int16:
-        return load<std::int16_t>(bytes, order_);
-      case PlyType::UInt16:
-        return load<std::uint16_t>(bytes, order_);
-      case PlyType::Int32:
-        return load<std::int32_t>(bytes, order_);
-      case PlyType::UInt32:
-        return load<std::uint32_t>(bytes, order_);
-      case PlyType::Float32:
-        return load<float>(bytes, order_);
-      case PlyType::Float64:
-        return load<double>(bytes, order_);
-    }
-    return 0;
-  }
   std::span<const std::byte> take(std::size_t count, const PlyElement& element,
                                   std::int64_t index) {
     if (count > left_.size()) fail("the file ends at " + place_of(element, index), index);
@@ -160,40 +166,104 @@ class PlyBinaryBody {
 
   std::span<const std::byte> left_;
   std::string name_;
-  std::endian order_ = std::endian::little;
+  std::endian order_;
+  bool is_strict_;
 };
 
 /// How many values of a list follow. Throws Error{UnreadableInput} where so many cannot.
-template <class Body>
-std::int64_t ply_list_count(Body& body, const PlyProperty& property, const PlyElement& element,
+template <class Cursor>
+std::int64_t ply_list_count(Cursor& cursor, const PlyProperty& property, const PlyElement& element,
                             std::int64_t index) {
-  const double count = body.number(*property.count_type, element, index);
-  if (count < 0 || count != std::floor(count) ||
-      count > static_cast<double>(body.values_left(property.type)))
-    body.fail(place_of(element, index) + ": list " + quote(property.name) + " promises " +
-                  shortest(count) + " values, but no more than " +
-                  std::to_string(body.values_left(property.type)) + " can follow",
-              index);
+  const double count = cursor.number(*property.count_type, element, index);
+  if (count < 0 || count != std::floor(count) || !cursor.has_values(count, property.type))
+    cursor.fail(place_of(element, index) + ": list " + quote(property.name) + " promises " +
+                    shortest(count) + " values, but no more than " +
+                    std::to_string(cursor.values_left(property.type)) + " can follow",
+                index);
   return static_cast<std::int64_t>(count);
 }
 
 /// Passes over a property, a list or one value.
-template <class Body>
-void skip_ply_value(Body& body, const PlyProperty& property, const PlyElement& element,
+template <class Cursor>
+void skip_ply_value(Cursor& cursor, const PlyProperty& property, const PlyElement& element,
                     std::int64_t index) {
   const std::int64_t count =
-      property.count_type ? ply_list_count(body, property, element, index) : 1;
-  for (std::int64_t i = 0; i < count; ++i) body.skip(property.type, element, index);
+      property.count_type ? ply_list_count(cursor, property, element, index) : 1;
+  cursor.skip(property.type, count, element, index);
 }
 
-template <class Body>
-void skip_ply_element(Body& body, const PlyElement& element) {
-  for (std::int64_t index = 0; index < element.count; ++index) {
-    body.begin(element, index);
-    for (const PlyProperty& property : element.properties)
-      skip_ply_value(body, property, element, index);
-    body.end(element, index);
+/// What follows a header, element after element, each in pieces that threads read side by side.
+class PlyTextBody {
+ public:
+  using Cursor = PlyTextCursor;
+
+  PlyTextBody(const FileBytes& file, const PlyHeader& header, std::size_t part_bytes)
+      : records_(lines_behind(file, header), part_bytes) {}
+
+  [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
+    records_.before(first_).fail(what, index);
   }
-}
+  /// Throws Error{UnreadableInput} where the next element cannot have as many entries as it says.
+  void require_room(const PlyElement& element) const;
+  /// Of the next element.
+  [[nodiscard]] std::size_t piece_count(const PlyElement&) { return records_.part_count(); }
+  /// Calls read(piece, cursor, begin, end) for the entries [begin, end) of each piece; the cursor
+  /// stands before them. Throws the Error{UnreadableInput} of the first entry that is wrong.
+  template <class Read>
+  void for_pieces(const PlyElement& element, const Read& read) {
+    records_.for_parts(
+        first_, first_ + element.count, element.name,
+        [&](std::size_t piece, const TextLines& lines, std::int64_t begin, std::int64_t end) {
+          PlyTextCursor cursor(lines);
+          read(piece, cursor, begin - first_, end - first_);
+        });
+    first_ += element.count;
+  }
+
+ private:
+  static TextLines lines_behind(const FileBytes& file, const PlyHeader& header);
+
+  LineRecords records_;
+  std::int64_t first_ = 0;  // record of the next element
+};
+
+/// The same in binary.
+class PlyBinaryBody {
+ public:
+  using Cursor = PlyBinaryCursor;
+
+  PlyBinaryBody(const FileBytes& file, const PlyHeader& header, std::size_t)
+      : cursor_(file, header) {}
+
+  [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
+    cursor_.fail(what, index);
+  }
+  [[nodiscard]] std::size_t bytes_left() const { return cursor_.bytes_left(); }
+  void require_room(const PlyElement& element) const;
+  [[nodiscard]] std::size_t piece_count(const PlyElement& element);
+  template <class Read>
+  void for_pieces(const PlyElement& element, const Read& read) {
+    FirstFailure failure;
+    parallel_for(places_.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t piece = begin; piece < end; ++piece) {
+        failure.watch(piece, [&] {
+          PlyBinaryCursor cursor = cursor_.behind(places_[piece]);
+          const auto first = static_cast<std::int64_t>(piece) * kPieceEntries;
+          const bool is_last = piece + 1 == places_.size();
+          read(piece, cursor, first, is_last ? element.count : first + kPieceEntries);
+        });
+      }
+    });
+    failure.rethrow();
+    cursor_ = cursor_.behind(bytes_);
+  }
+
+ private:
+  static constexpr std::int64_t kPieceEntries = 4096;
+
+  PlyBinaryCursor cursor_;
+  std::vector<std::size_t> places_;  // where each piece of the next element begins
+  std::size_t bytes_ = 0;            // of the next element, where it is sound
+};
 
 }  // namespace planish

@@ -78,6 +78,21 @@ void add_property(Words words, const TextLines& lines, PlyElement& element) {
   element.properties.push_back(std::move(property));
 }
 
+// A line that may be a misspelt element or property, on which the places of all values depend,
+// cannot be passed over.
+void pass_over(Words words, std::string_view keyword, const TextLines& lines, PlyHeader& header) {
+  const std::string what = "unknown keyword " + quote(keyword);
+  std::array<std::string_view, 5> rest;
+  std::size_t count = 0;
+  for (std::string_view word = words.next(); !word.empty(); word = words.next())
+    rest[std::min(count++, rest.size() - 1)] = word;
+  std::int64_t ignored = 0;
+  const bool may_be_element = count == 2 && parse_integer(rest[1], ignored);
+  const bool may_be_property = !header.elements.empty() && (count == 2 || count == 4);
+  if (may_be_element || may_be_property) lines.fail(what);
+  lines.note(header.unknown, what);
+}
+
 }  // namespace
 
 std::size_t byte_count_of(PlyType type) {
@@ -105,8 +120,18 @@ std::size_t PlyElement::least_bytes() const {
   return bytes;
 }
 
-PlyHeader read_ply_header(std::span<const std::byte> bytes, std::string_view name) {
-  TextLines lines(bytes, name);
+std::optional<std::size_t> PlyElement::fixed_bytes(const PlyProperty* besides) const {
+  std::size_t bytes = 0;
+  for (const PlyProperty& property : properties) {
+    if (&property == besides) continue;
+    if (property.count_type) return std::nullopt;
+    bytes += byte_count_of(property.type);
+  }
+  return bytes;
+}
+
+PlyHeader read_ply_header(const FileBytes& file) {
+  TextLines lines = TextLines::of_header(file);
   PlyHeader header;
   bool has_format = false;
   if (!lines.next() || lines.line() != "ply")
@@ -116,7 +141,7 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, std::string_view nam
     const std::string_view keyword = words.next();
     if (keyword == "end_header") {
       if (!has_format) lines.fail("the header names no format");
-      header.byte_count = bytes.size() - lines.bytes_left();
+      header.byte_count = file.bytes.size() - lines.bytes_left();
       header.line_count = lines.number();
       return header;
     }
@@ -133,7 +158,7 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, std::string_view nam
       header.comments.emplace_back(begin == std::string_view::npos ? ""
                                                                    : words.rest().substr(begin));
     } else if (!keyword.empty() && keyword != "obj_info") {
-      lines.fail("unknown keyword " + quote(keyword));
+      pass_over(words, keyword, lines, header);
     }
   }
   lines.fail("the file ends inside the header");

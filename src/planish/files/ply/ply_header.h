@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "planish/files/shared/text_lines.h"
 
 namespace planish {
 
@@ -26,6 +26,8 @@ struct PlyElement {
 
   /// The fewest bytes of one entry in a binary file: every list is empty.
   [[nodiscard]] std::size_t least_bytes() const;
+  /// The bytes of every entry in a binary file but those of one list; nothing where it has another.
+  [[nodiscard]] std::optional<std::size_t> fixed_bytes(const PlyProperty* besides = nullptr) const;
 };
 
 enum class PlyFormat { Text, LittleEndian, BigEndian };
@@ -34,11 +36,12 @@ struct PlyHeader {
   PlyFormat format = PlyFormat::Text;
   std::vector<PlyElement> elements;
   std::vector<std::string> comments;  ///< without the word `comment`
+  LineNote unknown;                   ///< lines of unknown words that are passed over
   std::size_t byte_count = 0;         ///< of the header
   std::int64_t line_count = 0;
 };
 
 /// Throws Error{UnreadableInput} `name:line: what`.
-[[nodiscard]] PlyHeader read_ply_header(std::span<const std::byte> bytes, std::string_view name);
+[[nodiscard]] PlyHeader read_ply_header(const FileBytes& file);
 
 }  // namespace planish

@@ -67,6 +67,11 @@ const PlyProperty* ply_vertex_list(const PlyElement& face) {
   return nullptr;
 }
 
+const PlyProperty* ply_texture_list(const PlyElement& face) {
+  const auto found = std::ranges::find(face.properties, "texcoord", &PlyProperty::name);
+  return found != face.properties.end() && found->count_type ? &*found : nullptr;
+}
+
 double ply_color(double value, PlyType type, bool is_alpha) {
   if (type == PlyType::Float32 || type == PlyType::Float64) return std::clamp(value, 0.0, 1.0);
   const auto bits = 8 * byte_count_of(type);

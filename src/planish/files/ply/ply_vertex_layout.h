@@ -20,6 +20,9 @@ struct PlyVertexLayout {
 /// The list of a face's vertices, null if it has none.
 [[nodiscard]] const PlyProperty* ply_vertex_list(const PlyElement& face);
 
+/// The list of texture coordinates of a face's corners, two numbers each; null if it has none.
+[[nodiscard]] const PlyProperty* ply_texture_list(const PlyElement& face);
+
 /// Linear, 0 to 1. Integers are sRGB by convention, floating-point numbers are linear.
 [[nodiscard]] double ply_color(double value, PlyType type, bool is_alpha);
 

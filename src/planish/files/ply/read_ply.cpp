@@ -2,18 +2,15 @@
 #include "planish/files/ply/read_ply.h"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "planish/core/number_text.h"
-#include "planish/core/parallel.h"
 #include "planish/files/ply/ply_body.h"
-#include "planish/files/ply/ply_vertex_layout.h"
+#include "planish/files/ply/ply_texture_corners.h"
+#include "planish/files/ply/ply_vertex.h"
 #include "planish/files/shared/line_records.h"
 #include "planish/files/shared/split_normals.h"
 
@@ -23,18 +20,20 @@ namespace {
 constexpr std::int64_t kMaxCount = std::numeric_limits<std::int32_t>::max() - 1;
 
 struct Reading {
-  std::size_t part_bytes = std::size_t{1} << 20;
+  std::size_t part_bytes = kTextPartBytes;
   bool wants_normals = false;  // of a mesh; those of a cloud are always read
 };
 
 template <class Body>
 class PlyReader {
  public:
-  PlyReader(std::span<const std::byte> bytes, std::string_view name, const PlyHeader& header,
-            const Reading& reading)
-      : body_(bytes, name), header_(header), reading_(reading) {
-    body_.skip_header(header);
-  }
+  using Cursor = typename Body::Cursor;
+
+  PlyReader(const FileBytes& file, const PlyHeader& header, const Reading& reading)
+      : name_(file.name),
+        body_(file, header, reading.part_bytes),
+        header_(header),
+        reading_(reading) {}
 
   MeshFile read() {
     file_.format = FileFormat::Ply;
@@ -43,38 +42,40 @@ class PlyReader {
     vertex_count_ = require_single("vertex");
     if (vertex_count_ < 0) body_.fail("the header has no element `vertex`", -1);
     (void)require_single("face");
-    if (!read_text_parts()) {
-      file_.mesh = {};
-      file_.normals = {};
-      for (const PlyElement& element : header_.elements) read_element(element);
-    }
-    if (!file_.mesh.uvs.empty()) file_.mesh.face_uvs = file_.mesh.face_vertices;
+    for (const PlyElement& element : header_.elements) read_element(element);
+    if (!file_.mesh.uvs.empty()) name_uvs();
+    texture_.finish(file_);
+    add_warnings();
     return std::move(file_);
   }
+  [[nodiscard]] const Body& body() const { return body_; }
 
  private:
   std::int64_t require_single(std::string_view name);
   void read_element(const PlyElement& element);
+  template <class Read>
+  void for_pieces(const PlyElement& element, const Read& read);
   PlyVertexLayout layout_of(const PlyElement& element) const;
   void make_room(const PlyVertexLayout& layout, std::int64_t count);
-  bool read_text_parts();
   void read_vertices(const PlyElement& element);
-  void read_vertex(Body& body, const PlyElement& element, const PlyVertexLayout& layout,
-                   std::int64_t vertex);
+  void read_vertex(Cursor& cursor, const PlyElement& element, const PlyVertexLayout& layout,
+                   std::int64_t vertex, PlyNotes& notes);
   void read_faces(const PlyElement& element);
-  std::int32_t read_face(Body& body, const PlyElement& element, const PlyProperty& indices,
-                         std::int64_t face, std::vector<std::int32_t>& corners) const;
-  bool read_face_records(const PlyElement& element, const PlyProperty& indices);
-  std::int32_t read_index(Body& body, const PlyProperty& property, const PlyElement& element,
+  std::int32_t read_face(Cursor& cursor, const PlyElement& element, const PlyProperty& indices,
+                         std::int64_t face, std::vector<std::int32_t>& corners,
+                         std::vector<double>& texture) const;
+  std::int32_t read_index(Cursor& cursor, const PlyProperty& property, const PlyElement& element,
                           std::int64_t face) const;
-  template <class PlaceOf, class Read>
-  bool read_records(std::int64_t count, const PlaceOf& place_of_record, const Read& read) const;
-  static std::optional<std::size_t> fixed_bytes(const PlyElement& element,
-                                                const PlyProperty* besides);
+  void name_uvs();
+  void add_warnings();
+
+  std::string_view name_;
   Body body_;
   const PlyHeader& header_;
   Reading reading_;
   MeshFile file_;
+  PlyNotes notes_;
+  PlyTextureCorners texture_;
   std::int64_t vertex_count_ = -1;
 };
 
@@ -102,7 +103,26 @@ void PlyReader<Body>::read_element(const PlyElement& element) {
     file_.warnings.push_back({.code = "ignored-element",
                               .message = "triangle strips cannot be read; save them as faces",
                               .count = element.count});
-  skip_ply_element(body_, element);
+  for_pieces(element, [&](std::size_t, Cursor& cursor, std::int64_t entry, PlyNotes&) {
+    for (const PlyProperty& property : element.properties)
+      skip_ply_value(cursor, property, element, entry);
+  });
+}
+
+// Calls read(piece, cursor, entry, notes) for each entry, those of a piece one after another.
+template <class Body>
+template <class Read>
+void PlyReader<Body>::for_pieces(const PlyElement& element, const Read& read) {
+  std::vector<PlyNotes> notes(body_.piece_count(element));
+  body_.for_pieces(element,
+                   [&](std::size_t piece, Cursor& cursor, std::int64_t begin, std::int64_t end) {
+                     for (std::int64_t entry = begin; entry < end; ++entry) {
+                       cursor.begin();
+                       read(piece, cursor, entry, notes[piece]);
+                       cursor.end(element, entry, notes[piece].excess);
+                     }
+                   });
+  for (const PlyNotes& of_piece : notes) notes_.join(of_piece);
 }
 
 template <class Body>
@@ -130,133 +150,27 @@ void PlyReader<Body>::make_room(const PlyVertexLayout& layout, std::int64_t coun
   file_.normals.resize(layout.has_normals ? vertices : 0);
 }
 
-// Text of vertices and faces and nothing else, on all threads. False for other files, and where
-// something is wrong: reading one line after another finds the first.
-template <class Body>
-bool PlyReader<Body>::read_text_parts() {
-  if constexpr (std::is_same_v<Body, PlyTextBody>) {
-    const std::vector<PlyElement>& elements = header_.elements;
-    if (elements.size() != 2 || elements[0].name != "vertex" || elements[1].name != "face")
-      return false;
-    const PlyElement &vertices = elements[0], &faces = elements[1];
-    const LineRecords records(body_.lines(), reading_.part_bytes);
-    const PlyProperty* indices = ply_vertex_list(faces);
-    if (records.part_count() == 1 || indices == nullptr || vertices.count > records.count() ||
-        faces.count > records.count() - vertices.count)
-      return false;
-    try {
-      const PlyVertexLayout layout = layout_of(vertices);
-      make_room(layout, vertices.count);
-      FaceParts parts;
-      parts.parts.resize(records.part_count());
-      const auto read_vertex_lines = [&](std::size_t, const TextLines& lines, std::int64_t begin,
-                                         std::int64_t end) {
-        PlyTextBody body(lines);
-        for (std::int64_t v = begin; v < end; ++v) read_vertex(body, vertices, layout, v);
-      };
-      const auto read_face_lines = [&](std::size_t part, const TextLines& lines, std::int64_t begin,
-                                       std::int64_t end) {
-        PlyTextBody body(lines);
-        FaceParts::Part& of = parts.parts[part];
-        for (std::int64_t f = begin; f < end; ++f)
-          of.sizes.push_back(read_face(body, faces, *indices, f - vertices.count, of.vertices));
-      };
-      return records.for_parts(0, vertices.count, read_vertex_lines) &&
-             records.for_parts(vertices.count, vertices.count + faces.count, read_face_lines) &&
-             parts.append_to(file_.mesh);
-    } catch (const Error&) {
-      return false;
-    }
-  }
-  return false;
-}
-
 template <class Body>
 void PlyReader<Body>::read_vertices(const PlyElement& element) {
   const PlyVertexLayout layout = layout_of(element);
   if (element.count > kMaxCount)
     body_.fail("more vertices than 32 bits can count: " + std::to_string(element.count), -1);
-  const auto count = static_cast<std::size_t>(element.count);
   make_room(layout, element.count);
-  if constexpr (std::is_same_v<Body, PlyBinaryBody>) {
-    const std::optional<std::size_t> bytes = fixed_bytes(element, nullptr);
-    const auto read = [&](Body& body, std::int64_t vertex) {
-      read_vertex(body, element, layout, vertex);
-    };
-    if (bytes && read_records(
-                     element.count, [&](std::int64_t v) { return v * *bytes; }, read)) {
-      body_ = body_.behind(count * *bytes);
-      return;
-    }
-  }
-  for (std::int64_t vertex = 0; vertex < element.count; ++vertex)
-    read_vertex(body_, element, layout, vertex);
-}
-
-template <class Body>
-void PlyReader<Body>::read_vertex(Body& body, const PlyElement& element,
-                                  const PlyVertexLayout& layout, std::int64_t vertex) {
-  body.begin(element, vertex);
-  std::array<double, 12> values{};
-  values[8] = 1;  // opaque
-  for (std::size_t i = 0; i < layout.slots.size(); ++i) {
-    const PlyProperty& property = element.properties[i];
-    const int slot = layout.slots[i];
-    if (slot < 0) {
-      skip_ply_value(body, property, element, vertex);
-      continue;
-    }
-    if (slot > 8) {
-      values[slot] = body.number_or_zero(property.type, element, vertex);
-      continue;
-    }
-    const double value = body.number(property.type, element, vertex);
-    if (!std::isfinite(value))
-      body.fail(place_of(element, vertex) + ": " + property.name + " is " + shortest(value),
-                vertex);
-    values[slot] = slot < 5 ? value : ply_color(value, property.type, slot == 8);
-  }
-  body.end(element, vertex);
-  PolygonMesh& mesh = file_.mesh;
-  mesh.positions[vertex] = {values[0], values[1], values[2]};
-  if (layout.has_uvs) mesh.uvs[vertex] = {values[3], values[4]};
-  if (layout.has_normals) file_.normals[vertex] = {values[9], values[10], values[11]};
-  if (layout.has_colors) mesh.colors[vertex] = {values[5], values[6], values[7], values[8]};
-}
-
-// Calls read(body, record) with a body at each record's place, on all threads. False where one was
-// wrong: reading one after another finds the first.
-template <class Body>
-template <class PlaceOf, class Read>
-bool PlyReader<Body>::read_records(std::int64_t count, const PlaceOf& place_of_record,
-                                   const Read& read) const {
-  constexpr std::size_t kPlyGrain = 4096;
-  std::atomic<bool> sound{true};
-  parallel_for(static_cast<std::size_t>(count), kPlyGrain, [&](std::size_t begin, std::size_t end) {
-    if (!sound.load(std::memory_order_relaxed)) return;
-    const std::size_t place = place_of_record(static_cast<std::int64_t>(begin));
-    if (place > body_.bytes_left()) return sound.store(false, std::memory_order_relaxed);
-    Body body = body_.behind(place);
-    try {
-      for (std::size_t i = begin; i < end; ++i) read(body, static_cast<std::int64_t>(i));
-    } catch (const Error&) {
-      sound.store(false, std::memory_order_relaxed);
-    }
+  for_pieces(element, [&](std::size_t, Cursor& cursor, std::int64_t vertex, PlyNotes& notes) {
+    read_vertex(cursor, element, layout, vertex, notes);
   });
-  return sound.load();
 }
 
-// Bytes of a record without the one list `besides`; nothing where it has another list.
 template <class Body>
-std::optional<std::size_t> PlyReader<Body>::fixed_bytes(const PlyElement& element,
-                                                        const PlyProperty* besides) {
-  std::size_t bytes = 0;
-  for (const PlyProperty& property : element.properties) {
-    if (&property == besides) continue;
-    if (property.count_type) return std::nullopt;
-    bytes += byte_count_of(property.type);
-  }
-  return bytes;
+void PlyReader<Body>::read_vertex(Cursor& cursor, const PlyElement& element,
+                                  const PlyVertexLayout& layout, std::int64_t vertex,
+                                  PlyNotes& notes) {
+  const PlyVertex found = read_ply_vertex(cursor, element, layout, vertex, notes);
+  PolygonMesh& mesh = file_.mesh;
+  mesh.positions[vertex] = found.position();
+  if (layout.has_uvs) mesh.uvs[vertex] = found.uv();
+  if (layout.has_normals) file_.normals[vertex] = found.normal();
+  if (layout.has_colors) mesh.colors[vertex] = found.color();
 }
 
 template <class Body>
@@ -267,121 +181,100 @@ void PlyReader<Body>::read_faces(const PlyElement& element) {
   if (element.count > kMaxCount)
     body_.fail("more faces than 32 bits can count: " + std::to_string(element.count), -1);
   if (indices == nullptr) return;
-  if constexpr (std::is_same_v<Body, PlyBinaryBody>) {
-    if (read_face_records(element, *indices)) return;
-    file_.mesh.face_offsets = {0};
-  }
-  auto& corners = file_.mesh.face_vertices;
-  corners.clear();
-  file_.mesh.face_offsets.reserve(element.count + 1);
-  for (std::int64_t face = 0; face < element.count; ++face) {
-    (void)read_face(body_, element, *indices, face, corners);
-    if (corners.size() > static_cast<std::size_t>(kMaxCount))
-      body_.fail("more face corners than 32 bits can count", face);
-    file_.mesh.face_offsets.push_back(static_cast<std::int32_t>(corners.size()));
-  }
+  FaceParts faces;
+  faces.parts.resize(body_.piece_count(element));
+  const bool has_texture = ply_texture_list(element) != nullptr;
+  std::vector<PlyTextureCorners> textures(has_texture ? faces.parts.size() : 0);
+  for_pieces(element, [&](std::size_t piece, Cursor& cursor, std::int64_t face, PlyNotes&) {
+    FaceParts::Part& part = faces.parts[piece];
+    std::vector<double> texture;
+    part.sizes.push_back(read_face(cursor, element, *indices, face, part.vertices, texture));
+    if (has_texture) textures[piece].add_face(texture, static_cast<std::size_t>(part.sizes.back()));
+  });
+  for (const PlyTextureCorners& texture : textures) texture_.append(texture);
+  if (const std::int64_t face = faces.append_to(file_.mesh); face >= 0)
+    body_.fail(place_of(element, face) + ": more face corners than 32 bits can count", face);
 }
 
 // Appends a face's corners and returns how many they are.
 template <class Body>
-std::int32_t PlyReader<Body>::read_face(Body& body, const PlyElement& element,
+std::int32_t PlyReader<Body>::read_face(Cursor& cursor, const PlyElement& element,
                                         const PlyProperty& indices, std::int64_t face,
-                                        std::vector<std::int32_t>& corners) const {
+                                        std::vector<std::int32_t>& corners,
+                                        std::vector<double>& texture) const {
+  const PlyProperty* const coordinates = ply_texture_list(element);
   std::int64_t size = 0;
-  body.begin(element, face);
   for (const PlyProperty& property : element.properties) {
-    if (&property != &indices) {
-      skip_ply_value(body, property, element, face);
+    if (&property == coordinates) {
+      const std::int64_t count = ply_list_count(cursor, property, element, face);
+      for (std::int64_t i = 0; i < count; ++i)
+        texture.push_back(cursor.any_number(property.type, element, face));
       continue;
     }
-    size = ply_list_count(body, property, element, face);
+    if (&property != &indices) {
+      skip_ply_value(cursor, property, element, face);
+      continue;
+    }
+    size = ply_list_count(cursor, property, element, face);
     for (std::int64_t i = 0; i < size; ++i)
-      corners.push_back(read_index(body, property, element, face));
+      corners.push_back(read_index(cursor, property, element, face));
   }
-  body.end(element, face);
   return static_cast<std::int32_t>(size);
 }
 
-// First the sizes, whose sums tell where each record lies, then the corners on all threads. False
-// where something is wrong, or where records hold further lists.
 template <class Body>
-bool PlyReader<Body>::read_face_records(const PlyElement& element, const PlyProperty& indices) {
-  const std::optional<std::size_t> others = fixed_bytes(element, &indices);
-  if (!others) return false;
-  std::size_t before = 0;  // bytes of a record in front of the list
-  for (const PlyProperty* property = element.properties.data(); property != &indices; ++property)
-    before += byte_count_of(property->type);
-  const std::size_t index_bytes = byte_count_of(indices.type);
-  const std::size_t fixed = *others + byte_count_of(*indices.count_type);
-  const auto place_of_record = [&](std::int64_t face) {
-    return static_cast<std::size_t>(face) * fixed +
-           static_cast<std::size_t>(file_.mesh.face_offsets[face]) * index_bytes;
-  };
-
-  std::vector<std::int32_t>& offsets = file_.mesh.face_offsets;
-  offsets.resize(element.count + 1);
-  std::int64_t corner_count = 0;
-  for (std::int64_t face = 0; face < element.count; ++face) {
-    const std::size_t place = place_of_record(face);
-    if (place + fixed > body_.bytes_left()) return false;
-    const double size = body_.behind_number(place + before, *indices.count_type);
-    if (!(size >= 0) || size != std::floor(size) || size > static_cast<double>(kMaxCount))
-      return false;
-    corner_count += static_cast<std::int64_t>(size);
-    if (corner_count > kMaxCount) return false;
-    offsets[face + 1] = static_cast<std::int32_t>(corner_count);
-  }
-  const std::size_t end = place_of_record(element.count);
-  if (end > body_.bytes_left()) return false;
-  file_.mesh.face_vertices.resize(corner_count);
-  const auto read = [&](Body& body, std::int64_t face) {
-    for (const PlyProperty& property : element.properties) {
-      if (&property != &indices) {
-        skip_ply_value(body, property, element, face);
-        continue;
-      }
-      (void)ply_list_count(body, property, element, face);
-      for (std::int32_t c = offsets[face]; c < offsets[face + 1]; ++c)
-        file_.mesh.face_vertices[c] = read_index(body, property, element, face);
-    }
-  };
-  if (!read_records(element.count, place_of_record, read)) return false;
-  body_ = body_.behind(end);
-  return true;
-}
-
-template <class Body>
-std::int32_t PlyReader<Body>::read_index(Body& body, const PlyProperty& property,
+std::int32_t PlyReader<Body>::read_index(Cursor& cursor, const PlyProperty& property,
                                          const PlyElement& element, std::int64_t face) const {
-  const double vertex = body.number(property.type, element, face);
+  const double vertex = cursor.number(property.type, element, face);
   // The negated comparison catches NaN.
   if (!(vertex >= 0 && vertex < static_cast<double>(vertex_count_)) || vertex != std::floor(vertex))
-    body.fail(place_of(element, face) + " names vertex " + shortest(vertex) + " of " +
-                  std::to_string(vertex_count_),
-              face);
+    cursor.fail(place_of(element, face) + " names vertex " + shortest(vertex) + " of " +
+                    std::to_string(vertex_count_),
+                face);
   return static_cast<std::int32_t>(vertex);
 }
 
-MeshFile read_as(std::span<const std::byte> bytes, std::string_view name, const Reading& reading) {
-  const PlyHeader header = read_ply_header(bytes, name);
-  if (header.format == PlyFormat::Text)
-    return PlyReader<PlyTextBody>(bytes, name, header, reading).read();
-  return PlyReader<PlyBinaryBody>(bytes, name, header, reading).read();
+// Corners have the coordinates of their vertices, where these have some.
+template <class Body>
+void PlyReader<Body>::name_uvs() {
+  PolygonMesh& mesh = file_.mesh;
+  mesh.face_uvs = mesh.face_vertices;
+  if (notes_.uv.count == 0) return;
+  for (std::int32_t& uv : mesh.face_uvs)
+    if (std::isnan(mesh.uvs[uv].x)) uv = -1;
+  for (glm::dvec2& uv : mesh.uvs)
+    if (std::isnan(uv.x)) uv = glm::dvec2(0.0);
+}
+
+template <class Body>
+void PlyReader<Body>::add_warnings() {
+  header_.unknown.warn(file_.warnings, "unknown-keyword", name_, "such lines are passed over");
+  notes_.excess.warn(file_.warnings, "excess-values", name_,
+                     "what stands behind an entry's last value is passed over");
+  notes_.color.warn(file_.warnings, "missing-colors", name_, "such vertices are white");
+  notes_.uv.warn(file_.warnings, "missing-texture-coordinates", name_,
+                 "corners at such vertices have none");
+}
+
+MeshFile read_as(const FileBytes& file, const Reading& reading) {
+  const PlyHeader header = read_ply_header(file);
+  if (header.format == PlyFormat::Text) return PlyReader<PlyTextBody>(file, header, reading).read();
+  return PlyReader<PlyBinaryBody>(file, header, reading).read();
 }
 
 }  // namespace
 
-MeshFile read_ply(std::span<const std::byte> bytes, std::string_view name) {
-  return read_as(bytes, name, {});
+MeshFile read_binary_ply_body(const FileBytes& file, const PlyHeader& header) {
+  PlyReader<PlyBinaryBody> reader(file, header, {});
+  MeshFile found = reader.read();
+  if (const std::size_t left = reader.body().bytes_left(); left > 0)
+    reader.body().fail(std::to_string(left) + " bytes more follow after the last face", -1);
+  return found;
 }
 
-MeshFile read_ply_in_parts(std::span<const std::byte> bytes, std::string_view name,
-                           std::size_t part_bytes) {
-  return read_as(bytes, name, {.part_bytes = part_bytes});
-}
-
-MeshFile read_ply(const FileBytes& file) {
-  MeshFile found = read_as(file.bytes, file.name, {.wants_normals = file.split_normals_crease});
+MeshFile read_ply(const FileBytes& file, std::size_t part_bytes) {
+  MeshFile found =
+      read_as(file, {.part_bytes = part_bytes, .wants_normals = file.split_normals_crease});
   if (!file.split_normals_crease || found.mesh.face_count() == 0) return found;
   const CornerNormals normals{.values = std::exchange(found.normals, {}),
                               .of_corners = found.mesh.face_vertices};

@@ -1,26 +1,29 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
-#include <string_view>
 
 #include "planish/files/mesh_file.h"
+#include "planish/files/ply/ply_header.h"
+#include "planish/files/shared/text_lines.h"
 
 namespace planish {
 
 /// PLY 1.0, text or binary of either byte order: `x y z` of element `vertex` and the list
 /// `vertex_indices` or `vertex_index` of element `face`, of any scalar type. Vertices may have
-/// texture coordinates (s t, u v, texture_u texture_v) and colours (red green blue alpha: integers
-/// are sRGB by convention, floating-point numbers linear; clamped to their range); all else is
-/// passed over, but for normals (nx ny nz) with `split_normals_crease` and of vertices without
-/// faces. Without an element `face` the mesh has no faces. Conditions and exceptions as
+/// texture coordinates (s t, u v, texture_u texture_v), faces a list `texcoord` of their corners'
+/// coordinates, which counts before those; vertices may have colours (red green blue alpha:
+/// integers are sRGB by convention, floating-point numbers linear; clamped to their range); all
+/// else is passed over, but for normals (nx ny nz) with `split_normals_crease` and of vertices
+/// without faces. Without an element `face` the mesh has no faces. Conditions and exceptions as
 /// read_mesh().
-[[nodiscard]] MeshFile read_ply(const FileBytes& file);
-[[nodiscard]] MeshFile read_ply(std::span<const std::byte> bytes, std::string_view name);
+///
+/// Read with a warning, unless the file is strict: values behind the last of a line, lines of the
+/// header that begin with other words and look like no element or property, colours and texture
+/// coordinates that are not finite. The result does not depend on `part_bytes`, of which a thread
+/// reads about so many at a time of text.
+[[nodiscard]] MeshFile read_ply(const FileBytes& file, std::size_t part_bytes = kTextPartBytes);
 
-/// The same, text in parts of about `part_bytes`, on which the result does not depend; threads take
-/// one part at a time.
-[[nodiscard]] MeshFile read_ply_in_parts(std::span<const std::byte> bytes, std::string_view name,
-                                         std::size_t part_bytes);
+/// The elements behind the header of a binary file of another format, up to its end.
+[[nodiscard]] MeshFile read_binary_ply_body(const FileBytes& file, const PlyHeader& header);
 
 }  // namespace planish

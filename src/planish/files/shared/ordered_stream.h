@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "planish/core/range.h"
 #include "planish/core/raw_vector.h"
 #include "planish/core/stop.h"
-#include "planish/stencil/stencil_builder.h"
 
 namespace planish {
 

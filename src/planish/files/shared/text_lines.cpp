@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "planish/core/error.h"
+#include "planish/core/parallel.h"
 
 namespace planish {
 namespace {
@@ -32,12 +33,60 @@ std::string_view Words::next() {
   return {begin, static_cast<std::size_t>(at_ - begin)};
 }
 
-TextLines::TextLines(std::span<const std::byte> bytes, std::string_view name,
-                     Continuation continuation)
-    : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
-      name_(name),
+void LineNote::add(std::int64_t at_line, std::string_view fault, std::int64_t at_element) {
+  if (count++ > 0) return;
+  line = at_line;
+  element = at_element;
+  what = fault;
+}
+
+void LineNote::join(const LineNote& behind, std::int64_t lines_before,
+                    std::int64_t elements_before) {
+  if (count == 0 && behind.count > 0) {
+    line = behind.line + lines_before;
+    element = behind.element < 0 ? -1 : behind.element + elements_before;
+    what = behind.what;
+  }
+  count += behind.count;
+}
+
+void LineNote::warn(std::vector<Warning>& warnings, const std::string& code, std::string_view name,
+                    std::string_view done) const {
+  if (count == 0) return;
+  std::string place(name);
+  if (line > 0) place += ":" + std::to_string(line);
+  const std::string times = count > 1 ? " (" + std::to_string(count) + " times)" : "";
+  warnings.push_back({.code = code,
+                      .message = place + ": " + what + "; " + std::string(done) + times,
+                      .count = count,
+                      .first = element});
+}
+
+TextLines::TextLines(const FileBytes& file, Continuation continuation)
+    : text_(reinterpret_cast<const char*>(file.bytes.data()), file.bytes.size()),
+      name_(file.name),
       continuation_(continuation),
+      is_strict_(file.is_strict),
       terminator_(text_.find('\n') == std::string_view::npos ? '\r' : '\n') {}
+
+TextLines TextLines::of_header(const FileBytes& file) {
+  TextLines lines(file);
+  const std::size_t end = lines.text_.find_first_of("\r\n");
+  const bool is_return = end != std::string_view::npos && lines.text_[end] == '\r' &&
+                         lines.text_.substr(end + 1, 1) != "\n";
+  if (is_return) lines.terminator_ = '\r';
+  return lines;
+}
+
+void TextLines::count_from(std::int64_t lines_before) {
+  number_ = lines_before;
+  next_number_ = lines_before + 1;
+}
+
+void TextLines::move_before(const TextLines& part) {
+  position_ = static_cast<std::size_t>(part.text_.data() - text_.data());
+  count_from(part.number_);
+}
 
 std::size_t TextLines::end_of_line(std::size_t from) const {
   if (from >= text_.size()) return text_.size();
@@ -113,9 +162,33 @@ void TextLines::fail(const std::string& what, std::int64_t element) const {
   fail_at(std::max<std::int64_t>(number_, 1), what, element);
 }
 
+void TextLines::note_at(LineNote& note, std::int64_t line, const std::string& what,
+                        std::int64_t element) const {
+  if (is_strict_) fail_at(std::max<std::int64_t>(line, 1), what, element);
+  note.add(line, what, element);
+}
+
 void TextLines::fail_at(std::int64_t line, const std::string& what, std::int64_t element) const {
   throw Error(ErrorCode::UnreadableInput, name_ + ":" + std::to_string(line) + ": " + what,
               element);
+}
+
+std::vector<TextLines> numbered_parts(const TextLines& lines, std::size_t part_bytes) {
+  std::vector<TextLines> parts = lines.rest().cut(part_bytes);
+  std::vector<std::int64_t> counts(parts.size());
+  parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      TextLines part = parts[p];
+      while (part.next()) continue;
+      counts[p] = part.lines_passed();
+    }
+  });
+  std::int64_t before = lines.lines_passed();
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    parts[p].count_from(before);
+    before += counts[p];
+  }
+  return parts;
 }
 
 }  // namespace planish

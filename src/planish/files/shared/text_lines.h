@@ -7,7 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/stop.h"
+#include "planish/files/formats.h"
 
 namespace planish {
 
@@ -29,18 +31,38 @@ class Words {
   const char* end_;
 };
 
+/// What a reader made the best of: how often, and where first.
+struct LineNote {
+  std::int64_t count = 0, line = 0;  ///< line 0: of a binary file
+  std::int64_t element = -1;
+  std::string what;
+
+  void add(std::int64_t at_line, std::string_view fault, std::int64_t at_element = -1);
+  /// Adds that of the lines behind, whose lines and elements count from these.
+  void join(const LineNote& behind, std::int64_t lines_before = 0,
+            std::int64_t elements_before = 0);
+  /// `name:line: what; done`, where there was anything.
+  void warn(std::vector<Warning>& warnings, const std::string& code, std::string_view name,
+            std::string_view done) const;
+};
+
 /// Walks through the lines of a text file; LF, CRLF and CR line ends.
 class TextLines {
  public:
   enum class Continuation { None, Backslash };
 
-  TextLines(std::span<const std::byte> bytes, std::string_view name,
-            Continuation continuation = Continuation::None);
+  explicit TextLines(const FileBytes& file, Continuation continuation = Continuation::None);
+  /// Those of a header before bytes that are no text: its first line tells how lines end.
+  [[nodiscard]] static TextLines of_header(const FileBytes& file);
 
   /// The lines from `begin` to `end`, both places of start_of_line(), counted from 1 again.
   [[nodiscard]] TextLines part(std::size_t begin, std::size_t end) const;
   /// The lines behind the current one, counted from 1 again.
   [[nodiscard]] TextLines rest() const { return part(position_, text_.size()); }
+  /// Numbers lines as so many more stood before them.
+  void count_from(std::int64_t lines_before);
+  /// Moves to where `part`, a numbered one of the same text, begins.
+  void move_before(const TextLines& part);
   /// Parts of about `part_bytes`, at least one, none of which cuts a line.
   [[nodiscard]] std::vector<TextLines> cut(std::size_t part_bytes) const;
   /// The first place at or behind `from` where a line begins, or the end; continued lines are one.
@@ -52,6 +74,10 @@ class TextLines {
   [[nodiscard]] bool next_with_words();
   /// The current line without its end; continued lines are one.
   [[nodiscard]] std::string_view line() const { return line_; }
+  /// The current line begins where `part` of the same text does, or behind.
+  [[nodiscard]] bool is_at_or_behind(const TextLines& part) const {
+    return line_.data() >= part.text_.data();
+  }
   /// 1-based number of the (first) current line.
   [[nodiscard]] std::int64_t number() const { return number_; }
   /// How many lines of the file have been met, with the current one; continued ones count singly.
@@ -63,6 +89,13 @@ class TextLines {
   [[noreturn]] void fail(const std::string& what, std::int64_t element = -1) const;
   [[noreturn]] void fail_at(std::int64_t line, const std::string& what,
                             std::int64_t element = -1) const;
+  /// Notes what is not as it should be, of which the reader knows what to make; a strict file
+  /// fails.
+  void note(LineNote& note, const std::string& what, std::int64_t element = -1) const {
+    note_at(note, number_, what, element);
+  }
+  void note_at(LineNote& note, std::int64_t line, const std::string& what,
+               std::int64_t element = -1) const;
 
  private:
   [[nodiscard]] std::size_t end_of_line(std::size_t from) const;
@@ -70,6 +103,7 @@ class TextLines {
   std::string_view text_;
   std::string name_;
   Continuation continuation_;
+  bool is_strict_;
   char terminator_;
   std::string_view line_;
   std::size_t position_ = 0;
@@ -77,5 +111,11 @@ class TextLines {
   std::int64_t next_number_ = 1;
   StopCheck stop_;
 };
+
+/// Bytes of a part of a text file that a thread reads at a time.
+inline constexpr std::size_t kTextPartBytes = std::size_t{1} << 20;
+
+/// The lines behind the current one in parts of about `part_bytes`, numbered as in the file.
+[[nodiscard]] std::vector<TextLines> numbered_parts(const TextLines& lines, std::size_t part_bytes);
 
 }  // namespace planish

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
@@ -152,10 +153,10 @@ void TriangleCollector::finish(std::vector<glm::dvec3> positions, std::int64_t m
   file.welded_vertex_count += merged_count;
   file.dropped_element_count += degenerate_count_;
   if (degenerate_count_ == 0) return;
-  file.warnings.push_back(
-      {.code = "degenerate-triangles",
-       .message = std::to_string(degenerate_count_) + " triangles without area were left out",
-       .count = degenerate_count_});
+  file.warnings.push_back({.code = "degenerate-triangles",
+                           .message = counted(degenerate_count_, "triangle") + " without area " +
+                                      (degenerate_count_ == 1 ? "was" : "were") + " left out",
+                           .count = degenerate_count_});
 }
 
 }  // namespace planish

@@ -7,13 +7,17 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "planish/core/assert.h"
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/files/shared/bytes.h"
+#include "planish/files/shared/first_failure.h"
 #include "planish/files/shared/text_lines.h"
 #include "planish/files/shared/weld.h"
 
@@ -55,6 +59,18 @@ bool is_text(std::span<const std::byte> bytes) {
   assertion_failed("a coordinate is not finite", __FILE__, __LINE__);
 }
 
+// Of three corners a triangle.
+MeshFile welded_file(std::span<const glm::dvec3> corners) {
+  WeldedPositions welded = weld(corners);
+  TriangleCollector triangles;
+  for (std::size_t c = 0; c < corners.size(); c += 3)
+    triangles.add(welded.indices[c], welded.indices[c + 1], welded.indices[c + 2]);
+  MeshFile file{.format = FileFormat::Stl};
+  const auto merged = std::ssize(corners) - std::ssize(welded.positions);
+  triangles.finish(std::move(welded.positions), merged, file);
+  return file;
+}
+
 MeshFile read_binary(std::span<const std::byte> bytes, std::string_view name) {
   constexpr std::size_t kStlGrain = 4096;
   const auto count = load<std::uint32_t>(bytes.subspan(80));
@@ -75,47 +91,58 @@ MeshFile read_binary(std::span<const std::byte> bytes, std::string_view name) {
     if (!all) finite.store(false, std::memory_order_relaxed);
   });
   if (!finite.load()) fail_at_first_infinite(positions, name);
-  WeldedPositions welded = weld(positions);
-  TriangleCollector triangles;
-  for (std::size_t c = 0; c < positions.size(); c += 3)
-    triangles.add(welded.indices[c], welded.indices[c + 1], welded.indices[c + 2]);
-  MeshFile file{.format = FileFormat::Stl};
-  const auto merged = std::ssize(positions) - std::ssize(welded.positions);
-  triangles.finish(std::move(welded.positions), merged, file);
-  return file;
+  return welded_file(positions);
 }
 
-class TextStl {
+// Reads the facets that begin in a part of the file: a part but the first begins with its first
+// facet, which stands in a solid, as the part before makes sure.
+class StlPart {
  public:
-  TextStl(std::span<const std::byte> bytes, std::string_view name) : lines_(bytes, name) {}
+  // `lines` stand before the part; null for the last: `behind`.
+  StlPart(const TextLines& lines, bool is_first, const TextLines* behind)
+      : lines_(lines), behind_(behind), inside_(is_first ? Inside::Nothing : Inside::Facet) {}
 
-  MeshFile read() {
-    while (lines_.next_with_words()) read_line();
-    if (inside_ != Inside::Nothing && inside_ != Inside::Solid)
-      lines_.fail("the file ends inside a facet");
-    MeshFile file{.format = FileFormat::Stl};
-    triangles_.finish(welder_, file);
-    return file;
-  }
+  void read();
+
+  std::vector<glm::dvec3> corners;  // three of each facet
+  LineNote unknown;
 
  private:
   enum class Inside { Nothing, Solid, Facet, Loop };
 
-  void read_line();
+  bool find_first_facet();
+  void read_line(Words words, std::string_view word);
   void move(Inside from, Inside to, std::string_view word);
   void read_vertex(Words words);
-  void end_loop();
 
   TextLines lines_;
-  Welder welder_;
-  TriangleCollector triangles_;
-  Inside inside_ = Inside::Nothing;
-  std::vector<std::int32_t> loop_;
+  const TextLines* behind_;
+  Inside inside_;
+  std::int64_t loop_begin_ = 0;
 };
 
-void TextStl::read_line() {
-  Words words(lines_.line());
-  const std::string_view word = words.next();
+bool StlPart::find_first_facet() {
+  while (lines_.next_with_words())
+    if (is_word(Words(lines_.line()).next(), "facet")) return true;
+  return false;
+}
+
+void StlPart::read() {
+  const bool is_first = inside_ == Inside::Nothing;
+  if (!is_first && !find_first_facet()) return;
+  // A facet behind the part is where another begins.
+  if (!is_first && behind_ != nullptr && lines_.is_at_or_behind(*behind_)) return;
+  while (lines_.next_with_words()) {
+    Words words(lines_.line());
+    const std::string_view word = words.next();
+    read_line(words, word);
+    if (behind_ != nullptr && is_word(word, "facet") && lines_.is_at_or_behind(*behind_)) return;
+  }
+  if (inside_ != Inside::Nothing && inside_ != Inside::Solid)
+    lines_.fail("the file ends inside a facet");
+}
+
+void StlPart::read_line(Words words, std::string_view word) {
   if (is_word(word, "vertex")) {
     move(Inside::Loop, Inside::Loop, word);
     read_vertex(words);
@@ -123,10 +150,11 @@ void TextStl::read_line() {
     move(Inside::Solid, Inside::Facet, word);
   } else if (is_word(word, "outer")) {
     move(Inside::Facet, Inside::Loop, word);
-    loop_.clear();
+    loop_begin_ = std::ssize(corners);
   } else if (is_word(word, "endloop")) {
     move(Inside::Loop, Inside::Facet, word);
-    end_loop();
+    if (const std::int64_t count = std::ssize(corners) - loop_begin_; count != 3)
+      lines_.fail("facet has " + counted(count, "vertex") + ", 3 are needed");
   } else if (is_word(word, "endfacet")) {
     move(Inside::Facet, Inside::Solid, word);
   } else if (is_word(word, "solid")) {
@@ -134,56 +162,79 @@ void TextStl::read_line() {
   } else if (is_word(word, "endsolid")) {
     move(Inside::Solid, Inside::Nothing, word);
   } else {
-    lines_.fail(quote(word) + " is no word of STL");
+    const std::string what = quote(word) + " is no word of STL";
+    if (inside_ == Inside::Facet || inside_ == Inside::Loop) lines_.fail(what);
+    lines_.note(unknown, what);
   }
 }
 
-void TextStl::move(Inside from, Inside to, std::string_view word) {
+void StlPart::move(Inside from, Inside to, std::string_view word) {
   if (inside_ != from) lines_.fail(quote(word) + " is out of place");
   inside_ = to;
 }
 
-void TextStl::read_vertex(Words words) {
+void StlPart::read_vertex(Words words) {
   glm::dvec3 position;
   for (int axis = 0; axis < 3; ++axis) {
     const std::string_view word = words.next();
     if (!parse_number(word, position[axis]))
-      lines_.fail("vertex coordinate " + quote(word) + " is no finite number");
+      lines_.fail("vertex coordinate " + no_finite_number(word));
   }
   if (const std::string_view word = words.next(); !word.empty())
     lines_.fail("vertex has a fourth value " + quote(word));
-  loop_.push_back(welder_.insert(position));
+  corners.push_back(position);
 }
 
-void TextStl::end_loop() {
-  if (loop_.size() != 3)
-    lines_.fail("facet has " + std::to_string(loop_.size()) + " vertices, 3 are needed");
-  if (triangles_.corner_count() + 3 > std::numeric_limits<std::int32_t>::max())
-    lines_.fail("more triangle corners than 32 bits can count");
-  triangles_.add(loop_[0], loop_[1], loop_[2]);
+MeshFile read_text(const FileBytes& file, std::size_t part_bytes) {
+  TextLines whole(file);
+  const std::vector<TextLines> lines = numbered_parts(whole, part_bytes);
+  std::vector<StlPart> parts;
+  for (std::size_t p = 0; p < lines.size(); ++p) {
+    whole.move_before(lines[p]);
+    parts.emplace_back(whole, p == 0, p + 1 < lines.size() ? &lines[p + 1] : nullptr);
+  }
+  FirstFailure failure;
+  parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) failure.watch(p, [&] { parts[p].read(); });
+  });
+  failure.rethrow();
+  std::vector<glm::dvec3> corners = std::move(parts.front().corners);
+  LineNote unknown = parts.front().unknown;
+  for (std::size_t p = 1; p < parts.size(); ++p) {
+    corners.insert(corners.end(), parts[p].corners.begin(), parts[p].corners.end());
+    unknown.join(parts[p].unknown);
+    parts[p].corners = {};
+  }
+  if (corners.size() > std::numeric_limits<std::int32_t>::max())
+    throw Error(ErrorCode::UnreadableInput,
+                std::string(file.name) + ": more triangle corners than 32 bits can count");
+  MeshFile found = welded_file(corners);
+  unknown.warn(found.warnings, "unknown-keyword", file.name, "such lines are passed over");
+  return found;
 }
 
 }  // namespace
 
-MeshFile read_stl(std::span<const std::byte> bytes, std::string_view name) {
+MeshFile read_stl(const FileBytes& file, std::size_t part_bytes) {
+  const std::span<const std::byte> bytes = file.bytes;
   const auto fail = [&](const std::string& what) {
-    throw Error(ErrorCode::UnreadableInput, std::string(name) + ": " + what);
+    throw Error(ErrorCode::UnreadableInput, std::string(file.name) + ": " + what);
   };
   if (bytes.size() < kHeaderBytes) {
     if (!is_text(bytes)) fail("neither begins with `solid` nor has a binary header of 84 bytes");
-    return TextStl(bytes, name).read();
+    return read_text(file, part_bytes);
   }
   const std::uint64_t count = load<std::uint32_t>(bytes.subspan(80));
   const std::uint64_t expected = kHeaderBytes + kTriangleBytes * count;
   if (bytes.size() == expected) {
     if (3 * count > std::numeric_limits<std::int32_t>::max())
       fail("header promises " + std::to_string(count) + " triangles, more than 32 bits can count");
-    return read_binary(bytes, name);
+    return read_binary(bytes, file.name);
   }
   if (!is_text(bytes))
     fail("header promises " + std::to_string(count) + " triangles in " + std::to_string(expected) +
          " bytes, but the file has " + std::to_string(bytes.size()));
-  return TextStl(bytes, name).read();
+  return read_text(file, part_bytes);
 }
 
 }  // namespace planish

@@ -1,15 +1,16 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
-#include <string_view>
 
 #include "planish/files/mesh_file.h"
+#include "planish/files/shared/text_lines.h"
 
 namespace planish {
 
 /// STL, text or binary (recognised by its size of 84 + 50 n bytes), welded by exact position;
-/// triangles without area are left out with a warning. Conditions and exceptions as read_mesh().
-[[nodiscard]] MeshFile read_stl(std::span<const std::byte> bytes, std::string_view name);
+/// triangles without area are left out with a warning, and so are lines of other words outside
+/// facets, unless the file is strict. The result does not depend on `part_bytes`, of which a thread
+/// reads about so many at a time of text. Conditions and exceptions as read_mesh().
+[[nodiscard]] MeshFile read_stl(const FileBytes& file, std::size_t part_bytes = kTextPartBytes);
 
 }  // namespace planish

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "planish/core/range.h"
 #include "planish/core/raw_vector.h"
 #include "planish/mesh/mesh_topology.h"
-#include "planish/stencil/stencil_builder.h"
 
 namespace planish {
 

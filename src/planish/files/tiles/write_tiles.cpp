@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"
@@ -98,8 +99,9 @@ class TilesWriter {
   [[nodiscard]] bool is_empty() const { return plan_.tiles.empty(); }
 
   void write_all() {
+    RoundParts rounds(options_.gltf.callbacks, 0.9);  // mostly there is one
     int doublings = 0;
-    while (!try_all(doublings)) ++doublings;
+    while (!try_all(doublings, rounds.next())) ++doublings;
     pass_boxes_up(plan_.tiles, tiles_);
   }
 
@@ -116,21 +118,21 @@ class TilesWriter {
 
  private:
   // Finest level first: the error of a tile shows on its children.
-  bool try_all(int doublings) {
+  bool try_all(int doublings, const Callbacks& callbacks) {
     tiles_.assign(plan_.tiles.size(), {});
-    written_ = 0;
+    LoopProgress progress(callbacks, "write", 0, 1, std::ssize(plan_.tiles));
     TileReach reach;
     for (const TileBox& box : boxes_) reach.add(box);
     const TileGrid grid = reach.grid(doublings);
     origins_.clear();
     for (const TileBox& box : boxes_) origins_.push_back(grid.snap(box.centre()));
     for (int level = options_.level; level >= 1; --level)
-      if (!write_level(level, grid)) return false;
+      if (!write_level(level, grid, progress)) return false;
     return true;
   }
 
   // False where a tile leaves the reach of the grid.
-  bool write_level(int level, const TileGrid& grid) {
+  bool write_level(int level, const TileGrid& grid, LoopProgress& progress) {
     std::vector<std::size_t> tiles;
     for (std::size_t i = 0; i < plan_.tiles.size(); ++i)
       if (plan_.tiles[i].level == level) tiles.push_back(i);
@@ -140,21 +142,14 @@ class TilesWriter {
       face_count_ = blocks.info().face_count;
     }
     const TileSource source{blocks, surface_.topology(), plan_, grid};
-    constexpr std::size_t kTilesAtOnce = 64;  // between two calls of callbacks
-    const Callbacks& callbacks = options_.gltf.callbacks;
-    for (std::size_t first = 0; first < tiles.size(); first += kTilesAtOnce) {
-      callbacks.check_cancelled();
-      const std::size_t count = std::min(kTilesAtOnce, tiles.size() - first);
-      std::atomic<bool> fits = true;
-      parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          if (!write_one_tile(source, tiles[first + i])) fits = false;
-      });
-      if (!fits) return false;
-      written_ += count;
-      callbacks.report("write",
-                       static_cast<double>(written_) / static_cast<double>(plan_.tiles.size()));
-    }
+    std::atomic<bool> fits = true;
+    parallel_for(tiles.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end && fits; ++i) {
+        if (!write_one_tile(source, tiles[i])) fits = false;
+        progress.add();
+      }
+    });
+    if (!fits) return false;
     pass_errors_up(plan_.tiles, level, tiles_);
     return true;
   }
@@ -176,7 +171,6 @@ class TilesWriter {
   std::vector<TileBox> boxes_;       // of the given vertices of each block
   std::vector<glm::dvec3> origins_;  // of each block
   std::vector<WrittenTile> tiles_;
-  std::size_t written_ = 0;
   std::int64_t row_count_ = 0, face_count_ = 0;
 };
 
@@ -198,6 +192,7 @@ fs::path tile_folder(const fs::path& document) { return fs::path(document).repla
 TilesFile write_tiles(const fs::path& path, const DooSabinSurface& surface,
                       const TilesOptions& options) {
   require_options(surface, options);
+  const HostScope host(options.gltf.callbacks);
   NewFolder folder(tile_folder(path));
   TilesWriter writer(surface, options, folder);
   if (writer.is_empty())
@@ -217,6 +212,7 @@ TilesFile write_tiles(const fs::path& path, const DooSabinSurface& surface,
     written.byte_count += document.text.size();
   }
   folder.keep();
+  tell(options.gltf.callbacks, "write", 1);
   return written;
 }
 

@@ -16,6 +16,7 @@
 #include <numeric>
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/reconstruct/bounding_cube.h"
 
 namespace planish {
@@ -40,9 +41,9 @@ struct WatchedPriority {
   template <class Front, class Cell>
   double operator()(const Front& front, Cell& cell, const int& index) const {
     if (++*questions % kQuestionsPerReport == 0) {
-      callbacks->check_cancelled();
+      check_stop();
       const double done = std::min(static_cast<double>(*questions) / expected, 1.0);
-      callbacks->report("mesh", kTriangulationShare + (1 - kTriangulationShare) * done);
+      tell(*callbacks, "mesh", kTriangulationShare + (1 - kTriangulationShare) * done);
     }
     return front.smallest_radius_delaunay_sphere(cell, index);
   }
@@ -84,8 +85,8 @@ void triangulate(std::span<const glm::dvec3> points, Delaunay& delaunay,
   Delaunay::Cell_handle hint;
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % kPointsPerReport == 0) {
-      callbacks.check_cancelled();
-      callbacks.report("mesh", kTriangulationShare * static_cast<double>(i) / order.size());
+      check_stop();
+      tell(callbacks, "mesh", kTriangulationShare * static_cast<double>(i) / order.size());
     }
     const Delaunay::Vertex_handle vertex = delaunay.insert(sites[order[i]], hint);
     vertex->info() = order[i];
@@ -97,6 +98,7 @@ void triangulate(std::span<const glm::dvec3> points, Delaunay& delaunay,
 
 std::vector<Triangle> mesh_by_advancing_front(std::span<const glm::dvec3> points,
                                               const Callbacks& callbacks) {
+  const HostScope host(callbacks);
   Delaunay delaunay;
   triangulate(points, delaunay, callbacks);
   if (delaunay.dimension() < 2)
@@ -121,7 +123,7 @@ std::vector<Triangle> mesh_by_advancing_front(std::span<const glm::dvec3> points
   // CGAL's order follows addresses in memory; ours does not.
   for (Triangle& t : triangles) std::ranges::rotate(t, std::ranges::min_element(t));
   std::ranges::sort(triangles);
-  callbacks.report("mesh", 1.0);
+  tell(callbacks, "mesh", 1.0);
   return triangles;
 }
 

@@ -79,7 +79,7 @@ class VulkanBackend final : public Backend, public FairBuilder, public PatchEval
   }
   void apply(const StencilView<double>& table, const DevicePoints& source, DevicePoints& target,
              std::int32_t first_target) override;
-  void apply_limit(const LimitStencilView<double>& table, const DevicePoints& source,
+  void apply_limit(const StencilView<double>& table, const DevicePoints& source,
                    std::span<glm::dvec3> positions, std::span<glm::vec3> normals) override;
   [[nodiscard]] FairNet build_fair_net(const FairTopology& topology,
                                        std::span<const glm::dvec3> given,
@@ -103,8 +103,8 @@ void VulkanBackend::apply(const StencilView<double>& view, const DevicePoints& s
   PLANISH_ASSERT(&source != &target && view.source_count <= source.size() && first_target >= 0 &&
                  view.row_count() <= target.size() - first_target);
   Context& context = machine_->context;
-  DeviceTable table(context, view, nullptr, {});
-  machine_->upload_table(table, view, nullptr);
+  DeviceTable table(context, view, {});
+  machine_->upload_table(table, view);
   constexpr std::uint32_t kFloats = shared::kPointFloats;
   const StencilPass pass(
       context, table, {vulkan_points(source).buffer().handle(), 0, 3, kFloats},
@@ -113,15 +113,16 @@ void VulkanBackend::apply(const StencilView<double>& view, const DevicePoints& s
   machine_->submitter.run([&](VkCommandBuffer commands) { pass.record(commands); });
 }
 
-void VulkanBackend::apply_limit(const LimitStencilView<double>& view, const DevicePoints& source,
+void VulkanBackend::apply_limit(const StencilView<double>& view, const DevicePoints& source,
                                 std::span<glm::dvec3> positions, std::span<glm::vec3> normals) {
   PLANISH_ASSERT(view.source_count <= source.size() && std::ssize(positions) == view.row_count() &&
                  std::ssize(normals) == view.row_count());
   Context& context = machine_->context;
   DeviceTableOptions options;
+  options.has_derivatives = true;
   options.target_stride = kLimitFloats * sizeof(float);
-  DeviceTable table(context, view, &view, options);
-  machine_->upload_table(table, view, &view);
+  DeviceTable table(context, view, options);
+  machine_->upload_table(table, view);
   for (std::size_t i = 0; i < table.slices().size(); ++i) {
     const DeviceTable::Slice& slice = table.slices()[i];
     const TableSlice& rows = slice.rows;

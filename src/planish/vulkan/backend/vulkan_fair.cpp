@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "planish/core/assert.h"
+#include "planish/core/host_scope.h"
 #include "planish/vulkan/fair/gpu_fair.h"
 
 namespace planish::vulkan {
@@ -25,6 +26,8 @@ std::vector<std::uint32_t> download_words(Submitter& submitter, const Buffer& so
 FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
                        std::span<const glm::dvec3> given, const FairOptions& options) {
   require_valid(options);
+  const HostScope host(options.callbacks);
+  tell(options.callbacks, "solve", 0);
   PLANISH_ASSERT(std::ssize(given) == topology.vertex_count);
   Context& context = machine.context;
   const FairRecords records = fair_records(topology, options.decisions);
@@ -35,7 +38,7 @@ FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
   const Buffer points(context, given.size() * shared::kPointFloats * sizeof(float),
                       MemoryUse::Device, "planish given points");
   machine.upload_points(points, given);
-  options.callbacks.check_cancelled();
+  check_stop();
 
   GpuFairOptions on_device;
   on_device.polish_steps = static_cast<std::uint32_t>(options.polish_steps);

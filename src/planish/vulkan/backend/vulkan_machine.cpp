@@ -15,14 +15,13 @@ void upload_items(Submitter& submitter, const Buffer& target, const std::vector<
 
 }  // namespace
 
-void VulkanMachine::upload_table(DeviceTable& table, const StencilView<double>& view,
-                                 const LimitStencilView<double>* derivatives) {
+void VulkanMachine::upload_table(DeviceTable& table, const StencilView<double>& view) {
   for (std::size_t i = 0; i < table.slices().size(); ++i) {
     const DeviceTable::Slice& slice = table.slices()[i];
-    const PackedSlice packed = table.pack(i, view, derivatives);
+    const PackedSlice packed = table.pack(i, view);
     upload_items(submitter, slice.chunks, packed.chunks);
     upload_items(submitter, slice.entries, packed.entries);
-    if (derivatives) upload_items(submitter, slice.derivatives, packed.derivatives);
+    if (table.has_derivatives()) upload_items(submitter, slice.derivatives, packed.derivatives);
   }
   table.finish_packing();
 }

@@ -25,8 +25,7 @@ struct VulkanMachine {
   Submitter submitter;
 
   /// Packs and uploads all slices of a new table.
-  void upload_table(DeviceTable& table, const StencilView<double>& view,
-                    const LimitStencilView<double>* derivatives);
+  void upload_table(DeviceTable& table, const StencilView<double>& view);
   /// Points as shared::kPointFloats floats, rounded to nearest.
   void upload_points(const Buffer& target, std::span<const glm::dvec3> points);
   [[nodiscard]] std::vector<glm::dvec3> download_points(const Buffer& source, std::size_t count);

@@ -17,8 +17,8 @@ namespace {
 DeviceTable make_table(VulkanMachine& machine, const StencilView<double>& masks) {
   DeviceTableOptions options;
   options.includes_own_rows = true;
-  DeviceTable table(machine.context, masks, nullptr, options);
-  machine.upload_table(table, masks, nullptr);
+  DeviceTable table(machine.context, masks, options);
+  machine.upload_table(table, masks);
   return table;
 }
 

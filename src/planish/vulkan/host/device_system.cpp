@@ -23,7 +23,7 @@ class StagingWriter {
   }
   void write_table(const DeviceTable& table, const StencilView<double>& view) {
     for (std::size_t i = 0; i < table.slices().size(); ++i) {
-      const PackedSlice packed = table.pack(i, view, nullptr);
+      const PackedSlice packed = table.pack(i, view);
       write(packed.chunks);
       write(packed.entries);
     }
@@ -36,7 +36,7 @@ class StagingWriter {
 DeviceTable make_masks(Context& context, const System& system) {
   DeviceTableOptions options;
   options.includes_own_rows = true;
-  return {context, system.limit_masks(), nullptr, options};
+  return {context, system.limit_masks(), options};
 }
 
 }  // namespace

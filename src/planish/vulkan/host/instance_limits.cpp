@@ -22,20 +22,17 @@ constexpr std::uint32_t kMostInstances = 65535;
 struct Span {
   const char* what;
   std::uint64_t bytes, each;
-  bool is_texels = false;  // of kPointBytes, where kernels read texel buffers
 };
 
+// Where kernels read texel buffers, the range is what texels of one float allow.
 void check_span(const Context& context, std::uint32_t instances, const Span& span) {
-  const bool is_long = span.bytes > context.max_storage_range();
-  const std::uint64_t texels = span.is_texels ? span.bytes / kPointBytes : 0;
-  if (!is_long && texels <= context.max_texel_elements()) return;
-  const std::uint64_t most =
-      is_long ? context.max_storage_range() : context.max_texel_elements() * kPointBytes;
+  const std::uint64_t most = context.max_storage_range();
+  if (span.bytes <= most) return;
   throw Error(ErrorCode::OutOfMemory,
               context.capabilities().name + ": " + span.what + " of " + std::to_string(instances) +
-                  " instances span " + std::to_string(span.bytes) + " bytes of one binding, but " +
-                  (is_long ? "maxStorageBufferRange is " : "maxTexelBufferElements allow ") +
-                  std::to_string(most) + "; make Solves of at most " +
+                  " instances span " + std::to_string(span.bytes) +
+                  " bytes of one binding, but maxStorageBufferRange is " + std::to_string(most) +
+                  "; make Solves of at most " +
                   std::to_string(std::max<std::uint64_t>(most / span.each, 1)) + " instances");
 }
 
@@ -79,12 +76,10 @@ SolveOptions checked_instances(const Context& context, const InstanceSizes& size
       (std::uint64_t(options.max_iterations) + 1) * sizeof(shared::StepRecord);
   const std::uint64_t row_bytes = instances.bytes(sizes.rows) / count;
   const std::uint64_t point_bytes = instances.bytes(sizes.points) / count;
-  check_span(context, count,
-             {"points", count * row_bytes, std::max<std::uint64_t>(row_bytes, 1), true});
+  check_span(context, count, {"points", count * row_bytes, std::max<std::uint64_t>(row_bytes, 1)});
   if (sizes.has_surface)
-    check_span(
-        context, count,
-        {"points of level 1", count * point_bytes, std::max<std::uint64_t>(point_bytes, 1), true});
+    check_span(context, count,
+               {"points of level 1", count * point_bytes, std::max<std::uint64_t>(point_bytes, 1)});
   check_span(context, count, {"steps", count * step_bytes, step_bytes});
   for (const auto& [what, stride, wanted] :
        {std::tuple{"given points", result.given.instance_stride, true},

@@ -1,6 +1,6 @@
 #include "planish/vulkan/host/surface_records.h"
 
-#include "planish/doosabin/surface_stencils.h"
+#include "planish/doosabin/first_step_table.h"
 
 namespace planish::vulkan {
 
@@ -11,9 +11,9 @@ SurfaceRecords::SurfaceRecords(const PolygonMesh& mesh, const SystemOptions& opt
       weights(options.weights),
       patches(patch_mesh, {.level = options.level, .weights = options.weights}) {}
 
-void SurfaceRecords::take_sharp_rows(const PolygonMesh& mesh, const Subdivision& subdivision) {
-  const RowRange rows{patch_mesh.first_sharp(), patch_mesh.state_size() - patch_mesh.first_sharp()};
-  sharp_rows.emplace(first_step_table(mesh, subdivision, rows));
+void SurfaceRecords::take_sharp_rows(const Subdivision& subdivision) {
+  const std::int32_t first = subdivision.first_sharp();
+  sharp_rows.emplace(first_step_table(subdivision, {first, subdivision.state_size() - first}));
 }
 
 }  // namespace planish::vulkan

@@ -21,14 +21,14 @@ struct SurfaceRecords {
 
   /// Of the progressive method: how the first step makes the points beside sharp edges and at
   /// corner vertices.
-  void take_sharp_rows(const PolygonMesh& mesh, const Subdivision& subdivision);
+  void take_sharp_rows(const Subdivision& subdivision);
 
   std::shared_ptr<const MeshTopology> topology;
   SharpFeatures features;
   PatchMesh patch_mesh;
   Weights weights;
   PatchSurface patches;
-  std::optional<StencilTable<double>> sharp_rows;
+  std::optional<StencilTable> sharp_rows;
 };
 
 }  // namespace planish::vulkan

@@ -10,13 +10,12 @@
 #include "planish/backend/cpu_backend.h"
 #include "planish/backend/initial_residual.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/doosabin/limit_masks.h"
-#include "planish/doosabin/surface_stencils.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/used_vertices.h"
-#include "planish/stencil/quad_split.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/fair/fair_tables.h"
 #include "planish/vulkan/host/surface_records.h"
@@ -125,7 +124,7 @@ struct System::Parts {
   std::vector<std::int32_t> used_vertices, copied_vertices;
   std::vector<std::uint32_t> triangles, quads;
   std::optional<SurfaceRecords> surface;
-  std::optional<StencilTable<double>> masks;
+  StencilTable masks;  // none of the fair method
   std::optional<FairRecords> fair;
   double diagonal = 1, tolerance = 0, spectral_bound = 0, rest_error = 0;
   double valence_spread = 1;  // of all valences, their sum over the smallest
@@ -135,20 +134,21 @@ struct System::Parts {
 System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
     : level(options.level), given_count(rest.vertex_count()) {
   check_options(options);
+  const HostScope host(options.callbacks);
+  tell(options.callbacks, "tables", 0);
   require_usable(rest, "mesh");
   UsedMesh used = without_unused_vertices(rest);
   used_vertices = std::move(used.vertices);
   const PolygonMesh& mesh = used.mesh;
   surface.emplace(mesh, options);
-  options.callbacks.check_cancelled();
+  check_stop();
   {
-    const QuadSplit split(mesh, surface->topology);
-    const Subdivision subdivision(split, surface->features, options.weights);
+    const Subdivision subdivision(*surface->topology, surface->features, options.weights);
     build_method(mesh, subdivision, options);
-    options.callbacks.report("tables", 0.5);
-    if (!fair) surface->take_sharp_rows(mesh, subdivision);
+    tell(options.callbacks, "tables", 0.5);
+    if (!fair) surface->take_sharp_rows(subdivision);
   }
-  options.callbacks.check_cancelled();
+  check_stop();
   copy_rows();
   build_faces(mesh);
   const Placement placement = placement_of(mesh);
@@ -158,6 +158,7 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
     fair->placement = placement;
   else
     measure_rest(mesh, placement, options.tolerance);
+  tell(options.callbacks, "tables", 1);
 }
 
 // Across a cut the further side's rows stand where the first side's do.
@@ -185,15 +186,14 @@ void System::Parts::copy_rows() {
 void System::Parts::build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
                                  const SystemOptions& options) {
   if (options.method == InterpolationMethod::Fair) {
-    masks.emplace(0, StencilRows<double>{});
     check_decisions(options.fair_decisions, mesh.positions.size());
     fair.emplace(planish::vulkan::fair_records(make_fair_topology(mesh, subdivision),
                                                options.fair_decisions));
     return;
   }
-  masks.emplace(planish::limit_masks(mesh, subdivision));
+  masks = planish::limit_masks(subdivision);
   spectral_bound = planish::spectral_bound(mesh, options.weights);
-  const std::vector<double> valence = valences(subdivision.split());
+  const std::vector<double> valence = valences(subdivision.topology());
   if (!valence.empty())
     valence_spread = std::accumulate(valence.begin(), valence.end(), 0.0) /
                      *std::min_element(valence.begin(), valence.end());
@@ -214,11 +214,11 @@ void System::Parts::measure_rest(const PolygonMesh& mesh, const Placement& place
   std::vector<glm::dvec3> unit(mesh.positions.size());
   std::transform(mesh.positions.begin(), mesh.positions.end(), unit.begin(),
                  [&](const glm::dvec3& p) { return placement.to_unit(p); });
-  const RawVector<glm::dvec3> initial = initial_residual(masks->view(), unit);
+  const RawVector<glm::dvec3> initial = initial_residual(masks.view(), unit);
   double largest = 0;
   for (const glm::dvec3& residual : initial) largest = std::max(largest, glm::length(residual));
   rest_error = largest * diagonal;
-  rest_iterations = count_iterations(masks->view(), initial, spectral_bound, relative_tolerance);
+  rest_iterations = count_iterations(masks.view(), initial, spectral_bound, relative_tolerance);
 }
 
 System::System(const PolygonMesh& rest, const SystemOptions& options)
@@ -236,7 +236,7 @@ std::int32_t System::vertex_count() const {
 std::span<const std::int32_t> System::copied_vertices() const { return parts_->copied_vertices; }
 std::span<const std::uint32_t> System::triangles() const { return parts_->triangles; }
 std::span<const std::uint32_t> System::quads() const { return parts_->quads; }
-StencilView<double> System::limit_masks() const { return parts_->masks->view(); }
+StencilView<double> System::limit_masks() const { return parts_->masks.view(); }
 const SurfaceRecords& System::surface_records() const { return *parts_->surface; }
 const FairRecords* System::fair_records() const { return parts_->fair ? &*parts_->fair : nullptr; }
 double System::diagonal() const { return parts_->diagonal; }

@@ -8,9 +8,11 @@ namespace planish::vulkan {
 
 template <class Real>
 DeviceTable::DeviceTable(Context& context, const StencilView<Real>& table,
-                         const std::type_identity_t<LimitStencilView<Real>>* derivatives,
                          const DeviceTableOptions& options)
-    : context_(context), row_count_(table.row_count()), source_count_(table.source_count) {
+    : context_(context),
+      row_count_(table.row_count()),
+      source_count_(table.source_count),
+      has_derivatives_(options.has_derivatives) {
   SliceLimits limits;
   limits.max_range = context.max_storage_range();
   limits.max_chunks = std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
@@ -32,17 +34,15 @@ DeviceTable::DeviceTable(Context& context, const StencilView<Real>& table,
                            "planish entries");
     slice.chunks = Buffer(context, rows.chunk_count * shared::kChunkWords * sizeof(std::uint32_t),
                           MemoryUse::Device, "planish chunks");
-    if (derivatives)
+    if (has_derivatives_)
       slice.derivatives = Buffer(context, rows.entry_count * sizeof(PackedDerivative),
                                  MemoryUse::Device, "planish derivatives");
   }
 }
 
 template <class Real>
-PackedSlice DeviceTable::pack(
-    std::size_t i, const StencilView<Real>& table,
-    const std::type_identity_t<LimitStencilView<Real>>* derivatives) const {
-  return pack_slice(table, derivatives, plan_, slices_[i].rows);
+PackedSlice DeviceTable::pack(std::size_t i, const StencilView<Real>& table) const {
+  return pack_slice(table, has_derivatives_, plan_, slices_[i].rows);
 }
 
 std::uint32_t DeviceTable::partials_total() const {
@@ -68,14 +68,10 @@ void DeviceTable::record_dispatch(VkCommandBuffer commands, Kernel kernel, VkDes
                                    slices_[i].group_count, instances);
 }
 
-template DeviceTable::DeviceTable(Context&, const StencilView<float>&,
-                                  const LimitStencilView<float>*, const DeviceTableOptions&);
-template DeviceTable::DeviceTable(Context&, const StencilView<double>&,
-                                  const LimitStencilView<double>*, const DeviceTableOptions&);
-template PackedSlice DeviceTable::pack(std::size_t, const StencilView<float>&,
-                                       const LimitStencilView<float>*) const;
-template PackedSlice DeviceTable::pack(std::size_t, const StencilView<double>&,
-                                       const LimitStencilView<double>*) const;
+template DeviceTable::DeviceTable(Context&, const StencilView<float>&, const DeviceTableOptions&);
+template DeviceTable::DeviceTable(Context&, const StencilView<double>&, const DeviceTableOptions&);
+template PackedSlice DeviceTable::pack(std::size_t, const StencilView<float>&) const;
+template PackedSlice DeviceTable::pack(std::size_t, const StencilView<double>&) const;
 
 BufferRange point_range(const Buffer& points, std::int32_t first, std::int32_t count) {
   // At least one point, for tables without sources: a binding may not be empty.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 #include "planish/stencil/stencil_table.h"
@@ -13,6 +12,7 @@ namespace planish::vulkan {
 
 struct DeviceTableOptions {
   bool includes_own_rows = false;    ///< for square tables that solves use
+  bool has_derivatives = false;      ///< packs the derivative weights as well
   std::uint64_t source_stride = 16;  ///< bytes from one point of the source to the next
   std::uint64_t target_stride = 16;  ///< bytes that a row takes in the target
 };
@@ -28,22 +28,19 @@ class DeviceTable {
 
   /// Plans the slices and takes the memory. Throws Error{OutOfMemory} naming the limit.
   template <class Real>
-  DeviceTable(Context& context, const StencilView<Real>& table,
-              const std::type_identity_t<LimitStencilView<Real>>* derivatives,
-              const DeviceTableOptions& options);
+  DeviceTable(Context& context, const StencilView<Real>& table, const DeviceTableOptions& options);
 
   [[nodiscard]] const std::vector<Slice>& slices() const { return slices_; }
+  [[nodiscard]] bool has_derivatives() const { return has_derivatives_; }
   [[nodiscard]] std::int32_t row_count() const { return row_count_; }
   [[nodiscard]] std::int32_t source_count() const { return source_count_; }
   [[nodiscard]] std::uint32_t group_total() const { return group_total_; }
   /// Partial sums that an interpolation step over all slices yields.
   [[nodiscard]] std::uint32_t partials_total() const;
 
-  /// What is to be copied into slice `i`'s buffers. The views are those given on construction.
+  /// What is to be copied into slice `i`'s buffers. The view is that given on construction.
   template <class Real>
-  [[nodiscard]] PackedSlice pack(
-      std::size_t i, const StencilView<Real>& table,
-      const std::type_identity_t<LimitStencilView<Real>>* derivatives) const;
+  [[nodiscard]] PackedSlice pack(std::size_t i, const StencilView<Real>& table) const;
 
   /// Drops what only pack() needs.
   void finish_packing() { plan_ = {}; }
@@ -61,6 +58,7 @@ class DeviceTable {
   TablePlan plan_;
   std::vector<Slice> slices_;
   std::int32_t row_count_, source_count_;
+  bool has_derivatives_;
   std::uint32_t group_total_ = 0;
 };
 

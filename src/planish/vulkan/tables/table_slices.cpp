@@ -115,10 +115,9 @@ TablePlan plan_with_windows(const StencilView<Real>& table, const SliceLimits& l
   plan.row_of_slot.assign(chunk_count * kChunkLanes, -1);
   plan.chunk_widths.assign(chunk_count, 0);
   std::vector<WindowNeeds> needs(window_count);
-  parallel_for(needs.size(), 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t window = begin; window < end; ++window)
-      needs[window] = sort_window(table, static_cast<std::int32_t>(window) * window_rows,
-                                  window_rows, limits.includes_own_rows, plan);
+  parallel_each(needs.size(), 16, [&](std::size_t window) {
+    needs[window] = sort_window(table, static_cast<std::int32_t>(window) * window_rows, window_rows,
+                                limits.includes_own_rows, plan);
   });
 
   TableSlice slice;
@@ -160,13 +159,12 @@ TablePlan plan_table(const StencilView<Real>& table, const SliceLimits& limits) 
 }
 
 template <class Real>
-PackedSlice pack_slice(const StencilView<Real>& table,
-                       const std::type_identity_t<LimitStencilView<Real>>* derivatives,
-                       const TablePlan& plan, const TableSlice& slice) {
+PackedSlice pack_slice(const StencilView<Real>& table, bool with_derivatives, const TablePlan& plan,
+                       const TableSlice& slice) {
   PackedSlice packed;
   packed.chunks.resize(slice.chunk_count * shared::kChunkWords);
   packed.entries.resize(slice.entry_count);
-  if (derivatives) packed.derivatives.resize(slice.entry_count);
+  if (with_derivatives) packed.derivatives.resize(slice.entry_count);
   std::uint32_t first = 0;
   for (std::size_t i = 0; i < slice.chunk_count; ++i) {
     const auto width = static_cast<std::uint32_t>(plan.chunk_widths[slice.first_chunk + i]);
@@ -189,19 +187,17 @@ PackedSlice pack_slice(const StencilView<Real>& table,
       packed.entries[to] = {
           static_cast<std::uint32_t>(table.indices[from + k] - slice.first_source),
           static_cast<float>(table.weights[from + k])};
-      if (derivatives)
-        packed.derivatives[to] = {static_cast<float>(derivatives->du_weights[from + k]),
-                                  static_cast<float>(derivatives->dv_weights[from + k])};
+      if (with_derivatives)
+        packed.derivatives[to] = {static_cast<float>(table.du_weights[from + k]),
+                                  static_cast<float>(table.dv_weights[from + k])};
     }
   };
-  parallel_for(slice.chunk_count, 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      std::uint32_t* head = &packed.chunks[i * shared::kChunkWords];
-      for (std::int32_t lane = 0; lane < kChunkLanes; ++lane) {
-        const std::int32_t row = plan.row_of_slot[(slice.first_chunk + i) * kChunkLanes + lane];
-        head[2 + lane] = static_cast<std::uint32_t>(row);  // -1 is kNoRow
-        pack_row(head, lane, row);
-      }
+  parallel_each(slice.chunk_count, 256, [&](std::size_t i) {
+    std::uint32_t* head = &packed.chunks[i * shared::kChunkWords];
+    for (std::int32_t lane = 0; lane < kChunkLanes; ++lane) {
+      const std::int32_t row = plan.row_of_slot[(slice.first_chunk + i) * kChunkLanes + lane];
+      head[2 + lane] = static_cast<std::uint32_t>(row);  // -1 is kNoRow
+      pack_row(head, lane, row);
     }
   });
   return packed;
@@ -209,9 +205,9 @@ PackedSlice pack_slice(const StencilView<Real>& table,
 
 template TablePlan plan_table(const StencilView<float>&, const SliceLimits&);
 template TablePlan plan_table(const StencilView<double>&, const SliceLimits&);
-template PackedSlice pack_slice(const StencilView<float>&, const LimitStencilView<float>*,
-                                const TablePlan&, const TableSlice&);
-template PackedSlice pack_slice(const StencilView<double>&, const LimitStencilView<double>*,
-                                const TablePlan&, const TableSlice&);
+template PackedSlice pack_slice(const StencilView<float>&, bool, const TablePlan&,
+                                const TableSlice&);
+template PackedSlice pack_slice(const StencilView<double>&, bool, const TablePlan&,
+                                const TableSlice&);
 
 }  // namespace planish::vulkan

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 #include "planish/stencil/stencil_table.h"
@@ -61,10 +60,8 @@ struct PackedSlice {
   std::vector<PackedDerivative> derivatives;  ///< as many as entries, or none
 };
 
-/// `derivatives` is null, or the same table with its derivative weights.
 template <class Real>
-[[nodiscard]] PackedSlice pack_slice(
-    const StencilView<Real>& table, const std::type_identity_t<LimitStencilView<Real>>* derivatives,
-    const TablePlan& plan, const TableSlice& slice);
+[[nodiscard]] PackedSlice pack_slice(const StencilView<Real>& table, bool with_derivatives,
+                                     const TablePlan& plan, const TableSlice& slice);
 
 }  // namespace planish::vulkan

@@ -1,0 +1,61 @@
+#include "planish/files/ply/ply_body.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace planish {
+
+TextLines PlyTextBody::lines_behind(const FileBytes& file, const PlyHeader& header) {
+  FileBytes body = file;
+  body.bytes = file.bytes.subspan(header.byte_count);
+  TextLines lines(body);
+  lines.count_from(header.line_count);
+  return lines;
+}
+
+// An entry has at least one digit and one blank or line end for each of its values.
+void PlyTextBody::require_room(const PlyElement& element) const {
+  const TextLines lines = records_.before(first_);
+  const std::size_t least = 2 * std::max<std::size_t>(element.properties.size(), 1);
+  if (static_cast<std::uint64_t>(element.count) > (lines.bytes_left() + 1) / least)
+    lines.fail("header promises " + std::to_string(element.count) + " of element " +
+               quote(element.name) + ", but only " + std::to_string(lines.bytes_left()) +
+               " bytes follow");
+}
+
+void PlyBinaryBody::require_room(const PlyElement& element) const {
+  const std::size_t least = std::max<std::size_t>(element.least_bytes(), 1);
+  if (static_cast<std::uint64_t>(element.count) > bytes_left() / least)
+    fail("header promises " + std::to_string(element.count) + " of element " + quote(element.name) +
+             " of at least " + std::to_string(least) + " bytes, but only " +
+             std::to_string(bytes_left()) + " bytes follow",
+         -1);
+}
+
+// The counts of lists say where entries begin. Where one is wrong its piece is the last: whoever
+// reads it meets the same.
+std::size_t PlyBinaryBody::piece_count(const PlyElement& element) {
+  places_.clear();
+  bytes_ = 0;
+  if (const std::optional<std::size_t> stride = element.fixed_bytes()) {
+    for (std::int64_t entry = 0; entry < element.count; entry += kPieceEntries)
+      places_.push_back(static_cast<std::size_t>(entry) * *stride);
+    bytes_ = static_cast<std::size_t>(element.count) * *stride;
+    return places_.size();
+  }
+  PlyBinaryCursor cursor = cursor_;
+  const auto place = [&] { return cursor_.bytes_left() - cursor.bytes_left(); };
+  try {
+    for (std::int64_t entry = 0; entry < element.count; ++entry) {
+      if (entry % kPieceEntries == 0) places_.push_back(place());
+      for (const PlyProperty& property : element.properties)
+        skip_ply_value(cursor, property, element, entry);
+    }
+    bytes_ = place();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnreadableInput) throw;
+  }
+  return places_.size();
+}
+
+}  // namespace planish

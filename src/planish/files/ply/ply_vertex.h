@@ -1,0 +1,83 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "planish/files/ply/ply_body.h"
+#include "planish/files/ply/ply_vertex_layout.h"
+
+namespace planish {
+
+/// What was made the best of.
+struct PlyNotes {
+  LineNote excess, color, uv;
+
+  void join(const PlyNotes& behind) {
+    excess.join(behind.excess);
+    color.join(behind.color);
+    uv.join(behind.uv);
+  }
+};
+
+/// What a vertex has, by the slots of PlyVertexLayout.
+struct PlyVertex {
+  std::array<double, 12> values{};
+
+  [[nodiscard]] glm::dvec3 position() const { return {values[0], values[1], values[2]}; }
+  [[nodiscard]] glm::dvec2 uv() const { return {values[3], values[4]}; }  ///< NaN: none
+  [[nodiscard]] glm::vec4 color() const { return {values[5], values[6], values[7], values[8]}; }
+  [[nodiscard]] glm::vec3 normal() const { return {values[9], values[10], values[11]}; }
+};
+
+/// Reads an entry of the element `vertex`. Colours that are no numbers are white, and noted, as
+/// texture coordinates are. Throws Error{UnreadableInput} for positions that are none.
+template <class Cursor>
+PlyVertex read_ply_vertex(Cursor& cursor, const PlyElement& element, const PlyVertexLayout& layout,
+                          std::int64_t vertex, PlyNotes& notes) {
+  PlyVertex found;
+  std::array<double, 12>& values = found.values;
+  values[8] = 1;  // opaque
+  std::optional<std::size_t> bad_uv, bad_color;
+  const auto fault = [&](std::size_t i) {
+    return place_of(element, vertex) + ": " + element.properties[i].name + " is " +
+           shortest(values[layout.slots[i]]);
+  };
+  for (std::size_t i = 0; i < layout.slots.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    const int slot = layout.slots[i];
+    if (slot < 0) {
+      skip_ply_value(cursor, property, element, vertex);
+    } else if (slot < 3) {
+      values[slot] = cursor.number(property.type, element, vertex);
+      if (!std::isfinite(values[slot])) cursor.fail(fault(i), vertex);
+    } else if (slot > 8) {
+      values[slot] = cursor.number_or_zero(property.type, element, vertex);
+    } else {
+      values[slot] = cursor.any_number(property.type, element, vertex);
+      std::optional<std::size_t>& bad = slot < 5 ? bad_uv : bad_color;
+      if (!std::isfinite(values[slot])) {
+        if (!bad) bad = i;
+      } else if (slot >= 5) {
+        values[slot] = ply_color(values[slot], property.type, slot == 8);
+      }
+    }
+  }
+  if (bad_color) {
+    cursor.note(notes.color, fault(*bad_color), vertex);
+    std::fill_n(values.begin() + 5, 4, 1.0);
+  }
+  if (bad_uv) {
+    cursor.note(notes.uv, fault(*bad_uv), vertex);
+    values[3] = values[4] = std::numeric_limits<double>::quiet_NaN();
+  }
+  return found;
+}
+
+}  // namespace planish

@@ -1,0 +1,55 @@
+#include "planish/limit/triangle_turns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <vector>
+
+#include "planish/core/parallel.h"
+
+namespace planish {
+namespace {
+
+constexpr std::size_t kTurnGrain = 4096;
+constexpr double kNormalRounding = 1e-4;  // degrees
+
+double turn_within(const SurfaceMesh& surface, std::size_t triangle) {
+  const auto normal = [&](std::size_t k) {
+    const std::int32_t vertex = surface.face_vertices[3 * triangle + k % 3];
+    return glm::dvec3(surface.normals[static_cast<std::size_t>(vertex)]);
+  };
+  double turn = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 a = normal(k), b = normal(k + 1);
+    turn = std::max(turn, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+  }
+  return turn * 180 / std::numbers::pi;
+}
+
+}  // namespace
+
+TriangleTurns turns_beyond(const SurfaceMesh& surface, double degrees) {
+  const std::size_t count = surface.face_vertices.size() / 3;
+  std::vector<TriangleTurns> of_block((count + kTurnGrain - 1) / kTurnGrain);
+  parallel_for(of_block.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      for (std::size_t t = b * kTurnGrain; t < std::min(count, (b + 1) * kTurnGrain); ++t) {
+        const double turn = turn_within(surface, t);
+        if (!(turn > degrees + kNormalRounding)) continue;
+        TriangleTurns& turns = of_block[b];
+        if (turns.count++ == 0) turns.first = static_cast<std::int64_t>(t);
+        turns.largest = std::max(turns.largest, turn);
+      }
+    }
+  });
+  TriangleTurns all;
+  for (const TriangleTurns& turns : of_block) {
+    if (all.count == 0) all.first = turns.first;
+    all.count += turns.count;
+    all.largest = std::max(all.largest, turns.largest);
+  }
+  return all;
+}
+
+}  // namespace planish

@@ -1,0 +1,208 @@
+// Each rule stands once: the yes or no on all threads, the first fault and the list of all faults
+// are three ways to visit the rules.
+#include "planish/mesh/mesh_arrays.h"
+
+#include <cmath>
+#include <string>
+
+#include "planish/core/counted.h"
+#include "planish/core/first_where.h"
+#include "planish/core/number_text.h"
+
+namespace planish {
+namespace {
+
+using Kind = MeshProblemKind;
+
+bool is_below(std::int32_t index, std::size_t count) {
+  return index >= 0 && static_cast<std::size_t>(index) < count;
+}
+
+template <class Number>
+std::string of_count(const std::string& what, std::size_t element, const char* verb, Number index,
+                     std::size_t count) {
+  return what + " " + std::to_string(element) + " " + verb + " " + std::to_string(index) + " of " +
+         std::to_string(count);
+}
+
+// Sizes that do not fit.
+std::vector<MeshProblem> wrong_counts(const MeshArrays& arrays) {
+  std::vector<MeshProblem> problems;
+  const auto require = [&](std::size_t count, std::size_t wanted, const std::string& what) {
+    if (count != 0 && count != wanted)
+      problems.push_back({Kind::WrongAttributeCount, -1,
+                          std::to_string(count) + " " + what + " where " + std::to_string(wanted) +
+                              " are needed, or none"});
+  };
+  require(arrays.face_uvs.size(), arrays.face_vertices.size(), "corners of the texture");
+  require(arrays.color_count, arrays.vertex_count, "colours");
+  require(arrays.face_groups.size(), arrays.face_count(), "groups of faces");
+  return problems;
+}
+
+// Calls rule(kind, count, holds, message) for the rules of attributes: holds(i) and message(i) are
+// of the i-th of `count` elements.
+template <class Rule>
+void visit_attribute_rules(const MeshArrays& a, const Rule& rule) {
+  rule(
+      Kind::UnknownTextureCoordinate, a.face_uvs.size(),
+      [&](std::size_t c) { return a.face_uvs[c] == -1 || is_below(a.face_uvs[c], a.uv_count); },
+      [&](std::size_t c) {
+        return of_count("the texture coordinate of corner", c, "has number", a.face_uvs[c],
+                        a.uv_count);
+      });
+  rule(
+      Kind::UnknownGroup, a.face_groups.size(),
+      [&](std::size_t f) { return is_below(a.face_groups[f], a.group_count); },
+      [&](std::size_t f) {
+        return of_count("the group of face", f, "has number", a.face_groups[f], a.group_count);
+      });
+  rule(
+      Kind::UnknownCreaseEdge, a.creases.size(),
+      [&](std::size_t i) { return !std::isnan(a.creases[i].sharpness); },
+      [&](std::size_t i) {
+        return "crease " + std::to_string(i) + " has sharpness nan; a number from 0 is wanted, " +
+               shortest(kInfiniteSharpness) + " is infinite";
+      });
+  rule(
+      Kind::UnknownCornerVertex, a.corners.size(),
+      [&](std::size_t i) { return !std::isnan(a.corners[i].sharpness); },
+      [&](std::size_t i) {
+        return "corner " + std::to_string(i) + " has sharpness nan; a number from 0 is wanted, " +
+               shortest(kInfiniteSharpness) + " is infinite";
+      });
+  rule(
+      Kind::UnknownHole, a.hole_faces.size(),
+      [&](std::size_t i) { return is_below(a.hole_faces[i], a.face_count()); },
+      [&](std::size_t i) {
+        return of_count("hole", i, "is face", a.hole_faces[i], a.face_count());
+      });
+}
+
+// The same for the rules of faces, in an order in which each rule may trust those before it.
+template <class Rule>
+void visit_face_rules(const MeshArrays& a, std::int32_t least_corners, const Rule& rule) {
+  const auto corner_count = static_cast<std::int64_t>(a.face_vertices.size());
+  if (a.face_offsets.empty()) {
+    rule(
+        Kind::IndexOutOfRange, 1, [&](std::size_t) { return corner_count % 4 == 0; },
+        [](std::size_t) { return "the number of quad corners is no multiple of 4"; });
+  } else {
+    rule(
+        Kind::IndexOutOfRange, 1,
+        [&](std::size_t) {
+          return a.face_offsets.front() == 0 && a.face_offsets.back() == corner_count;
+        },
+        [](std::size_t) { return "the face offsets do not span the face corners"; });
+    rule(
+        Kind::IndexOutOfRange, a.face_count(),
+        [&](std::size_t f) {
+          const std::int32_t begin = a.face_offsets[f], end = a.face_offsets[f + 1];
+          return 0 <= begin && begin <= end && end <= corner_count;
+        },
+        [&](std::size_t f) {
+          return "face " + std::to_string(f) + " spans corners " +
+                 std::to_string(a.face_offsets[f]) + " to " +
+                 std::to_string(a.face_offsets[f + 1]) + " of " + std::to_string(corner_count);
+        });
+    rule(
+        Kind::FaceTooSmall, a.face_count(),
+        [&](std::size_t f) { return a.face_offsets[f + 1] - a.face_offsets[f] >= least_corners; },
+        [&](std::size_t f) {
+          return "face " + std::to_string(f) + " has " +
+                 counted(a.face_offsets[f + 1] - a.face_offsets[f], "corner") + ", at least " +
+                 std::to_string(least_corners) + " are needed";
+        });
+  }
+  rule(
+      Kind::IndexOutOfRange, a.face_vertices.size(),
+      [&](std::size_t c) { return is_below(a.face_vertices[c], a.vertex_count); },
+      [&](std::size_t c) {
+        return of_count("face corner", c, "names vertex", a.face_vertices[c], a.vertex_count);
+      });
+}
+
+template <class Rule>
+void visit_tag_rules(const MeshArrays& a, const Rule& rule) {
+  rule(
+      Kind::UnknownCreaseEdge, a.creases.size(),
+      [&](std::size_t i) {
+        return is_below(a.creases[i].v0, a.vertex_count) &&
+               is_below(a.creases[i].v1, a.vertex_count);
+      },
+      [&](std::size_t i) {
+        return "crease " + std::to_string(i) + " names " + std::to_string(a.creases[i].v0) + "-" +
+               std::to_string(a.creases[i].v1) + " of " + std::to_string(a.vertex_count) +
+               " vertices";
+      });
+  rule(
+      Kind::UnknownCornerVertex, a.corners.size(),
+      [&](std::size_t i) { return is_below(a.corners[i].vertex, a.vertex_count); },
+      [&](std::size_t i) {
+        return of_count("corner", i, "names vertex", a.corners[i].vertex, a.vertex_count);
+      });
+}
+
+}  // namespace
+
+MeshArrays arrays_of(const PolygonMesh& mesh) {
+  // A mesh without offsets has no faces; its corners, if any, belong to none.
+  static constexpr std::int32_t kNoFaces[] = {0};
+  const std::span<const std::int32_t> offsets = mesh.face_offsets;
+  return {.vertex_count = mesh.positions.size(),
+          .face_offsets = offsets.empty() ? std::span<const std::int32_t>(kNoFaces) : offsets,
+          .face_vertices = mesh.face_vertices,
+          .uv_count = mesh.uvs.size(),
+          .face_uvs = mesh.face_uvs,
+          .color_count = mesh.colors.size(),
+          .group_count = mesh.groups.size(),
+          .face_groups = mesh.face_groups,
+          .hole_faces = mesh.hole_faces,
+          .creases = mesh.creases,
+          .corners = mesh.corners};
+}
+
+bool attributes_are_sound(const MeshArrays& arrays) {
+  bool sound = wrong_counts(arrays).empty();
+  visit_attribute_rules(arrays, [&](Kind, std::size_t count, const auto& holds, const auto&) {
+    sound = sound && first_where(count, [&](std::size_t i) { return !holds(i); }) == count;
+  });
+  return sound;
+}
+
+void list_attribute_problems(const MeshArrays& arrays, std::vector<MeshProblem>& problems) {
+  const std::vector<MeshProblem> counts = wrong_counts(arrays);
+  problems.insert(problems.end(), counts.begin(), counts.end());
+  visit_attribute_rules(arrays,
+                        [&](Kind kind, std::size_t count, const auto& holds, const auto& message) {
+                          for (std::size_t i = 0; i < count; ++i)
+                            if (!holds(i))
+                              problems.push_back({kind, static_cast<std::int64_t>(i), message(i)});
+                        });
+}
+
+std::optional<MeshProblem> first_index_problem(const MeshArrays& arrays,
+                                               std::int32_t least_corners) {
+  std::optional<MeshProblem> problem;
+  const auto look = [&](Kind kind, std::size_t count, const auto& holds, const auto& message) {
+    if (problem) return;
+    const std::size_t first = first_where(count, [&](std::size_t i) { return !holds(i); });
+    if (first < count)
+      problem = MeshProblem{kind, static_cast<std::int64_t>(first), message(first)};
+  };
+  visit_face_rules(arrays, least_corners, look);
+  if (problem) return problem;
+  const std::vector<MeshProblem> counts = wrong_counts(arrays);
+  if (!counts.empty()) return counts.front();
+  visit_attribute_rules(arrays, look);
+  visit_tag_rules(arrays, look);
+  return problem;
+}
+
+void require_sound_indices(const MeshArrays& arrays, std::string_view name, ErrorCode code,
+                           std::int32_t least_corners) {
+  const std::optional<MeshProblem> problem = first_index_problem(arrays, least_corners);
+  if (problem) throw Error(code, std::string(name) + ": " + problem->message, problem->element);
+}
+
+}  // namespace planish

@@ -1,0 +1,115 @@
+#include "planish/pipeline/fit_report.h"
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "planish/pipeline/option_words.h"
+
+namespace planish {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json norms_json(const ErrorNorms& norms) { return {{"max", norms.max}, {"rms", norms.rms}}; }
+
+Json choice_json(const std::optional<MethodReason>& choice) {
+  if (!choice) return nullptr;
+  const auto figures = [](const std::optional<SurfaceQuality>& quality) -> Json {
+    if (!quality) return nullptr;
+    return {{"folded_area_elsewhere", quality->folded_area_elsewhere},
+            {"rms_normal_deviation", quality->rms_normal_deviation}};
+  };
+  return {{"reason", choice->text},
+          {"progressive", figures(choice->progressive)},
+          {"fair", figures(choice->fair)}};
+}
+
+Json fair_json(const FittedMesh& fitted) {
+  if (!fitted.fit.fair) return nullptr;
+  const FairFit& fair = *fitted.fit.fair;
+  return {{"polish", fitted.options.polish_steps},
+          {"shrunk_vertices", fair.shrunk_vertices},
+          {"reversed_vertices", fair.reversed_vertices},
+          {"cured_vertices", fair.cured_vertices},
+          {"smoothed_vertices", fitted.smoothed_vertices.size()},
+          {"flagged_edges", fair.flagged_edges},
+          {"flagged_faces", fair.flagged_faces}};
+}
+
+}  // namespace
+
+Json input_json(const FittedMesh& fitted, const MeshStatistics& statistics,
+                const FoldedEdges& folds) {
+  Json sizes = Json::object();
+  for (std::size_t n = 0; n < statistics.face_size_counts.size(); ++n)
+    if (statistics.face_size_counts[n] != 0)
+      sizes[std::to_string(n)] = statistics.face_size_counts[n];
+  return {{"vertices", statistics.vertex_count},
+          {"faces", statistics.face_count},
+          {"face_sizes", sizes},
+          {"boundary_loops", statistics.boundary_loop_count},
+          {"components", statistics.component_count},
+          {"genus", statistics.genus},
+          {"sharp_edges", fitted.fit.sharp_edge_count},
+          {"corners", fitted.fit.corner_count},
+          {"folded_edges", {{"count", folds.count}, {"area", folds.area}}},
+          {"welded", fitted.welded_count},
+          {"separated_edges", fitted.separated_edges.size()},
+          {"changed_faces", fitted.changed_faces}};
+}
+
+Json solve_json(const FittedMesh& fitted) {
+  const FitOptions& options = fitted.options;
+  const Interpolation& result = fitted.fit.interpolation;
+  const bool iterates = options.method == InterpolationMethod::Progressive;
+  const auto where = [](bool applies, Json value) { return applies ? value : Json(); };
+  Json json;
+  json["method"] = word_of(kMethodWords, options.method);
+  json["choice"] = choice_json(fitted.reason);
+  json["scheme"] = word_of(kSchemeWords, options.scheme);
+  json["weights"] =
+      where(options.scheme == Scheme::DooSabin, word_of(kWeightsWords, options.weights));
+  json["solver"] = where(iterates, word_of(kSolverWords, options.solver));
+  json["boundary"] = word_of(kBoundaryWords, options.sharp.boundary);
+  json["creases"] = fitted.creases();
+  json["repair"] = fitted.repairs ? "safe" : "none";
+  json["weld"] = fitted.weld ? Json(*fitted.weld) : Json();
+  json["tolerance"] = options.tolerance;
+  json["converged"] = result.converged;
+  json["stop_reason"] = name_of(result.stop_reason);
+  json["iterations"] = result.iterations;
+  json["spectral_bound"] = where(iterates, fitted.fit.spectral_bound);
+  json["error"] = norms_json(result.error);
+  json["error"]["worst_vertex"] = result.worst_vertex;
+  json["history"] = Json::array();
+  for (std::size_t i = 0; i < result.history.size(); ++i) {
+    Json entry{{"iteration", i}};
+    entry.update(norms_json(result.history[i]));
+    json["history"].push_back(entry);
+  }
+  json["fair"] = fair_json(fitted);
+  return json;
+}
+
+Json quality_json(const SurfaceQuality& quality, int level) {
+  return {{"level", level},
+          {"reference", "input"},
+          {"folded_area", quality.folded_area},
+          {"folded_area_elsewhere", quality.folded_area_elsewhere},
+          {"rms_normal_deviation", quality.rms_normal_deviation},
+          {"max_normal_deviation", quality.max_normal_deviation},
+          {"bending", quality.bending}};
+}
+
+Json warnings_json(std::span<const Warning> warnings) {
+  Json json = Json::array();
+  for (const Warning& warning : warnings) {
+    json.push_back({{"code", warning.code},
+                    {"message", warning.message},
+                    {"count", warning.count},
+                    {"first", warning.first}});
+  }
+  return json;
+}
+
+}  // namespace planish

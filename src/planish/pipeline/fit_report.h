@@ -1,0 +1,28 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+
+#include "planish/mesh/folded_edges.h"
+#include "planish/mesh/statistics.h"
+#include "planish/pipeline/fit_mesh.h"
+
+// What a report says of a fit, the same wherever it was made: the command, Python and ranks add
+// what they alone know. Keys are those of tools/planish/report/report.schema.json. Numbers that are
+// infinite or none become null when the text is made.
+namespace planish {
+
+/// The mesh that was fitted: `input` of a report.
+[[nodiscard]] nlohmann::ordered_json input_json(const FittedMesh& fitted,
+                                                const MeshStatistics& statistics,
+                                                const FoldedEdges& folds);
+
+/// Options and result of the fit: `solve` of a report.
+[[nodiscard]] nlohmann::ordered_json solve_json(const FittedMesh& fitted);
+
+/// The figures of a level: most of `surface`.
+[[nodiscard]] nlohmann::ordered_json quality_json(const SurfaceQuality& quality, int level);
+
+[[nodiscard]] nlohmann::ordered_json warnings_json(std::span<const Warning> warnings);
+
+}  // namespace planish

@@ -1,0 +1,373 @@
+#include "planish/pipeline/option_table.h"
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "planish/core/assert.h"
+#include "planish/core/number_text.h"
+#include "planish/core/refuse.h"
+#include "planish/files/tiles/write_tiles.h"
+#include "planish/mesh/weld_vertices.h"
+#include "planish/pipeline/crease_text.h"
+#include "planish/pipeline/make_ready.h"
+#include "planish/pipeline/option_words.h"
+
+namespace planish {
+namespace {
+
+using Kind = OptionKind;
+using Needs = OptionNeeds;
+using Stage = OptionStage;
+using Where = std::string_view;
+
+constexpr std::array kPrecisionWords{
+    OptionWord<PrecisionChoice>{"auto", PrecisionChoice::Auto},
+    OptionWord<PrecisionChoice>{"float", PrecisionChoice::Float},
+    OptionWord<PrecisionChoice>{"double", PrecisionChoice::Double}};
+constexpr std::array kUpWords{OptionWord<UpAxis>{"y", UpAxis::Y},
+                              OptionWord<UpAxis>{"z", UpAxis::Z}};
+constexpr std::array kRepairWords{OptionWord<RepairChoice>{"safe", RepairChoice::Safe},
+                                  OptionWord<RepairChoice>{"none", RepairChoice::None}};
+constexpr std::array kInterpolationWords{
+    OptionWord<InterpolationChoice>{"auto", InterpolationChoice::Auto},
+    OptionWord<InterpolationChoice>{"progressive", InterpolationChoice::Progressive},
+    OptionWord<InterpolationChoice>{"fair", InterpolationChoice::Fair}};
+constexpr std::array kCompressionWords{
+    OptionWord<GltfCompression>{"none", GltfCompression::None},
+    OptionWord<GltfCompression>{"quantize", GltfCompression::Quantize},
+    OptionWord<GltfCompression>{"meshopt", GltfCompression::Meshopt}};
+constexpr std::array kFieldWords{
+    OptionWord<bool FieldChoice::*>{"error", &FieldChoice::error},
+    OptionWord<bool FieldChoice::*>{"deviation", &FieldChoice::deviation},
+    OptionWord<bool FieldChoice::*>{"fold", &FieldChoice::fold},
+    OptionWord<bool FieldChoice::*>{"curvature", &FieldChoice::curvature}};
+
+constexpr std::string_view kTilesHaveLevels = "tiles have levels; take levels";
+
+FitOption preset_option() {
+  return {{.name = "preset",
+           .kind = Kind::Word,
+           .words = {"paper"},
+           .help = "averaged weights and the plain iteration, as published"},
+          [](FitSettings& settings, const OptionValue&, Where) {
+            settings.interpolation = InterpolationChoice::Progressive;
+            settings.weights = Weights::Averaged;
+            settings.solver = Solver::Plain;
+          },
+          {}};
+}
+
+FitOption creases_option() {
+  return {{.name = "creases",
+           .stage = Stage::Shape,
+           .kind = Kind::Text,
+           .choices = "use|ignore|normals|auto[:DEGREES]",
+           .initial = "use",
+           .example = "auto:40",
+           .help = "sharp edges: tagged ones, none, split normals too, or turns above (30) too",
+           .pattern = kCreasesPattern,
+           .ranks = {"use|ignore",
+                     "edges are not looked for over ranks; tag them in the file, and take use"}},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            settings.creases = parse_creases(value.text, where);
+          },
+          [](const FitSettings& settings) {
+            const CreaseChoice& creases = settings.creases;
+            if (creases.split_normals) return std::string("normals");
+            return creases_text(creases.use_tags, creases.dihedral_degrees);
+          }};
+}
+
+FitOption tolerance_option() {
+  return {{.name = "tolerance",
+           .kind = Kind::Number,
+           .limits = {.least = 0,
+                      .most = 1,
+                      .above_least = true,
+                      .wanted = "a fraction of the bounding-box diagonal above 0 and up to 1 is "
+                                "wanted, such as 1e-6"},
+           .choices = "T",
+           .initial = "1e-6",
+           .help = "largest vertex error, relative to the bounding-box diagonal"},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.tolerance = value.number;
+          },
+          [](const FitSettings& settings) { return shortest(settings.tolerance); }};
+}
+
+FitOption weld_option() {
+  static constexpr std::string_view kWanted =
+      "0, or a fraction of the bounding-box diagonal from 1e-12 to less than 0.1, is wanted, such "
+      "as 1e-6";
+  return {{.name = "weld",
+           .stage = Stage::Shape,
+           .kind = Kind::Number,
+           .needs = Needs::Faces,
+           .limits = {.least = 0, .most = 0.1, .below_most = true, .wanted = kWanted},
+           .choices = "T",
+           .example = "1e-6",
+           .help = "meshes: make vertices one that lie within this fraction of the diagonal",
+           .ranks = {"",
+                     "nothing is welded over ranks; planish fit IN --weld T --max-iterations 0 "
+                     "--cage WELDED.obj writes the welded mesh"}},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            if (!can_weld_within(value.number))
+              refuse(where, shortest(value.number) + " is out of range; " + std::string(kWanted));
+            settings.weld = value.number;
+          },
+          [](const FitSettings& settings) {
+            return settings.weld ? shortest(*settings.weld) : std::string();
+          }};
+}
+
+// A list of words, each switching one on.
+FitOption attributes_option() {
+  FitOption option{{.name = "attributes",
+                    .stage = Stage::Output,
+                    .kind = Kind::Words,
+                    .example = "error,curvature",
+                    .help = "figures of each vertex, written into glTF, PLY and USD",
+                    .ranks = {"", "tiles of ranks carry no figures of vertices; leave it out"}},
+                   [](FitSettings& settings, const OptionValue& value, Where) {
+                     settings.attributes = {};
+                     for (const std::int64_t index : value.wholes)
+                       settings.attributes.*kFieldWords[static_cast<std::size_t>(index)].value =
+                           true;
+                   },
+                   {}};
+  for (const auto& word : kFieldWords) option.words.push_back(word.text);
+  return option;
+}
+
+FitOption device_option() {
+  return {{.name = "device",
+           .stage = Stage::Output,
+           .kind = Kind::Text,
+           .choices = "auto|cpu|vulkan|INDEX|NAME|UUID",
+           .initial = "auto",
+           .help = "auto: a hardware Vulkan device, else the CPU; see planish devices",
+           .ranks = {"auto|cpu", "ranks work on the CPU; take cpu"}},
+          [](FitSettings& settings, const OptionValue& value, Where where) {
+            if (value.text.empty()) refuse(where, "is empty; planish devices lists what there is");
+            settings.device = value.text;
+          },
+          [](const FitSettings& settings) { return settings.device; }};
+}
+
+FitOption skirts_option() {
+  return {
+      {.name = "skirts",
+       .stage = Stage::Output,
+       .kind = Kind::Switch,
+       .needs = Needs::Tiles,
+       .initial = "false",
+       .help = "hide gaps between 3D Tiles of different levels behind strips along their edges"},
+      [](FitSettings& settings, const OptionValue& value, Where) { settings.skirts = value.is_on; },
+      {}};
+}
+
+FitOption crease_edges_option() {
+  return {{.name = "crease_edges",
+           .kind = Kind::Edges,
+           .example = "[[0, 1]]",
+           .help = "sharp edges besides those that the file tags: pairs of its vertices, counted "
+                   "from 0"},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.crease_edges.clear();
+            for (std::size_t i = 0; i + 1 < value.wholes.size(); i += 2)
+              settings.crease_edges.push_back({static_cast<std::int32_t>(value.wholes[i]),
+                                               static_cast<std::int32_t>(value.wholes[i + 1])});
+          },
+          {}};
+}
+
+FitOption corner_vertices_option() {
+  return {{.name = "corner_vertices",
+           .kind = Kind::Vertices,
+           .example = "[0]",
+           .help = "sharp vertices besides those that the file tags, counted from 0"},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.corner_vertices.clear();
+            for (const std::int64_t vertex : value.wholes)
+              settings.corner_vertices.push_back({static_cast<std::int32_t>(vertex)});
+          },
+          {}};
+}
+
+FitOption levels_option() {
+  return {{.name = "levels",
+           .stage = Stage::Fineness,
+           .kind = Kind::Wholes,
+           .limits = {.least = 0, .most = kMaxLevel, .wanted = "levels are 0 to 6"},
+           .choices = "L[,L2,...]",
+           .initial = "2",
+           .example = "3,1",
+           .help = "quad splits, 0 to 6; several write NAME_LOD0.glb, NAME_LOD1.glb, ...; 3D Tiles "
+                   "have all from 1 to it",
+           .entry = "level"},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.levels.assign(value.wholes.begin(), value.wholes.end());
+          },
+          {}};
+}
+
+FitOption chord_errors_option() {
+  return {{.name = "chord_errors",
+           .stage = Stage::Fineness,
+           .kind = Kind::Numbers,
+           .limits = {.least = 0,
+                      .most = 1,
+                      .above_least = true,
+                      .wanted = "parts of the diagonal above 0 to 1 are wanted, such as 0.001"},
+           .choices = "E[,E2,...]",
+           .example = "0.01,0.001",
+           .help = "instead of levels: triangles within so much of the surface, relative to the "
+                   "diagonal; several write NAME_LOD0.glb, ...",
+           .flag = "--chord-error",
+           .entry = "chord error",
+           .ranks = {"", kTilesHaveLevels}},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.adaptive.chord_errors = value.numbers;
+          },
+          {}};
+}
+
+FitOption angle_option() {
+  return {{.name = "angle",
+           .stage = Stage::Fineness,
+           .kind = Kind::Number,
+           .limits = {.least = 0,
+                      .most = 180,
+                      .above_least = true,
+                      .wanted = "above 0 to 180 degrees are wanted"},
+           .choices = "DEGREES",
+           .example = "10",
+           .help = "instead of levels, or besides --chord-error: most degrees that the surface "
+                   "turns beneath a triangle",
+           .ranks = {"", kTilesHaveLevels}},
+          [](FitSettings& settings, const OptionValue& value, Where) {
+            settings.adaptive.angle = value.number;
+          },
+          {}};
+}
+
+std::vector<FitOption> make_table() {
+  return {
+      preset_option(),
+      word_option({.name = "scheme",
+                   .stage = Stage::Shape,
+                   .initial = "doo-sabin",
+                   .help = "subdivision scheme; catmull-clark and loop as OpenSubdiv has them",
+                   .ranks = {"doo-sabin", "take doo-sabin"}},
+                  kSchemeWords, &FitSettings::scheme),
+      word_option({.name = "interpolation",
+                   .stage = Stage::Shape,
+                   .initial = "auto",
+                   .help = "progressive: as in the paper; fair: without folds on uneven meshes; "
+                           "auto: the better of both by measurement, fair for points, progressive "
+                           "for --cage",
+                   .keyword = "method"},
+                  kInterpolationWords, &FitSettings::interpolation),
+      word_option({.name = "weights",
+                   .stage = Stage::Shape,
+                   .initial = "doo-sabin",
+                   .help = "subdivision weights: Doo & Sabin 1978, or the paper's averages"},
+                  kWeightsWords, &FitSettings::weights),
+      word_option({.name = "solver",
+                   .needs = Needs::Progressive,
+                   .initial = "chebyshev",
+                   .help = "chebyshev; plain as in the paper; cg for closed smooth meshes",
+                   .ranks = {"chebyshev|plain", "take chebyshev or plain"}},
+                  kSolverWords, &FitSettings::solver),
+      word_option({.name = "precision",
+                   .needs = Needs::Progressive,
+                   .initial = "auto",
+                   .help = "of the solve on the CPU; auto takes double for tolerances below 1e-8",
+                   .ranks = {"auto|double", "ranks solve in double precision; take double"}},
+                  kPrecisionWords, &FitSettings::precision),
+      word_option({.name = "boundary",
+                   .stage = Stage::Shape,
+                   .initial = "edge",
+                   .help = "open boundaries are smooth curves, or have corners where one face "
+                           "meets them"},
+                  kBoundaryWords, &FitSettings::boundary),
+      creases_option(),
+      word_option({.name = "repair",
+                   .stage = Stage::Shape,
+                   .initial = "safe",
+                   .help = "safe mends winding, non-manifold and degenerate parts, and cuts "
+                           "concave faces for fair surfaces; none leaves them and refuses what "
+                           "cannot be used",
+                   .ranks = {"none",
+                             "nothing is mended over ranks; planish fit IN --max-iterations 0 "
+                             "--cage MENDED.obj writes the mended mesh"}},
+                  kRepairWords, &FitSettings::repair),
+      word_option({.name = "up",
+                   .stage = Stage::Output,
+                   .initial = "y",
+                   .help = "z turns a Z-up input upright for glTF, and is told to USD"},
+                  kUpWords, &FitSettings::up),
+      attributes_option(),
+      word_option({.name = "compress",
+                   .stage = Stage::Output,
+                   .initial = "none",
+                   .help = "smaller glTF within the tolerance: quantize has 16-bit numbers, "
+                           "meshopt packs them too, for readers such as three.js and Babylon.js "
+                           "(Blender 3.4 has none)",
+                   .ranks = {"none", "tiles of ranks are not compressed; take none"}},
+                  kCompressionWords, &FitSettings::compression),
+      device_option(),
+      tolerance_option(),
+      whole_option({.name = "max_iterations",
+                    .needs = Needs::Progressive,
+                    .limits = {0, 1'000'000},  // no solve that converges at all needs as many
+                    .choices = "N",
+                    .initial = "200",
+                    .help = "give up after so many"},
+                   &FitSettings::max_iterations),
+      whole_option({.name = "polish",
+                    .needs = Needs::Fair,
+                    .limits = {0, 1'000},  // quality is settled by ten
+                    .choices = "N",
+                    .initial = "8",
+                    .help = "steps that even out the curvature of a fair surface"},
+                   &FitSettings::polish_steps),
+      weld_option(),
+      whole_option({.name = "tile_vertices",
+                    .stage = Stage::Output,
+                    .needs = Needs::Tiles,
+                    .limits = {kLeastTileVertices, 1 << 24},  // what viewers load at once
+                    .choices = "N",
+                    .initial = "262144",
+                    .help = "about so many has each file of 3D Tiles"},
+                   &FitSettings::tile_vertices),
+      skirts_option(),
+      crease_edges_option(),
+      corner_vertices_option(),
+      levels_option(),
+      chord_errors_option(),
+      angle_option(),
+  };
+}
+
+}  // namespace
+
+const std::vector<FitOption>& option_table() {
+  static const std::vector<FitOption> table = make_table();
+  return table;
+}
+
+const FitOption& fit_option(std::string_view name) {
+  const FitOption* option = find_option(option_table(), name);
+  PLANISH_ASSERT(option != nullptr);
+  return *option;
+}
+
+std::string option_text(const FitSettings& settings, std::string_view name) {
+  return fit_option(name).get(settings);
+}
+
+std::string flag_of_option(std::string_view name) { return flag_of(fit_option(name)); }
+
+}  // namespace planish

@@ -1,0 +1,86 @@
+#include "planish/pipeline/settings.h"
+
+#include "planish/core/refuse.h"
+#include "planish/pipeline/option_table.h"
+#include "planish/pipeline/option_words.h"
+
+namespace planish {
+
+MeshFitOptions mesh_fit_options(const FitSettings& settings) {
+  MeshFitOptions options;
+  if (settings.interpolation == InterpolationChoice::Progressive)
+    options.method = InterpolationMethod::Progressive;
+  if (settings.interpolation == InterpolationChoice::Fair)
+    options.method = InterpolationMethod::Fair;
+  options.repairs = settings.repair == RepairChoice::Safe;
+  options.crease_degrees = settings.creases.dihedral_degrees;
+  options.weld = settings.weld;
+  options.fit.scheme = settings.scheme;
+  options.fit.weights = settings.weights;
+  options.fit.solver = settings.solver;
+  options.fit.tolerance = settings.tolerance;
+  options.fit.max_iterations = settings.max_iterations;
+  options.fit.polish_steps = settings.polish_steps;
+  options.fit.sharp = {settings.boundary, settings.creases.use_tags};
+  return options;
+}
+
+FitOptions fit_options(const FitSettings& settings, InterpolationMethod method) {
+  FitOptions options = mesh_fit_options(settings).fit;
+  options.method = method;
+  options.sharp = settings.sharp();
+  return options;
+}
+
+VerifyOptions verify_options(const FitSettings& settings) {
+  VerifyOptions options;
+  options.method = settings.interpolation == InterpolationChoice::Fair
+                       ? InterpolationMethod::Fair
+                       : InterpolationMethod::Progressive;
+  options.scheme = settings.scheme;
+  options.weights = settings.weights;
+  options.sharp = {settings.boundary, settings.creases.use_tags};
+  options.repairs = settings.repair == RepairChoice::Safe;
+  options.crease_degrees = settings.creases.dihedral_degrees;
+  options.weld = settings.weld;
+  options.tolerance = settings.tolerance;
+  return options;
+}
+
+Precision solve_precision(const FitSettings& settings) {
+  if (settings.precision == PrecisionChoice::Float) return Precision::Float;
+  if (settings.precision == PrecisionChoice::Double) return Precision::Double;
+  return precision_for(settings.tolerance);
+}
+
+void check_consistent(const FitSettings& settings, SpellOption spell) {
+  if (settings.device == "vulkan" && settings.precision != PrecisionChoice::Auto) {
+    refuse(spell("precision"), option_text(settings, "precision") +
+                                   " is for the CPU backend; leave it out with " + spell("device") +
+                                   " vulkan, or take " + spell("device") + " cpu");
+  }
+  if (settings.adaptive.any() && settings.attributes.any()) {
+    refuse(spell("attributes"), "fields are made on levels; take " + spell("levels") +
+                                    " instead of " + spell("chord_errors") + " and " +
+                                    spell("angle"));
+  }
+  if (settings.scheme == Scheme::DooSabin) return;
+  const std::string scheme = option_text(settings, "scheme");
+  const std::string doo_sabin = spell("scheme") + " doo-sabin";
+  if (settings.adaptive.any()) {
+    refuse(spell(settings.adaptive.chord_errors.empty() ? "angle" : "chord_errors"),
+           scheme + " surfaces come in levels; take " + spell("levels") + ", or " + doo_sabin);
+  }
+  if (settings.weights != Weights::DooSabin) {
+    refuse(spell("weights"), option_text(settings, "weights") + " belongs to " + doo_sabin +
+                                 "; leave it and " + spell("preset") + " paper out with " +
+                                 spell("scheme") + " " + scheme);
+  }
+  if (settings.interpolation == InterpolationChoice::Fair) {
+    refuse(spell("interpolation"), "fair builds control points of Doo-Sabin's level 1, which " +
+                                       scheme + " does not have; take progressive, or " +
+                                       doo_sabin);
+  }
+}
+
+}  // namespace planish

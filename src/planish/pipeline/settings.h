@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/verify_cage.h"
+#include "planish/surface/vertex_fields.h"
+
+namespace planish {
+
+enum class PrecisionChoice { Auto, Float, Double };
+enum class UpAxis { Y, Z };
+enum class RepairChoice { None, Safe };
+/// Auto: fair for point clouds; of meshes the better one by measurement, and progressive where a
+/// cage is wanted.
+enum class InterpolationChoice { Auto, Progressive, Fair };
+
+/// Which edges and vertices are sharp besides boundaries.
+struct CreaseChoice {
+  bool use_tags = true;                    ///< those that the file tags
+  std::optional<double> dihedral_degrees;  ///< and those whose faces turn by more
+  bool split_normals = false;              ///< and those where the file splits its normals
+};
+
+/// Surfaces as fine as they have to be, instead of levels.
+struct AdaptiveChoice {
+  std::vector<double> chord_errors;  ///< of the diagonal; several are levels of detail
+  double angle = 0;                  ///< degrees; 0: any
+
+  [[nodiscard]] bool any() const { return !chord_errors.empty() || angle > 0; }
+};
+
+/// What option_table() is the table of: everything that can be set for one mesh, wherever.
+struct FitSettings {
+  Scheme scheme = Scheme::DooSabin;
+  Weights weights = Weights::DooSabin;  ///< of Doo-Sabin
+  InterpolationChoice interpolation = InterpolationChoice::Auto;
+  std::int32_t polish_steps = 8;
+  Solver solver = Solver::Chebyshev;
+  double tolerance = 1e-6;
+  std::int32_t max_iterations = 200;
+  PrecisionChoice precision = PrecisionChoice::Auto;
+  BoundaryRule boundary = BoundaryRule::Edge;
+  CreaseChoice creases;
+  RepairChoice repair = RepairChoice::Safe;
+  std::optional<double> weld;            ///< vertices within this fraction of the diagonal, first
+  std::vector<CreaseEdge> crease_edges;  ///< of a scene file, besides the input's own tags
+  std::vector<CornerVertex> corner_vertices;
+  UpAxis up = UpAxis::Y;
+  FieldChoice attributes;  ///< that surfaces carry as data
+  GltfCompression compression = GltfCompression::None;
+  std::int64_t tile_vertices = 262'144;  ///< about so many has a file of 3D Tiles
+  bool skirts = false;                   ///< along the boundaries of tiles
+  std::string device = "auto";
+  std::vector<int> levels{2};
+  AdaptiveChoice adaptive;
+
+  /// Of a mesh that make_ready() made, which has no tags but those that count.
+  [[nodiscard]] SharpFeatureOptions sharp() const { return {boundary, true}; }
+};
+
+/// What they come to for the functions of the pipeline.
+[[nodiscard]] MeshFitOptions mesh_fit_options(const FitSettings& settings);
+/// Of a mesh that make_ready() made.
+[[nodiscard]] FitOptions fit_options(const FitSettings& settings, InterpolationMethod method);
+/// The method auto is progressive here.
+[[nodiscard]] VerifyOptions verify_options(const FitSettings& settings);
+/// What the CPU solves in: as chosen; auto takes double for tolerances that float does not reach.
+[[nodiscard]] Precision solve_precision(const FitSettings& settings);
+
+/// How whoever gives settings spells them: "--weights", "options.weights".
+using SpellOption = std::string (*)(std::string_view name);
+/// "--chord-error" of "chord_errors".
+[[nodiscard]] std::string flag_of_option(std::string_view name);
+
+/// Throws Error{InvalidArgument} where settings contradict each other, as far as that can be told
+/// without a mesh and a device.
+void check_consistent(const FitSettings& settings, SpellOption spell = flag_of_option);
+
+}  // namespace planish

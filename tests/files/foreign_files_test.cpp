@@ -1,0 +1,344 @@
+// Files as other programs write them: what concerns neither positions nor faces is read with a
+// warning that names place and deed, and refused where the file is to be read strictly.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "files/file_of.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/read_points.h"
+#include "support/byte_strings.h"
+#include "support/expect_error.h"
+
+namespace planish {
+namespace {
+
+using test::append;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+MeshFile read(const std::string& bytes, FileFormat format) {
+  return read_mesh(test::file_of(bytes, "a"), format);
+}
+
+std::string refusal(const std::string& bytes, FileFormat format, bool is_strict = false) {
+  return test::message_of(ErrorCode::UnreadableInput, [&] {
+    if (holds_points_only(format)) {
+      (void)read_points(test::file_of(bytes, "a", is_strict), format);
+    } else {
+      (void)read_mesh(test::file_of(bytes, "a", is_strict), format);
+    }
+  });
+}
+
+std::vector<std::string> messages(const std::vector<Warning>& warnings) {
+  std::vector<std::string> texts;
+  for (const Warning& warning : warnings) texts.push_back(warning.message);
+  return texts;
+}
+
+void expect_read_with(const std::string& bytes, FileFormat format, const std::string& warning,
+                      const std::string& strict) {
+  EXPECT_THAT(messages(read(bytes, format).warnings), ElementsAre(warning));
+  EXPECT_EQ(refusal(bytes, format, true), strict);
+}
+
+std::string text_ply(const std::string& header, const std::string& body) {
+  return "ply\nformat ascii 1.0\n" + header + "end_header\n" + body;
+}
+constexpr const char* kXyzProperties = "property float x\nproperty float y\nproperty float z\n";
+constexpr const char* kList = "property list uchar int vertex_indices\n";
+std::string triangle_header(const std::string& more = "") {
+  return std::string("element vertex 3\n") + kXyzProperties + more + "element face 1\n" + kList;
+}
+
+TEST(ForeignPly, ValuesBehindALineAreWarnedOf) {
+  const std::string bytes =
+      text_ply(triangle_header(), "0 0 0 9\n1 0 0\n0 1 0 8 7\n3 0 1 2 255 0 0\n");
+  expect_read_with(bytes, FileFormat::Ply,
+                   "a:10: vertex 0 of 3 has a value too many: `9`; what stands behind an entry's "
+                   "last value is passed over (3 times)",
+                   "a:10: vertex 0 of 3 has a value too many: `9`");
+  const MeshFile file = read(bytes, FileFormat::Ply);
+  EXPECT_THAT(file.mesh.positions,
+              ElementsAre(glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)));
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2));
+  EXPECT_EQ(file.warnings[0].code, "excess-values");
+  EXPECT_EQ(file.warnings[0].count, 3);
+  EXPECT_EQ(file.warnings[0].first, 0);
+}
+
+// They would be values too many, but then lines are missing.
+TEST(ForeignPly, EntriesThatShareALineAreRefused) {
+  EXPECT_EQ(
+      refusal(text_ply(triangle_header(), "0 0 0 1 0 0\n0 1 0\n3 0 1 2\n     \n"), FileFormat::Ply),
+      "a:13: the file ends at face 0 of 1");
+}
+
+TEST(ForeignPly, UnknownWordsOfTheHeaderAreWarnedOf) {
+  const std::string begin = "ply\nTextureFile wood.png\nformat ascii 1.0\n";
+  const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  expect_read_with(begin + "made by hand, in a hurry\n" + triangle_header() + "end_header\n" + body,
+                   FileFormat::Ply,
+                   "a:2: unknown keyword `TextureFile`; such lines are passed over (2 times)",
+                   "a:2: unknown keyword `TextureFile`");
+  // What may be a misspelt element or property decides where values stand.
+  for (const char* line : {"elemnt vertex 3\n", "proprty float w\n", "propery list uchar int a\n"})
+    EXPECT_THAT(refusal(text_ply(std::string("element vertex 3\n") + kXyzProperties + line, body),
+                        FileFormat::Ply),
+                HasSubstr("a:7: unknown keyword `"));
+}
+
+TEST(ForeignPly, ColoursAndCoordinatesThatAreNoNumbersAreNone) {
+  const std::string colors = "property float red\nproperty float green\nproperty float blue\n";
+  const std::string bytes = text_ply(
+      triangle_header(colors), "0 0 0 1 0 0\n1 0 0 0 nan 0\n0 1 0 -nan(ind) 1 inf\n3 0 1 2\n");
+  expect_read_with(bytes, FileFormat::Ply,
+                   "a:14: vertex 1 of 3: green is nan; such vertices are white (2 times)",
+                   "a:14: vertex 1 of 3: green is nan");
+  EXPECT_THAT(read(bytes, FileFormat::Ply).mesh.colors,
+              ElementsAre(glm::vec4(1, 0, 0, 1), glm::vec4(1), glm::vec4(1)));
+  const std::string uvs = text_ply(triangle_header("property float s\nproperty float t\n"),
+                                   "0 0 0 1 0\n1 0 0 nan 0\n0 1 0 0 1\n3 0 1 2\n");
+  expect_read_with(uvs, FileFormat::Ply,
+                   "a:13: vertex 1 of 3: s is nan; corners at such vertices have none",
+                   "a:13: vertex 1 of 3: s is nan");
+  EXPECT_THAT(read(uvs, FileFormat::Ply).mesh.face_uvs, ElementsAre(0, -1, 2));
+  EXPECT_EQ(read(uvs, FileFormat::Ply).mesh.uvs[1], glm::dvec2(0));
+  // Other words may come of columns that have shifted.
+  EXPECT_EQ(refusal(text_ply(triangle_header(colors),
+                             "0 0 0 1 0 red\n1 0 0 0 0 0\n0 1 0 0 0 0\n"
+                             "3 0 1 2\n"),
+                    FileFormat::Ply),
+            "a:13: vertex 0 of 3: `red` is no finite number");
+}
+
+TEST(ForeignPly, BinaryColoursThatAreNoNumbersAreNone) {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\n" +
+                      triangle_header(
+                          "property float red\nproperty float green\n"
+                          "property float blue\n") +
+                      "end_header\n";
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float value :
+       {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 0.f, nan, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f})
+    append<float>(bytes, value);
+  bytes += '\3';
+  for (const int index : {0, 1, 2}) append<std::int32_t>(bytes, index);
+  expect_read_with(bytes, FileFormat::Ply, "a: vertex 1 of 3: blue is nan; such vertices are white",
+                   "a: vertex 1 of 3: blue is nan");
+  // A position that is none stays an error.
+  const std::size_t x = bytes.find("end_header\n") + 11;
+  std::string damaged = bytes;
+  damaged.replace(x, 4, reinterpret_cast<const char*>(&nan), 4);
+  EXPECT_EQ(refusal(damaged, FileFormat::Ply), "a: vertex 0 of 3: x is nan");
+}
+
+TEST(ForeignPly, NormalsThatAreNoNumbersAreNone) {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex 2\n" +
+                      std::string(kXyzProperties) +
+                      "property float nx\nproperty float ny\nproperty float nz\nend_header\n";
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float value : {1.f, 2.f, 3.f, nan, 0.f, nan, 4.f, 5.f, 6.f, 0.f, 1.f, 0.f})
+    append<float>(bytes, value);
+  EXPECT_THAT(read_points(test::file_of(bytes, "a"), FileFormat::Ply).normals,
+              ElementsAre(glm::vec3(0), glm::vec3(0, 1, 0)));
+}
+
+TEST(ForeignPly, TheLastLineNeedsNoEnd) {
+  EXPECT_EQ(read("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                 "property float z\nend_header\n0 0 0\n1 0 0\n0 1 0",
+                 FileFormat::Ply)
+                .mesh.positions.size(),
+            3u);
+}
+
+TEST(ForeignPly, HeadersMayEndLinesInReturnsBeforeBinaryBytes) {
+  std::string bytes = test::with_line_ends(
+      "ply\nformat binary_little_endian 1.0\n" + triangle_header() + "end_header\n", "\r");
+  // The first byte behind the header is a line feed.
+  for (const float value :
+       {std::bit_cast<float>(0x3f00000au), 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+    append<float>(bytes, value);
+  bytes += '\3';
+  for (const int index : {0, 1, 2}) append<std::int32_t>(bytes, index);
+  const MeshFile file = read(bytes, FileFormat::Ply);
+  EXPECT_EQ(file.mesh.positions[0].x, std::bit_cast<float>(0x3f00000au));
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2));
+}
+
+// Geomview: numbers of 32 bits, big endian.
+std::string binary_off(const std::string& keyword, int floats_of_vertex, int components) {
+  std::string bytes = keyword + " BINARY\n";
+  const auto put_int = [&](std::int32_t value) {
+    append<std::int32_t>(bytes, value, std::endian::big);
+  };
+  const auto put_float = [&](float value) { append<float>(bytes, value, std::endian::big); };
+  for (const int count : {4, 2, 0}) put_int(count);
+  for (int v = 0; v < 4; ++v) {
+    for (const int value : {v % 2, v / 2, v}) put_float(static_cast<float>(value));
+    for (int i = 3; i < floats_of_vertex; ++i) put_float(0.5f);
+  }
+  for (const std::vector<int>& face : {std::vector{0, 1, 3, 2}, std::vector{2, 1, 0}}) {
+    put_int(static_cast<std::int32_t>(face.size()));
+    for (const int vertex : face) put_int(vertex);
+    put_int(components);
+    for (int i = 0; i < components; ++i) put_float(1.0f);
+  }
+  return bytes;
+}
+
+TEST(ForeignOff, BinaryFilesAreRead) {
+  for (const auto& [keyword, floats] : {std::pair<std::string, int>{"OFF", 3},
+                                        {"COFF", 7},
+                                        {"NOFF", 6},
+                                        {"CNOFF", 10},
+                                        {"STOFF", 5},
+                                        {"STCNOFF", 12}}) {
+    for (const int components : {0, 3, 4}) {
+      const MeshFile file = read(binary_off(keyword, floats, components), FileFormat::Off);
+      EXPECT_THAT(file.mesh.positions, ElementsAre(glm::dvec3(0), glm::dvec3(1, 0, 1),
+                                                   glm::dvec3(0, 1, 2), glm::dvec3(1, 1, 3)));
+      EXPECT_THAT(file.mesh.face_offsets, ElementsAre(0, 4, 7));
+      EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 3, 2, 2, 1, 0));
+      EXPECT_THAT(file.warnings, IsEmpty());
+      EXPECT_EQ(file.format, FileFormat::Off);
+    }
+  }
+}
+
+TEST(ForeignOff, DamagedBinaryFilesAreRefused) {
+  const std::string sound = binary_off("COFF", 7, 3);
+  for (std::size_t size = 0; size < sound.size(); ++size)
+    EXPECT_THAT(refusal(sound.substr(0, size), FileFormat::Off), HasSubstr("a:")) << size;
+  EXPECT_EQ(refusal("OFF BINARY\nshort", FileFormat::Off),
+            "a:1: the file ends before its counts, 12 bytes behind the keyword");
+  EXPECT_EQ(refusal(sound + "more", FileFormat::Off), "a: 4 bytes more follow after the last face");
+  std::string damaged = sound;
+  damaged[sound.find('\n') + 1] = '\xff';
+  EXPECT_EQ(refusal(damaged, FileFormat::Off),
+            "a:1: count -16777212 behind the keyword is no integer from 0");
+  damaged = sound;
+  damaged[sound.find('\n') + 4] = 100;
+  EXPECT_EQ(refusal(damaged, FileFormat::Off),
+            "a: header promises 100 of element `vertex` of at least 28 bytes, but only 180 bytes "
+            "follow");
+  damaged = sound;
+  damaged[sound.find('\n') + 13 + 4 * 28 + 4 + 3] = 9;  // the first corner
+  EXPECT_EQ(refusal(damaged, FileFormat::Off), "a: face 0 of 2 names vertex 9 of 4");
+  // The vertices of another keyword are as long as it says.
+  EXPECT_THAT(refusal(binary_off("OFF", 7, 3), FileFormat::Off), HasSubstr("a:"));
+  EXPECT_THAT(refusal("4OFF BINARY\n", FileFormat::Off), HasSubstr("only three-dimensional OFF"));
+}
+
+constexpr const char* kForeignTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+TEST(ForeignObj, TextureCoordinatesThatAreNotThereAreNone) {
+  const std::string start = kForeignTriangle;
+  expect_read_with(start + "f 1/1 2/2 3/1\n", FileFormat::Obj,
+                   "a:4: face names texture coordinate 2 of 0; such corners have none (3 times)",
+                   "a:4: face names texture coordinate 2 of 0");
+  const std::string some = start + "vt 0.5 0.25\nf 1/1 2/2 3/-2\nf 1/0 2/1 3\n";
+  const MeshFile file = read(some, FileFormat::Obj);
+  EXPECT_THAT(file.mesh.face_uvs, ElementsAre(0, -1, -1, -1, 0, -1));
+  EXPECT_THAT(file.mesh.uvs, ElementsAre(glm::dvec2(0.5, 0.25)));
+  EXPECT_THAT(file.mesh.face_vertices, ElementsAre(0, 1, 2, 0, 1, 2));
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].code, "missing-texture-coordinates");
+  EXPECT_EQ(file.warnings[0].message,
+            "a:5: face names texture coordinate -2, but only 1 stand before it; such corners have "
+            "none (3 times)");
+  EXPECT_THAT(read(start + "f 1/1 2/2 3/1\n", FileFormat::Obj).mesh.uvs, IsEmpty());
+  EXPECT_THAT(read(start + "f 1/1 2/2 3/1\n", FileFormat::Obj).mesh.face_uvs, IsEmpty());
+  expect_read_with(start + "vt nan 0\nvt 1 1\nf 1/1 2/2 3/2\n", FileFormat::Obj,
+                   "a:4: texture coordinate `nan` is no finite number; corners that name such "
+                   "have none",
+                   "a:4: texture coordinate `nan` is no finite number");
+  EXPECT_THAT(read(start + "vt nan 0\nvt 1 1\nf 1/1 2/2 3/2\n", FileFormat::Obj).mesh.face_uvs,
+              ElementsAre(-1, 1, 1));
+  // Vertices that are not there stay an error.
+  EXPECT_EQ(refusal(start + "f 1/1 2/2 4/1\n", FileFormat::Obj), "a:4: face names vertex 4 of 3");
+}
+
+TEST(ForeignObj, NormalsThatAreNotThereAreNone) {
+  const std::string start = kForeignTriangle;
+  for (const auto& [face, what] :
+       {std::pair<std::string, std::string>{"f 1//1 2//3 3//2\n", "a:5: face names normal 3 of 1"},
+        {"f 1//1 2//-2 3//-3\n", "a:5: face names normal -2, but only 1 stand before it"}}) {
+    const std::string bytes = start + "vn 0 0 1\n" + face;
+    FileBytes file = test::file_of(bytes, "a");
+    EXPECT_THAT(read_mesh(file, FileFormat::Obj).warnings, IsEmpty());
+    file.split_normals_crease = true;
+    EXPECT_THAT(messages(read_mesh(file, FileFormat::Obj).warnings),
+                ElementsAre(what + "; such corners have none (2 times)"));
+    file.is_strict = true;
+    EXPECT_EQ(test::message_of(ErrorCode::UnreadableInput,
+                               [&] { (void)read_mesh(file, FileFormat::Obj); }),
+              what);
+  }
+}
+
+TEST(ForeignObj, ColoursThatAreNoNumbersAreNone) {
+  const std::string bytes = "v 0 0 0 1 0 0\nv 1 0 0 nan nan nan\nv 0 1 0 -1.#IND 0 0\nf 1 2 3\n";
+  expect_read_with(bytes, FileFormat::Obj,
+                   "a:2: vertex coordinate `nan` is no finite number; such vertices have no colour "
+                   "(2 times)",
+                   "a:2: vertex coordinate `nan` is no finite number");
+  EXPECT_THAT(read(bytes, FileFormat::Obj).mesh.colors,
+              ElementsAre(glm::vec4(1, 0, 0, 1), glm::vec4(1), glm::vec4(1)));
+  EXPECT_EQ(refusal("v 0 0 0 1 0 red\n", FileFormat::Obj),
+            "a:1: vertex coordinate `red` is no finite number");
+}
+
+// Some programs take it for 3.1, others for 310.
+TEST(ForeignNumbers, ExponentsThatArePlacedWrongAreRefusedWithTheRemedy) {
+  const std::string remedy = "`3.1+e2` is no finite number; write 3.1e+2 if that is meant";
+  EXPECT_EQ(refusal("v 0 0 3.1+e2\n", FileFormat::Obj), "a:1: vertex coordinate " + remedy);
+  EXPECT_EQ(refusal("OFF\n1 0 0\n0 0 3.1+e2\n", FileFormat::Off),
+            "a:3: vertex coordinate " + remedy);
+  EXPECT_EQ(refusal(text_ply(std::string("element vertex 1\n") + kXyzProperties, "0 0 3.1+e2\n"),
+                    FileFormat::Ply),
+            "a:8: vertex 0 of 1: " + remedy);
+  EXPECT_EQ(refusal("v 0 0 3.1-E2\n", FileFormat::Obj),
+            "a:1: vertex coordinate `3.1-E2` is no finite number; write 3.1E-2 if that is meant");
+  EXPECT_EQ(refusal("v 0 0 3+e\n", FileFormat::Obj),
+            "a:1: vertex coordinate `3+e` is no finite number");
+}
+
+TEST(ForeignPcd, UnknownWordsOfTheHeaderAreWarnedOf) {
+  const std::string header =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nORIGIN of the scan, here\n"
+      "WIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
+  const PointCloud cloud = read_points(test::file_of(header, "a"), FileFormat::Pcd);
+  EXPECT_THAT(cloud.points, ElementsAre(glm::dvec3(1, 2, 3)));
+  EXPECT_THAT(messages(cloud.warnings),
+              ElementsAre("a:6: unknown keyword `ORIGIN`; is this a PCD file?; such lines are "
+                          "passed over"));
+  EXPECT_THAT(refusal(header, FileFormat::Pcd, true), HasSubstr("a:6: unknown keyword `ORIGIN`"));
+  // Sizes of fields and counts decide where values stand.
+  for (const char* line : {"SIZES 4 4 4\n", "WIDHT 2\n"})
+    EXPECT_THAT(refusal("FIELDS x y z\n" + std::string(line) + "WIDTH 1\nDATA ascii\n1 2 3\n",
+                        FileFormat::Pcd),
+                HasSubstr("a:2: unknown keyword"));
+}
+
+TEST(ForeignStl, UnknownWordsBetweenFacetsAreWarnedOf) {
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+      "endfacet\n";
+  expect_read_with("solid a\ncolor 1 0 0\n" + facet + "endsolid a\n", FileFormat::Stl,
+                   "a:2: `color` is no word of STL; such lines are passed over",
+                   "a:2: `color` is no word of STL");
+  std::string damaged = "solid a\n" + facet + "endsolid a\n";
+  damaged.replace(damaged.find("vertex"), 6, "vertx ");
+  EXPECT_EQ(refusal(damaged, FileFormat::Stl), "a:4: `vertx` is no word of STL");
+}
+
+}  // namespace
+}  // namespace planish

@@ -1,0 +1,202 @@
+"""One mutation: compiled beside the build folder, linked into its tests, and what they say of it.
+
+Neither the tree nor the build folder changes. The mutated source is a file of its own in a scratch folder,
+its object comes before the library in the link of each program, and takes the place of the library's.
+"""
+
+import dataclasses
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import time
+
+
+@dataclasses.dataclass
+class Outcome:
+    verdict: str  # killed, timeout, survived, did-not-build, stale, untested
+    detail: str = ""
+    seconds: float = 0.0
+
+
+class Trial:
+    def __init__(self, graph, root, scratch, optimise, failing, timeout):
+        self.graph, self.root, self.scratch = graph, root, pathlib.Path(scratch)
+        self.optimise, self.failing, self.timeout = optimise, failing, timeout
+        self.linked = {}
+
+    def run(self, mutation, module, tests, deadline):
+        start = time.monotonic()
+        outcome = self.outcome(mutation, module, tests, deadline)
+        outcome.seconds = time.monotonic() - start
+        shutil.rmtree(self.scratch, ignore_errors=True)
+        return outcome
+
+    def outcome(self, mutation, module, tests, deadline):
+        shutil.rmtree(self.scratch, ignore_errors=True)
+        self.scratch.mkdir(parents=True)
+        self.linked = {}
+        path = self.root / mutation.path
+        text = mutation.applied(path.read_text()) if path.exists() else None
+        if text is None:
+            return Outcome("stale", "its line is no longer there")
+        try:
+            self.objects = self.compile(path, text)
+            if not self.objects:
+                return Outcome("untested", "nothing is built of this source")
+            asked = 0
+            for test in tests:
+                if time.monotonic() > deadline:
+                    return Outcome("unfinished", f"the time was up before {test}")
+                said = self.ask(test, module)
+                if said and said.verdict != "survived":
+                    return said
+                asked += said is not None
+            return Outcome("survived" if asked else "untested", "; ".join(tests))
+        except subprocess.CalledProcessError as error:
+            reason = [line for line in (error.stderr or "").split("\n") if "error" in line.lower()]
+            return Outcome("did-not-build", (reason or [str(error)])[0][:300])
+
+    def shell(self, command):
+        subprocess.run(command, shell=True, cwd=self.graph.build, check=True, text=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+    def compile(self, path, text):
+        """{object of the build folder: the one that stands for it}"""
+        if path.suffix != ".cpp":
+            return self.compile_kernels(path, text)
+        result = {}
+        for number, (object_file, source) in enumerate(self.graph.objects(path)):
+            mutated = self.scratch / path.name
+            mutated.write_text(text)
+            if source != str(path):
+                unity = pathlib.Path(source).read_text().replace(f'#include "{path}"', f'#include "{mutated}"')
+                mutated = self.scratch / pathlib.Path(source).name
+                mutated.write_text(unity)
+            result[object_file] = self.compile_object(object_file, source, mutated, path.parent, number)
+        return result
+
+    def compile_object(self, object_file, source, mutated, folder, number, include=""):
+        command = self.graph.commands[object_file]["command"]
+        output = self.scratch / f"{number}_{pathlib.Path(object_file).name}"
+        command = re.sub(r"-M[DTF]+( \S+\.o(\.d)?)?(?= )", "", command)
+        command = command.replace(f" -c {source}", f" -c {mutated}").replace(f" -o {object_file}", f" -o {output}")
+        if self.optimise:
+            command = re.sub(r" -O[0-3g]\b", f" {self.optimise}", command)
+        # A header beside the source is looked for where the source stood, the mutated words first.
+        # Places behind an array's end are found as the address sanitizer's build finds them.
+        flags = f" -w -D_GLIBCXX_ASSERTIONS -iquote {folder}"
+        self.shell(command.replace(" -I", f"{include}{flags} -I", 1) if include
+                   else command.replace(" -c ", f"{flags} -c ", 1))
+        return str(output)
+
+    def compile_kernels(self, path, text):
+        shaders = self.root / "shaders"
+        copy = self.scratch / "shaders_copy"
+        shutil.copytree(shaders, copy)
+        (copy / path.relative_to(shaders)).write_text(text)
+        generated = self.scratch / "generated"
+        (generated / "shaders").mkdir(parents=True)
+        kernels, headers = self.graph.kernels(path)
+        for output in kernels + headers:
+            command = self.graph.commands[output]["command"].split(" && ")
+            command = [part for part in command if "transform_depfile" not in part and not part.startswith("cd ")]
+            joined = re.sub(r" --depfile \S+", "", " && ".join(command))
+            for name in kernels + headers:
+                joined = re.sub(rf"{re.escape(str(self.graph.build / name))}(?=[\s\"]|$)",
+                                str(self.scratch / name), joined)
+            self.shell(re.sub(rf"{re.escape(str(shaders))}(?=[/\s]|$)", str(copy), joined))
+        result = {}
+        for number, object_file in enumerate(self.graph.readers(headers)):
+            source = self.graph.commands[object_file]["file"]
+            result[object_file] = self.compile_object(object_file, source, source, pathlib.Path(source).parent,
+                                                      number, f" -I{generated}")
+        return result
+
+    def link(self, program):
+        """The program with the mutated objects, or None where it has none of them."""
+        if program in self.linked:
+            return self.linked[program]
+        command = self.graph.link_command(program)
+        changed = command
+        for object_file, mutated in self.objects.items():
+            if f" {object_file} " in changed:
+                changed = changed.replace(f" {object_file} ", f" {mutated} ")
+            elif any(f" {archive} " in changed + " " for archive in self.graph.archives(object_file)):
+                changed = changed.replace(f" -o {program}", f" {mutated} -o {program}")
+        result = None
+        if changed != command:
+            result = self.scratch / "programs" / program
+            result.parent.mkdir(parents=True, exist_ok=True)
+            # Were an inline function made elsewhere now, the library's own object would come along.
+            flags = " -fuse-ld=lld" if shutil.which("ld.lld") else ""
+            self.shell(changed.replace(f" -o {program}", f" -o {result}{flags} -Wl,--allow-multiple-definition"))
+        self.linked[program] = result
+        return result
+
+    def ask(self, test, module):
+        """What a test says: `PROGRAM [FILTER of Google Test]`, or `ctest NAMES`. None: it has nothing of it."""
+        name, _, rest = test.partition(" ")
+        programs = [self.graph.program(each) for each in module.programs]
+        if name == "ctest":
+            replaced = {each: self.link(each) for each in programs}
+            command = ["ctest", "--test-dir", str(self.graph.build), "--output-on-failure", "--stop-on-failure",
+                       "--timeout", str(int(self.timeout)), "-R", rest]
+            return self.judge(test, command, replaced)
+        own = self.graph.program(name)
+        replaced = {each: self.link(each) for each in [own, *programs]}
+        program = replaced.pop(own)
+        command = [str(program or self.graph.build / own), "--gtest_brief=0"]
+        without = self.failing.get(name, [])
+        if rest or without:
+            chosen = rest.partition("-")[0] or "*"
+            out = [part for part in [rest.partition("-")[2], *without] if part]
+            command.append("--gtest_filter=" + chosen + ("-" + ":".join(out) if out else ""))
+        return self.judge(test, command, replaced, program is not None)
+
+    def judge(self, test, command, replaced, linked=False):
+        replaced = {old: new for old, new in replaced.items() if new}
+        if not replaced and not linked:
+            return None
+        if replaced:
+            # Programs that tests start by their paths: mounted over, for this run alone.
+            mounts = "".join(f"mount --bind {new} {self.graph.build / old} && " for old, new in replaced.items())
+            who = ["unshare", "-m"] if os.geteuid() == 0 else ["unshare", "-rm"]
+            command = [*who, "sh", "-c", mounts + "exec " + shlex.join(command)]
+        folder = self.scratch / "work"
+        folder.mkdir(exist_ok=True)
+        environment = {**os.environ, "GTEST_FAIL_FAST": "1", "TMPDIR": str(folder)}
+        with open(self.scratch / "said", "w+", errors="replace") as said:
+            process = subprocess.Popen(command, cwd=folder, env=environment, stdout=said, stderr=said,
+                                       stdin=subprocess.DEVNULL, start_new_session=True)
+            try:
+                status = process.wait(self.timeout)
+            except subprocess.TimeoutExpired:
+                status = None
+            finally:
+                try:
+                    os.killpg(process.pid, signal.SIGKILL)
+                except ProcessLookupError:
+                    pass
+                process.wait()
+            said.seek(0)
+            text = said.read()
+        if status == 0 and "Running 0 tests" in text:
+            return Outcome("untested", f"there is no {test}, or not in this build")
+        if status == 0:
+            return Outcome("survived")
+        return Outcome("timeout" if status is None else "killed", f"{test.split()[0]} {first_failure(text, status)}")
+
+
+def first_failure(text, status):
+    failed = re.search(r"\[  FAILED  \] ([\w/]+\.[\w/]+)", text)
+    if failed:
+        return failed[1]
+    failed = re.search(r"The following tests FAILED:\s+\d+ - (\S+)", text)
+    if failed:
+        return failed[1]
+    last = re.findall(r"\[ RUN      \] (\S+)", text)
+    return (last[-1] if last else "*") + (f" (ended by {status})" if status is not None else "")

@@ -1,0 +1,219 @@
+#include "options/scene_schema.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "options/scene_values.h"
+#include "planish/files/formats.h"
+#include "planish/pipeline/option_table.h"
+#include "planish/reconstruct/point_options.h"
+#include "report/report.h"
+
+namespace planish::command {
+namespace {
+
+// What is no option: how jobs, outputs and samples are put together.
+constexpr const char* kFrame = R"({
+"$schema": "https://json-schema.org/draft/2020-12/schema",
+"title": "planish scene file, version 1",
+"description": "Jobs for `planish run`. A setting may stand in an object or in its \"solve\", not in both.",
+"type": "object", "additionalProperties": false, "required": ["version", "jobs"],
+"properties": {
+  "$schema": {"description": "for editors", "type": "string", "examples": ["scene.schema.json"]},
+  "version": {"const": 1, "examples": [1]},
+  "defaults": {"$ref": "#/$defs/settings"},
+  "jobs": {"type": "array", "minItems": 1, "items": {"$ref": "#/$defs/job"},
+    "examples": [[{"input": "goblet.obj"}]]}},
+"$defs": {
+  "settings": {"type": "object", "additionalProperties": false, "properties": {},
+    "examples": [{"tolerance": 1e-6}]},
+  "solve": {"type": "object", "additionalProperties": false, "properties": {},
+    "examples": [{"solver": "plain"}]},
+  "job": {"type": "object", "additionalProperties": false, "required": ["input"], "properties": {
+    "name": {"description": "in tables and messages; the input's name without extension where missing",
+      "type": "string", "minLength": 1, "examples": ["goblet"]},
+    "input": {"description": "mesh file, relative to this file",
+      "type": "string", "minLength": 1, "examples": ["goblet.obj"]},
+    "input_format": {"description": "against the extension", "enum": [], "examples": ["obj"]},
+    "sample": {"$ref": "#/$defs/sample"},
+    "outputs": {"description": "files to write", "type": "array", "items": {"$ref": "#/$defs/output"},
+      "examples": [[{"path": "goblet.glb"}]]},
+    "source": {"description": "mesh that the surface stands for, relative to this file: the report compares with it, not the input",
+      "type": "string", "minLength": 1, "examples": ["scan.ply"]},
+    "report": {"description": "JSON report, relative to this file",
+      "type": "string", "minLength": 1, "examples": ["goblet.json"]},
+    "page": {"description": "HTML page to look at, relative to this file",
+      "type": "string", "minLength": 1, "pattern": "\\.html?$", "examples": ["goblet.html"]}}},
+  "output": {"type": "object", "additionalProperties": false, "required": ["path"], "properties": {
+    "path": {"description": "relative to this file; ", "type": "string", "minLength": 1,
+      "examples": ["out/goblet.glb"]},
+    "what": {"description": "the surface, or its control cage", "enum": ["surface", "cage"],
+      "default": "surface", "examples": ["surface"]}}},
+  "sample": {
+    "description": "points sampled from the surface through the input's vertices stand in for the input",
+    "type": "object", "additionalProperties": false, "required": ["points"],
+    "examples": [{"points": 81920}], "properties": {
+    "points": {"description": "how many", "type": "integer", "minimum": 4, "maximum": 10000000,
+      "examples": [81920]},
+    "pattern": {"description": "poisson-disk: no two near each other; uniform: independent",
+      "enum": ["poisson-disk", "uniform"], "default": "poisson-disk", "examples": ["uniform"]},
+    "seed": {"description": "another seed gives other points", "type": "integer", "minimum": 0,
+      "maximum": 2147483647, "default": 1, "examples": [7]},
+    "noise": {"description": "standard deviation of normal noise along each axis, as a fraction of the diagonal",
+      "type": "number", "minimum": 0, "maximum": 1, "default": 0, "examples": [0.001]},
+    "outliers": {"description": "further points, even in the bounding box, as a part of the number of points",
+      "type": "number", "minimum": 0, "maximum": 1, "default": 0, "examples": [0.01]}}}}
+})";
+
+Json words_of(const OptionInfo& option) {
+  Json words = Json::array();
+  for (const std::string_view word : option.words) words.push_back(word);
+  return words;
+}
+
+Json limit_json(double limit) {
+  return std::trunc(limit) == limit ? Json(static_cast<std::int64_t>(limit)) : Json(limit);
+}
+
+Json number_json(const OptionInfo& option, const char* type) {
+  const OptionLimits& limits = option.limits;
+  return {{"type", type},
+          {limits.above_least ? "exclusiveMinimum" : "minimum", limit_json(limits.least)},
+          {limits.below_most ? "exclusiveMaximum" : "maximum", limit_json(limits.most)}};
+}
+
+Json list_json(const Json& items) { return {{"type", "array"}, {"items", items}}; }
+
+Json several_json(const Json& items) {
+  Json json = list_json(items);
+  json["minItems"] = 1;
+  json["uniqueItems"] = true;
+  return json;
+}
+
+Json text_json(const OptionInfo& option) {
+  if (option.pattern.empty()) return {{"type", "string"}, {"minLength", 1}};
+  return {{"type", "string"}, {"pattern", option.pattern}};
+}
+
+Json words_json(const OptionInfo& option) {
+  std::string any;
+  for (const std::string_view word : option.words)
+    any += (any.empty() ? "(" : "|") + std::string(word);
+  any += ")";
+  return {{"type", "string"}, {"pattern", "^" + any + "(," + any + ")*$"}};
+}
+
+Json type_json(const OptionInfo& option) {
+  const Json vertex = {{"type", "integer"}, {"minimum", 0}};
+  switch (option.kind) {
+    case OptionKind::Word:
+      return {{"enum", words_of(option)}};
+    case OptionKind::Words:
+      return words_json(option);
+    case OptionKind::Text:
+      return text_json(option);
+    case OptionKind::TextOrWhole:
+      return {{"type", {"string", "integer"}}};
+    case OptionKind::Whole:
+      return number_json(option, "integer");
+    case OptionKind::Number:
+      return number_json(option, "number");
+    case OptionKind::Switch:
+      return {{"type", "boolean"}};
+    case OptionKind::Wholes:
+      return several_json(number_json(option, "integer"));
+    case OptionKind::Numbers:
+      return several_json(number_json(option, "number"));
+    case OptionKind::Vertices:
+      return list_json(vertex);
+    case OptionKind::Edges: {
+      Json edge = list_json(vertex);
+      edge["minItems"] = edge["maxItems"] = 2;
+      return list_json(edge);
+    }
+  }
+  return {};
+}
+
+// "3,1" of a list as [3, 1]; words as texts.
+Json value_json(const OptionInfo& option, std::string_view text) {
+  switch (option.kind) {
+    case OptionKind::Word:
+    case OptionKind::Words:
+    case OptionKind::Text:
+    case OptionKind::TextOrWhole:
+      return text;
+    case OptionKind::Wholes:
+    case OptionKind::Numbers:
+      return Json::parse("[" + std::string(text) + "]");
+    default:
+      return Json::parse(text);
+  }
+}
+
+Json description_of(const OptionInfo& option) {
+  const bool is_of_points = option.stage == OptionStage::Points;
+  Json json = {{"description", (is_of_points ? "points only: " : "") + std::string(option.help)}};
+  json.update(type_json(option));
+  if (!option.initial.empty()) json["default"] = value_json(option, option.initial);
+  const std::string_view example = !option.example.empty()   ? option.example
+                                   : !option.initial.empty() ? option.initial
+                                                             : option.words.front();
+  json["examples"] = Json::array({value_json(option, example)});
+  return json;
+}
+
+// May stand in the object itself or in its "solve".
+bool belongs_to_solve(const OptionInfo& option) {
+  return option.stage == OptionStage::Shape || option.stage == OptionStage::Solve;
+}
+
+Json make_schema() {
+  Json schema = Json::parse(kFrame);
+  Json& defs = schema["$defs"];
+  const auto properties = [&](const char* object) -> Json& { return defs[object]["properties"]; };
+  const auto add = [&](const OptionInfo& option) {
+    const std::string name(option.name);
+    const Json reference = {{"$ref", "#/$defs/settings/properties/" + name}};
+    properties("settings")[name] = description_of(option);
+    properties("job")[name] = reference;
+    if (belongs_to_solve(option)) properties("solve")[name] = reference;
+    if (option.stage == OptionStage::Fineness) properties("output")[name] = reference;
+  };
+  for (const FitOption& option : option_table()) add(option);
+  for (const PointOption& option : point_option_table()) add(option);
+  for (const char* const object : {"settings", "job"})
+    properties(object)["solve"] = {{"$ref", "#/$defs/solve"}};
+  for (const FormatInfo& info : formats())
+    if (serves(info.format, FormatUse::Read))
+      properties("job")["input_format"]["enum"].push_back(info.name);
+  const auto name_extensions = [&](const char* key, const std::string& text) {
+    std::string& description = properties("output")[key]["description"].get_ref<std::string&>();
+    description += text;
+  };
+  name_extensions("path", extensions_of(FormatUse::WriteSurface));
+  name_extensions("what", " (" + extensions_of(FormatUse::WriteCage) + ")");
+  return schema;
+}
+
+const Json& scene_schema() {
+  static const Json schema = make_schema();
+  return schema;
+}
+
+}  // namespace
+
+std::string scene_schema_text() { return json_text(scene_schema()); }
+
+std::vector<std::string_view> scene_keys(SceneObject object) {
+  const char* const names[] = {"", "settings", "job", "solve", "output", "sample"};
+  const Json& schema = scene_schema();
+  const Json& described =
+      object == SceneObject::Scene ? schema : schema["$defs"][names[static_cast<int>(object)]];
+  std::vector<std::string_view> keys;
+  for (const auto& [key, value] : described["properties"].items()) keys.push_back(key);
+  return keys;
+}
+
+}  // namespace planish::command

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "planish/core/option.h"
+
+namespace planish::python {
+
+/// "method" of the option interpolation.
+[[nodiscard]] inline std::string keyword_of(const OptionInfo& option) {
+  return std::string(option.keyword.empty() ? option.name : option.keyword);
+}
+
+/// What shapes and solves, not what files and devices are told; tags come as arrays.
+[[nodiscard]] inline bool is_keyword(const OptionInfo& option) {
+  return (option.stage == OptionStage::Shape || option.stage == OptionStage::Solve) &&
+         option.kind != OptionKind::Vertices && option.kind != OptionKind::Edges;
+}
+
+}  // namespace planish::python

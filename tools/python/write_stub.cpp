@@ -1,0 +1,46 @@
+// Writes the stub of the Python module: a template, with the keywords of fit() from the table of
+// options. Arguments: template, stub.
+#include <fstream>
+#include <string>
+
+#include "keywords.h"
+#include "planish/pipeline/option_table.h"
+
+namespace planish::python {
+namespace {
+
+std::string type_of(const OptionInfo& option) {
+  if (option.kind == OptionKind::Whole) return "int";
+  if (option.kind == OptionKind::Number) return "float";
+  if (option.words.empty()) return "str";
+  std::string words;
+  for (const std::string_view word : option.words)
+    words += (words.empty() ? "" : ", ") + ("\"" + std::string(word) + "\"");
+  return "Literal[" + words + "]";
+}
+
+std::string keyword_lines() {
+  std::string lines;
+  for (const FitOption& option : option_table()) {
+    if (!is_keyword(option)) continue;
+    const char* const none = option.initial.empty() ? " | None" : "";
+    lines += "    " + keyword_of(option) + ": " + type_of(option) + none + " = ...,\n";
+  }
+  return lines +
+         "    threads: int = ...,\n"
+         "    progress: Progress | None = ...,\n"
+         "    cancelled: Cancelled | None = ...,\n";
+}
+
+}  // namespace
+}  // namespace planish::python
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  std::ifstream form(argv[1]);
+  std::ofstream stub(argv[2]);
+  for (std::string line; std::getline(form, line);)
+    stub << (line == "    @FIT_KEYWORDS@" ? planish::python::keyword_lines() : line + "\n");
+  stub.close();
+  return form.eof() && stub ? 0 : 1;
+}
