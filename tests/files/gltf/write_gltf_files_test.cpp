@@ -179,7 +179,10 @@ TEST_F(WriteGltfFiles, ProgressRisesToOne) {
     fractions.push_back(fraction);
   };
   (void)encode_glb(wavy_grid(600, 600), options);
-  ASSERT_GT(fractions.size(), 3u);
+  // The two loops' starts and the end, however fast the machine; what is told between them depends
+  // on time (LoopProgress.*).
+  ASSERT_GE(fractions.size(), 3u);
+  EXPECT_EQ(fractions.front(), 0.0);
   EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
   EXPECT_EQ(fractions.back(), 1.0);
 }
