@@ -35,6 +35,39 @@ TEST(Clean, RemovesStrayPointsAndNoOthers) {
   EXPECT_EQ(result.kept.back(), 3999);
 }
 
+TEST(Clean, RemovesWhatSticksOutOfTheSurfaceAndNothingElse) {
+  std::vector<glm::dvec3> points = test::torus_points(20'000, 5);
+  const CleanPoints before = clean(points);
+  EXPECT_EQ(before.outlier_count + before.stray_count, 0);
+  // Too near to be far from all others: a spacing off.
+  for (std::size_t i = 0; i < 200; ++i) {
+    const glm::dvec3 p = points[100 * i + 7];
+    const double ring = std::hypot(p.x, p.y);
+    const glm::dvec3 normal = glm::normalize(p - glm::dvec3(p.x / ring, p.y / ring, 0));
+    points.push_back(p + before.spacing * normal);
+    if (i % 20 == 0) points.push_back(points[100 * i + 8] + before.spacing * normal);
+  }
+  const CleanPoints result = clean(points);
+  EXPECT_EQ(result.outlier_count, 0);
+  EXPECT_GE(result.stray_count, 170);  // some hide each other for good
+  const auto lost =
+      20'000 - std::ranges::count_if(result.kept, [](std::int32_t i) { return i < 20'000; });
+  EXPECT_LE(lost, 2);
+  EXPECT_EQ(clean(points, {.outliers = OutlierRule::Distance}).stray_count, 0);
+}
+
+TEST(Clean, KeepsPointsOfEdges) {
+  std::vector<glm::dvec3> cube;
+  std::mt19937_64 random(3);
+  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  for (int i = 0; i < 12'000; ++i) {
+    glm::dvec3 p(unit(), unit(), unit());
+    p[i % 3] = i / 3 % 2;
+    cube.push_back(p);
+  }
+  EXPECT_EQ(clean(cube).stray_count, 0);
+}
+
 TEST(Clean, TakesManySparsePointsForAPartOfTheShape) {
   std::vector<glm::dvec3> points;
   for (int i = 0; i < 40; ++i)

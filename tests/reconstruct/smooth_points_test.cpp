@@ -49,6 +49,32 @@ TEST(SmoothPoints, MeasuresTheNoise) {
   EXPECT_LT(measure_noise(noisy_torus(0)), 0.001);
 }
 
+TEST(SmoothPoints, TakesNoShapeForNoise) {
+  // As coarse as that, quadratics follow neither an edge nor a narrow tube.
+  EXPECT_EQ(measure_noise(test::torus_points(300, 3)), 0);
+  std::vector<glm::dvec3> ridge;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) ridge.emplace_back(i, j + 0.3 * (i % 2), 3 * std::abs(j % 8 - 4));
+  EXPECT_EQ(measure_noise(ridge), 0);
+}
+
+TEST(SmoothPoints, LeavesEdgesToWhoKnowsTheNoise) {
+  std::mt19937_64 random(7);
+  std::vector<glm::dvec3> roof;
+  for (int i = 0; i < 60; ++i)
+    for (int j = -30; j <= 30; ++j)
+      roof.emplace_back(
+          i + 0.1 * (j % 3), j,
+          -std::abs(j) + 0.05 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5));
+  const auto ridge_height = [&](const std::vector<glm::dvec3>& points) {
+    double sum = 0;
+    for (int i = 10; i < 50; ++i) sum += points[static_cast<std::size_t>(i * 61 + 30)].z;
+    return sum / 40;
+  };
+  EXPECT_LT(ridge_height(smooth_points(roof, 2)), -0.2);
+  EXPECT_GT(ridge_height(smooth_points(roof, 2, 0.0144)), -0.01);
+}
+
 TEST(SmoothPoints, TakesDegenerateClouds) {
   const std::vector<glm::dvec3> same(50, glm::dvec3(1, 2, 3));
   EXPECT_EQ(smooth_points(same, 1), same);

@@ -68,7 +68,6 @@ void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::
 
 ReconstructOptions reconstruct_options(const ReconstructFlags& flags) {
   ReconstructOptions options;
-  options.measure_noise = true;
   apply_flags(flags.options, point_option_table(), options);
   return options;
 }

@@ -80,7 +80,6 @@ MeshHandle reconstruct_points(const py::object& points, double tolerance,
     ReconstructOptions options;
     options.tolerance = tolerance;
     options.target_vertices = target_vertices;
-    options.measure_noise = true;  // as the command does
     options.pair_quads = quads;
     options.spacing = spacing == "even" ? Spacing::Even : Spacing::Adaptive;
     options.callbacks = callbacks;

@@ -66,7 +66,8 @@ PointOption row(OptionInfo info,
   return {std::move(info), set, {}};
 }
 
-PointOption number_row(OptionInfo info, double ReconstructOptions::*member) {
+template <class Member>
+PointOption number_row(OptionInfo info, Member ReconstructOptions::*member) {
   info.kind = Kind::Number;
   return {std::move(info),
           [member](ReconstructOptions& options, const OptionValue& value, Where) {
@@ -105,18 +106,23 @@ std::vector<PointOption> make_point_table() {
            .initial = "auto",
            .example = "12,2",
            .help = "remove points whose mean distance to K neighbours exceeds FACTOR medians; auto "
-                   "is 12,2 unless the cloud is uneven"},
+                   "is 12,2 unless the cloud is uneven, and those off the surface around them"},
           set_outliers),
-      whole_option({.name = "smooth",
-                    .limits = {0, 100},
-                    .choices = "N",
-                    .initial = "0",
-                    .help = "move points onto local quadratic fits, N times"},
-                   &Options::smooth_rounds),
+      row({.name = "smooth",
+           .kind = Kind::Whole,
+           .limits = {0, 100},
+           .choices = "N",
+           .example = "2",
+           .help = "move points onto local quadratic fits, N times [0, or 1 to 4 where their noise "
+                   "exceeds "
+                   "1e-4 of the diagonal]"},
+          [](Options& options, const OptionValue& value, Where) {
+            options.smooth_rounds = static_cast<std::int32_t>(value.whole);
+          }),
       row({.name = "noise",
            .words = {"auto", "off"},
            .initial = "auto",
-           .help = "measure noise, and warn where smoothing would help"},
+           .help = "measure the noise, by which smoothing and tolerance are chosen"},
           [](Options& options, const OptionValue& value, Where) {
             options.measure_noise = value.whole == 0;
           }),

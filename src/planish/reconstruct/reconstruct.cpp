@@ -12,6 +12,7 @@
 #include "planish/core/host_scope.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/used_vertices.h"
+#include "planish/reconstruct/chosen.h"
 #include "planish/reconstruct/pair_triangles.h"
 #include "planish/reconstruct/smooth_points.h"
 #include "planish/reconstruct/triangle_edges.h"
@@ -22,6 +23,9 @@ namespace {
 
 constexpr std::int32_t kMostSmoothRounds = 100;
 constexpr std::size_t kFewestPoints = 4;
+constexpr double kDefaultTolerance = 1e-4;
+// Noise in spacings, up to which one round of smoothing does, and above which two do not.
+constexpr double kLightSpacings = 0.08, kHeavySpacings = 0.3;
 // Degrees at a corner of a quad where even spacing is asked for: it halves what is folded, and
 // pairs 68 % of the triangles instead of 82 %.
 constexpr double kEvenLargestAngle = 130;
@@ -45,34 +49,39 @@ class Stopwatch {
 };
 
 void check_options(const ReconstructOptions& options) {
-  if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance))
+  const double tolerance = options.tolerance.value_or(0);
+  if (!(tolerance >= 0) || !std::isfinite(tolerance))
     throw Error(ErrorCode::InvalidArgument,
                 "tolerance-mesh: a fraction of the diagonal from 0 is needed");
-  if (options.smooth_rounds < 0 || options.smooth_rounds > kMostSmoothRounds)
-    throw Error(ErrorCode::InvalidArgument, "smooth: " + std::to_string(options.smooth_rounds) +
+  const std::int32_t rounds = options.smooth_rounds.value_or(0);
+  if (rounds < 0 || rounds > kMostSmoothRounds)
+    throw Error(ErrorCode::InvalidArgument, "smooth: " + std::to_string(rounds) +
                                                 " rounds are asked for; 0 to " +
                                                 std::to_string(kMostSmoothRounds) + " work");
 }
 
-// Noise is told from shape only where the tolerance is larger; smoothing leaves about half of it.
-void judge_noise(std::span<const glm::dvec3> points, const ReconstructOptions& options,
-                 Reconstruction& result) {
-  result.noise = measure_noise(points);
-  if (result.noise <= kNoisySpacings * result.spacing) return;
-  const Callbacks& callbacks = options.callbacks;
-  const bool smooths = options.smooth_rounds > 0;
-  if (!smooths)
-    callbacks.warn({.code = "noisy-points",
-                    .message = "the points scatter by " +
-                               std::to_string(result.noise / result.spacing) +
-                               " of their spacing about a smooth surface; --smooth 2 moves them "
-                               "onto it"});
-  const double sensible = (smooths ? 0.5 : 1.0) * result.noise / result.diagonal;
-  if (options.tolerance > 0 && options.tolerance < sensible)
-    callbacks.warn({.code = "tolerance-below-noise",
-                    .message = "the points scatter by more than --tolerance-mesh, so that vertices "
-                               "are spent on their noise; " +
-                               std::to_string(sensible) + " would leave fewer"});
+// How often points are moved before they are meshed, unless that is asked for.
+std::int32_t smooth_rounds_for(const Reconstruction& result) {
+  const double spacings = result.noise / result.spacing;
+  return spacings > kHeavySpacings ? 4 : spacings > kLightSpacings ? 2 : 1;
+}
+
+// How far points are moved and kept from the mesh: as asked for, or as their noise wants it.
+void choose_by_noise(std::span<const glm::dvec3> points, const ReconstructOptions& options,
+                     Reconstruction& result) {
+  if (options.measure_noise) result.noise = measure_noise(points);
+  const double noise = std::max(result.noise / result.diagonal, 0.0);
+  const double asked = options.tolerance.value_or(kDefaultTolerance);
+  // At tolerance 0 every point is to be a vertex, as it is.
+  const bool is_noisy = noise > kDefaultTolerance && asked > 0;
+  result.smooth_rounds = options.smooth_rounds.value_or(is_noisy ? smooth_rounds_for(result) : 0);
+  result.tolerance = options.tolerance.value_or(is_noisy ? noise : kDefaultTolerance);
+  const double sensible = (result.smooth_rounds > 0 ? 0.5 : 1.0) * noise;  // half is left
+  if (is_noisy && asked < sensible && options.tolerance)
+    options.callbacks.warn({.code = "tolerance-below-noise",
+                            .message = "the points scatter by more than --tolerance-mesh, so that "
+                                       "vertices are spent on their noise; " +
+                                       std::to_string(sensible) + " would leave fewer"});
 }
 
 // What came out, said plainly: an open or broken mesh is no silent success.
@@ -113,15 +122,6 @@ void diagnose(const Reconstruction& result, const ReconstructOptions& options) {
                     .count = facts.vertex_count});
 }
 
-template <class Vector>
-std::vector<Vector> chosen(const std::vector<Vector>& of_points,
-                           std::span<const std::int32_t> indices) {
-  std::vector<Vector> result;
-  result.reserve(indices.size());
-  for (const std::int32_t index : indices) result.push_back(of_points[index]);
-  return result;
-}
-
 // Drops unused points, moves the mesh to where the file has it and notes the points it came from.
 void finish_mesh(const PolygonMesh& polygons, const PointCloud& cloud, Reconstruction& result) {
   UsedMesh used = without_unused_vertices(polygons);
@@ -155,23 +155,28 @@ void clean_points(Work& work) {
   CleanPoints cleaned = clean(work.cloud.points, clean_options);
   result.used_points = std::move(cleaned.kept);
   result.duplicate_count = cleaned.duplicate_count;
-  result.outlier_count = cleaned.outlier_count;
+  result.outlier_count = cleaned.outlier_count + cleaned.stray_count;
   result.spacing = cleaned.spacing;
   if (result.used_points.size() < kFewestPoints)
     throw Error(ErrorCode::UnusableMesh, counted(std::ssize(result.used_points), "point") +
                                              (result.used_points.size() == 1 ? " is" : " are") +
                                              " left after cleaning; a surface needs at least " +
                                              std::to_string(kFewestPoints));
-  if (result.outlier_count > 0)
-    callbacks.warn({.code = "outliers-removed",
-                    .message = counted(result.outlier_count, "point") +
-                               (result.outlier_count == 1 ? " lies far from all others and was"
-                                                          : " lie far from all others and were") +
-                               " removed; --outliers off keeps them all",
-                    .count = result.outlier_count});
+  const auto tell_removed = [&](std::int64_t count, std::string_view one, std::string_view many) {
+    if (count == 0) return;
+    callbacks.warn(
+        {.code = "outliers-removed",
+         .message = counted(count, "point") +
+                    (count == 1 ? std::string(one) + " and was" : std::string(many) + " and were") +
+                    " removed; --outliers off keeps them all",
+         .count = count});
+  };
+  tell_removed(cleaned.outlier_count, " lies far from all others", " lie far from all others");
+  tell_removed(cleaned.stray_count, " sticks out of the surface around it",
+               " stick out of the surface around them");
   work.points = chosen(work.cloud.points, result.used_points);
   result.diagonal = diagonal_of(work.points);
-  if (work.options.measure_noise) judge_noise(work.points, work.options, result);
+  choose_by_noise(work.points, work.options, result);
   result.timing.clean = work.watch.lap();
 }
 
@@ -196,10 +201,10 @@ void repair(Work& work) {
 
 void simplify_within_tolerance(Work& work) {
   const ReconstructOptions& options = work.options;
-  if (options.tolerance > 0) {
+  if (work.result.tolerance > 0) {
     SimplifiedMesh simplified =
         simplify(work.points, work.triangles,
-                 {.tolerance = options.tolerance * work.result.diagonal,
+                 {.tolerance = work.result.tolerance * work.result.diagonal,
                   .target_vertices = options.target_vertices,
                   .spacing = options.spacing,
                   .least_angle = options.least_angle,
@@ -236,9 +241,10 @@ Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
   const HostScope host(options.callbacks);
   Work work{.cloud = cloud, .options = options};
   clean_points(work);
-  // Only on request: it moves the samples.
-  if (options.smooth_rounds > 0)
-    work.points = smooth_points(work.points, options.smooth_rounds,
+  // Whoever asks for it has every point moved.
+  const double noise = options.smooth_rounds ? 0 : work.result.noise;
+  if (work.result.smooth_rounds > 0)
+    work.points = smooth_points(work.points, work.result.smooth_rounds, noise,
                                 share_of(options.callbacks, kCleaned, kSmoothed));
   work.result.timing.smooth = work.watch.lap();
   work.triangles =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "planish/core/callbacks.h"
@@ -16,11 +17,13 @@
 namespace planish {
 
 struct ReconstructOptions {
-  double tolerance = 1e-4;  ///< a fraction of the diagonal of the points used; 0 keeps every point
+  /// A fraction of the diagonal of the points used; 0 keeps every point. Else 1e-4, or the noise
+  /// where that is more.
+  std::optional<double> tolerance;
   std::int64_t target_vertices = 0;  ///< 0: as few as the tolerance allows
   CleanOptions clean;                ///< its callbacks are not used, nor those of the members below
-  std::int32_t smooth_rounds = 0;    ///< 0 to 100
-  bool measure_noise = false;        ///< and warn "noisy-points" where smoothing would help
+  std::optional<std::int32_t> smooth_rounds;  ///< 0 to 100; else 2 for noisy points, 0 for others
+  bool measure_noise = true;                  ///< false: no points count as noisy
   std::int32_t longest_filled_loop = 16;
   ComponentRule components;
   Spacing spacing = Spacing::Adaptive;
@@ -29,10 +32,6 @@ struct ReconstructOptions {
   bool pair_quads = true;
   Callbacks callbacks;
 };
-
-/// Deviation of the points from smooth local fits, in spacings, from which on a cloud counts as
-/// noisy.
-inline constexpr double kNoisySpacings = 0.2;
 
 /// Wall-clock milliseconds of the steps of reconstruct().
 struct ReconstructTiming {
@@ -50,6 +49,8 @@ struct Reconstruction {
   std::int64_t duplicate_count = 0, outlier_count = 0;
   double spacing = 0;
   double noise = -1;  ///< deviation from local fits; -1: not measured
+  std::int32_t smooth_rounds = 0;
+  double tolerance = 0;  ///< a fraction of the diagonal
   double diagonal = 0;
   MeshStatistics statistics;
   std::int64_t filled_loop_count = 0, dropped_component_count = 0;
@@ -64,7 +65,7 @@ struct Reconstruction {
 /// Points to mesh, in the order of the paper's first step: clean, smooth on request, mesh through
 /// all points, repair, simplify within the tolerance, pair triangles to quads, measure.
 /// Warns "outliers-removed", "open-mesh", "several-components", "points-left-out",
-/// "target-not-reached", "noisy-points", "tolerance-below-noise". Throws Error{InvalidArgument} for
+/// "target-not-reached", "tolerance-below-noise". Throws Error{InvalidArgument} for
 /// options, Error{UnusableMesh} for points that span no surface, Error{Cancelled}, and what
 /// `mesher` throws.
 [[nodiscard]] Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,

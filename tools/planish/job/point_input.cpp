@@ -92,6 +92,8 @@ nlohmann::ordered_json reconstruction_json(const PointInput& input, const Recons
   json["spacing"] = result.spacing;
   json["noise"] =
       result.noise < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(result.noise);
+  json["smooth"] = result.smooth_rounds;
+  json["tolerance"] = result.tolerance;
   json["vertices"] = facts.vertex_count;
   json["faces"] = facts.face_count;
   json["quads"] = faces_of(4);
@@ -112,14 +114,25 @@ nlohmann::ordered_json reconstruction_json(const PointInput& input, const Recons
   return json;
 }
 
+// Where points were moved.
+std::string noise_line(const Reconstruction& result) {
+  if (result.smooth_rounds == 0) return {};
+  std::string line = "  noise       ";
+  if (result.noise >= 0)
+    line += short_number(result.noise / result.diagonal) + " of the diagonal; ";
+  return line + "points moved onto local fits " +
+         (result.smooth_rounds == 1 ? "once" : std::to_string(result.smooth_rounds) + " times") +
+         ", mesh within " + short_number(result.tolerance) + "; --smooth 0 leaves them\n";
+}
+
 std::string reconstruction_summary(const PointInput& input, const Reconstruction& result) {
   const MeshStatistics& facts = result.statistics;
   const auto used = static_cast<std::int64_t>(result.used_points.size());
   return "  points      " + with_separators(static_cast<std::int64_t>(input.cloud.points.size())) +
          ", " + with_separators(used) + " used, spacing " +
-         short_number(result.spacing / result.diagonal) + " of the diagonal\n" + "  mesh        " +
-         counted(facts.vertex_count, "vertex") + ", " + counted(facts.face_count, "face") +
-         ", genus " + std::to_string(facts.genus) + ", " +
+         short_number(result.spacing / result.diagonal) + " of the diagonal\n" +
+         noise_line(result) + "  mesh        " + counted(facts.vertex_count, "vertex") + ", " +
+         counted(facts.face_count, "face") + ", genus " + std::to_string(facts.genus) + ", " +
          counted(facts.boundary_loop_count, "boundary loop") + "; farthest point " +
          short_number(result.distances.max / result.diagonal) + ", rms " +
          short_number(result.distances.rms / result.diagonal) + " of the diagonal\n";

@@ -11,7 +11,7 @@ namespace planish::command {
 /// Everything that can be set for one job, by flags of `fit` or keys of a scene file: the rows of
 /// option_table() and point_option_table().
 struct Settings : FitSettings {
-  ReconstructOptions points{.measure_noise = true};  ///< how a point cloud becomes a mesh
+  ReconstructOptions points;  ///< how a point cloud becomes a mesh
 };
 
 // Stable names, as given in flags and written in reports.

@@ -1,0 +1,148 @@
+// Based on: F. Cazals, M. Pouget, "Estimating Differential Quantities Using Polynomial Fitting of
+// Osculating Jets", 2003: a truncated Taylor expansion of the height over the plane of the
+// principal components, here of degree 2; and on R. D. Cook, "Detection of Influential Observation
+// in Linear Regression", 1977: residuals without refitting, by leverages.
+#include "planish/reconstruct/local_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+namespace planish {
+namespace {
+
+constexpr int kTerms = 6;  // 1, x, y, x^2, xy, y^2
+
+// 1 - leverage below which a field passes through the point whatever the others do.
+constexpr double kLeastRest = 1e-3;
+
+using Terms = std::array<double, kTerms>;
+
+Terms terms_at(double x, double y) { return {1, x, y, x * x, x * y, y * y}; }
+
+// Eigenvectors of a symmetric matrix as columns, by cyclic Jacobi rotations; the eigenvalues stay
+// on the diagonal of `matrix`.
+glm::dmat3 eigenvectors(glm::dmat3& matrix) {
+  constexpr int kSweeps = 12;
+  constexpr double kCoupling = 1e-18;  // far below rounding
+  glm::dmat3 vectors(1.0);
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    const double coupling =
+        std::abs(matrix[0][1]) + std::abs(matrix[0][2]) + std::abs(matrix[1][2]);
+    if (coupling <= kCoupling * (matrix[0][0] + matrix[1][1] + matrix[2][2])) break;
+    for (int p = 0; p < 2; ++p) {
+      for (int q = p + 1; q < 3; ++q) {
+        if (matrix[p][q] == 0) continue;
+        const double theta = (matrix[q][q] - matrix[p][p]) / (2 * matrix[p][q]);
+        const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
+        const double c = 1 / std::hypot(t, 1.0), s = t * c;
+        glm::dmat3 rotation(1.0);
+        rotation[p][p] = rotation[q][q] = c;
+        rotation[p][q] = -s;
+        rotation[q][p] = s;
+        matrix = glm::transpose(rotation) * matrix * rotation;
+        vectors = vectors * rotation;
+      }
+    }
+  }
+  return vectors;
+}
+
+// Cholesky's factor of a symmetric positive definite matrix in its lower half; false if it is
+// singular to working precision.
+bool factorise(std::array<Terms, kTerms>& matrix) {
+  constexpr double kSmallestPivot = 1e-12;  // entries are of order 1 by scaling
+  for (int i = 0; i < kTerms; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = matrix[i][j];
+      for (int k = 0; k < j; ++k) sum -= matrix[i][k] * matrix[j][k];
+      if (i == j) {
+        if (!(sum > kSmallestPivot)) return false;
+        matrix[i][i] = std::sqrt(sum);
+      } else {
+        matrix[i][j] = sum / matrix[j][j];
+      }
+    }
+  }
+  return true;
+}
+
+Terms solved(const std::array<Terms, kTerms>& factor, Terms right) {
+  for (int i = 0; i < kTerms; ++i) {
+    for (int k = 0; k < i; ++k) right[i] -= factor[i][k] * right[k];
+    right[i] /= factor[i][i];
+  }
+  for (int i = kTerms - 1; i >= 0; --i) {
+    for (int k = i + 1; k < kTerms; ++k) right[i] -= factor[k][i] * right[k];
+    right[i] /= factor[i][i];
+  }
+  return right;
+}
+
+LocalFit fit_at(const glm::dvec3& point, std::span<const glm::dvec3> points,
+                std::span<const Neighbour> neighbours) {
+  const auto count = static_cast<double>(neighbours.size());
+  const double radius = std::sqrt(neighbours.back().squared_distance);
+  if (neighbours.size() <= kTerms || !(radius > 0)) return {};
+  glm::dvec3 mean(0.0);
+  for (const Neighbour& n : neighbours) mean += (points[n.index] - point) / radius;
+  mean /= count;
+  glm::dmat3 covariance(0.0);
+  for (const Neighbour& n : neighbours) {
+    const glm::dvec3 d = (points[n.index] - point) / radius - mean;
+    covariance += glm::outerProduct(d, d);
+  }
+  const glm::dmat3 axes = eigenvectors(covariance);
+  std::array<int, 3> order = {0, 1, 2};
+  std::ranges::sort(order, [&](int a, int b) { return covariance[a][a] > covariance[b][b]; });
+  const glm::dvec3 e1 = axes[order[0]], e2 = axes[order[1]], normal = axes[order[2]];
+
+  std::array<Terms, kTerms> matrix{};
+  Terms solution{};
+  for (const Neighbour& n : neighbours) {
+    const glm::dvec3 d = (points[n.index] - point) / radius;
+    const Terms terms = terms_at(glm::dot(d, e1), glm::dot(d, e2));
+    for (int i = 0; i < kTerms; ++i) {
+      solution[i] += terms[i] * glm::dot(d, normal);
+      for (int j = 0; j < kTerms; ++j) matrix[i][j] += terms[i] * terms[j];
+    }
+  }
+  if (!factorise(matrix)) return {};
+  solution = solved(matrix, solution);
+  double squares = 0;
+  for (const Neighbour& n : neighbours) {
+    const glm::dvec3 d = (points[n.index] - point) / radius;
+    const Terms terms = terms_at(glm::dot(d, e1), glm::dot(d, e2));
+    double height = 0;
+    for (int i = 0; i < kTerms; ++i) height += solution[i] * terms[i];
+    squares += (height - glm::dot(d, normal)) * (height - glm::dot(d, normal));
+  }
+  // The point is the frame's origin, where only the constant term is left; so its leverage, the
+  // share of its own height in its fitted one, is the first entry of the inverse.
+  const double leverage = solved(matrix, {1})[0];
+  const double rest = 1 - leverage;
+  const double degrees = count - kTerms;
+  LocalFit fit{.stable = std::abs(solution[0]) < 1,
+               .offset = radius * solution[0] * normal,
+               .deviation = radius * std::sqrt(squares / degrees)};
+  if (rest > kLeastRest && degrees > 1) {
+    const double without = std::max(squares - solution[0] * solution[0] / rest, 0.0);
+    fit.distance = radius * std::abs(solution[0]) / rest;
+    fit.others_deviation = radius * std::sqrt(without / ((degrees - 1) * rest));
+  }
+  return fit;
+}
+
+}  // namespace
+
+LocalFit fit_at(std::int32_t index, std::span<const glm::dvec3> points, const PointTree& tree,
+                std::int32_t count) {
+  std::array<Neighbour, kFitNeighbours> nearest;
+  const auto wanted = std::span(nearest).first(static_cast<std::size_t>(count));
+  const std::size_t found = tree.find_nearest(points[index], wanted);
+  return fit_at(points[index], points, wanted.first(found));
+}
+
+}  // namespace planish
