@@ -97,12 +97,27 @@ TEST_F(Fair, AutoTakesWhatFoldsLessAndSaysWhy) {
 // What repair and the cutting of concave faces change of the mesh is told as of a fair fit.
 TEST_F(Fair, AutoTakesTheMeshThatItsSurfaceIsOf) {
   const std::string bracket = std::string(PLANISH_SCENES) + "/l_bracket.obj";
-  const nlohmann::json taken = fit(bracket, {"-o", path("a.ply")});
+  const nlohmann::json taken = fit(bracket, {"-o", path("a.ply"), "--creases", "use"});
   const nlohmann::json asked = fit(bracket, {"-o", path("f.ply"), "--interpolation", "fair"});
   EXPECT_EQ(taken["solve"]["method"], "fair");
   EXPECT_EQ(taken["input"], asked["input"]);
   EXPECT_EQ(taken["warnings"], asked["warnings"]);
   EXPECT_EQ(taken["outputs"][0]["sha256"], asked["outputs"][0]["sha256"]);
+}
+
+TEST_F(Fair, AutoTakesCreasesThatAreClear) {
+  const std::string bracket = std::string(PLANISH_SCENES) + "/l_bracket.obj";
+  const nlohmann::json taken = fit(bracket, {"-o", path("a.ply")});
+  EXPECT_THAT(messages_, HasSubstr("18 edges kept sharp"));
+  EXPECT_EQ(taken["solve"]["creases"], "auto:30");
+  EXPECT_EQ(taken["solve"]["choice"]["fair"], nullptr);
+  EXPECT_LT(taken["solve"]["choice"]["creased"]["rms_normal_deviation"], 1e-4);
+  const nlohmann::json asked =
+      fit(bracket, {"-o", path("f.ply"), "--interpolation", "fair", "--creases", "auto"});
+  EXPECT_EQ(taken["outputs"][0]["sha256"], asked["outputs"][0]["sha256"]);
+  EXPECT_EQ(fit(bracket, {"-o", path("s.ply"), "--creases", "use"})["input"]["sharp_edges"], 0);
+  const nlohmann::json named = fit(bracket, {"-o", path("p.ply"), "--interpolation", "fair"});
+  EXPECT_EQ(named["input"]["sharp_edges"], 0) << "a named method leaves nothing to choose";
 }
 
 TEST_F(Fair, AutoKeepsTheInputsFacesForACage) {

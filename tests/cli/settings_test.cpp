@@ -70,7 +70,8 @@ TEST(Settings, TextsReadBack) {
   for (const FitOption& option : option_table()) {
     if (!option.get) continue;
     std::vector<std::string> texts(option.words.begin(), option.words.end());
-    if (option.name == "creases") texts = {"use", "ignore", "normals", "auto:30", "auto:1e-05"};
+    if (option.name == "creases")
+      texts = {"choose", "use", "ignore", "normals", "auto:30", "auto:1e-05"};
     if (option.kind == OptionKind::Number) texts = {"0.012345678901234567", "1e-07"};
     for (const std::string& text : texts) {
       FitSettings settings, again;

@@ -129,7 +129,7 @@ TEST(Usage, NumbersThatAreNoneSayWhatIsWanted) {
                      "--tolerance: \"abc\" is no number; a fraction of the bounding-box diagonal");
   expect_usage_error(
       {"fit", "a.obj", "-o", "b.glb", "--creases", "40"},
-      "--creases: \"40\" is not one of use, ignore, normals, auto:DEGREES; did you mean "
+      "--creases: \"40\" is not one of choose, use, ignore, normals, auto:DEGREES; did you mean "
       "auto:40?");
   expect_usage_error({"fit", "a.obj", "-o", "b.glb", "--creases", "ignroe"},
                      "did you mean ignore?");

@@ -11,6 +11,7 @@
 #include "planish/backend/cpu_backend.h"
 #include "support/delaunay_sphere.h"
 #include "support/meshes.h"
+#include "support/random_meshes.h"
 
 namespace planish::test {
 namespace {
@@ -74,7 +75,7 @@ TEST(FitBest, LooksBetweenThePlacesOfLevelOne) {
     mesh.add_face(std::array{2 * kSides + 1, kSides + i, kSides + next});
   }
   const auto backend = make_cpu_backend({Precision::Double});
-  const BestFit best = fit_best(mesh, *backend);
+  const BestFit best = fit_best(mesh, *backend, {}, {}, false);  // its rim is sharp
   EXPECT_LT(best.progressive.folded_area_elsewhere, kSoundFoldedArea);
   EXPECT_LT(best.progressive.rms_normal_deviation,
             kClearlyBetter * best.fair->rms_normal_deviation);
@@ -126,6 +127,40 @@ TEST(FitBest, ItsFiguresAreThoseOfBothSurfaces) {
   EXPECT_NEAR(best.fair->rms_normal_deviation,
               quality_of(InterpolationMethod::Fair).rms_normal_deviation, 1e-6);
   EXPECT_EQ(best.mesh(mesh).face_vertices, mesh.face_vertices);
+}
+
+// A box: flat faces in triangles, whose rims alone turn.
+TEST(FitBest, TakesCreasesThatAreClear) {
+  const auto backend = make_cpu_backend();
+  PolygonMesh box;
+  for (const auto& face : faces_of(cube())) {
+    box.add_face(std::array{face[0], face[1], face[2]});
+    box.add_face(std::array{face[0], face[2], face[3]});
+  }
+  box.positions = cube().positions;
+  const BestFit best = fit_best(box, *backend);
+  EXPECT_EQ(best.crease_degrees, 30.0);
+  ASSERT_TRUE(best.creased.has_value());
+  EXPECT_FALSE(best.fair.has_value()) << "a third fit that nobody needs";
+  EXPECT_NEAR(best.creased->rms_normal_deviation, 0, 1e-4);
+  EXPECT_GT(best.progressive.rms_normal_deviation, 10);
+  EXPECT_THAT(best.reason, HasSubstr("12 edges kept sharp"));
+  EXPECT_THAT(best.reason, HasSubstr("--creases use"));
+  EXPECT_EQ(best.mesh(box).creases.size(), 12u);
+
+  EXPECT_FALSE(fit_best(box, *backend, {}, {}, false).creased.has_value());
+  PolygonMesh tagged = box;
+  tagged.creases = {{best.mesh(box).creases.front()}};
+  EXPECT_FALSE(fit_best(tagged, *backend).creased.has_value()) << "who tags has chosen";
+}
+
+// Coarse balls turn at all of their edges, and round ones at none.
+TEST(FitBest, RoundShapesHaveNoCreases) {
+  const auto backend = make_cpu_backend();
+  for (const PolygonMesh& mesh :
+       {cube(), dodecahedron(), bipyramid(4), icosphere(0), icosphere(2), torus(8, 4, 1, 0.4),
+        torus(24, 12, 1, 0.4), jittered(icosphere(3), 0.02, 1)})
+    EXPECT_FALSE(fit_best(mesh, *backend).crease_degrees.has_value()) << mesh.vertex_count();
 }
 
 // A fit that is not taken has nothing to warn of.

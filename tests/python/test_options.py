@@ -21,7 +21,7 @@ VALUES = {
     "solver": ["chebyshev", "plain", "cg", "jacobi"],
     "precision": ["auto", "float", "double", "half"],
     "boundary": ["edge", "edge-and-corner", "corner"],
-    "creases": ["use", "ignore", "normals", "auto", "auto:0", "auto:40", "auto:22.5", "auto:030",
+    "creases": ["choose", "use", "ignore", "normals", "auto", "auto:0", "auto:40", "auto:22.5", "auto:030",
                 "auto:180", "auto:1e-5", "auto:180.5", "auto:999", "auto:1e1", "auto:", "auto:-1",
                 "auto:+1", "auto:.5", "auto:5.", "auto:nan", "auto:30 ", "40", "AUTO"],
     "repair": ["safe", "none", "all"],

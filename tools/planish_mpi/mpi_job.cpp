@@ -10,7 +10,7 @@
 #include "planish/core/error.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
-#include "planish/pipeline/option_table.h"
+#include "planish/pipeline/make_ready.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -57,7 +57,7 @@ void take_settings(MpiJob& job) {
   options.solver = settings.solver;
   options.tolerance = settings.tolerance;
   options.max_iterations = settings.max_iterations;
-  options.creases = option_text(settings, "creases");
+  options.creases = creases_text(settings.creases.use_tags, {});
   TilesOptions& tiles = options.tiles_options;
   tiles.tile_vertices = settings.tile_vertices;
   tiles.skirts = settings.skirts;

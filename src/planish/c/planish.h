@@ -146,8 +146,9 @@ typedef struct planish_fit_options {
   int32_t boundary;  /**< a planish_boundary */
   int32_t precision; /**< a planish_precision, of the solve */
   int32_t polish;    /**< steps that even out the curvature of a fair surface: 8 */
-  /** What is sharp, as `planish fit --creases` has it: "use", "ignore", "auto" or "auto:40"; of
-   * planish_fit_file() "normals", too. NULL: as uses_creases and crease_degrees say. */
+  /** What is sharp, as `planish fit --creases` has it: "choose", "use", "ignore", "auto" or
+   * "auto:40"; of planish_fit_file() "normals", too. NULL: as uses_creases and crease_degrees say,
+   * and "choose" where these are the defaults. */
   const char* creases;
   /** For planish_verify() of a fair surface with found creases: planish_fit_smoothed_vertices(). */
   const int32_t* smoothed_vertices;

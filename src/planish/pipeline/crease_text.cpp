@@ -32,10 +32,11 @@ bool parse_angle(std::string_view text, double& degrees) {
 }  // namespace
 
 CreaseChoice parse_creases(std::string_view text, std::string_view where) {
-  constexpr std::array<std::string_view, 4> kKnown{"use", "ignore", "normals", "auto"};
+  constexpr std::array<std::string_view, 5> kKnown{"choose", "use", "ignore", "normals", "auto"};
   const std::string shown = "\"" + visible(text) + "\"";
-  const std::string no_choice = shown + " is not one of use, ignore, normals, auto:DEGREES";
+  const std::string no_choice = shown + " is not one of choose, use, ignore, normals, auto:DEGREES";
   double degrees = CreaseDetectionOptions{}.dihedral_degrees;
+  if (text == "choose") return {.chooses = true};
   if (text == "use") return {};
   if (text == "ignore") return {.use_tags = false};
   if (text == "normals") return {.split_normals = true};

@@ -12,7 +12,8 @@ namespace planish {
 
 /// The texts that it takes, as a regular expression.
 inline constexpr std::string_view kCreasesPattern =
-    "^(use|ignore|normals|auto(:0*(180(\\.0+)?|(1[0-7][0-9]|[1-9]?[0-9])(\\.[0-9]+)?)(e-[0-9]+)?)?)"
+    "^(choose|use|ignore|normals|auto(:0*(180(\\.0+)?|(1[0-7][0-9]|[1-9]?[0-9])(\\.[0-9]+)?)(e-[0-"
+    "9]+)?)?)"
     "$";
 
 }  // namespace planish

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/cusp_corners.h"
 #include "planish/mesh/folded_edges.h"
+#include "planish/mesh/prepared_mesh.h"
 #include "planish/surface/block_quality.h"
 
 namespace planish {
@@ -123,6 +125,42 @@ void choose(const Candidate& progressive, const Candidate& fair,
   }
 }
 
+bool has_clear_creases(const PolygonMesh& mesh, const Fit& fitted) {
+  if (!mesh.creases.empty() || !mesh.corners.empty()) return false;
+  PolygonMesh tagged = mesh;
+  return add_clear_creases(tagged, fitted.prepared).has_value();
+}
+
+// The fair surface with found creases, if it is the better one; else the mesh is as it was.
+std::optional<Candidate> creased_candidate(FairMesh& made, Backend& backend,
+                                           const FitOptions& options, const Candidate& progressive,
+                                           BestFit& best) {
+  if (!made.prepared) made.prepared = prepare_mesh(made.mesh, "mesh");
+  made.found = add_clear_creases(made.mesh, made.prepared);
+  if (!made.found) return std::nullopt;
+  Candidate creased = fair_candidate(made, backend, options, best);
+  best.creased = creased.quality;
+  const SurfaceQuality &sharp = creased.quality, &rounded = progressive.quality;
+  const bool folds_more =
+      creased.folds() && sharp.folded_area_elsewhere > rounded.folded_area_elsewhere;
+  if (creased.fit.interpolation.converged && !folds_more &&
+      sharp.rms_normal_deviation <= kCreasesBetter * rounded.rms_normal_deviation) {
+    best.method = InterpolationMethod::Fair;
+    best.crease_degrees = made.found->options.dihedral_degrees;
+    best.reason = text_of("fair, with %.0f edges kept sharp: ",
+                          static_cast<double>(made.mesh.creases.size())) +
+                  text_of("its normals are off by %.3g degrees rms, with all rounded by %.3g",
+                          sharp.rms_normal_deviation, rounded.rms_normal_deviation) +
+                  " (--creases use rounds them)";
+    return creased;
+  }
+  made.mesh.creases = made.found->creases;
+  made.mesh.corners = made.found->corners;
+  made.found.reset();
+  best.smoothed_vertices.clear();
+  return std::nullopt;
+}
+
 void give_out(Candidate&& taken, BestFit& best, const Callbacks& callbacks) {
   best.fit = std::move(taken.fit);
   for (const Warning& warning : taken.warnings) callbacks.warn(warning);
@@ -133,13 +171,16 @@ void give_out(Candidate&& taken, BestFit& best, const Callbacks& callbacks) {
 namespace {
 
 BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
-                const std::function<FairMesh()>& make_fair_mesh) {
+                const std::function<FairMesh()>& make_fair_mesh, bool tries_creases) {
   BestFit best;
   FitOptions of_candidate = options;
   of_candidate.callbacks = share_of(options.callbacks, 0, kFirstMeasured);
   Candidate progressive = candidate(mesh, backend, of_candidate);
   best.progressive = progressive.quality;
-  if (progressive.is_sound() && best.progressive.rms_normal_deviation < kCloseDegrees) {
+  const bool tries_found = tries_creases && has_clear_creases(mesh, progressive.fit);
+  const bool is_close =
+      progressive.is_sound() && best.progressive.rms_normal_deviation < kCloseDegrees;
+  if (is_close && !tries_found) {
     best.reason = text_of(
         "progressive: it does not fold, and its normals are within %.3g degrees rms of the "
         "faces'",
@@ -150,7 +191,17 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
   FairMesh made = make_fair_mesh
                       ? make_fair_mesh()
                       : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}};
-  of_candidate.callbacks = share_of(options.callbacks, kFirstMeasured, kBothMeasured);
+  double done = kFirstMeasured;
+  if (tries_found) {
+    done = (kFirstMeasured + kBothMeasured) / 2;
+    of_candidate.callbacks = share_of(options.callbacks, kFirstMeasured, done);
+    if (auto creased = creased_candidate(made, backend, of_candidate, progressive, best)) {
+      best.fair_mesh = std::move(made.mesh);
+      give_out(std::move(*creased), best, options.callbacks);
+      return best;
+    }
+  }
+  of_candidate.callbacks = share_of(options.callbacks, done, kBothMeasured);
   Candidate fair = fair_candidate(made, backend, of_candidate, best);
   best.fair = fair.quality;
   choose(
@@ -174,10 +225,11 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
 }  // namespace
 
 BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
-                 const std::function<FairMesh()>& make_fair_mesh) {
+                 const std::function<FairMesh()>& make_fair_mesh, bool tries_creases) {
   const HostScope host(options.callbacks);
   BestFit best;
-  backend.run_on_host([&] { best = best_of(mesh, backend, options, make_fair_mesh); });
+  backend.run_on_host(
+      [&] { best = best_of(mesh, backend, options, make_fair_mesh, tries_creases); });
   tell(options.callbacks, "choose", 1);
   return best;
 }

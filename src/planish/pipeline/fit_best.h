@@ -26,9 +26,12 @@ struct BestFit {
   /// That `fit` is of, where it is fair; else it is of the given mesh.
   std::optional<PolygonMesh> fair_mesh;
   std::vector<std::int32_t> smoothed_vertices;  ///< of fair_mesh, see CreasedFit
-  SurfaceQuality progressive;                   ///< at level 1, against the mesh's faces
-  std::optional<SurfaceQuality> fair;           ///< the same; empty: not tried
-  std::string reason;                           ///< in a line, for people
+  /// That `fair_mesh` has found creases by, where they were taken.
+  std::optional<double> crease_degrees;
+  SurfaceQuality progressive;             ///< at level 1, against the mesh's faces
+  std::optional<SurfaceQuality> fair;     ///< the same; empty: not tried
+  std::optional<SurfaceQuality> creased;  ///< the same of fair with creases that were tried
+  std::string reason;                     ///< in a line, for people
 
   /// The mesh that `fit` is of.
   [[nodiscard]] const PolygonMesh& mesh(const PolygonMesh& given) const {
@@ -40,6 +43,7 @@ struct BestFit {
 inline constexpr double kSoundFoldedArea = 1e-5;  ///< folds of less are none
 inline constexpr double kCloseDegrees = 1;        ///< normals nearer to the faces' need no rival
 inline constexpr double kClearlyBetter = 0.96;    ///< of the other's deviation
+inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found creases
 
 /// Fits by the progressive method and measures the surface at level 1; where it converges, does not
 /// fold (but where the input does itself) and its normals are within kCloseDegrees rms of the
@@ -49,11 +53,16 @@ inline constexpr double kClearlyBetter = 0.96;    ///< of the other's deviation
 /// own faces, which the progressive method follows more closely even where it is no nearer to the
 /// shape.
 ///
+/// Where `tries_creases`, the mesh has no tags and creases that are found are clear (see
+/// add_clear_creases()), the fair surface that has them comes second, whatever the first, and is
+/// taken where it does not fold more and is off by kCreasesBetter of what progressive is at most.
+///
 /// `make_fair_mesh` is called at most once, for the mesh that the fair surface is of: without it
 /// with_cusp_corners() of with_convex_faces(). Only warnings of the fit that is taken are given.
 /// Throws as fit(), whatever options.method is.
 [[nodiscard]] BestFit fit_best(const PolygonMesh& mesh, Backend& backend,
                                const FitOptions& options = {},
-                               const std::function<FairMesh()>& make_fair_mesh = {});
+                               const std::function<FairMesh()>& make_fair_mesh = {},
+                               bool tries_creases = true);
 
 }  // namespace planish

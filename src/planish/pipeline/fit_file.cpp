@@ -181,6 +181,7 @@ FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path
     // Of both methods, the one whose cage keeps the mesh's faces.
     if (!how.method) how.method = InterpolationMethod::Progressive;
   }
+  if (options.split_normals) how.chooses_creases = false;
   std::unique_ptr<Backend> own;
   if (options.backend == nullptr)
     own = make_cpu_backend({.solve_precision = precision_for(how.fit.tolerance)});

@@ -73,8 +73,10 @@ void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warning
                       preparation_of(ready.options, InterpolationMethod::Fair));
     return FairMesh{std::move(fair.mesh), fair.prepared, std::move(fair.found)};
   };
-  BestFit best = fit_best(result.mesh, backend, result.options, make_fair_mesh);
-  result.reason = MethodReason{best.reason, best.progressive, best.fair};
+  BestFit best =
+      fit_best(result.mesh, backend, result.options, make_fair_mesh, ready.chooses_creases);
+  result.reason = MethodReason{best.reason, best.progressive, best.fair, best.creased};
+  if (best.crease_degrees) result.crease_degrees = best.crease_degrees;
   result.options.method = best.method;
   result.smoothed_vertices = std::move(best.smoothed_vertices);
   if (best.fair_mesh) {
@@ -110,7 +112,11 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   result.weld = options.weld;
   result.uses_tags = options.fit.sharp.use_tags;
   result.options.sharp.use_tags = true;  // what make_ready() left has none but those that count
-  if (!options.method && options.fit.scheme == Scheme::DooSabin) ready.given = mesh;
+  if (!options.method && options.fit.scheme == Scheme::DooSabin) {
+    ready.given = mesh;
+    ready.chooses_creases = options.chooses_creases && !options.crease_degrees &&
+                            result.uses_tags && mesh.creases.empty() && mesh.corners.empty();
+  }
   const WarningList warnings(result.warnings, options.fit.callbacks);
   try {
     ReadyMesh made = make_ready(std::move(mesh), preparation_of(options, result.options.method));

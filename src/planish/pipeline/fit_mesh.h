@@ -23,14 +23,18 @@ struct MeshFitOptions {
   std::optional<InterpolationMethod> method;
   bool repairs = true;                   ///< see repair(); and cuts concave faces for fair surfaces
   std::optional<double> crease_degrees;  ///< edges whose faces turn by more are sharp, too
-  std::optional<double> weld;            ///< vertices within this fraction of the diagonal
-  FitOptions fit;                        ///< its method and prepared are not looked at
+  /// Where method and crease_degrees are empty and the mesh has no tags: found creases, too, where
+  /// the surface is better for them (see fit_best()).
+  bool chooses_creases = true;
+  std::optional<double> weld;  ///< vertices within this fraction of the diagonal
+  FitOptions fit;              ///< its method and prepared are not looked at
 };
 
 /// Why a method was taken where none was named.
 struct MethodReason {
-  std::string text;                                 ///< in a line, for people
-  std::optional<SurfaceQuality> progressive, fair;  ///< at level 1; empty: not measured
+  std::string text;  ///< in a line, for people
+  /// At level 1; empty: not measured. `creased`: fair with found creases.
+  std::optional<SurfaceQuality> progressive, fair, creased;
 };
 
 /// A mesh that anybody made, with the fit of it.
@@ -65,6 +69,7 @@ struct ReadyFit {
   MeshFitOptions options;
   std::optional<FoundCreases> found;  ///< where creases were for the fair method
   std::optional<PolygonMesh> given;   ///< as it was, where measurement chooses the method
+  bool chooses_creases = false;       ///< and creases
 
   [[nodiscard]] bool chooses_method() const { return given.has_value(); }
 };

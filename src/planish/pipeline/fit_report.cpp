@@ -21,7 +21,8 @@ Json choice_json(const std::optional<MethodReason>& choice) {
   };
   return {{"reason", choice->text},
           {"progressive", figures(choice->progressive)},
-          {"fair", figures(choice->fair)}};
+          {"fair", figures(choice->fair)},
+          {"creased", figures(choice->creased)}};
 }
 
 Json fair_json(const FittedMesh& fitted) {

@@ -1,10 +1,14 @@
 #include "planish/pipeline/found_creases.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "planish/core/host_scope.h"
+#include "planish/mesh/area_vector.h"
+#include "planish/mesh/convex_faces.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/pipeline/deep_folds.h"
 #include "planish/surface/block_quality.h"
@@ -14,6 +18,8 @@ namespace planish {
 namespace {
 
 constexpr int kRounds = 4;
+// Of all turns; see pipeline/README.md.
+constexpr double kClearShare = 0.9;
 
 // A fit that is not given out yet, with its tags.
 struct CreasedCandidate {
@@ -92,6 +98,36 @@ void spread(std::vector<std::uint8_t>& smooth, const CreasedCandidate& folded,
   }
 }
 
+bool are_creases_clear(const PolygonMesh& mesh,
+                       const std::shared_ptr<const PreparedMesh>& prepared) {
+  if (mesh.creases.empty()) return false;
+  const UsedPart used = used_part(mesh, prepared);
+  const MeshTopology& topology = *prepared->topology;
+  std::vector<std::uint8_t> is_crease(static_cast<std::size_t>(topology.edge_count()), 0);
+  for (const CreaseEdge& crease : used.mesh.creases) {
+    const std::int32_t edge = topology.find_edge(crease.v0, crease.v1);
+    if (edge >= 0) is_crease[edge] = 1;
+  }
+  double all = 0, of_creases = 0;
+  bool is_any_smooth = false;
+  for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
+    if (topology.is_boundary_edge(e)) continue;
+    is_any_smooth |= is_crease[e] == 0;
+    const std::int32_t corner = topology.corner_of(e), twin = topology.twin(corner);
+    const auto area_of = [&](std::int32_t c) {
+      return area_vector(used.mesh.positions, used.mesh.face(topology.face_of(c)));
+    };
+    const glm::dvec3 a = area_of(corner), b = area_of(twin);
+    const double turn = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+    const double weight = glm::length(a) / topology.face_size(topology.face_of(corner)) +
+                          glm::length(b) / topology.face_size(topology.face_of(twin));
+    all += turn * turn * weight;
+    if (is_crease[e] != 0) of_creases += turn * turn * weight;
+  }
+  if (of_creases < kClearShare * all) return false;
+  return is_any_smooth || !concave_faces(used.mesh).empty();
+}
+
 }  // namespace
 
 FoundCreases add_found_creases(PolygonMesh& mesh, const PreparedMesh& prepared,
@@ -100,6 +136,16 @@ FoundCreases add_found_creases(PolygonMesh& mesh, const PreparedMesh& prepared,
   found.options.smooth_vertices = {};
   find(mesh, prepared, options);
   return found;
+}
+
+std::optional<FoundCreases> add_clear_creases(PolygonMesh& mesh,
+                                              const std::shared_ptr<const PreparedMesh>& prepared) {
+  if (!mesh.creases.empty()) return std::nullopt;
+  FoundCreases found = add_found_creases(mesh, *prepared, {});
+  if (are_creases_clear(mesh, prepared)) return found;
+  mesh.creases = found.creases;
+  mesh.corners = found.corners;
+  return std::nullopt;
 }
 
 void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCreases& found,

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +29,14 @@ struct FoundCreases {
 /// Finds them anew, but neither creases that end at one of these vertices nor corners there.
 void leave_smooth(PolygonMesh& mesh, const PreparedMesh& prepared, const FoundCreases& found,
                   std::span<const std::int32_t> smoothed_vertices);
+
+/// The same with the default options where the creases are clear, else none, and the mesh as it
+/// was. They are clear where the mesh had no tags, where by far the most of what its faces turn is
+/// at them (of the squares of all turns, weighted by the faces' areas), as on parts with flat and
+/// round faces, and where an edge is smooth or a face concave: every coarse ball turns at all of
+/// its edges.
+[[nodiscard]] std::optional<FoundCreases> add_clear_creases(
+    PolygonMesh& mesh, const std::shared_ptr<const PreparedMesh>& prepared);
 
 /// A fair surface whose creases only help.
 struct CreasedFit {

@@ -62,12 +62,13 @@ FitOption creases_option() {
   return {{.name = "creases",
            .stage = Stage::Shape,
            .kind = Kind::Text,
-           .choices = "use|ignore|normals|auto[:DEGREES]",
-           .initial = "use",
+           .choices = "choose|use|ignore|normals|auto[:DEGREES]",
+           .initial = "choose",
            .example = "auto:40",
-           .help = "sharp edges: tagged ones, none, split normals too, or turns above (30) too",
+           .help = "sharp edges: by measurement, tagged ones, none, split normals or turns above "
+                   "(30) too",
            .pattern = kCreasesPattern,
-           .ranks = {"use|ignore",
+           .ranks = {"choose|use|ignore",
                      "edges are not looked for over ranks; tag them in the file, and take use"}},
           [](FitSettings& settings, const OptionValue& value, Where where) {
             settings.creases = parse_creases(value.text, where);
@@ -75,6 +76,7 @@ FitOption creases_option() {
           [](const FitSettings& settings) {
             const CreaseChoice& creases = settings.creases;
             if (creases.split_normals) return std::string("normals");
+            if (creases.chooses) return std::string("choose");
             return creases_text(creases.use_tags, creases.dihedral_degrees);
           }};
 }

@@ -14,6 +14,7 @@ MeshFitOptions mesh_fit_options(const FitSettings& settings) {
     options.method = InterpolationMethod::Fair;
   options.repairs = settings.repair == RepairChoice::Safe;
   options.crease_degrees = settings.creases.dihedral_degrees;
+  options.chooses_creases = settings.creases.chooses;
   options.weld = settings.weld;
   options.fit.scheme = settings.scheme;
   options.fit.weights = settings.weights;

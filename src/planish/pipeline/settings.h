@@ -26,6 +26,7 @@ struct CreaseChoice {
   bool use_tags = true;                    ///< those that the file tags
   std::optional<double> dihedral_degrees;  ///< and those whose faces turn by more
   bool split_normals = false;              ///< and those where the file splits its normals
+  bool chooses = false;                    ///< and found ones where the surface is better for them
 };
 
 /// Surfaces as fine as they have to be, instead of levels.
@@ -47,7 +48,7 @@ struct FitSettings {
   std::int32_t max_iterations = 200;
   PrecisionChoice precision = PrecisionChoice::Auto;
   BoundaryRule boundary = BoundaryRule::Edge;
-  CreaseChoice creases;
+  CreaseChoice creases{.chooses = true};
   RepairChoice repair = RepairChoice::Safe;
   std::optional<double> weld;            ///< vertices within this fraction of the diagonal, first
   std::vector<CreaseEdge> crease_edges;  ///< of a scene file, besides the input's own tags

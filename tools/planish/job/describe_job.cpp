@@ -107,9 +107,12 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
                        : InterpolationMethod::Progressive;
   const std::int64_t vertices = input.file.mesh.vertex_count();
   const std::int64_t faces = input.file.mesh.face_count();
-  const ReadyFit ready = prepare_mesh(std::move(input), options, settings);
+  ReadyFit ready = prepare_mesh(std::move(input), options, settings);
   const PolygonMesh& mesh = ready.fitted.mesh;
   const PreparedMesh& prepared = *ready.fitted.options.prepared;
+  // Vertices of files are there twice along creases.
+  if (settings.creases.chooses && chooses_by_measurement(settings, planned.outputs))
+    (void)add_clear_creases(ready.fitted.mesh, ready.fitted.options.prepared);
   const Forecast forecast = forecast_of(mesh, prepared, settings, planned.outputs, page_bytes);
   require_memory_for(mesh, prepared, settings, planned.outputs);
   std::string text = "would fit " + input.name + ": " +

@@ -12,6 +12,9 @@ namespace {
 void note_fit(JobReport& report, FittedMesh& fitted) {
   report.method = fitted.options.method;
   report.choice = fitted.reason;
+  CreaseChoice& creases = report.settings.creases;
+  creases.chooses = false;
+  creases.dihedral_degrees = fitted.crease_degrees;
   report.smoothed_vertices = fitted.smoothed_vertices;
   report.input.welded += fitted.welded_count;
   report.input.separated_edges = std::ssize(fitted.separated_edges);

@@ -51,6 +51,7 @@ bool is_of_cages(const OptionInfo& option) {
 void require_known_method(const FitSettings& settings, std::string_view where) {
   if (settings.interpolation == InterpolationChoice::Auto)
     refuse(where, "\"auto\" is not one of progressive, fair");
+  if (settings.creases.chooses) refuse(where, "\"choose\" does not say which creases there are");
 }
 
 std::vector<std::string> cage_header_lines(FitSettings settings, InterpolationMethod method,
@@ -58,6 +59,7 @@ std::vector<std::string> cage_header_lines(FitSettings settings, InterpolationMe
                                            std::span<const std::int32_t> smoothed_vertices) {
   settings.interpolation = method == InterpolationMethod::Fair ? InterpolationChoice::Fair
                                                                : InterpolationChoice::Progressive;
+  settings.creases.chooses = false;  // what was found stands in the settings
   std::vector<std::string> lines;
   const auto add = [&](std::string_view key, std::string_view value) {
     lines.push_back("planish " + std::string(key) + "=" + std::string(value));

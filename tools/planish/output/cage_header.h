@@ -13,7 +13,7 @@ namespace planish::command {
 /// What a cage says about how it was made, so that `verify` needs no flags.
 struct CageHeader {
   /// The defaults where it says nothing, of the progressive method.
-  FitSettings settings{.interpolation = InterpolationChoice::Progressive};
+  FitSettings settings{.interpolation = InterpolationChoice::Progressive, .creases = {}};
   /// Of the prepared mesh: where creases were found and taken back, ascending.
   std::vector<std::int32_t> smoothed_vertices;
   std::string source;  ///< file name of the input; may be empty
