@@ -54,7 +54,7 @@ class PlyReader {
   std::int64_t require_single(std::string_view name);
   void read_element(const PlyElement& element);
   template <class Read>
-  void for_pieces(const PlyElement& element, const Read& read);
+  void for_pieces(const PlyElement& element, std::size_t pieces, const Read& read);
   PlyVertexLayout layout_of(const PlyElement& element) const;
   void make_room(const PlyVertexLayout& layout, std::int64_t count);
   void read_vertices(const PlyElement& element);
@@ -103,17 +103,19 @@ void PlyReader<Body>::read_element(const PlyElement& element) {
     file_.warnings.push_back({.code = "ignored-element",
                               .message = "triangle strips cannot be read; save them as faces",
                               .count = element.count});
-  for_pieces(element, [&](std::size_t, Cursor& cursor, std::int64_t entry, PlyNotes&) {
+  const std::size_t pieces = body_.piece_count(element);
+  for_pieces(element, pieces, [&](std::size_t, Cursor& cursor, std::int64_t entry, PlyNotes&) {
     for (const PlyProperty& property : element.properties)
       skip_ply_value(cursor, property, element, entry);
   });
 }
 
 // Calls read(piece, cursor, entry, notes) for each entry, those of a piece one after another.
+// `pieces` is what piece_count() gives, which has to walk over lists.
 template <class Body>
 template <class Read>
-void PlyReader<Body>::for_pieces(const PlyElement& element, const Read& read) {
-  std::vector<PlyNotes> notes(body_.piece_count(element));
+void PlyReader<Body>::for_pieces(const PlyElement& element, std::size_t pieces, const Read& read) {
+  std::vector<PlyNotes> notes(pieces);
   body_.for_pieces(element,
                    [&](std::size_t piece, Cursor& cursor, std::int64_t begin, std::int64_t end) {
                      for (std::int64_t entry = begin; entry < end; ++entry) {
@@ -156,9 +158,11 @@ void PlyReader<Body>::read_vertices(const PlyElement& element) {
   if (element.count > kMaxCount)
     body_.fail("more vertices than 32 bits can count: " + std::to_string(element.count), -1);
   make_room(layout, element.count);
-  for_pieces(element, [&](std::size_t, Cursor& cursor, std::int64_t vertex, PlyNotes& notes) {
-    read_vertex(cursor, element, layout, vertex, notes);
-  });
+  const std::size_t pieces = body_.piece_count(element);
+  for_pieces(element, pieces,
+             [&](std::size_t, Cursor& cursor, std::int64_t vertex, PlyNotes& notes) {
+               read_vertex(cursor, element, layout, vertex, notes);
+             });
 }
 
 template <class Body>
@@ -182,10 +186,11 @@ void PlyReader<Body>::read_faces(const PlyElement& element) {
     body_.fail("more faces than 32 bits can count: " + std::to_string(element.count), -1);
   if (indices == nullptr) return;
   FaceParts faces;
-  faces.parts.resize(body_.piece_count(element));
+  const std::size_t pieces = body_.piece_count(element);
+  faces.parts.resize(pieces);
   const bool has_texture = ply_texture_list(element) != nullptr;
   std::vector<PlyTextureCorners> textures(has_texture ? faces.parts.size() : 0);
-  for_pieces(element, [&](std::size_t piece, Cursor& cursor, std::int64_t face, PlyNotes&) {
+  for_pieces(element, pieces, [&](std::size_t piece, Cursor& cursor, std::int64_t face, PlyNotes&) {
     FaceParts::Part& part = faces.parts[piece];
     std::vector<double> texture;
     part.sizes.push_back(read_face(cursor, element, *indices, face, part.vertices, texture));
