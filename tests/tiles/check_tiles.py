@@ -55,8 +55,8 @@ def make_sets(planish, scenes, folder):
     folder.mkdir(parents=True)
     sets = {"rocker": ("rocker_arm.obj", ["--levels", "3", "--tile-vertices", "4096"]),
             "skirts": ("rocker_arm.obj", ["--levels", "3", "--tile-vertices", "4096", "--skirts"]),
-            "mapped": ("mapped_cube.obj", ["--levels", "3", "--tile-vertices", "256"]),
-            "holes": ("cube_with_windows.obj", ["--levels", "3", "--tile-vertices", "256"]),
+            "mapped": ("mapped_cube.obj", ["--levels", "3", "--tile-vertices", "256", "--creases", "use"]),
+            "holes": ("cube_with_windows.obj", ["--levels", "3", "--tile-vertices", "256", "--creases", "use"]),
             "many": ("rocker_arm.obj", ["--levels", "1", "--tile-vertices", "256"])}
     for name, (scene, flags) in sets.items():
         subprocess.run([planish, "fit", scenes / scene, "-o", folder / f"{name}.json", "--quiet",

@@ -24,16 +24,10 @@ struct Callbacks {
   std::function<bool()> cancelled;
   std::function<void(const Warning&)> warning;
 
-  void report(std::string_view step, double fraction) const {
-    if (progress) progress(step, fraction);
-  }
-  void warn(const Warning& what) const {
-    if (warning) warning(what);
-  }
-  /// Throws Error{Cancelled} when the caller asked to stop.
-  void check_cancelled() const {
-    if (cancelled && cancelled()) throw Error(ErrorCode::Cancelled, "cancelled");
-  }
+  /// Calls the member, if there is one. Should the host start a loop of its own in it, and take up
+  /// a piece of the work meanwhile, nothing else is asked or told from there.
+  void report(std::string_view step, double fraction) const;
+  void warn(const Warning& what) const;
 };
 
 }  // namespace planish

@@ -31,10 +31,16 @@ class HostCall {
 
 }  // namespace
 
-void tell(const Callbacks& callbacks, std::string_view step, double fraction) {
-  if (!callbacks.progress) return;
+void Callbacks::report(std::string_view step, double fraction) const {
+  if (!progress) return;
   const HostCall call;
-  callbacks.progress(step, fraction);
+  progress(step, fraction);
+}
+
+void Callbacks::warn(const Warning& what) const {
+  if (!warning) return;
+  const HostCall call;
+  warning(what);
 }
 
 Callbacks share_of(const Callbacks& whole, double from, double to) {
@@ -66,7 +72,7 @@ void HostScope::look() {
 LoopProgress::LoopProgress(const Callbacks& callbacks, std::string_view step, double from,
                            double to, std::int64_t count)
     : callbacks_(callbacks), step_(step), from_(from), to_(to), count_(count), last_(Clock::now()) {
-  tell(callbacks_, step_, from_);
+  callbacks_.report(step_, from_);
 }
 
 void LoopProgress::look() {
@@ -74,8 +80,8 @@ void LoopProgress::look() {
   const std::int64_t done = std::min(done_.load(std::memory_order_relaxed), count_);
   if (done <= told_) return;
   told_ = done;
-  tell(callbacks_, step_,
-       std::lerp(from_, to_, static_cast<double>(done) / static_cast<double>(count_)));
+  callbacks_.report(step_,
+                    std::lerp(from_, to_, static_cast<double>(done) / static_cast<double>(count_)));
 }
 
 }  // namespace planish

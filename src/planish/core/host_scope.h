@@ -11,10 +11,6 @@
 
 namespace planish {
 
-/// Calls `progress`, if there is one. Should the host start a loop of its own in it, and take up a
-/// piece of the work meanwhile, nothing else is asked or told from there.
-void tell(const Callbacks& callbacks, std::string_view step, double fraction);
-
 /// For a part of the work: its 0 to 1 is told as `from` to `to` of the whole, whose last step is
 /// told as 1 to the bit.
 [[nodiscard]] Callbacks share_of(const Callbacks& whole, double from, double to);

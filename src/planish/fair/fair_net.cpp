@@ -221,7 +221,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     PLANISH_ASSERT(decisions->ellipses.empty() || decisions->ellipses.size() == given.size());
   }
   const HostScope host(options.callbacks);
-  tell(options.callbacks, "solve", 0);
+  options.callbacks.report("solve", 0);
   const FairTopology topology = make_fair_topology(mesh, subdivision, options.halo);
 
   FairNet net;
@@ -229,14 +229,14 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   const bool decided = options.decisions != nullptr;
   if (decided) decisions = *options.decisions;
   NetBuilder builder{topology, given, options.halo};
-  tell(options.callbacks, "solve", 0.1);
+  options.callbacks.report("solve", 0.1);
   builder.prepare();
   builder.build_polygons(decisions.reversed, share_of(options.callbacks, 0.3, 0.6));
   builder.build_curve_points();
-  tell(options.callbacks, "solve", 0.6);
+  options.callbacks.report("solve", 0.6);
 
   settle_folds(builder, decided, decisions.halvings);
-  tell(options.callbacks, "solve", 0.7);
+  options.callbacks.report("solve", 0.7);
   if (options.polish_steps > 0) {
     builder.build_curve_points();
     const std::vector<dvec3> directions =
@@ -251,7 +251,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   } else if (!decided) {
     decisions.late_halvings.assign(given.size(), 0);
   }
-  tell(options.callbacks, "solve", 0.9);
+  options.callbacks.report("solve", 0.9);
   builder.build_curve_points();
   const FoldCount folds = settle_cure(builder, options, decisions);
   builder.build_dart_points();
@@ -261,7 +261,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   count_decisions(net, options.halo);
   net.state = std::move(builder.offsets);
   add_given_points(topology, given, net.state);
-  tell(options.callbacks, "solve", 1);
+  options.callbacks.report("solve", 1);
   return net;
 }
 

@@ -255,7 +255,7 @@ std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format
   const std::string lost = lost_attributes(
       format, {totals.has_uvs, totals.has_colors, surface.info().groups.size() > 1});
   if (!lost.empty()) options.callbacks.warn({"lost-attributes", lost});
-  tell(options.callbacks, "write", 1);
+  options.callbacks.report("write", 1);
   return byte_count;
 }
 

@@ -120,7 +120,7 @@ class ProgressWatch {
                            std::log(initial_ / (kStopMargin * options.tolerance));
     if (decades > done_) done_ = std::min(decades, 1.0);
     done_ = std::max(done_, steps);
-    planish::tell(options.callbacks, "solve", std::lerp(kSolveBegins, kSolveEnds, done_));
+    options.callbacks.report("solve", std::lerp(kSolveBegins, kSolveEnds, done_));
   }
 
  private:
@@ -283,10 +283,10 @@ Interpolation interpolate(Backend& backend, const StencilView<double>& limit_mas
                           std::span<const glm::dvec3> given, const InterpolationOptions& options) {
   check_options(limit_masks, given, options);
   const HostScope host(options.callbacks);
-  tell(options.callbacks, "solve", 0);
+  options.callbacks.report("solve", 0);
   Interpolation result;
   backend.run_on_host([&] { result = solved(backend, limit_masks, given, options); });
-  tell(options.callbacks, "solve", 1);
+  options.callbacks.report("solve", 1);
   return result;
 }
 

@@ -88,7 +88,7 @@ class Tessellation {
     drop_unused(result);
     finish(surface);
     warn_of_turns(result);
-    tell(options_.callbacks, "evaluate", 1);
+    options_.callbacks.report("evaluate", 1);
     return surface;
   }
 
@@ -361,7 +361,7 @@ void Tessellation::warn_of_turns(const SurfaceMesh& result) const {
 AdaptiveSurface tessellate(const LimitSurface& surface, const AdaptiveOptions& options) {
   require_options(options);
   const HostScope host(options.callbacks);
-  tell(options.callbacks, "evaluate", 0);
+  options.callbacks.report("evaluate", 0);
   const std::uint64_t limit =
       options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes();
   return Tessellation(surface, options, limit).run();

@@ -121,7 +121,7 @@ void fit_doo_sabin(Fit& result, const UsedPart& used, std::span<const glm::dvec3
                backend, solve);
     result.timing.solve = watch.lap();
   } else {
-    tell(options.callbacks, "stencils", kTopologyKnown);
+    options.callbacks.report("stencils", kTopologyKnown);
     const Subdivision subdivision(topology, features, options.weights);
     solve_progressive(result, doo_sabin_system(used.mesh, subdivision, options), given, backend,
                       options, watch);
@@ -157,7 +157,7 @@ Fit fitted(const PolygonMesh& mesh, Backend& backend, const FitOptions& options)
   });
   result.timing.check = watch.lap();
 
-  tell(options.callbacks, "stencils", kChecked);
+  options.callbacks.report("stencils", kChecked);
   if (const auto scheme = primal_scheme(options.scheme)) {
     fit_primal(result, used, *scheme, given, backend, options, watch);
   } else {
@@ -177,10 +177,10 @@ Fit fitted(const PolygonMesh& mesh, Backend& backend, const FitOptions& options)
 Fit fit(const PolygonMesh& mesh, Backend& backend, const FitOptions& options) {
   require_method_fits(options);
   const HostScope host(options.callbacks);
-  tell(options.callbacks, "check", 0);
+  options.callbacks.report("check", 0);
   Fit result;
   backend.run_on_host([&] { result = fitted(mesh, backend, options); });
-  tell(options.callbacks, "solve", 1);
+  options.callbacks.report("solve", 1);
   return result;
 }
 

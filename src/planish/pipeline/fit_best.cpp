@@ -230,7 +230,7 @@ BestFit fit_best(const PolygonMesh& mesh, Backend& backend, const FitOptions& op
   BestFit best;
   backend.run_on_host(
       [&] { best = best_of(mesh, backend, options, make_fair_mesh, tries_creases); });
-  tell(options.callbacks, "choose", 1);
+  options.callbacks.report("choose", 1);
   return best;
 }
 

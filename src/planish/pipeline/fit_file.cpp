@@ -87,7 +87,7 @@ SurfaceLevel surface_level(const FittedMesh& fitted, Backend& backend,
     made.blocks = blocks_of(*made.whole, fitted.mesh);
     return made;
   }
-  tell(options.callbacks, "evaluate", 0);
+  options.callbacks.report("evaluate", 0);
   made.doo_sabin = fitted_surface(fitted.mesh, fitted.fit, how);
   made.blocks = made.doo_sabin->level(options.level, 0, dynamic_cast<PatchEvaluator*>(&backend));
   return made;
@@ -126,7 +126,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   const double surface = 0.1 * std::ldexp(1.0, 2 * options.level);
   const double read = 0.2 / (1 + surface), fit = 1 / (1 + surface);
   how.fit.callbacks = share_of(callbacks, read, fit);
-  tell(callbacks, "read", 0);
+  callbacks.report("read", 0);
   MeshFile file = read_faces(input, options.split_normals, !options.mesh.repairs);
   for (const Warning& warning : file.warnings) callbacks.warn(warning);
   FileFit result;
@@ -161,7 +161,7 @@ std::uint64_t write_fitted_surface(const std::filesystem::path& path, const Fitt
     const SurfaceLevel surface = surface_level(fitted, backend, shares.making);
     bytes = write_level(path, fitted, *surface.blocks, name, shares.writing);
   });
-  tell(options.callbacks, "write", 1);
+  options.callbacks.report("write", 1);
   return bytes;
 }
 
@@ -192,7 +192,7 @@ FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path
   FileFit result;
   backend.run_on_host(
       [&] { result = fitted_file(input, output, how, cage_format, backend, options); });
-  tell(callbacks, "write", 1);
+  callbacks.report("write", 1);
   return result;
 }
 

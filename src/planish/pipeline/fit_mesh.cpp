@@ -101,7 +101,7 @@ std::string FittedMesh::creases() const {
 
 ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
   const HostScope host(options.fit.callbacks);
-  tell(options.fit.callbacks, "check", 0);
+  options.fit.callbacks.report("check", 0);
   ReadyFit ready{.name = std::string(name), .options = options};
   FittedMesh& result = ready.fitted;
   result.options = options.fit;
@@ -166,7 +166,7 @@ FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,
     ready.options.fit.callbacks = share_of(options.fit.callbacks, kMadeReady, 1);
     result = fit_prepared(std::move(ready), backend);
   });
-  tell(options.fit.callbacks, "fit", 1);
+  options.fit.callbacks.report("fit", 1);
   return result;
 }
 

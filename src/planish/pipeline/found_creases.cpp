@@ -204,7 +204,7 @@ CreasedFit fit_with_found_creases(PolygonMesh& mesh, const FoundCreases& found, 
   const HostScope host(options.callbacks);
   CreasedFit result;
   backend.run_on_host([&] { result = creased_fit(mesh, found, backend, options); });
-  tell(options.callbacks, "solve", 1);
+  options.callbacks.report("solve", 1);
   return result;
 }
 

@@ -187,7 +187,7 @@ void check_clean_options(const CleanOptions& options) {
 CleanPoints clean(std::span<const glm::dvec3> points, const CleanOptions& options) {
   check_clean_options(options);
   const HostScope host(options.callbacks);
-  tell(options.callbacks, "clean", 0);
+  options.callbacks.report("clean", 0);
   CleanPoints result;
   result.kept = without_duplicates(points);
   result.duplicate_count = static_cast<std::int64_t>(points.size() - result.kept.size());
@@ -218,7 +218,7 @@ CleanPoints clean(std::span<const glm::dvec3> points, const CleanOptions& option
   result.spacing = median_of(std::move(distances.close));
   if (options.outliers == OutlierRule::Auto)
     drop_strays(std::move(distinct), options.callbacks, result);
-  tell(options.callbacks, "clean", 1.0);
+  options.callbacks.report("clean", 1.0);
   return result;
 }
 

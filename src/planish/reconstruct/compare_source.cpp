@@ -177,11 +177,11 @@ PointDistances distances_of(const SurfaceBlocks& surface, const SourceShape& sou
 SourceComparison compare_with_source(const SurfaceBlocks& surface, const PolygonMesh& source,
                                      const Callbacks& callbacks) {
   const HostScope host(callbacks);
-  tell(callbacks, "measure", 0);
+  callbacks.report("measure", 0);
   const SourceShape shape(source);
   const SourceComparison found{.quality = quality_against(surface, shape, callbacks),
                                .distances = distances_of(surface, shape, callbacks)};
-  tell(callbacks, "measure", 1);
+  callbacks.report("measure", 1);
   return found;
 }
 

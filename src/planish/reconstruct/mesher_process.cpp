@@ -143,7 +143,7 @@ class Conversation {
     const char kind = static_cast<char>(received_.front());
     std::size_t size = kMessageHead;
     if (kind == kMesherProgress) {
-      tell(callbacks_, "mesh", std::clamp(value_at<double>(1), 0.0, 1.0));
+      callbacks_.report("mesh", std::clamp(value_at<double>(1), 0.0, 1.0));
     } else if (kind == kMesherTriangles) {
       const auto count = value_at<std::int64_t>(1);
       // A front names no triangle twice and closes a surface at most: far below this.

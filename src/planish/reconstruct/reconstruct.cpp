@@ -252,9 +252,9 @@ Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
   work.result.timing.mesh = work.watch.lap();
   repair(work);
   simplify_within_tolerance(work);
-  tell(options.callbacks, "pair", kSimplified);
+  options.callbacks.report("pair", kSimplified);
   measure_and_pair(work);
-  tell(options.callbacks, "pair", 1);
+  options.callbacks.report("pair", 1);
   diagnose(work.result, options);
   return std::move(work.result);
 }

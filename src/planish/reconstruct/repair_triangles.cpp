@@ -250,7 +250,7 @@ RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
   const std::size_t given = triangles.size();
   RepairedTriangles result;
   const HostScope host(options.callbacks);
-  tell(options.callbacks, "repair", 0.0);
+  options.callbacks.report("repair", 0.0);
   drop_repeated(triangles);
   // Each step can undo another's work by what it drops; each drops something or all are content.
   while (true) {
@@ -260,13 +260,13 @@ RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
     if (!drop_extra_fans(positions.size(), triangles)) break;
   }
   result.dropped_triangle_count = static_cast<std::int64_t>(given - triangles.size());
-  tell(options.callbacks, "repair", 0.5);
+  options.callbacks.report("repair", 0.5);
   result.dropped_component_count = drop_components(positions.size(), triangles, options.components);
   if (options.longest_filled_loop > 0)
     result.filled_loop_count = fill_holes(positions, triangles, options);
   turn_outwards(positions, triangles);
   result.triangles = std::move(triangles);
-  tell(options.callbacks, "repair", 1.0);
+  options.callbacks.report("repair", 1.0);
   return result;
 }
 

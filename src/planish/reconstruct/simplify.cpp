@@ -85,7 +85,7 @@ SimplifiedMesh simplify(std::span<const glm::dvec3> positions, std::span<const T
                         const SimplifyOptions& options) {
   check_simplify_options(options);
   const HostScope host(options.callbacks);
-  tell(options.callbacks, "simplify", 0.0);
+  options.callbacks.report("simplify", 0.0);
   const OrderedMesh ordered = in_spatial_order(positions, triangles);
   SimplifyState state(ordered.positions, ordered.triangles, options);
   run_rounds(state);
@@ -96,7 +96,7 @@ SimplifiedMesh simplify(std::span<const glm::dvec3> positions, std::span<const T
     for (std::int32_t& corner : triangle) corner = ordered.given[corner];
     result.triangles.push_back(triangle);
   }
-  tell(options.callbacks, "simplify", 1.0);
+  options.callbacks.report("simplify", 1.0);
   return result;
 }
 

@@ -74,9 +74,9 @@ TriangleQuality SimplifyState::worst_of(const Fan& fan) const {
 void SimplifyState::count_step() {
   if (++steps_ % kStepsPerReport != 0) return;
   check_stop();
-  tell(options.callbacks, "simplify",
-       1 - static_cast<double>(result.vertex_count) /
-               static_cast<double>(std::max<std::int64_t>(initial_count_, 1)));
+  options.callbacks.report("simplify",
+                           1 - static_cast<double>(result.vertex_count) /
+                                   static_cast<double>(std::max<std::int64_t>(initial_count_, 1)));
 }
 
 }  // namespace planish

@@ -58,7 +58,7 @@ std::vector<glm::dvec3> smooth_points(std::span<const glm::dvec3> points, std::i
     });
     std::swap(current, next);
   }
-  if (rounds > 0) tell(callbacks, "smooth", 1.0);
+  if (rounds > 0) callbacks.report("smooth", 1.0);
   return current;
 }
 

@@ -207,7 +207,7 @@ SurfaceQuality surface_quality(const SurfaceBlocks& surface, const PolygonMesh& 
       progress.add();
     }
   });
-  tell(callbacks, "measure", 1);
+  callbacks.report("measure", 1);
   return quality.result();
 }
 

@@ -54,7 +54,7 @@ std::unique_ptr<DevicePoints> refine_points(Source source, const PrimalTables& t
                     static_cast<std::int32_t>(rows.first));
     });
     source.points = std::move(target);
-    tell(callbacks, "evaluate", 0.4 * l / tables.state_level());
+    callbacks.report("evaluate", 0.4 * l / tables.state_level());
   }
   return std::move(source.points);
 }
@@ -125,8 +125,8 @@ SurfaceMesh surface_from(Source source, const Placement& placement, const UsedPa
     const auto count = static_cast<std::size_t>(range.count);
     backend.apply_limit(table.view(), *state, std::span(surface.positions).subspan(first, count),
                         std::span(surface.normals).subspan(first, count));
-    tell(options.callbacks, "evaluate",
-         0.4 + 0.6 * static_cast<double>(range.first + range.count) / rows.count());
+    options.callbacks.report(
+        "evaluate", 0.4 + 0.6 * static_cast<double>(range.first + range.count) / rows.count());
   });
   for (glm::dvec3& position : surface.positions) position = placement.to_model(position);
   connect(used.mesh, tables, surface);
@@ -154,7 +154,7 @@ SurfaceMesh primal_surface(const PolygonMesh& cage, PrimalScheme scheme, Backend
 
 SurfaceMesh doo_sabin_surface(const PolygonMesh& mesh, const LevelOne* level_one, Backend& backend,
                               const EvaluateOptions& options) {
-  tell(options.callbacks, "evaluate", 0);
+  options.callbacks.report("evaluate", 0);
   const DooSabinSurface base = level_one != nullptr ? DooSabinSurface(mesh, *level_one, options)
                                                     : DooSabinSurface(mesh, options);
   auto* const evaluator = dynamic_cast<PatchEvaluator*>(&backend);
@@ -172,7 +172,7 @@ SurfaceMesh evaluated(Backend& backend, const EvaluateOptions& options, const Ma
   const HostScope host(options.callbacks);
   SurfaceMesh surface;
   backend.run_on_host([&] { surface = make(); });
-  tell(options.callbacks, "evaluate", 1);
+  options.callbacks.report("evaluate", 1);
   return surface;
 }
 

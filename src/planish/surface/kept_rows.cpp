@@ -77,7 +77,7 @@ class KeptRows final : public SurfaceBlocks {
     if (keeps_rows_) make_rows(options.callbacks);
     if (info_.corners_per_face == 4 && info_.face_offsets.empty()) sweep(options);
     warn_of(degenerate_, options.callbacks);
-    tell(options.callbacks, "evaluate", 1);
+    options.callbacks.report("evaluate", 1);
   }
 
   [[nodiscard]] std::vector<RowRange> row_blocks(std::int64_t row_count) const override {

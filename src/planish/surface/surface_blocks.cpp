@@ -151,7 +151,7 @@ SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
   for_pieces(ranges_of(info.uv_count, kPieceRows), {}, 0, 0,
              [&](RowRange uvs) { blocks.uvs(uvs, part_of(surface.uvs, uvs.first, uvs.count)); });
   warn_of(degenerate, callbacks);
-  tell(callbacks, "evaluate", 1);
+  callbacks.report("evaluate", 1);
   return surface;
 }
 

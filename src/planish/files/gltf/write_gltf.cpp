@@ -261,7 +261,7 @@ std::vector<std::byte> encode_glb(const SurfaceBlocks& surface, const GltfOption
     bytes.insert(bytes.end(), piece.begin(), piece.end());
   };
   glb.write(std::span(&append, 1));
-  tell(options.callbacks, "write", 1);
+  options.callbacks.report("write", 1);
   return bytes;
 }
 
@@ -287,7 +287,7 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
   } else {
     written = write_pair(path, contents_of(surface, options, false), options);
   }
-  tell(options.callbacks, "write", 1);
+  options.callbacks.report("write", 1);
   return written;
 }
 

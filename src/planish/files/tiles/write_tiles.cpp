@@ -212,7 +212,7 @@ TilesFile write_tiles(const fs::path& path, const DooSabinSurface& surface,
     written.byte_count += document.text.size();
   }
   folder.keep();
-  tell(options.gltf.callbacks, "write", 1);
+  options.gltf.callbacks.report("write", 1);
   return written;
 }
 

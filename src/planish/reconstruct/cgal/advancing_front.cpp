@@ -43,7 +43,7 @@ struct WatchedPriority {
     if (++*questions % kQuestionsPerReport == 0) {
       check_stop();
       const double done = std::min(static_cast<double>(*questions) / expected, 1.0);
-      tell(*callbacks, "mesh", kTriangulationShare + (1 - kTriangulationShare) * done);
+      callbacks->report("mesh", kTriangulationShare + (1 - kTriangulationShare) * done);
     }
     return front.smallest_radius_delaunay_sphere(cell, index);
   }
@@ -86,7 +86,7 @@ void triangulate(std::span<const glm::dvec3> points, Delaunay& delaunay,
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % kPointsPerReport == 0) {
       check_stop();
-      tell(callbacks, "mesh", kTriangulationShare * static_cast<double>(i) / order.size());
+      callbacks.report("mesh", kTriangulationShare * static_cast<double>(i) / order.size());
     }
     const Delaunay::Vertex_handle vertex = delaunay.insert(sites[order[i]], hint);
     vertex->info() = order[i];
@@ -123,7 +123,7 @@ std::vector<Triangle> mesh_by_advancing_front(std::span<const glm::dvec3> points
   // CGAL's order follows addresses in memory; ours does not.
   for (Triangle& t : triangles) std::ranges::rotate(t, std::ranges::min_element(t));
   std::ranges::sort(triangles);
-  tell(callbacks, "mesh", 1.0);
+  callbacks.report("mesh", 1.0);
   return triangles;
 }
 

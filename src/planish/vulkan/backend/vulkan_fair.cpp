@@ -27,7 +27,7 @@ FairNet build_fair_net(VulkanMachine& machine, const FairTopology& topology,
                        std::span<const glm::dvec3> given, const FairOptions& options) {
   require_valid(options);
   const HostScope host(options.callbacks);
-  tell(options.callbacks, "solve", 0);
+  options.callbacks.report("solve", 0);
   PLANISH_ASSERT(std::ssize(given) == topology.vertex_count);
   Context& context = machine.context;
   const FairRecords records = fair_records(topology, options.decisions);

@@ -135,7 +135,7 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
     : level(options.level), given_count(rest.vertex_count()) {
   check_options(options);
   const HostScope host(options.callbacks);
-  tell(options.callbacks, "tables", 0);
+  options.callbacks.report("tables", 0);
   require_usable(rest, "mesh");
   UsedMesh used = without_unused_vertices(rest);
   used_vertices = std::move(used.vertices);
@@ -145,7 +145,7 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
   {
     const Subdivision subdivision(*surface->topology, surface->features, options.weights);
     build_method(mesh, subdivision, options);
-    tell(options.callbacks, "tables", 0.5);
+    options.callbacks.report("tables", 0.5);
     if (!fair) surface->take_sharp_rows(subdivision);
   }
   check_stop();
@@ -158,7 +158,7 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
     fair->placement = placement;
   else
     measure_rest(mesh, placement, options.tolerance);
-  tell(options.callbacks, "tables", 1);
+  options.callbacks.report("tables", 1);
 }
 
 // Across a cut the further side's rows stand where the first side's do.
