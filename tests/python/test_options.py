@@ -26,6 +26,7 @@ VALUES = {
                 "auto:+1", "auto:.5", "auto:5.", "auto:nan", "auto:30 ", "40", "AUTO"],
     "repair": ["safe", "none", "all"],
     "tolerance": [1e-6, 0.5, 1, 1.5, 0, -1e-6, 1e-300],
+    "within": [0, "auto", 0.001, 1e-6, 1e-7, 0.0999, 0.1, -1, -0.5, "Auto", "1e-3"],
     "weld": [0, 1e-12, 9e-13, 1e-6, 0.0999, 0.1, -1, -0.5, 1],
     "max_iterations": [0, 1, 200, 1_000_000, 1_000_001, -1, 2**31],
     "polish": [0, 8, 50, 1001, -1, 2**31],
@@ -65,7 +66,7 @@ class FitOptions(ctypes.Structure):
         ("weld", ctypes.c_double), ("weights", ctypes.c_int32), ("solver", ctypes.c_int32),
         ("boundary", ctypes.c_int32), ("precision", ctypes.c_int32), ("polish", ctypes.c_int32),
         ("creases", ctypes.c_char_p), ("smoothed_vertices", ctypes.c_void_p),
-        ("smoothed_count", ctypes.c_size_t),
+        ("smoothed_count", ctypes.c_size_t), ("within", ctypes.c_double),
     ]
 
 
@@ -136,12 +137,16 @@ def by_c(library, mesh, options, folder):
             own.repairs = value == "safe"
         elif name == "creases":
             own.creases = value.encode()
+        elif name == "within" and isinstance(value, str):
+            if value == "Auto":
+                return 2  # a number
+            own.within = -1 if value == "auto" else float(value)
         elif isinstance(value, str):
             setattr(own, name, words.index(value) if value in words else len(words))
         elif abs(value) >= 2**31 and name != "tolerance":
             return 2  # nor is there such a number
-        elif name == "weld" and value == -1:
-            return 2  # C's word for what is left out elsewhere
+        elif name in ("weld", "within") and value == -1:
+            return 2  # C's word for what is left out, or measured
         else:
             setattr(own, name, value)
     status = library.planish_fit_file(str(mesh).encode(), str(out).encode(), 1, ctypes.byref(own),

@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "errors.h"
 #include "keywords.h"
+#include "planish/core/number_text.h"
 #include "planish/pipeline/option_table.h"
 
 namespace py = pybind11;
@@ -42,6 +43,14 @@ class Keywords {
     }
   }
 
+  // Takes it where it is a number.
+  bool take_number(const char* name, double& target) {
+    const py::object value = keywords_[name];
+    if (!PyFloat_Check(value.ptr()) && !PyLong_Check(value.ptr())) return false;
+    take(name, target, "a number is wanted");
+    return true;
+  }
+
   void require_none_left() const {
     if (keywords_.empty()) return;
     const auto name = py::cast<std::string>((*keywords_.begin()).first);
@@ -65,6 +74,10 @@ void take_option(Keywords& keywords, const FitOption& option, FitSettings& setti
     keywords.take(name.c_str(), value.whole, "a whole number is wanted");
   } else if (option.kind == OptionKind::Number) {
     keywords.take(name.c_str(), value.number, "a number is wanted");
+  } else if (option.kind == OptionKind::TextOrNumber &&
+             keywords.take_number(name.c_str(), value.number)) {
+    text = shortest(value.number);
+    value.text = text;
   } else {
     const std::string wanted = "one of " + choices_of(option) + " is wanted";
     keywords.take(name.c_str(), text, wanted.c_str());

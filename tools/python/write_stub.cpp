@@ -12,6 +12,7 @@ namespace {
 std::string type_of(const OptionInfo& option) {
   if (option.kind == OptionKind::Whole) return "int";
   if (option.kind == OptionKind::Number) return "float";
+  if (option.kind == OptionKind::TextOrNumber) return "float | str";
   if (option.words.empty()) return "str";
   std::string words;
   for (const std::string_view word : option.words)

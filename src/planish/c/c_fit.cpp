@@ -15,7 +15,7 @@ namespace planish::c {
 namespace {
 
 constexpr std::int32_t kMaxThreads = 4096;
-constexpr double kNoWeld = -1;
+constexpr double kNoWeld = -1, kMeasured = -1;
 
 [[noreturn]] void out_of_range(std::string_view name, double value, const char* wanted) {
   refuse("options." + std::string(name) + " is " + shortest(value) + "; " + wanted);
@@ -89,6 +89,8 @@ planish_fit_info info_of(const FittedMesh& fitted) {
   info.vertex_count = fitted.mesh.positions.size();
   info.face_count = static_cast<std::size_t>(fitted.mesh.face_count());
   info.warning_count = fitted.warnings.size();
+  info.crease_degrees = fitted.crease_degrees.value_or(0);
+  if (fitted.fit.within) info.within = fitted.fit.within->within;
   return info;
 }
 
@@ -117,6 +119,9 @@ FitSettings settings_of(const planish_fit_options& options) {
   set_whole(settings, "max_iterations", options.max_iterations);
   set_whole(settings, "polish", options.polish);
   set_creases(settings, options);
+  if (options.within != 0)
+    read_option(fit_option("within"), settings,
+                options.within == kMeasured ? "auto" : shortest(options.within), spelled("within"));
   settings.repair = options.repairs != 0 ? RepairChoice::Safe : RepairChoice::None;
   if (options.thread_count < 0 || options.thread_count > kMaxThreads)
     out_of_range("thread_count", options.thread_count, "0 to 4096 is wanted");

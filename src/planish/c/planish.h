@@ -153,6 +153,10 @@ typedef struct planish_fit_options {
   /** For planish_verify() of a fair surface with found creases: planish_fit_smoothed_vertices(). */
   const int32_t* smoothed_vertices;
   size_t smoothed_count;
+  /** The surface of least bending that passes every vertex at no more than this fraction of the
+   * diagonal, above the tolerance and less than 0.1; 0: through them, the default; -1: by the noise
+   * that is measured. */
+  double within;
 } planish_fit_options;
 
 void planish_fit_options_init(planish_fit_options* options, size_t struct_size);
@@ -164,10 +168,12 @@ typedef struct planish_fit_info {
   int32_t method;     /**< the planish_method that was taken */
   double max_error;   /**< of a vertex from the surface, of the diagonal */
   double rms_error;
-  double diagonal;      /**< of the vertices' bounding box, in the mesh's unit */
-  size_t vertex_count;  /**< of the mesh as it was fitted, after repair */
-  size_t face_count;    /**< the same */
-  size_t warning_count; /**< of repair and fit */
+  double diagonal;       /**< of the vertices' bounding box, in the mesh's unit */
+  size_t vertex_count;   /**< of the mesh as it was fitted, after repair */
+  size_t face_count;     /**< the same */
+  size_t warning_count;  /**< of repair and fit */
+  double crease_degrees; /**< by which creases were found, for planish_verify(); 0: none were */
+  double within;         /**< how far the surface might leave vertices, of the diagonal; the same */
 } planish_fit_info;
 
 void planish_fit_info_init(planish_fit_info* info, size_t struct_size);

@@ -126,7 +126,7 @@ OptionValue parse_option(const OptionInfo& option, std::string_view text, std::s
     case OptionKind::Word:
     case OptionKind::Words:
     case OptionKind::Text:
-    case OptionKind::TextOrWhole:
+    case OptionKind::TextOrNumber:
       break;
     case OptionKind::Whole:
       if (!parse_integer(text, value.whole))
@@ -175,7 +175,7 @@ void check_option(const OptionInfo& option, OptionValue& value, std::string_view
       check_list(option, std::span<const double>(value.numbers), where, check_number, shortest);
       break;
     case OptionKind::Text:
-    case OptionKind::TextOrWhole:
+    case OptionKind::TextOrNumber:
     case OptionKind::Switch:
     case OptionKind::Vertices:
     case OptionKind::Edges:

@@ -20,7 +20,7 @@ enum class OptionKind {
   Word,         ///< one of its words
   Words,        ///< some of them, with commas between
   Text,         ///< a text that the option reads by itself
-  TextOrWhole,  ///< the same, in JSON also a whole number
+  TextOrNumber,  ///< the same, in JSON also a number
   Whole,
   Number,
   Switch,
@@ -90,7 +90,7 @@ struct OptionInfo {
 
 /// A value, of which the member that belongs to the kind counts.
 struct OptionValue {
-  std::string_view text{};  ///< of Word, Words, Text, TextOrWhole
+  std::string_view text{};  ///< of Word, Words, Text, TextOrNumber
   std::int64_t whole = 0;   ///< and of Word, once checked, the word's index
   double number = 0;
   bool is_on = false;

@@ -34,6 +34,10 @@ struct FitOptions {
   /// nothing pops.
   const FairDecisions* fair_decisions = nullptr;
   bool cures_folds = true;  ///< of the fair method, see FairOptions
+  /// Of the diagonal: the surface of least bending that passes every given vertex at no more than
+  /// this (see fair/least_bending.h); 0: through them. Empty: kNoiseBound of the noise that is
+  /// measured. What is not above the tolerance is 0.
+  std::optional<double> within = 0.0;
   SharpFeatureOptions sharp;
   /// Where given, what prepare_mesh() made of the mesh: it is not tested and searched again.
   std::shared_ptr<const PreparedMesh> prepared;
@@ -56,12 +60,30 @@ struct FairFit {
   FairDecisions decisions;
 };
 
+/// Of the noise, what FitOptions::within is where it is measured: normals are best at 1 to 1.5.
+inline constexpr double kNoiseBound = 1.25;
+
+/// How far a surface leaves the given vertices where it may. All but counts and bendings are of the
+/// diagonal.
+struct WithinFit {
+  double within = 0;            ///< what was allowed, the tolerance included
+  std::optional<double> noise;  ///< where it was measured
+  ErrorNorms distance;          ///< of the points that the surface passes through from the given
+  std::int64_t at_bound = 0;    ///< vertices that are as far off as was allowed
+  double bending_before = 0, bending_after = 0;  ///< of the polygon mesh, see BendingTable
+};
+
 /// The control points of a surface that passes through the given vertices.
 struct Fit {
   /// The input with its positions replaced by control points. With the fair method, which moves
   /// none of them, without vertices and faces; see control_cage().
   PolygonMesh cage;
   std::optional<FairFit> fair;  ///< with that method
+  /// Where FitOptions::within is above 0; errors of `interpolation` are then from the points that
+  /// the surface passes through in place of the given vertices.
+  std::optional<WithinFit> within;
+  /// Those points, one per vertex of the mesh; empty: the given vertices.
+  std::vector<glm::dvec3> points;
   Interpolation interpolation;
   Placement placement;                           ///< of the input
   std::shared_ptr<const PreparedMesh> prepared;  ///< of the input

@@ -58,6 +58,11 @@ struct FittedMesh {
 
   /// How to evaluate the surface of `fit`.
   [[nodiscard]] EvaluateOptions evaluate_options(int level = 2) const;
+  /// The points that the surface passes through, one per vertex of `mesh`: its own, but where
+  /// FitOptions::within moved them.
+  [[nodiscard]] std::span<const glm::dvec3> points() const {
+    return fit.points.empty() ? std::span<const glm::dvec3>(mesh.positions) : fit.points;
+  }
   /// What is sharp, as the command's --creases has it.
   [[nodiscard]] std::string creases() const;
 };

@@ -37,6 +37,16 @@ Json fair_json(const FittedMesh& fitted) {
           {"flagged_faces", fair.flagged_faces}};
 }
 
+Json within_json(const std::optional<WithinFit>& within) {
+  if (!within) return nullptr;
+  return {{"allowed", within->within},
+          {"noise", within->noise ? Json(*within->noise) : Json()},
+          {"distance", norms_json(within->distance)},
+          {"at_bound", within->at_bound},
+          {"bending_before", within->bending_before},
+          {"bending_after", within->bending_after}};
+}
+
 }  // namespace
 
 Json input_json(const FittedMesh& fitted, const MeshStatistics& statistics,
@@ -76,6 +86,7 @@ Json solve_json(const FittedMesh& fitted) {
   json["repair"] = fitted.repairs ? "safe" : "none";
   json["weld"] = fitted.weld ? Json(*fitted.weld) : Json();
   json["tolerance"] = options.tolerance;
+  json["within"] = within_json(fitted.fit.within);
   json["converged"] = result.converged;
   json["stop_reason"] = name_of(result.stop_reason);
   json["iterations"] = result.iterations;

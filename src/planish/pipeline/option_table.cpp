@@ -7,6 +7,7 @@
 #include "planish/core/assert.h"
 #include "planish/core/number_text.h"
 #include "planish/core/refuse.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/mesh/weld_vertices.h"
 #include "planish/pipeline/crease_text.h"
@@ -96,6 +97,37 @@ FitOption tolerance_option() {
             settings.tolerance = value.number;
           },
           [](const FitSettings& settings) { return shortest(settings.tolerance); }};
+}
+
+FitOption within_option() {
+  static constexpr std::string_view kWanted =
+      "auto, 0, or a fraction of the bounding-box diagonal above the tolerance and less than 0.1 "
+      "is "
+      "wanted, such as 0.001";
+  return {
+      {.name = "within",
+       .stage = Stage::Shape,
+       .kind = Kind::TextOrNumber,
+       .choices = "E|auto",
+       .example = "0.001",
+       .help = "leave vertices by up to this fraction of the diagonal to bend least; auto: by the "
+               "noise that is measured",
+       .ranks = {"0", "vertices are not moved over ranks; take 0"}},
+      [](FitSettings& settings, const OptionValue& value, Where where) {
+        settings.within = {};
+        if (value.text == "auto") {
+          settings.within.is_measured = true;
+          return;
+        }
+        double within = 0;
+        if (!parse_number(value.text, within) || !(within >= 0 && within < 0.1))
+          refuse(where, "\"" + visible(value.text) + "\" is neither; " + std::string(kWanted));
+        settings.within.of_diagonal = within;
+      },
+      [](const FitSettings& settings) {
+        if (settings.within.is_measured) return std::string("auto");
+        return settings.within.of_diagonal ? shortest(*settings.within.of_diagonal) : std::string();
+      }};
 }
 
 FitOption weld_option() {
@@ -335,6 +367,7 @@ std::vector<FitOption> make_table() {
                     .initial = "8",
                     .help = "steps that even out the curvature of a fair surface"},
                    &FitSettings::polish_steps),
+      within_option(),
       weld_option(),
       whole_option({.name = "tile_vertices",
                     .stage = Stage::Output,

@@ -1,5 +1,7 @@
 #include "planish/pipeline/settings.h"
 
+#include <algorithm>
+
 #include "planish/core/refuse.h"
 #include "planish/pipeline/option_table.h"
 #include "planish/pipeline/option_words.h"
@@ -23,6 +25,8 @@ MeshFitOptions mesh_fit_options(const FitSettings& settings) {
   options.fit.max_iterations = settings.max_iterations;
   options.fit.polish_steps = settings.polish_steps;
   options.fit.sharp = {settings.boundary, settings.creases.use_tags};
+  options.fit.within = settings.within.of_diagonal.value_or(0.0);
+  if (settings.within.is_measured) options.fit.within.reset();
   return options;
 }
 
@@ -34,6 +38,8 @@ FitOptions fit_options(const FitSettings& settings, InterpolationMethod method) 
 }
 
 VerifyOptions verify_options(const FitSettings& settings) {
+  if (settings.within.is_measured)
+    refuse("within", "\"auto\" does not say how far; take what the fit allowed");
   VerifyOptions options;
   options.method = settings.interpolation == InterpolationChoice::Fair
                        ? InterpolationMethod::Fair
@@ -44,7 +50,7 @@ VerifyOptions verify_options(const FitSettings& settings) {
   options.repairs = settings.repair == RepairChoice::Safe;
   options.crease_degrees = settings.creases.dihedral_degrees;
   options.weld = settings.weld;
-  options.tolerance = settings.tolerance;
+  options.tolerance = std::max(settings.tolerance, settings.within.of_diagonal.value_or(0.0));
   return options;
 }
 
@@ -59,6 +65,12 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
     refuse(spell("precision"), option_text(settings, "precision") +
                                    " is for the CPU backend; leave it out with " + spell("device") +
                                    " vulkan, or take " + spell("device") + " cpu");
+  }
+  if (settings.within.of_diagonal.value_or(0) > 0 &&
+      *settings.within.of_diagonal <= settings.tolerance) {
+    refuse(spell("within"), option_text(settings, "within") + " is not above " +
+                                spell("tolerance") + " " + option_text(settings, "tolerance") +
+                                ", within which the surface passes the vertices anyway");
   }
   if (settings.adaptive.any() && settings.attributes.any()) {
     refuse(spell("attributes"), "fields are made on levels; take " + spell("levels") +

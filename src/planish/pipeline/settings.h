@@ -29,6 +29,12 @@ struct CreaseChoice {
   bool chooses = false;                    ///< and found ones where the surface is better for them
 };
 
+/// How far the surface may leave the given vertices to bend less.
+struct WithinChoice {
+  std::optional<double> of_diagonal;  ///< empty: not at all
+  bool is_measured = false;           ///< by the noise
+};
+
 /// Surfaces as fine as they have to be, instead of levels.
 struct AdaptiveChoice {
   std::vector<double> chord_errors;  ///< of the diagonal; several are levels of detail
@@ -50,6 +56,7 @@ struct FitSettings {
   BoundaryRule boundary = BoundaryRule::Edge;
   CreaseChoice creases{.chooses = true};
   RepairChoice repair = RepairChoice::Safe;
+  WithinChoice within;
   std::optional<double> weld;            ///< vertices within this fraction of the diagonal, first
   std::vector<CreaseEdge> crease_edges;  ///< of a scene file, besides the input's own tags
   std::vector<CornerVertex> corner_vertices;

@@ -133,7 +133,7 @@ std::vector<PointOption> make_point_table() {
                     .help = "longest boundary loop that is closed, in edges"},
                    &Options::longest_filled_loop),
       row({.name = "components",
-           .kind = Kind::TextOrWhole,
+           .kind = Kind::TextOrNumber,
            .choices = "largest|all|MIN_FACES",
            .initial = "largest",
            .example = "all",

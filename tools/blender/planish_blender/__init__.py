@@ -87,8 +87,14 @@ class PlanishSettings(bpy.types.PropertyGroup):
     tolerance: bpy.props.FloatProperty(
         name="Tolerance", min=1e-12, max=1, default=1e-6, precision=9,
         description="Largest distance of a vertex from the surface, of the bounding box's diagonal")
-    detects_creases: bpy.props.BoolProperty(
-        name="Find Creases", description="Keeps edges sharp whose faces turn by more than an angle")
+    within: bpy.props.FloatProperty(
+        name="Within", min=0, max=0.0999, default=0, precision=6,
+        description="Leaves vertices by up to this fraction of the diagonal to bend less; 0: exact")
+    creases: bpy.props.EnumProperty(
+        name="Creases", default="choose",
+        items=[("choose", "By Measurement", "Edges stay sharp where the surface is better for it"),
+               ("use", "Marked", "Edges that are marked stay sharp, no others"),
+               ("auto", "By Angle", "Edges whose faces turn by more than an angle stay sharp, too")])
     crease_angle: bpy.props.FloatProperty(
         name="Angle", subtype="ANGLE", min=0.02, max=3.14, default=np.radians(30),
         description="Edges whose faces turn by more stay sharp")
@@ -206,10 +212,10 @@ class PlanishPanel(bpy.types.Panel):
     def draw(self, context):
         settings, layout = context.scene.planish, self.layout
         layout.use_property_split = True
-        for name in ("level", "interpolation", "tolerance", "detects_creases"):
+        for name in ("level", "interpolation", "tolerance", "within", "creases"):
             layout.prop(settings, name)
         row = layout.row()
-        row.active = settings.detects_creases
+        row.active = settings.creases == "auto"
         row.prop(settings, "crease_angle")
         layout.prop(settings, "device")
         layout.prop(settings, "program")

@@ -21,13 +21,13 @@ def command_line(settings):
         raise RuntimeError(
             f"the command planish is not at {settings.program}" if settings.program
             else "the command planish is not on PATH; name it in the panel")
-    creases = "use"
-    if settings.detects_creases:
+    creases = settings.creases
+    if creases == "auto":
         creases = f"auto:{np.degrees(settings.crease_angle):.6g}"
     return [program, "fit", "-", "--input-format", "obj", "-o", "-", "--progress", "json",
             "--levels", str(settings.level), "--interpolation", settings.interpolation,
-            "--tolerance", f"{settings.tolerance:.9g}", "--creases", creases,
-            "--device", settings.device]
+            "--tolerance", f"{settings.tolerance:.9g}", "--within", f"{settings.within:.9g}",
+            "--creases", creases, "--device", settings.device]
 
 
 class Job:

@@ -15,6 +15,10 @@ void note_fit(JobReport& report, FittedMesh& fitted) {
   CreaseChoice& creases = report.settings.creases;
   creases.chooses = false;
   creases.dihedral_degrees = fitted.crease_degrees;
+  if (fitted.fit.within) {
+    report.settings.within = {.of_diagonal = fitted.fit.within->within};
+    report.within = fitted.fit.within;
+  }
   report.smoothed_vertices = fitted.smoothed_vertices;
   report.input.welded += fitted.welded_count;
   report.input.separated_edges = std::ssize(fitted.separated_edges);

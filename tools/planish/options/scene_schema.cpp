@@ -113,8 +113,8 @@ Json type_json(const OptionInfo& option) {
       return words_json(option);
     case OptionKind::Text:
       return text_json(option);
-    case OptionKind::TextOrWhole:
-      return {{"type", {"string", "integer"}}};
+    case OptionKind::TextOrNumber:
+      return {{"type", {"string", "number"}}};
     case OptionKind::Whole:
       return number_json(option, "integer");
     case OptionKind::Number:
@@ -142,7 +142,7 @@ Json value_json(const OptionInfo& option, std::string_view text) {
     case OptionKind::Word:
     case OptionKind::Words:
     case OptionKind::Text:
-    case OptionKind::TextOrWhole:
+    case OptionKind::TextOrNumber:
       return text;
     case OptionKind::Wholes:
     case OptionKind::Numbers:

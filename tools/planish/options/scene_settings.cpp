@@ -54,7 +54,7 @@ void with_value(const OptionInfo& option, const Json& json, const std::string& w
     case OptionKind::Text:
       value.text = text_of(json, where);
       break;
-    case OptionKind::TextOrWhole:
+    case OptionKind::TextOrNumber:
       if (json.is_number()) number = json.dump();
       value.text = json.is_number() ? std::string_view(number) : text_of(json, where);
       break;

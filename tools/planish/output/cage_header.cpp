@@ -51,6 +51,7 @@ bool is_of_cages(const OptionInfo& option) {
 void require_known_method(const FitSettings& settings, std::string_view where) {
   if (settings.interpolation == InterpolationChoice::Auto)
     refuse(where, "\"auto\" is not one of progressive, fair");
+  if (settings.within.is_measured) refuse(where, "\"auto\" does not say how far");
   if (settings.creases.chooses) refuse(where, "\"choose\" does not say which creases there are");
 }
 

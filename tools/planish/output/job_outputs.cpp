@@ -21,7 +21,7 @@ namespace {
 SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
                                      const FittedMesh& fitted, const Callbacks& callbacks) {
   SurfaceOutputOptions options;
-  options.given = fitted.mesh.positions;
+  options.given = fitted.points();
   options.gltf.callbacks = callbacks;
   options.diagonal = fitted.fit.placement.diagonal;
   options.tolerance = job.settings.tolerance;

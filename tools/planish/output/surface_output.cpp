@@ -230,7 +230,7 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
   const std::vector<glm::dvec3> limit =
       fitted.fair ? limit_positions(input, state_of(cage, *fitted.fair), settings.sharp())
                   : limit_positions(cage, {settings.scheme, settings.weights, settings.sharp()});
-  written.as_written_error = largest_distance(limit, input.positions) / fitted.placement.diagonal;
+  written.as_written_error = largest_distance(limit, whole.points()) / fitted.placement.diagonal;
   return written;
 }
 

@@ -34,7 +34,7 @@ struct WrittenOutput {
   std::string sha256;       ///< of the file named by path
   std::int64_t vertices = 0, quads = 0, triangles = 0;
   std::int64_t faces = 0;  ///< of any size
-  /// Largest distance of a given vertex from its place on the surface that the file describes,
+  /// Largest distance of FittedMesh::points() from their places on the surface in the file,
   /// recomputed in double from the numbers in the file; a fraction of the diagonal.
   double as_written_error = 0;
   std::vector<WrittenTiles> tile_levels;  ///< of a tile set
@@ -98,6 +98,7 @@ struct JobReport {
   InterpolationMethod method = InterpolationMethod::Progressive;
   std::optional<MethodReason> choice;  ///< where the settings leave the method open
   std::optional<FairFigures> fair;
+  std::optional<WithinFit> within;              ///< where vertices were left to bend less
   nlohmann::ordered_json solve;                 ///< solve_json()
   std::vector<std::int32_t> smoothed_vertices;  ///< see CreasedFit
   Interpolation interpolation;                  ///< displacement left empty

@@ -103,6 +103,16 @@ std::string quality_line(const MeasuredSurface& surface) {
          (surface.reference.empty() ? "the input's faces" : surface.reference);
 }
 
+std::string within_line(const JobReport& report) {
+  if (!report.within) return "";
+  const WithinFit& within = *report.within;
+  std::string text = "  within      " + short_number(within.within) + " of the diagonal";
+  if (within.noise) text += " (the noise is " + short_number(*within.noise) + ")";
+  return text + ": vertices are left by " + short_number(within.distance.rms) + " rms, " +
+         with_separators(within.at_bound) + " by all of it; bending " +
+         short_number(within.bending_before) + " to " + short_number(within.bending_after) + "\n";
+}
+
 }  // namespace
 
 std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces, std::int64_t vertices,
@@ -132,6 +142,7 @@ std::string summary(const JobReport& report) {
   text += "  device      " + report.device.kind + ", " + report.device.name + "\n";
   text += method_line(report) + "\n";
   if (report.choice) text += "  chosen      " + report.choice->text + "\n";
+  text += within_line(report);
   text += "  max error   " + short_number(result.error.max) + " of the diagonal (tolerance " +
           short_number(report.settings.tolerance) + ")\n";
   if (report.surface) text += quality_line(*report.surface) + "\n";
