@@ -83,7 +83,7 @@ TEST_F(Fair, UnfoldsWhatTheProgressiveMethodFolds) {
 TEST_F(Fair, AutoTakesWhatFoldsLessAndSaysWhy) {
   const nlohmann::json taken = fit(sphere_, {"-o", path("a.ply")});
   EXPECT_EQ(taken["solve"]["method"], "fair");
-  EXPECT_THAT(messages_, HasSubstr("chosen      fair: progressive folds"));
+  EXPECT_THAT(messages_, HasSubstr("surface     fair: progressive folds"));
   const nlohmann::json& choice = taken["solve"]["choice"];
   EXPECT_THAT(choice["reason"].get<std::string>(), HasSubstr("fair: progressive folds"));
   EXPECT_GT(choice["progressive"]["folded_area_elsewhere"], 1e-4);
@@ -126,7 +126,7 @@ TEST_F(Fair, AutoKeepsTheInputsFacesForACage) {
   EXPECT_THAT(report["solve"]["choice"]["reason"].get<std::string>(),
               HasSubstr("the control cage keeps the input's faces"));
   EXPECT_EQ(report["solve"]["choice"]["progressive"], nullptr);
-  EXPECT_THAT(messages_, HasSubstr("chosen      progressive: the control cage"));
+  EXPECT_THAT(messages_, HasSubstr("surface     progressive: the control cage"));
   EXPECT_EQ(report["outputs"][1]["vertices"], 402);
 }
 
@@ -136,7 +136,7 @@ TEST_F(Fair, AutoSparesTheSecondFitOfSmoothMeshes) {
   EXPECT_EQ(solve["method"], "progressive");
   EXPECT_LT(solve["choice"]["progressive"]["rms_normal_deviation"], 1.0);
   EXPECT_EQ(solve["choice"]["fair"], nullptr);
-  EXPECT_THAT(messages_, HasSubstr("chosen      progressive: it does not fold"));
+  EXPECT_THAT(messages_, HasSubstr("surface     progressive: it does not fold"));
   // At level 0 what was measured for the choice is what the surface is reported with.
   const nlohmann::json chosen = fit(plate, {"-o", path("p.ply"), "--levels", "0"});
   const nlohmann::json asked =
@@ -214,8 +214,8 @@ TEST_F(Fair, CutsConcaveFaces) {
 }
 
 TEST_F(Fair, TheReportSaysWhatWasDone) {
-  const nlohmann::json solve =
-      fit(sphere_, {"--interpolation", "fair", "--polish", "3", "-o", path("f.ply")})["solve"];
+  const nlohmann::json solve = fit(
+      sphere_, {"--interpolation", "fair", "--polish", "3", "-v", "-o", path("f.ply")})["solve"];
   EXPECT_EQ(solve["solver"], nullptr);
   EXPECT_EQ(solve["spectral_bound"], nullptr);
   EXPECT_EQ(solve["iterations"], 0);

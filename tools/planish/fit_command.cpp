@@ -137,7 +137,7 @@ ExitCode run_one(const FitFlags& flags, const FitPlan& plan, Console& console,
   JobProgress job_progress(progress, planned.job.name);
   const JobReport report = run_job(planned.job, planned.outputs, *backend,
                                    {console, job_progress, arguments, plan.page});
-  console.info(summary(report));
+  console.info(summary(report, console.level() == LogLevel::Debug));
   if (console.is_terminal()) console.info(next_step(report));
   return report.exit_code;
 }

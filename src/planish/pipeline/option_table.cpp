@@ -108,7 +108,7 @@ FitOption within_option() {
       {.name = "within",
        .stage = Stage::Shape,
        .kind = Kind::TextOrNumber,
-       .choices = "E|auto",
+       .choices = "0|E|auto",
        .example = "0.001",
        .help = "leave vertices by up to this fraction of the diagonal to bend least; auto: by the "
                "noise that is measured",

@@ -50,7 +50,7 @@ JobOutcome failure(const PlannedJob& planned, Console& console, ExitCode exit_co
 JobOutcome try_job(const PlannedJob& planned, OpenBackends& backends, const JobContext& context) {
   try {
     JobReport report = run_job(planned.job, planned.outputs, backends.get(planned), context);
-    context.console.debug(summary(report));
+    context.console.debug(summary(report, true));
     const ExitCode exit_code = report.exit_code;
     return {.report = std::move(report), .exit_code = exit_code, .message = {}, .page_jobs = {}};
   } catch (const Error& error) {

@@ -57,7 +57,7 @@ void MessageFlags::add_to(CLI::App& command, bool with_progress) {
   command.add_flag("-q,--quiet", quiet, "errors only")->group(group);
   command
       .add_flag("-v,--verbose", verbose,
-                "more: bounds, threads, the error of every iteration, memory")
+                "more: how it was computed, times, bounds, the error of every iteration, memory")
       ->group(group);
   command.add_option("--log-level", log_level, "least weight that is shown [info]")
       ->type_name("error|warning|info|debug")

@@ -129,8 +129,10 @@ struct JobReport {
 [[nodiscard]] std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces,
                                       std::int64_t vertices, std::int64_t faces);
 
-/// A few aligned lines for people.
-[[nodiscard]] std::string summary(const JobReport& report);
+/// For people: what went in, what was chosen and why with how good it is, and what came out; in
+/// full with how it was computed. Lines of repair, of points and of what is missed come where there
+/// is anything to say.
+[[nodiscard]] std::string summary(const JobReport& report, bool is_full);
 
 /// Highest memory that this process has held.
 [[nodiscard]] std::uint64_t peak_host_bytes();

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_words.h"
 #include "report/report.h"
 #include "terminal/text.h"
 
@@ -91,16 +92,37 @@ std::string mending_lines(const JobReport& report) {
   return text + "\n";
 }
 
-std::string quality_line(const MeasuredSurface& surface) {
-  const SurfaceQuality& quality = surface.quality;
+std::string folds_text(const SurfaceQuality& quality) {
   std::string folds = short_number(quality.folded_area * 100) + " % folded";
   if (quality.folded_area_elsewhere < quality.folded_area) {
     folds +=
         " (" + short_number(quality.folded_area_elsewhere * 100) + " % where the input is not)";
   }
-  return "  surface     " + folds + ", normals off by " + angle_text(quality.rms_normal_deviation) +
+  return folds;
+}
+
+std::string normals_text(const MeasuredSurface& surface) {
+  return "normals off by " + angle_text(surface.quality.rms_normal_deviation) +
          " degrees rms from " +
          (surface.reference.empty() ? "the input's faces" : surface.reference);
+}
+
+// What was taken and why, and how good it is.
+std::string surface_line(const JobReport& report) {
+  const Interpolation& result = report.interpolation;
+  std::string text = "  surface     ";
+  if (report.choice) {
+    text += report.choice->text;
+  } else if (report.settings.scheme != Scheme::DooSabin) {
+    text += word_of(kSchemeWords, report.settings.scheme);
+  } else {
+    text += word_of(kMethodWords, report.method);
+  }
+  if (!result.converged) text += "; not converged: the error is " + short_number(result.error.max);
+  if (!report.surface) return text + "\n";
+  if (report.surface->quality.folded_area >= kSoundFoldedArea)
+    text += "; " + folds_text(report.surface->quality);
+  return text + "; " + normals_text(*report.surface) + "\n";
 }
 
 std::string within_line(const JobReport& report) {
@@ -126,40 +148,54 @@ std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces, std
   return text;
 }
 
-std::string summary(const JobReport& report) {
-  const Interpolation& result = report.interpolation;
+namespace {
+
+// How it was computed.
+std::string computing_lines(const JobReport& report) {
+  std::string text = "  device      " + report.device.kind + ", " + report.device.name + "\n" +
+                     method_line(report) + "\n";
+  if (report.choice) text += "  chosen      " + report.choice->text + "\n";
+  text += within_line(report) + "  max error   " + short_number(report.interpolation.error.max) +
+          " of the diagonal (tolerance " + short_number(report.settings.tolerance) + ")\n";
+  if (report.surface)
+    text += "  surface     " + folds_text(report.surface->quality) + ", " +
+            normals_text(*report.surface) + "\n";
+  return text + "  time        " + timing_line(report.timing) + "\n";
+}
+
+std::string output_lines(const JobReport& report) {
+  std::size_t path_width = 0;
+  for (const WrittenOutput& output : report.outputs)
+    path_width = std::max(path_width, output_name(output.path).size());
+  const char* label = "  wrote       ";
+  std::string text;
+  for (const WrittenOutput& output : report.outputs) {
+    text += label + output_line(output, path_width) + "\n";
+    label = "              ";
+  }
+  if (!report.page.path.empty())
+    text +=
+        label + output_name(report.page.path) + "  " + byte_size(report.page.bytes) + ", page\n";
+  return text;
+}
+
+}  // namespace
+
+std::string summary(const JobReport& report, bool is_full) {
   const MeshStatistics& statistics = report.input.statistics;
   std::string text = input_name(report.input.path) + ": " +
                      counts_text(report.input.file_vertices, report.input.file_faces,
                                  statistics.vertex_count, statistics.face_count) +
-                     " (" + shape_of(statistics) + ")\n";
+                     " (" + shape_of(statistics) + ")" +
+                     (is_full ? "" : ", " + duration(report.timing.total)) + "\n";
   text += mending_lines(report);
   text += input_folds_line(report.input);
   text += report.reconstruction_summary;
   if (report.point_distances)
     text += "  points      farthest " + short_number(report.point_distances->max) + ", rms " +
             short_number(report.point_distances->rms) + " of the diagonal from the surface\n";
-  text += "  device      " + report.device.kind + ", " + report.device.name + "\n";
-  text += method_line(report) + "\n";
-  if (report.choice) text += "  chosen      " + report.choice->text + "\n";
-  text += within_line(report);
-  text += "  max error   " + short_number(result.error.max) + " of the diagonal (tolerance " +
-          short_number(report.settings.tolerance) + ")\n";
-  if (report.surface) text += quality_line(*report.surface) + "\n";
-  text += "  time        " + timing_line(report.timing) + "\n";
-  std::size_t path_width = 0;
-  for (const WrittenOutput& output : report.outputs) {
-    path_width = std::max(path_width, output_name(output.path).size());
-  }
-  const char* label = "  wrote       ";
-  for (const WrittenOutput& output : report.outputs) {
-    text += label + output_line(output, path_width) + "\n";
-    label = "              ";
-  }
-  if (!report.page.path.empty()) {
-    text +=
-        label + output_name(report.page.path) + "  " + byte_size(report.page.bytes) + ", page\n";
-  }
+  text += is_full ? computing_lines(report) : within_line(report) + surface_line(report);
+  text += output_lines(report);
   text.pop_back();
   return text;
 }
