@@ -12,6 +12,7 @@
 #include "limit/long_run.h"
 #include "limit/tessellation_error.h"
 #include "planish/files/mesh_file.h"
+#include "planish/limit/cell_bound.h"
 #include "planish/limit/fewest_cells.h"
 #include "support/expect_error.h"
 
@@ -76,6 +77,30 @@ TEST(AdaptiveTessellation, IsAsNearAsAskedForAndWatertight) {
       EXPECT_LE(found.to_triangles, error);
       EXPECT_GT(found.largest(), 0.02 * error) << "finer than there is need for";
     }
+  }
+}
+
+// Flat cells at face centres, pinched so that their neighbours do not go on as they do: a part of a
+// surface was 1.85 times as far from all triangles as was asked for.
+TEST(HullBound, CountsWhatRunsAsideOfATurningCell) {
+  const std::vector<glm::dvec3> flat = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, -0.2, 0}};
+  const glm::dvec3 up(0, 0, 1), steep(0, 0.6, 0.8);
+  const std::vector<glm::dvec3> even = {up, up}, leaning = {steep, {0, -0.6, 0.8}},
+                                around = {{0.1, 0, 1}, {-0.1, 0, 1}, {0, 0.2, -1}};
+  EXPECT_EQ(hull_bound(flat, even, 0.2).distance, 0);
+  EXPECT_NEAR(hull_bound(flat, leaning, 0.2).distance, 0.2 * 0.6 / 0.8, 1e-15);
+  EXPECT_GE(hull_bound(flat, around, 0.2).distance, 0.2);
+  EXPECT_LE(hull_bound(flat, around, 9).distance, glm::length(glm::dvec3(1, 1.2, 0)) + 1e-15);
+}
+
+TEST(AdaptiveTessellation, IsAsNearAsAskedForWhereTheSurfaceBendsTightly) {
+  for (const std::uint32_t seed : {5u, 22u}) {
+    SCOPED_TRACE(seed);
+    const LimitCase c(interpolating_cage(random_dual(120, seed)));
+    const AdaptiveSurface surface = tessellated(c, 1e-3);
+    const TessellationError found = tessellation_error(c, SurfaceQueries(c.limit), surface.mesh,
+                                                       static_cast<std::size_t>(run_length(1'000)));
+    EXPECT_LE(found.largest(), 1e-3);
   }
 }
 

@@ -4,7 +4,9 @@
 #include <random>
 
 #include "conformance/catalogue.h"
+#include "planish/backend/cpu_backend.h"
 #include "planish/limit/limit_surface.h"
+#include "planish/pipeline/fit.h"
 #include "planish/surface/surface_blocks.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -36,6 +38,11 @@ struct LimitCase {
   std::shared_ptr<const DooSabinSurface> surface;
   LimitSurface limit;
 };
+
+/// The surface through a mesh's vertices, by its cage.
+[[nodiscard]] inline PolygonMesh interpolating_cage(const PolygonMesh& mesh) {
+  return fit(mesh, *make_cpu_backend()).cage;
+}
 
 /// Closed, open, creased and random meshes.
 inline std::vector<NamedMesh> limit_meshes() {

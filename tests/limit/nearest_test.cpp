@@ -122,11 +122,6 @@ TEST(ClosestPoint, IsFoundBesideVerticesOfValenceTwo) {
   expect_nearest(cube_with_split_edges(), 100, random);
 }
 
-// The surface through a mesh's vertices, by its cage.
-PolygonMesh interpolating_cage(const PolygonMesh& mesh) {
-  return fit(mesh, *make_cpu_backend()).cage;
-}
-
 // The nearest place by nothing but positions: from samples of corners whose balls come near enough,
 // downhill from all that are nearer than those around them.
 class PlaceOracle {

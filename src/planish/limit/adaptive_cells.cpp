@@ -148,6 +148,29 @@ double CellSplitter::border_bound(const AdaptiveCell& cell) {
   return largest;
 }
 
+// How far the cell's sides leave their chords, by their middles.
+double CellSplitter::sides_aside(const AdaptiveCell& cell) {
+  // The cell's places at its ends and middles: 0, 1, 2 along each side.
+  const auto at = [&](int i, int j) {
+    return corner_
+        .at({(cell.u + 0.5 * i * cell.size_u()) / kCellSide,
+             (cell.v + 0.5 * j * cell.size_v()) / kCellSide})
+        .position;
+  };
+  const std::array<glm::dvec3, 8> around{at(0, 0), at(1, 0), at(2, 0), at(2, 1),
+                                         at(2, 2), at(1, 2), at(0, 2), at(0, 1)};
+  double largest = 0;
+  for (std::size_t i = 1; i < 8; i += 2) {
+    // Along a chord it does not matter where its middle lies: beside vertices of valence 2 far off.
+    const glm::dvec3 chord = around[(i + 1) % 8] - around[i - 1],
+                     offset = around[i] - around[i - 1];
+    const double square = glm::dot(chord, chord);
+    const double along = square > 0 ? std::clamp(glm::dot(offset, chord) / square, 0.0, 1.0) : 0.0;
+    largest = std::max(largest, glm::distance(offset, along * chord));
+  }
+  return largest;
+}
+
 bool CellSplitter::keeps(const CellBound& bound, const AdaptiveCell& cell) const {
   const double limit = limit_at(cell);
   if (limit > 0 && !(bound.distance <= limit)) return false;
@@ -249,10 +272,7 @@ void CellSplitter::split_form(const PatchForm& form, std::span<const glm::dvec3>
     }
     add_hull(of_quarter, reaches_.of(inner), hull);
   }
-  glm::dvec3 mean(0.0);
-  for (const glm::dvec3& n : normals) mean += n;
-  CellBound bound = hull_bound(hull, unit_or_zero(mean));
-  bound.turn = spread_of(normals);
+  CellBound bound = hull_bound(hull, normals, sides_aside(cell));
   if (is_on_border(cell) && limits_.distance > 0)
     bound.distance = std::max(bound.distance, border_bound(cell));
   if (keeps(bound, cell)) {

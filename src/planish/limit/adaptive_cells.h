@@ -62,6 +62,7 @@ class CellSplitter {
   [[nodiscard]] bool is_on_border(const AdaptiveCell& cell) const;
   [[nodiscard]] double limit_at(const AdaptiveCell& cell) const;
   [[nodiscard]] double border_bound(const AdaptiveCell& cell);
+  [[nodiscard]] double sides_aside(const AdaptiveCell& cell);
   [[noreturn]] void refuse_depth() const;
   void emit(const AdaptiveCell& cell);
   void split_net(const BezierNet& net, const AdaptiveCell& cell);

@@ -36,6 +36,11 @@ Cone cone_of(std::span<const glm::dvec3> directions) {
   return cone;
 }
 
+// Between any two of its directions.
+double turn_of(const Cone& cone) {
+  return cone.cosine > 0 ? 2 * std::acos(std::min(cone.cosine, 1.0)) : std::numbers::pi;
+}
+
 double slope(double cosine) { return std::sqrt(std::max(0.0, 1 - cosine * cosine)) / cosine; }
 
 // The largest of some second derivatives: whole, along the cone's axis each way, and across it.
@@ -67,10 +72,7 @@ void add_normals(const BezierNet& net, std::span<glm::dvec3, 36> normals) {
   }
 }
 
-double spread_of(std::span<const glm::dvec3> directions) {
-  const Cone cone = cone_of(directions);
-  return cone.cosine > 0 ? 2 * std::acos(std::min(cone.cosine, 1.0)) : std::numbers::pi;
-}
+double spread_of(std::span<const glm::dvec3> directions) { return turn_of(cone_of(directions)); }
 
 CellBound bound_of(const BezierNet& net) {
   const BoundPiece piece{net, 1, 1};
@@ -96,7 +98,7 @@ CellBound bound_of(std::span<const BoundPiece> pieces) {
   }
   CellBound bound;
   bound.distance = (uu.whole + 2 * uv.whole + vv.whole) / 8;
-  bound.turn = cone.cosine > 0 ? 2 * std::acos(std::min(cone.cosine, 1.0)) : std::numbers::pi;
+  bound.turn = turn_of(cone);
   bound.by_uu = uu.whole / 8;
   bound.by_vv = vv.whole / 8;
   if (cone.cosine > kLeastCosine) {
@@ -140,8 +142,10 @@ double curve_bound(std::span<const BezierCurve> curves) {
   return bound;
 }
 
-CellBound hull_bound(std::span<const glm::dvec3> points, const glm::dvec3& normal) {
+CellBound hull_bound(std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
+                     double aside) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
+  const Cone cone = cone_of(normals);
   glm::dvec3 low(kFar), high(-kFar);
   double lowest = kFar, highest = -kFar;
   for (const glm::dvec3& p : points) {
@@ -149,14 +153,18 @@ CellBound hull_bound(std::span<const glm::dvec3> points, const glm::dvec3& norma
       low[d] = std::min(low[d], p[d]);
       high[d] = std::max(high[d], p[d]);
     }
-    const double height = glm::dot(p, normal);
+    const double height = glm::dot(p, cone.axis);
     lowest = std::min(lowest, height);
     highest = std::max(highest, height);
   }
-  const bool has_normal = glm::dot(normal, normal) > 0.5;
-  const double size = glm::length(high - low);
-  return {.distance = has_normal ? std::min(size, highest - lowest) : size,
-          .turn = std::numbers::pi};
+  CellBound bound{.distance = glm::length(high - low), .turn = turn_of(cone)};
+  if (!(glm::dot(cone.axis, cone.axis) > 0.5)) return bound;
+  // Surface and triangles are both within the slab. What of the surface is beside the triangles is
+  // over those of the neighbours, which begin at the same chords and rise by no more than its
+  // slope.
+  const double steep = slope(std::max(cone.cosine, kLeastCosine));
+  bound.distance = std::min(bound.distance, highest - lowest + steep * aside);
+  return bound;
 }
 
 }  // namespace planish

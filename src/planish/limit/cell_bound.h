@@ -51,9 +51,10 @@ using BezierCurve = std::array<glm::dvec3, 3>;
 /// two of their places.
 [[nodiscard]] double curve_bound(std::span<const BezierCurve> curves);
 
-/// Of a piece that is no polynomial but lies in the hull of these points, as its places do. The
-/// turn is left out.
-[[nodiscard]] CellBound hull_bound(std::span<const glm::dvec3> points, const glm::dvec3& normal);
+/// Of a piece that is no polynomial but lies in the hull of these points, as its places do. Its
+/// normals are among directions like `normals`; its sides leave their chords by `aside`.
+[[nodiscard]] CellBound hull_bound(std::span<const glm::dvec3> points,
+                                   std::span<const glm::dvec3> normals, double aside);
 
 /// Largest angle between any two of these directions, from above: twice that from their mean; pi
 /// where one of them has no length or they are all around.
