@@ -79,7 +79,7 @@ struct DocumentedKernels {
 };
 
 std::vector<DocumentedKernels> documented_kernels() {
-  std::ifstream file(PLANISH_BENCH_README);
+  std::ifstream file(PLANISH_BENCH_FIGURES);
   std::vector<DocumentedKernels> rows;
   std::string line;
   while (std::getline(file, line) && line != "| kernel | an element | bytes |") {

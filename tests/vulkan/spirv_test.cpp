@@ -1,5 +1,5 @@
 // What the kernels ask of a device, read from their SPIR-V: nothing beyond Vulkan 1.1 without any
-// feature, within the limits that every device keeps. README.md of vulkan/ has the table.
+// feature, within the limits that every device keeps. details.md of vulkan/ has the table.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

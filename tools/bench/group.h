@@ -27,7 +27,7 @@ struct Row {
   double median_ms = 0, least_ms = 0;  ///< wall clock
   double cpu_ms = 0;                   ///< median CPU time of the process and of those it started
   double ratio = 0;                    ///< median relative to the baseline's
-  /// What else was counted or measured, by the names that README.md and bench.schema.json explain.
+  /// What else was counted or measured, by the names that details.md and bench.schema.json explain.
   std::vector<std::pair<std::string, double>> figures;
   std::string refused;  ///< why there are no figures: what the device lacks, with its limit
 };

@@ -39,7 +39,7 @@ struct BestFit {
   }
 };
 
-/// What decides, of surfaces at level 1 against the mesh's faces; see pipeline/README.md.
+/// What decides, of surfaces at level 1 against the mesh's faces; see pipeline/details.md.
 inline constexpr double kSoundFoldedArea = 1e-5;  ///< folds of less are none
 inline constexpr double kCloseDegrees = 1;        ///< normals nearer to the faces' need no rival
 inline constexpr double kClearlyBetter = 0.96;    ///< of the other's deviation

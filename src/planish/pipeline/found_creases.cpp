@@ -18,7 +18,7 @@ namespace planish {
 namespace {
 
 constexpr int kRounds = 4;
-// Of all turns; see pipeline/README.md.
+// Of all turns; see pipeline/details.md.
 constexpr double kClearShare = 0.9;
 
 // A fit that is not given out yet, with its tags.
