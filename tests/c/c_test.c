@@ -341,6 +341,28 @@ static void test_weld(void) {
   planish_mesh_free(mesh);
 }
 
+static void test_reader_warnings(void) {
+  const char *found = NULL, *message = NULL;
+  planish_mesh* mesh = NULL;
+  FILE* file = fopen("c_test_odd.ply", "w");
+  EXPECT(file != NULL);
+  fputs(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0 7\n0 1 0\n3 0 1 2\n",
+      file);
+  fclose(file);
+  EXPECT(planish_mesh_read("c_test_odd.ply", &mesh) == PLANISH_OK);
+  EXPECT(planish_mesh_warning_count(mesh) == 1);
+  EXPECT(planish_mesh_warning(mesh, 0, &found, &message) == PLANISH_OK);
+  EXPECT(found != NULL && message != NULL && strstr(message, "c_test_odd.ply:11") != NULL);
+  EXPECT(planish_mesh_warning(mesh, 0, NULL, NULL) == PLANISH_OK);
+  EXPECT_REFUSED(planish_mesh_warning(mesh, 1, &found, &message), PLANISH_INVALID_ARGUMENT,
+                 "index is 1");
+  EXPECT(planish_mesh_warning_count(NULL) == 0);
+  planish_mesh_free(mesh);
+}
+
 static void test_files(const char* input) {
   planish_mesh* mesh = NULL;
   planish_fit* fit = NULL;
@@ -352,6 +374,7 @@ static void test_files(const char* input) {
   EXPECT(planish_mesh_write(mesh, "c_test_mesh.ply") == PLANISH_OK);
   EXPECT(planish_fit_file(input, "c_test_file.glb", 1, NULL, &info) == PLANISH_OK);
   EXPECT(info.converged && info.vertex_count > 100);
+  EXPECT(planish_mesh_warning_count(mesh) == 0);
   EXPECT_REFUSED(planish_mesh_read("none.obj", &mesh), PLANISH_UNREADABLE_INPUT, "none.obj");
   EXPECT_REFUSED(planish_fit_write(fit, 1, "none/a.glb"), PLANISH_UNWRITABLE_OUTPUT, "none");
   EXPECT_REFUSED(planish_fit_write(fit, 1, "a.step"), PLANISH_INVALID_ARGUMENT, ".glb");
@@ -700,6 +723,7 @@ int main(int argc, char** argv) {
   test_verify();
   test_verify_shapes();
   test_weld();
+  test_reader_warnings();
   test_files(argv[1]);
   test_wrong_meshes();
   test_wrong_options();

@@ -131,6 +131,15 @@ TEST_F(QueryCommand, ReadsThePointsFirst) {
   EXPECT_THAT(result.err, HasSubstr("points.xyz:3"));
 }
 
+TEST_F(QueryCommand, SaysWhatWasPassedOverInThePoints) {
+  const std::string points = write("odd.ply",
+                                   "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                   "property float y\nproperty float z\nend_header\n0 0 0 7\n");
+  const ProcessResult result = run_planish({"query", torus_, "--points", points});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("odd.ply:8"));
+}
+
 TEST_F(QueryCommand, BadQuestionsAreRefused) {
   EXPECT_THAT(refused({"--points", probes_, "--rays", "0,0"}, 2).err,
               HasSubstr("--rays: \"0,0\" is no direction such as 0,0,-1"));

@@ -164,3 +164,16 @@ def test_repair_can_be_refused(cube):
         planish.fit(vertices, turned, repair="none")
     fit = planish.fit(vertices, turned)
     assert fit.report["warnings"][0]["code"] == "turned-faces"
+
+
+def test_readers_warn_of_what_they_pass_over(tmp_path):
+    head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    mesh = tmp_path / "odd.ply"
+    mesh.write_text(head + "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                    "0 0 0\n1 0 0 7\n0 1 0\n3 0 1 2\n")
+    with pytest.warns(UserWarning, match="odd.ply:11"):
+        assert planish.read(mesh).vertices.shape == (3, 3)
+    points = tmp_path / "points.ply"
+    points.write_text(head + "end_header\n0 0 0\n1 0 0 7\n0 1 0\n")
+    with pytest.warns(UserWarning, match="points.ply:9"):
+        assert planish.read_points(points).shape == (3, 3)

@@ -140,8 +140,9 @@ void write_answers(const QueryFlags& flags, const std::function<void(const TakeB
   staged.commit();
 }
 
-std::vector<glm::dvec3> read_questions(const std::string& path) {
+std::vector<glm::dvec3> read_questions(const std::string& path, Console& console) {
   PointCloud cloud = read_points(std::filesystem::path(path));
+  for (const Warning& warning : cloud.warnings) console.warning(warning.message);
   if (cloud.missing_count > 0) {
     throw Error(
         ErrorCode::UnreadableInput,
@@ -174,7 +175,7 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   });
   faults.throw_if_any();
   // Before the fit, which a slip in them would be the waste of.
-  const std::vector<glm::dvec3> points = read_questions(flags.points);
+  const std::vector<glm::dvec3> points = read_questions(flags.points, console);
 
   Progress all(console, flags.messages.progress_mode());
   JobProgress progress(all, job.name);

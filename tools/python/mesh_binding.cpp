@@ -49,14 +49,22 @@ py::array points_array(PointCloud&& cloud) {
                              owner);
 }
 
+// As Python's own; where these are errors, the first is raised.
+void warn(std::span<const Warning> warnings) {
+  for (const Warning& warning : warnings)
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.message.c_str(), 1) != 0)
+      throw py::error_already_set();
+}
+
 MeshHandle read_the_mesh(const py::object& path, bool split_normals) {
   const std::string file = path_of(path);
   auto made = std::make_shared<PythonMesh>();
+  MeshFile read;
   run_released({}, [&](const Callbacks&) {
-    made->mesh = std::move(
-        planish::read_mesh(std::filesystem::path(file), {.split_normals_crease = split_normals})
-            .mesh);
+    read = planish::read_mesh(std::filesystem::path(file), {.split_normals_crease = split_normals});
   });
+  warn(read.warnings);
+  made->mesh = std::move(read.mesh);
   return made;
 }
 
@@ -218,8 +226,8 @@ void add_mesh(py::module_& module) {
   module.def(
       "read", &read_the_mesh, py::arg("path"), py::kw_only(), py::arg("split_normals") = false,
       "The mesh in an OBJ, PLY, OFF, STL, glTF or GLB file, by extension. With split_normals "
-      "edges where the file splits its normals are creases. Raises UnreadableInput, "
-      "InvalidArgument for an extension.");
+      "edges where the file splits its normals are creases. UserWarning where something was passed "
+      "over or mended. Raises UnreadableInput, InvalidArgument for an extension.");
   module.def(
       "read_points",
       [](const py::object& path) {
@@ -228,9 +236,12 @@ void add_mesh(py::module_& module) {
         run_released({}, [&](const Callbacks&) {
           cloud = planish::read_points(std::filesystem::path(file));
         });
+        warn(cloud.warnings);
         return points_array(std::move(cloud));
       },
-      py::arg("path"), "The points in a PLY, XYZ, PTS or PCD file: float64 (n, 3).");
+      py::arg("path"),
+      "The points in a PLY, XYZ, PTS or PCD file: float64 (n, 3). UserWarning where something was "
+      "passed over.");
   module.def(
       "write",
       [](const py::object& path, const py::object& what, int level) {

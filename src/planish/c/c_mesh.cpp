@@ -115,7 +115,26 @@ planish_status planish_mesh_read(const char* path, planish_mesh** mesh) {
   return call([&] {
     require(path, "path");
     require(mesh, "mesh");
-    *mesh = new_mesh(std::move(planish::read_mesh(std::filesystem::path(path)).mesh));
+    planish::MeshFile file = planish::read_mesh(std::filesystem::path(path));
+    *mesh = new_mesh(std::move(file.mesh));
+    (*mesh)->warnings = std::move(file.warnings);
+    return PLANISH_OK;
+  });
+}
+
+size_t planish_mesh_warning_count(const planish_mesh* mesh) {
+  return mesh == nullptr ? 0 : mesh->warnings.size();
+}
+
+planish_status planish_mesh_warning(const planish_mesh* mesh, size_t index, const char** code,
+                                    const char** message) {
+  return call([&] {
+    require(mesh, "mesh");
+    if (index >= mesh->warnings.size())
+      refuse("index is " + std::to_string(index) + "; the mesh has " +
+             std::to_string(mesh->warnings.size()) + " warnings");
+    if (code != nullptr) *code = mesh->warnings[index].code.c_str();
+    if (message != nullptr) *message = mesh->warnings[index].message.c_str();
     return PLANISH_OK;
   });
 }

@@ -16,7 +16,8 @@
 
 struct planish_mesh {
   planish::PolygonMesh mesh;
-  std::vector<std::int32_t> face_sizes;  ///< for views
+  std::vector<std::int32_t> face_sizes;    ///< for views
+  std::vector<planish::Warning> warnings;  ///< of the reader
 };
 
 struct planish_fit {

@@ -111,6 +111,11 @@ void planish_mesh_arrays_init(planish_mesh_arrays* arrays, size_t struct_size);
 planish_status planish_mesh_create(const planish_mesh_arrays* arrays, planish_mesh** mesh);
 /** OBJ, PLY, OFF, STL, glTF or GLB, by extension. */
 planish_status planish_mesh_read(const char* path, planish_mesh** mesh);
+/** What planish_mesh_read() passed over or mended, and where in the file; code and message belong
+ * to the mesh, and either may be NULL. */
+size_t planish_mesh_warning_count(const planish_mesh* mesh);
+planish_status planish_mesh_warning(const planish_mesh* mesh, size_t index, const char** code,
+                                    const char** message);
 /** OBJ, PLY, OFF or USD text, by extension. */
 planish_status planish_mesh_write(const planish_mesh* mesh, const char* path);
 /** Views of the mesh; set struct_size first (by the *_init()). face_sizes is set, whatever the
