@@ -131,8 +131,9 @@ TEST(LeastBending, LeavesPlanesPlane) {
   const LeastBending found = c.moved(0.01);
   for (std::size_t v = 0; v < c.given.size(); ++v) {
     EXPECT_EQ(found.moves[v].z, 0);
-    if (!c.topology.is_boundary_vertex(static_cast<std::int32_t>(v)))
+    if (!c.topology.is_boundary_vertex(static_cast<std::int32_t>(v))) {
       EXPECT_EQ(glm::length(found.moves[v]), 0);
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/core/safe_length.h"
 #include "planish/limit/closest_point.h"
 #include "planish/limit/ray_search.h"
 
@@ -38,8 +39,7 @@ ClosestPoint closest_point(NearestSearch& search, const LimitSurface& surface,
   const SurfacePoint on = surface.evaluate(result.at);
   result.position = on.position;
   result.normal = on.normal;
-  const glm::dvec3 off = point - on.position;
-  result.distance = std::hypot(off.x, off.y, off.z);  // whose squares may be too large for double
+  result.distance = safe_length(point - on.position);
   return result;
 }
 
@@ -49,8 +49,7 @@ struct UnitRay {
 };
 
 UnitRay unit_ray(const SurfaceRay& ray, const Placement& placement) {
-  // Squares may be too small or too large for double.
-  const double length = std::hypot(ray.direction.x, ray.direction.y, ray.direction.z);
+  const double length = safe_length(ray.direction);
   if (!is_finite(ray.origin) || !std::isfinite(length) || !(length > 0)) {
     throw Error(ErrorCode::InvalidArgument,
                 "the ray has no finite origin or no direction of a length above 0");

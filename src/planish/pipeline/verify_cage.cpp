@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "planish/core/error.h"
+#include "planish/core/safe_length.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/placement.h"
 #include "planish/pipeline/make_ready.h"
@@ -83,10 +83,7 @@ Verification verify_cage(const PolygonMesh& cage, const PolygonMesh& given,
   double sum_of_squares = 0;
   for (std::int64_t vertex = 0; vertex < result.vertex_count; ++vertex) {
     const glm::dvec3 offset = limit[vertex] - prepared.positions[vertex];
-    double error = std::hypot(offset.x, offset.y, offset.z) / diagonal;
-    // libstdc++'s hypot() of three says 0 where one is NaN and the others are 0.
-    if (!std::isfinite(error + offset.x + offset.y + offset.z))
-      error = std::numeric_limits<double>::infinity();
+    const double error = safe_length(offset) / diagonal;
     sum_of_squares += error * error;
     if (result.worst_vertex < 0 || error > result.error.max) {
       result.error.max = error;

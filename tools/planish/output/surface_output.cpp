@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "output/cage_header.h"
 #include "output/digest.h"
 #include "planish/core/parallel.h"
+#include "planish/core/safe_length.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/files/write_surface.h"
@@ -30,10 +30,7 @@ template <class Apart>
 double largest_of(std::size_t count, const Apart& apart) {
   double largest = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const glm::dvec3 d = apart(i);
-    const double distance = std::hypot(d.x, d.y, d.z);
-    largest = std::isfinite(distance) ? std::max(largest, distance)
-                                      : std::numeric_limits<double>::infinity();
+    largest = std::max(largest, safe_length(apart(i)));
     if (std::isinf(largest)) break;
   }
   return largest;
