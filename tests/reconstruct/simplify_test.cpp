@@ -9,7 +9,7 @@
 
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
-#include "planish/reconstruct/triangle_edges.h"
+#include "planish/mesh/triangle_edges.h"
 #include "reconstruct/test_clouds.h"
 #include "support/expect_error.h"
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangles.h"
 
 namespace planish::test {
 

@@ -5,7 +5,7 @@
 
 #include "make_scenes/surface_nets.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangles.h"
 
 namespace planish::shapes {
 

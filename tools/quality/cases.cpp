@@ -19,11 +19,11 @@
 #include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
 #include "planish/mesh/detect_creases.h"
+#include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/repair.h"
+#include "planish/mesh/triangle_edges.h"
 #include "planish/mesh/used_vertices.h"
-#include "planish/reconstruct/pair_triangles.h"
 #include "planish/reconstruct/simplify.h"
-#include "planish/reconstruct/triangle_edges.h"
 #include "quality/random_sphere.h"
 
 namespace planish::quality {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangles.h"
 #include "quality/figures.h"
 
 namespace planish::quality {

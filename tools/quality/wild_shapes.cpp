@@ -15,9 +15,9 @@
 #include "make_scenes/surface_nets.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/repair.h"
+#include "planish/mesh/triangle_edges.h"
 #include "planish/mesh/used_vertices.h"
 #include "planish/reconstruct/simplify.h"
-#include "planish/reconstruct/triangle_edges.h"
 
 namespace planish::quality {
 

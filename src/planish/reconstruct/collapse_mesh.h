@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "planish/reconstruct/triangle_edges.h"
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangle_edges.h"
+#include "planish/mesh/triangles.h"
 
 namespace planish {
 

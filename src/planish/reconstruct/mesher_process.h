@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangles.h"
 
 namespace planish {
 

@@ -11,11 +11,11 @@
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/pair_triangles.h"
+#include "planish/mesh/triangle_edges.h"
 #include "planish/mesh/used_vertices.h"
 #include "planish/reconstruct/chosen.h"
-#include "planish/reconstruct/pair_triangles.h"
 #include "planish/reconstruct/smooth_points.h"
-#include "planish/reconstruct/triangle_edges.h"
 #include "planish/reconstruct/turn_by_normals.h"
 
 namespace planish {

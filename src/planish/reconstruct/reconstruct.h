@@ -8,11 +8,11 @@
 #include "planish/mesh/point_cloud.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/statistics.h"
+#include "planish/mesh/triangles.h"
 #include "planish/reconstruct/clean.h"
 #include "planish/reconstruct/repair_triangles.h"
 #include "planish/reconstruct/simplify.h"
 #include "planish/reconstruct/triangle_tree.h"
-#include "planish/reconstruct/triangles.h"
 
 namespace planish {
 

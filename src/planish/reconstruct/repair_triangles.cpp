@@ -11,8 +11,8 @@
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/mesh/disjoint_sets.h"
+#include "planish/mesh/triangle_edges.h"
 #include "planish/reconstruct/fill_hole.h"
-#include "planish/reconstruct/triangle_edges.h"
 
 namespace planish {
 namespace {

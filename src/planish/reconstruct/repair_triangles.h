@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangles.h"
 
 namespace planish {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangles.h"
 
 namespace planish {
 

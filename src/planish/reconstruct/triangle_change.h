@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangles.h"
 
 namespace planish {
 

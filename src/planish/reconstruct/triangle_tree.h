@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "planish/mesh/triangles.h"
 #include "planish/reconstruct/point_carrier.h"
-#include "planish/reconstruct/triangles.h"
 
 namespace planish {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "planish/reconstruct/triangle_edges.h"
+#include "planish/mesh/triangle_edges.h"
 
 namespace planish {
 namespace {

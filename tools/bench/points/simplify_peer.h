@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangles.h"
 
 namespace planish::bench {
 

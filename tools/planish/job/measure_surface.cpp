@@ -6,9 +6,9 @@
 
 #include "planish/limit/sheet_gap.h"
 #include "planish/limit/surface_queries.h"
+#include "planish/mesh/triangle_edges.h"
 #include "planish/mesh/used_vertices.h"
 #include "planish/reconstruct/compare_source.h"
-#include "planish/reconstruct/triangle_edges.h"
 #include "planish/surface/block_quality.h"
 #include "planish/surface/kept_rows.h"
 #include "terminal/text.h"

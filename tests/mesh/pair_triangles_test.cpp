@@ -1,4 +1,4 @@
-#include "planish/reconstruct/pair_triangles.h"
+#include "planish/mesh/pair_triangles.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

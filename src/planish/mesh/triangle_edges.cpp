@@ -1,4 +1,4 @@
-#include "planish/reconstruct/triangle_edges.h"
+#include "planish/mesh/triangle_edges.h"
 
 #include "planish/core/assert.h"
 

@@ -6,7 +6,7 @@
 
 #include "planish/mesh/edge_groups.h"
 #include "planish/mesh/polygon_mesh.h"
-#include "planish/reconstruct/triangles.h"
+#include "planish/mesh/triangles.h"
 
 namespace planish {
 

@@ -1,0 +1,386 @@
+// Based on: C. Berge, "Two Theorems in Graph Theory", 1957 (a matching grows along a path that
+// leaves and enters its pairs in turn).
+#include "planish/mesh/pair_triangles.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "planish/mesh/area_vector.h"
+#include "planish/mesh/mesh_topology.h"
+#include "planish/mesh/triangle_edges.h"
+
+namespace planish {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+// Most pairs that are exchanged to pair two triangles more, and the largest deviation from a right
+// angle of what comes in: pairs by exchange are worse quads, and where their corners are wider than
+// 130 degrees the progressive surface folds on a third more of its area.
+constexpr int kMostExchanges = 2;
+constexpr double kWorstExchanged = 40 * kDegree;
+constexpr double kNoPair = -1;
+// Of vertices that tell of halved quads: most that are looked at, and a turn that is none.
+constexpr std::int32_t kMostLookedAt = 1000;
+constexpr double kFlat = 1e-3;
+
+// a, d, b, c for the edge a b with the opposite corners c and d.
+std::array<std::int32_t, 4> quad_of(std::span<const Triangle> triangles, std::int32_t half_edge,
+                                    std::int32_t twin) {
+  const auto start = [&](std::int32_t h) { return triangles[h / 3][h % 3]; };
+  return {start(half_edge), start(previous_half_edge(twin)), start(twin),
+          start(previous_half_edge(half_edge))};
+}
+
+// Largest deviation of a corner from a right angle; none for a quad that may not be.
+std::optional<double> badness_of(std::span<const glm::dvec3> positions,
+                                 const std::array<std::int32_t, 4>& quad,
+                                 const PairOptions& options) {
+  const auto place = [&](std::size_t i) { return positions[quad[i % 4]]; };
+  const glm::dvec3 n0 = glm::cross(place(1) - place(0), place(2) - place(0));
+  const glm::dvec3 n1 = glm::cross(place(2) - place(0), place(3) - place(0));
+  const double lengths = glm::length(n0) * glm::length(n1);
+  if (!(lengths > 0) || glm::dot(n0, n1) < lengths * std::cos(options.largest_turn * kDegree))
+    return std::nullopt;
+  const glm::dvec3 normal = n0 + n1;
+  double worst = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const glm::dvec3 ahead = place(i + 1) - place(i), back = place(i + 3) - place(i);
+    const glm::dvec3 cross = glm::cross(ahead, back);
+    if (!(glm::dot(cross, normal) > 0)) return std::nullopt;
+    const double angle = std::atan2(glm::length(cross), glm::dot(ahead, back));
+    if (angle > options.largest_angle * kDegree) return std::nullopt;
+    worst = std::max(worst, std::abs(angle - std::numbers::pi / 2));
+  }
+  return worst;
+}
+
+// Grows a set of pairs, each a half-edge and its twin.
+class Pairing {
+ public:
+  // `badness` by half-edge, kNoPair where there may be no pair.
+  Pairing(std::span<const std::int32_t> twins, std::vector<double> badness)
+      : twins_(twins), badness_(std::move(badness)), chosen_(twins.size() / 3, -1) {}
+
+  // A triangle's half-edge to its partner; -1: none.
+  [[nodiscard]] std::span<const std::int32_t> chosen() const { return chosen_; }
+
+  void pair_greedily() {
+    std::vector<std::int32_t> order;
+    for (std::int32_t h = 0; h < static_cast<std::int32_t>(twins_.size()); ++h)
+      if (badness_[h] != kNoPair && h < twins_[h]) order.push_back(h);
+    std::ranges::stable_sort(order, {}, [&](std::int32_t h) { return badness_[h]; });
+    for (const std::int32_t h : order)
+      if (chosen_[h / 3] < 0 && chosen_[twins_[h] / 3] < 0) join(h);
+  }
+
+  // For each triangle left alone, the least bad way to another with at most so many exchanges.
+  void exchange(int most) {
+    bool found = true;
+    while (found) {
+      found = false;
+      for (std::int32_t t = 0; t < static_cast<std::int32_t>(chosen_.size()); ++t) {
+        if (chosen_[t] >= 0) continue;
+        best_.clear();
+        best_cost_ = std::numeric_limits<double>::infinity();
+        search(t, most, 0);
+        for (const std::int32_t h : best_) join(h);
+        found = found || !best_.empty();
+      }
+    }
+  }
+
+ private:
+  void join(std::int32_t half_edge) {
+    chosen_[half_edge / 3] = half_edge;
+    chosen_[twins_[half_edge] / 3] = twins_[half_edge];
+  }
+
+  // Continues path_ from a triangle that has lost its partner, or has none.
+  void search(std::int32_t triangle, int exchanges, double cost) {
+    passed_.push_back(triangle);
+    for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
+      if (badness_[h] == kNoPair || badness_[h] > kWorstExchanged || h == chosen_[triangle])
+        continue;
+      const std::int32_t next = twins_[h] / 3;
+      if (std::ranges::find(passed_, next) != passed_.end()) continue;
+      path_.push_back(h);
+      const std::int32_t left = chosen_[next];
+      if (left < 0) {
+        if (cost + badness_[h] < best_cost_) {
+          best_cost_ = cost + badness_[h];
+          best_ = path_;
+        }
+      } else if (exchanges > 0) {
+        passed_.push_back(next);
+        search(twins_[left] / 3, exchanges - 1, cost + badness_[h] - badness_[left]);
+        passed_.pop_back();
+      }
+      path_.pop_back();
+    }
+    passed_.pop_back();
+  }
+
+  std::span<const std::int32_t> twins_;
+  std::vector<double> badness_;
+  std::vector<std::int32_t> chosen_;
+  std::vector<std::int32_t> path_, passed_, best_;  // half-edges to join; triangles; half-edges
+  double best_cost_ = 0;
+};
+
+// For each triangle the half-edge that it loses; -1: none. `twins`: -1 where none may be lost.
+std::vector<std::int32_t> lost_half_edges(std::span<const glm::dvec3> positions,
+                                          std::span<const Triangle> triangles,
+                                          std::span<const std::int32_t> twins,
+                                          const PairOptions& options) {
+  std::vector<double> badness(twins.size(), kNoPair);
+  for (std::int32_t h = 0; h < static_cast<std::int32_t>(twins.size()); ++h) {
+    if (twins[h] < h) continue;
+    const auto found = badness_of(positions, quad_of(triangles, h, twins[h]), options);
+    if (found) badness[h] = badness[twins[h]] = *found;
+  }
+  Pairing pairing(twins, std::move(badness));
+  pairing.pair_greedily();
+  for (int most = 1; most <= kMostExchanges; ++most) pairing.exchange(most);
+  return {pairing.chosen().begin(), pairing.chosen().end()};
+}
+
+// A mesh's triangles among its faces, numbered by themselves.
+struct TrianglesOf {
+  std::vector<Triangle> triangles;
+  std::vector<std::int32_t> faces;  // of the mesh, by triangle
+  std::vector<std::int32_t> twins;  // by half-edge; -1 where the edge has to stay
+};
+
+class Borders {
+ public:
+  Borders(const PolygonMesh& mesh, const PreparedMesh& prepared)
+      : mesh_(mesh), is_tagged_(static_cast<std::size_t>(prepared.topology->edge_count()), 0) {
+    const MeshTopology& topology = *prepared.topology;
+    const auto number_of = [&](std::int32_t vertex) {
+      if (prepared.uses_all()) return vertex;
+      const auto found = std::ranges::lower_bound(prepared.vertices, vertex);
+      const bool is_used = found != prepared.vertices.end() && *found == vertex;
+      return is_used ? static_cast<std::int32_t>(found - prepared.vertices.begin()) : -1;
+    };
+    for (const CreaseEdge& crease : mesh.creases) {
+      const std::int32_t a = number_of(crease.v0), b = number_of(crease.v1);
+      const std::int32_t edge = a < 0 || b < 0 ? -1 : topology.find_edge(a, b);
+      if (edge >= 0) is_tagged_[edge] = 1;
+    }
+    if (mesh.hole_faces.empty()) return;
+    is_hole_.resize(static_cast<std::size_t>(mesh.face_count()), 0);
+    for (const std::int32_t face : mesh.hole_faces) is_hole_[face] = 1;
+  }
+
+  // Whether the leading edge of a corner, which is that of `twin` too, has to stay.
+  [[nodiscard]] bool has(const MeshTopology& topology, std::int32_t corner,
+                         std::int32_t twin) const {
+    const std::int32_t face = topology.face_of(corner), other = topology.face_of(twin);
+    if (is_tagged_[topology.edge_of(corner)] != 0) return true;
+    if (!mesh_.face_groups.empty() && mesh_.face_groups[face] != mesh_.face_groups[other])
+      return true;
+    if (!is_hole_.empty() && is_hole_[face] != is_hole_[other]) return true;
+    const auto& uvs = mesh_.face_uvs;
+    return !uvs.empty() &&
+           (uvs[corner] != uvs[topology.next(twin)] || uvs[topology.next(corner)] != uvs[twin]);
+  }
+
+ private:
+  const PolygonMesh& mesh_;
+  std::vector<std::uint8_t> is_tagged_, is_hole_;
+};
+
+TrianglesOf triangles_of(const PolygonMesh& mesh, const PreparedMesh& prepared) {
+  const MeshTopology& topology = *prepared.topology;
+  const Borders borders(mesh, prepared);
+  TrianglesOf own;
+  std::vector<std::int32_t> triangle_of(static_cast<std::size_t>(mesh.face_count()), -1);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    if (mesh.face_size(f) != 3) continue;
+    const auto face = mesh.face(f);
+    triangle_of[f] = static_cast<std::int32_t>(own.triangles.size());
+    own.triangles.push_back({face[0], face[1], face[2]});
+    own.faces.push_back(f);
+  }
+  own.twins.assign(3 * own.triangles.size(), -1);
+  for (std::size_t h = 0; h < own.twins.size(); ++h) {
+    const std::int32_t corner =
+        mesh.face_offsets[own.faces[h / 3]] + static_cast<std::int32_t>(h % 3);
+    const std::int32_t twin = topology.twin(corner);
+    const std::int32_t other = twin < 0 ? -1 : triangle_of[topology.face_of(twin)];
+    if (other >= 0 && !borders.has(topology, corner, twin))
+      own.twins[h] = 3 * other + topology.place_of(twin);
+  }
+  return own;
+}
+
+// Takes pairs back that would leave a vertex inside the mesh with two faces, which lie on each
+// other.
+void keep_three_faces(const TrianglesOf& own, const PolygonMesh& mesh, const PreparedMesh& prepared,
+                      std::vector<std::int32_t>& lost) {
+  const MeshTopology& topology = *prepared.topology;
+  std::vector<std::int32_t> spare(mesh.positions.size(), 0);
+  for (std::int32_t v = 0; v < topology.vertex_count(); ++v) {
+    const auto faces = static_cast<std::int32_t>(topology.corners_at(v).size());
+    spare[prepared.vertices[v]] = faces - (topology.is_boundary_vertex(v) ? 1 : 3);
+  }
+  for (std::size_t t = 0; t < lost.size(); ++t) {
+    const std::int32_t half_edge = lost[t];
+    if (half_edge < 0 || own.twins[half_edge] < half_edge) continue;
+    std::int32_t& a = spare[own.triangles[t][half_edge % 3]];
+    std::int32_t& b = spare[own.triangles[t][next_half_edge(half_edge) % 3]];
+    if (a > 0 && b > 0) {
+      --a, --b;
+    } else {
+      lost[own.twins[half_edge] / 3] = -1;
+      lost[t] = -1;
+    }
+  }
+}
+
+// Adds a face of corners of the source, with what rides on them.
+void add_corners(const PolygonMesh& source, std::span<const std::int32_t> corners,
+                 PairedMesh& result) {
+  PolygonMesh& mesh = result.mesh;
+  for (const std::int32_t corner : corners) {
+    mesh.face_vertices.push_back(source.face_vertices[corner]);
+    if (!source.face_uvs.empty()) mesh.face_uvs.push_back(source.face_uvs[corner]);
+  }
+  mesh.face_offsets.push_back(static_cast<std::int32_t>(mesh.face_vertices.size()));
+}
+
+// The half-edge that a triangle would lose first; -1: none.
+std::int32_t first_choice(const TrianglesOf& own, std::span<const glm::dvec3> positions,
+                          const PairOptions& options, std::int32_t triangle) {
+  std::int32_t best = -1;
+  double least = 0;
+  for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
+    const std::int32_t twin = own.twins[h];
+    if (twin < 0) continue;
+    const auto badness = badness_of(
+        positions, quad_of(own.triangles, std::min(h, twin), std::max(h, twin)), options);
+    const bool is_first = best < 0 || badness < least ||
+                          (badness == least && std::min(h, twin) < std::min(best, own.twins[best]));
+    if (!badness || !is_first) continue;
+    best = h;
+    least = *badness;
+  }
+  return best;
+}
+
+// The largest turn of the edges at a vertex inside the mesh, in radians.
+double turn_at(const PolygonMesh& mesh, const MeshTopology& topology,
+               std::span<const std::int32_t> corners) {
+  const auto normal_of = [&](std::int32_t corner) {
+    return area_vector(mesh.positions, mesh.face(topology.face_of(corner)));
+  };
+  double largest = 0;
+  for (const std::int32_t corner : corners) {
+    const glm::dvec3 a = normal_of(corner), b = normal_of(topology.twin(corner));
+    largest = std::max(largest, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+  }
+  return largest;
+}
+
+}  // namespace
+
+HalvedVertices halved_vertices(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                               const PairOptions& options) {
+  const MeshTopology& topology = *prepared.topology;
+  HalvedVertices result;
+  const TrianglesOf own = triangles_of(mesh, prepared);
+  std::vector<std::int32_t> triangle_of(static_cast<std::size_t>(mesh.face_count()), -1);
+  for (std::size_t t = 0; t < own.faces.size(); ++t)
+    triangle_of[own.faces[t]] = static_cast<std::int32_t>(t);
+  const std::int32_t step = 1 + topology.vertex_count() / kMostLookedAt;
+  for (std::int32_t v = 0; v < topology.vertex_count(); v += step) {
+    ++result.looked_at;
+    if (topology.is_boundary_vertex(v)) continue;
+    const auto corners = topology.corners_at(v);
+    const double turn = turn_at(mesh, topology, corners);
+    if (turn < kFlat || turn > options.largest_turn * kDegree) continue;
+    ++result.telling;
+    std::int64_t lost = 0;
+    for (const std::int32_t corner : corners) {
+      // Its leading edge, if both sides would lose it first.
+      const std::int32_t t = triangle_of[topology.face_of(corner)];
+      if (t < 0) continue;
+      const std::int32_t half_edge = 3 * t + topology.place_of(corner);
+      const std::int32_t twin = own.twins[half_edge];
+      if (twin >= 0 && first_choice(own, mesh.positions, options, t) == half_edge &&
+          first_choice(own, mesh.positions, options, twin / 3) == twin)
+        ++lost;
+    }
+    if (std::ssize(corners) - lost == 4) ++result.regular;
+  }
+  return result;
+}
+
+PolygonMesh pair_triangles(std::span<const glm::dvec3> positions,
+                           std::span<const Triangle> triangles, const PairOptions& options) {
+  const std::vector<std::int32_t> twins = twins_of(triangles, positions.size());
+  const std::vector<std::int32_t> lost = lost_half_edges(positions, triangles, twins, options);
+  PolygonMesh mesh;
+  mesh.positions.assign(positions.begin(), positions.end());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (lost[t] < 0) {
+      mesh.add_face(triangles[t]);
+    } else if (lost[t] < twins[lost[t]]) {
+      mesh.add_face(quad_of(triangles, lost[t], twins[lost[t]]));
+    }
+  }
+  return mesh;
+}
+
+PairedMesh with_paired_triangles(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                                 const PairOptions& options) {
+  const TrianglesOf own = triangles_of(mesh, prepared);
+  std::vector<std::int32_t> lost =
+      lost_half_edges(mesh.positions, own.triangles, own.twins, options);
+  keep_three_faces(own, mesh, prepared, lost);
+  PairedMesh result;
+  PolygonMesh& paired = result.mesh;
+  paired = mesh;
+  paired.face_offsets = {0};
+  for (auto* const lists :
+       {&paired.face_vertices, &paired.face_uvs, &paired.face_groups, &paired.hole_faces})
+    lists->clear();
+  std::vector<std::uint8_t> is_hole(static_cast<std::size_t>(mesh.face_count()), 0);
+  for (const std::int32_t face : mesh.hole_faces) is_hole[face] = 1;
+  std::size_t t = 0;  // the next triangle
+  std::vector<std::int32_t> corners;
+  const auto corner_of = [&](std::int32_t half_edge) {
+    return mesh.face_offsets[own.faces[half_edge / 3]] + half_edge % 3;
+  };
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    corners.clear();
+    const bool is_triangle = t < own.faces.size() && own.faces[t] == f;
+    const std::int32_t half_edge = is_triangle ? lost[t++] : -1;
+    if (half_edge < 0) {
+      for (std::int32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
+        corners.push_back(c);
+    } else if (const std::int32_t twin = own.twins[half_edge]; half_edge < twin) {
+      for (const std::int32_t h :
+           {half_edge, previous_half_edge(twin), twin, previous_half_edge(half_edge)})
+        corners.push_back(corner_of(h));
+      ++result.pair_count;
+    } else {
+      continue;  // the second half
+    }
+    if (is_hole[f] != 0) paired.hole_faces.push_back(paired.face_count());
+    add_corners(mesh, corners, result);
+    if (!mesh.face_groups.empty()) paired.face_groups.push_back(mesh.face_groups[f]);
+    result.source_faces.push_back(f);
+  }
+  return result;
+}
+
+}  // namespace planish
