@@ -142,7 +142,9 @@ def test_settings():
     settings.level, settings.interpolation = 1, "fair"
     faces = len(sphere.data.polygons)
     assert len(fit_of(sphere).data.polygons) == 3 * faces  # a quad for each corner
-    settings.level, settings.interpolation = 2, "auto"
+    settings.quads = "on"
+    assert len(fit_of(sphere).data.polygons) < 3 * faces
+    settings.level, settings.interpolation, settings.quads = 2, "auto", "auto"
 
 
 def test_errors(addon):

@@ -255,6 +255,7 @@ static void test_verify_shapes(void) {
   planish_mesh *mesh = NULL, *cage = NULL;
   planish_fit* fit = NULL;
   planish_fit_options options, other;
+  planish_fit_info info;
   planish_verification found;
   const int32_t* smoothed = NULL;
   size_t count = 7;
@@ -274,6 +275,7 @@ static void test_verify_shapes(void) {
       options.method = PLANISH_METHOD_PROGRESSIVE;
       options.weights = w;
       options.boundary = b;
+      options.quads = PLANISH_QUADS_OFF; /* on quads both weights are one */
       EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
       EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
       EXPECT(planish_fit_smoothed_vertices(fit, &smoothed, &count) == PLANISH_OK && count == 0);
@@ -290,6 +292,20 @@ static void test_verify_shapes(void) {
       planish_fit_free(fit);
     }
   }
+  planish_fit_options_init(&options, sizeof options);
+  options.method = PLANISH_METHOD_PROGRESSIVE;
+  options.quads = PLANISH_QUADS_ON;
+  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  planish_fit_info_init(&info, sizeof info);
+  EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.face_count == 4);
+  EXPECT(planish_fit_cage(fit, &cage) == PLANISH_OK);
+  EXPECT(planish_verify(cage, mesh, &options, &found) == PLANISH_OK && found.confirmed);
+  EXPECT(planish_verify(cage, mesh, NULL, &found) == PLANISH_OK && found.confirmed);
+  options.quads = PLANISH_QUADS_OFF;
+  EXPECT_REFUSED(planish_verify(cage, mesh, &options, &found), PLANISH_UNUSABLE_MESH,
+                 "4 faces for 8");
+  planish_mesh_free(cage);
+  planish_fit_free(fit);
   planish_mesh_free(mesh);
 }
 
@@ -474,6 +490,14 @@ static void test_wrong_options(void) {
   options.polish = 1001;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
                  "options.polish: 1001 is out of range; 0 to 1000 is wanted");
+  planish_fit_options_init(&options, sizeof options);
+  options.quads = 3;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.quads is 3; a planish_quads is wanted");
+  options.quads = PLANISH_QUADS_ON;
+  options.scheme = PLANISH_SCHEME_LOOP;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.quads: loop surfaces are of triangles; take off");
   planish_fit_options_init(&options, sizeof options);
   options.smoothed_count = 1;
   EXPECT_REFUSED(planish_verify(mesh, mesh, &options, NULL), PLANISH_INVALID_ARGUMENT,

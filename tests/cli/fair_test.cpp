@@ -120,6 +120,46 @@ TEST_F(Fair, AutoTakesCreasesThatAreClear) {
   EXPECT_EQ(named["input"]["sharp_edges"], 0) << "a named method leaves nothing to choose";
 }
 
+// Quads of a torus, cut in two.
+TEST_F(Fair, AutoJoinsTrianglesThatAreHalvesOfQuads) {
+  std::string obj;
+  const auto at = [](int i, int j) { return std::to_string(1 + i % 24 * 12 + j % 12); };
+  for (int i = 0; i < 24; ++i)
+    for (int j = 0; j < 12; ++j) {
+      const double ring = 1 + 0.4 * std::cos(j * M_PI / 6);
+      obj += "v " + std::to_string(ring * std::cos(i * M_PI / 12)) + " " +
+             std::to_string(ring * std::sin(i * M_PI / 12)) + " " +
+             std::to_string(0.4 * std::sin(j * M_PI / 6)) + "\nf " + at(i, j) + " " + at(i + 1, j) +
+             " " + at(i + 1, j + 1) + "\nf " + at(i, j) + " " + at(i + 1, j + 1) + " " +
+             at(i, j + 1) + "\n";
+    }
+  const std::string torus = write("torus.obj", obj);
+  const nlohmann::json taken = fit(torus, {"-o", path("a.ply")});
+  EXPECT_EQ(taken["solve"]["quads"]["joined"], 288);
+  EXPECT_EQ(taken["outputs"][0]["quads"], 288 * 16);
+  EXPECT_LT(taken["solve"]["quads"]["choice"]["quads"]["bending"],
+            taken["solve"]["quads"]["choice"]["triangles"]["bending"]);
+  EXPECT_THAT(messages_, HasSubstr("% less (--quads off leaves them)"));
+  EXPECT_THAT(messages_, HasSubstr("288 vertices, 576 faces, 288 with triangles joined (closed"));
+  const nlohmann::json asked = fit(torus, {"-o", path("o.ply"), "--quads", "on"});
+  EXPECT_EQ(asked["outputs"][0]["sha256"], taken["outputs"][0]["sha256"]);
+  EXPECT_EQ(asked["solve"]["quads"]["choice"], nullptr);
+  EXPECT_THAT(messages_, Not(HasSubstr("--quads off")));
+  const nlohmann::json left = fit(torus, {"-o", path("l.ply"), "--quads", "off"});
+  EXPECT_EQ(left["outputs"][0]["quads"], 2 * 288 * 12);
+
+  // A cage says so, and verify finds the same quads.
+  for (const char* method : {"progressive", "fair"}) {
+    fit(torus, {"--cage", path("c.obj"), "--interpolation", method});
+    EXPECT_THAT(read("c.obj"), HasSubstr("planish quads=on\n"));
+    EXPECT_EQ(run_planish({"verify", path("c.obj"), torus}).exit_code, 0) << method;
+    EXPECT_EQ(run_planish({"verify", path("c.obj"), torus, "--quads", "off"}).exit_code, 4);
+  }
+  EXPECT_THAT(
+      run_planish({"fit", torus, "-o", path("x.ply"), "--scheme", "loop", "--quads", "on"}).err,
+      HasSubstr("--quads: loop surfaces are of triangles; take off"));
+}
+
 TEST_F(Fair, AutoKeepsTheInputsFacesForACage) {
   const nlohmann::json report = fit(sphere_, {"-o", path("p.ply"), "--cage", path("c.obj")});
   EXPECT_EQ(report["solve"]["method"], "progressive");

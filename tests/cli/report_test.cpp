@@ -57,7 +57,7 @@ TEST_F(Report, HasTheKeysThatItPromises) {
   EXPECT_THAT(keys_of(report["device"]), ElementsAre("kind", "name", "uuid", "driver", "api"));
   EXPECT_THAT(keys_of(report["solve"]),
               ElementsAre("method", "choice", "scheme", "weights", "solver", "boundary", "creases",
-                          "repair", "weld", "tolerance", "within", "converged", "stop_reason",
+                          "repair", "weld", "quads", "tolerance", "within", "converged", "stop_reason",
                           "iterations", "spectral_bound", "error", "history", "fair"));
   EXPECT_THAT(keys_of(report["solve"]["error"]), ElementsAre("max", "rms", "worst_vertex"));
   EXPECT_THAT(keys_of(report["solve"]["history"][0]), ElementsAre("iteration", "max", "rms"));

@@ -25,6 +25,7 @@ VALUES = {
                 "auto:180", "auto:1e-5", "auto:180.5", "auto:999", "auto:1e1", "auto:", "auto:-1",
                 "auto:+1", "auto:.5", "auto:5.", "auto:nan", "auto:30 ", "40", "AUTO"],
     "repair": ["safe", "none", "all"],
+    "quads": ["auto", "on", "off", "yes"],
     "tolerance": [1e-6, 0.5, 1, 1.5, 0, -1e-6, 1e-300],
     "within": [0, "auto", 0.001, 1e-6, 1e-7, 0.0999, 0.1, -1, -0.5, "Auto", "1e-3"],
     "weld": [0, 1e-12, 9e-13, 1e-6, 0.0999, 0.1, -1, -0.5, 1],
@@ -40,6 +41,7 @@ TOGETHER = [
     {"scheme": "loop", "weights": "averaged"},
     {"scheme": "catmull-clark", "preset": "paper"},
     {"scheme": "catmull-clark", "interpolation": "fair"},
+    {"scheme": "loop", "quads": "on"},
     {"weights": "averaged", "boundary": "edge-and-corner", "interpolation": "progressive"},
     {"preset": "paper", "solver": "chebyshev"},
 ]
@@ -67,6 +69,7 @@ class FitOptions(ctypes.Structure):
         ("boundary", ctypes.c_int32), ("precision", ctypes.c_int32), ("polish", ctypes.c_int32),
         ("creases", ctypes.c_char_p), ("smoothed_vertices", ctypes.c_void_p),
         ("smoothed_count", ctypes.c_size_t), ("within", ctypes.c_double),
+        ("quads", ctypes.c_int32),
     ]
 
 

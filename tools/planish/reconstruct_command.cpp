@@ -12,6 +12,7 @@
 #include "planish/core/error.h"
 #include "planish/core/version.h"
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_table.h"
 #include "planish/reconstruct/point_options.h"
 #include "report/report.h"
 #include "terminal/faults.h"
@@ -69,6 +70,9 @@ void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::
 ReconstructOptions reconstruct_options(const ReconstructFlags& flags) {
   ReconstructOptions options;
   apply_flags(flags.options, point_option_table(), options);
+  FitSettings settings;
+  apply_flags(flags.options, option_table(), settings);
+  options.pair_quads = settings.quads != QuadChoice::Off;
   return options;
 }
 
@@ -163,6 +167,7 @@ void add_reconstruct_command(CLI::App& app, Invocation& invocation) {
   command->add_flag("-f,--force", flags->force, "overwrite existing files")->group(group);
   for (const PointOption& option : point_option_table())
     add_option_flag(*command, flags->options, option, "Points");
+  add_option_flag(*command, flags->options, fit_option("quads"), "Points");
   flags->messages.add_to(*command, true);
   invocation.texts["reconstruct"] = {
       .examples =

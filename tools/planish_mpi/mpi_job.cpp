@@ -57,6 +57,7 @@ void take_settings(MpiJob& job) {
   options.solver = settings.solver;
   options.tolerance = settings.tolerance;
   options.max_iterations = settings.max_iterations;
+  job.settings.quads = QuadChoice::Off;
   options.creases = creases_text(settings.creases.use_tags, {});
   TilesOptions& tiles = options.tiles_options;
   tiles.tile_vertices = settings.tile_vertices;

@@ -114,6 +114,7 @@ FitSettings settings_of(const planish_fit_options& options) {
   set_choice(settings, "solver", options.solver, "a planish_solver is wanted");
   set_choice(settings, "boundary", options.boundary, "a planish_boundary is wanted");
   set_choice(settings, "precision", options.precision, "a planish_precision is wanted");
+  set_choice(settings, "quads", options.quads, "a planish_quads is wanted");
   set_number(settings, "tolerance", options.tolerance);
   if (options.weld != kNoWeld) set_number(settings, "weld", options.weld);
   set_whole(settings, "max_iterations", options.max_iterations);

@@ -61,6 +61,12 @@ typedef enum planish_solver {
   PLANISH_SOLVER_CG = 2     /**< closed smooth meshes only */
 } planish_solver;
 
+typedef enum planish_quads {
+  PLANISH_QUADS_AUTO = 0,
+  PLANISH_QUADS_ON,
+  PLANISH_QUADS_OFF
+} planish_quads;
+
 typedef enum planish_boundary {
   PLANISH_BOUNDARY_EDGE = 0,
   PLANISH_BOUNDARY_EDGE_AND_CORNER = 1 /**< corners where one face meets an open boundary */
@@ -162,6 +168,7 @@ typedef struct planish_fit_options {
    * diagonal, above the tolerance and less than 0.1; 0: through them, the default; -1: by the noise
    * that is measured. */
   double within;
+  int32_t quads; /**< a planish_quads: whether triangles are joined to quads */
 } planish_fit_options;
 
 void planish_fit_options_init(planish_fit_options* options, size_t struct_size);

@@ -9,22 +9,28 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/version.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/folded_edges.h"
 #include "planish/pipeline/found_creases.h"
 #include "planish/pipeline/make_ready.h"
 #include "planish/pipeline/option_words.h"
+#include "planish/surface/block_quality.h"
 
 namespace planish {
 namespace {
 
 // Share of the time when the mesh is checked and repaired.
 constexpr double kMadeReady = 0.15;
+// Of fits with triangles joined and not, the first one, and both.
+constexpr double kOfTwo = 0.45, kBothFitted = 0.9;
 
 Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod method) {
   return {.repairs = options.repairs,
           .uses_tags = options.fit.sharp.use_tags,
           .crease_degrees = options.crease_degrees,
           .method = method,
-          .weld = options.weld};
+          .weld = options.weld,
+          .smoothed_vertices = {},
+          .pairs_triangles = options.quads == QuadChoice::On};
 }
 
 // Every warning once, to the caller and into the result.
@@ -53,6 +59,7 @@ void take(FittedMesh& result, ReadyMesh&& ready, std::string_view name,
   }
   result.mesh = std::move(ready.mesh);
   result.welded_count = ready.welded_count;
+  result.paired_count = ready.paired_count;
   result.changed_faces = std::move(ready.changed_faces);
   result.separated_edges = std::move(ready.separated_edges);
   result.source_vertices = std::move(ready.source_vertices);
@@ -99,9 +106,9 @@ std::string FittedMesh::creases() const {
   return split_normals ? "normals" : creases_text(uses_tags, crease_degrees);
 }
 
-ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
-  const HostScope host(options.fit.callbacks);
-  options.fit.callbacks.report("check", 0);
+namespace {
+
+ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
   ReadyFit ready{.name = std::string(name), .options = options};
   FittedMesh& result = ready.fitted;
   result.options = options.fit;
@@ -110,6 +117,7 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   result.repairs = options.repairs;
   result.crease_degrees = options.crease_degrees;
   result.weld = options.weld;
+  result.pairs_triangles = options.quads == QuadChoice::On;
   result.uses_tags = options.fit.sharp.use_tags;
   result.options.sharp.use_tags = true;  // what make_ready() left has none but those that count
   if (!options.method && options.fit.scheme == Scheme::DooSabin) {
@@ -130,7 +138,7 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   return ready;
 }
 
-FittedMesh fit_prepared(ReadyFit ready, Backend& backend) {
+FittedMesh fit_one(ReadyFit ready, Backend& backend) {
   FittedMesh& result = ready.fitted;
   const Callbacks& caller = ready.options.fit.callbacks;
   const HostScope host(caller);
@@ -155,6 +163,65 @@ FittedMesh fit_prepared(ReadyFit ready, Backend& backend) {
   }
   result.options.callbacks = {};
   return std::move(ready.fitted);
+}
+
+QuadFigures figures_of(const FittedMesh& fitted, const Callbacks& callbacks) {
+  const auto surface = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
+  const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
+  const SurfaceQuality quality =
+      surface_quality(*surface->level(2), fitted.mesh, folds.is_beside, callbacks);
+  return {fitted.fit.interpolation.converged, quality.bending, quality.folded_area_elsewhere};
+}
+
+// Both fits, of which the better one is given out, with its warnings alone.
+FittedMesh fit_both(ReadyFit ready, Backend& backend) {
+  using Clock = std::chrono::steady_clock;
+  const Callbacks caller = ready.options.fit.callbacks;
+  ReadyFit paired = std::move(*std::exchange(ready.paired, nullptr));
+  paired.options.fit.callbacks = share_of(caller, 0, kOfTwo);
+  ready.options.fit.callbacks = share_of(caller, kOfTwo, kBothFitted);
+  for (ReadyFit* one : {&ready, &paired}) one->options.fit.callbacks.warning = {};
+  const std::size_t told = ready.fitted.warnings.size();
+  paired.fitted.warnings = ready.fitted.warnings;
+  paired.fitted.reason = ready.fitted.reason;
+  const auto began = Clock::now();
+  FittedMesh quads = fit_one(std::move(paired), backend);
+  FittedMesh triangles = fit_one(std::move(ready), backend);
+  constexpr double kOneMeasured = (1 + kBothFitted) / 2;
+  const QuadFigures of_triangles =
+      figures_of(triangles, share_of(caller, kBothFitted, kOneMeasured));
+  QuadReason reason =
+      choose_quads(of_triangles, figures_of(quads, share_of(caller, kOneMeasured, 1)));
+  FittedMesh& taken = reason.are_better ? quads : triangles;
+  taken.quad_reason = std::move(reason);
+  const std::chrono::duration<double, std::milli> took = Clock::now() - began;
+  taken.choose_milliseconds = took.count() - sum_of(taken.fit.timing);
+  for (std::size_t i = told; i < taken.warnings.size(); ++i) caller.warn(taken.warnings[i]);
+  return std::move(taken);
+}
+
+}  // namespace
+
+ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
+  const HostScope host(options.fit.callbacks);
+  options.fit.callbacks.report("check", 0);
+  std::optional<PolygonMesh> given;
+  if (options.quads == QuadChoice::Auto && options.fit.scheme == Scheme::DooSabin &&
+      are_mostly_triangles(mesh))
+    given = mesh;
+  ReadyFit ready = prepare_one(std::move(mesh), name, options);
+  const auto& prepared = ready.fitted.options.prepared;
+  if (!given || !look_halved(ready.fitted.mesh, *prepared, options.crease_degrees)) return ready;
+  MeshFitOptions pairing = options;
+  pairing.quads = QuadChoice::On;
+  pairing.fit.callbacks.warning = {};
+  auto paired = std::make_shared<ReadyFit>(prepare_one(std::move(*given), name, pairing));
+  if (paired->fitted.paired_count > 0) ready.paired = std::move(paired);
+  return ready;
+}
+
+FittedMesh fit_prepared(ReadyFit ready, Backend& backend) {
+  return ready.paired ? fit_both(std::move(ready), backend) : fit_one(std::move(ready), backend);
 }
 
 FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,7 +13,9 @@
 #include "planish/backend/backend.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/core/callbacks.h"
+#include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/pipeline/choose_quads.h"
 #include "planish/pipeline/fit.h"
 #include "planish/pipeline/fit_best.h"
 
@@ -26,6 +29,8 @@ struct MeshFitOptions {
   /// Where method and crease_degrees are empty and the mesh has no tags: found creases, too, where
   /// the surface is better for them (see fit_best()).
   bool chooses_creases = true;
+  /// Of Doo-Sabin alone auto joins anything, and where the surface is better (see choose_quads.h).
+  QuadChoice quads = QuadChoice::Auto;
   std::optional<double> weld;  ///< vertices within this fraction of the diagonal
   FitOptions fit;              ///< its method and prepared are not looked at
 };
@@ -46,6 +51,9 @@ struct FittedMesh {
   std::optional<double> crease_degrees, weld;
   bool split_normals = false;  ///< see FitFileOptions
   std::optional<MethodReason> reason;
+  bool pairs_triangles = false;   ///< whether they were joined: with it the cage can be verified
+  std::int64_t paired_count = 0;  ///< triangles that became quads, each a diagonal less
+  std::optional<QuadReason> quad_reason;
   double choose_milliseconds = 0;  ///< what measuring and a fit that was not taken cost
   std::int64_t welded_count = 0;   ///< vertices that became another
   /// For each vertex and face of `mesh` the given one's; empty: the same.
@@ -75,6 +83,8 @@ struct ReadyFit {
   std::optional<FoundCreases> found;  ///< where creases were for the fair method
   std::optional<PolygonMesh> given;   ///< as it was, where measurement chooses the method
   bool chooses_creases = false;       ///< and creases
+  /// The same with triangles joined, where measurement chooses between both.
+  std::shared_ptr<ReadyFit> paired;
 
   [[nodiscard]] bool chooses_method() const { return given.has_value(); }
 };

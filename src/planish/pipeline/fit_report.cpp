@@ -25,6 +25,20 @@ Json choice_json(const std::optional<MethodReason>& choice) {
           {"creased", figures(choice->creased)}};
 }
 
+Json quads_json(const FittedMesh& fitted) {
+  Json choice;
+  if (fitted.quad_reason) {
+    const QuadReason& reason = *fitted.quad_reason;
+    const auto figures = [](const QuadFigures& of) -> Json {
+      return {{"bending", of.bending}, {"folded_area_elsewhere", of.folded_area}};
+    };
+    choice = {{"reason", reason.text},
+              {"triangles", figures(reason.triangles)},
+              {"quads", figures(reason.quads)}};
+  }
+  return {{"joined", fitted.paired_count}, {"choice", choice}};
+}
+
 Json fair_json(const FittedMesh& fitted) {
   if (!fitted.fit.fair) return nullptr;
   const FairFit& fair = *fitted.fit.fair;
@@ -85,6 +99,7 @@ Json solve_json(const FittedMesh& fitted) {
   json["creases"] = fitted.creases();
   json["repair"] = fitted.repairs ? "safe" : "none";
   json["weld"] = fitted.weld ? Json(*fitted.weld) : Json();
+  json["quads"] = quads_json(fitted);
   json["tolerance"] = options.tolerance;
   json["within"] = within_json(fitted.fit.within);
   json["converged"] = result.converged;

@@ -34,6 +34,19 @@ void cut_concave_faces(ReadyMesh& prepared) {
   prepared.prepared = prepare_if_sound(prepared.mesh);
 }
 
+void pair_up(ReadyMesh& ready, std::optional<double> crease_degrees) {
+  PairedMesh paired =
+      with_paired_triangles(ready.mesh, *ready.prepared, pair_options(crease_degrees));
+  if (paired.pair_count == 0) return;
+  std::vector<std::int32_t>& sources = ready.source_faces;
+  if (!sources.empty())
+    for (std::int32_t& face : paired.source_faces) face = sources[face];
+  sources = std::move(paired.source_faces);
+  ready.paired_count = paired.pair_count;
+  ready.mesh = std::move(paired.mesh);
+  ready.prepared = prepare_if_sound(ready.mesh);
+}
+
 // What was said of the vertices of the welded mesh, of the file's.
 void name_sources(ReadyMesh& ready, std::vector<std::int32_t>&& welded) {
   if (welded.empty()) return;
@@ -60,6 +73,12 @@ void find_creases(ReadyMesh& ready, const Preparation& choice) {
 
 }  // namespace
 
+PairOptions pair_options(std::optional<double> crease_degrees) {
+  PairOptions options;
+  if (crease_degrees) options.largest_turn = std::min(options.largest_turn, *crease_degrees);
+  return options;
+}
+
 ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
   ReadyMesh ready;
   if (!choice.uses_tags) {
@@ -81,6 +100,7 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
     ready.prepared = prepare_if_sound(ready.mesh);
   }
   name_sources(ready, std::move(welded_sources));
+  if (choice.pairs_triangles && ready.prepared) pair_up(ready, choice.crease_degrees);
   if (choice.repairs && choice.method == InterpolationMethod::Fair) {
     cut_concave_faces(ready);
     if (ready.prepared) ready.mesh = with_cusp_corners(ready.mesh);

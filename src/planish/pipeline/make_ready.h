@@ -7,6 +7,7 @@
 #include <string>
 
 #include "planish/fair/interpolation_method.h"
+#include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/mesh/prepared_mesh.h"
 #include "planish/mesh/repair.h"
@@ -23,23 +24,29 @@ struct Preparation {
   std::optional<double> weld;  ///< see weld_vertices()
   /// Where no creases are to be found; of the mesh that comes out.
   std::span<const std::int32_t> smoothed_vertices;
+  bool pairs_triangles = false;  ///< see with_paired_triangles()
 };
 
 /// A mesh to be fitted, with what was found of it. The lists of source vertices and faces are empty
 /// where nothing was welded, repaired or cut.
 struct ReadyMesh : RepairedMesh {
   std::int64_t welded_count = 0;
+  std::int64_t paired_count = 0;  ///< diagonals that went
   /// Where creases were found for the fair method: how, for fit_with_found_creases().
   std::optional<FoundCreases> found;
   std::shared_ptr<const PreparedMesh> prepared;  ///< null where it cannot be used
 };
 
+/// How triangles are joined for a fit: edges that may be found as creases, which turn by more than
+/// `crease_degrees`, stay.
+[[nodiscard]] PairOptions pair_options(std::optional<double> crease_degrees);
+
 /// The mesh that is fitted: without tags where they are to be ignored, welded where that is asked
-/// for, repaired where that is, with creases detected where an angle is given, and for fair
-/// surfaces, which fold beside corners that turn inward and around tips of slits, with concave
-/// faces cut and such tips made corners where repair may. A mesh that remains unusable comes back
-/// as it is, for require_usable() to refuse. Throws what repair() throws, and then leaves `mesh` as
-/// it is, or welded.
+/// for, repaired where that is, with its triangles paired, with creases detected where an angle is
+/// given, and for fair surfaces, which fold beside corners that turn inward and around tips of
+/// slits, with concave faces cut and such tips made corners where repair may. A mesh that remains
+/// unusable comes back as it is, for require_usable() to refuse. Throws what repair() throws, and
+/// then leaves `mesh` as it is, or welded.
 [[nodiscard]] ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice);
 
 /// "use", "ignore" or "auto:40": what is sharp besides boundaries, as flags and reports say it.

@@ -92,7 +92,7 @@ FitOption tolerance_option() {
                                 "wanted, such as 1e-6"},
            .choices = "T",
            .initial = "1e-6",
-           .help = "largest vertex error, relative to the bounding-box diagonal"},
+           .help = "largest vertex error, of the bounding box's diagonal"},
           [](FitSettings& settings, const OptionValue& value, Where) {
             settings.tolerance = value.number;
           },
@@ -337,6 +337,14 @@ std::vector<FitOption> make_table() {
                              "nothing is mended over ranks; planish fit IN --max-iterations 0 "
                              "--cage MENDED.obj writes the mended mesh"}},
                   kRepairWords, &FitSettings::repair),
+      word_option({.name = "quads",
+                   .stage = Stage::Shape,
+                   .initial = "auto",
+                   .help = "join triangles to quads; auto: where that is better",
+                   .ranks = {"auto|off",
+                             "nothing is joined over ranks; planish fit IN --quads on "
+                             "--max-iterations 0 --cage QUADS.obj writes the mesh of quads"}},
+                  kQuadWords, &FitSettings::quads),
       word_option({.name = "up",
                    .stage = Stage::Output,
                    .initial = "y",

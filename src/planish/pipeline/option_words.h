@@ -9,6 +9,7 @@
 #include "planish/doosabin/face_rule.h"
 #include "planish/fair/interpolation_method.h"
 #include "planish/interpolate/progressive.h"
+#include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/sharpness.h"
 #include "planish/primal/scheme.h"
 
@@ -35,6 +36,9 @@ inline constexpr std::array kSolverWords{OptionWord<Solver>{"chebyshev", Solver:
 inline constexpr std::array kBoundaryWords{
     OptionWord<BoundaryRule>{"edge", BoundaryRule::Edge},
     OptionWord<BoundaryRule>{"edge-and-corner", BoundaryRule::EdgeAndCorner}};
+inline constexpr std::array kQuadWords{OptionWord<QuadChoice>{"auto", QuadChoice::Auto},
+                                       OptionWord<QuadChoice>{"on", QuadChoice::On},
+                                       OptionWord<QuadChoice>{"off", QuadChoice::Off}};
 
 /// The name of a value of the table.
 template <class Words, class Value>

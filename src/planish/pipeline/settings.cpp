@@ -17,6 +17,7 @@ MeshFitOptions mesh_fit_options(const FitSettings& settings) {
   options.repairs = settings.repair == RepairChoice::Safe;
   options.crease_degrees = settings.creases.dihedral_degrees;
   options.chooses_creases = settings.creases.chooses;
+  options.quads = settings.quads;
   options.weld = settings.weld;
   options.fit.scheme = settings.scheme;
   options.fit.weights = settings.weights;
@@ -50,6 +51,7 @@ VerifyOptions verify_options(const FitSettings& settings) {
   options.repairs = settings.repair == RepairChoice::Safe;
   options.crease_degrees = settings.creases.dihedral_degrees;
   options.weld = settings.weld;
+  options.quads = settings.quads;
   options.tolerance = std::max(settings.tolerance, settings.within.of_diagonal.value_or(0.0));
   return options;
 }
@@ -80,6 +82,9 @@ void check_consistent(const FitSettings& settings, SpellOption spell) {
   if (settings.scheme == Scheme::DooSabin) return;
   const std::string scheme = option_text(settings, "scheme");
   const std::string doo_sabin = spell("scheme") + " doo-sabin";
+  if (settings.scheme == Scheme::Loop && settings.quads == QuadChoice::On) {
+    refuse(spell("quads"), "loop surfaces are of triangles; take off, or " + doo_sabin);
+  }
   if (settings.adaptive.any()) {
     refuse(spell(settings.adaptive.chord_errors.empty() ? "angle" : "chord_errors"),
            scheme + " surfaces come in levels; take " + spell("levels") + ", or " + doo_sabin);

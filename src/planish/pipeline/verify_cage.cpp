@@ -64,19 +64,47 @@ std::vector<glm::dvec3> fair_limits(const PolygonMesh& cage, const PolygonMesh& 
   }
 }
 
+// A mesh as it was fitted, and its points on the cage's surface.
+struct Limits {
+  PolygonMesh mesh;
+  std::vector<glm::dvec3> points;
+};
+
+Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const VerifyOptions& options,
+                 bool pairs_triangles) {
+  Limits made{make_ready(PolygonMesh(given),
+                         {options.repairs, options.sharp.use_tags, options.crease_degrees,
+                          options.method, options.weld, options.smoothed_vertices, pairs_triangles})
+                  .mesh,
+              {}};
+  require_usable(made.mesh, options.given_name);
+  made.points = options.method == InterpolationMethod::Fair
+                    ? fair_limits(cage, made.mesh, options)
+                    : progressive_limits(cage, made.mesh, options);
+  return made;
+}
+
+Limits limits_of(const PolygonMesh& cage, const PolygonMesh& given, const VerifyOptions& options) {
+  if (options.quads != QuadChoice::Auto)
+    return limits_of(cage, given, options, options.quads == QuadChoice::On);
+  try {
+    return limits_of(cage, given, options, false);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnusableMesh) throw;
+    try {
+      return limits_of(cage, given, options, true);
+    } catch (const Error& again) {
+      if (again.code() != ErrorCode::UnusableMesh) throw;
+    }
+    throw;
+  }
+}
+
 }  // namespace
 
 Verification verify_cage(const PolygonMesh& cage, const PolygonMesh& given,
                          const VerifyOptions& options) {
-  const PolygonMesh prepared =
-      make_ready(PolygonMesh(given),
-                 {options.repairs, options.sharp.use_tags, options.crease_degrees, options.method,
-                  options.weld, options.smoothed_vertices})
-          .mesh;
-  require_usable(prepared, options.given_name);
-  const std::vector<glm::dvec3> limit = options.method == InterpolationMethod::Fair
-                                            ? fair_limits(cage, prepared, options)
-                                            : progressive_limits(cage, prepared, options);
+  const auto [prepared, limit] = limits_of(cage, given, options);
   const double diagonal = placement_of(prepared).diagonal;
   Verification result;
   result.vertex_count = prepared.vertex_count();

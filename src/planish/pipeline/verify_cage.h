@@ -9,6 +9,7 @@
 #include "planish/doosabin/face_rule.h"
 #include "planish/doosabin/sharp_features.h"
 #include "planish/fair/interpolation_method.h"
+#include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/primal/scheme.h"
 
@@ -23,6 +24,8 @@ struct VerifyOptions {
   std::optional<double> crease_degrees;               ///< the same
   std::optional<double> weld;                         ///< the same
   std::span<const std::int32_t> smoothed_vertices{};  ///< see CreasedFit
+  /// Of the given mesh, as when it was fitted; auto: joined where the cage is of no other faces.
+  QuadChoice quads = QuadChoice::Auto;
   double tolerance = 1e-6;
   bool cage_has_tags = true;                            ///< false: it takes the given mesh's
   std::string cage_name = "cage", given_name = "mesh";  ///< in messages

@@ -139,13 +139,6 @@ std::vector<PointOption> make_point_table() {
            .example = "all",
            .help = "which parts to keep"},
           set_components),
-      row({.name = "quads",
-           .words = {"on", "off"},
-           .initial = "on",
-           .help = "join triangles to quads"},
-          [](Options& options, const OptionValue& value, Where) {
-            options.pair_quads = value.whole == 0;
-          }),
       number_row({.name = "min_angle",
                   .limits = {0, 45},
                   .choices = "DEGREES",

@@ -98,6 +98,11 @@ class PlanishSettings(bpy.types.PropertyGroup):
     crease_angle: bpy.props.FloatProperty(
         name="Angle", subtype="ANGLE", min=0.02, max=3.14, default=np.radians(30),
         description="Edges whose faces turn by more stay sharp")
+    quads: bpy.props.EnumProperty(
+        name="Quads", default="auto",
+        items=[("auto", "Auto", "Joins triangles to quads where the surface is better for it"),
+               ("on", "On", "Joins triangles to quads"),
+               ("off", "Off", "Leaves triangles as they are")])
     device: bpy.props.EnumProperty(
         name="Device", default="auto",
         items=[("auto", "Auto", "A hardware Vulkan device where there is one, else the CPU"),
@@ -217,6 +222,7 @@ class PlanishPanel(bpy.types.Panel):
         row = layout.row()
         row.active = settings.creases == "auto"
         row.prop(settings, "crease_angle")
+        layout.prop(settings, "quads")
         layout.prop(settings, "device")
         layout.prop(settings, "program")
         layout.operator(PlanishFit.bl_idname)

@@ -27,7 +27,7 @@ def command_line(settings):
     return [program, "fit", "-", "--input-format", "obj", "-o", "-", "--progress", "json",
             "--levels", str(settings.level), "--interpolation", settings.interpolation,
             "--tolerance", f"{settings.tolerance:.9g}", "--within", f"{settings.within:.9g}",
-            "--creases", creases, "--device", settings.device]
+            "--creases", creases, "--quads", settings.quads, "--device", settings.device]
 
 
 class Job:

@@ -108,6 +108,8 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   const std::int64_t vertices = input.file.mesh.vertex_count();
   const std::int64_t faces = input.file.mesh.face_count();
   ReadyFit ready = prepare_mesh(std::move(input), options, settings);
+  // Triangles that look like halves of quads mostly become quads.
+  if (ready.paired) ready = ReadyFit(*ready.paired);
   const PolygonMesh& mesh = ready.fitted.mesh;
   const PreparedMesh& prepared = *ready.fitted.options.prepared;
   // Vertices of files are there twice along creases.
@@ -116,8 +118,9 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   const Forecast forecast = forecast_of(mesh, prepared, settings, planned.outputs, page_bytes);
   require_memory_for(mesh, prepared, settings, planned.outputs);
   std::string text = "would fit " + input.name + ": " +
-                     counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count()) + "\n" +
-                     device_line(device) + "  solve        " +
+                     counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(),
+                                 ready.fitted.paired_count) +
+                     "\n" + device_line(device) + "  solve        " +
                      solve_text(settings, planned.outputs) + ", " +
                      subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
                      short_number(settings.tolerance) + "\n";

@@ -12,9 +12,12 @@ namespace {
 void note_fit(JobReport& report, FittedMesh& fitted) {
   report.method = fitted.options.method;
   report.choice = fitted.reason;
+  report.quad_reason = fitted.quad_reason;
   CreaseChoice& creases = report.settings.creases;
   creases.chooses = false;
   creases.dihedral_degrees = fitted.crease_degrees;
+  report.input.joined = fitted.paired_count;
+  report.settings.quads = fitted.pairs_triangles ? QuadChoice::On : QuadChoice::Off;
   if (fitted.fit.within) {
     report.settings.within = {.of_diagonal = fitted.fit.within->within};
     report.within = fitted.fit.within;

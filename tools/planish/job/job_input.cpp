@@ -52,7 +52,8 @@ void reconstruct_points(const PointInput& cloud, JobInput& made, JobReport& repo
                         const Callbacks& callbacks) {
   ReconstructOptions options = report.settings.points;
   options.callbacks = callbacks;
-  if (report.settings.scheme == Scheme::Loop) options.pair_quads = false;  // triangles only
+  options.pair_quads = report.settings.quads != QuadChoice::Off &&
+                       report.settings.scheme != Scheme::Loop;  // which is of triangles only
   Reconstruction result = reconstruct_input(cloud, options);
   report.reconstruction = reconstruction_json(cloud, result);
   report.reconstruction_summary = reconstruction_summary(cloud, result);
@@ -175,6 +176,7 @@ ReadyFit prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs
   MeshFitOptions options = mesh_fit_options(report.settings);
   options.fit.callbacks = callbacks_for(report, context);
   if (!chooses) options.method = method_for(report.settings, made);
+  if (!is_mesh) options.quads = QuadChoice::Off;  // which it has already
   ReadyFit ready = prepare_mesh(std::move(made.input), options, report.settings);
   report.method = ready.fitted.options.method;
   if (is_mesh && is_left_open(report.settings) && !chooses) {

@@ -53,6 +53,7 @@ struct InputFacts {
   std::int64_t folded_edges = 0;  ///< see FoldedEdges, as the area
   double folded_edge_area = 0;
   std::int64_t welded = 0, dropped = 0;
+  std::int64_t joined = 0;           ///< pairs of triangles, to quads
   std::int64_t separated_edges = 0;  ///< along which repair separated sheets
   /// The file's own, or the reconstruction's, before mending; `statistics` has those after it.
   std::int64_t file_vertices = 0, file_faces = 0;
@@ -96,7 +97,8 @@ struct JobReport {
   DeviceDescription device;
   Settings settings;
   InterpolationMethod method = InterpolationMethod::Progressive;
-  std::optional<MethodReason> choice;  ///< where the settings leave the method open
+  std::optional<MethodReason> choice;     ///< where the settings leave the method open
+  std::optional<QuadReason> quad_reason;  ///< where they leave open whether triangles are joined
   std::optional<FairFigures> fair;
   std::optional<WithinFit> within;              ///< where vertices were left to bend less
   nlohmann::ordered_json solve;                 ///< solve_json()
@@ -125,9 +127,10 @@ struct JobReport {
 [[nodiscard]] nlohmann::ordered_json histogram_json(const std::vector<std::int64_t>& counts);
 
 /// "1,148 vertices, 1,254 after separating sheets, 2,200 faces": the file's own counts, with what
-/// mending made of them where that differs.
+/// mending made of them where that differs, and joining so many pairs of triangles.
 [[nodiscard]] std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces,
-                                      std::int64_t vertices, std::int64_t faces);
+                                      std::int64_t vertices, std::int64_t faces,
+                                      std::int64_t joined);
 
 /// For people: what went in, what was chosen and why with how good it is, and what came out; in
 /// full with how it was computed. Lines of repair, of points and of what is missed come where there

@@ -67,6 +67,14 @@ std::string method_line(const JobReport& report) {
   return line;
 }
 
+std::string chosen_lines(const JobReport& report) {
+  std::string text;
+  if (report.choice) text += "  chosen      " + report.choice->text + "\n";
+  if (report.quad_reason && report.quad_reason->are_better)
+    text += (text.empty() ? "  chosen      " : "              ") + report.quad_reason->text + "\n";
+  return text;
+}
+
 // Rounding noise of flat surfaces is nothing to read.
 std::string angle_text(double degrees) {
   constexpr double kNoise = 1e-6;
@@ -118,6 +126,7 @@ std::string surface_line(const JobReport& report) {
   } else {
     text += word_of(kMethodWords, report.method);
   }
+  if (report.quad_reason && report.quad_reason->are_better) text += "; " + report.quad_reason->text;
   if (!result.converged) text += "; not converged: the error is " + short_number(result.error.max);
   if (!report.surface) return text + "\n";
   if (report.surface->quality.folded_area >= kSoundFoldedArea)
@@ -138,13 +147,15 @@ std::string within_line(const JobReport& report) {
 }  // namespace
 
 std::string counts_text(std::int64_t file_vertices, std::int64_t file_faces, std::int64_t vertices,
-                        std::int64_t faces) {
+                        std::int64_t faces, std::int64_t joined) {
   std::string text = counted(file_vertices, "vertex");
   if (vertices != file_vertices)
     text += ", " + with_separators(vertices) +
             (vertices > file_vertices ? " after separating sheets" : " after mending");
   text += ", " + counted(file_faces, "face");
-  if (faces != file_faces) text += ", " + with_separators(faces) + " after mending";
+  const std::int64_t mended = faces + joined;
+  if (mended != file_faces) text += ", " + with_separators(mended) + " after mending";
+  if (joined > 0) text += ", " + with_separators(faces) + " with triangles joined";
   return text;
 }
 
@@ -154,7 +165,7 @@ namespace {
 std::string computing_lines(const JobReport& report) {
   std::string text = "  device      " + report.device.kind + ", " + report.device.name + "\n" +
                      method_line(report) + "\n";
-  if (report.choice) text += "  chosen      " + report.choice->text + "\n";
+  text += chosen_lines(report);
   text += within_line(report) + "  max error   " + short_number(report.interpolation.error.max) +
           " of the diagonal (tolerance " + short_number(report.settings.tolerance) + ")\n";
   if (report.surface)
@@ -183,11 +194,12 @@ std::string output_lines(const JobReport& report) {
 
 std::string summary(const JobReport& report, bool is_full) {
   const MeshStatistics& statistics = report.input.statistics;
-  std::string text = input_name(report.input.path) + ": " +
-                     counts_text(report.input.file_vertices, report.input.file_faces,
-                                 statistics.vertex_count, statistics.face_count) +
-                     " (" + shape_of(statistics) + ")" +
-                     (is_full ? "" : ", " + duration(report.timing.total)) + "\n";
+  std::string text =
+      input_name(report.input.path) + ": " +
+      counts_text(report.input.file_vertices, report.input.file_faces, statistics.vertex_count,
+                  statistics.face_count, report.input.joined) +
+      " (" + shape_of(statistics) + ")" + (is_full ? "" : ", " + duration(report.timing.total)) +
+      "\n";
   text += mending_lines(report);
   text += input_folds_line(report.input);
   text += report.reconstruction_summary;

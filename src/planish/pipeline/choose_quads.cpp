@@ -1,0 +1,62 @@
+#include "planish/pipeline/choose_quads.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+
+#include "planish/mesh/pair_triangles.h"
+#include "planish/pipeline/fit_best.h"
+#include "planish/pipeline/make_ready.h"
+
+namespace planish {
+
+namespace {
+
+// Where fewer vertices tell anything, the mesh is one of flat and sharp parts.
+constexpr double kFewTell = 0.05;
+
+}  // namespace
+
+bool are_mostly_triangles(const PolygonMesh& mesh) {
+  std::int64_t count = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) count += mesh.face_size(f) == 3 ? 1 : 0;
+  return 2 * count >= mesh.face_count();
+}
+
+bool look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                 std::optional<double> crease_degrees) {
+  const HalvedVertices found = halved_vertices(mesh, prepared, pair_options(crease_degrees));
+  const auto tell = static_cast<double>(found.telling);
+  return tell <= kFewTell * static_cast<double>(found.looked_at) ||
+         static_cast<double>(found.regular) >= kHalvedShare * tell;
+}
+
+QuadReason choose_quads(const QuadFigures& triangles, const QuadFigures& quads) {
+  QuadReason reason{.triangles = triangles, .quads = quads};
+  const bool fold_more =
+      quads.folded_area >= kSoundFoldedArea && quads.folded_area > triangles.folded_area;
+  char text[200];
+  if (!quads.converged) {
+    std::snprintf(text, sizeof text, "triangles: the surface of quads misses the tolerance");
+  } else if (!triangles.converged) {
+    reason.are_better = true;
+    std::snprintf(text, sizeof text,
+                  "triangles joined to quads, without which it misses the "
+                  "tolerance (--quads off leaves them)");
+  } else if (fold_more) {
+    std::snprintf(text, sizeof text, "triangles: that of quads folds %.2g %% of the area",
+                  100 * quads.folded_area);
+  } else if (quads.bending < triangles.bending - kBendsLess * (1 + triangles.bending)) {
+    reason.are_better = true;
+    std::snprintf(text, sizeof text,
+                  "triangles joined to quads: the surface bends %.2g %% less (--quads off leaves "
+                  "them)",
+                  100 * (1 - quads.bending / triangles.bending));
+  } else {
+    std::snprintf(text, sizeof text, "triangles: the surface of quads bends no less");
+  }
+  reason.text = text;
+  return reason;
+}
+
+}  // namespace planish

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "planish/mesh/polygon_mesh.h"
+#include "planish/mesh/prepared_mesh.h"
+
+namespace planish {
+
+/// What decides; see pipeline/README.md.
+inline constexpr double kHalvedShare = 0.8;  ///< of the vertices that are looked at
+inline constexpr double kBendsLess = 1e-6;   ///< of 1 and the triangles' bending: rounding
+
+/// Whether at least half of the faces are triangles.
+[[nodiscard]] bool are_mostly_triangles(const PolygonMesh& mesh);
+
+/// Whether two fits are worth their time: the triangles of a sound mesh, which most of its faces
+/// are, look like halves of quads, as those of cut grids do and those of scans do not. Looks at
+/// some hundreds of vertices: pairs of triangles that both would take the other first have to leave
+/// four faces around kHalvedShare of those where the mesh is neither flat nor sharp. Where it is
+/// flat or sharp nearly everywhere, as parts are, nothing can be said, which is true too.
+[[nodiscard]] bool look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                               std::optional<double> crease_degrees);
+
+/// Of a surface at level 2: long quads bend between the places of level 1.
+struct QuadFigures {
+  bool converged = false;
+  double bending = 0, folded_area = 0;  ///< see SurfaceQuality; what the input does not fold
+};
+
+/// Which of two surfaces through the same vertices was taken, that of the triangles or that of
+/// quads made of them, and why.
+struct QuadReason {
+  bool are_better = false;  ///< the quads
+  QuadFigures triangles, quads;
+  std::string text;  ///< in a line, for people
+};
+
+/// Takes the quads where their surface converges and folds no more than the other, or that does
+/// not converge, and bends less, by more than kBendsLess. Bending belongs to a surface alone:
+/// normals are measured against faces, which triangles follow into the creases along their
+/// diagonals.
+[[nodiscard]] QuadReason choose_quads(const QuadFigures& triangles, const QuadFigures& quads);
+
+}  // namespace planish

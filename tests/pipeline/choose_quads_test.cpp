@@ -1,0 +1,166 @@
+// Whether triangles are joined to quads: where they look like halves of some, and the surface is
+// better for it.
+#include "planish/pipeline/choose_quads.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "planish/core/raw_vector.h"
+#include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/verify_cage.h"
+#include "planish/surface/evaluate.h"
+#include "support/cut_quads.h"
+#include "support/meshes.h"
+#include "support/random_meshes.h"
+
+namespace planish {
+namespace {
+
+using test::cut_quads;
+
+FittedMesh fitted(const PolygonMesh& mesh, QuadChoice quads, MeshFitOptions options = {},
+                  int threads = 0) {
+  options.quads = quads;
+  return fit_mesh(mesh, "mesh", *make_cpu_backend({.thread_count = threads}), options);
+}
+
+RawVector<glm::dvec3> points_of(const FittedMesh& fit) {
+  return evaluate(fit.mesh, fit.fit, *make_cpu_backend(), fit.evaluate_options(1)).positions;
+}
+
+// Of a torus of radii 1 and 0.4, in degrees.
+double worst_normal(const FittedMesh& fit) {
+  const SurfaceMesh surface =
+      evaluate(fit.mesh, fit.fit, *make_cpu_backend(), fit.evaluate_options(2));
+  double least = 1;
+  for (std::size_t i = 0; i < surface.positions.size(); ++i) {
+    const glm::dvec3& p = surface.positions[i];
+    const glm::dvec3 middle = glm::normalize(glm::dvec3(p.x, p.y, 0));
+    least = std::min(least, glm::dot(glm::normalize(p - middle), glm::dvec3(surface.normals[i])));
+  }
+  return std::acos(least) * 180 / std::numbers::pi;
+}
+
+TEST(ChooseQuads, JoinsHalvesWhereTheSurfaceIsBetter) {
+  const PolygonMesh mesh = cut_quads(test::torus(32, 16, 1, 0.4));
+  const FittedMesh chosen = fitted(mesh, QuadChoice::Auto);
+  EXPECT_TRUE(chosen.pairs_triangles);
+  EXPECT_EQ(chosen.paired_count, 512);
+  EXPECT_EQ(chosen.mesh.face_count(), 512);
+  ASSERT_TRUE(chosen.quad_reason.has_value());
+  EXPECT_TRUE(chosen.quad_reason->are_better);
+  EXPECT_THAT(chosen.quad_reason->text, testing::HasSubstr("--quads off"));
+  EXPECT_EQ(points_of(chosen), points_of(fitted(mesh, QuadChoice::On)));
+  const FittedMesh triangles = fitted(mesh, QuadChoice::Off);
+  EXPECT_EQ(triangles.paired_count, 0);
+  EXPECT_EQ(triangles.mesh.face_count(), 1024);
+  EXPECT_LT(worst_normal(chosen), 0.2 * worst_normal(triangles));
+}
+
+TEST(ChooseQuads, LeavesOtherTrianglesAsTheyAre) {
+  for (const PolygonMesh& mesh :
+       {test::icosphere(2), test::icosphere(3), test::jittered(test::icosphere(3), 0.03, 5)}) {
+    const FittedMesh chosen = fitted(mesh, QuadChoice::Auto);
+    EXPECT_FALSE(chosen.pairs_triangles);
+    EXPECT_FALSE(chosen.quad_reason.has_value()) << "a second fit that nobody needs";
+    EXPECT_EQ(points_of(chosen), points_of(fitted(mesh, QuadChoice::Off)));
+  }
+  EXPECT_FALSE(fitted(test::torus(24, 12, 1, 0.4), QuadChoice::Auto).quad_reason.has_value());
+}
+
+// A box of twelve triangles has its edges kept sharp; six squares are a ball.
+TEST(ChooseQuads, TakesTheTrianglesThatAreBetter) {
+  const PolygonMesh box = cut_quads(test::cube());
+  const FittedMesh chosen = fitted(box, QuadChoice::Auto);
+  ASSERT_TRUE(chosen.quad_reason.has_value());
+  EXPECT_FALSE(chosen.pairs_triangles);
+  EXPECT_GT(chosen.quad_reason->quads.bending, 1);
+  EXPECT_NEAR(chosen.quad_reason->triangles.bending, 0, 1e-6);
+  EXPECT_EQ(chosen.mesh.creases.size(), 12u);
+}
+
+TEST(ChooseQuads, ByFiguresAlone) {
+  const QuadFigures good{.converged = true, .bending = 10, .folded_area = 0};
+  const auto takes = [&](const QuadFigures& quads, const QuadFigures& triangles) {
+    return choose_quads(triangles, quads).are_better;
+  };
+  EXPECT_TRUE(takes({true, 9.9, 0}, good));
+  EXPECT_FALSE(takes(good, good)) << "no less";
+  EXPECT_FALSE(takes({true, 10 - 1e-6, 0}, good)) << "rounding";
+  EXPECT_FALSE(takes({true, 5, 1e-3}, good)) << "folds";
+  EXPECT_TRUE(takes({true, 5, 1e-3}, {true, 10, 2e-3})) << "folds less";
+  EXPECT_TRUE(takes({true, 5, 1e-6}, good)) << "folds of less are none";
+  EXPECT_FALSE(takes({false, 5, 0}, good)) << "misses the tolerance";
+  EXPECT_TRUE(takes({true, 20, 0}, {false, 10, 0})) << "the other does";
+}
+
+TEST(ChooseQuads, CagesOfBothMethodsAreVerified) {
+  const PolygonMesh mesh = cut_quads(test::torus(24, 12, 1, 0.4));
+  const PolygonMesh ball = test::icosphere(1);
+  for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
+    for (const QuadChoice quads : {QuadChoice::Auto, QuadChoice::Off}) {
+      const FittedMesh fit = fitted(mesh, quads, {.method = method});
+      EXPECT_EQ(fit.pairs_triangles, quads == QuadChoice::Auto);
+      const PolygonMesh cage = control_cage(fit.mesh, fit.fit, fit.options.sharp);
+      VerifyOptions options;
+      options.method = method;
+      EXPECT_TRUE(verify_cage(cage, mesh, options).confirmed);
+      options.quads = fit.pairs_triangles ? QuadChoice::On : QuadChoice::Off;
+      EXPECT_TRUE(verify_cage(cage, mesh, options).confirmed);
+      options.quads = fit.pairs_triangles ? QuadChoice::Off : QuadChoice::On;
+      EXPECT_THROW((void)verify_cage(cage, mesh, options), Error) << "of other faces";
+      options.quads = QuadChoice::Auto;
+      EXPECT_THROW((void)verify_cage(cage, ball, options), Error) << "of another mesh";
+    }
+  }
+}
+
+// Two triangles that turn by 20 degrees.
+TEST(ChooseQuads, WhatMayBeFoundSharpIsNeverJoined) {
+  const PolygonMesh ridge = test::make_mesh(
+      {{0, 0, 0}, {0, 1, 0}, {-1, 0.5, -0.1763}, {1, 0.5, -0.1763}}, {{0, 1, 2}, {1, 0, 3}});
+  EXPECT_EQ(fitted(ridge, QuadChoice::On).paired_count, 1);
+  EXPECT_EQ(fitted(ridge, QuadChoice::On, {.crease_degrees = 15}).paired_count, 0);
+}
+
+TEST(ChooseQuads, IsTheSameForAnyNumberOfThreads) {
+  const PolygonMesh mesh = test::jittered(cut_quads(test::torus(40, 20, 1, 0.4)), 0.005, 3);
+  const FittedMesh one = fitted(mesh, QuadChoice::Auto, {}, 1);
+  const FittedMesh three = fitted(mesh, QuadChoice::Auto, {}, 3);
+  ASSERT_TRUE(one.quad_reason.has_value());
+  EXPECT_EQ(one.quad_reason->text, three.quad_reason->text);
+  EXPECT_EQ(one.quad_reason->quads.bending, three.quad_reason->quads.bending);
+  EXPECT_EQ(one.mesh.face_vertices, three.mesh.face_vertices);
+  EXPECT_EQ(points_of(one), points_of(three));
+}
+
+// Both fits are of a mesh that repair has to mend, which is told of once.
+TEST(ChooseQuads, TellsWarningsOnceAndNumbersOfTheFile) {
+  PolygonMesh mesh = cut_quads(test::torus(24, 12, 1, 0.4));
+  std::swap(mesh.face_vertices[1], mesh.face_vertices[2]);
+  std::vector<std::string> heard;
+  MeshFitOptions options;
+  options.fit.callbacks.warning = [&](const Warning& w) { heard.push_back(w.message); };
+  const FittedMesh fit = fitted(mesh, QuadChoice::Auto, options);
+  EXPECT_TRUE(fit.pairs_triangles);
+  EXPECT_EQ(heard.size(), 1u);
+  EXPECT_EQ(fit.warnings.size(), 1u);
+  ASSERT_EQ(std::ssize(fit.source_faces), 288);
+  for (const std::int32_t face : fit.source_faces) EXPECT_LT(face, 576);
+}
+
+// Loop and Catmull-Clark have no measured choice.
+TEST(ChooseQuads, IsOfDooSabinAlone) {
+  MeshFitOptions options;
+  options.fit.scheme = Scheme::CatmullClark;
+  const PolygonMesh mesh = cut_quads(test::torus(12, 8, 1, 0.4));
+  EXPECT_EQ(fitted(mesh, QuadChoice::Auto, options).paired_count, 0);
+  EXPECT_EQ(fitted(mesh, QuadChoice::On, options).paired_count, 96);
+}
+
+}  // namespace
+}  // namespace planish
