@@ -1,6 +1,7 @@
 """tools/mutate without a compiler: what it changes in a line, and that the lists read as it writes them."""
 
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -73,6 +74,21 @@ class Lists(unittest.TestCase):
         few, more = (list(draw(lines, "mesh", 5, count)) for count in (7, 20))
         self.assertEqual(few, more[:7])
         self.assertNotEqual(few, list(draw(lines, "mesh", 6, 7)))
+
+    def test_stale_ones_give_way_to_others(self):
+        with tempfile.TemporaryDirectory() as folder:
+            module = read_lists(LISTS, ["mesh"])[0]
+            module.mutations = [m for m in module.mutations if m.is_applicable(ROOT)][:5]
+            kept = module.mutations[1:]
+            module.mutations[0] = Mutation("src/planish/mesh/check.cpp", "constant", "no such line;", ";")
+            module.write(folder)
+            subprocess.run([ROOT / "tools" / "mutate", "--renew", "--lists", folder], check=True,
+                           stdout=subprocess.DEVNULL)
+            renewed = read_lists(folder)[0].mutations
+        self.assertEqual([(m.path, m.was) for m in renewed[:4]], [(m.path, m.was) for m in kept])
+        self.assertEqual(len(renewed), 5)
+        self.assertEqual(len({(m.path, m.was, m.place) for m in renewed}), 5)
+        self.assertTrue(renewed[4].is_applicable(ROOT))
 
 
 if __name__ == "__main__":

@@ -20,6 +20,10 @@ class Mutation:
         found = [i for i, line in enumerate(text.split("\n")) if line.strip() == self.was]
         return found[self.place - 1] if len(found) >= self.place else None
 
+    def is_applicable(self, root):
+        path = root / self.path
+        return path.exists() and self.line(path.read_text()) is not None
+
     def applied(self, text):
         """The text with this change, or None."""
         at = self.line(text)
