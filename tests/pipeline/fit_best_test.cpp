@@ -34,7 +34,7 @@ TEST(FitBest, TakesFairWhereBothAreAlike) {
   const BestFit best = fit_best(torus(24, 12, 1, 0.4), *backend);
   EXPECT_EQ(best.method, InterpolationMethod::Fair);
   EXPECT_EQ(best.progressive.folded_area, 0.0);
-  EXPECT_THAT(best.reason, HasSubstr("not clearly less"));
+  EXPECT_THAT(best.reason, HasSubstr("not clearly nearer"));
 }
 
 // Flat triangles of a coarse ellipsoid, which itself tells that fair is farther off by far.
@@ -51,7 +51,7 @@ TEST(FitBest, TakesProgressiveWhereItIsClearlyBetter) {
   EXPECT_FALSE(best.fit.fair.has_value());
   EXPECT_LT(best.progressive.rms_normal_deviation,
             kClearlyBetter * best.fair->rms_normal_deviation);
-  EXPECT_THAT(best.reason, HasSubstr("progressive: it does not fold, and its normals are off by"));
+  EXPECT_THAT(best.reason, HasSubstr("progressive: it does not fold, and its normals are clearly nearer"));
 }
 
 // A flat disc of needles around hubs beside its middle: at level 1 the progressive surface looks

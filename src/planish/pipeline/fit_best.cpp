@@ -86,9 +86,7 @@ void choose_by_normals(const Candidate& progressive, const Candidate& fair,
   const double rms = progressive.quality.rms_normal_deviation;
   const double fair_rms = fair.quality.rms_normal_deviation;
   if (rms >= kClearlyBetter * fair_rms) {
-    best.reason = text_of(
-        "fair: its normals are off by %.3g degrees rms, progressive's by %.3g, not clearly less",
-        fair_rms, rms);
+    best.reason = "fair: progressive's normals are not clearly nearer to the faces'";
     return;
   }
   const double folded = folded_at_two();
@@ -97,9 +95,8 @@ void choose_by_normals(const Candidate& progressive, const Candidate& fair,
     return;
   }
   best.method = InterpolationMethod::Progressive;
-  best.reason = text_of(
-      "progressive: it does not fold, and its normals are off by %.3g degrees rms, fair's by %.3g",
-      rms, fair_rms);
+  best.reason =
+      "progressive: it does not fold, and its normals are clearly nearer to the faces' than fair's";
 }
 
 // Takes the fair surface, or leaves the progressive one.
@@ -149,9 +146,8 @@ std::optional<Candidate> creased_candidate(FairMesh& made, Backend& backend,
     best.crease_degrees = made.found->options.dihedral_degrees;
     best.reason = text_of("fair, with %.0f edges kept sharp: ",
                           static_cast<double>(made.mesh.creases.size())) +
-                  text_of("its normals are off by %.3g degrees rms, with all rounded by %.3g",
-                          sharp.rms_normal_deviation, rounded.rms_normal_deviation) +
-                  " (--creases use rounds them)";
+                  "its normals are far nearer to the faces' than with all rounded (--creases use "
+                  "rounds them)";
     return creased;
   }
   made.mesh.creases = made.found->creases;
@@ -181,10 +177,7 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
   const bool is_close =
       progressive.is_sound() && best.progressive.rms_normal_deviation < kCloseDegrees;
   if (is_close && !tries_found) {
-    best.reason = text_of(
-        "progressive: it does not fold, and its normals are within %.3g degrees rms of the "
-        "faces'",
-        best.progressive.rms_normal_deviation, 0);
+    best.reason = "progressive: it does not fold, and its normals are near the faces'";
     give_out(std::move(progressive), best, options.callbacks);
     return best;
   }

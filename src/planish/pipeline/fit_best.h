@@ -31,7 +31,7 @@ struct BestFit {
   SurfaceQuality progressive;             ///< at level 1, against the mesh's faces
   std::optional<SurfaceQuality> fair;     ///< the same; empty: not tried
   std::optional<SurfaceQuality> creased;  ///< the same of fair with creases that were tried
-  std::string reason;                     ///< in a line, for people
+  std::string reason;  ///< in a line, for people: without figures of level 1 beside the surface's
 
   /// The mesh that `fit` is of.
   [[nodiscard]] const PolygonMesh& mesh(const PolygonMesh& given) const {
