@@ -164,7 +164,7 @@ TEST_F(Fair, AutoKeepsTheInputsFacesForACage) {
   const nlohmann::json report = fit(sphere_, {"-o", path("p.ply"), "--cage", path("c.obj")});
   EXPECT_EQ(report["solve"]["method"], "progressive");
   EXPECT_THAT(report["solve"]["choice"]["reason"].get<std::string>(),
-              HasSubstr("the control cage keeps the input's faces"));
+              HasSubstr("the control cage has the mesh's faces"));
   EXPECT_EQ(report["solve"]["choice"]["progressive"], nullptr);
   EXPECT_THAT(messages_, HasSubstr("surface     progressive: the control cage"));
   EXPECT_EQ(report["outputs"][1]["vertices"], 402);

@@ -42,9 +42,9 @@ TEST_F(FitCommand, WritesEveryFormat) {
 TEST_F(FitCommand, SaysThreeLinesOfAGoodMesh) {
   const ProcessResult result = run_planish({"fit", torus_, "-o", path("t.glb")});
   EXPECT_EQ(std::ranges::count(result.err, '\n'), 3) << result.err;
-  EXPECT_THAT(result.err, AllOf(HasSubstr("torus.obj: 144 vertices, "),
-                                HasSubstr("\n  surface     fair: "),
-                                HasSubstr("; normals off by "), HasSubstr("\n  wrote       ")));
+  EXPECT_THAT(result.err,
+              AllOf(HasSubstr("torus.obj: 144 vertices, "), HasSubstr("\n  surface     fair: "),
+                    HasSubstr("; normals off by "), HasSubstr("\n  wrote       ")));
   const ProcessResult full = run_planish({"fit", torus_, "-o", path("t.glb"), "-f", "-v"});
   EXPECT_THAT(full.err, AllOf(HasSubstr("\n  method      "), HasSubstr("\n  max error   "),
                               HasSubstr("\n  device      "), HasSubstr("\n  time        "),

@@ -55,10 +55,11 @@ TEST_F(Report, HasTheKeysThatItPromises) {
                   "components", "genus", "sharp_edges", "corners", "folded_edges", "welded",
                   "dropped", "separated_edges", "changed_faces", "file_vertices", "file_faces"));
   EXPECT_THAT(keys_of(report["device"]), ElementsAre("kind", "name", "uuid", "driver", "api"));
-  EXPECT_THAT(keys_of(report["solve"]),
-              ElementsAre("method", "choice", "scheme", "weights", "solver", "boundary", "creases",
-                          "repair", "weld", "quads", "tolerance", "within", "converged", "stop_reason",
-                          "iterations", "spectral_bound", "error", "history", "fair"));
+  EXPECT_THAT(
+      keys_of(report["solve"]),
+      ElementsAre("method", "choice", "scheme", "weights", "solver", "boundary", "creases",
+                  "repair", "weld", "quads", "tolerance", "within", "converged", "stop_reason",
+                  "iterations", "spectral_bound", "error", "history", "fair"));
   EXPECT_THAT(keys_of(report["solve"]["error"]), ElementsAre("max", "rms", "worst_vertex"));
   EXPECT_THAT(keys_of(report["solve"]["history"][0]), ElementsAre("iteration", "max", "rms"));
   EXPECT_THAT(keys_of(report["surface"]),

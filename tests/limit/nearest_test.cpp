@@ -8,7 +8,6 @@
 
 #include "limit/limit_case.h"
 #include "limit/long_run.h"
-#include "planish/backend/cpu_backend.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/pipeline/fit.h"
 #include "support/expect_error.h"

@@ -84,8 +84,8 @@ TEST(ChooseQuads, TakesTheTrianglesThatAreBetter) {
 }
 
 TEST(ChooseQuads, ByFiguresAlone) {
-  const QuadFigures good{.converged = true, .bending = 10, .folded_area = 0};
-  const auto takes = [&](const QuadFigures& quads, const QuadFigures& triangles) {
+  const BendingFigures good{.converged = true, .bending = 10, .folded_area = 0};
+  const auto takes = [&](const BendingFigures& quads, const BendingFigures& triangles) {
     return choose_quads(triangles, quads).are_better;
   };
   EXPECT_TRUE(takes({true, 9.9, 0}, good));

@@ -51,7 +51,8 @@ TEST(FitBest, TakesProgressiveWhereItIsClearlyBetter) {
   EXPECT_FALSE(best.fit.fair.has_value());
   EXPECT_LT(best.progressive.rms_normal_deviation,
             kClearlyBetter * best.fair->rms_normal_deviation);
-  EXPECT_THAT(best.reason, HasSubstr("progressive: it does not fold, and its normals are clearly nearer"));
+  EXPECT_THAT(best.reason,
+              HasSubstr("progressive: it does not fold, and its normals are clearly nearer"));
 }
 
 // A flat disc of needles around hubs beside its middle: at level 1 the progressive surface looks

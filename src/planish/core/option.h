@@ -17,9 +17,9 @@ namespace planish {
 
 /// How the value of an option is written.
 enum class OptionKind {
-  Word,         ///< one of its words
-  Words,        ///< some of them, with commas between
-  Text,         ///< a text that the option reads by itself
+  Word,          ///< one of its words
+  Words,         ///< some of them, with commas between
+  Text,          ///< a text that the option reads by itself
   TextOrNumber,  ///< the same, in JSON also a number
   Whole,
   Number,

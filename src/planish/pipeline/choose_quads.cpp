@@ -1,6 +1,5 @@
 #include "planish/pipeline/choose_quads.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 
@@ -31,7 +30,7 @@ bool look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
          static_cast<double>(found.regular) >= kHalvedShare * tell;
 }
 
-QuadReason choose_quads(const QuadFigures& triangles, const QuadFigures& quads) {
+QuadReason choose_quads(const BendingFigures& triangles, const BendingFigures& quads) {
   QuadReason reason{.triangles = triangles, .quads = quads};
   const bool fold_more =
       quads.folded_area >= kSoundFoldedArea && quads.folded_area > triangles.folded_area;

@@ -24,7 +24,7 @@ inline constexpr double kBendsLess = 1e-6;   ///< of 1 and the triangles' bendin
                                std::optional<double> crease_degrees);
 
 /// Of a surface at level 2: long quads bend between the places of level 1.
-struct QuadFigures {
+struct BendingFigures {
   bool converged = false;
   double bending = 0, folded_area = 0;  ///< see SurfaceQuality; what the input does not fold
 };
@@ -33,7 +33,7 @@ struct QuadFigures {
 /// quads made of them, and why.
 struct QuadReason {
   bool are_better = false;  ///< the quads
-  QuadFigures triangles, quads;
+  BendingFigures triangles, quads;
   std::string text;  ///< in a line, for people
 };
 
@@ -41,6 +41,6 @@ struct QuadReason {
 /// not converge, and bends less, by more than kBendsLess. Bending belongs to a surface alone:
 /// normals are measured against faces, which triangles follow into the creases along their
 /// diagonals.
-[[nodiscard]] QuadReason choose_quads(const QuadFigures& triangles, const QuadFigures& quads);
+[[nodiscard]] QuadReason choose_quads(const BendingFigures& triangles, const BendingFigures& quads);
 
 }  // namespace planish

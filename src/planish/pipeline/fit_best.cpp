@@ -129,9 +129,9 @@ bool has_clear_creases(const PolygonMesh& mesh, const Fit& fitted) {
 }
 
 // The fair surface with found creases, if it is the better one; else the mesh is as it was.
-std::optional<Candidate> creased_candidate(FairMesh& made, Backend& backend,
-                                           const FitOptions& options, const Candidate& progressive,
-                                           BestFit& best) {
+std::optional<Candidate> with_clear_creases(FairMesh& made, Backend& backend,
+                                            const FitOptions& options, const Candidate& progressive,
+                                            BestFit& best) {
   if (!made.prepared) made.prepared = prepare_mesh(made.mesh, "mesh");
   made.found = add_clear_creases(made.mesh, made.prepared);
   if (!made.found) return std::nullopt;
@@ -188,7 +188,7 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
   if (tries_found) {
     done = (kFirstMeasured + kBothMeasured) / 2;
     of_candidate.callbacks = share_of(options.callbacks, kFirstMeasured, done);
-    if (auto creased = creased_candidate(made, backend, of_candidate, progressive, best)) {
+    if (auto creased = with_clear_creases(made, backend, of_candidate, progressive, best)) {
       best.fair_mesh = std::move(made.mesh);
       give_out(std::move(*creased), best, options.callbacks);
       return best;

@@ -165,7 +165,7 @@ FittedMesh fit_one(ReadyFit ready, Backend& backend) {
   return std::move(ready.fitted);
 }
 
-QuadFigures figures_of(const FittedMesh& fitted, const Callbacks& callbacks) {
+BendingFigures figures_of(const FittedMesh& fitted, const Callbacks& callbacks) {
   const auto surface = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
   const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
   const SurfaceQuality quality =
@@ -188,7 +188,7 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   FittedMesh quads = fit_one(std::move(paired), backend);
   FittedMesh triangles = fit_one(std::move(ready), backend);
   constexpr double kOneMeasured = (1 + kBothFitted) / 2;
-  const QuadFigures of_triangles =
+  const BendingFigures of_triangles =
       figures_of(triangles, share_of(caller, kBothFitted, kOneMeasured));
   QuadReason reason =
       choose_quads(of_triangles, figures_of(quads, share_of(caller, kOneMeasured, 1)));

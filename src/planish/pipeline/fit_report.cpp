@@ -29,7 +29,7 @@ Json quads_json(const FittedMesh& fitted) {
   Json choice;
   if (fitted.quad_reason) {
     const QuadReason& reason = *fitted.quad_reason;
-    const auto figures = [](const QuadFigures& of) -> Json {
+    const auto figures = [](const BendingFigures& of) -> Json {
       return {{"bending", of.bending}, {"folded_area_elsewhere", of.folded_area}};
     };
     choice = {{"reason", reason.text},

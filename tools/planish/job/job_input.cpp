@@ -181,7 +181,7 @@ ReadyFit prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs
   report.method = ready.fitted.options.method;
   if (is_mesh && is_left_open(report.settings) && !chooses) {
     ready.fitted.reason.emplace().text =
-        "progressive: the control cage keeps the input's faces, as that of --interpolation fair "
+        "progressive: the control cage has the mesh's faces, as that of --interpolation fair "
         "does not";
   }
   if (is_mesh) warn_of_torn_vertices(ready, report, context.console);
