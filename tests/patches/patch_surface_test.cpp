@@ -35,6 +35,21 @@ Rows all_rows(const PatchSurface& surface, std::span<const glm::dvec3> state,
   return rows;
 }
 
+// All rows, by their names.
+Rows named_rows(const PatchSurface& surface, std::span<const glm::dvec3> state,
+                const Placement& placement) {
+  Rows rows;
+  std::vector<std::int32_t> names(static_cast<std::size_t>(surface.numbering().row_count()));
+  std::iota(names.begin(), names.end(), 0);
+  rows.positions.resize(names.size(), glm::dvec3(-99));
+  rows.normals.resize(names.size(), glm::vec3(-99));
+  PatchTarget target;
+  target.positions = rows.positions;
+  target.normals = rows.normals;
+  rows.degenerate = surface.rows_at(state, placement, names, target);
+  return rows;
+}
+
 // NaN would not compare equal to itself.
 bool same_bits(const Rows& a, const Rows& b) {
   return a.positions.size() == b.positions.size() &&
@@ -86,7 +101,7 @@ TEST(PatchSurface, RowsAgreeWithTables) {
   }
 }
 
-TEST(PatchSurface, BitsDoNotDependOnInstructionsPlansOrRanges) {
+TEST(PatchSurface, BitsDoNotDependOnInstructionsNamesOrRanges) {
   for (const PolygonMesh& mesh : {with_random_creases(random_closed_mesh(3), 0.2, 3),
                                   random_open_mesh(2), torus(40, 30, 1, .4), icosphere(3)}) {
     for (int level = 0; level <= 3; ++level) {
@@ -101,10 +116,9 @@ TEST(PatchSurface, BitsDoNotDependOnInstructionsPlansOrRanges) {
         const PatchSurface wide(c.patches, {.level = level, .instructions = instructions});
         EXPECT_TRUE(same_bits(wanted, all_rows(wide, state, placement, 1 << 30)));
       }
-      const PatchSurface kept(c.patches, {.level = level, .keep_plans = true});
-      EXPECT_TRUE(same_bits(wanted, all_rows(kept, state, placement, 1 << 30)));
+      EXPECT_TRUE(same_bits(wanted, named_rows(baseline, state, placement)));
       for (const std::int64_t block : {61, 1000}) {
-        const Rows rows = all_rows(kept, state, placement, block);
+        const Rows rows = all_rows(baseline, state, placement, block);
         EXPECT_TRUE(same_bits(wanted, rows));
         EXPECT_EQ(rows.degenerate.count, wanted.degenerate.count);
         EXPECT_EQ(rows.degenerate.first, wanted.degenerate.first);
@@ -121,9 +135,9 @@ TEST(PatchSurface, GridsHaveTheBitsOfRows) {
     const PatchCase c(mesh, Weights::DooSabin, {}, 0);
     const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
     const Placement placement{{3, 4, 5}, 17};
-    const PatchSurface kept(c.patches, {.level = 2, .keep_plans = true});
-    const Rows wanted = all_rows(kept, state, placement, 1 << 30);
-    const PatchSamples& samples = kept.numbering().samples();
+    const PatchSurface named(c.patches, {.level = 2});
+    const Rows wanted = named_rows(named, state, placement);
+    const PatchSamples& samples = named.numbering().samples();
     std::vector<std::int32_t> corners(static_cast<std::size_t>(c.topology.corner_count() - 3));
     std::iota(corners.begin(), corners.end(), 3);  // not from a quad's first corner
     for (const auto instructions : {PatchInstructions::Baseline, PatchInstructions::Avx2}) {
@@ -156,10 +170,9 @@ TEST(PatchSurface, RowsWithoutDirectionAreCountedOfWholeFacesToo) {
     const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
     for (const auto instructions : {PatchInstructions::Baseline, PatchInstructions::Avx2}) {
       if (!can_run(instructions)) continue;
-      for (const bool keeps : {false, true}) {
-        const PatchSurface surface(
-            c.patches, {.level = level, .keep_plans = keeps, .instructions = instructions});
-        const Rows rows = all_rows(surface, state, {}, 1 << 30);
+      const PatchSurface surface(c.patches, {.level = level, .instructions = instructions});
+      for (const Rows& rows :
+           {all_rows(surface, state, {}, 1 << 30), named_rows(surface, state, {})}) {
         EXPECT_EQ(rows.degenerate.count, static_cast<std::int64_t>(rows.normals.size())) << level;
         EXPECT_EQ(rows.degenerate.first, 0) << level;
         for (const glm::vec3& normal : rows.normals) ASSERT_NEAR(glm::length(normal), 1, 1e-6);

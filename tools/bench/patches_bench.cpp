@@ -84,13 +84,14 @@ void write_faces(const SurfaceBlocks& blocks, Output& output) {
   });
 }
 
-void require_same(const PolygonMesh& mesh, const PatchSurface& kept, const DooSabinSurface& base) {
-  Output patches(kept.numbering().row_count(), 0), tables(kept.numbering().row_count(), 0);
-  evaluate_rows(base, kept, patches);
+void require_same(const PolygonMesh& mesh, const PatchSurface& surface,
+                  const DooSabinSurface& base) {
+  Output patches(surface.numbering().row_count(), 0), tables(surface.numbering().row_count(), 0);
+  evaluate_rows(base, surface, patches);
   apply_table_chain(mesh, kPatchLevel, tables.positions, tables.normals);
   // The rows of level 1 are numbered alike.
   const auto count =
-      static_cast<std::size_t>(kept.numbering().first_row(PatchNumbering::Part::Corners));
+      static_cast<std::size_t>(surface.numbering().first_row(PatchNumbering::Part::Corners));
   require_agreement("patches", std::span<const glm::dvec3>(patches.positions).first(count),
                     std::span<const glm::dvec3>(tables.positions).first(count));
 }
@@ -102,10 +103,11 @@ std::vector<Row> bench_patches(const Options& options) {
   EvaluateOptions evaluation;
   evaluation.level = kPatchLevel;
   const DooSabinSurface base(mesh, evaluation);
-  const PatchSurface kept(base.patches(), {.level = kPatchLevel, .keep_plans = true});
-  const PatchSurface planning(base.patches(), {.level = kPatchLevel});
+  const PatchSurface surface(base.patches(), {.level = kPatchLevel});
+  const PatchSurface narrow(base.patches(),
+                            {.level = kPatchLevel, .instructions = PatchInstructions::Baseline});
   const auto blocks = base.level(kPatchLevel);
-  require_same(mesh, kept, base);
+  require_same(mesh, surface, base);
   Output output(blocks->info().row_count, blocks->info().face_count);
   set_bytes(output, 0);
   write_faces(*blocks, output);
@@ -119,19 +121,11 @@ std::vector<Row> bench_patches(const Options& options) {
       {"memset", [&] { set_bytes(output, 1); }},
       {"store", [&] { store(output); }},
       {"topology", [&] { const MeshTopology topology(mesh); }},
-      {"plans",
-       [&] {
-         const PatchSurface surface(base.patches(), {.level = kPatchLevel, .keep_plans = true});
-       }},
-      {"classes", [&] { const PatchSurface surface(base.patches(), {.level = kPatchLevel}); }},
-      {"rows-of-plans", [&] { evaluate_rows(base, kept, output); }},
-      {"rows", [&] { evaluate_rows(base, planning, output); }},
+      {"classes", [&] { const PatchSurface made(base.patches(), {.level = kPatchLevel}); }},
+      {"rows", [&] { evaluate_rows(base, surface, output); }},
+      {"rows-baseline", [&] { evaluate_rows(base, narrow, output); }},
       {"faces", [&] { write_faces(*blocks, output); }},
   };
-  const PatchSurface narrow(
-      base.patches(),
-      {.level = kPatchLevel, .keep_plans = true, .instructions = PatchInstructions::Baseline});
-  group.peers.push_back({"rows-of-plans-baseline", [&] { evaluate_rows(base, narrow, output); }});
   std::vector<Row> rows = run_group(group, options.repetitions);
   Group tables = group;
   tables.peers = {{"store", [&] { store(output); }},

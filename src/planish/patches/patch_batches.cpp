@@ -30,9 +30,10 @@ PatchBatches::Open& PatchBatches::open_of_thread() {
 
 PatchBatches::PatchBatches(const PatchClasses& classes, PatchKernel kernel, bool all_quads,
                            std::int32_t sample_count, const PatchOutput& output,
-                           const double* state, PointRows* points)
+                           const double* state, PointRows* points, std::int32_t first_sample)
     : classes_(classes),
       face_index_(classes.count()),
+      first_sample_(first_sample),
       kernel_(kernel),
       face_kernel_(face_kernel(kernel)),
       output_(output),
@@ -82,7 +83,7 @@ void PatchBatches::run(std::int32_t class_index, OpenBatch& batch) {
   batch_.indices = batch.indices.data();
   batch_.targets = batch.targets;
   batch_.lane_count = batch.lane_count;
-  batch_.weights = weights.rows(0).data();
+  batch_.weights = weights.rows(first_sample_).data();
   batch_.column_count = weights.column_count;
   degenerate_ |= is_face ? run_faces() : kernel_(batch_, output_);
   batch.lane_count = 0;

@@ -24,7 +24,7 @@ class PatchBatches {
   /// it must outlive the batches.
   PatchBatches(const PatchClasses& classes, PatchKernel kernel, bool all_quads,
                std::int32_t sample_count, const PatchOutput& output, const double* state,
-               PointRows* points = nullptr);
+               PointRows* points = nullptr, std::int32_t first_sample = 0);
   /// What was not run is dropped: after an exception the next batches of the thread begin empty.
   ~PatchBatches() { open_.clear(); }
   PatchBatches(const PatchBatches&) = delete;
@@ -88,6 +88,7 @@ class PatchBatches {
   const PatchClasses& classes_;
   std::int32_t face_index_;          // the batch of quads: behind those of classes
   std::int32_t regular_index_ = -1;  // the class of their patches
+  std::int32_t first_sample_;
   PatchKernel kernel_;
   FaceKernel face_kernel_;
   const PatchOutput& output_;

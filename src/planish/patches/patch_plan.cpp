@@ -7,7 +7,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
-#include "planish/patches/patch_run.h"
+#include "planish/patches/patch_kernel.h"
 
 namespace planish {
 
@@ -64,6 +64,23 @@ std::int32_t smooth_place(const PatchMesh& mesh, Part part, std::int32_t corner,
     ring = 4;
   }
   return ring < table_size && face < table_size ? ring * table_size + face : -1;
+}
+
+// Adds an item to its bucket, which is made if there is none.
+void add_item(const PatchPlace& place, const PatchPlan::Bucket& wanted, std::int64_t target,
+              PatchPlan& plan) {
+  std::size_t b = plan.buckets.size();
+  const auto matches = [&](const PatchPlan::Bucket& bucket) {
+    return bucket.class_index == wanted.class_index && bucket.has_results_of(wanted);
+  };
+  while (b > 0 && !matches(plan.buckets[b - 1])) --b;
+  if (b == 0) {
+    plan.buckets.push_back(wanted);
+    b = plan.buckets.size();
+  }
+  ++plan.buckets[b - 1].item_count;
+  plan.items.push_back(
+      {place, static_cast<std::int32_t>(b - 1), static_cast<std::int32_t>(target)});
 }
 
 }  // namespace
@@ -157,12 +174,12 @@ std::vector<PatchTile> PatchPlanner::tiles() const {
   return tiles;
 }
 
-void PatchPlanner::take_items(const PatchTile& tile, PatchPlan& plan) const {
+void PatchPlanner::add(const PatchTile& tile, std::int64_t target, PatchPlan& plan) const {
   const PatchSamples& samples = numbering_.samples();
   const auto add = [&](const PatchPlace& place, std::int32_t first_sample,
                        std::int32_t sample_count, Results results, std::int64_t row) {
-    add_item(place, classes_.index_of(place.patch), first_sample, sample_count, results,
-             row - tile.first_row, plan);
+    add_item(place, {classes_.index_of(place.patch), first_sample, sample_count, results, 0},
+             row - tile.first_row + target, plan);
   };
   std::int64_t row = tile.first_row;
   for (std::int64_t i = tile.first_item; i < tile.first_item + tile.item_count; ++i) {
@@ -192,21 +209,6 @@ void PatchPlanner::take_items(const PatchTile& tile, PatchPlan& plan) const {
       add(place, 0, 1, Results::All, row++);
     }
   }
-}
-
-void PatchPlanner::list(const PatchTile& tile, PatchPlan& plan) const {
-  plan.buckets.clear();
-  plan.items.clear();
-  take_items(tile, plan);
-}
-
-void PatchPlanner::plan(const PatchTile& tile, PatchPlan& plan) const {
-  list(tile, plan);
-  gather_items(plan);
-}
-
-void PatchPlanner::gather_items(PatchPlan& plan) const {
-  planish::gather_items(mesh_, classes_, plan);
 }
 
 }  // namespace planish

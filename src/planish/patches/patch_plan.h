@@ -1,11 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "planish/core/raw_vector.h"
-#include "planish/patches/patch_kernel.h"
 #include "planish/patches/patch_mesh.h"
 #include "planish/patches/patch_numbering.h"
 #include "planish/patches/patch_templates.h"
@@ -19,7 +16,7 @@ struct PatchTile {
   std::int64_t first_row, row_count;
 };
 
-/// A tile's patches by class, with the indices of their control points: what the kernel takes.
+/// Which patches make which rows, by class and samples.
 struct PatchPlan {
   /// Which results a bucket's rows take: at a cut the further side's rows take their positions from
   /// the first side's patch, so that both are equal to the last bit.
@@ -30,19 +27,25 @@ struct PatchPlan {
     std::int32_t first_sample, sample_count;
     Results results;
     std::int32_t item_count;
-    std::size_t first_index;   ///< in indices: batches of kPatchLanes, column by column
-    std::size_t first_target;  ///< in targets: kPatchLanes a batch
+
+    [[nodiscard]] bool has_results_of(const Bucket& other) const {
+      return first_sample == other.first_sample && sample_count == other.sample_count &&
+             results == other.results;
+    }
   };
   std::vector<Bucket> buckets;
-  RawVector<std::int32_t> indices;
-  RawVector<std::int32_t> targets;  ///< rows of the tile
 
   struct Item {
     PatchPlace place;
     std::int32_t bucket;
-    std::int32_t target;  ///< the tile's row of the bucket's first sample
+    std::int32_t target;  ///< the row of the bucket's first sample
   };
   std::vector<Item> items;
+
+  void clear() {
+    buckets.clear();
+    items.clear();
+  }
 };
 
 /// The classes of a mesh's patches by number, with their templates at one level.
@@ -73,7 +76,7 @@ class PatchClasses {
   std::int32_t max_column_count_ = 0;
 };
 
-/// Plans tiles. All of it must outlive the planner.
+/// Cuts rows into tiles and lists their patches. All of it must outlive the planner.
 class PatchPlanner {
  public:
   PatchPlanner(const PatchMesh& mesh, const PatchNumbering& numbering, const PatchClasses& classes)
@@ -81,15 +84,10 @@ class PatchPlanner {
 
   /// All tiles, ascending by rows.
   [[nodiscard]] std::vector<PatchTile> tiles() const;
-  /// Replaces a plan, whose memory it uses again.
-  void plan(const PatchTile& tile, PatchPlan& plan) const;
-  /// Its buckets and items only, with nothing gathered.
-  void list(const PatchTile& tile, PatchPlan& plan) const;
+  /// Adds a tile's items to a plan; its first row is `target` there.
+  void add(const PatchTile& tile, std::int64_t target, PatchPlan& plan) const;
 
  private:
-  void take_items(const PatchTile& tile, PatchPlan& plan) const;
-  void gather_items(PatchPlan& plan) const;
-
   const PatchMesh& mesh_;
   const PatchNumbering& numbering_;
   const PatchClasses& classes_;

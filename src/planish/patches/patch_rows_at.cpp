@@ -3,7 +3,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/patches/facet_normals.h"
-#include "planish/patches/patch_run.h"
+#include "planish/patches/patch_surface.h"
 
 namespace planish {
 
@@ -57,36 +57,31 @@ std::vector<PatchTile> runs_of(const PatchNumbering& numbering,
   return runs;
 }
 
+}  // namespace
+
 // Some runs, evaluated one after another into arrays of their own.
-class RunEvaluator {
+class PatchSurface::RowEvaluator {
  public:
-  RunEvaluator(const PatchSurface& surface, std::span<const glm::dvec3> state,
+  RowEvaluator(const PatchSurface& surface, std::span<const glm::dvec3> state,
                const Placement& placement, const PatchTarget& target)
       : surface_(surface), state_(state), placement_(placement), target_(target) {}
 
   // `rows` are those wanted of the runs, which go to the target from `place` on.
   DegenerateRows operator()(std::span<const PatchTile> runs, std::span<const std::int32_t> rows,
                             std::size_t place) {
-    plan_.buckets.clear();
-    plan_.items.clear();
+    plan_.clear();
     std::int64_t count = 0;
     for (const PatchTile& run : runs) {
-      surface_.planner().list(run, listed_);
-      for (const PatchPlan::Item& item : listed_.items) {
-        const PatchPlan::Bucket& bucket = listed_.buckets[item.bucket];
-        add_item(item.place, bucket.class_index, bucket.first_sample, bucket.sample_count,
-                 bucket.results, item.target + count, plan_);
-      }
+      surface_.planner_.add(run, count, plan_);
       count += run.row_count;
     }
-    gather_items(surface_.mesh(), surface_.classes(), plan_);
     PatchTarget all;
     all.origin = target_.origin;
     if (!target_.positions.empty()) all.positions = sized(positions_, count);
     if (!target_.stored.empty()) all.stored = sized(stored_, count);
     if (!target_.normals.empty()) all.normals = sized(normals_, count);
-    const bool degenerate = run_plan(surface_.classes(), patch_kernel(best_instructions()), plan_,
-                                     output_at(placement_, all, 0), &state_[0].x);
+    const bool degenerate =
+        surface_.runner_.run_plan(plan_, output_at(placement_, all, 0), &state_[0].x);
     return hand_over(runs, rows, place, all, degenerate);
   }
 
@@ -124,21 +119,19 @@ class RunEvaluator {
   std::span<const glm::dvec3> state_;
   const Placement& placement_;
   const PatchTarget& target_;
-  PatchPlan plan_, listed_;
+  PatchPlan plan_;
   std::vector<glm::dvec3> positions_;
   std::vector<glm::vec3> stored_, normals_;
 };
 
-}  // namespace
-
-DegenerateRows patch_rows_at(const PatchSurface& surface, std::span<const glm::dvec3> state,
-                             const Placement& placement, std::span<const std::int32_t> rows,
-                             const PatchTarget& target) {
+DegenerateRows PatchSurface::rows_at(std::span<const glm::dvec3> state, const Placement& placement,
+                                     std::span<const std::int32_t> rows,
+                                     const PatchTarget& target) const {
   DegenerateRows degenerate;
   if (rows.empty()) return degenerate;
-  PLANISH_ASSERT(rows.front() >= 0 && rows.back() < surface.numbering().row_count());
-  const std::vector<PatchTile> runs = runs_of(surface.numbering(), rows);
-  RunEvaluator evaluate(surface, state, placement, target);
+  PLANISH_ASSERT(rows.front() >= 0 && rows.back() < numbering_.row_count());
+  const std::vector<PatchTile> runs = runs_of(numbering_, rows);
+  RowEvaluator evaluate(*this, state, placement, target);
   std::size_t place = 0;
   for (std::size_t begin = 0; begin < runs.size();) {
     std::size_t end = begin;

@@ -1,5 +1,7 @@
 #include "planish/patches/patch_runner.h"
 
+#include <algorithm>
+
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
 #include "planish/patches/patch_batches.h"
@@ -81,15 +83,17 @@ void list_points(const MeshTopology& topology, const PatchNumbering& numbering, 
 }  // namespace
 
 PatchRunner::PatchRunner(const PatchMesh& mesh, const PatchNumbering& numbering,
-                         const PatchClasses& classes, PatchKernel kernel)
+                         const PatchClasses& classes, const PatchPlanner& planner,
+                         PatchKernel kernel)
     : mesh_(mesh),
       topology_(mesh.topology()),
       numbering_(numbering),
       classes_(classes),
+      planner_(planner),
       kernel_(kernel),
       quads_(are_quads(topology_)) {}
 
-bool PatchRunner::runs(Part part) const {
+bool PatchRunner::runs_at_once(Part part) const {
   if (part == Part::Corners) return !numbering_.has_hidden();
   return part == Part::Vertices || part == Part::Faces || part == Part::Edges;
 }
@@ -187,6 +191,11 @@ void PatchRunner::add_tile(const PatchTile& tile, PatchBatches& run) const {
 
 bool PatchRunner::run_tile(const PatchTile& tile, const PatchOutput& output, const double* state,
                            PointRows* points) const {
+  if (!runs_at_once(tile.part)) {
+    PatchPlan& plan = empty_plan();
+    planner_.add(tile, 0, plan);
+    return run_plan(plan, output, state);
+  }
   begin_points(tile.item_count, points);
   PatchBatches run(classes_, kernel_, quads_,
                    tile.part == Part::Corners ? numbering_.samples().owned_count() : 1, output,
@@ -223,7 +232,7 @@ bool PatchRunner::run_grids(std::span<const std::int32_t> corners, const PatchOu
 }
 
 bool PatchRunner::makes_points() const {
-  return quads_ && runs(Part::Corners) && classes_.smooth_index(4, 0) >= 0 &&
+  return quads_ && runs_at_once(Part::Corners) && classes_.smooth_index(4, 0) >= 0 &&
          takes_whole_faces(classes_, numbering_.samples().count());
 }
 
@@ -255,40 +264,49 @@ bool PatchRunner::finish_points(const PatchOutput& output, const double* state,
 bool PatchRunner::run_points(std::span<const std::int32_t> rows, const PatchOutput& output,
                              const double* state) const {
   PatchBatches run(classes_, kernel_, quads_, 1, output, state);
-  const std::int64_t faces = numbering_.first_row(Part::Faces),
-                     edges = numbering_.first_row(Part::Edges),
-                     corners = numbering_.first_row(Part::Corners),
-                     further = numbering_.first_row(Part::Further);
-  bool has_further = false;
+  PatchPlan& further = empty_plan();
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::int32_t row = rows[i];
-    if (row >= corners) {
-      has_further = true;
-      continue;
-    }
-    const Part part = row < faces ? Part::Vertices : row < edges ? Part::Faces : Part::Edges;
+    const std::int64_t row = rows[i];
+    int number = 0;
+    while (row >= numbering_.end_row(static_cast<Part>(number))) ++number;
+    const auto part = static_cast<Part>(number);
+    const std::int64_t item = row - numbering_.first_row(part);
     const auto target = static_cast<std::int32_t>(i);
-    quads_ ? add_point<true>(part, row - numbering_.first_row(part), target, run)
-           : add_point<false>(part, row - numbering_.first_row(part), target, run);
-  }
-  bool degenerate = run.finish();
-  if (!has_further) return degenerate;
-  // The further side of a cut has its normal, and the first side's position.
-  for (const bool normals : {true, false}) {
-    PatchOutput part = output;
-    if (normals) part.positions = nullptr, part.stored = nullptr;
-    if (!normals) part.normals = nullptr;
-    PatchBatches side(classes_, kernel_, quads_, 1, part, state);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      if (rows[i] < corners) continue;
-      const std::int64_t item = rows[i] - further;
-      const std::int32_t corner =
-          normals ? numbering_.item_corner(Part::Further, item) : numbering_.further_first(item);
-      add_place(
-          numbering_.is_further_edge(item) ? mesh_.edge_point(corner) : mesh_.vertex_point(corner),
-          static_cast<std::int32_t>(i), side);
+    if (part == Part::Further) {
+      planner_.add({part, item, 1, row, 1}, target, further);
+    } else {
+      quads_ ? add_point<true>(part, item, target, run) : add_point<false>(part, item, target, run);
     }
-    degenerate |= side.finish();
+  }
+  const bool degenerate = run.finish();
+  return run_plan(further, output, state) || degenerate;
+}
+
+PatchPlan& PatchRunner::empty_plan() {
+  thread_local PatchPlan plan;
+  plan.clear();
+  return plan;
+}
+
+bool PatchRunner::run_plan(const PatchPlan& plan, const PatchOutput& output,
+                           const double* state) const {
+  using Bucket = PatchPlan::Bucket;
+  bool degenerate = false;
+  for (auto bucket = plan.buckets.begin(); bucket != plan.buckets.end(); ++bucket) {
+    const auto is_alike = [&](const Bucket& other) { return other.has_results_of(*bucket); };
+    if (std::any_of(plan.buckets.begin(), bucket, is_alike)) continue;  // has run
+    PatchOutput part = output;
+    if (bucket->results == PatchPlan::Results::Normals)
+      part.positions = nullptr, part.stored = nullptr;
+    if (bucket->results == PatchPlan::Results::Positions) part.normals = nullptr;
+    PatchBatches run(classes_, kernel_, false, bucket->sample_count, part, state, nullptr,
+                     bucket->first_sample);
+    for (const PatchPlan::Item& item : plan.items) {
+      const Bucket& own = plan.buckets[static_cast<std::size_t>(item.bucket)];
+      if (!is_alike(own)) continue;
+      mesh_.gather(item.place, run.lane(own.class_index, item.target), kPatchLanes);
+    }
+    degenerate |= run.finish();
   }
   return degenerate;
 }

@@ -14,16 +14,13 @@ namespace planish {
 
 class PatchBatches;
 
-/// Evaluates patches without a plan of them: each is gathered into a batch of its class, which runs
-/// as soon as it is full, its indices still in the nearest cache. The same bits as with plans. Safe
-/// to use from many threads; all of it must outlive the runner.
+/// Evaluates patches: each is gathered into a batch of its class, which runs as soon as it is full,
+/// its indices still in the nearest cache. Safe to use from many threads; all of it must outlive
+/// the runner.
 class PatchRunner {
  public:
   PatchRunner(const PatchMesh& mesh, const PatchNumbering& numbering, const PatchClasses& classes,
-              PatchKernel kernel);
-
-  /// Whether tiles of that part are run here: not those with two sides of a cut or hidden faces.
-  [[nodiscard]] bool runs(PatchNumbering::Part part) const;
+              const PatchPlanner& planner, PatchKernel kernel);
 
   /// Whether corners can make the rows of vertices, faces and edges along: at level 2, of quads.
   [[nodiscard]] bool makes_points() const;
@@ -41,6 +38,8 @@ class PatchRunner {
   /// Rows of vertices, faces, edges and further sectors, anyhow.
   bool run_points(std::span<const std::int32_t> rows, const PatchOutput& output,
                   const double* state) const;
+  /// What a plan lists.
+  bool run_plan(const PatchPlan& plan, const PatchOutput& output, const double* state) const;
 
  private:
   template <bool kQuads>
@@ -54,11 +53,15 @@ class PatchRunner {
   static void begin_points(std::int64_t corner_count, PointRows* points);
   bool finish_points(const PatchOutput& output, const double* state, PointRows* points) const;
   void add_place(const PatchPlace& place, std::int32_t target, PatchBatches& run) const;
+  // Whether tiles of that part need no plan: not those with two sides of a cut or hidden faces.
+  [[nodiscard]] bool runs_at_once(PatchNumbering::Part part) const;
+  static PatchPlan& empty_plan();
 
   const PatchMesh& mesh_;
   const MeshTopology& topology_;
   const PatchNumbering& numbering_;
   const PatchClasses& classes_;
+  const PatchPlanner& planner_;
   PatchKernel kernel_;
   bool quads_ = false;  // every face has four corners
 };

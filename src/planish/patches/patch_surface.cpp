@@ -5,16 +5,13 @@
 #include <algorithm>
 
 #include "planish/core/assert.h"
-#include "planish/core/parallel.h"
 #include "planish/patches/facet_normals.h"
-#include "planish/patches/patch_run.h"
 
 namespace planish {
 
 namespace {
 
 struct Scratch {
-  PatchPlan plan;
   std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> stored, normals;
 };
@@ -24,14 +21,6 @@ Scratch& scratch() {
   return instance;
 }
 
-// By the row's own patch alone: of a tile of large polygons each row is dear.
-DegenerateRows normal_of(const PatchSurface& surface, std::span<const glm::dvec3> state,
-                         const Placement& placement, std::int32_t row, glm::vec3& normal) {
-  PatchTarget one;
-  one.normals = std::span(&normal, 1);
-  return patch_rows_at(surface, state, placement, std::span(&row, 1), one);
-}
-
 }  // namespace
 
 PatchSurface::PatchSurface(const PatchMesh& mesh, const PatchSurfaceOptions& options)
@@ -39,38 +28,29 @@ PatchSurface::PatchSurface(const PatchMesh& mesh, const PatchSurfaceOptions& opt
       numbering_(mesh, options.level, options.hidden),
       classes_(numbering_, mesh, options.weights),
       planner_(mesh_, numbering_, classes_),
-      kernel_(patch_kernel(options.instructions)),
-      runner_(mesh_, numbering_, classes_, kernel_),
-      tiles_(planner_.tiles()) {
-  if (!options.keep_plans) return;
-  plans_.resize(tiles_.size());
-  parallel_for(tiles_.size(), 4, [&](std::size_t begin, std::size_t end) {
-    std::vector<PatchPlan::Item> items;
-    for (std::size_t t = begin; t < end; ++t) {
-      plans_[t].items.swap(items);
-      planner_.plan(tiles_[t], plans_[t]);
-      plans_[t].items.swap(items);
-    }
-  });
-}
+      runner_(mesh_, numbering_, classes_, planner_, patch_kernel(options.instructions)),
+      tiles_(planner_.tiles()) {}
 
-bool PatchSurface::run_plan(const PatchPlan& plan, const PatchOutput& output,
-                            const double* state) const {
-  return planish::run_plan(classes_, kernel_, plan, output, state);
+PatchOutput output_at(const Placement& placement, const PatchTarget& target,
+                      std::ptrdiff_t offset) {
+  PatchOutput output;
+  for (int d = 0; d < 3; ++d) {
+    output.centre[d] = placement.centre[d];
+    output.origin[d] = target.origin[d];
+  }
+  output.diagonal = placement.diagonal;
+  if (!target.positions.empty()) output.positions = &target.positions[0].x + 3 * offset;
+  if (!target.stored.empty()) output.stored = &target.stored[0].x + 3 * offset;
+  if (!target.normals.empty()) output.normals = &target.normals[0].x + 3 * offset;
+  return output;
 }
 
 DegenerateRows PatchSurface::run_tile(std::size_t index, const PatchOutput& output,
                                       const double* state, const Placement& placement,
                                       RowRange wanted) const {
   const PatchTile& tile = tiles_[index];
-  Scratch& local = scratch();
-  const bool at_once = plans_.empty() && runner_.runs(tile.part);
-  if (plans_.empty() && !at_once) planner_.plan(tile, local.plan);
-  const bool degenerate =
-      at_once ? runner_.run_tile(tile, output, state)
-              : run_plan(plans_.empty() ? local.plan : plans_[index], output, state);
   DegenerateRows found;
-  if (!degenerate) return found;
+  if (!runner_.run_tile(tile, output, state)) return found;
   const FacetNormals facets(mesh_, numbering_, classes_, state, placement);
   for (std::int64_t r = 0; r < tile.row_count; ++r) {
     const std::int64_t row = tile.first_row + r;
@@ -137,6 +117,15 @@ DegenerateRows PatchSurface::rows(std::span<const glm::dvec3> state, const Place
   return degenerate;
 }
 
+// By the row's own patch alone: of a tile of large polygons each row is dear.
+DegenerateRows PatchSurface::normal_of(std::span<const glm::dvec3> state,
+                                       const Placement& placement, std::int32_t row,
+                                       glm::vec3& normal) const {
+  PatchTarget one;
+  one.normals = std::span(&normal, 1);
+  return rows_at(state, placement, std::span(&row, 1), one);
+}
+
 // Normals of points that came out zero.
 DegenerateRows PatchSurface::mend(std::span<const glm::dvec3> state, const Placement& placement,
                                   PointRows* points) const {
@@ -144,7 +133,7 @@ DegenerateRows PatchSurface::mend(std::span<const glm::dvec3> state, const Place
   for (std::size_t i = 0; points != nullptr && i < points->size(); ++i) {
     glm::vec3& normal = points->normals()[i];
     if (normal == glm::vec3(0.0f))
-      found.add(normal_of(*this, state, placement, points->rows()[i], normal));
+      found.add(normal_of(state, placement, points->rows()[i], normal));
   }
   return found;
 }
@@ -164,7 +153,7 @@ DegenerateRows PatchSurface::grids(std::span<const glm::dvec3> state, const Plac
         glm::vec3& normal = target.normals[i * samples.count() + samples.index(a, b)];
         if (normal != glm::vec3(0.0f)) continue;
         const DegenerateRows one =
-            normal_of(*this, state, placement, numbering_.row(corners[i], a, b), normal);
+            normal_of(state, placement, numbering_.row(corners[i], a, b), normal);
         if (samples.index(a, b) < samples.owned_count()) found.add(one);
       }
     }
@@ -184,8 +173,7 @@ DegenerateRows PatchSurface::owned(std::span<const glm::dvec3> state, const Plac
   for (std::int64_t i = 0; i < row_count; ++i) {
     glm::vec3& normal = target.normals[static_cast<std::size_t>(i)];
     if (normal == glm::vec3(0.0f))
-      found.add(
-          normal_of(*this, state, placement, static_cast<std::int32_t>(first_row + i), normal));
+      found.add(normal_of(state, placement, static_cast<std::int32_t>(first_row + i), normal));
   }
   found.add(mend(state, placement, &points));
   return found;
@@ -199,7 +187,7 @@ DegenerateRows PatchSurface::points(std::span<const glm::dvec3> state, const Pla
     return degenerate;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (target.normals[i] != glm::vec3(0.0f)) continue;
-    degenerate.add(normal_of(*this, state, placement, rows[i], target.normals[i]));
+    degenerate.add(normal_of(state, placement, rows[i], target.normals[i]));
   }
   return degenerate;
 }

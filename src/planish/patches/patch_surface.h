@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -20,8 +21,6 @@ struct PatchSurfaceOptions {
   int level = 2;  ///< 0: limit points of the vertices
   Weights weights = Weights::DooSabin;
   std::span<const std::uint8_t> hidden;  ///< one flag a face, or nothing; must outlive the surface
-  /// Plans of all tiles are made once and kept: for many evaluations. 4 (K + 1) bytes a patch.
-  bool keep_plans = false;
   PatchInstructions instructions = best_instructions();
 };
 
@@ -32,6 +31,10 @@ struct PatchTarget {
   std::span<glm::vec3> normals;
   glm::dvec3 origin{0.0};
 };
+
+/// Where a kernel writes; `offset` is the target's row of its row 0.
+[[nodiscard]] PatchOutput output_at(const Placement& placement, const PatchTarget& target,
+                                    std::ptrdiff_t offset);
 
 /// Rows whose tangents are parallel: their normals are those of the facets around them.
 struct DegenerateRows {
@@ -60,6 +63,10 @@ class PatchSurface {
   /// coordinates of `placement`.
   DegenerateRows rows(std::span<const glm::dvec3> state, const Placement& placement, RowRange range,
                       const PatchTarget& target) const;
+  /// Rows that are named in ascending order, none twice: the same bits, at the cost of all rows of
+  /// the corners that they lie in. The target has a place for each.
+  DegenerateRows rows_at(std::span<const glm::dvec3> state, const Placement& placement,
+                         std::span<const std::int32_t> rows, const PatchTarget& target) const;
 
   /// All samples of some visible corners, one corner after another, each in the order of
   /// PatchSamples. Returns the degenerate ones of their own samples. With `points`, where
@@ -82,9 +89,12 @@ class PatchSurface {
                         std::span<const std::int32_t> rows, const PatchTarget& target) const;
 
  private:
-  bool run_plan(const PatchPlan& plan, const PatchOutput& output, const double* state) const;
+  class RowEvaluator;
+
   DegenerateRows run_tile(std::size_t index, const PatchOutput& output, const double* state,
                           const Placement& placement, RowRange wanted) const;
+  DegenerateRows normal_of(std::span<const glm::dvec3> state, const Placement& placement,
+                           std::int32_t row, glm::vec3& normal) const;
   DegenerateRows mend(std::span<const glm::dvec3> state, const Placement& placement,
                       PointRows* points) const;
   DegenerateRows run_part(std::size_t index, std::span<const glm::dvec3> state,
@@ -95,10 +105,8 @@ class PatchSurface {
   PatchNumbering numbering_;
   PatchClasses classes_;
   PatchPlanner planner_;
-  PatchKernel kernel_;
   PatchRunner runner_;
   std::vector<PatchTile> tiles_;
-  std::vector<PatchPlan> plans_;  // of all tiles, or none
 };
 
 }  // namespace planish

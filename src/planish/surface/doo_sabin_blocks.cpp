@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "planish/core/parallel.h"
-#include "planish/patches/patch_run.h"
 #include "planish/surface/shared_points.h"
 
 namespace planish {
@@ -106,7 +105,7 @@ DegenerateRows DooSabinBlocks::rows_at(std::span<const std::int32_t> rows,
                                        const RowTarget& target) const {
   if (!device_rows_.empty()) return SurfaceBlocks::rows_at(rows, target);
   const DegenerateRows degenerate =
-      patch_rows_at(surface_, base_.state(), base_.placement(), rows, target);
+      surface_.rows_at(base_.state(), base_.placement(), rows, target);
   for (std::size_t i = 0; i < rows.size() && !target.colors.empty();) {
     std::size_t end = i + 1;
     while (end < rows.size() && rows[end] == rows[end - 1] + 1) ++end;

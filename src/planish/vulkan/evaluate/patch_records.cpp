@@ -72,7 +72,8 @@ class Packer {
     add_links();
     PatchPlan plan;
     for (const PatchTile& tile : surface_.tiles()) {
-      surface_.planner().list(tile, plan);
+      plan.clear();
+      surface_.planner().add(tile, 0, plan);
       std::stable_sort(plan.items.begin(), plan.items.end(),
                        [](const PatchItem& x, const PatchItem& y) { return x.bucket < y.bucket; });
       std::size_t first = 0;
