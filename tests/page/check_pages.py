@@ -110,6 +110,13 @@ def check_keys(tab, report):
     check("so is its error", abs(largest - error["max"]) <= 0.01 * error["max"], str(largest))
     tab.key("f")
     check("a fold is named", text(tab, "picked").startswith("Fold 1 of "), text(tab, "picked"))
+    time.sleep(0.7)  # the flight
+    off = tab.evaluate("""(() => {
+        const at = (id) => document.getElementById(id).getBoundingClientRect();
+        const mark = at('mark'), stage = at('stage');
+        return Math.hypot(mark.x + mark.width / 2 - stage.x - stage.width / 2,
+            mark.y + mark.height / 2 - stage.y - stage.height / 2); })()""")
+    check("a ring marks it in the middle", off is not None and off < 8, str(off))
     tab.key("Home")
     check("Home shows the whole", look(tab)["covered"] > 0.05)
 
@@ -243,6 +250,8 @@ def check_no_script(chromium, folder):
           and words.count("It passes through all of them") == 2, f"{len(words)} characters")
     check("without script: plots", tab.evaluate(
         "document.querySelector('svg.plot').getBoundingClientRect().height") > 100)
+    check("without script: a picture of each job", tab.evaluate(
+        "[...document.querySelectorAll('img.still')].filter((i) => i.naturalWidth === 720).length") == 2)
     check("without script: a note, no view", tab.evaluate(
         "document.getElementById('view').hidden && !document.getElementById('plain').hidden"))
     tab.close()

@@ -10,7 +10,7 @@
 #include "picture.h"
 #include "planish/core/error.h"
 #include "planish/files/mesh_file.h"
-#include "write_png.h"
+#include "png.h"
 
 namespace planish::render {
 namespace {

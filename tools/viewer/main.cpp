@@ -13,7 +13,7 @@
 #include "planish/core/error.h"
 #include "terminal/exit_codes.h"
 #include "window.h"
-#include "write_png.h"
+#include "render/png.h"
 
 namespace planish::viewer {
 namespace {

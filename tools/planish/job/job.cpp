@@ -110,7 +110,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     fit_input(made, std::move(ready), backend, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context.console);
     stdout_bytes = staged.naming_targets([&] {
-      return write_outputs({job, outputs, backend, context, made, report, staged, page.payloads});
+      return write_outputs({job, outputs, backend, context, made, report, staged, page});
     });
   });
   report.host_peak_bytes = peak_host_bytes();

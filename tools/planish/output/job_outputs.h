@@ -18,7 +18,7 @@ struct FittedJob {
   const JobInput& made;
   JobReport& report;
   StagedFiles& staged;
-  std::vector<PagePayload>& scene;  ///< for the page; left empty where none is wanted
+  PageJob& page;  ///< whose scene is made where a page is wanted
 };
 
 /// Writes cages, evaluates every level once, whatever the number of files that show it, and

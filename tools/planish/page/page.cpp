@@ -74,7 +74,7 @@ using ChosenLevels = std::vector<int>;
 std::size_t scene_bytes(const PageJob& job, int level) {
   if (level < 0) return 0;
   const PagePayload& payload = job.payloads[static_cast<std::size_t>(level)];
-  return payload.packed.size() + payload.head.dump().size();
+  return payload.packed.size() + payload.head.dump().size() + job.still.size();
 }
 
 ChosenLevels choose_levels(std::span<const PageJob> jobs, std::size_t words_bytes,
@@ -180,7 +180,8 @@ std::string make_page(std::span<const PageJob> jobs, const PageOptions& options,
         continue;
       }
       places["rows"] += overview_row(reports[j], j);
-      places["jobs"] += job_section(reports[j], j, view_note(jobs[j], levels[j], options));
+      places["jobs"] += job_section(reports[j], j, view_note(jobs[j], levels[j], options),
+                                    levels[j] >= 0 ? jobs[j].still : std::string());
       if (levels[j] >= 0)
         places["scenes"] += scene_blocks(reports[j], jobs[j].payloads[levels[j]], j);
     }

@@ -25,6 +25,7 @@ struct PageJob {
   nlohmann::ordered_json report;  ///< as the job's JSON report
   /// The scene down to each level that can be shown, coarsest first; empty: figures only.
   std::vector<PagePayload> payloads;
+  std::string still;  ///< a picture for who runs no script, PNG in base64; shown with the scene
 };
 
 /// The deepest level that a page shows.

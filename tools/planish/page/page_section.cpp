@@ -1,6 +1,7 @@
 #include "page/page_section.h"
 
 #include "page/page_plot.h"
+#include "page/page_still.h"
 #include "page/page_text.h"
 #include "terminal/text.h"
 
@@ -79,6 +80,14 @@ std::string figures(const Json& report) {
   rows += row("sharp edges, corners",
               count_of(input["sharp_edges"]) + ", " + count_of(input["corners"]));
   rows += row("method", method_text(solve));
+  for (const auto& [label, choice] :
+       {std::pair{"why this method", solve.value("choice", Json())},
+        {"why these faces",
+         solve.value("quads", Json(Json::value_t::object)).value("choice", Json())}})
+    if (choice.is_object()) rows += row(label, text_of(choice["reason"]));
+  if (const Json within = solve.value("within", Json()); within.is_object())
+    rows += row("left by at most, rms", figure(within["allowed"]) + ", " +
+                                            figure(within["distance"]["rms"]) + " of the diagonal");
   rows += row("error, rms and largest", figure(solve["error"]["rms"]) + ", " +
                                             figure(solve["error"]["max"]) + " of the diagonal");
   rows += surface_rows(report["surface"]);
@@ -184,11 +193,17 @@ std::string summary_sentence(const Json& report) {
                                           : text_of(surface["reference"]) + ".");
 }
 
-std::string job_section(const Json& report, std::size_t number, const std::string& view_note) {
+std::string job_section(const Json& report, std::size_t number, const std::string& view_note,
+                        const std::string& still) {
   const std::string id = std::to_string(number);
   std::string html =
       opened(number, html_text(text_of(report["job"])) + " " + status_pill(report["solve"]));
   html += "<p class=\"summary\">" + html_text(summary_sentence(report)) + "</p>";
+  if (!still.empty())
+    html += "<noscript><img class=\"still\" width=\"" + std::to_string(kStillWidth) +
+            "\" height=\"" + std::to_string(kStillHeight) + "\" alt=\"The surface of " +
+            html_text(text_of(report["job"])) + "\" src=\"data:image/png;base64," + still +
+            "\"></noscript>";
   if (!view_note.empty()) html += "<p class=\"hint\">" + html_text(view_note) + "</p>";
   html += "<div class=\"cards\"><div>" + figures(report) + "</div><div>" + convergence(report, id) +
           "</div><div>" + warnings(report) + files(report) + command(report) + "</div></div>";

@@ -12,9 +12,9 @@ namespace planish::command {
 [[nodiscard]] std::string summary_sentence(const nlohmann::ordered_json& report);
 
 /// Everything about one job; `number` is its place on the page. `view_note` says what the view
-/// shows of it, or why it has none.
+/// shows of it, or why it has none; `still`: PageJob's.
 [[nodiscard]] std::string job_section(const nlohmann::ordered_json& report, std::size_t number,
-                                      const std::string& view_note);
+                                      const std::string& view_note, const std::string& still = {});
 
 /// The same for a job that ended with an error.
 [[nodiscard]] std::string failed_section(const std::string& name, const std::string& message,

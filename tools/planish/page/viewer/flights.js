@@ -40,6 +40,7 @@ function goFold() {
   const place = fold.position.map((x) => Number(x.toPrecision(4))).join(', ');
   $('picked').textContent = `Fold ${number + 1} of ${folds.length} at ${place}\n` +
       `${figure(100 * fold.area)} % of the area, over face ${fold.face} (counted from 0)`;
+  state.marked = fold.position;
   const distance = Math.min(scene.radius, Math.max(5 * fold.size, diagonal / 200));
   fly({ ...facing(fold.direction, up), distance, target: fold.position });
   showFoldButton();
@@ -77,5 +78,6 @@ function pick(x, y) {
   const seen = within.slice(0, 8).find(({ px, py, depth }) =>
     depth <= depthUnder(scene, frame, px, py, width, height) + slack);
   if (seen) describeVertex(seen.i, 'Vertex');
-  else $('picked').textContent = '';
+  else clearPicked();
+  placeMark();
 }

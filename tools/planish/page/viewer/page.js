@@ -19,7 +19,7 @@ async function show(job, beside = null) {
   const [scene, other] = await Promise.all([load(index), beside === null ? null : load(beside)]);
   const fresh = !state.scene || state.scene.head.name !== scene.head.name;
   Object.assign(state, { scene, other, nextFold: 0 });
-  $('picked').textContent = '';
+  clearPicked();
   $('level').max = Math.max(scene.levels.length, other?.levels.length ?? 0) - 1;
   for (const id of ['divider', 'left', 'right']) $(id).hidden = !other;
   $('left').textContent = scene.head.label;

@@ -12,7 +12,7 @@ const canvas = $('canvas'), stage = $('stage');
 const heads = [...document.querySelectorAll('script.head')].map((s) => JSON.parse(s.textContent));
 const payloads = [...document.querySelectorAll('script.payload')];
 const loading = new Map();
-const state = { scene: null, other: null, split: 0.5, nextFold: 0, frames: 0, renderer: null };
+const state = { scene: null, other: null, split: 0.5, nextFold: 0, marked: null, frames: 0, renderer: null };
 
 /** The scene of a job by its place among those that have one; read once. */
 function load(index) {
@@ -99,5 +99,6 @@ function render() {
   renderer.draw(scene, deepest(scene), 0, other ? split : 1);
   if (other) renderer.draw(other, deepest(other), split, 1);
   renderer.end();
+  placeMark();
   document.documentElement.dataset.frames = ++state.frames;
 }

@@ -62,7 +62,24 @@ function describeVertex(vertex, name) {
     const noise = key === 'error' && value > 0 && value < ERROR_NOISE;
     lines.push(`${label}: ${noise ? `below ${figure(ERROR_NOISE)}` : figure(value)} ${unit}`);
   }
+  state.marked = pointOf(scene, vertex);
   const place = pointOf(scene, vertex).map((x) => Number(x.toPrecision(4))).join(', ');
   $('picked').textContent =
       [`${name} ${scene.names[vertex]} (counted from 0) at ${place}`, ...lines].join('\n');
+}
+
+function clearPicked() {
+  $('picked').textContent = '';
+  state.marked = null;
+}
+
+/** A ring around what those words are of. */
+function placeMark() {
+  const mark = $('mark'), { scene, marked } = state;
+  mark.hidden = !marked;
+  if (!marked) return;
+  const width = stage.clientWidth, height = stage.clientHeight;
+  const [x, y, depth] = projection(scene, width / height).place(marked, width, height);
+  mark.hidden = depth <= 0;
+  Object.assign(mark.style, { left: `${x}px`, top: `${y}px` });
 }

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "options/settings.h"
+#include "planish/surface/surface_mesh.h"
+
+namespace planish::command {
+
+inline constexpr int kStillWidth = 720, kStillHeight = 480;
+
+/// A picture of the surface as PNG, clear around it: what a page shows where no script draws.
+[[nodiscard]] std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up);
+
+}  // namespace planish::command
