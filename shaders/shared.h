@@ -221,6 +221,28 @@ struct VectorParameters {
   uint further_instances;
 };
 
+// Where the mesh bends least: BendingTable of fair/least_bending.h. An entry is the vertex and the
+// weight in the row; those of the other vertex's row stand apart.
+struct BendingVertex {
+  uint first;  // of its entries
+  uint word;   // VertexKind, kBendingClosed, and how many entries from kBendingCountShift on
+  float inverse_area;
+  float step;
+};
+PLANISH_SHARED_CONSTANT kBendingKind = 3u;
+PLANISH_SHARED_CONSTANT kBendingClosed = 4u;
+PLANISH_SHARED_CONSTANT kBendingCountShift = 3u;
+
+// Push constants of the kernels that make it so.
+struct BendingParameters {
+  uint count;          // vertices
+  uint instance_rows;  // points from an instance's vectors to the next one's
+  float unit;          // of the table's coordinates, in those of the points
+  float bound;
+  float momentum;
+  uint is_last;  // step: the points are moved
+};
+
 // The fair construction: topology records, see FairTopology. Indices of control points are those of
 // the state of level 1, whose first points are the corners'.
 // VertexKind.

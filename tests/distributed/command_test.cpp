@@ -58,6 +58,48 @@ TEST_F(MpiCommand, FairTilesHaveTheBytesOfPlanish) {
   }
 }
 
+// Vertices are left by what one machine leaves them by, to the bit.
+TEST_F(MpiCommand, LeavesVerticesAsPlanishDoes) {
+  for (const std::string method : {"fair", "progressive"}) {
+    const std::vector<std::string> arguments{
+        "fit",      torus_,         "--within", "0.004",       "--interpolation", method,
+        "-o",       path("t.json"), "--cage",   path("c.ply"), "--tile-vertices", "256",
+        "--report", path("r.json"), "-f"};
+    std::string one = PLANISH_PROGRAM;
+    for (const std::string& argument : arguments) one += " " + argument;
+    one += " --repair none --precision double > " + path("one.txt") + " 2>&1";
+    ASSERT_EQ(std::system(one.c_str()), 0) << read("one.txt");
+    const auto tiles = files_below(path("t"));
+    const json expected = read_json("r.json")["solve"]["within"];
+    EXPECT_GT(expected["at_bound"], 0);
+    std::string cage;
+    for (const int ranks : {1, 3, 5}) {
+      const ProcessResult result = on(ranks, arguments);
+      ASSERT_EQ(result.exit_code, 0) << result.err;
+      EXPECT_THAT(result.err, HasSubstr("within 0.004 of the diagonal: vertices are left by"));
+      const json within = read_json("r.json")["solve"]["within"];
+      for (const char* key : {"allowed", "noise", "at_bound"})
+        EXPECT_EQ(within[key], expected[key]);
+      EXPECT_EQ(within["distance"]["max"], expected["distance"]["max"]);
+      for (const char* key : {"bending_before", "bending_after"})
+        EXPECT_NEAR(within[key].get<double>(), expected[key].get<double>(),
+                    1e-12 * expected[key].get<double>());
+      if (method == "fair") {
+        EXPECT_TRUE(files_below(path("t")) == tiles) << ranks;
+      }
+      if (ranks == 1) cage = read("c.ply");
+      EXPECT_TRUE(read("c.ply") == cage) << method << ranks;
+      const std::string verify = std::string(PLANISH_PROGRAM) + " verify " + path("c.ply") + " " +
+                                 torus_ + " > " + path("verify.txt") + " 2>&1";
+      EXPECT_EQ(std::system(verify.c_str()), 0) << read("verify.txt");
+    }
+  }
+  const ProcessResult measured =
+      on(2, {"fit", torus_, "--within", "auto", "--cage", path("x.ply")});
+  EXPECT_EQ(measured.exit_code, 2) << measured.err;
+  EXPECT_THAT(measured.err, HasSubstr("ranks do not measure noise; say how far, such as 0.001"));
+}
+
 // With colours, texture coordinates that have a seam, and materials that begin within the file.
 std::string with_attributes(const std::string& obj) {
   std::istringstream lines(obj);

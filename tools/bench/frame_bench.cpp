@@ -22,6 +22,7 @@ namespace {
 using namespace vulkan;
 
 constexpr double kFrameTolerance = 1e-5;  // of the diagonal
+constexpr double kFrameWithin = 1e-3;     // of the diagonal
 constexpr int kPoses = 16;                // there and back again, as often as wanted
 constexpr std::uint32_t kSpareIterations = 4;
 constexpr double kLoopSeconds = 5;  // after which the loop takes no more frames
@@ -35,9 +36,10 @@ struct FrameTimes {
 
 class FrameBudget {
  public:
-  FrameBudget(VulkanMachine& machine, const PolygonMesh& mesh)
+  FrameBudget(VulkanMachine& machine, const PolygonMesh& mesh, double within = 0)
       : machine_(machine),
-        frame_(machine, mesh, {.level = kFrameLevel, .tolerance = kFrameTolerance}),
+        frame_(machine, mesh,
+               {.level = kFrameLevel, .within = within, .tolerance = kFrameTolerance}),
         clock_(machine, 4),
         status_(machine.context, sizeof(GpuStatus), MemoryUse::Download) {
     for (int i = 0; i < kPoses; ++i) poses_.push_back(twisted(mesh, i));
@@ -62,6 +64,14 @@ class FrameBudget {
     rows.push_back(run_loop(options.loop_frames));
     for (Row& row : rows) row.ratio = rows[3].median_ms > 0 ? row.median_ms / rows[3].median_ms : 0;
     return rows;
+  }
+
+  // The warm solve of surfaces that may leave their points.
+  Row measure_within(const Options& options) {
+    const FrameTimes warm = run_frames(options.repetitions, true);
+    Row row = row_of_times(group_, "within-solve", warm.solve);
+    row.figures = frame_figures(warm);
+    return row;
   }
 
  private:
@@ -232,6 +242,7 @@ std::vector<Row> bench_frame(const Options& options) {
       FrameBudget budget(*machine, mesh);
       const std::vector<Row> measured = budget.measure(options);
       rows.insert(rows.end(), measured.begin(), measured.end());
+      rows.push_back(FrameBudget(*machine, mesh, kFrameWithin).measure_within(options));
     } catch (const Error& error) {
       rows.push_back(
           refusal(error, "frame", std::to_string(mesh.vertex_count()) + " points", "warm-frame"));

@@ -56,6 +56,7 @@ void take_settings(MpiJob& job) {
   options.corner_vertices = settings.corner_vertices;
   options.solver = settings.solver;
   options.tolerance = settings.tolerance;
+  options.within = settings.within.of_diagonal.value_or(0.0);
   options.max_iterations = settings.max_iterations;
   job.settings.quads = QuadChoice::Off;
   options.creases = creases_text(settings.creases.use_tags, {});

@@ -59,6 +59,7 @@ RankRule rule_of(std::string_view name) {
 
 bool takes(const RankRule& rule, std::string_view value) {
   if (rule.words == "*") return true;
+  if (rule.words.starts_with('!')) return rule.words.substr(1) != value;
   for (std::string_view rest = rule.words; !rest.empty();) {
     const std::size_t end = std::min(rest.find('|'), rest.size());
     if (rest.substr(0, end) == value) return true;
@@ -84,7 +85,8 @@ MpiOption mpi_option(std::string_view name) {
 
 std::string words_taken(std::string_view name) {
   const RankRule rule = rule_of(name);
-  return rule.words == "*" ? std::string() : std::string(rule.words);
+  const bool is_list = rule.words != "*" && !rule.words.starts_with('!');
+  return std::string(is_list ? rule.words : "");
 }
 
 void require_available(std::span<const GivenSetting> given, const FitSettings& settings) {

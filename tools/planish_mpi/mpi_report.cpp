@@ -45,6 +45,7 @@ FittedMesh fitted_of(const MpiJob& job, const DistributedFit& fit) {
   all.crease_degrees = settings.creases.dihedral_degrees;
   all.reason = choice_of(job);
   all.fit.spectral_bound = fit.spectral_bound;
+  all.fit.within = fit.within;
   Interpolation& result = all.fit.interpolation;
   result.converged = fit.solution.converged;
   result.stop_reason = fit.solution.stop_reason;
@@ -181,6 +182,7 @@ std::string mpi_summary(const MpiJob& job, const DistributedFit& fit) {
   text << "largest vertex error " << std::setprecision(3) << fit.solution.error.max
        << (fit.solution.converged ? "" : " (not converged)") << "\n";
   if (const auto choice = choice_of(job)) text << "  method " << choice->text << "\n";
+  if (fit.within) text << "  within " << within_text(*fit.within) << "\n";
   if (fit.tiles) {
     for (const TileLevel& level : fit.tiles->file.levels)
       text << "  level " << level.level << ": " << planish::counted(level.tiles, "tile") << ", "

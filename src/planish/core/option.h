@@ -58,8 +58,9 @@ struct OptionLimits {
 
 /// What planish-mpi takes of an option.
 struct RankRule {
-  std::string_view words = "*";  ///< all; else those, with '|' between; empty: none
-  std::string_view remedy;       ///< what to do instead
+  /// All; else those, with '|' between; "!WORD": all but that; empty: none.
+  std::string_view words = "*";
+  std::string_view remedy;  ///< what to do instead
 };
 
 /// All that can be said of an option without a value.

@@ -125,6 +125,7 @@ class DistributedJob {
     fit_.spectral_bound = rows.spectral_bound;
     fit_.has_boundary = rows.has_boundary;
     note_figures(rows);
+    leave_points(rows);
     // The solve needs rows and owned vertices only.
     if (options_.tiles.empty() && !is_fair()) drop_rings();
     watch_.fault_point();
@@ -143,7 +144,8 @@ class DistributedJob {
   }
 
   void place_cage() {
-    cage_.assign(part_.positions.begin(), part_.positions.begin() + part_.owned_count());
+    const std::vector<glm::dvec3>& points = is_fair() ? part_.positions : solve_points();
+    cage_.assign(points.begin(), points.begin() + part_.owned_count());
     if (is_fair()) return;
     const std::vector<glm::dvec3>& moves = fit_.solution.displacement;
     for (std::size_t v = 0; v < cage_.size(); ++v) cage_[v] += fit_.placement.diagonal * moves[v];
@@ -161,12 +163,13 @@ class DistributedJob {
     options.sharp = options_.sharp;
     options.placement = is_fair() ? fit_.placement : placement_over(ranks_, part_, cage_);
     options.fair = fit_.fair ? &*fit_.fair : nullptr;
+    options.points = points_;
     options.records = staged_tiles_->records();
     options.after_block = [&] {
       watch_.tick();
       watch_.fault_point();
     };
-    if (!is_fair()) fetch_ghost_tags(ranks_, part_);
+    fetch_tags();
     std::vector<glm::dvec3> cage = cage_;
     const auto ghosts = fetch<glm::dvec3>(ranks_, part_.ghosts, part_.layout,
                                           [&](std::int64_t place) { return cage_[place]; });
@@ -212,11 +215,45 @@ class DistributedJob {
     write_cage(ranks_, vertices_, fit_.faces, points, cage_faces_, options_.cage_header, *file);
   }
 
+  // What the surface passes through, by local vertex.
+  [[nodiscard]] const std::vector<glm::dvec3>& solve_points() const {
+    return points_.empty() ? part_.positions : points_;
+  }
+
+  [[nodiscard]] PartFairOptions part_options() {
+    PartFairOptions options;
+    options.fit.weights = options_.weights;
+    options.fit.sharp = options_.sharp;
+    options.fit.tolerance = options_.tolerance;
+    options.fit.within = options_.within;
+    options.fit.polish_steps = options_.polish_steps;
+    options.placement = fit_.placement;
+    options.points = points_;
+    options.block_vertices = block_vertices();
+    options.after_exchange = [&] { watch_.tick(); };
+    return options;
+  }
+
+  void fetch_tags() {
+    if (!std::exchange(has_ghost_tags_, true)) fetch_ghost_tags(ranks_, part_);
+  }
+
+  void leave_points(PartRows& rows) {
+    if (options_.within == 0) return;
+    fetch_tags();
+    PartWithin within = bend_part_least(ranks_, part_, part_options());
+    fit_.within = within.figures;
+    points_ = std::move(within.points);
+    if (points_.empty()) return;
+    for (std::size_t i = 0; i < rows.ghosts.size(); ++i)
+      rows.ghost_points[i] = points_[part_.local_of(rows.ghosts[i])];
+  }
+
   void solve(PartRows rows) {
     const PetscSolveOptions options{options_.solver, options_.tolerance, options_.max_iterations,
                                     block_vertices(), [&] { watch_.tick(); }};
     const auto owned = static_cast<std::size_t>(part_.owned_count());
-    const auto given = unit_points(fit_.placement, std::span(part_.positions).first(owned));
+    const auto given = unit_points(fit_.placement, std::span(solve_points()).first(owned));
     const auto ghosts = unit_points(fit_.placement, rows.ghost_points);
     fit_.solution = petsc_solve(ranks_, part_.layout, rows, given, ghosts,
                                 fit_.vertices - fit_.unused_vertices, options);
@@ -224,16 +261,8 @@ class DistributedJob {
   }
 
   void build_fair() {
-    PartFairOptions options;
-    options.fit.weights = options_.weights;
-    options.fit.sharp = options_.sharp;
-    options.fit.tolerance = options_.tolerance;
-    options.fit.polish_steps = options_.polish_steps;
-    options.placement = fit_.placement;
-    options.block_vertices = block_vertices();
-    options.after_exchange = [&] { watch_.tick(); };
-    fetch_ghost_tags(ranks_, part_);
-    const PartFair& fair = fit_.fair.emplace(make_part_fair(ranks_, part_, options));
+    fetch_tags();
+    const PartFair& fair = fit_.fair.emplace(make_part_fair(ranks_, part_, part_options()));
     fit_.solution.converged = fair.converged;
     fit_.solution.stop_reason = fair.converged ? StopReason::Converged : StopReason::Stagnated;
     fit_.solution.error = fair.error;
@@ -334,7 +363,9 @@ class DistributedJob {
   CageFaces cage_faces_;
   CornerStarts corners_;
   MeshPart part_;
-  std::vector<glm::dvec3> cage_;  // of owned vertices
+  bool has_ghost_tags_ = false;
+  std::vector<glm::dvec3> points_;  // as PartWithin has them
+  std::vector<glm::dvec3> cage_;    // of owned vertices
   std::optional<StagedTileset> staged_tiles_;
   RankFigures own_;
   DistributedFit fit_;

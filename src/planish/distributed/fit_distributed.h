@@ -29,6 +29,7 @@ struct DistributedOptions {
   std::vector<CornerVertex> corner_vertices;
   Solver solver = Solver::Chebyshev;  ///< or Plain
   double tolerance = 1e-6;
+  double within = 0;  ///< as FitOptions has it
   std::int32_t max_iterations = 200;
   std::int64_t block_vertices = kBlockVertices;
   std::string name = "mesh";  ///< of the input, in messages
@@ -61,6 +62,7 @@ struct DistributedFit {
   bool has_boundary = false;
   std::optional<PartTiles> tiles;      ///< where they were asked for
   PetscSolution solution;              ///< the displacement is of this rank's vertices
+  std::optional<WithinFit> within;     ///< where vertices may be left
   std::optional<PartFair> fair;        ///< with that method: its figures, also in `solution`
   std::vector<std::int64_t> file_ids;  ///< of those: numbers in the file
   std::vector<Warning> warnings;

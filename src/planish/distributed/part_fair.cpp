@@ -14,6 +14,7 @@
 #include "planish/fair/fair_net.h"
 #include "planish/fair/hub_ellipse.h"
 #include "planish/mesh/convex_faces.h"
+#include "planish/pipeline/bend_least.h"
 #include "planish/pipeline/deep_folds.h"
 
 namespace planish {
@@ -32,8 +33,10 @@ struct PartMesh {
         subdivision(*topology, features, Weights::DooSabin),
         given(sub.mesh.positions.size()),
         keys(curve_keys(part, sub, *topology, features)) {
-    for (std::size_t v = 0; v < given.size(); ++v)
+    for (std::size_t v = 0; v < given.size(); ++v) {
+      if (!options.points.empty()) sub.mesh.positions[v] = options.points[sub.vertices[v]];
       given[v] = options.placement.to_unit(sub.mesh.positions[v]);
+    }
     sort_keys(keys);
   }
 
@@ -91,6 +94,22 @@ FairNet make_net(const PartMesh& mesh, PartHalo& halo, const PartFairOptions& op
 }
 
 }  // namespace
+
+PartWithin bend_part_least(const Ranks& ranks, const MeshPart& part,
+                           const PartFairOptions& options) {
+  PartWithin result;
+  if (options.fit.within == 0.0) return result;
+  std::unique_ptr<PartMesh> mesh;
+  agree(ranks, [&] { mesh = std::make_unique<PartMesh>(part, options); });
+  PartHalo halo(ranks, part, mesh->sub, mesh->keys, options.block_vertices, options.after_exchange);
+  result.figures = bend_least(*mesh->topology, mesh->features, options.placement, options.fit,
+                              mesh->given, &halo);
+  if (!(result.figures->bound(options.fit.tolerance) > 0)) return result;
+  result.points = part.positions;
+  for (std::size_t v = 0; v < mesh->given.size(); ++v)
+    result.points[mesh->sub.vertices[v]] = options.placement.to_model(mesh->given[v]);
+  return result;
+}
 
 PartFair make_part_fair(const Ranks& ranks, const MeshPart& part, const PartFairOptions& options) {
   std::unique_ptr<PartMesh> mesh;

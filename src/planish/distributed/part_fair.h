@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "planish/backend/backend.h"
@@ -14,8 +16,9 @@
 namespace planish {
 
 struct PartFairOptions {
-  FitOptions fit;  ///< weights, sharp, polish_steps, cures_folds and tolerance count
+  FitOptions fit;  ///< weights, sharp, polish_steps, cures_folds, within and tolerance count
   Placement placement;
+  std::span<const glm::dvec3> points;  ///< to pass through, by local vertex; none: the part's
   std::int64_t block_vertices = kBlockVertices;
   std::function<void()> after_exchange;  ///< a sign of life
 };
@@ -32,6 +35,16 @@ struct PartFair {
   std::int64_t flagged_edges = 0, flagged_faces = 0;  ///< as FairNet has them
   std::int64_t concave_faces = 0;
 };
+
+/// bend_least() with exchanges, of the part's positions: the points that options.fit.within leaves
+/// the surface to pass through, by local vertex, none where it leaves none. The part needs its
+/// ghosts' tags. Throws AgreedError as make_part_fair().
+struct PartWithin {
+  std::optional<WithinFit> figures;
+  std::vector<glm::dvec3> points;
+};
+[[nodiscard]] PartWithin bend_part_least(const Ranks& ranks, const MeshPart& part,
+                                         const PartFairOptions& options);
 
 /// fair_net() and the looks at the finished surface, with exchanges: the bits of one machine but
 /// for sums over blocks, which single precision follows; the same for every count of ranks. The

@@ -210,8 +210,6 @@ double PartHalo::sum_of_faces(std::span<const double> values) {
   return sum_of(face_blocks_, values);
 }
 std::int64_t PartHalo::sum(std::int64_t value) { return sum_over(ranks_, value); }
-float PartHalo::largest(float value) {
-  return static_cast<float>(max_over(ranks_, static_cast<double>(value)));
-}
+double PartHalo::largest(double value) { return max_over(ranks_, value); }
 
 }  // namespace planish

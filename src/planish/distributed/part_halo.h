@@ -50,7 +50,7 @@ class PartHalo final : public FairHalo {
   [[nodiscard]] double sum_of_vertices(std::span<const double> values) override;
   [[nodiscard]] double sum_of_faces(std::span<const double> values) override;
   [[nodiscard]] std::int64_t sum(std::int64_t value) override;
-  [[nodiscard]] float largest(float value) override;
+  [[nodiscard]] double largest(double value) override;
   [[nodiscard]] std::span<const std::uint8_t> owned_vertices() const override {
     return owned_vertices_;
   }

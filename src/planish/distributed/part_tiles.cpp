@@ -247,6 +247,10 @@ class PartTilesWriter {
     const TilePlan plan = plan_of(block, places_of(block, sub));
     TilesOptions tiles = options_.tiles;
     tiles.given = sub.mesh.positions;
+    std::vector<glm::dvec3> points;
+    if (!options_.points.empty())
+      for (const std::int32_t vertex : sub.vertices) points.push_back(options_.points[vertex]);
+    tiles.points = points;
     WrittenBlock& written = written_[index];
     written = {std::vector<WrittenTile>(plan.tiles.size()), {}};
     for (int level = tiles.level; level >= 1; --level) {

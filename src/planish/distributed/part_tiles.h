@@ -21,10 +21,11 @@ struct PartTilesOptions {
   TilesOptions tiles;  ///< level, tile_vertices, skirts and gltf without its callbacks count
   Weights weights = Weights::DooSabin;
   SharpFeatureOptions sharp;
-  Placement placement;                ///< of the whole cage
-  const PartFair* fair = nullptr;     ///< instead of a cage, which is the given mesh then
-  std::filesystem::path records;      ///< folder of what is known of finished blocks
-  std::function<void()> after_block;  ///< a sign of life, from any thread
+  Placement placement;                 ///< of the whole cage
+  const PartFair* fair = nullptr;      ///< instead of a cage, which is the given mesh then
+  std::span<const glm::dvec3> points;  ///< as TilesOptions has them, by local vertex
+  std::filesystem::path records;       ///< folder of what is known of finished blocks
+  std::function<void()> after_block;   ///< a sign of life, from any thread
 };
 
 /// What was written; `file` and `quality` are rank 0's.

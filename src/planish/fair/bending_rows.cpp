@@ -250,7 +250,7 @@ float largest_of(std::span<const float> diagonals, FairHalo* halo) {
   float largest = 0;
   for (std::size_t v = 0; v < diagonals.size(); ++v)
     if (owns_vertex(halo, static_cast<std::int32_t>(v))) largest = std::max(largest, diagonals[v]);
-  return halo->largest(largest);
+  return static_cast<float>(halo->largest(largest));
 }
 
 RawVector<float> make_preconditioner(const FairTopology& topology, std::span<const float> diagonals,

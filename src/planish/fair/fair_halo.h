@@ -29,7 +29,7 @@ class FairHalo {
   [[nodiscard]] virtual double sum_of_vertices(std::span<const double> values) = 0;
   [[nodiscard]] virtual double sum_of_faces(std::span<const double> values) = 0;
   [[nodiscard]] virtual std::int64_t sum(std::int64_t value) = 0;
-  [[nodiscard]] virtual float largest(float value) = 0;
+  [[nodiscard]] virtual double largest(double value) = 0;
 
   /// One flag per vertex and per face; a face belongs to one process, its edges to that of the face
   /// that they were found in.

@@ -10,6 +10,8 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
+#include "planish/core/error.h"
+#include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/core/unit_vector.h"
 #include "planish/fair/piecewise_sum.h"
@@ -137,16 +139,24 @@ struct Descent {
   RawVector<dvec3> rows;              // by area
   RawVector<dvec3> moves, ahead;      // ahead: where the momentum leads
 
-  // rows = base and what moves do to it, by area; returns the bending.
-  double set_rows(std::span<const dvec3> moved) {
-    return piecewise_sum(table.vertex_count(), [&] {
-      return [&](std::int32_t v) {
-        const dvec3 row =
-            allowed(kind_of(table, v), directions[v], base[v] + difference(table, moved, v));
-        rows[v] = static_cast<double>(table.inverse_areas[v]) * row;
-        return glm::dot(row, rows[v]);
-      };
+  // rows = base and what moves do to it, by area.
+  void set_rows(std::span<const dvec3> moved) {
+    parallel_each(rows.size(), [&](std::size_t i) {
+      const auto v = static_cast<std::int32_t>(i);
+      rows[i] = static_cast<double>(table.inverse_areas[i]) *
+                allowed(kind_of(table, v), directions[i], base[i] + difference(table, moved, v));
     });
+  }
+
+  [[nodiscard]] double bending(FairHalo* halo) const {
+    const auto of = [&](std::size_t v) {
+      const double inverse = table.inverse_areas[v];
+      return inverse > 0 ? glm::dot(rows[v], rows[v]) / inverse : 0.0;
+    };
+    if (halo == nullptr) return piecewise_sum(table.vertex_count(), [&] { return of; });
+    RawVector<double> values(rows.size());
+    parallel_each(values.size(), [&](std::size_t v) { values[v] = of(v); });
+    return halo->sum_of_vertices(values);
   }
 
   void step(std::int32_t v, double bound, double momentum) {
@@ -251,8 +261,19 @@ BendingTable make_bending_table(const MeshTopology& topology, const SharpFeature
   return table;
 }
 
+std::array<double, kLeastBendingSteps> nesterov_momenta() {
+  std::array<double, kLeastBendingSteps> momenta{};
+  double age = 1;
+  for (double& momentum : momenta) {
+    const double next_age = (1 + std::sqrt(1 + 4 * age * age)) / 2;
+    momentum = (age - 1) / next_age;
+    age = next_age;
+  }
+  return momenta;
+}
+
 LeastBending least_bending_moves(const BendingTable& table, std::span<const dvec3> given,
-                                 double bound) {
+                                 double bound, FairHalo* halo) {
   Descent descent{.table = table, .directions = directions_of(table, given)};
   descent.base.resize(given.size());
   descent.rows.resize(given.size());
@@ -261,19 +282,33 @@ LeastBending least_bending_moves(const BendingTable& table, std::span<const dvec
     descent.base[v] = difference(table, given, static_cast<std::int32_t>(v));
   });
   LeastBending result;
-  double age = 1;
-  for (int step = 0; step < kLeastBendingSteps; ++step) {
-    const double bending = descent.set_rows(std::span<const dvec3>(descent.ahead));
-    if (step == 0) result.bending_before = bending;
-    const double next_age = (1 + std::sqrt(1 + 4 * age * age)) / 2;
+  descent.set_rows(std::span<const dvec3>(descent.ahead));
+  result.bending_before = descent.bending(halo);
+  for (const double momentum : nesterov_momenta()) {
     parallel_each(given.size(), [&](std::size_t v) {
-      descent.step(static_cast<std::int32_t>(v), bound, (age - 1) / next_age);
+      descent.step(static_cast<std::int32_t>(v), bound, momentum);
     });
-    age = next_age;
+    // With two rings of faces around its own vertices, a part's rows are right around them.
+    if (halo != nullptr) halo->exchange_vertices(std::span(descent.ahead));
+    descent.set_rows(std::span<const dvec3>(descent.ahead));
   }
-  result.bending_after = descent.set_rows(std::span<const dvec3>(descent.moves));
+  if (halo != nullptr) halo->exchange_vertices(std::span(descent.moves));
+  descent.set_rows(std::span<const dvec3>(descent.moves));
+  result.bending_after = descent.bending(halo);
   result.moves.assign(descent.moves.begin(), descent.moves.end());
   return result;
+}
+
+LeaveWithin leave_within(const std::optional<double>& wanted, const BendingTable& table,
+                         std::span<const dvec3> given) {
+  if (!wanted) {
+    const double noise = measured_noise(table, given);
+    return {kNoiseBound * noise, noise};
+  }
+  if (!(*wanted >= 0 && *wanted < kMostWithin))
+    throw Error(ErrorCode::InvalidArgument, "within " + shortest(*wanted) + " is outside 0 to " +
+                                                shortest(kMostWithin) + " of the diagonal");
+  return {*wanted, {}};
 }
 
 double measured_noise(const BendingTable& table, std::span<const dvec3> given) {

@@ -1,12 +1,16 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "planish/core/raw_vector.h"
 #include "planish/doosabin/sharp_features.h"
+#include "planish/fair/fair_halo.h"
+#include "planish/fair/leave_within.h"
 #include "planish/mesh/mesh_topology.h"
 
 namespace planish {
@@ -51,6 +55,8 @@ struct BendingTable {
 
 /// Steps of least_bending_moves(): more change the result by less than a hundredth of the bound.
 inline constexpr int kLeastBendingSteps = 30;
+/// How much of each step the momentum repeats.
+[[nodiscard]] std::array<double, kLeastBendingSteps> nesterov_momenta();
 
 /// Where vertices go so that the mesh bends least.
 struct LeastBending {
@@ -63,7 +69,13 @@ struct LeastBending {
 /// is lowered by kLeastBendingSteps projected gradient steps with Nesterov's momentum (Beck &
 /// Teboulle 2009). The same bits for every thread count.
 [[nodiscard]] LeastBending least_bending_moves(const BendingTable& table,
-                                               std::span<const glm::dvec3> given, double bound);
+                                               std::span<const glm::dvec3> given, double bound,
+                                               FairHalo* halo = nullptr);
+
+/// As wanted; empty: kNoiseBound of measured_noise(). Throws Error{InvalidArgument}.
+[[nodiscard]] LeaveWithin leave_within(const std::optional<double>& wanted,
+                                       const BendingTable& table,
+                                       std::span<const glm::dvec3> given);
 
 /// The standard deviation of noise along the normals that explains how unevenly the mesh bends: the
 /// median over smooth vertices of the fourth difference around each, beside what noise of known

@@ -11,7 +11,7 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
-#include "planish/fair/least_bending.h"
+#include "planish/pipeline/bend_least.h"
 #include "planish/pipeline/limit_system.h"
 #include "planish/pipeline/solve_fair.h"
 #include "planish/surface/level_one_mesh.h"
@@ -109,39 +109,15 @@ void move_to_cage(Fit& result, const PolygonMesh& mesh, const UsedPart& used) {
   });
 }
 
-WithinFit moved_within(const WithinFit& wanted, const BendingTable& table,
-                       std::span<glm::dvec3> given, double bound) {
-  WithinFit within = wanted;
-  const LeastBending least = least_bending_moves(table, given, bound);
-  for (std::size_t v = 0; v < given.size(); ++v) {
-    const double distance = glm::length(least.moves[v]);
-    given[v] += least.moves[v];
-    within.distance.rms += distance * distance;
-    within.distance.max = std::max(within.distance.max, distance);
-    within.at_bound += distance >= (1 - 1e-9) * bound;
-  }
-  within.distance.rms = std::sqrt(within.distance.rms / static_cast<double>(given.size()));
-  within.bending_before = least.bending_before;
-  within.bending_after = least.bending_after;
-  return within;
-}
-
-// Moves the given points to where the mesh bends least, as far as the options let them.
-void bend_least(Fit& result, const PolygonMesh& mesh, const UsedPart& used,
-                std::span<glm::dvec3> given, const FitOptions& options) {
+// The points that the surface passes through in place of the given ones.
+void leave_points(Fit& result, const PolygonMesh& mesh, const UsedPart& used,
+                  std::span<glm::dvec3> given, const FitOptions& options) {
   if (options.within == 0.0) return;
   const MeshTopology& topology = *used.prepared->topology;
-  const BendingTable table = make_bending_table(
+  result.within = bend_least(
       topology, find_sharp_features(used.mesh, topology, used.mesh.positions, options.sharp),
-      given);
-  WithinFit within;
-  if (!options.within) within.noise = measured_noise(table, given);
-  within.within = options.within ? *options.within : kNoiseBound * *within.noise;
-  // The solve may leave its points by the tolerance.
-  const double bound = within.within - options.tolerance;
-  if (bound > 0) within = moved_within(within, table, given, bound);
-  result.within = within;
-  if (!(bound > 0)) return;
+      result.placement, options, given);
+  if (!(result.within->bound(options.tolerance) > 0)) return;
   result.points.assign(mesh.positions.begin(), mesh.positions.end());
   parallel_each(given.size(), kGrain, [&](std::size_t v) {
     result.points[used.vertices[v]] = result.placement.to_model(given[v]);
@@ -208,7 +184,7 @@ Fit fitted(const PolygonMesh& mesh, Backend& backend, const FitOptions& options)
   result.timing.check = watch.lap();
 
   options.callbacks.report("stencils", kChecked);
-  bend_least(result, mesh, used, given, options);
+  leave_points(result, mesh, used, given, options);
   if (const auto scheme = primal_scheme(options.scheme)) {
     fit_primal(result, used, *scheme, given, backend, options, watch);
   } else {

@@ -10,6 +10,7 @@
 #include "planish/doosabin/sharp_features.h"
 #include "planish/fair/fair_net.h"
 #include "planish/fair/interpolation_method.h"
+#include "planish/fair/leave_within.h"
 #include "planish/interpolate/progressive.h"
 #include "planish/mesh/placement.h"
 #include "planish/mesh/polygon_mesh.h"
@@ -60,16 +61,10 @@ struct FairFit {
   FairDecisions decisions;
 };
 
-/// Of the noise, what FitOptions::within is where it is measured: normals are best at 1 to 1.5.
-inline constexpr double kNoiseBound = 1.25;
-
-/// How far a surface leaves the given vertices where it may. All but counts and bendings are of the
-/// diagonal.
-struct WithinFit {
-  double within = 0;            ///< what was allowed, the tolerance included
-  std::optional<double> noise;  ///< where it was measured
-  ErrorNorms distance;          ///< of the points that the surface passes through from the given
-  std::int64_t at_bound = 0;    ///< vertices that are as far off as was allowed
+/// How far a surface leaves the given vertices where it may, the tolerance included.
+struct WithinFit : LeaveWithin {
+  ErrorNorms distance;        ///< of the points that the surface passes through from the given
+  std::int64_t at_bound = 0;  ///< vertices that are as far off as was allowed
   double bending_before = 0, bending_after = 0;  ///< of the polygon mesh, see BendingTable
 };
 

@@ -112,7 +112,7 @@ FitOption within_option() {
        .example = "0.001",
        .help = "leave vertices by up to this fraction of the diagonal to bend least; auto: by the "
                "noise that is measured",
-       .ranks = {"0", "vertices are not moved over ranks; take 0"}},
+       .ranks = {"!auto", "ranks do not measure noise; say how far, such as 0.001"}},
       [](FitSettings& settings, const OptionValue& value, Where where) {
         settings.within = {};
         if (value.text == "auto") {
@@ -120,7 +120,7 @@ FitOption within_option() {
           return;
         }
         double within = 0;
-        if (!parse_number(value.text, within) || !(within >= 0 && within < 0.1))
+        if (!parse_number(value.text, within) || !(within >= 0 && within < kMostWithin))
           refuse(where, "\"" + visible(value.text) + "\" is neither; " + std::string(kWanted));
         settings.within.of_diagonal = within;
       },

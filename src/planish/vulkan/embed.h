@@ -58,6 +58,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "planish/core/callbacks.h"
@@ -78,6 +79,7 @@ struct FairDecisions;
 
 namespace planish::vulkan {
 
+struct BendingRecords;
 struct FairRecords;
 struct SolvePoints;
 struct SurfaceRecords;
@@ -95,6 +97,11 @@ struct SystemOptions {
   /// `rest` or of another pose of it (Fit::fair of fit()), one per used vertex; copied. All poses
   /// then keep them, so that nothing pops while the mesh moves. Null: each pose decides for itself.
   const FairDecisions* fair_decisions = nullptr;
+  /// Of the rest pose's diagonal, below 0.1: surfaces of least bending that leave each given point
+  /// by no more than this, FitOptions::within; 0: through them. Empty: measured in the rest pose.
+  /// Each solve then moves the points first, 61 dispatches; what is said of given points below
+  /// holds for the moved ones.
+  std::optional<double> within = 0.0;
   double tolerance = 1e-6;  ///< wanted error, relative to the rest pose's bounding-box diagonal
   Callbacks callbacks;      ///< for the time of construction
 };
@@ -135,6 +142,11 @@ class System {
 
   /// What the fair method needs to know of the mesh; null where the method is another.
   [[nodiscard]] const FairRecords* fair_records() const;
+
+  /// What SystemOptions::within came to, in the mesh's units; 0 where points are not moved.
+  [[nodiscard]] double within() const;
+  /// Null there.
+  [[nodiscard]] const BendingRecords* bending_records() const;
 
   /// Of the rest pose's bounding box.
   [[nodiscard]] double diagonal() const;

@@ -8,7 +8,9 @@
 #include "job/timed.h"
 #include "output/further_buffers.h"
 #include "output/surface_output.h"
+#include "page/page_coding.h"
 #include "page/page_job.h"
+#include "page/page_still.h"
 #include "planish/files/formats.h"
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/pipeline/fit_mesh.h"
@@ -21,6 +23,7 @@ namespace {
 SurfaceOutputOptions surface_options(const Job& job, const JobReport& report,
                                      const FittedMesh& fitted, const Callbacks& callbacks) {
   SurfaceOutputOptions options;
+  options.vertices = fitted.mesh.positions;
   options.given = fitted.points();
   options.gltf.callbacks = callbacks;
   options.diagonal = fitted.fit.placement.diagonal;
@@ -130,12 +133,15 @@ void make_scene(const FittedJob& work, const JobSurface& all, JobLevel& surface)
   work.context.progress.update("page", 0);
   timed(work.report.timing.write, [&] {
     const Settings& settings = work.job.settings;
-    work.scene.clear();
+    work.page.payloads.clear();
     const PageScene scene =
         job_scene({surface.whole(), work.made.fitted.mesh, work.made.fitted.fit, settings,
                    work.made.fitted.source_vertices, all.doo_sabin()});
+    const std::vector<std::byte> still = still_picture(surface.whole(), settings.up);
+    work.page.still =
+        base64_text({reinterpret_cast<const std::uint8_t*>(still.data()), still.size()});
     surface.let_go();
-    work.scene = make_payloads(scene, settings, work.context.page);
+    work.page.payloads = make_payloads(scene, settings, work.context.page);
   });
 }
 
@@ -146,7 +152,7 @@ void make_scene_by_level(const FittedJob& work, JobSurface& all, int deepest) {
     JobLevel made = timed(work.report.timing.evaluate, [&] { return all.level(level); });
     const auto rows = static_cast<std::size_t>(made.blocks().info().row_count);
     make_scene(work, all, made);
-    may_fit = may_be_finer(work.scene.back(), rows, work.context.page);
+    may_fit = may_be_finer(work.page.payloads.back(), rows, work.context.page);
   }
 }
 
@@ -203,7 +209,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
       write_tiles_of(work, work.outputs[i], all, common, written[i]);
   }
   // What is seen on the page is what is measured.
-  if (scene_level >= 0 && work.scene.empty()) {
+  if (scene_level >= 0 && work.page.payloads.empty()) {
     JobLevel surface = measured_level(work, all, scene_level, common);
     make_scene(work, all, surface);
   }

@@ -178,7 +178,8 @@ WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesy
   TilesOptions tiles{.level = planned.fineness.level,
                      .tile_vertices = settings.tile_vertices,
                      .skirts = settings.skirts,
-                     .given = options.given,
+                     .given = options.vertices,
+                     .points = options.given,
                      .gltf = options.gltf};
   tiles.gltf.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
   const TilesFile file = write_tiles(target, surface, tiles);

@@ -15,9 +15,10 @@ namespace planish::command {
 /// What every surface output of a job has in common.
 struct SurfaceOutputOptions {
   GltfOptions gltf;
-  std::span<const glm::dvec3> given;  ///< the input's vertices
-  double diagonal = 1.0;              ///< that errors are relative to
-  double tolerance = 0;               ///< relative, that compression keeps
+  std::span<const glm::dvec3> vertices;  ///< the input's
+  std::span<const glm::dvec3> given;     ///< what the surface passes through in their place
+  double diagonal = 1.0;                 ///< that errors are relative to
+  double tolerance = 0;                  ///< relative, that compression keeps
 };
 
 /// Writes `surface` to `target` in the format of `planned` and measures what was written; a

@@ -136,6 +136,8 @@ struct JobReport {
 /// full with how it was computed. Lines of repair, of points and of what is missed come where there
 /// is anything to say.
 [[nodiscard]] std::string summary(const JobReport& report, bool is_full);
+/// "0.001 of the diagonal: vertices are left by 0.0004 rms, ..."
+[[nodiscard]] std::string within_text(const WithinFit& within);
 
 /// Highest memory that this process has held.
 [[nodiscard]] std::uint64_t peak_host_bytes();

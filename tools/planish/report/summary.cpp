@@ -135,13 +135,7 @@ std::string surface_line(const JobReport& report) {
 }
 
 std::string within_line(const JobReport& report) {
-  if (!report.within) return "";
-  const WithinFit& within = *report.within;
-  std::string text = "  within      " + short_number(within.within) + " of the diagonal";
-  if (within.noise) text += " (the noise is " + short_number(*within.noise) + ")";
-  return text + ": vertices are left by " + short_number(within.distance.rms) + " rms, " +
-         with_separators(within.at_bound) + " by all of it; bending " +
-         short_number(within.bending_before) + " to " + short_number(within.bending_after) + "\n";
+  return report.within ? "  within      " + within_text(*report.within) + "\n" : "";
 }
 
 }  // namespace
@@ -191,6 +185,14 @@ std::string output_lines(const JobReport& report) {
 }
 
 }  // namespace
+
+std::string within_text(const WithinFit& within) {
+  std::string text = short_number(within.within) + " of the diagonal";
+  if (within.noise) text += " (the noise is " + short_number(*within.noise) + ")";
+  return text + ": vertices are left by " + short_number(within.distance.rms) + " rms, " +
+         with_separators(within.at_bound) + " by all of it; bending " +
+         short_number(within.bending_before) + " to " + short_number(within.bending_after);
+}
 
 std::string summary(const JobReport& report, bool is_full) {
   const MeshStatistics& statistics = report.input.statistics;

@@ -76,7 +76,8 @@ std::optional<WrittenTile> write_tile(const TileSource& source, const PlannedTil
   TileMesh made = make_tile(source, tile, place.origin);
   WrittenTile written;
   written.record.error = place.error;
-  written.largest_distance = distance_from_given(source, made, place.origin, options.given);
+  written.largest_distance = distance_from_given(
+      source, made, place.origin, options.points.empty() ? options.given : options.points);
   // Those of a finer level are others, and its own once more.
   if (tile.level == options.level) written.degenerate = made.degenerate;
   if (tile.level > 1) written.coarser_error = kErrorShare * coarser_error(made.mesh);

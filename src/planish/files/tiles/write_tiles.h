@@ -19,8 +19,9 @@ struct TilesOptions {
   /// as long as the gaps may be wide.
   bool skirts = false;
   /// The vertices of the mesh that was fitted, in its numbers, unused ones too: blocks are runs of
-  /// those, and what is written is measured against them.
-  std::span<const glm::dvec3> given;
+  /// those, and what is written is measured against them, or against `points` where the surface
+  /// passes through those in their place.
+  std::span<const glm::dvec3> given, points;
   /// name, double_sided, z_up, extras, observe (the document's bytes) and callbacks (step "write",
   /// warning "degenerate-normals") count. Tiles have their own origins, and no fields.
   GltfOptions gltf;

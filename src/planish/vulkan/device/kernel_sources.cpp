@@ -6,6 +6,12 @@
 #include "shaders/apply_limit_texel.spv.h"
 #include "shaders/apply_stencils.spv.h"
 #include "shaders/apply_stencils_texel.spv.h"
+#include "shaders/bending_directions.spv.h"
+#include "shaders/bending_directions_texel.spv.h"
+#include "shaders/bending_rows.spv.h"
+#include "shaders/bending_rows_texel.spv.h"
+#include "shaders/bending_step.spv.h"
+#include "shaders/bending_step_texel.spv.h"
 #include "shaders/cg_advance.spv.h"
 #include "shaders/cg_apply.spv.h"
 #include "shaders/cg_apply_texel.spv.h"
@@ -138,6 +144,10 @@ KernelSource fair_kernel(Code storage, Code texel, std::initializer_list<Binding
   return special_kernel(storage, texel, sizeof(shared::FairParameters), bindings);
 }
 
+KernelSource bending_kernel(Code storage, Code texel, std::initializer_list<Binding> bindings) {
+  return special_kernel(storage, texel, sizeof(shared::BendingParameters), bindings);
+}
+
 #define PLANISH_BOTH(name) spirv::name, spirv::name##_texel
 
 // In the order of enum Kernel.
@@ -165,6 +175,11 @@ const KernelSource kSources[kKernelCount] = {
     vector_kernel(spirv::take_up, 4),
     vector_kernel(spirv::control_points, 7),
     {spirv::eval_patches, spirv::eval_patches, sizeof(shared::PatchParameters), {}, 6, true},
+    bending_kernel(PLANISH_BOTH(bending_directions),
+                   {Records, Entries, Points, Storage, Storage, Storage, Storage}),
+    bending_kernel(PLANISH_BOTH(bending_rows), {Records, Entries, Points, Points, Points, Storage}),
+    bending_kernel(PLANISH_BOTH(bending_step),
+                   {Records, Entries, Floats, Points, Points, Storage, Storage, Storage}),
     fair_kernel(PLANISH_BOTH(fair_place), {Points, Storage}),
     fair_kernel(PLANISH_BOTH(fair_face_normals), {Records, Words, Points, Storage}),
     fair_kernel(PLANISH_BOTH(fair_vertex_normals), {Records, Records, Points, Points, Storage}),
@@ -249,6 +264,9 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish take_up",
                                                     "planish control_points",
                                                     "planish eval_patches",
+                                                    "planish bending_directions",
+                                                    "planish bending_rows",
+                                                    "planish bending_step",
                                                     "planish fair_place",
                                                     "planish fair_face_normals",
                                                     "planish fair_vertex_normals",

@@ -32,6 +32,10 @@ enum class Kernel {
   TakeUp,
   ControlPoints,
   EvalPatches,  ///< only specialised
+  // Where the mesh bends least; only specialised.
+  BendingDirections,
+  BendingRows,
+  BendingStep,
   // The fair construction; only specialised.
   FairPlace,
   FairFaceNormals,
@@ -74,7 +78,7 @@ enum class Kernel {
   FairCureCreases,
   FairCureCorners,
 };
-inline constexpr std::size_t kKernelCount = 58;
+inline constexpr std::size_t kKernelCount = 61;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);

@@ -72,6 +72,7 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
   if (surface.step) step.emplace(on, *surface.step);
   if (surface.places) places.emplace(on, *surface.places);
   if (const FairRecords* records = system.fair_records()) fair.emplace(on, *records);
+  if (const BendingRecords* records = system.bending_records()) bending.emplace(on, *records);
   plan_masks();
   for_each(system, surface, [&](const Buffer& buffer, std::span<const std::byte> bytes) {
     copies.push_back({buffer.handle(), bytes.size()});
@@ -99,6 +100,7 @@ void DeviceSystem::Parts::for_each(const System& system, const PackedSurface& su
   if (places) places->for_each(*surface.places, take);
   take(vertices, std::as_bytes(std::span(used_vertices)));
   if (fair) fair->for_each(*system.fair_records(), take);
+  if (bending) bending->for_each(*system.bending_records(), take);
 }
 
 DeviceSystem::DeviceSystem(Context& context, const System& system,
@@ -129,7 +131,8 @@ void DeviceSystem::write_upload(const System& system, std::span<std::byte> stagi
     throw Error(ErrorCode::InvalidArgument, "the upload is not of the System that it was made for");
   };
   if (system.vertex_count() != vertex_count() || system.triangles().size() != index_count() ||
-      parts_->fair.has_value() != (system.fair_records() != nullptr))
+      parts_->fair.has_value() != (system.fair_records() != nullptr) ||
+      parts_->bending.has_value() != (system.bending_records() != nullptr))
     refuse();
   const Parts::PackedSurface surface(
       system, patch_limits(parts_->context, parts_->max_vertex_stride), parts_->places.has_value());

@@ -7,6 +7,7 @@
 #include "planish/vulkan/evaluate/gpu_places.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
 #include "planish/vulkan/fair/fair_tables.h"
+#include "planish/vulkan/solve/bending_tables.h"
 #include "planish/vulkan/tables/device_table.h"
 
 namespace planish::vulkan {
@@ -35,11 +36,12 @@ struct DeviceSystem::Parts {
   DeviceTable masks;
   std::int32_t vertex_count;
   std::optional<PatchTables> patches;
-  std::optional<StepTables> step;     // where the method is not fair
-  std::optional<FairTables> fair;     // where that is the method
-  std::optional<PlaceTables> places;  // where they were asked for
-  Buffer vertices;                    // used_vertices, on the device
-  std::vector<Copy> copies;           // in the order of their bytes; indices come after them
+  std::optional<BendingTables> bending;  // where points may be moved
+  std::optional<StepTables> step;        // where the method is not fair
+  std::optional<FairTables> fair;        // where that is the method
+  std::optional<PlaceTables> places;     // where they were asked for
+  Buffer vertices;                       // used_vertices, on the device
+  std::vector<Copy> copies;              // in the order of their bytes; indices come after them
   std::uint64_t device_bytes = 0;
 };
 

@@ -16,6 +16,7 @@
 #include "planish/vulkan/host/instance_limits.h"
 #include "planish/vulkan/host/write_timestamps.h"
 #include "planish/vulkan/solve/gpu_given.h"
+#include "planish/vulkan/solve/gpu_least_bending.h"
 #include "planish/vulkan/solve/gpu_solve.h"
 #include "planish/vulkan/solve/stop_square.h"
 
@@ -135,6 +136,7 @@ struct Solve::Parts {
   std::optional<Buffer> own_given;         // where the host gives no buffer
   std::optional<Progressive> progressive;  // one of these two
   std::optional<Fair> fair;
+  std::optional<GpuLeastBending> bending;
   std::optional<GpuFirstStep> step;  // of the progressive method
   std::optional<GpuPatches> patches;
 
@@ -190,6 +192,7 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const Instan
     fair.emplace(on, system, fair_options(options), points);
   else
     progressive.emplace(on, system, options, points);
+  if (system.bending) bending.emplace(on, *system.bending, given_points(), instances);
   if (progressive && sizes.has_surface)
     step.emplace(on, *system.patches, *system.step, progressive->given.given(),
                  progressive->given.displacement(), sizes.rows, instances);
@@ -207,6 +210,11 @@ Solve& Solve::operator=(Solve&&) noexcept = default;
 
 Wait Solve::Parts::record_solve(VkCommandBuffer commands, const SolveParameters& parameters,
                                 std::uint32_t round) const noexcept {
+  // Between the points' gathering, the first round of both methods, and what reads them.
+  if (bending && round > 0) {
+    if (round <= GpuLeastBending::kRoundCount) return bending->record_round(commands, round - 1);
+    round -= GpuLeastBending::kRoundCount;
+  }
   if (fair) {
     if (round == 0) fair->gather.record(commands);
     Wait wait = fair->fair.record_round(commands, round);

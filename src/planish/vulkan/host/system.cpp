@@ -19,6 +19,7 @@
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/fair/fair_tables.h"
 #include "planish/vulkan/host/surface_records.h"
+#include "planish/vulkan/solve/bending_tables.h"
 
 namespace planish::vulkan {
 
@@ -117,7 +118,8 @@ struct System::Parts {
   void build_faces(const PolygonMesh& mesh);
   void build_method(const PolygonMesh& mesh, const Subdivision& subdivision,
                     const SystemOptions& options);
-  void measure_rest(const PolygonMesh& mesh, const Placement& placement, double relative_tolerance);
+  void bend_least(std::span<glm::dvec3> unit, const SystemOptions& options);
+  void measure_rest(std::span<const glm::dvec3> unit, double relative_tolerance);
 
   int level;
   std::int32_t given_count;
@@ -126,7 +128,8 @@ struct System::Parts {
   std::optional<SurfaceRecords> surface;
   StencilTable masks;  // none of the fair method
   std::optional<FairRecords> fair;
-  double diagonal = 1, tolerance = 0, spectral_bound = 0, rest_error = 0;
+  std::optional<BendingRecords> bending;
+  double diagonal = 1, tolerance = 0, within = 0, spectral_bound = 0, rest_error = 0;
   double valence_spread = 1;  // of all valences, their sum over the smallest
   std::uint32_t rest_iterations = 0;
 };
@@ -154,10 +157,14 @@ System::Parts::Parts(const PolygonMesh& rest, const SystemOptions& options)
   const Placement placement = placement_of(mesh);
   diagonal = placement.diagonal;
   tolerance = options.tolerance * diagonal;
+  std::vector<glm::dvec3> unit(mesh.positions.size());
+  std::ranges::transform(mesh.positions, unit.begin(),
+                         [&](const glm::dvec3& p) { return placement.to_unit(p); });
+  if (options.within != 0.0) bend_least(unit, options);
   if (fair)
     fair->placement = placement;
   else
-    measure_rest(mesh, placement, options.tolerance);
+    measure_rest(unit, options.tolerance);
   options.callbacks.report("tables", 1);
 }
 
@@ -209,11 +216,19 @@ void System::Parts::build_faces(const PolygonMesh& mesh) {
   for_kept_faces(mesh, *surface->topology, surface->patches.numbering(), take);
 }
 
-void System::Parts::measure_rest(const PolygonMesh& mesh, const Placement& placement,
-                                 double relative_tolerance) {
-  std::vector<glm::dvec3> unit(mesh.positions.size());
-  std::transform(mesh.positions.begin(), mesh.positions.end(), unit.begin(),
-                 [&](const glm::dvec3& p) { return placement.to_unit(p); });
+// The tables for it; and moves the rest pose's points.
+void System::Parts::bend_least(std::span<glm::dvec3> unit, const SystemOptions& options) {
+  const BendingTable table = make_bending_table(*surface->topology, surface->features, unit);
+  const LeaveWithin allowed = leave_within(options.within, table, unit);
+  const double bound = allowed.bound(options.tolerance);
+  if (!(bound > 0)) return;
+  within = allowed.within * diagonal;
+  bending = planish::vulkan::bending_records(table, diagonal, bound * diagonal);
+  const LeastBending least = least_bending_moves(table, unit, bound);
+  for (std::size_t v = 0; v < unit.size(); ++v) unit[v] += least.moves[v];
+}
+
+void System::Parts::measure_rest(std::span<const glm::dvec3> unit, double relative_tolerance) {
   const RawVector<glm::dvec3> initial = initial_residual(masks.view(), unit);
   double largest = 0;
   for (const glm::dvec3& residual : initial) largest = std::max(largest, glm::length(residual));
@@ -239,6 +254,10 @@ std::span<const std::uint32_t> System::quads() const { return parts_->quads; }
 StencilView<double> System::limit_masks() const { return parts_->masks.view(); }
 const SurfaceRecords& System::surface_records() const { return *parts_->surface; }
 const FairRecords* System::fair_records() const { return parts_->fair ? &*parts_->fair : nullptr; }
+const BendingRecords* System::bending_records() const {
+  return parts_->bending ? &*parts_->bending : nullptr;
+}
+double System::within() const { return parts_->within; }
 double System::diagonal() const { return parts_->diagonal; }
 double System::tolerance() const { return parts_->tolerance; }
 double System::spectral_bound() const { return parts_->spectral_bound; }
