@@ -317,6 +317,21 @@ TEST(ClosestPoint, ManyAtOnceAreTheSameBitsForEveryThreadCount) {
   }
 }
 
+// In units of a small surface such points have no finite coordinates.
+TEST(ClosestPoint, FromTheFarthestPlacesIsThatOfItsDirection) {
+  PolygonMesh small = cube();
+  for (glm::dvec3& p : small.positions) p = 1e-3 * p + glm::dvec3(1, 2, 3);
+  const LimitCase c(small);
+  const SurfaceQueries queries(c.limit);
+  for (const glm::dvec3 direction :
+       {glm::dvec3(1, 0.5, 0.25), glm::dvec3(-0.75, 0.5, 1), glm::dvec3(0, 0, -1)}) {
+    const ClosestPoint far = queries.closest(1e307 * direction);
+    const ClosestPoint near = queries.closest(1e90 * direction);
+    EXPECT_EQ(far.position, near.position);
+    EXPECT_NEAR(far.distance, 1e307 * glm::length(direction), 1e293);
+  }
+}
+
 TEST(SurfaceQueries, BadQuestionsAreRefused) {
   const LimitCase c(cube());
   const SurfaceQueries queries(c.limit);

@@ -24,16 +24,22 @@ void require_finite(const glm::dvec3& point, std::size_t index) {
   throw Error(ErrorCode::InvalidArgument, "point " + std::to_string(index) + " is not finite");
 }
 
-// From so far that squares are too large for double, the surface is one point.
-glm::dvec3 nearby(const glm::dvec3& point) {
+// In unit coordinates. From so far that squares are too large for double, the surface is one point;
+// of a small one the coordinates of such a place are themselves too large.
+glm::dvec3 nearby(const glm::dvec3& point, const Placement& placement) {
   constexpr double kFarthest = 1e100;
-  const double far = std::hypot(point.x, point.y, point.z);
-  return far > kFarthest ? point * (kFarthest / far) : point;
+  const glm::dvec3 unit = placement.to_unit(point);
+  const double far = safe_length(unit);
+  if (far <= kFarthest) return unit;
+  if (std::isfinite(far)) return unit * (kFarthest / far);
+  constexpr double kSmall = 0x1p-600;  // the centre does not count from there
+  const glm::dvec3 small = point * kSmall;
+  return small * (kFarthest / safe_length(small));
 }
 
 ClosestPoint closest_point(NearestSearch& search, const LimitSurface& surface,
                            const glm::dvec3& point) {
-  const NearestPlace place = search.run(nearby(surface.surface().placement().to_unit(point)));
+  const NearestPlace place = search.run(nearby(point, surface.surface().placement()));
   ClosestPoint result;
   result.at = surface_parameter(surface.topology(), place.corner, place.u, place.v);
   const SurfacePoint on = surface.evaluate(result.at);
