@@ -7,6 +7,10 @@ import pytest
 
 import planish
 
+# More than indices reach, in a few bytes.
+MANY_POINTS = np.broadcast_to(0.0, (2**33, 3))
+MANY_FACES = np.broadcast_to(np.int32(0), (2**33, 3))
+
 
 def test_all_forms_of_faces_mean_the_same(cube):
     vertices, faces = cube
@@ -78,6 +82,11 @@ def test_given_arrays_are_left_alone(cube):
         ([["a", "b", "c"]], [[0, 0, 0]], planish.InvalidArgument, "vertices: an array of"),
         (np.zeros((3, 3), complex), [[0, 1, 2]], planish.InvalidArgument, "complex128"),
         (np.zeros((3, 3)), np.zeros((1, 3)), planish.InvalidArgument, "integers are wanted"),
+        (MANY_POINTS, [[0, 1, 2]], planish.InvalidArgument, "vertices: shape .* has more"),
+        (np.zeros((3, 3)), MANY_FACES, planish.InvalidArgument, "faces: shape .* has more"),
+        (np.zeros((3, 3)), (MANY_FACES[:, 0], [0]), planish.InvalidArgument, "faces.0.: shape .* has"),
+        (np.zeros((3, 3)), np.zeros((2**40, 0), int), planish.InvalidArgument, "has more than 2"),
+        (np.zeros((3, 3)), np.zeros((5, 0), int), planish.InvalidArgument, "so none has a corner"),
         (np.zeros((3, 3)), np.zeros(3, int), planish.InvalidArgument, r"shape \(3,\)"),
         (np.zeros((3, 3)), np.array([[0, 1, 2**40]]), planish.InvalidArgument, "32 bits"),
         (np.zeros((3, 3)), np.array([[0, 1, 2**64 - 1]], np.uint64), planish.UnusableMesh, "-1"),

@@ -18,6 +18,16 @@ std::string shape_text(const py::array& array) {
   return py::str(array.attr("shape")).cast<std::string>();
 }
 
+// Before a copy is made: an array that repeats its elements (numpy.broadcast_to()) takes little
+// memory for many.
+void require_count(const py::array& array, py::ssize_t columns, const char* name) {
+  const py::ssize_t count = array.ndim() > 0 ? array.shape(0) : 1;
+  if (count > kMaxIndex || array.size() > columns * kMaxIndex) {
+    refuse(std::string(name) + ": shape " + shape_text(array) +
+           " has more than 2^31 - 1 elements; give fewer");
+  }
+}
+
 // Any numbers as an array of float64. A complex or text array is none.
 Doubles as_doubles(const py::object& values, const char* name, const char* wanted) {
   const py::array array = py::array::ensure(values);
@@ -25,6 +35,7 @@ Doubles as_doubles(const py::object& values, const char* name, const char* wante
     PyErr_Clear();
     refuse(std::string(name) + ": no array; " + wanted);
   }
+  require_count(array, 3, name);
   const char kind = array.dtype().kind();
   if (kind != 'f' && kind != 'i' && kind != 'u') {
     refuse(std::string(name) + ": an array of " + py::str(array.dtype()).cast<std::string>() +
@@ -44,6 +55,8 @@ void require_vertex(std::int32_t vertex, std::int32_t count, std::int64_t face) 
 void set_alike_faces(const Integers& faces, PolygonMesh& mesh) {
   const std::int64_t count = faces.shape(0), size = faces.shape(1);
   if (count * size > kMaxIndex) refuse("faces: more than 2^31 - 1 corners");
+  if (count > 0 && size == 0)
+    refuse("faces: shape " + shape_text(faces) + ", so none has a corner; give 3 or more each");
   mesh.face_vertices.assign(faces.data(), faces.data() + faces.size());
   mesh.face_offsets.resize(static_cast<std::size_t>(count) + 1);
   for (std::int64_t f = 0; f <= count; ++f)
@@ -56,7 +69,6 @@ void set_sized_faces(const Integers& sizes, const Integers& indices, PolygonMesh
            shape_text(sizes) + " and " + shape_text(indices));
   }
   std::int64_t end = 0;
-  mesh.face_offsets.reserve(static_cast<std::size_t>(sizes.size()) + 1);
   for (py::ssize_t f = 0; f < sizes.size(); ++f) {
     const std::int32_t size = sizes.data()[f];
     if (size < 0) refuse("faces: size " + std::to_string(size) + " of face " + std::to_string(f));
@@ -132,6 +144,7 @@ Integers as_integers(const py::object& values, const char* name) {
     PyErr_Clear();
     refuse(std::string(name) + ": no array of integers");
   }
+  require_count(array, 1, name);
   if (array.size() == 0)
     return Integers(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()));
   const char kind = array.dtype().kind();
@@ -154,7 +167,6 @@ Integers as_integers(const py::object& values, const char* name) {
 
 PolygonMesh mesh_of(const py::object& vertices, const py::object& faces) {
   const Doubles points = as_points(vertices, "vertices");
-  if (points.shape(0) > kMaxIndex) refuse("vertices: more than 2^31 - 1");
   PolygonMesh mesh;
   const auto positions = points_of(points);
   mesh.positions.assign(positions.begin(), positions.end());
