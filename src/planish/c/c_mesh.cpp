@@ -39,12 +39,14 @@ void require_counts(const planish_mesh_arrays& arrays) {
     refuse("face_sizes is NULL and corners_per_face is " + std::to_string(arrays.corners_per_face));
 }
 
-void add_faces(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
-  mesh.face_offsets.reserve(arrays.face_count + 1);
+std::int32_t face_size(const planish_mesh_arrays& arrays, std::size_t face) {
+  return arrays.face_sizes != nullptr ? arrays.face_sizes[face] : arrays.corners_per_face;
+}
+
+void require_faces(const planish_mesh_arrays& arrays) {
   std::size_t end = 0;
   for (std::size_t f = 0; f < arrays.face_count; ++f) {
-    const std::int32_t size =
-        arrays.face_sizes != nullptr ? arrays.face_sizes[f] : arrays.corners_per_face;
+    const std::int32_t size = face_size(arrays, f);
     if (size < 0 || static_cast<std::size_t>(size) > arrays.corner_count - end) {
       refuse("face " + std::to_string(f) + " has " + std::to_string(size) + " corners, and " +
              std::to_string(arrays.corner_count - end) + " of corner_count are left");
@@ -52,17 +54,23 @@ void add_faces(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
     end += static_cast<std::size_t>(size);
     for (std::size_t c = end - static_cast<std::size_t>(size); c < end; ++c)
       require_vertex(arrays.face_vertices[c], arrays.vertex_count, "face", f);
-    mesh.face_offsets.push_back(static_cast<std::int32_t>(end));
   }
   if (end != arrays.corner_count) {
     refuse("corner_count is " + std::to_string(arrays.corner_count) + ", and the faces have " +
            std::to_string(end) + " corners");
   }
-  mesh.face_vertices.assign(arrays.face_vertices, arrays.face_vertices + end);
+}
+
+void add_faces(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
+  mesh.face_offsets.reserve(arrays.face_count + 1);
+  for (std::size_t f = 0; f < arrays.face_count; ++f)
+    mesh.face_offsets.push_back(mesh.face_offsets.back() + face_size(arrays, f));
+  mesh.face_vertices.assign(arrays.face_vertices, arrays.face_vertices + arrays.corner_count);
 }
 
 PolygonMesh mesh_of(const planish_mesh_arrays& arrays) {
   require_counts(arrays);
+  require_faces(arrays);
   PolygonMesh mesh;
   add_faces(arrays, mesh);
   mesh.positions.reserve(arrays.vertex_count);

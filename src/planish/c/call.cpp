@@ -48,9 +48,9 @@ void note(const char* message, std::int64_t element) noexcept {
   }
 }
 
-planish_status call(const std::function<planish_status()>& work) noexcept {
+planish_status note_exception() noexcept {
   try {
-    return work();
+    throw;
   } catch (const Error& error) {
     note(error.what(), error.element());
     return status_of(error.code());

@@ -11,8 +11,19 @@
 
 namespace planish::c {
 
-/// Runs `work` and turns what it throws into a status and this thread's last error.
-[[nodiscard]] planish_status call(const std::function<planish_status()>& work) noexcept;
+/// Sets this thread's last error to the exception that is being handled. Returns its status.
+[[nodiscard]] planish_status note_exception() noexcept;
+
+/// Runs `work` and turns what it throws into a status and this thread's last error. A template, for
+/// a std::function takes memory before anything is caught.
+template <class Work>
+[[nodiscard]] planish_status call(const Work& work) noexcept {
+  try {
+    return work();
+  } catch (...) {
+    return note_exception();
+  }
+}
 
 /// Sets this thread's last error, for a status that comes with results.
 void note(const char* message, std::int64_t element) noexcept;

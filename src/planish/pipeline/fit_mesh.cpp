@@ -109,7 +109,11 @@ std::string FittedMesh::creases() const {
 namespace {
 
 ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
-  ReadyFit ready{.name = std::string(name), .options = options};
+  // One after another: where copying the options fails, GCC 12 frees the name of a list of both
+  // twice.
+  ReadyFit ready;
+  ready.name = name;
+  ready.options = options;
   FittedMesh& result = ready.fitted;
   result.options = options.fit;
   result.options.callbacks = {};  // the caller's end with the call

@@ -1,0 +1,165 @@
+// Memory runs out at every place where a function of planish.h takes some, one after another: it
+// says so by its status, gives no handle, and its next call succeeds.
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <planish/c/planish.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "planish/mesh/polygon_mesh.h"
+#include "support/failing_memory.h"
+#include "support/meshes.h"
+#include "support/temporary_folder.h"
+
+namespace planish::test {
+namespace {
+
+planish_fit_options one_thread_options() {
+  planish_fit_options options;
+  planish_fit_options_init(&options, sizeof options);
+  options.thread_count = 1;
+  return options;
+}
+
+planish_mesh_arrays arrays_of(const PolygonMesh& mesh) {
+  planish_mesh_arrays arrays;
+  planish_mesh_arrays_init(&arrays, sizeof arrays);
+  arrays.positions = &mesh.positions[0].x;
+  arrays.vertex_count = mesh.positions.size();
+  arrays.face_vertices = mesh.face_vertices.data();
+  arrays.corner_count = mesh.face_vertices.size();
+  arrays.corners_per_face = 4;
+  arrays.face_count = arrays.corner_count / 4;
+  return arrays;
+}
+
+// On one thread, whose requests all count.
+struct OneThread {
+  oneapi::tbb::global_control control{oneapi::tbb::global_control::max_allowed_parallelism, 1};
+};
+
+// Calls `function` until no request of it fails. Returns how many it makes.
+std::int64_t expect_no_memory(const char* name, const std::function<planish_status()>& function) {
+  SCOPED_TRACE(name);
+  // Once with memory: TBB waits for ever where there is none for the start of its threads.
+  EXPECT_EQ(function(), PLANISH_OK) << planish_last_error();
+  for (std::int64_t n = 0;; ++n) {
+    planish_status status = PLANISH_INTERNAL_ERROR;
+    const bool has_failed = with_failing_request(n, [&] { status = function(); });
+    if (!has_failed || status == PLANISH_OK) {  // what can do without may come to its end
+      EXPECT_EQ(status, PLANISH_OK) << planish_last_error();
+      if (!has_failed || testing::Test::HasFailure()) return n;
+      continue;
+    }
+    EXPECT_EQ(status, PLANISH_NO_MEMORY) << n << ": " << planish_last_error();
+    EXPECT_NE(std::string(planish_last_error()).find("memory"), std::string::npos)
+        << n << ": " << planish_last_error();
+    if (testing::Test::HasFailure()) return n;
+  }
+}
+
+// The same of a function that makes a handle. Returns the last one.
+template <class Handle>
+Handle* made(const char* name, void (*free_handle)(Handle*),
+             const std::function<planish_status(Handle**)>& make) {
+  Handle* handle = nullptr;
+  const std::int64_t requests = expect_no_memory(name, [&] {
+    free_handle(handle);
+    handle = nullptr;
+    const planish_status status = make(&handle);
+    EXPECT_EQ(handle != nullptr, status == PLANISH_OK);
+    return status;
+  });
+  EXPECT_GT(requests, 0) << name;
+  return handle;
+}
+
+TEST(CMemory, EveryFunctionSaysThatThereIsNone) {
+  const OneThread one_thread;
+  const TemporaryFolder folder;
+  const std::string mesh_path = (folder.path() / "mesh.ply").string();
+  const std::string surface_path = (folder.path() / "surface.ply").string();
+  const PolygonMesh torus = test::torus(4, 3, 3, 1);
+  const planish_mesh_arrays arrays = arrays_of(torus);
+  const planish_fit_options options = one_thread_options();
+  planish_fit_options progressive = options;
+  progressive.method = PLANISH_METHOD_PROGRESSIVE;
+  planish_mesh* mesh = made<planish_mesh>(
+      "planish_mesh_create", planish_mesh_free,
+      [&](planish_mesh** handle) { return planish_mesh_create(&arrays, handle); });
+  expect_no_memory("planish_mesh_write",
+                   [&] { return planish_mesh_write(mesh, mesh_path.c_str()); });
+  planish_mesh* read = made<planish_mesh>(
+      "planish_mesh_read", planish_mesh_free,
+      [&](planish_mesh** handle) { return planish_mesh_read(mesh_path.c_str(), handle); });
+  planish_fit* fit = made<planish_fit>(
+      "planish_fit_create", planish_fit_free,
+      [&](planish_fit** handle) { return planish_fit_create(mesh, &options, handle); });
+  planish_fit* of_cage = nullptr;
+  ASSERT_EQ(planish_fit_create(mesh, &progressive, &of_cage), PLANISH_OK);
+  planish_mesh* cage =
+      made<planish_mesh>("planish_fit_cage", planish_mesh_free,
+                         [&](planish_mesh** handle) { return planish_fit_cage(of_cage, handle); });
+  planish_surface* surface = made<planish_surface>(
+      "planish_fit_evaluate", planish_surface_free,
+      [&](planish_surface** handle) { return planish_fit_evaluate(fit, 1, handle); });
+  planish_surface_free(surface);
+  surface = made<planish_surface>(
+      "planish_fit_tessellate", planish_surface_free,
+      [&](planish_surface** handle) { return planish_fit_tessellate(fit, 0.05, 0, handle); });
+  planish_queries* queries = made<planish_queries>(
+      "planish_queries_create", planish_queries_free,
+      [&](planish_queries** handle) { return planish_queries_create(fit, handle); });
+  expect_no_memory("planish_fit_write",
+                   [&] { return planish_fit_write(fit, 1, surface_path.c_str()); });
+  expect_no_memory("planish_fit_file", [&] {
+    return planish_fit_file(mesh_path.c_str(), surface_path.c_str(), 1, &options, nullptr);
+  });
+  planish_verification found;
+  planish_verification_init(&found, sizeof found);
+  expect_no_memory("planish_verify",
+                   [&] { return planish_verify(cage, mesh, &progressive, &found); });
+
+  const planish_place place{0, 0.5, 0.5};
+  const double point[] = {9, 1, 2}, direction[] = {-1, 0, 0};
+  double at[3];
+  planish_place_answers places;
+  planish_closest_answers closest;
+  planish_ray_answers hits;
+  planish_place_answers_init(&places, sizeof places);
+  planish_closest_answers_init(&closest, sizeof closest);
+  planish_ray_answers_init(&hits, sizeof hits);
+  places.positions = closest.positions = hits.positions = at;
+  expect_no_memory("planish_queries_evaluate",
+                   [&] { return planish_queries_evaluate(queries, &place, 1, &places); });
+  expect_no_memory("planish_queries_closest",
+                   [&] { return planish_queries_closest(queries, point, 1, &closest); });
+  expect_no_memory("planish_queries_first_hit", [&] {
+    return planish_queries_first_hit(queries, point, direction, 1, 0, 100, &hits);
+  });
+  planish_queries_free(queries);
+  planish_surface_free(surface);
+  planish_fit_free(fit);
+  planish_fit_free(of_cage);
+  for (planish_mesh* handle : {cage, read, mesh}) planish_mesh_free(handle);
+}
+
+// What a caller counts wrongly is refused by its counts, before memory is taken for so many.
+TEST(CMemory, WrongCountsTakeNone) {
+  const PolygonMesh torus = test::torus(4, 3, 3, 1);
+  planish_mesh_arrays arrays = arrays_of(torus);
+  arrays.face_count = 1'000'000'000;
+  planish_mesh* mesh = nullptr;
+  largest_request = 0;
+  EXPECT_EQ(planish_mesh_create(&arrays, &mesh), PLANISH_INVALID_ARGUMENT);
+  EXPECT_EQ(mesh, nullptr);
+  EXPECT_EQ(std::string(planish_last_error()),
+            "face 12 has 4 corners, and 0 of corner_count are left");
+  EXPECT_LT(largest_request, 10'000u);
+}
+
+}  // namespace
+}  // namespace planish::test
