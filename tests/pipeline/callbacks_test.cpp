@@ -25,6 +25,7 @@
 #include "planish/surface/block_quality.h"
 #include "planish/surface/doo_sabin_surface.h"
 #include "planish/surface/kept_rows.h"
+#include "support/cut_quads.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
@@ -85,6 +86,21 @@ TEST_F(CallbacksOf, Fits) {
     (void)fit(test::icosphere(4), *backend_, options);
     host_.expect_good("fit by another scheme");
   }
+}
+
+// Where triangles may be joined the mesh is prepared twice, which is told.
+TEST_F(CallbacksOf, PreparesBothMeshes) {
+  MeshFitOptions how;
+  std::vector<double> told;
+  how.fit.callbacks.progress = [&](std::string_view step, double fraction) {
+    if (step == "check") told.push_back(fraction);
+  };
+  const ReadyFit ready = prepare_fit(test::cut_quads(bumpy(30)), "mesh", how);
+  EXPECT_NE(ready.paired, nullptr);
+  EXPECT_EQ(told, (std::vector<double>{0, 0.4, 0.5, 1}));
+  told.clear();
+  (void)prepare_fit(bumpy(30), "mesh", how);
+  EXPECT_EQ(told, (std::vector<double>{0, 1}));
 }
 
 // Both methods, with all that they look at.

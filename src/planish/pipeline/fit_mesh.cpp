@@ -20,6 +20,7 @@ namespace {
 
 // Share of the time when the mesh is checked and repaired.
 constexpr double kMadeReady = 0.15;
+constexpr double kOneReady = 0.4, kLookedHalved = 0.5;  // of that, where triangles may be joined
 // Of fits with triangles joined and not, the first one, and both.
 constexpr double kOfTwo = 0.45, kBothFitted = 0.9;
 
@@ -204,23 +205,35 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   return std::move(taken);
 }
 
+// Null where none of its triangles are joined.
+std::shared_ptr<ReadyFit> prepare_paired(PolygonMesh mesh, std::string_view name,
+                                         const MeshFitOptions& options) {
+  MeshFitOptions pairing = options;
+  pairing.quads = QuadChoice::On;
+  pairing.fit.callbacks.warning = {};
+  auto paired = std::make_shared<ReadyFit>(prepare_one(std::move(mesh), name, pairing));
+  return paired->fitted.paired_count > 0 ? std::move(paired) : nullptr;
+}
+
 }  // namespace
 
 ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptions& options) {
   const HostScope host(options.fit.callbacks);
-  options.fit.callbacks.report("check", 0);
+  const auto report = [&](double fraction) { options.fit.callbacks.report("check", fraction); };
+  report(0);
   std::optional<PolygonMesh> given;
   if (options.quads == QuadChoice::Auto && options.fit.scheme == Scheme::DooSabin &&
       are_mostly_triangles(mesh))
     given = mesh;
   ReadyFit ready = prepare_one(std::move(mesh), name, options);
-  const auto& prepared = ready.fitted.options.prepared;
-  if (!given || !look_halved(ready.fitted.mesh, *prepared, options.crease_degrees)) return ready;
-  MeshFitOptions pairing = options;
-  pairing.quads = QuadChoice::On;
-  pairing.fit.callbacks.warning = {};
-  auto paired = std::make_shared<ReadyFit>(prepare_one(std::move(*given), name, pairing));
-  if (paired->fitted.paired_count > 0) ready.paired = std::move(paired);
+  if (given) {
+    report(kOneReady);
+    if (look_halved(ready.fitted.mesh, *ready.fitted.options.prepared, options.crease_degrees)) {
+      report(kLookedHalved);
+      ready.paired = prepare_paired(std::move(*given), name, options);
+    }
+  }
+  report(1);
   return ready;
 }
 
@@ -233,7 +246,9 @@ FittedMesh fit_mesh(PolygonMesh mesh, std::string_view name, Backend& backend,
   const HostScope host(options.fit.callbacks);
   FittedMesh result;
   backend.run_on_host([&] {
-    ReadyFit ready = prepare_fit(std::move(mesh), name, options);
+    MeshFitOptions preparing = options;
+    preparing.fit.callbacks = share_of(options.fit.callbacks, 0, kMadeReady);
+    ReadyFit ready = prepare_fit(std::move(mesh), name, preparing);
     ready.options.fit.callbacks = share_of(options.fit.callbacks, kMadeReady, 1);
     result = fit_prepared(std::move(ready), backend);
   });
