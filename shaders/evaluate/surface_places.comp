@@ -2,6 +2,7 @@
 // points, with its derivatives.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#include "finite.glsl"
 #include "shared.h"
 #include "read.glsl"
 
@@ -36,7 +37,6 @@ struct Place {
 // Places so far outside are taken to the border: what rounding makes of them.
 const float kOutside = 1e-6;
 
-bool is_number(float x) { return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u; }
 
 // One direction of a face of tiles of half a unit. What lies just before a tile is its own.
 bool find_tile(float x, out uint tile, out float rest) {
@@ -65,7 +65,7 @@ uint tiles_across(uint size) {
 
 bool find_place(uint face, float u, float v, out Place place) {
   place = Place(0u, 0.0, 0.0, 1.0, 0.0, 2.0);
-  if (face >= parameters.face_count || !is_number(u) || !is_number(v)) return false;
+  if (face >= parameters.face_count || !is_finite(u) || !is_finite(v)) return false;
   uint first = words_at(face);
   uint size = words_at(face + 1u) - first;
   if (size != 4u) {

@@ -28,7 +28,7 @@ void main() {
       float move = abs(motions_at(c).z - mean) * size;
       float farthest = kFarthestMove * safe_length(result[c].xyz);
       if (move > farthest) scale = min(scale, farthest / move);
-      if (!(move >= 0.0) || isinf(move)) scale = 0.0;
+      if (!is_finite(move)) scale = 0.0;
     }
     if (scale == 0.0) continue;
     for (uint i = vertex.first; i < end; ++i) {

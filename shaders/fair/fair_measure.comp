@@ -11,8 +11,6 @@ UPDATE(4, uint, status);  // words of SolveStatus
 
 const uint kStateWord = 1u, kResidualWord = 2u;
 
-bool is_finite(float number) { return (floatBitsToUint(number) & 0x7f800000u) != 0x7f800000u; }
-
 void main() {
   FOR_ELEMENTS(v) {
     FairVertex vertex = vertices_at(v);

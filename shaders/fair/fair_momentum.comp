@@ -22,7 +22,7 @@ void main() {
     scalars[0].enough = kConverged * square;
   } else {
     float momentum = scalars[0].square > 0.0 ? square / scalars[0].square : 0.0;
-    scalars[0].momentum = isinf(momentum) || isnan(momentum) ? 0.0 : momentum;
+    scalars[0].momentum = is_finite(momentum) ? momentum : 0.0;
   }
   scalars[0].square = square;
 }

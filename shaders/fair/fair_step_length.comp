@@ -20,5 +20,5 @@ void main() {
   float square = scalars[0].square;
   // No step once it has converged, or where numbers have left single precision.
   float step = square > scalars[0].enough && curvature > 0.0 ? square / curvature : 0.0;
-  scalars[0].step = isinf(step) || isnan(step) ? 0.0 : step;
+  scalars[0].step = is_finite(step) ? step : 0.0;
 }

@@ -1,6 +1,7 @@
 // Says where the steps ended: how many were taken, why, at what error, and in which buffer.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#include "finite.glsl"
 #include "shared.h"
 
 layout(local_size_x = 1) in;
@@ -22,7 +23,7 @@ void main() {
     }
   }
   float square = uintBitsToFloat(largest);
-  if (isinf(square)) state = kStateNotFinite;
+  if (!is_finite(square)) state = kStateNotFinite;
   step = min(step, parameters.step_count);
   statuses[instance].iterations = step;
   statuses[instance].state = state;

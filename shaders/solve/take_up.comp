@@ -1,6 +1,7 @@
 // Where a solve starts from: the last displacement, or none. Sides 0 and 2 get it.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#include "finite.glsl"
 #include "shared.h"
 
 layout(local_size_x = 64) in;
@@ -9,8 +10,6 @@ layout(std430, set = 0, binding = 1) restrict readonly buffer Side1 { vec4 side1
 layout(std430, set = 0, binding = 2) restrict buffer Side2 { vec4 side2[]; };
 layout(std430, set = 0, binding = 3) restrict readonly buffer Status { SolveStatus statuses[]; };
 layout(push_constant) uniform Parameters { VectorParameters parameters; };
-
-bool is_finite(float x) { return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u; }
 
 void main() {
   uint row = gl_GlobalInvocationID.x;
