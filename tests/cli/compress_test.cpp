@@ -6,7 +6,9 @@
 namespace planish::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class Compress : public FolderTest {
  protected:
@@ -39,6 +41,18 @@ TEST_F(Compress, WrittenErrorsStayWithinTheTolerance) {
       }
     }
   }
+}
+
+// 16 bits move positions by some 1e-5 of the diagonal, of which the default tolerance leaves less.
+TEST_F(Compress, QuantizeSaysWherePositionsStayFloat) {
+  const auto said = [&](const std::string& mode, const std::string& tolerance) {
+    return fit({"-o", path("p.glb"), "--compress", mode, "--tolerance", tolerance}).err;
+  };
+  EXPECT_THAT(said("quantize", "1e-6"),
+              AllOf(HasSubstr("p.glb: positions stay 32 bits: 16 would move them by up to 9."),
+                    HasSubstr("e-06 of the diagonal, and --tolerance leaves ")));
+  EXPECT_THAT(said("quantize", "1e-3"), Not(HasSubstr("positions stay")));
+  EXPECT_THAT(said("meshopt", "1e-6"), Not(HasSubstr("positions stay")));
 }
 
 TEST_F(Compress, OtherFormatsAreRefused) {

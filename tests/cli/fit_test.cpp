@@ -51,6 +51,19 @@ TEST_F(FitCommand, SaysThreeLinesOfAGoodMesh) {
                               HasSubstr("\n  chosen      fair: ")));
 }
 
+// Figures of a level that is in no file say so.
+TEST_F(FitCommand, NamesTheLevelOfFiguresThatIsNotWritten) {
+  const auto said = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments{"fit", torus_, "-o", path("t.glb"), "-f"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    return run_planish(arguments).err;
+  };
+  EXPECT_THAT(said({"--levels", "2"}), HasSubstr("rms from the input's faces\n"));
+  EXPECT_THAT(said({"--levels", "1"}), HasSubstr("rms from the input's faces\n"));
+  EXPECT_THAT(said({"--chord-error", "1e-2"}),
+              HasSubstr("rms from the input's faces at level 1\n"));
+}
+
 TEST_F(FitCommand, TheCageKeepsVertexOrderAndFaces) {
   ASSERT_EQ(run_planish({"fit", torus_, "--cage", path("c.obj")}).exit_code, 0);
   const auto faces = [](const std::string& obj) { return obj.substr(obj.find("\nf ")); };

@@ -65,7 +65,7 @@ TEST_F(OutputPaths, UnknownExtensionsAreRefused) {
   expect_refused({"-o", path("a.fbx")}, 2,
                  "a surface is written as .glb, .gltf, .obj, .ply, .off, .stl, .usda or .json");
   expect_refused({"--cage", path("a.glb")}, 2, "a cage is written as .obj, .ply, .off or .usda");
-  expect_refused({"-o", path("noextension")}, 2, "a surface is written as");
+  expect_refused({"-o", path("newdir")}, 2, "; a folder ends with a slash, as " + path("newdir/"));
 }
 
 TEST_F(OutputPaths, WhatTheDiskRefusesIsAnOutputErrorWhateverItIs) {

@@ -25,9 +25,12 @@ FileFormat format_for(const OutputRequest& request) {
   const FormatUse use = cage ? FormatUse::WriteCage : FormatUse::WriteSurface;
   if (!format || !serves(*format, use)) {
     const std::string converter = cage ? "" : conversion_from_glb(request.path);
-    refuse(request.where, visible(request.path) + ": a " + (cage ? "cage" : "surface") +
-                              " is written as " + extensions_in_words(use) +
-                              (converter.empty() ? "" : "; " + converter));
+    refuse(request.where,
+           visible(request.path) + ": a " + (cage ? "cage" : "surface") + " is written as " +
+               extensions_in_words(use) + (converter.empty() ? "" : "; " + converter) +
+               (fs::path(request.path).has_extension() || cage
+                    ? ""
+                    : "; a folder ends with a slash, as " + visible(request.path) + "/"));
   }
   return *format;
 }

@@ -7,9 +7,11 @@
 #include "output/digest.h"
 #include "planish/core/parallel.h"
 #include "planish/core/safe_length.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/tiles/write_tiles.h"
 #include "planish/files/write_surface.h"
+#include "terminal/text.h"
 
 namespace planish::command {
 namespace {
@@ -82,6 +84,15 @@ void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& ta
       distance = largest_error(info, options.given, [&](RowRange rows, std::span<glm::dvec3> some) {
         std::copy_n(decoded.begin() + rows.first, rows.count, some.begin());
       });
+    };
+    gltf.kept_float = [&](double moved) {
+      gltf.callbacks.warn(
+          {"float-positions", visible(planned.path) +
+                                  ": positions stay 32 bits: 16 would move them by up to " +
+                                  short_number(moved / options.diagonal) +
+                                  " of the diagonal, and --tolerance leaves " +
+                                  short_number(gltf.position_error / options.diagonal) +
+                                  "; a larger one may allow it"});
     };
   }
   if (planned.to_stdout) {

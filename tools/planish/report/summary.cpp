@@ -109,10 +109,17 @@ std::string folds_text(const SurfaceQuality& quality) {
   return folds;
 }
 
-std::string normals_text(const MeasuredSurface& surface) {
+// Names the level where no file has it.
+std::string normals_text(const JobReport& report) {
+  const MeasuredSurface& surface = *report.surface;
+  const bool is_written = std::ranges::any_of(report.outputs, [&](const WrittenOutput& output) {
+    return output.kind == OutputKind::Surface && !output.fineness.is_adaptive() &&
+           output.fineness.level == surface.level;
+  });
   return "normals off by " + angle_text(surface.quality.rms_normal_deviation) +
          " degrees rms from " +
-         (surface.reference.empty() ? "the input's faces" : surface.reference);
+         (surface.reference.empty() ? "the input's faces" : surface.reference) +
+         (is_written ? "" : " at level " + std::to_string(surface.level));
 }
 
 // What was taken and why, and how good it is.
@@ -131,7 +138,7 @@ std::string surface_line(const JobReport& report) {
   if (!report.surface) return text + "\n";
   if (report.surface->quality.folded_area >= kSoundFoldedArea)
     text += "; " + folds_text(report.surface->quality);
-  return text + "; " + normals_text(*report.surface) + "\n";
+  return text + "; " + normals_text(report) + "\n";
 }
 
 std::string within_line(const JobReport& report) {
@@ -163,8 +170,8 @@ std::string computing_lines(const JobReport& report) {
   text += within_line(report) + "  max error   " + short_number(report.interpolation.error.max) +
           " of the diagonal (tolerance " + short_number(report.settings.tolerance) + ")\n";
   if (report.surface)
-    text += "  surface     " + folds_text(report.surface->quality) + ", " +
-            normals_text(*report.surface) + "\n";
+    text +=
+        "  surface     " + folds_text(report.surface->quality) + ", " + normals_text(report) + "\n";
   return text + "  time        " + timing_line(report.timing) + "\n";
 }
 

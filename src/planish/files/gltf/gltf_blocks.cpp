@@ -81,6 +81,7 @@ GltfDocument GltfBlock::document(DegenerateRows& degenerate) const {
 
 PackedGltf pack_by_blocks(const SurfaceBlocks& surface, const GltfOptions& options) {
   const GltfBounds bounds = bounds_of_rows(surface, options);
+  tell_kept_float(options, bounds);
   const std::vector<RowRange> ranges = ranges_of(surface.info().face_count, kPackedFaces);
   LoopProgress progress(options.callbacks, "write", kGltfSurveyed, kGltfPacked, std::ssize(ranges));
   PackedGltf all;

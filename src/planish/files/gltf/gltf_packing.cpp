@@ -63,11 +63,16 @@ struct PositionGrid {
   }
 };
 
+double extent_of(const GltfBounds& all) {
+  const glm::dvec3 sides = glm::dvec3(all.maximum) - glm::dvec3(all.minimum);
+  return std::max({sides.x, sides.y, sides.z});
+}
+
 // On which every position moves by `error` at most, half a step in each of three directions: for
 // packing as coarse as that leaves room for, else in 16 bits where those do.
 PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options) {
   const glm::dvec3 least(all.minimum), sides = glm::dvec3(all.maximum) - least;
-  const double extent = std::max({sides.x, sides.y, sides.z});
+  const double extent = extent_of(all);
   const double coarsest = 2 / std::sqrt(3.0) * options.position_error;
   const bool packs = options.compression == GltfCompression::Meshopt;
   const double step = packs ? coarsest : extent / kMostShort;
@@ -341,6 +346,13 @@ GltfBounds bounds_of_all(const GltfDocument& document) {
     is_first = false;
   }
   return all;
+}
+
+void tell_kept_float(const GltfOptions& options, const GltfBounds& bounds) {
+  if (!options.kept_float || options.compression != GltfCompression::Quantize ||
+      position_grid(bounds, options).step > 0)
+    return;
+  options.kept_float(std::sqrt(3.0) / 2 * extent_of(bounds) / kMostShort);
 }
 
 GltfContents pack_gltf(const GltfContents& plain, const GltfVertices& vertices,

@@ -19,6 +19,8 @@ struct GltfContents {
 /// the document's, or of more. The same bytes for any number of threads.
 [[nodiscard]] GltfContents pack_gltf(const GltfContents& plain, const GltfVertices& vertices,
                                      const GltfOptions& options, const GltfBounds& bounds);
+/// Calls options.kept_float, if it is there and positions within these bounds stay float32.
+void tell_kept_float(const GltfOptions& options, const GltfBounds& bounds);
 [[nodiscard]] GltfBounds bounds_of_all(const GltfDocument& document);
 
 }  // namespace planish

@@ -71,7 +71,9 @@ PackedGltf pack_at_once(const SurfaceBlocks& surface, const GltfOptions& given) 
     plain.buffer.insert(plain.buffer.end(), piece.begin(), piece.end());
   };
   write_buffer(surface, vertices, options, std::span(&append, 1));
-  GltfContents packed = pack_gltf(plain, vertices, options, bounds_of_all(plain.document));
+  const GltfBounds bounds = bounds_of_all(plain.document);
+  tell_kept_float(options, bounds);
+  GltfContents packed = pack_gltf(plain, vertices, options, bounds);
   PackedGltf all{std::move(packed.document), {}, layout.vertex_count};
   all.pieces.push_back(std::move(packed.buffer));
   return all;

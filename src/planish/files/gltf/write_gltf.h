@@ -43,6 +43,8 @@ struct GltfOptions {
   /// readers decode them, in model coordinates.
   std::function<void(std::span<const glm::dvec3>)> decoded;
   std::int64_t decoded_rows = 0;
+  /// With Quantize, where positions stay float32: gets how far 16 bits would move one.
+  std::function<void(double)> kept_float;
   /// The largest buffer beside a .gltf: a surface that needs more, uncompressed, has several, each
   /// with a mesh of its own. Many programs hold a buffer in one array of at most 2 GiB.
   std::uint64_t buffer_bytes = std::uint64_t{1} << 30;
