@@ -8,6 +8,7 @@
 #include "job/job_input.h"
 #include "job/output_bytes.h"
 #include "page/page.h"
+#include "page/page_still.h"
 #include "planish/core/error.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/surface/memory_need.h"
@@ -50,8 +51,10 @@ constexpr double kVertexSeconds = 6, kPointSeconds = 0.6, kPageSeconds = 4, kBen
                  kCloudSeconds = 80;
 
 // Bytes of host memory, upper values of what the command took: tools/planish/README.md has them.
-constexpr std::uint64_t kPageVertexBytes = 210, kBendBytes = 48, kBendUvBytes = 96;
+constexpr std::uint64_t kPageVertexBytes = 210 + 36, kBendBytes = 48, kBendUvBytes = 96;
 constexpr std::uint64_t kTileVertexBytes = 180;
+// Of a page's still picture: four samples of 8 bytes and a pixel of 4.
+constexpr std::uint64_t kStillBytes = std::uint64_t{36} * kStillWidth * kStillHeight;
 constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCloudPointBytes = 2400;
 
 // What packing takes beside the surface: a small one's plain bytes and those of the result; of a
@@ -136,7 +139,7 @@ Forecast forecast_by_counts(const MeshCounts& counts, const RefinedAttributes& a
   double seconds = kPointSeconds * points;
   if (page_bytes > 0) {
     const std::int64_t vertices = page_counts(levels, page_bytes).vertices;
-    beside += kPageVertexBytes * static_cast<std::uint64_t>(vertices);
+    beside += kStillBytes + kPageVertexBytes * static_cast<std::uint64_t>(vertices);
     seconds += kPageSeconds * static_cast<double>(vertices);
   }
   const double fits = chooses_by_measurement(settings, outputs) ? 2 : 1;
