@@ -1,12 +1,14 @@
 // Memory runs out at every place where a small job takes some, one after another: the job ends by
 // an exception, leaves no file, and the next job has the bits that it should have.
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <cstdint>
 #include <filesystem>
 #include <utility>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit_file.h"
 #include "support/failing_memory.h"
 #include "support/meshes.h"
@@ -59,6 +61,24 @@ TEST(OutOfMemory, NoFileIsLeft) {
     EXPECT_TRUE(std::filesystem::exists(folder.path() / name));
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
       std::filesystem::remove(entry.path());
+  }
+}
+
+// JSON too, whose values are taken apart by memory that they ask for: one failure is no second one.
+TEST(OutOfMemory, ReadersEndByAnException) {
+  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism,
+                                               1);
+  const test::TemporaryFolder folder;
+  const auto backend = make_cpu_backend({.thread_count = 1});
+  const FittedMesh fitted = fit_mesh(some_mesh(), "mesh", *backend, {});
+  for (const char* name : {"a.glb", "a.gltf", "a.obj", "a.ply", "a.off", "a.stl"}) {
+    SCOPED_TRACE(name);
+    const std::filesystem::path path = folder.path() / name;
+    (void)write_fitted_surface(path, fitted, "mesh", *backend, {.level = 1});
+    const std::int64_t faces = read_mesh(path).mesh.face_count();
+    const std::int64_t requests = test::fail_at_every_request(
+        [&] { EXPECT_EQ(read_mesh(path).mesh.face_count(), faces); }, [](std::int64_t) {});
+    EXPECT_GT(requests, 10);
   }
 }
 

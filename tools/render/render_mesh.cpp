@@ -55,8 +55,8 @@ RenderMesh read_glb(const std::filesystem::path& path, const std::string& attrib
   const RawVector<std::byte> bytes = read_file(path);
   const std::string name = path.string();
   const GlbParts parts = split_glb(bytes, name);
-  const nlohmann::json document = parse_json(parts.json, name);
-  const JsonPlace root(document, name, "");
+  const JsonDocument document = parse_json(parts.json, name);
+  const JsonPlace root(*document, name, "");
   GltfSource source(root, parts.chunk, std::nullopt);
   RenderMesh mesh;
   const JsonPlace primitives = root["meshes"][0]["primitives"];

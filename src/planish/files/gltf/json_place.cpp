@@ -13,6 +13,13 @@ namespace {
 constexpr int kMaxDepth = 64;
 constexpr std::int64_t kMaxInteger = std::int64_t{1} << 53;
 
+// No deeper than parse_json() lets a document be nested.
+void clear_members(nlohmann::json& value) noexcept {
+  if (!value.is_structured()) return;  // a loop over such a one would meet itself
+  for (nlohmann::json& member : value) clear_members(member);
+  value.clear();
+}
+
 }  // namespace
 
 void JsonPlace::fail(const std::string& what) const {
@@ -86,7 +93,12 @@ std::int64_t JsonPlace::integer_or(std::string_view key, std::int64_t otherwise)
   return found ? found->integer() : otherwise;
 }
 
-nlohmann::json parse_json(std::string_view text, std::string_view file) {
+void JsonRemoval::operator()(nlohmann::json* document) const noexcept {
+  clear_members(*document);
+  delete document;
+}
+
+JsonDocument parse_json(std::string_view text, std::string_view file) {
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorCode::UnreadableInput, std::string(file) + ": " + what);
   };
@@ -96,7 +108,9 @@ nlohmann::json parse_json(std::string_view text, std::string_view file) {
     return true;
   };
   try {
-    return nlohmann::json::parse(text, limit_depth);
+    JsonDocument document(new nlohmann::json);
+    *document = nlohmann::json::parse(text, limit_depth);
+    return document;
   } catch (const nlohmann::json::exception& error) {
     // The library's messages begin with an identifier in brackets.
     const std::string message = error.what();

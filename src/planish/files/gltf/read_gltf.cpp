@@ -259,8 +259,8 @@ MeshFile read_gltf(const FileBytes& file) { return read_gltf_within(file, {}); }
 
 MeshFile read_gltf_within(const FileBytes& file, const GltfLimits& limits) {
   const GlbParts parts = split_glb(file.bytes, file.name);
-  const nlohmann::json document = parse_json(parts.json, file.name);
-  const JsonPlace root(document, file.name, "");
+  const JsonDocument document = parse_json(parts.json, file.name);
+  const JsonPlace root(*document, file.name, "");
   std::optional<std::filesystem::path> folder;
   if (!file.path.empty()) folder = file.path.parent_path();
   GltfSource source(root, parts.chunk, std::move(folder));
