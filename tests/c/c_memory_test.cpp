@@ -5,7 +5,6 @@
 #include <planish/c/planish.h>
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <string>
 

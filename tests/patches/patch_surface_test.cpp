@@ -36,7 +36,7 @@ Rows all_rows(const PatchSurface& surface, std::span<const glm::dvec3> state,
 }
 
 // All rows, by their names.
-Rows named_rows(const PatchSurface& surface, std::span<const glm::dvec3> state,
+Rows rows_named(const PatchSurface& surface, std::span<const glm::dvec3> state,
                 const Placement& placement) {
   Rows rows;
   std::vector<std::int32_t> names(static_cast<std::size_t>(surface.numbering().row_count()));
@@ -116,7 +116,7 @@ TEST(PatchSurface, BitsDoNotDependOnInstructionsNamesOrRanges) {
         const PatchSurface wide(c.patches, {.level = level, .instructions = instructions});
         EXPECT_TRUE(same_bits(wanted, all_rows(wide, state, placement, 1 << 30)));
       }
-      EXPECT_TRUE(same_bits(wanted, named_rows(baseline, state, placement)));
+      EXPECT_TRUE(same_bits(wanted, rows_named(baseline, state, placement)));
       for (const std::int64_t block : {61, 1000}) {
         const Rows rows = all_rows(baseline, state, placement, block);
         EXPECT_TRUE(same_bits(wanted, rows));
@@ -136,7 +136,7 @@ TEST(PatchSurface, GridsHaveTheBitsOfRows) {
     const RawVector<glm::dvec3> state = first_step(c.patches, c.weights, c.points);
     const Placement placement{{3, 4, 5}, 17};
     const PatchSurface named(c.patches, {.level = 2});
-    const Rows wanted = named_rows(named, state, placement);
+    const Rows wanted = rows_named(named, state, placement);
     const PatchSamples& samples = named.numbering().samples();
     std::vector<std::int32_t> corners(static_cast<std::size_t>(c.topology.corner_count() - 3));
     std::iota(corners.begin(), corners.end(), 3);  // not from a quad's first corner
@@ -172,7 +172,7 @@ TEST(PatchSurface, RowsWithoutDirectionAreCountedOfWholeFacesToo) {
       if (!can_run(instructions)) continue;
       const PatchSurface surface(c.patches, {.level = level, .instructions = instructions});
       for (const Rows& rows :
-           {all_rows(surface, state, {}, 1 << 30), named_rows(surface, state, {})}) {
+           {all_rows(surface, state, {}, 1 << 30), rows_named(surface, state, {})}) {
         EXPECT_EQ(rows.degenerate.count, static_cast<std::int64_t>(rows.normals.size())) << level;
         EXPECT_EQ(rows.degenerate.first, 0) << level;
         for (const glm::vec3& normal : rows.normals) ASSERT_NEAR(glm::length(normal), 1, 1e-6);

@@ -46,7 +46,7 @@ double interpolation_error(const test::FairCase& c, std::span<const dvec3> state
   return worst;
 }
 
-double worst_distance(const FairNet& a, const FairNet& b) {
+double distance_of_nets(const FairNet& a, const FairNet& b) {
   double worst = a.state.size() == b.state.size() ? 0 : HUGE_VAL;
   for (std::size_t i = 0; i < a.state.size(); ++i)
     worst = std::max(worst, glm::distance(a.state[i], b.state[i]));
@@ -96,7 +96,7 @@ TEST_F(FairNetOnDevice, IsTheSameFromEitherKindOfReads) {
   storage.reads = VulkanReads::StorageBuffers;
   texel.reads = VulkanReads::TexelBuffers;
   const auto storage_backend = make_backend(storage), texel_backend = make_backend(texel);
-  EXPECT_LT(worst_distance(build(*storage_backend, c), build(*texel_backend, c)), 1e-5);
+  EXPECT_LT(distance_of_nets(build(*storage_backend, c), build(*texel_backend, c)), 1e-5);
 }
 
 TEST_F(FairNetOnDevice, FitBuildsItThere) {
@@ -147,7 +147,7 @@ TEST_F(FairNetOnDevice, KeepsDecisions) {
   EXPECT_EQ(net.reversed_vertices, expected.reversed_vertices);
   EXPECT_NEAR(net.flagged_edges, expected.flagged_edges, 2);
   EXPECT_NEAR(net.flagged_faces, expected.flagged_faces, 2);
-  EXPECT_LT(worst_distance(net, expected), 1e-3);
+  EXPECT_LT(distance_of_nets(net, expected), 1e-3);
   // What this pose would decide is something else.
   EXPECT_NE(build(*backend, c).decisions.halvings, rest.halvings);
 }
@@ -159,7 +159,7 @@ TEST_F(FairNetOnDevice, IsTheSameFromFewWorkGroups) {
   few.max_work_groups = 3;
   const auto limited = make_backend(few);
   const FairNet a = build(*backend, c), b = build(*limited, c);
-  EXPECT_LT(worst_distance(a, b), 1e-5);  // the sums of the polish run in another order
+  EXPECT_LT(distance_of_nets(a, b), 1e-5);  // the sums of the polish run in another order
 }
 
 TEST_F(FairNetOnDevice, NamesTheLimitThatAMeshExceeds) {

@@ -11,9 +11,9 @@
 #include "headless.h"
 #include "legend.h"
 #include "planish/core/error.h"
+#include "render/png.h"
 #include "terminal/exit_codes.h"
 #include "window.h"
-#include "render/png.h"
 
 namespace planish::viewer {
 namespace {

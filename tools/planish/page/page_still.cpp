@@ -1,7 +1,6 @@
 #include "page/page_still.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -42,7 +41,7 @@ class Upright {
   glm::dvec3 middle_;
 };
 
-std::vector<std::uint32_t> triangles_of(const SurfaceMesh& surface) {
+std::vector<std::uint32_t> indices_of(const SurfaceMesh& surface) {
   std::vector<std::uint32_t> indices;
   for (std::int64_t f = 0; f < surface.face_count(); ++f) {
     const auto face = surface.face(f);
@@ -96,7 +95,7 @@ std::vector<std::byte> still_picture(const SurfaceMesh& surface, UpAxis up) {
   render::VisibilityBuffer buffer(kScale * kStillWidth, kScale * kStillHeight);
   const render::Camera camera = render::frame(points, buffer.width, buffer.height, {});
   parallel_each(points.size(), [&](std::size_t v) { points[v] = camera.project(points[v]); });
-  const std::vector<std::uint32_t> indices = triangles_of(surface);
+  const std::vector<std::uint32_t> indices = indices_of(surface);
   constexpr std::size_t kBands = 8;
   constexpr int kBandRows = kScale * kStillHeight / kBands;
   parallel_for(kBands, 1, [&](std::size_t begin, std::size_t end) {
