@@ -1,34 +1,35 @@
 // Directions seen from the faces at a vertex; fair/smallest_cap.h. The including kernel declares
 // places and face_normals.
-const int kCapSteps = 60;
+FairVertex seen_vertex;
 
 // The normal of the face that is seen worst from a direction, and its cosine with that.
-vec4 worst_face(FairVertex vertex, vec3 direction) {
+vec4 worst_seen(vec3 direction) {
   vec4 worst = vec4(0.0, 0.0, 0.0, 2.0);
-  for (uint i = vertex.first; i < vertex.first + vertex.count; ++i) {
+  for (uint i = seen_vertex.first; i < seen_vertex.first + seen_vertex.count; ++i) {
     vec3 normal = face_normals_at(places_at(i).face).xyz;
     float cosine = dot(direction, normal);
     if (cosine < worst.w) worst = vec4(normal, cosine);
   }
   return worst;
 }
-float least_face_cosine(FairVertex vertex, vec3 direction) {
-  return worst_face(vertex, direction).w;
-}
-
-vec3 normalised_or(vec3 v, vec3 otherwise) {
+vec3 as_view(vec3 v, vec3 otherwise) {
   float size = safe_length(v);
   return size > 0.0 ? v / size : otherwise;
+}
+#include "fair_best_view.glsl"
+
+float least_face_cosine(FairVertex vertex, vec3 direction) {
+  seen_vertex = vertex;
+  return worst_seen(direction).w;
 }
 
 // The direction nearest to all of them, and the least cosine.
 vec4 smallest_cap(FairVertex vertex, vec3 normal) {
-  vec4 best = vec4(normal, -2.0);
-  vec3 direction = normal;
-  for (int step = 0; step < kCapSteps; ++step) {
-    vec4 worst = worst_face(vertex, direction);
-    if (worst.w > best.w) best = vec4(direction, worst.w);
-    direction = normalised_or(direction + (worst.xyz - direction) / (2.0 + float(step)), direction);
-  }
-  return best;
+  seen_vertex = vertex;
+  return best_view(normal);
+}
+
+vec3 tilted_normal(FairVertex vertex, vec3 normal) {
+  seen_vertex = vertex;
+  return turned_to_see(normal);
 }

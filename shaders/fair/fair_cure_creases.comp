@@ -18,9 +18,6 @@ UPDATE(7, vec4, result);
 #include "fair_curve_sectors.glsl"
 #include "fair_scale_ring.glsl"
 
-const int kSectorSteps = 60;
-const int kSectorTiltSteps = 8;
-const float kSeenShareOfSector = 0.2;
 // Of the highest that the edges reach across the curve: what they are balanced about.
 const float kAcrossShare = 0.5;
 // Edges that reach less far across the curve than this, times chain_share()'s own ramp, leave its
@@ -52,45 +49,22 @@ vec2 balance_point(uint i) {
 #include "fair_balance.glsl"
 #include "fair_chain.glsl"
 
-vec4 worst_of_sector(vec3 direction) {
+// Among directions at right angles to the curve.
+vec4 worst_seen(vec3 direction) {
   vec4 worst = vec4(0.0, 0.0, 0.0, 2.0);
   for (uint i = sector.first; i < sector.first + sector.count; ++i) {
     vec3 normal = face_normals_at(places_at(i).face).xyz;
+    normal -= dot(normal, along) * along;
     float cosine = dot(direction, normal);
     if (cosine < worst.w) worst = vec4(normal, cosine);
   }
   return worst;
 }
-
-vec3 turned(vec3 v, vec3 otherwise) {
+vec3 as_view(vec3 v, vec3 otherwise) {
   vec3 upright = unit_or_zero(v - dot(v, along) * along);
   return upright == vec3(0.0) ? otherwise : upright;
 }
-
-// As tilted_normal(), among directions at right angles to the curve.
-vec3 tilted_sector_normal(vec3 own) {
-  vec3 direction = own, best = own;
-  float most = -2.0;
-  for (int step = 0; step < kSectorSteps; ++step) {
-    vec4 worst = worst_of_sector(direction);
-    if (worst.w > most) {
-      most = worst.w;
-      best = direction;
-    }
-    direction = turned(direction + (worst.xyz - direction) / (2.0 + float(step)), direction);
-  }
-  float wanted = kSeenShareOfSector * most;
-  if (most <= 0.0 || worst_of_sector(own).w >= wanted) return own;
-  float least = 0.0, enough = 1.0;
-  for (int step = 0; step < kSectorTiltSteps; ++step) {
-    float middle = (least + enough) / 2.0;
-    if (worst_of_sector(turned((1.0 - middle) * own + middle * best, best)).w >= wanted)
-      enough = middle;
-    else
-      least = middle;
-  }
-  return turned((1.0 - enough) * own + enough * best, best);
-}
+#include "fair_best_view.glsl"
 
 // Where the convex hull of the edges' directions crosses the line across the curve, the farther of
 // the two times; 0 where they all lie to one side. From any edge on either side to those farthest
@@ -129,9 +103,9 @@ float highest_across() {
 // it is not yet.
 vec3 sector_normal(bool is_first) {
   vec3 weighted = angle_weighted_normal(origin, sector.first, sector.count);
-  vec3 own = turned(weighted, weighted), left = cross(along, own);
+  vec3 own = as_view(weighted, weighted), left = cross(along, own);
   if (!is_chosen) {
-    vec3 tilted = tilted_sector_normal(own);
+    vec3 tilted = turned_to_see(own);
     float angle = tilted == own ? 0.0 : atan(dot(tilted, left), dot(tilted, own));
     if (is_first)
       leans.x = angle;

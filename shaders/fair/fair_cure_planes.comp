@@ -18,30 +18,8 @@ UPDATE(7, vec4, planes);  // the lean, and the size
 #include "fair_cap.glsl"
 #include "fair_lean.glsl"
 
-const int kTiltSteps = 8;
-// Of the cap's cosine: what a normal must have with every face to be left as it is.
-const float kSeenShare = 0.2;
 // Of the least height of the faces around.
 const float kSize = 0.5;
-
-vec3 between(float share, vec3 normal, vec3 cap) {
-  return normalised_or((1.0 - share) * normal + share * cap, cap);
-}
-
-vec3 tilted_normal(FairVertex vertex, vec3 normal) {
-  vec4 cap = smallest_cap(vertex, normal);
-  float wanted = kSeenShare * cap.w;
-  if (cap.w <= 0.0 || least_face_cosine(vertex, normal) >= wanted) return normal;
-  float least = 0.0, enough = 1.0;
-  for (int step = 0; step < kTiltSteps; ++step) {
-    float middle = (least + enough) / 2.0;
-    if (least_face_cosine(vertex, between(middle, normal, cap.xyz)) >= wanted)
-      enough = middle;
-    else
-      least = middle;
-  }
-  return between(enough, normal, cap.xyz);
-}
 
 float perpendicular_size(FairVertex vertex) {
   float least = 0.0;

@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <random>
 
 #include "fair/cure_meshes.h"
 #include "fair/fair_case.h"
 #include "planish/fair/net_samples.h"
 #include "planish/fair/vertex_frame.h"
 #include "planish/mesh/check.h"
+#include "planish/mesh/convex_faces.h"
 #include "support/meshes.h"
 
 namespace planish::test {
@@ -59,6 +62,35 @@ TEST(FoldCure, CuresNeedlesAndUnevenBoxes) {
     EXPECT_EQ(net.flagged_edges, 0);
     EXPECT_EQ(net.flagged_faces, 0);
     EXPECT_EQ(folded_samples(c, net.state), 0);
+  }
+}
+
+// Spikes that are mirror images across x = 0.
+PolygonMesh mirrored_spikes(unsigned seed) {
+  PolygonMesh mesh = torus(16, 6, 2, 0.7);
+  for (dvec3& p : mesh.positions)
+    p *= 1 + 0.5 * std::sin(seed + 90.93 * std::abs(p.x) + 78.233 * p.y + 37.7 * p.z);
+  return with_convex_faces(mesh).mesh;
+}
+
+// Faces that are seen equally badly, as mirror images are, decide nothing by which comes first.
+TEST(FoldCure, LastBitsDecideNothing) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> bits(-1e-15, 1e-15);
+  for (unsigned seed = 1; seed < 30; ++seed) {
+    FairCase c(mirrored_spikes(seed));
+    const FairNet net = c.net(8);
+    EXPECT_GT(net.cured_vertices, 20);
+    const std::vector<dvec3> given = c.given;
+    for (int round = 0; round < 3; ++round) {
+      for (std::size_t v = 0; v < given.size(); ++v)
+        c.given[v] = given[v] + dvec3(bits(random), bits(random), bits(random));
+      const std::vector<dvec3> moved = c.net(8).state;
+      double farthest = 0;
+      for (std::size_t i = 0; i < moved.size(); ++i)
+        farthest = std::max(farthest, glm::distance(moved[i], net.state[i]));
+      EXPECT_LT(farthest, 1e-9) << seed;
+    }
   }
 }
 

@@ -2,7 +2,7 @@
 // edge e_i, m the direction in a face beside it that is at right angles to e_i, inwards. The limit
 // normal at the edge of small polygons is along e_i x A t_i, and on the face's side where
 // m . A t_i > 0: linear in A. So A is the direction of R^4 that sees all of m (x) t_i best, which
-// the steps of fair/best_view.h find.
+// fair/best_view.h finds.
 #include "planish/fair/hub_ellipse.h"
 
 #include <algorithm>
@@ -24,8 +24,6 @@ using glm::dvec3;
 using glm::dvec4;
 
 namespace {
-
-constexpr int kEllipseSteps = 400;
 
 dvec2 times(const dvec4& ellipse, const dvec2& point) {
   return {ellipse.x * point.x + ellipse.y * point.y, ellipse.z * point.x + ellipse.w * point.y};
@@ -62,12 +60,7 @@ glm::vec4 hub_ellipse(const FairTopology& topology, std::span<const dvec3> given
   const auto worst_of = [&](const dvec4& ellipse) {
     return least_seen<dvec4>(conditions, ellipse, [](const dvec4& condition) { return condition; });
   };
-  const auto [best, most] =
-      best_view<dvec4>(dvec4(1.0, 0.0, 0.0, 1.0) / std::numbers::sqrt2, kEllipseSteps, worst_of,
-                       [](const dvec4& vector, const dvec4& otherwise) {
-                         const double length = glm::length(vector);
-                         return length > 0 ? vector / length : otherwise;
-                       });
+  const auto [best, most] = best_view(dvec4(1.0, 0.0, 0.0, 1.0) / std::numbers::sqrt2, worst_of);
   if (!(most > 0) || !(best.x * best.w > best.y * best.z)) return glm::vec4(0.0F);
   double farthest = 0;
   for (const dvec2& point : topology.unit_circle.of(topology.valence(vertex)))

@@ -68,7 +68,8 @@ dvec3 tilted_sector_normal(const CurveSite& site, const FairTopology::Sector& se
                            const dvec3& own, const dvec3& along) {
   const auto worst_of = [&, corners = site.topology.ring(sector).corners](const dvec3& direction) {
     return least_seen<dvec3>(corners, direction, [&](std::int32_t corner) {
-      return site.face_normals[site.topology.corner_faces[corner]];
+      const dvec3& normal = site.face_normals[site.topology.corner_faces[corner]];
+      return normal - glm::dot(normal, along) * along;
     });
   };
   return turned_to_see(own, worst_of, [&](const dvec3& vector, const dvec3& otherwise) {

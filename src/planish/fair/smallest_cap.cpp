@@ -10,8 +10,6 @@ using glm::dvec3;
 
 namespace {
 
-constexpr int kCapSteps = 60;
-
 auto worst_face(const FairTopology& topology, std::span<const dvec3> face_normals,
                 std::int32_t vertex) {
   return [=, &topology, corners = topology.ring(vertex).corners](const dvec3& direction) {
@@ -35,8 +33,7 @@ double least_face_cosine(const FairTopology& topology, std::span<const dvec3> fa
 
 NormalCap smallest_cap(const FairTopology& topology, std::span<const dvec3> face_normals,
                        std::int32_t vertex, const dvec3& normal) {
-  const auto best =
-      best_view(normal, kCapSteps, worst_face(topology, face_normals, vertex), normalised_or);
+  const auto best = best_view(normal, worst_face(topology, face_normals, vertex));
   return {best.vector, best.cosine};
 }
 

@@ -9,13 +9,13 @@
 namespace planish {
 
 /// The direction that is nearest to all normals of the faces around a vertex, and the least cosine
-/// with them: at or below 0 no plane through the vertex sees all of them from outside.
+/// with them: at 0 no plane through the vertex sees all of them from outside.
 struct NormalCap {
   glm::dvec3 normal;  ///< unit
   double cosine;
 };
 
-/// Nearly, starting from the vertex's own normal: within about a degree, see best_view().
+/// The vertex's own normal, with the cosine 0, where there is none; see best_view().
 [[nodiscard]] NormalCap smallest_cap(const FairTopology& topology,
                                      std::span<const glm::dvec3> face_normals, std::int32_t vertex,
                                      const glm::dvec3& normal);

@@ -1,0 +1,74 @@
+// The direction from which the worst of some vectors is seen best; fair/best_view.h. The including kernel
+// has worst_seen(direction), the vector that is seen worst and its cosine, and as_view(v, otherwise), which
+// makes a unit vector.
+
+// What of a triangle is nearest to the origin; corners may be the same. Ericson, "Real-Time Collision
+// Detection", 5.1.5.
+vec3 nearest_in_triangle(vec3 a, vec3 b, vec3 c) {
+  vec3 ab = b - a, ac = c - a;
+  float ab_a = -dot(ab, a), ac_a = -dot(ac, a);
+  if (ab_a <= 0.0 && ac_a <= 0.0) return a;
+  float ab_b = -dot(ab, b), ac_b = -dot(ac, b);
+  if (ab_b >= 0.0 && ac_b <= ab_b) return b;
+  float w_ab = ab_a * ac_b - ab_b * ac_a;
+  if (w_ab <= 0.0 && ab_a >= 0.0 && ab_b <= 0.0) return a + ab_a / (ab_a - ab_b) * ab;
+  float ab_c = -dot(ab, c), ac_c = -dot(ac, c);
+  if (ac_c >= 0.0 && ab_c <= ac_c) return c;
+  float w_ac = ab_c * ac_a - ab_a * ac_c;
+  if (w_ac <= 0.0 && ac_a >= 0.0 && ac_c <= 0.0) return a + ac_a / (ac_a - ac_c) * ac;
+  float w_bc = ab_b * ac_c - ab_c * ac_b, to_c = ac_b - ab_b, to_b = ab_c - ac_c;
+  if (w_bc <= 0.0 && to_c >= 0.0 && to_b >= 0.0) return b + to_c / (to_c + to_b) * (c - b);
+  // Of the plane; weights would lose digits where corners are close together.
+  vec3 normal = cross(ab, ac);
+  float square = dot(normal, normal);
+  return square > 0.0 ? dot(normal, a) / square * normal : a;
+}
+
+vec4 best_view(vec3 start) {
+  const int kMostSteps = 40;
+  const float kLeastCosine = 1e-5;
+  vec3 a = worst_seen(start).xyz, b = a, c = a, nearest = a;
+  vec4 best = vec4(start, 0.0);
+  for (int step = 0; step < kMostSteps; ++step) {
+    float size = length(nearest);
+    if (!(size > kLeastCosine)) return vec4(start, 0.0);
+    vec4 worst = worst_seen(nearest / size);
+    bool is_last = worst.xyz == a || worst.xyz == b || worst.xyz == c;
+    if (worst.w > best.w || is_last) best = vec4(nearest / size, worst.w);
+    if (is_last) break;
+    // The nearest point of the four corners' hull is in a triangle with the new one.
+    vec3 in_a = nearest_in_triangle(worst.xyz, b, c), in_b = nearest_in_triangle(a, worst.xyz, c);
+    vec3 in_c = nearest_in_triangle(a, b, worst.xyz);
+    float of_a = dot(in_a, in_a), of_b = dot(in_b, in_b), of_c = dot(in_c, in_c);
+    float least = min(of_a, min(of_b, of_c));
+    if (!(least < (1.0 + 1e-6) * size * size)) break;
+    if (least == of_a) {
+      a = worst.xyz;
+      nearest = in_a;
+    } else if (least == of_b) {
+      b = worst.xyz;
+      nearest = in_b;
+    } else {
+      c = worst.xyz;
+      nearest = in_c;
+    }
+  }
+  return best;
+}
+
+vec3 turned_to_see(vec3 own) {
+  const int kTurnSteps = 20;
+  const float kSeenShare = 0.2;
+  vec4 best = best_view(own);
+  float wanted = kSeenShare * best.w;
+  if (best.w <= 0.0 || worst_seen(own).w >= wanted) return own;
+  float least = 0.0, enough = 1.0;
+  for (int step = 0; step < kTurnSteps; ++step) {
+    float middle = (least + enough) / 2.0;
+    if (worst_seen(as_view((1.0 - middle) * own + middle * best.xyz, best.xyz)).w >= wanted)
+      enough = middle;
+    else
+      least = middle;
+  }
+  return as_view((1.0 - enough) * own + enough * best.xyz, best.xyz);
+}
