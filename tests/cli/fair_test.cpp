@@ -249,8 +249,15 @@ TEST_F(Fair, CutsConcaveFaces) {
   // What nothing can cut is not promised to be.
   fit(write("bow.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n"),
       {"-o", path("s.glb"), "--interpolation", "fair"});
-  EXPECT_THAT(messages_, HasSubstr("may fold: 1; with_convex_faces() and --repair safe cut them in "
-                                   "parts unless they cross themselves"));
+  EXPECT_THAT(messages_, HasSubstr("may fold: 1; they cross themselves: cut them in triangles"));
+}
+
+// What measurement has tried and left is not the advice either.
+TEST_F(Fair, DoesNotAdviseWhatWasTried) {
+  const std::string input = write("bow.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n");
+  EXPECT_GT(fit(input, {"-o", path("s.glb")})["surface"]["folded_area"], 0.01);
+  EXPECT_THAT(messages_, HasSubstr("found creases do not help there"));
+  EXPECT_THAT(messages_, Not(HasSubstr("--creases auto may help")));
 }
 
 TEST_F(Fair, TheReportSaysWhatWasDone) {

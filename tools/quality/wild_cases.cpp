@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "quality/foreign_shapes.h"
 #include "quality/loft_shapes.h"
 #include "quality/part_shapes.h"
 #include "quality/wild_shapes.h"
@@ -44,6 +45,20 @@ std::vector<Kind> organic_kinds() {
       {"three sheets", [] { return three_sheets(6, 12); }, [] { return three_sheets(10, 112); }},
       {"torn sheet", [] { return torn_sheet(20, 3, 16); }, [] { return torn_sheet(14, 4, 116); }},
       {"flat loft", [] { return flat_loft(24, 17); }, [] { return flat_loft(29, 117); }},
+  };
+}
+
+std::vector<Kind> foreign_kinds() {
+  return {
+      {"crossing parts", [] { return crossing_parts(40, 18); },
+       [] { return crossing_parts(97, 118); }},
+      {"touching tori", [] { return touching_tori(24, 2, 19); },
+       [] { return touching_tori(17, 3, 119); }},
+      {"loose sheets", [] { return loose_sheets(800, 20); },
+       [] { return loose_sheets(1500, 120); }},
+      {"pinched polygons", [] { return pinched_polygons(60, 21); },
+       [] { return pinched_polygons(150, 121); }},
+      {"holed scan", [] { return holed_scan(1500, 22); }, [] { return holed_scan(2500, 122); }},
   };
 }
 
@@ -113,7 +128,7 @@ std::vector<NamedCase> wild_cases() {
                        return made;
                      }});
   };
-  for (const auto& kinds : {organic_kinds(), part_kinds()}) {
+  for (const auto& kinds : {organic_kinds(), foreign_kinds(), part_kinds()}) {
     for (const Kind& kind : kinds) {
       add(kind.name, false, kind.make);
       add(std::string(kind.name) + ", held out", true, kind.make_held_out);

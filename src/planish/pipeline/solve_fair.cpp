@@ -110,18 +110,20 @@ Warning folds_left_warning(std::int64_t edges, std::int64_t faces) {
   return {"folds-left",
           "the fair surface still turns over at " + counted(edges, "edge") + " and " +
               counted(faces, "face") +
-              ", where the mesh itself is folded or too sharp for a smooth surface; "
-              "--creases auto keeps sharp edges sharp",
+              ", where the mesh itself is folded or too sharp for a smooth surface",
           edges + faces, -1};
 }
 
-Warning concave_faces_warning(std::int64_t faces) {
-  return {"concave-faces",
-          "faces with corners that turn inward, beside which the fair surface may fold: " +
-              std::to_string(faces) +
-              "; with_convex_faces() and --repair safe cut them in parts unless they cross "
-              "themselves",
-          faces, -1};
+Warning concave_faces_warning(std::int64_t faces, std::int64_t crossing) {
+  std::string text =
+      "faces with corners that turn inward, beside which the fair surface may fold: " +
+      std::to_string(faces) + "; ";
+  if (crossing < faces) text += "with_convex_faces() and --repair safe cut them in parts";
+  if (crossing > 0)
+    text += crossing < faces
+                ? ", but not the " + std::to_string(crossing) + " that cross themselves"
+                : "they cross themselves: cut them in triangles, whichever way is meant";
+  return {"concave-faces", text, faces, -1};
 }
 
 void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivision,
@@ -139,7 +141,9 @@ void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivi
   if (fair.flagged_edges + fair.flagged_faces > 0)
     options.callbacks.warn(folds_left_warning(fair.flagged_edges, fair.flagged_faces));
   const auto concave = std::ssize(concave_faces(mesh));
-  if (concave > 0) options.callbacks.warn(concave_faces_warning(concave));
+  if (concave > 0)
+    options.callbacks.warn(
+        concave_faces_warning(concave, std::ssize(with_convex_faces(mesh).concave_faces)));
 }
 
 }  // namespace planish

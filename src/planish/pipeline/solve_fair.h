@@ -16,6 +16,6 @@ void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivi
 
 /// What fit() warns of such counts.
 [[nodiscard]] Warning folds_left_warning(std::int64_t edges, std::int64_t faces);
-[[nodiscard]] Warning concave_faces_warning(std::int64_t faces);
+[[nodiscard]] Warning concave_faces_warning(std::int64_t faces, std::int64_t crossing = 0);
 
 }  // namespace planish

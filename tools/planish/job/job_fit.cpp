@@ -14,6 +14,7 @@ void note_fit(JobReport& report, FittedMesh& fitted) {
   report.choice = fitted.reason;
   report.quad_reason = fitted.quad_reason;
   CreaseChoice& creases = report.settings.creases;
+  report.tried_creases = report.choice && creases.chooses;
   creases.chooses = false;
   creases.dihedral_degrees = fitted.crease_degrees;
   report.input.joined = fitted.paired_count;

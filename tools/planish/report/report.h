@@ -98,6 +98,7 @@ struct JobReport {
   Settings settings;
   InterpolationMethod method = InterpolationMethod::Progressive;
   std::optional<MethodReason> choice;     ///< where the settings leave the method open
+  bool tried_creases = false;             ///< and found creases
   std::optional<QuadReason> quad_reason;  ///< where they leave open whether triangles are joined
   std::optional<FairFigures> fair;
   std::optional<WithinFit> within;              ///< where vertices were left to bend less
