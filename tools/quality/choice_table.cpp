@@ -5,29 +5,11 @@
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/pipeline/fit_best.h"
+#include "quality/tally.h"
 
 namespace planish::quality {
 
 namespace {
-
-// Of both surfaces neither is better where their normals differ by less than this, in parts and in
-// degrees.
-constexpr double kAlike = 1.1, kAlikeDegrees = 0.1;
-
-bool is_farther_off(double taken, double other) {
-  return taken > kAlike * other && taken > other + kAlikeDegrees;
-}
-
-struct Tally {
-  int count = 0, right = 0;
-  double excess = 1;  // the largest of the taken surface's deviation over the better one's
-
-  void add(double taken, double better) {
-    ++count;
-    right += !is_farther_off(taken, better);
-    if (is_farther_off(taken, better)) excess = std::max(excess, taken / better);
-  }
-};
 
 void print_quality(const SurfaceQuality& quality) {
   std::printf(" %.1e, %.2f |", quality.folded_area_elsewhere, quality.rms_normal_deviation);

@@ -147,4 +147,23 @@ Figures measure(const Case& what, const Method& method) {
   return figures;
 }
 
+Figures measure(const Case& what, const FittedMesh& fitted, Backend& backend) {
+  const SurfaceMesh surface =
+      evaluate(fitted.mesh, fitted.fit, backend, fitted.evaluate_options(2));
+  Figures figures;
+  if (what.truth) {
+    compare_with_truth(figures, surface, what.truth);
+  } else {
+    const SourceComparison comparison =
+        compare_with_source(*blocks_of(surface, fitted.mesh), what.source);
+    note_quality(figures, comparison.quality, 8 * std::numbers::pi);
+    figures.max_distance = comparison.distances.max;
+    figures.rms_distance = comparison.distances.rms;
+  }
+  const double diagonal = fitted.fit.placement.diagonal;
+  figures.max_distance /= diagonal;
+  figures.rms_distance /= diagonal;
+  return figures;
+}
+
 }  // namespace planish::quality

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "planish/pipeline/fit.h"
+#include "planish/pipeline/fit_mesh.h"
 #include "quality/truth.h"
 
 namespace planish::quality {
@@ -41,5 +41,7 @@ struct Figures {
 
 /// Fits and measures at the limit points of a fine tessellation: level 3, or 2 for large meshes.
 [[nodiscard]] Figures measure(const Case& what, const Method& method);
+/// The same of a finished fit, at level 2.
+[[nodiscard]] Figures measure(const Case& what, const FittedMesh& fitted, Backend& backend);
 
 }  // namespace planish::quality

@@ -12,6 +12,7 @@
 #include "quality/cases.h"
 #include "quality/choice_table.h"
 #include "quality/crease_table.h"
+#include "quality/default_table.h"
 #include "quality/figures.h"
 #include "quality/verdict.h"
 #include "quality/wild_cases.h"
@@ -26,7 +27,7 @@ struct Arguments {
   std::vector<std::string> only;
   std::string folder;  // where meshes are written instead of being measured
   bool list = false, smoke = false, animation = false, check = false, wild = false, choice = false,
-       creases = false;
+       defaults = false, creases = false;
 };
 
 void print_head() {
@@ -71,10 +72,10 @@ std::vector<NamedCase> all_cases(const Arguments& arguments) {
   if (arguments.wild) return wild_cases();
   std::vector<NamedCase> cases = analytic_cases();
   for (NamedCase& held_out : second_held_out_cases()) cases.push_back(std::move(held_out));
-  if (arguments.choice)
+  if (arguments.choice || arguments.defaults)
     for (NamedCase& dense : dense_cases()) cases.push_back(std::move(dense));
   if (arguments.smoke) return cases;
-  if (arguments.choice) {
+  if (arguments.choice || arguments.defaults) {
     for (NamedCase& decimated : decimated_cases()) cases.push_back(std::move(decimated));
     return cases;
   }
@@ -99,6 +100,11 @@ std::vector<std::string> print_tables(const std::vector<NamedCase>& cases,
   if (cases.empty()) return {};
   if (arguments.wild) return print_wild_table(cases);
   if (arguments.choice) return print_choice_table(cases);
+  if (arguments.defaults) {
+    const auto program = find_mesher_program();
+    const Mesher mesher = program ? mesher_process(*program) : Mesher();
+    return print_default_table(cases, program && !arguments.smoke ? &mesher : nullptr);
+  }
   print_head();
   std::vector<std::string> wrong;
   for (const NamedCase& named : cases) {
@@ -140,6 +146,8 @@ int main(int argc, char** argv) {
                "meshes as other people's files hold them, and their folds");
   app.add_flag("--choice", arguments.choice,
                "which surface is taken by measurement, and which is nearer to the shape");
+  app.add_flag("--defaults", arguments.defaults,
+               "what comes out without a flag, beside the best of all flags");
   app.add_flag("--creases", arguments.creases, "which edges are found to be sharp");
   app.add_option("--write", arguments.folder, "write the cases' meshes into this folder instead");
   app.add_flag("--check", arguments.check, "exit code 1 where the fair method falls short");
