@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "planish/core/parallel.h"
@@ -80,9 +81,11 @@ FairNet make_net(const PartMesh& mesh, PartHalo& halo, const PartFairOptions& op
                     {options.fit.polish_steps, {}, decisions, options.fit.cures_folds, &halo});
   };
   if (!options.fit.cures_folds) return net_of(nullptr);
+  std::optional<DeepLook> look;
   const auto folds_of = [&](FairNet& net) {
     LevelOne level_one{std::move(net.state), options.placement};
-    DeepFolds folds = deep_folds(mesh.sub.mesh, mesh.topology, level_one, options.fit, &halo);
+    if (!look) look.emplace(mesh.sub.mesh, *mesh.topology, options.fit, &halo);
+    DeepFolds folds = look->at(level_one);
     net.state = std::move(level_one.state);
     return folds;
   };

@@ -14,7 +14,7 @@
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/patches/patch_surface.h"
-#include "planish/surface/doo_sabin_surface.h"
+#include "planish/surface/level_one.h"
 
 namespace planish {
 
@@ -97,9 +97,10 @@ std::vector<std::uint8_t> neighbours_of(const MeshTopology& topology,
 // The quads over some corners, many at once: patches of one class are evaluated side by side.
 class CornerMeter {
  public:
-  CornerMeter(const DooSabinSurface& base, const PatchSurface& surface,
+  CornerMeter(const MeshTopology& topology, const LevelOne& level_one, const PatchSurface& surface,
               std::span<const glm::dvec3> normals, std::span<double> folded_areas)
-      : base_(base),
+      : topology_(topology),
+        level_one_(level_one),
         surface_(surface),
         normals_(normals),
         folded_areas_(folded_areas),
@@ -114,7 +115,7 @@ class CornerMeter {
     PatchTarget target;
     target.positions = positions_;
     target.normals = corner_normals_;
-    (void)surface_.grids(base_.state(), base_.placement(), corners, target);
+    (void)surface_.grids(level_one_.state, level_one_.placement, corners, target);
     for (std::size_t i = 0; i < corners.size(); ++i) {
       folded_areas_[corners[i]] = folded_area(corners[i], i * count);
     }
@@ -125,9 +126,9 @@ class CornerMeter {
   [[nodiscard]] double folded_area(std::int32_t corner, std::size_t first) const {
     const PatchSamples& samples = surface_.numbering().samples();
     const std::int32_t side = samples.side() + 1;
-    const glm::dvec3& normal = normals_[base_.topology().face_of(corner)];
+    const glm::dvec3& normal = normals_[topology_.face_of(corner)];
     double folded = 0;
-    for (const std::array<std::int32_t, 4>& cell : cells_.of(base_.topology(), corner)) {
+    for (const std::array<std::int32_t, 4>& cell : cells_.of(topology_, corner)) {
       std::array<std::size_t, 4> at;
       std::ranges::transform(cell, at.begin(), [&](std::int32_t place) {
         return first + static_cast<std::size_t>(samples.index(place % side, place / side));
@@ -142,7 +143,8 @@ class CornerMeter {
     return folded;
   }
 
-  const DooSabinSurface& base_;
+  const MeshTopology& topology_;
+  const LevelOne& level_one_;
   const PatchSurface& surface_;
   std::span<const glm::dvec3> normals_;
   std::span<double> folded_areas_;
@@ -175,102 +177,158 @@ bool can_look(const MeshTopology& topology, FairHalo* halo) {
   return sum_of_parts(halo, corners) <= std::numeric_limits<std::int32_t>::max() / (4 * kCells);
 }
 
-// The finished surface. A part of a mesh may have no faces: there is nothing to look at then.
-class DeepLook {
- public:
-  DeepLook(const PolygonMesh& mesh, const std::shared_ptr<const MeshTopology>& topology,
-           const LevelOne& level_one, const FitOptions& options, FairHalo* halo)
-      : topology_(*topology),
-        halo_(halo),
-        whole_(mesh.hole_faces.empty() ? mesh : without_holes_.emplace(mesh)),
-        areas_(mesh.positions.size(), 0),
-        corner_areas_(static_cast<std::size_t>(topology->corner_count()), 0) {
-    if (mesh.face_count() == 0) return;
-    // Holes shape the surface like all other faces.
-    if (without_holes_) without_holes_->hole_faces.clear();
-    EvaluateOptions evaluation;
-    evaluation.weights = options.weights;
-    evaluation.sharp = options.sharp;
-    evaluation.rest_positions = whole_.positions;
-    evaluation.prepared = prepared_whole(whole_, topology);
-    surface_.emplace(whole_, level_one, evaluation);
-    patches_.emplace(surface_->patches(),
-                     PatchSurfaceOptions{.level = kDeepLevel, .weights = options.weights});
-    folds_ = folded_edges(whole_, topology_);
-  }
-
-  // At the wanted vertices, those of other parts left out.
-  void at(std::span<const std::uint8_t> wanted, std::span<const glm::dvec3> normals,
-          std::span<std::uint8_t> at_vertex, LoopProgress& progress) {
-    if (!patches_) return;
-    const auto is_looked_at = [&](std::int32_t vertex) {
-      return wanted[vertex] != 0 && owns_vertex(halo_, vertex);
-    };
-    parallel_for(corner_areas_.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
-      CornerMeter meter(*surface_, *patches_, normals, corner_areas_);
-      std::vector<std::int32_t> corners;
-      for (std::size_t c = begin; c < end; ++c) {
-        const auto corner = static_cast<std::int32_t>(c);
-        if (is_looked_at(topology_.vertex_of(corner)) &&
-            !folds_.is_beside[topology_.face_of(corner)])
-          corners.push_back(corner);
-        if (corners.size() < kCornersAtOnce && c + 1 < end) continue;
-        meter.measure(corners);
-        corners.clear();
-      }
-      progress.add(static_cast<std::int64_t>(end - begin));
-    });
-    for (std::size_t v = 0; v < areas_.size(); ++v) {
-      const auto vertex = static_cast<std::int32_t>(v);
-      if (!is_looked_at(vertex)) continue;
-      areas_[v] = 0;
-      for (const std::int32_t c : topology_.corners_at(vertex)) areas_[v] += corner_areas_[c];
-      at_vertex[v] = areas_[v] > 0;
-    }
-  }
-
-  // As a share of the mesh's.
-  [[nodiscard]] double area() const {
-    const double folded =
-        halo_ ? halo_->sum_of_vertices(areas_) : std::accumulate(areas_.begin(), areas_.end(), 0.0);
-    const double all = area_of(whole_, halo_);
-    return all > 0 ? folded / all : folded;
-  }
-
- private:
-  const MeshTopology& topology_;
-  FairHalo* halo_;
-  std::optional<PolygonMesh> without_holes_;
-  const PolygonMesh& whole_;
-  std::optional<DooSabinSurface> surface_;
-  std::optional<PatchSurface> patches_;
-  FoldedEdges folds_;
-  std::vector<double> areas_, corner_areas_;  // folded, per vertex and per corner
-};
-
 }  // namespace
 
-DeepFolds deep_folds(const PolygonMesh& mesh, const std::shared_ptr<const MeshTopology>& topology,
-                     const LevelOne& level_one, const FitOptions& options, FairHalo* halo) {
-  DeepFolds result;
-  if (!can_look(*topology, halo)) return result;
-  const std::vector<glm::dvec3> normals = unit_normals(mesh);
-  std::vector<std::uint8_t> uneven = uneven_vertices(mesh, *topology, normals, options.sharp);
-  if (halo) halo->exchange_vertices(uneven);
-  if (!is_anywhere(uneven, halo)) return result;
-  const std::vector<std::uint8_t> around = neighbours_of(*topology, uneven, uneven);
-  for (std::size_t v = 0; v < uneven.size(); ++v) uneven[v] |= around[v];
+struct DeepLook::Parts {
+  Parts(const PolygonMesh& of, const MeshTopology& its, const FitOptions& options,
+        FairHalo* its_halo);
 
-  DeepLook look(mesh, topology, level_one, options, halo);
-  result.at_vertex.assign(mesh.positions.size(), 0);
+  void make_surface();
+  void forget_what_changed(std::span<const glm::dvec3> state);
+  void look(const LevelOne& level_one, std::span<const std::uint8_t> at,
+            std::span<std::uint8_t> at_vertex, LoopProgress& progress);
+  [[nodiscard]] double area(std::span<const std::uint8_t> at_vertex) const;
+
+  const PolygonMesh& mesh;
+  const MeshTopology& topology;
+  FairHalo* halo;
+  Weights weights;
+  SharpFeatureOptions sharp;
+  std::vector<glm::dvec3> normals;
+  bool is_any_wanted = false;        // by any part
+  std::vector<std::uint8_t> wanted;  // at first
+  // Made once there is something to look at. A part of a mesh may have no faces.
+  SharpFeatures features;
+  std::optional<PatchMesh> patch_mesh;
+  std::optional<PatchSurface> patches;
+  FoldedEdges folds;
+  double mesh_area = 0;
+  std::vector<double> areas, corner_areas;  // folded, per vertex and per corner
+  // Of the last look where it found something: another one asks again only for what has changed.
+  std::vector<std::uint8_t> is_known;
+  std::vector<glm::dvec3> last_state;
+};
+
+DeepLook::Parts::Parts(const PolygonMesh& of, const MeshTopology& its, const FitOptions& options,
+                       FairHalo* its_halo)
+    : mesh(of), topology(its), halo(its_halo), weights(options.weights), sharp(options.sharp) {
+  if (!can_look(topology, halo)) return;
+  normals = unit_normals(mesh);
+  wanted = uneven_vertices(mesh, topology, normals, sharp);
+  if (halo) halo->exchange_vertices(wanted);
+  is_any_wanted = is_anywhere(wanted, halo);
+  if (!is_any_wanted) return;
+  const std::vector<std::uint8_t> around = neighbours_of(topology, wanted, wanted);
+  for (std::size_t v = 0; v < wanted.size(); ++v) wanted[v] |= around[v];
+  make_surface();
+}
+
+void DeepLook::Parts::make_surface() {
+  areas.assign(mesh.positions.size(), 0);
+  is_known.assign(mesh.positions.size(), 0);
+  corner_areas.assign(static_cast<std::size_t>(topology.corner_count()), 0);
+  mesh_area = area_of(mesh, halo);
+  if (mesh.face_count() == 0) return;
+  features = find_sharp_features(mesh, topology, mesh.positions, sharp);
+  patch_mesh.emplace(topology, features);
+  patches.emplace(*patch_mesh,
+                  PatchSurfaceOptions{.level = kDeepLevel, .weights = weights, .hidden = {}});
+  folds = folded_edges(mesh, topology);
+}
+
+// The patches at a vertex are of the points around the vertices of its faces.
+void DeepLook::Parts::forget_what_changed(std::span<const glm::dvec3> state) {
+  if (!patch_mesh) return;
+  if (last_state.empty()) {
+    std::ranges::fill(is_known, 0);
+    return;
+  }
+  std::vector<std::uint8_t> changed(areas.size(), 0);
+  const std::int32_t corner_count = topology.corner_count();
+  for (std::int32_t c = 0; c < corner_count; ++c)
+    if (state[c] != last_state[c]) changed[topology.vertex_of(c)] = 1;
+  for (std::int32_t e = 0; features.sharp_edge_count > 0 && e < topology.edge_count(); ++e) {
+    if (!patch_mesh->is_sharp_edge(e)) continue;
+    const std::int32_t point = corner_count + 2 * features.sharp_of_edge[e];
+    if (state[point] == last_state[point] && state[point + 1] == last_state[point + 1]) continue;
+    const auto [v0, v1] = topology.edge_vertices(e);
+    changed[v0] = changed[v1] = 1;
+  }
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    const auto face = topology.face(f);
+    if (std::ranges::any_of(face, [&](std::int32_t v) { return changed[v] != 0; }))
+      for (const std::int32_t v : face) is_known[v] = 0;
+  }
+}
+
+// At these vertices, those of other parts left out.
+void DeepLook::Parts::look(const LevelOne& level_one, std::span<const std::uint8_t> at,
+                           std::span<std::uint8_t> at_vertex, LoopProgress& progress) {
+  if (!patches) return;
+  const auto is_meant = [&](std::int32_t vertex) {
+    return at[vertex] != 0 && owns_vertex(halo, vertex);
+  };
+  const auto is_looked_at = [&](std::int32_t vertex) {
+    return is_meant(vertex) && is_known[vertex] == 0;
+  };
+  parallel_for(corner_areas.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
+    CornerMeter meter(topology, level_one, *patches, normals, corner_areas);
+    std::vector<std::int32_t> corners;
+    for (std::size_t c = begin; c < end; ++c) {
+      const auto corner = static_cast<std::int32_t>(c);
+      if (is_looked_at(topology.vertex_of(corner)) && !folds.is_beside[topology.face_of(corner)])
+        corners.push_back(corner);
+      if (corners.size() < kCornersAtOnce && c + 1 < end) continue;
+      meter.measure(corners);
+      corners.clear();
+    }
+    progress.add(static_cast<std::int64_t>(end - begin));
+  });
+  for (std::size_t v = 0; v < areas.size(); ++v) {
+    const auto vertex = static_cast<std::int32_t>(v);
+    if (!is_meant(vertex)) continue;
+    areas[v] = 0;
+    for (const std::int32_t c : topology.corners_at(vertex)) areas[v] += corner_areas[c];
+    at_vertex[v] = areas[v] > 0;
+    is_known[v] = 1;
+  }
+}
+
+// As a share of the mesh's.
+double DeepLook::Parts::area(std::span<const std::uint8_t> at_vertex) const {
+  std::vector<double> found(areas.size(), 0.0);
+  for (std::size_t v = 0; v < found.size(); ++v)
+    if (at_vertex[v] != 0 && owns_vertex(halo, static_cast<std::int32_t>(v))) found[v] = areas[v];
+  const double folded =
+      halo ? halo->sum_of_vertices(found) : std::accumulate(found.begin(), found.end(), 0.0);
+  return mesh_area > 0 ? folded / mesh_area : folded;
+}
+
+DeepLook::DeepLook(const PolygonMesh& mesh, const MeshTopology& topology, const FitOptions& options,
+                   FairHalo* halo)
+    : parts_(std::make_unique<Parts>(mesh, topology, options, halo)) {}
+DeepLook::~DeepLook() = default;
+
+DeepFolds DeepLook::at(const LevelOne& level_one, const Callbacks& callbacks) {
+  DeepFolds result;
+  Parts& parts = *parts_;
+  FairHalo* const halo = parts.halo;
+  if (!parts.is_any_wanted) return result;
+  parts.forget_what_changed(level_one.state);
+  result.at_vertex.assign(parts.mesh.positions.size(), 0);
   // Mostly there is nothing to look at once more.
-  LoopProgress progress(options.callbacks, "folds", 0.2, 1, topology->corner_count());
-  look.at(uneven, normals, result.at_vertex, progress);
+  LoopProgress progress(callbacks, "folds", 0.2, 1, parts.topology.corner_count());
+  parts.look(level_one, parts.wanted, result.at_vertex, progress);
   if (halo) halo->exchange_vertices(result.at_vertex);
-  if (!is_anywhere(result.at_vertex, halo)) return result;
-  look.at(neighbours_of(*topology, result.at_vertex, uneven), normals, result.at_vertex, progress);
+  if (!is_anywhere(result.at_vertex, halo)) {
+    if (!parts.last_state.empty()) parts.last_state = level_one.state;
+    return result;
+  }
+  parts.look(level_one, neighbours_of(parts.topology, result.at_vertex, parts.wanted),
+             result.at_vertex, progress);
   if (halo) halo->exchange_vertices(result.at_vertex);
-  result.area = look.area();
+  result.area = parts.area(result.at_vertex);
+  parts.last_state = level_one.state;
   return result;
 }
 

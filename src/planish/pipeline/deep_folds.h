@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,14 +25,24 @@ inline constexpr double kNoDeepFolds = 1e-8;
 
 /// Looks at the vertices where there may be any: those with sharp edges, those whose faces turn by
 /// more than about 25 degrees from their normal and, where there are folds, those around. Faces at
-/// folded edges (mesh/folded_edges.h) do not count. `mesh`: without unused vertices; `topology` is
-/// its. `level_one` in any coordinates; the options' weights and sharp features are those of the
-/// fit. Empty where no vertex is to be looked at. `halo`: where the mesh is a part; the area is a
-/// share of the whole then.
-[[nodiscard]] DeepFolds deep_folds(const PolygonMesh& mesh,
-                                   const std::shared_ptr<const MeshTopology>& topology,
-                                   const LevelOne& level_one, const FitOptions& options,
-                                   FairHalo* halo = nullptr);
+/// folded edges (mesh/folded_edges.h) do not count. One look is for all control points of a mesh;
+/// what it needs of the mesh is made when there is something to look at.
+class DeepLook {
+ public:
+  /// `mesh`: without unused vertices; `topology` is its; both outlive this. The options' weights
+  /// and sharp features are those of the fit. `halo`: where the mesh is a part; the area is a share
+  /// of the whole then.
+  DeepLook(const PolygonMesh& mesh, const MeshTopology& topology, const FitOptions& options,
+           FairHalo* halo = nullptr);
+  ~DeepLook();
+
+  /// `level_one` in any coordinates. Empty where no vertex is to be looked at.
+  [[nodiscard]] DeepFolds at(const LevelOne& level_one, const Callbacks& callbacks = {});
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 struct DeepCure {
   /// Takes decisions or makes its own.

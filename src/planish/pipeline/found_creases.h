@@ -46,7 +46,7 @@ struct CreasedFit {
 };
 
 /// Fits by the fair method a mesh whose creases were found. Where the surface is folded at level 3
-/// (see deep_folds()), found creases around are taken back, four rounds at most; where folds
+/// (see DeepLook), found creases around are taken back, four rounds at most; where folds
 /// remain, all of them if that folds less, by the worst of levels 1 to 3. `mesh` has the tags of
 /// what is given out then. A mesh that does not fold costs a look at its folds. options.prepared is
 /// the mesh's, or null. Warnings are those of the fit that is given out; throws as fit().

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -81,6 +82,7 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
                     options.fair_decisions);
   RoundParts rounds(options.callbacks, 0.75);
   Callbacks round;
+  std::optional<DeepLook> look;
   return deeply_cured_net(
       {.make_net =
            [&](const FairDecisions* decisions) {
@@ -91,9 +93,8 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
        .folds_of = [&](FairNet& net) -> DeepFolds {
          if (net.decisions.cures.size() != given.size()) return {};
          LevelOne level_one{std::move(net.state), result.placement};
-         FitOptions looked = options;
-         looked.callbacks = share_of(round, kNetMade, 1);
-         DeepFolds folds = deep_folds(mesh, result.prepared->topology, level_one, looked);
+         if (!look) look.emplace(mesh, *result.prepared->topology, options);
+         DeepFolds folds = look->at(level_one, share_of(round, kNetMade, 1));
          net.state = std::move(level_one.state);
          return folds;
        },
