@@ -12,6 +12,8 @@ class RandomNumbers {
 
   /// Even in [0, 1).
   double unit() { return engine_() * 0x1p-32; }
+  /// Even in [-1, 1).
+  double sway() { return 2 * unit() - 1; }
   /// Even in [0, count), count >= 1.
   std::int32_t below(std::int32_t count) { return static_cast<std::int32_t>(unit() * count); }
 

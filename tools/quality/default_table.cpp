@@ -4,8 +4,6 @@
 #include <chrono>
 #include <cstdio>
 #include <functional>
-#include <limits>
-#include <optional>
 #include <utility>
 
 #include "make_scenes/bust.h"

@@ -21,10 +21,7 @@ namespace {
 using glm::dvec3;
 using shapes::RandomNumbers;
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
-// Even in [-1, 1).
-double sway(RandomNumbers& random) { return 2 * random.unit() - 1; }
+constexpr double kWholeTurn = 2 * std::numbers::pi;
 
 PolygonMesh sound(const PolygonMesh& mesh) {
   return without_unused_vertices(repair(mesh).mesh).mesh;
@@ -46,7 +43,7 @@ PolygonMesh drum(std::int32_t sides, double radius, double height, RandomNumbers
   PolygonMesh mesh;
   for (const double z : {-height / 2, height / 2}) {
     for (std::int32_t i = 0; i < sides; ++i) {
-      const double angle = kTurn * (i + 0.45 * sway(random)) / sides;
+      const double angle = kWholeTurn * (i + 0.45 * random.sway()) / sides;
       mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
     }
   }
@@ -75,7 +72,7 @@ PolygonMesh crossing_parts(std::int32_t sides, std::uint32_t seed) {
   PolygonMesh across = drum(sides + 7, 0.35, 2, random);
   for (dvec3& p : across.positions) p = dvec3(p.z, p.x + 0.1, p.y + 0.2);
   PolygonMesh ball = shapes::pole_sphere(sides, 6);
-  const dvec3 middle(0.2, -0.1, 0.6 + 0.1 * sway(random));
+  const dvec3 middle(0.2, -0.1, 0.6 + 0.1 * random.sway());
   for (dvec3& p : ball.positions) p = 0.7 * p + middle;
   append(mesh, across);
   append(mesh, ball);
@@ -93,7 +90,7 @@ PolygonMesh touching_tori(std::int32_t around, std::int32_t count, std::uint32_t
     std::vector<std::int32_t> numbers;
     for (std::int32_t i = 0; i < around; ++i) {
       for (std::int32_t j = 0; j < kAcross; ++j) {
-        const double a = kTurn * i / around, b = kTurn * j / kAcross;
+        const double a = kWholeTurn * i / around, b = kWholeTurn * j / kAcross;
         if (j == 3 * kAcross / 4 && shared[i] >= 0) {
           numbers.push_back(shared[i]);
           continue;
@@ -129,9 +126,9 @@ PolygonMesh loose_sheets(std::int32_t count, std::uint32_t seed) {
     const bool is_fan = random.below(2) == 0;
     if (is_fan) mesh.positions.push_back(place);
     for (std::int32_t i = 0; i <= faces; ++i) {
-      const double angle = (i + 0.3 * sway(random)) * kTurn / 9;
+      const double angle = (i + 0.3 * random.sway()) * kWholeTurn / 9;
       const dvec3 across = std::cos(angle) * along + std::sin(angle) * left;
-      const dvec3 rise = 0.3 * sway(random) * place;
+      const dvec3 rise = 0.3 * random.sway() * place;
       mesh.positions.push_back(place + size * (across + rise));
       if (!is_fan) mesh.positions.push_back(place + size * (0.4 * across + rise));
       if (i == 0) continue;
@@ -173,7 +170,7 @@ PolygonMesh holed_scan(std::int32_t points, std::uint32_t seed) {
   for (const dvec3& p : places) {
     const double bumps =
         0.12 * std::sin(5 * p.x + 1) * std::cos(4 * p.y) + 0.08 * std::sin(6 * p.z);
-    mesh.positions.push_back((1 + bumps + 1e-3 * sway(random)) * p);
+    mesh.positions.push_back((1 + bumps + 1e-3 * random.sway()) * p);
   }
   for (const Triangle& t : delaunay_on_sphere(places)) {
     const dvec3 middle = glm::normalize(places[t[0]] + places[t[1]] + places[t[2]]);

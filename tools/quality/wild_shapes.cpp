@@ -28,9 +28,6 @@ using shapes::RandomNumbers;
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-// Even in [-1, 1).
-double sway(RandomNumbers& random) { return 2 * random.unit() - 1; }
-
 void add_triangle(PolygonMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c) {
   mesh.add_face(std::array{a, b, c});
 }
@@ -106,7 +103,7 @@ PolygonMesh holed_sphere(std::int32_t level, std::int32_t holes, std::uint32_t s
   }
   const double edge = 1.1 * std::ldexp(1.0, -level);
   for (dvec3& p : mesh.positions) {
-    p += 0.2 * edge * dvec3(sway(random), sway(random), sway(random));
+    p += 0.2 * edge * dvec3(random.sway(), random.sway(), random.sway());
   }
   return without_faces(mesh, dropped);
 }
@@ -118,10 +115,10 @@ PolygonMesh zigzag_tube(std::int32_t sides, std::int32_t rings, std::uint32_t se
   for (std::int32_t r = 0; r < rings; ++r) {
     const bool is_end = r == 0 || r + 1 == rings;
     for (std::int32_t i = 0; i < sides; ++i) {
-      const double angle = step * (i + (is_end ? 0.6 * sway(random) : 0.2 * sway(random)));
+      const double angle = step * (i + (is_end ? 0.6 * random.sway() : 0.2 * random.sway()));
       const double tooth = is_end ? (i % 2 == 0 ? 0.7 : -0.3) * step * (r == 0 ? -1 : 1) : 0.0;
       mesh.positions.emplace_back(std::cos(angle), std::sin(angle),
-                                  1.4 * step * r + tooth + 0.2 * step * sway(random));
+                                  1.4 * step * r + tooth + 0.2 * step * random.sway());
     }
   }
   for (std::int32_t r = 0; r + 1 < rings; ++r) add_band(mesh, r * sides, sides, random);
@@ -133,10 +130,10 @@ PolygonMesh holed_disc(std::int32_t sides, std::int32_t rings, std::uint32_t see
   PolygonMesh mesh;
   for (std::int32_t r = 1; r <= rings; ++r) {
     for (std::int32_t i = 0; i < sides; ++i) {
-      const double angle = kTurn * (i + 0.5 * sway(random)) / sides;
-      const double radius = r + (r == rings && i % 2 == 0 ? 0.8 : 0.25 * sway(random));
+      const double angle = kTurn * (i + 0.5 * random.sway()) / sides;
+      const double radius = r + (r == rings && i % 2 == 0 ? 0.8 : 0.25 * random.sway());
       mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
-                                  0.1 * sway(random));
+                                  0.1 * random.sway());
     }
   }
   for (std::int32_t r = 0; r + 1 < rings; ++r) add_band(mesh, r * sides, sides, random);
@@ -162,7 +159,7 @@ PolygonMesh needle_sheet(std::int32_t cells, std::uint32_t seed) {
   const auto inner = [&](std::int32_t k) { return k > 0 && k < cells; };
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (inner(v % row) && inner(v / row)) {
-      mesh.positions[v] += 0.3 * cell * dvec3(sway(random), sway(random), 0.3 * sway(random));
+      mesh.positions[v] += 0.3 * cell * dvec3(random.sway(), random.sway(), 0.3 * random.sway());
     }
   }
   PolygonMesh triangles;
@@ -174,7 +171,7 @@ PolygonMesh needle_sheet(std::int32_t cells, std::uint32_t seed) {
     const dvec3 a = mesh.positions[i], b = mesh.positions[i + 1];
     const double along = -0.2 + 1.4 * random.unit();
     triangles.positions.push_back(a + along * (b - a) - dvec3(0, 0.06 * cell, 0) +
-                                  dvec3(0, 0, 0.02 * cell * sway(random)));
+                                  dvec3(0, 0, 0.02 * cell * random.sway()));
     add_triangle(triangles, i + 1, i, triangles.vertex_count() - 1);
   }
   return triangles;
@@ -206,21 +203,21 @@ PolygonMesh spiked_star(std::uint32_t seed) {
   PolygonMesh mesh = shapes::icosphere(1);
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (v < 12) mesh.positions[v] *= 2.0 + 1.5 * random.unit();
-    mesh.positions[v] += 0.1 * dvec3(sway(random), sway(random), sway(random));
+    mesh.positions[v] += 0.1 * dvec3(random.sway(), random.sway(), random.sway());
   }
   return mesh;
 }
 
 PolygonMesh low_poly_animal(std::int32_t vertices, std::uint32_t seed) {
   RandomNumbers random(seed);
-  const auto about = [&](double x) { return x * (1 + 0.3 * sway(random)); };
+  const auto about = [&](double x) { return x * (1 + 0.3 * random.sway()); };
   std::vector<shapes::Cone> limbs;
   const double length = about(1.2), hip = about(0.45), leg = about(0.9);
   limbs.push_back({{-length, 0, 0}, {length, 0, about(0.1)}, about(0.4), about(0.45)});
   for (const double x : {-length, length}) {
     for (const double y : {-1.0, 1.0}) {
       limbs.push_back(
-          {{x, y * hip * 0.6, 0}, {x + 0.2 * sway(random), y * hip, -leg - 0.3}, 0.22, 0.12});
+          {{x, y * hip * 0.6, 0}, {x + 0.2 * random.sway(), y * hip, -leg - 0.3}, 0.22, 0.12});
     }
   }
   const dvec3 head(length + about(0.7), 0, about(0.8));
@@ -254,7 +251,7 @@ PolygonMesh needle_disc(std::int32_t sides, std::uint32_t seed) {
   PolygonMesh mesh;
   std::vector<double> angles;
   for (std::int32_t i = 0; i < sides; ++i) {
-    angles.push_back(kTurn * (i + 0.4 * sway(random)) / sides);
+    angles.push_back(kTurn * (i + 0.4 * random.sway()) / sides);
   }
   for (const double z : {-kHalfHeight, kHalfHeight}) {
     for (const double angle : angles)
@@ -263,7 +260,7 @@ PolygonMesh needle_disc(std::int32_t sides, std::uint32_t seed) {
   add_band(mesh, 0, sides, random);
   for (const double z : {-kHalfHeight, kHalfHeight}) {
     const std::int32_t hub = mesh.vertex_count();
-    mesh.positions.emplace_back(0.6 * random.unit(), 0.6 * sway(random), z);
+    mesh.positions.emplace_back(0.6 * random.unit(), 0.6 * random.sway(), z);
     for (std::int32_t i = 0; i < sides; ++i) {
       const std::int32_t next = (i + 1) % sides;
       z > 0 ? add_triangle(mesh, hub, sides + i, sides + next) : add_triangle(mesh, hub, next, i);
@@ -319,7 +316,7 @@ PolygonMesh three_sheets(std::int32_t cells, std::uint32_t seed) {
   };
   for (std::int32_t i = 0; i <= cells; ++i) mesh.positions.push_back(spine(i));
   for (int sheet = 0; sheet < 3; ++sheet) {
-    const double turn = kTurn * (sheet + 0.3 * sway(random)) / 3;
+    const double turn = kTurn * (sheet + 0.3 * random.sway()) / 3;
     const dvec3 out(0, std::cos(turn), std::sin(turn));
     const std::int32_t first = mesh.vertex_count();
     const auto at = [&](std::int32_t i, std::int32_t j) {
@@ -328,7 +325,7 @@ PolygonMesh three_sheets(std::int32_t cells, std::uint32_t seed) {
     for (std::int32_t j = 1; j <= cells / 2; ++j) {
       for (std::int32_t i = 0; i <= cells; ++i) {
         const double r = 2.0 * j / cells;
-        mesh.positions.push_back(spine(i) + r * out + 0.15 * r * r * dvec3(sway(random), 0, 0) +
+        mesh.positions.push_back(spine(i) + r * out + 0.15 * r * r * dvec3(random.sway(), 0, 0) +
                                  0.3 * r * r * dvec3(0, -out.z, out.y));
       }
     }
@@ -358,7 +355,7 @@ PolygonMesh mitred_pipe(std::int32_t sides, double length, std::uint32_t seed) {
     const dvec3 mitre = along + (r == 0 || r + 1 == path.size() ? along : leg(r + 1));
     for (dvec3& p : ring) {
       p += glm::dot(path[r] - p, mitre) / glm::dot(along, mitre) * along;
-      mesh.positions.push_back(p + 0.004 * dvec3(sway(random), sway(random), sway(random)));
+      mesh.positions.push_back(p + 0.004 * dvec3(random.sway(), random.sway(), random.sway()));
     }
   }
   for (std::int32_t r = 0; r < 3; ++r) add_band(mesh, r * sides, sides, random);
