@@ -128,18 +128,30 @@ void LimitSurface::evaluate(std::span<const SurfaceParameter> places,
 
 SurfaceStencil LimitSurface::stencil(const SurfaceParameter& at) const {
   const CornerParameter place = corner_parameter(topology(), at);
-  const PatchPlace patch = surface_->patches().corner_patch(place.corner);
+  const PatchMesh& patches = surface_->patches();
   const PatchForm& form = *form_list_[form_of_corner_[static_cast<std::size_t>(place.corner)]];
   const auto count = static_cast<std::size_t>(form.column_count);
-  SurfaceStencil result;
-  result.points.resize(count);
-  surface_->patches().gather(patch, result.points.data(), 1);
+  std::vector<std::int32_t> points(count);
+  patches.gather(patches.corner_patch(place.corner), points.data(), 1);
   const std::vector<double> rows = patch_weights(form, place.u, place.v);
-  result.position.assign(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count));
-  for (std::size_t k = 0; k < count; ++k) {
+  SurfaceStencil result;
+  const auto add = [&](std::int32_t point, double share, std::size_t k) {
     const double du = rows[count + k], dv = rows[2 * count + k];
-    result.du.push_back(2 * (place.turn_c * du - place.turn_s * dv));
-    result.dv.push_back(2 * (place.turn_s * du + place.turn_c * dv));
+    result.points.push_back(point);
+    result.position.push_back(share * rows[k]);
+    result.du.push_back(share * (2 * (place.turn_c * du - place.turn_s * dv)));
+    result.dv.push_back(share * (2 * (place.turn_s * du + place.turn_c * dv)));
+  };
+  std::vector<std::int32_t> of_ring;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (points[k] < patches.state_size()) {
+      add(points[k], 1, k);
+      continue;
+    }
+    const LargeRing& ring = patches.ring_of_sum(points[k]);
+    const std::vector<double> shares = sum_weights(ring, points[k] - ring.first_sum);
+    patches.ring_points(ring, of_ring);
+    for (std::size_t i = 0; i < shares.size(); ++i) add(of_ring[i], shares[i], k);
   }
   return result;
 }

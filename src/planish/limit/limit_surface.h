@@ -30,7 +30,9 @@ struct SurfacePoint {
 
 /// How a point follows from the surface's control points, for those who move them.
 struct SurfaceStencil {
-  std::vector<std::int32_t> points;  ///< of DooSabinSurface::state()
+  /// Control points of level 1, the first of DooSabinSurface::state(); around large rings one may
+  /// stand there several times, its weights to be added.
+  std::vector<std::int32_t> points;
   /// One weight a point. Those of `position` sum to 1, of `du` and `dv` to 0.
   std::vector<double> position, du, dv;
 };

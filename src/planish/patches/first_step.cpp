@@ -58,7 +58,7 @@ RawVector<glm::dvec3> first_step(const PatchMesh& mesh, Weights weights,
                                  std::span<const glm::dvec3> points) {
   const MeshTopology& topology = mesh.topology();
   const FaceWeights face_weights(weights);
-  RawVector<glm::dvec3> state(static_cast<std::size_t>(mesh.state_size()));
+  RawVector<glm::dvec3> state(static_cast<std::size_t>(mesh.point_count()));
   parallel_for(
       static_cast<std::size_t>(topology.face_count()), 4096,
       [&](std::size_t begin, std::size_t end) {
@@ -85,6 +85,7 @@ RawVector<glm::dvec3> first_step(const PatchMesh& mesh, Weights weights,
   for (std::int32_t i = 0; i < features.corner_count; ++i) {
     state[mesh.first_corner_vertex() + i] = points[features.corner_vertices[i]];
   }
+  mesh.update_sums(state);
   return state;
 }
 

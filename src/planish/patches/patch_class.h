@@ -30,11 +30,17 @@ enum class PatchKind : std::uint8_t {
 ///     the far half's curve point.
 /// Without a face (m = 0) it is a limit point alone: of V, of an edge's midpoint, of a face's
 /// centre.
+/// Of a ring or sector by its sums (RingSums) there are six columns instead: the own point, the
+/// next and the previous one, mean, cosine and sine sum, and of curve points only that of a sharp
+/// edge of the own face; a face by its sums has the next and the previous point and the three sums.
 struct PatchClass {
   PatchKind kind = PatchKind::Smooth;
   std::int32_t ring_size = 0;  ///< k
-  std::int32_t place = 0;      ///< of the own face in its sector; 0 where Smooth or Cone
+  /// Of the own face in its sector; 0 where Smooth or Cone. By sums: 0, k - 1, or 1 for all
+  /// between.
+  std::int32_t place = 0;
   std::int32_t face_size = 0;  ///< m
+  bool has_ring_sums = false, has_face_sums = false;
 
   friend auto operator<=>(const PatchClass&, const PatchClass&) = default;
 
@@ -47,7 +53,9 @@ struct PatchClass {
     return has_sharp_edges() && place == ring_size - 1;
   }
   [[nodiscard]] std::int32_t curve_count() const {
-    return !has_sharp_edges() ? 0 : kind == PatchKind::Dart ? 1 : 2;
+    if (!has_sharp_edges()) return 0;
+    if (has_ring_sums) return is_leading_sharp() || is_trailing_sharp() ? 1 : 0;
+    return kind == PatchKind::Dart ? 1 : 2;
   }
   [[nodiscard]] bool has_vertex() const {
     return kind != PatchKind::Smooth && kind != PatchKind::Dart && kind != PatchKind::Crease;
@@ -57,19 +65,35 @@ struct PatchClass {
   [[nodiscard]] std::int32_t face_column(std::int32_t i) const {
     return i == place ? 0 : i < place ? i + 1 : i;
   }
+  /// Of the face `offset` (-1, 0 or 1) places behind the own one.
+  [[nodiscard]] std::int32_t face_column_beside(std::int32_t offset) const {
+    if (!has_ring_sums) return face_column((place + offset + ring_size) % ring_size);
+    return offset == 0 ? 0 : offset == 1 ? 1 : 2;
+  }
   [[nodiscard]] std::int32_t curve_column(std::int32_t i) const {
-    return kind == PatchKind::Dart ? ring_size : ring_size + i;
+    return ring_column_count() + (curve_count() == 1 ? 0 : i);
   }
-  [[nodiscard]] std::int32_t vertex_column() const { return ring_size + curve_count(); }
-  /// Of the i-th further point of the face, from 1 on.
+  [[nodiscard]] std::int32_t vertex_column() const { return ring_column_count() + curve_count(); }
+  /// Of the i-th further point of the face, from 1 on; by sums only the first and the last.
   [[nodiscard]] std::int32_t ring_column(std::int32_t i) const {
-    return ring_size + curve_count() + (has_vertex() ? 1 : 0) + i - 1;
+    return first_face_column() + (!has_face_sums ? i - 1 : i == 1 ? 0 : 1);
   }
-  [[nodiscard]] std::int32_t leading_column() const { return ring_column(face_size); }
-  [[nodiscard]] std::int32_t trailing_column() const { return ring_column(face_size) + 1; }
+  /// Of mean, cosine and sine sum, around V and of the face.
+  [[nodiscard]] std::int32_t ring_sums_column() const { return 3; }
+  [[nodiscard]] std::int32_t face_sums_column() const { return first_face_column() + 2; }
+  [[nodiscard]] std::int32_t leading_column() const {
+    return first_face_column() + (has_face_sums ? 5 : face_size - 1);
+  }
+  [[nodiscard]] std::int32_t trailing_column() const { return leading_column() + 1; }
   /// K.
   [[nodiscard]] std::int32_t column_count() const {
-    return is_limit_only() ? ring_column(1) : ring_column(face_size) + 2;
+    return is_limit_only() ? first_face_column() : trailing_column() + 1;
+  }
+
+ private:
+  [[nodiscard]] std::int32_t ring_column_count() const { return has_ring_sums ? 6 : ring_size; }
+  [[nodiscard]] std::int32_t first_face_column() const {
+    return ring_column_count() + curve_count() + (has_vertex() ? 1 : 0);
   }
 };
 

@@ -233,6 +233,17 @@ void PatchForms::make_corner(PatchForm& form) const {
   if (form.patch.kind == PatchKind::Smooth && closed_form) {
     const std::int32_t n = form.patch.ring_size;
     const auto cosine = [&](std::int32_t j) { return std::cos(2 * std::numbers::pi * j / n); };
+    if (form.patch.has_ring_sums) {
+      const auto sums = static_cast<std::size_t>(form.patch.ring_sums_column());
+      const double even = 1 + cosine(1), odd = std::sin(2 * std::numbers::pi / n);
+      for (const std::size_t row : {std::size_t{3}, std::size_t{4}}) {
+        double* const weights = form.corner.data() + row * count + sums;
+        weights[1] = even;
+        weights[2] = row == 3 ? -odd : odd;
+        weights[0] = -(weights[1] + weights[2]);
+      }
+      return;
+    }
     for (std::int32_t j = 0; j < n; ++j) {
       const auto column = static_cast<std::size_t>(form.patch.face_column(j));
       form.corner[3 * count + column] = 2.0 / n * (cosine(j) + cosine(j + 1));

@@ -1,10 +1,126 @@
 #include "planish/patches/patch_mesh.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "planish/core/assert.h"
+#include "planish/core/parallel.h"
 
 namespace planish {
 
 using Around = PatchPlace::Around;
+
+PatchMesh::PatchMesh(const MeshTopology& topology, const SharpFeatures& features,
+                     RingColumns columns)
+    : topology_(topology), features_(features) {
+  if (columns == RingColumns::Sums) find_large_rings();
+}
+
+void PatchMesh::find_large_rings() {
+  std::vector<std::int32_t> starts;
+  for (std::int32_t v = 0; v < topology_.vertex_count(); ++v) {
+    const auto corners = topology_.corners_at(v);
+    const auto n = static_cast<std::int32_t>(corners.size());
+    if (n < kSummedRing) continue;
+    const VertexKind kind = features_.vertex_kinds[v];
+    sector_starts(v, starts);
+    if (kind == VertexKind::Smooth) {
+      add_ring(PatchKind::Smooth, starts.front(), n, false);
+    } else if (kind == VertexKind::Dart) {
+      add_ring(PatchKind::Dart, sector_start(starts.front()), n, false);
+    } else if (!is_sharp(starts.front())) {
+      add_ring(PatchKind::Cone, starts.front(), n, false);
+    } else {
+      for (const std::int32_t start : starts) {
+        const std::int32_t size = sector_size(start);
+        if (size >= kSummedRing) add_ring(sector_kind(start), start, size, false);
+      }
+    }
+  }
+  vertex_ring_count_ = rings_.size();
+  for (std::int32_t f = 0; f < topology_.face_count(); ++f) {
+    const std::int32_t size = topology_.face_size(f);
+    if (size >= kSummedRing) add_ring(PatchKind::Smooth, topology_.first_corner(f), size, true);
+  }
+  std::int64_t count = 0;
+  for (LargeRing& ring : rings_) {
+    ring.first_sum = static_cast<std::int32_t>(state_size() + count);
+    count += ring.sum_count();
+    if (state_size() + count <= std::numeric_limits<std::int32_t>::max()) continue;
+    // More than indices reach: by points, as ever.
+    rings_.clear();
+    ring_of_corner_.clear();
+    return;
+  }
+  sum_count_ = static_cast<std::int32_t>(count);
+}
+
+void PatchMesh::add_ring(PatchKind kind, std::int32_t start, std::int32_t size, bool is_face) {
+  const auto index = static_cast<std::int32_t>(rings_.size());
+  rings_.push_back({kind, start, size, 0});
+  if (is_face) return;
+  if (ring_of_corner_.empty()) {
+    ring_of_corner_.assign(static_cast<std::size_t>(topology_.corner_count()), -1);
+    place_of_corner_.resize(ring_of_corner_.size());
+  }
+  std::int32_t c = start;
+  for (std::int32_t i = 0; i < size; ++i) {
+    ring_of_corner_[c] = index;
+    place_of_corner_[c] = i;
+    if (i + 1 < size) c = topology_.ccw(c);
+  }
+}
+
+PatchMesh::PlaceInRing PatchMesh::ring_of_face(std::int32_t corner) const {
+  if (vertex_ring_count_ == rings_.size()) return {};
+  const std::int32_t first = topology_.first_corner(topology_.face_of(corner));
+  const auto rings = std::span(rings_).subspan(vertex_ring_count_);
+  const auto found = std::ranges::lower_bound(rings, first, {}, &LargeRing::start);
+  if (found == rings.end() || found->start != first) return {};
+  return {&*found, corner - first};
+}
+
+const LargeRing& PatchMesh::ring_of_sum(std::int32_t point) const {
+  PLANISH_ASSERT(point >= state_size() && point < point_count());
+  return *(std::ranges::upper_bound(rings_, point, {}, &LargeRing::first_sum) - 1);
+}
+
+void PatchMesh::ring_points(const LargeRing& ring, std::vector<std::int32_t>& points) const {
+  points.clear();
+  const bool is_face = &ring >= rings_.data() + vertex_ring_count_;
+  std::int32_t c = ring.start, last = c;
+  for (std::int32_t i = 0; i < ring.size; ++i) {
+    points.push_back(c);
+    last = c;
+    if (i + 1 < ring.size) c = is_face ? c + 1 : topology_.ccw(c);
+  }
+  if (!ring.is_sector()) return;
+  points.push_back(curve_at_tail(ring.start));
+  points.push_back(curve_at_head(topology_.prev(last)));
+  if (ring.kind != PatchKind::Crease)
+    points.push_back(first_corner_vertex() +
+                     features_.corner_of_vertex[topology_.vertex_of(ring.start)]);
+}
+
+RawVector<glm::dvec3> PatchMesh::with_sums(std::span<const glm::dvec3> state) const {
+  RawVector<glm::dvec3> points(static_cast<std::size_t>(point_count()));
+  std::ranges::copy(state, points.begin());
+  update_sums(points);
+  return points;
+}
+
+void PatchMesh::update_sums(std::span<glm::dvec3> points) const {
+  parallel_for(rings_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::int32_t> indices;
+    std::vector<glm::dvec3> of_ring;
+    for (std::size_t r = begin; r < end; ++r) {
+      ring_points(rings_[r], indices);
+      of_ring.clear();
+      for (const std::int32_t i : indices) of_ring.push_back(points[i]);
+      write_ring_sums(rings_[r], of_ring, points.data() + rings_[r].first_sum);
+    }
+  });
+}
 
 std::int32_t PatchMesh::curve_at_tail(std::int32_t corner) const {
   const std::int32_t edge = topology_.edge_of(corner);
@@ -20,6 +136,8 @@ std::int32_t PatchMesh::curve_at_head(std::int32_t corner) const {
 
 std::int32_t PatchMesh::sector_start(std::int32_t corner) const {
   if (features_.sharp_of_edge.empty()) return -1;
+  if (const LargeRing* ring = ring_around_vertex(corner).ring; ring != nullptr)
+    return is_sharp(ring->start) ? ring->start : -1;
   std::int32_t start = corner;
   while (!is_sharp(start)) {
     start = topology_.cw(start);
@@ -61,36 +179,51 @@ std::int32_t PatchMesh::sector_size(std::int32_t start) const {
   return size;
 }
 
+// A corner patch's without the face.
+PatchClass PatchMesh::by_sums(const PlaceInRing& at) {
+  const LargeRing& ring = *at.ring;
+  PatchClass patch{ring.kind, ring.size};
+  patch.has_ring_sums = true;
+  const bool is_end = at.place == 0 || at.place == ring.size - 1;
+  if (ring.kind == PatchKind::Dart && !is_end) patch.kind = PatchKind::Smooth;
+  if (patch.has_sharp_edges()) patch.place = is_end ? at.place : 1;
+  return patch;
+}
+
 PatchPlace PatchMesh::corner_patch(std::int32_t corner) const {
+  PatchPlace place = around_vertex(corner);
+  place.patch.face_size = topology_.face_size(topology_.face_of(corner));
+  place.patch.has_face_sums = ring_of_face(corner).ring != nullptr;
+  return place;
+}
+
+PatchPlace PatchMesh::around_vertex(std::int32_t corner) const {
+  if (const PlaceInRing at = ring_around_vertex(corner); at.ring != nullptr)
+    return {by_sums(at), Around::Vertex, corner, at.ring->start};
   const std::int32_t vertex = topology_.vertex_of(corner);
-  const std::int32_t m = topology_.face_size(topology_.face_of(corner));
   const auto n = static_cast<std::int32_t>(topology_.corners_at(vertex).size());
   const VertexKind kind = features_.vertex_kinds[vertex];
-  if (kind == VertexKind::Smooth)
-    return {{PatchKind::Smooth, n, 0, m}, Around::Vertex, corner, corner};
+  if (kind == VertexKind::Smooth) return {{PatchKind::Smooth, n}, Around::Vertex, corner, corner};
   const std::int32_t start = sector_start(corner);
-  if (start < 0) return {{PatchKind::Cone, n, 0, m}, Around::Vertex, corner, corner};
+  if (start < 0) return {{PatchKind::Cone, n}, Around::Vertex, corner, corner};
   if (kind == VertexKind::Dart) {
     const std::int32_t last = topology_.cw(start);
     if (corner != start && corner != last) {
-      return {{PatchKind::Smooth, n, 0, m}, Around::Vertex, corner, corner};
+      return {{PatchKind::Smooth, n}, Around::Vertex, corner, corner};
     }
-    return {{PatchKind::Dart, n, corner == start ? 0 : n - 1, m}, Around::Vertex, corner, start};
+    return {{PatchKind::Dart, n, corner == start ? 0 : n - 1}, Around::Vertex, corner, start};
   }
   std::int32_t place = 0;
   for (std::int32_t c = start; c != corner; c = topology_.ccw(c)) ++place;
-  return {{sector_kind(start), sector_size(start), place, m}, Around::Vertex, corner, start};
+  return {{sector_kind(start), sector_size(start), place}, Around::Vertex, corner, start};
 }
 
 PatchPlace PatchMesh::vertex_point(std::int32_t start) const {
-  const std::int32_t vertex = topology_.vertex_of(start);
-  const auto n = static_cast<std::int32_t>(topology_.corners_at(vertex).size());
-  const VertexKind kind = features_.vertex_kinds[vertex];
-  if (kind == VertexKind::Smooth || kind == VertexKind::Dart) {
-    return {{PatchKind::Smooth, n, 0, 0}, Around::Vertex, start, start};
-  }
-  if (!is_sharp(start)) return {{PatchKind::Cone, n, 0, 0}, Around::Vertex, start, start};
-  return {{sector_kind(start), sector_size(start), 0, 0}, Around::Vertex, start, start};
+  PatchPlace place = around_vertex(start);
+  // A dart's limit point is that of its whole ring.
+  if (place.patch.kind == PatchKind::Dart)
+    place.patch.kind = PatchKind::Smooth, place.patch.place = 0;
+  return place;
 }
 
 PatchPlace PatchMesh::edge_point(std::int32_t corner) const {
@@ -101,7 +234,9 @@ PatchPlace PatchMesh::edge_point(std::int32_t corner) const {
 
 PatchPlace PatchMesh::face_point(std::int32_t face) const {
   const std::int32_t first = topology_.first_corner(face);
-  return {{PatchKind::Smooth, topology_.face_size(face), 0, 0}, Around::Face, first, -1};
+  PatchClass patch{PatchKind::Smooth, topology_.face_size(face)};
+  patch.has_ring_sums = ring_of_face(first).ring != nullptr;
+  return {patch, Around::Face, first, -1};
 }
 
 void PatchMesh::gather(const PatchPlace& place, std::int32_t* indices,
@@ -112,7 +247,15 @@ void PatchMesh::gather(const PatchPlace& place, std::int32_t* indices,
   };
   const PatchClass& patch = place.patch;
   const std::int32_t corner = place.corner;
+  const auto put_sums = [&](const PlaceInRing& at) {
+    for (std::int32_t i = 0; i < 3; ++i) put(at.first_sum() + i);
+  };
   if (place.around == Around::Face) {
+    if (patch.has_ring_sums) {
+      for (const std::int32_t i : {0, 1, patch.ring_size - 1}) put(corner + i);
+      put_sums(ring_of_face(corner));
+      return;
+    }
     for (std::int32_t i = 0; i < patch.ring_size; ++i) put(corner + i);
     return;
   }
@@ -133,7 +276,17 @@ void PatchMesh::gather(const PatchPlace& place, std::int32_t* indices,
 
   put(corner);
   std::int32_t last = corner;  // the ring's last face
-  if (patch.kind == PatchKind::Smooth || patch.kind == PatchKind::Cone) {
+  if (patch.has_ring_sums) {
+    // Beyond a sharp edge nothing is asked for.
+    put(patch.is_trailing_sharp() && patch.kind != PatchKind::Dart ? corner
+                                                                   : topology_.ccw(corner));
+    put(patch.is_leading_sharp() && patch.kind != PatchKind::Dart ? corner : topology_.cw(corner));
+    put_sums(ring_around_vertex(corner));
+    if (patch.is_leading_sharp() || patch.kind == PatchKind::Dart)
+      put(curve_at_tail(place.sector_start));
+    else if (patch.is_trailing_sharp())
+      put(curve_at_head(topology_.prev(corner)));
+  } else if (patch.kind == PatchKind::Smooth || patch.kind == PatchKind::Cone) {
     const auto around = topology_.corners_at(topology_.vertex_of(corner));
     std::size_t r = 0;
     while (around[r] != corner) ++r;
@@ -156,9 +309,15 @@ void PatchMesh::gather(const PatchPlace& place, std::int32_t* indices,
 
   const std::int32_t begin = topology_.first_corner(topology_.face_of(corner));
   const std::int32_t end = begin + patch.face_size;
-  for (std::int32_t c = corner + 1; c < end; ++c) put(c);
-  for (std::int32_t c = begin; c < corner; ++c) put(c);
   const std::int32_t before = corner > begin ? corner - 1 : end - 1;
+  if (patch.has_face_sums) {
+    put(corner + 1 < end ? corner + 1 : begin);
+    put(before);
+    put_sums(ring_of_face(corner));
+  } else {
+    for (std::int32_t c = corner + 1; c < end; ++c) put(c);
+    for (std::int32_t c = begin; c < corner; ++c) put(c);
+  }
   put(patch.is_leading_sharp() ? curve_at_head(corner) : topology_.twin(corner));
   put(patch.is_trailing_sharp() ? curve_at_tail(before) : topology_.next(topology_.twin(before)));
 }

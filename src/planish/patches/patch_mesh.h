@@ -1,11 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "planish/core/raw_vector.h"
 #include "planish/doosabin/sharp_features.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/patches/patch_class.h"
+#include "planish/patches/ring_sums.h"
 
 namespace planish {
 
@@ -23,11 +28,11 @@ struct PatchPlace {
 };
 
 /// The corner patches of a mesh: their classes, and their points in the state of level 1 (see
-/// Subdivision). Topology and features must outlive it.
+/// Subdivision), behind which stand the sums of large rings. Topology and features must outlive it.
 class PatchMesh {
  public:
-  PatchMesh(const MeshTopology& topology, const SharpFeatures& features)
-      : topology_(topology), features_(features) {}
+  PatchMesh(const MeshTopology& topology, const SharpFeatures& features,
+            RingColumns columns = RingColumns::Points);
 
   [[nodiscard]] const MeshTopology& topology() const { return topology_; }
   [[nodiscard]] const SharpFeatures& features() const { return features_; }
@@ -38,6 +43,18 @@ class PatchMesh {
   [[nodiscard]] std::int32_t state_size() const {
     return first_corner_vertex() + features_.corner_count;
   }
+  /// The state's and the sums'.
+  [[nodiscard]] std::int32_t point_count() const { return state_size() + sum_count_; }
+  [[nodiscard]] bool has_sums() const { return sum_count_ > 0; }
+  /// The points that are gathered from: a state of level 1 and its sums.
+  [[nodiscard]] RawVector<glm::dvec3> with_sums(std::span<const glm::dvec3> state) const;
+  /// Sets the sums of points (point_count()) whose state is there.
+  void update_sums(std::span<glm::dvec3> points) const;
+  [[nodiscard]] std::span<const LargeRing> large_rings() const { return rings_; }
+  /// A large ring's points in the order of ring_weights().
+  void ring_points(const LargeRing& ring, std::vector<std::int32_t>& points) const;
+  /// The ring that a sum is of.
+  [[nodiscard]] const LargeRing& ring_of_sum(std::int32_t point) const;
 
   [[nodiscard]] bool is_sharp_edge(std::int32_t edge) const {
     return !features_.sharp_of_edge.empty() && features_.sharp_of_edge[edge] >= 0;
@@ -64,6 +81,21 @@ class PatchMesh {
   void gather(const PatchPlace& place, std::int32_t* indices, std::ptrdiff_t stride) const;
 
  private:
+  // Of a corner's vertex, sector or face where that is large, with the corner's place there.
+  struct PlaceInRing {
+    const LargeRing* ring = nullptr;
+    std::int32_t place = 0;
+    [[nodiscard]] std::int32_t first_sum() const { return ring->first_sum + 3 * place; }
+  };
+  [[nodiscard]] PlaceInRing ring_around_vertex(std::int32_t corner) const {
+    if (ring_of_corner_.empty() || ring_of_corner_[corner] < 0) return {};
+    return {&rings_[ring_of_corner_[corner]], place_of_corner_[corner]};
+  }
+  [[nodiscard]] PlaceInRing ring_of_face(std::int32_t corner) const;
+  void find_large_rings();
+  void add_ring(PatchKind kind, std::int32_t start, std::int32_t size, bool is_face);
+  [[nodiscard]] static PatchClass by_sums(const PlaceInRing& at);
+  [[nodiscard]] PatchPlace around_vertex(std::int32_t corner) const;
   [[nodiscard]] PatchKind sector_kind(std::int32_t start) const;
   [[nodiscard]] std::int32_t sector_size(std::int32_t start) const;
   // The curve point of a corner's sharp leading edge at the corner's end of it, and at the other.
@@ -72,6 +104,11 @@ class PatchMesh {
 
   const MeshTopology& topology_;
   const SharpFeatures& features_;
+  // Around vertices, then of faces, each in the order of their sums.
+  std::vector<LargeRing> rings_;
+  std::size_t vertex_ring_count_ = 0;
+  std::int32_t sum_count_ = 0;
+  std::vector<std::int32_t> ring_of_corner_, place_of_corner_;  // around vertices; or empty
 };
 
 }  // namespace planish

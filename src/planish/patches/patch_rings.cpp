@@ -2,7 +2,10 @@
 // each is seen from its own corner: so the rules of the rings are all there is to know.
 #include "planish/patches/patch_rings.h"
 
+#include <cmath>
+
 #include "planish/doosabin/sector_rules.h"
+#include "planish/patches/ring_sums.h"
 #include "planish/stencil/stencil_builder.h"
 
 namespace planish {
@@ -56,75 +59,149 @@ VertexRing crease_ring(std::int32_t first, std::int32_t second, std::int32_t cur
   return ring;
 }
 
-// Rows of points after a step, in the columns of `patch`.
-struct RowMaker {
-  const FaceWeights& weights;
-  const PatchClass& patch;
-  const PatchRings::UseRow& use;
-  std::vector<double> scratch{};
-  StencilRow row{};
-  PatchRowsOfWeights dense{};
+}  // namespace
 
-  void face(const VertexRing& ring, std::int32_t place) {
-    row.clear();
-    add_refined_face(weights, ring, place, 1.0, scratch, row);
+// Rows of points after a step, in the columns of the class.
+class PatchRings::RowMaker {
+ public:
+  RowMaker(const PatchRings& rings, const FaceWeights& weights, const UseRow& use)
+      : rings_(rings), weights_(weights), use_(use) {}
+
+  // Of the face `offset` places behind the own one around a corner; -1, 0 or 1 where the ring is by
+  // sums.
+  void face(int corner, std::int32_t offset) {
+    row_.clear();
+    add_face(corner, offset, 1.0);
     hand_over();
   }
   // The one before a ring's sector or behind it; a dart has one.
-  void curve(const VertexRing& ring, bool behind) {
-    std::int32_t own = patch.curve_column(0);
-    if (!ring.sectors.empty()) {
-      const VertexRing::Sector& sector = ring.sectors.front();
-      own = behind ? sector.curve1 : sector.curve0;
+  void curve(int corner, bool behind) {
+    row_.clear();
+    if (rings_.summed_[corner]) {
+      add_curve_by_sums(corner, behind);
+    } else {
+      const VertexRing& ring = rings_.rings_[corner];
+      std::int32_t own = rings_.class_.curve_column(0);
+      if (!ring.sectors.empty()) {
+        const VertexRing::Sector& sector = ring.sectors.front();
+        own = behind ? sector.curve1 : sector.curve0;
+      }
+      add_refined_curve_point(weights_, ring, own, scratch_, row_);
     }
-    row.clear();
-    add_refined_curve_point(weights, ring, own, scratch, row);
     hand_over();
   }
   void point(std::int32_t column) {
-    row.clear();
-    row.add(column, 1.0);
+    row_.clear();
+    row_.add(column, 1.0);
     hand_over();
   }
-  void hand_over() {
-    dense.assign(static_cast<std::size_t>(patch.column_count()), 0.0);
-    for (const StencilRow::Entry& entry : row.entries()) dense[entry.index] += entry.weight;
-    use(dense);
+  // Mean, cosine and sine sum of a ring: the sums halve, seen from the mean.
+  void sums(const Summed& ring) {
+    for (std::int32_t i = 0; i < 3; ++i) {
+      row_.clear();
+      if (ring.vertex < 0) {
+        row_.add(ring.sums, i == 0 ? 1.0 : 0.5);
+      } else {
+        row_.add(ring.vertex, 0.5);
+        if (i == 0) row_.add(ring.sums, 0.5);
+      }
+      if (i > 0) row_.add(ring.sums + i, 0.5);
+      hand_over();
+    }
   }
-};
 
-}  // namespace
+ private:
+  void add_face(int corner, std::int32_t offset, double scale) {
+    const std::optional<Summed>& summed = rings_.summed_[corner];
+    if (!summed) {
+      const VertexRing& ring = rings_.rings_[corner];
+      const auto n = static_cast<std::int32_t>(ring.faces.size());
+      add_refined_face(weights_, ring, (rings_.own_[corner] + offset + n) % n, scale, scratch_,
+                       row_);
+      return;
+    }
+    const double c = offset == 0 ? 1 : summed->cosine, s = offset * summed->sine;
+    row_.add(offset == 0 ? summed->own : offset > 0 ? summed->next : summed->previous, scale / 4);
+    const bool is_tip = summed->vertex >= 0;
+    row_.add(summed->sums, scale * ((is_tip ? 0.25 : 0.75) - (c + s) / 4));
+    row_.add(summed->sums + 1, scale * c / 4);
+    row_.add(summed->sums + 2, scale * s / 4);
+    if (is_tip) row_.add(summed->vertex, scale / 2);
+  }
+  void add_curve_by_sums(int corner, bool behind) {
+    const Summed& summed = *rings_.summed_[corner];
+    const PatchClass& patch = rings_.class_;
+    if (patch.kind == PatchKind::Dart) {
+      add_face(corner, 0, 0.5);
+      add_face(corner, patch.is_leading_sharp() ? -1 : 1, 0.5);
+      return;
+    }
+    // The mean of a crease's two curve points is the sector's.
+    row_.add(patch.curve_column(behind ? 1 : 0), 0.5);
+    row_.add(summed.vertex >= 0 ? summed.vertex : summed.sums, 0.5);
+  }
+  void hand_over() {
+    dense_.assign(static_cast<std::size_t>(rings_.class_.column_count()), 0.0);
+    for (const StencilRow::Entry& entry : row_.entries()) dense_[entry.index] += entry.weight;
+    use_(dense_);
+  }
+
+  const PatchRings& rings_;
+  const FaceWeights& weights_;
+  const UseRow& use_;
+  std::vector<double> scratch_;
+  StencilRow row_;
+  PatchRowsOfWeights dense_;
+};
 
 PatchRings::PatchRings(const PatchClass& patch)
     : class_(patch), kinds_{patch.kind}, own_{patch.place}, sharp_{} {
-  rings_[0] = ring_at_vertex(patch);
+  if (patch.has_ring_sums) {
+    const double step = ring_angles(patch.kind, patch.ring_size).step;
+    summed_[0] = {0,
+                  patch.face_column_beside(1),
+                  patch.face_column_beside(-1),
+                  patch.ring_sums_column(),
+                  patch.has_vertex() ? patch.vertex_column() : -1,
+                  std::cos(step),
+                  std::sin(step)};
+  } else {
+    rings_[0] = ring_at_vertex(patch);
+  }
   if (patch.is_limit_only()) return;
-  const std::int32_t k = patch.ring_size, m = patch.face_size;
+  const std::int32_t m = patch.face_size;
   const std::int32_t e1 = patch.leading_column(), e2 = patch.trailing_column();
+  const std::int32_t next = patch.ring_column(1), previous = patch.ring_column(m - 1);
   sharp_ = {patch.is_leading_sharp(), false, false, patch.is_trailing_sharp()};
-  std::vector<std::int32_t> face(static_cast<std::size_t>(m), 0);
-  for (std::int32_t i = 1; i < m; ++i) face[i] = patch.ring_column(i);
-  rings_[2] = smooth_ring(face);
-  rings_[1] = sharp_[0]
-                  ? crease_ring(face[1], 0, e1, patch.curve_column(0))
-                  : smooth_ring({0, patch.face_column((patch.place + k - 1) % k), e1, face[1]});
-  rings_[3] = sharp_[3]
-                  ? crease_ring(0, face[m - 1], patch.curve_column(1), e2)
-                  : smooth_ring({0, face[m - 1], e2, patch.face_column((patch.place + 1) % k)});
+  if (patch.has_face_sums) {
+    const double step = ring_angles(PatchKind::Smooth, m).step;
+    summed_[2] = {0, next, previous, patch.face_sums_column(), -1, std::cos(step), std::sin(step)};
+  } else {
+    std::vector<std::int32_t> face(static_cast<std::size_t>(m), 0);
+    for (std::int32_t i = 1; i < m; ++i) face[i] = patch.ring_column(i);
+    rings_[2] = smooth_ring(std::move(face));
+  }
+  rings_[1] = sharp_[0] ? crease_ring(next, 0, e1, patch.curve_column(0))
+                        : smooth_ring({0, patch.face_column_beside(-1), e1, next});
+  rings_[3] = sharp_[3] ? crease_ring(0, previous, patch.curve_column(1), e2)
+                        : smooth_ring({0, previous, e2, patch.face_column_beside(1)});
   own_ = {patch.place, sharp_[0] ? 1 : 0, 0, 0};
   kinds_ = {patch.kind, sharp_[0] ? PatchKind::Crease : PatchKind::Smooth, PatchKind::Smooth,
             sharp_[3] ? PatchKind::Crease : PatchKind::Smooth};
 }
 
-std::int32_t PatchRings::place(int corner, std::int32_t offset) const {
-  const auto n = static_cast<std::int32_t>(rings_[corner].faces.size());
-  return (own_[corner] + offset + n) % n;
-}
-
 PatchRowsOfWeights PatchRings::limit(int corner) const {
   const auto column_count = static_cast<std::size_t>(class_.column_count());
   StencilRow row;
-  add_limit(rings_[corner], 0, row);
+  if (const std::optional<Summed>& summed = summed_[corner]) {
+    const bool is_tip = summed->vertex >= 0;
+    row.add(summed->sums, is_tip ? 0.0 : 1.0, -1.0, -1.0);
+    row.add(summed->sums + 1, 0.0, 1.0, 0.0);
+    row.add(summed->sums + 2, 0.0, 0.0, 1.0);
+    if (is_tip) row.add(summed->vertex, 1.0);
+  } else {
+    add_limit(rings_[corner], 0, row);
+  }
   PatchRowsOfWeights rows(3 * column_count, 0.0);
   for (const StencilRow::Entry& entry : row.entries()) {
     rows[entry.index] += entry.weight;
@@ -135,8 +212,13 @@ PatchRowsOfWeights PatchRings::limit(int corner) const {
 }
 
 PatchClass PatchRings::quarter_class(int quarter) const {
-  return {kinds_[quarter], static_cast<std::int32_t>(rings_[quarter].faces.size()), own_[quarter],
-          4};
+  PatchClass result{kinds_[quarter], static_cast<std::int32_t>(rings_[quarter].faces.size()),
+                    own_[quarter], 4};
+  if (summed_[quarter]) {
+    result.ring_size = quarter == 0 ? class_.ring_size : class_.face_size;
+    result.has_ring_sums = true;
+  }
+  return result;
 }
 
 std::span<const std::int32_t> PatchRings::ring_columns(int quarter) const {
@@ -147,34 +229,40 @@ std::span<const std::int32_t> PatchRings::ring_columns(int quarter) const {
 
 void PatchRings::visit_ring_points(int quarter, const FaceWeights& weights,
                                    const UseRow& use) const {
-  RowMaker make{weights, class_, use};
-  make.face(rings_[quarter], own_[quarter]);
+  RowMaker make(*this, weights, use);
+  make.face(quarter, 0);
+  if (const std::optional<Summed>& summed = summed_[quarter]) {
+    make.face(quarter, 1);
+    make.face(quarter, -1);
+    make.sums(*summed);
+    return;
+  }
   for (std::int32_t i = 0; i < quarter_class(quarter).ring_size; ++i) {
-    if (i != own_[quarter]) make.face(rings_[quarter], i);
+    if (i != own_[quarter]) make.face(quarter, i - own_[quarter]);
   }
 }
 
 void PatchRings::visit_further_points(int quarter, const FaceWeights& weights,
                                       const UseRow& use) const {
-  RowMaker make{weights, class_, use};
+  RowMaker make(*this, weights, use);
   const PatchClass quarter_class = this->quarter_class(quarter);
-  for (std::int32_t i = 0; i < quarter_class.curve_count(); ++i)
-    make.curve(rings_[quarter], i == 1);
-  if (quarter_class.has_vertex()) make.point(rings_[quarter].corner_point);
-  const int next = (quarter + 1) % 4, previous = (quarter + 3) % 4;
-  for (int j = 1; j < 4; ++j) {
-    const int corner = (quarter + j) % 4;
-    make.face(rings_[corner], own_[corner]);
-  }
-  if (sharp_[quarter]) {
-    make.curve(rings_[next], true);
+  if (quarter_class.has_ring_sums && quarter_class.curve_count() == 1) {
+    make.curve(quarter, quarter_class.is_trailing_sharp());
   } else {
-    make.face(rings_[next], place(next, 1));
+    for (std::int32_t i = 0; i < quarter_class.curve_count(); ++i) make.curve(quarter, i == 1);
+  }
+  if (quarter_class.has_vertex()) make.point(class_.vertex_column());
+  const int next = (quarter + 1) % 4, previous = (quarter + 3) % 4;
+  for (int j = 1; j < 4; ++j) make.face((quarter + j) % 4, 0);
+  if (sharp_[quarter]) {
+    make.curve(next, true);
+  } else {
+    make.face(next, 1);
   }
   if (sharp_[previous]) {
-    make.curve(rings_[previous], false);
+    make.curve(previous, false);
   } else {
-    make.face(rings_[previous], place(previous, -1));
+    make.face(previous, -1);
   }
 }
 

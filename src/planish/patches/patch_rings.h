@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -36,14 +37,22 @@ class PatchRings {
   /// The first of them, of the ring around the quarter's corner, and those behind.
   void visit_ring_points(int quarter, const FaceWeights& weights, const UseRow& use) const;
   void visit_further_points(int quarter, const FaceWeights& weights, const UseRow& use) const;
-  /// The columns around the quarter's corner, in the order of its ring points, where it is smooth;
-  /// else none.
+  /// The columns around the quarter's corner, in the order of its ring points, where it is smooth
+  /// and not by sums; else none.
   [[nodiscard]] std::span<const std::int32_t> ring_columns(int quarter) const;
 
  private:
-  [[nodiscard]] std::int32_t place(int corner, std::int32_t offset) const;
+  class RowMaker;
+
+  // A ring by its sums: their columns, mean first, and those of points.
+  struct Summed {
+    std::int32_t own, next, previous, sums;
+    std::int32_t vertex;  // what it shrinks to instead of keeping its mean, or -1
+    double cosine, sine;  // of the angle between two of its points
+  };
 
   PatchClass class_;
+  std::array<std::optional<Summed>, 4> summed_;  // corners 0 and 2; these have no ring in rings_
   std::array<VertexRing, 4> rings_;
   std::array<PatchKind, 4> kinds_;
   std::array<std::int32_t, 4> own_;  // the patch's own face's place in each ring

@@ -97,7 +97,7 @@ DegenerateRows PatchSurface::run_part(std::size_t index, std::span<const glm::dv
 
 DegenerateRows PatchSurface::rows(std::span<const glm::dvec3> state, const Placement& placement,
                                   RowRange range, const PatchTarget& target) const {
-  PLANISH_ASSERT(static_cast<std::int64_t>(state.size()) == mesh_.state_size());
+  PLANISH_ASSERT(static_cast<std::int64_t>(state.size()) == mesh_.point_count());
   PLANISH_ASSERT(range.first >= 0 && range.first + range.count <= numbering_.row_count());
   DegenerateRows degenerate;
   if (range.count == 0) return degenerate;

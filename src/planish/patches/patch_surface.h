@@ -60,7 +60,8 @@ class PatchSurface {
   [[nodiscard]] std::span<const PatchTile> tiles() const { return tiles_; }
 
   /// Evaluates a range of rows, on the calling thread. `state`: the points of level 1 in
-  /// coordinates of `placement`.
+  /// coordinates of `placement`, with the sums of large rings where the mesh has them
+  /// (PatchMesh::point_count()).
   DegenerateRows rows(std::span<const glm::dvec3> state, const Placement& placement, RowRange range,
                       const PatchTarget& target) const;
   /// Rows that are named in ascending order, none twice: the same bits, at the cost of all rows of

@@ -97,10 +97,12 @@ std::vector<std::uint8_t> neighbours_of(const MeshTopology& topology,
 // The quads over some corners, many at once: patches of one class are evaluated side by side.
 class CornerMeter {
  public:
-  CornerMeter(const MeshTopology& topology, const LevelOne& level_one, const PatchSurface& surface,
+  CornerMeter(const MeshTopology& topology, std::span<const glm::dvec3> points,
+              const Placement& placement, const PatchSurface& surface,
               std::span<const glm::dvec3> normals, std::span<double> folded_areas)
       : topology_(topology),
-        level_one_(level_one),
+        points_(points),
+        placement_(placement),
         surface_(surface),
         normals_(normals),
         folded_areas_(folded_areas),
@@ -115,7 +117,7 @@ class CornerMeter {
     PatchTarget target;
     target.positions = positions_;
     target.normals = corner_normals_;
-    (void)surface_.grids(level_one_.state, level_one_.placement, corners, target);
+    (void)surface_.grids(points_, placement_, corners, target);
     for (std::size_t i = 0; i < corners.size(); ++i) {
       folded_areas_[corners[i]] = folded_area(corners[i], i * count);
     }
@@ -144,7 +146,8 @@ class CornerMeter {
   }
 
   const MeshTopology& topology_;
-  const LevelOne& level_one_;
+  std::span<const glm::dvec3> points_;
+  const Placement& placement_;
   const PatchSurface& surface_;
   std::span<const glm::dvec3> normals_;
   std::span<double> folded_areas_;
@@ -230,7 +233,7 @@ void DeepLook::Parts::make_surface() {
   mesh_area = area_of(mesh, halo);
   if (mesh.face_count() == 0) return;
   features = find_sharp_features(mesh, topology, mesh.positions, sharp);
-  patch_mesh.emplace(topology, features);
+  patch_mesh.emplace(topology, features, ring_columns(weights));
   patches.emplace(*patch_mesh,
                   PatchSurfaceOptions{.level = kDeepLevel, .weights = weights, .hidden = {}});
   folds = folded_edges(mesh, topology);
@@ -271,8 +274,12 @@ void DeepLook::Parts::look(const LevelOne& level_one, std::span<const std::uint8
   const auto is_looked_at = [&](std::int32_t vertex) {
     return is_meant(vertex) && is_known[vertex] == 0;
   };
+  const RawVector<glm::dvec3> with_sums =
+      patch_mesh->has_sums() ? patch_mesh->with_sums(level_one.state) : RawVector<glm::dvec3>();
+  const std::span<const glm::dvec3> points =
+      patch_mesh->has_sums() ? std::span<const glm::dvec3>(with_sums) : level_one.state;
   parallel_for(corner_areas.size(), kDeepGrain, [&](std::size_t begin, std::size_t end) {
-    CornerMeter meter(topology, level_one, *patches, normals, corner_areas);
+    CornerMeter meter(topology, points, level_one.placement, *patches, normals, corner_areas);
     std::vector<std::int32_t> corners;
     for (std::size_t c = begin; c < end; ++c) {
       const auto corner = static_cast<std::int32_t>(c);

@@ -27,7 +27,7 @@ SharpFeatures sharp_features(const UsedPart& used, const EvaluateOptions& option
 DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const EvaluateOptions& options, Begin)
     : used_(usable_part(mesh, options.prepared)),
       features_(sharp_features(used_, options)),
-      patches_(topology(), features_),
+      patches_(topology(), features_, ring_columns(options.weights)),
       weights_(options.weights) {
   if (used_.mesh.hole_faces.empty()) return;
   hidden_ = hole_flags(used_.mesh);
@@ -58,7 +58,8 @@ DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const LevelOne& level_
     : DooSabinSurface(mesh, options, Begin{}) {
   require_state_size(patches_.state_size(), level_one);
   placement_ = level_one.placement;
-  state_ = level_one.state;
+  if (patches_.has_sums()) own_state_ = patches_.with_sums(level_one.state);
+  state_ = patches_.has_sums() ? std::span<const glm::dvec3>(own_state_) : level_one.state;
 }
 
 void DooSabinSurface::require(LastLevel what, int level, std::uint64_t limit_bytes,

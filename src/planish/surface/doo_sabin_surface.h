@@ -53,6 +53,7 @@ class DooSabinSurface {
   [[nodiscard]] const UsedPart& used() const { return used_; }
   [[nodiscard]] const MeshTopology& topology() const { return *used_.prepared->topology; }
   [[nodiscard]] const PatchMesh& patches() const { return patches_; }
+  /// The control points of level 1, and behind them the sums of large rings.
   [[nodiscard]] std::span<const glm::dvec3> state() const { return state_; }
   [[nodiscard]] const Placement& placement() const { return placement_; }
   [[nodiscard]] Weights weights() const { return weights_; }

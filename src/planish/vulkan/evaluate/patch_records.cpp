@@ -28,7 +28,8 @@ IndexWindow aligned_window(const IndexWindow& window) {
 
 std::uint32_t gather_of(const PatchPlace& place) {
   const PatchClass& patch = place.patch;
-  if (patch.kind != PatchKind::Smooth) return shared::kGatherList;
+  if (patch.kind != PatchKind::Smooth || patch.has_ring_sums || patch.has_face_sums)
+    return shared::kGatherList;
   switch (place.around) {
     case PatchPlace::Around::Face:
       return shared::kGatherFace;
@@ -63,7 +64,7 @@ class Packer {
  public:
   Packer(const PatchSurface& surface, const PatchLimits& limits)
       : surface_(surface), mesh_(surface.mesh()), limits_(limits), owners_(state_owners(mesh_)) {
-    all_points_ = {0, mesh_.state_size()};
+    all_points_ = {0, mesh_.point_count()};
     all_vertices_ = {0, mesh_.topology().vertex_count()};
     windows_matter_ = !fits(all_points_) || !fits(all_vertices_);
   }
@@ -332,7 +333,7 @@ IndexWindow IndexWindow::joined(const IndexWindow& other) const {
 std::vector<std::int32_t> state_owners(const PatchMesh& mesh) {
   const MeshTopology& topology = mesh.topology();
   const SharpFeatures& features = mesh.features();
-  std::vector<std::int32_t> owners(static_cast<std::size_t>(mesh.state_size()));
+  std::vector<std::int32_t> owners(static_cast<std::size_t>(mesh.point_count()));
   for (std::int32_t c = 0; c < topology.corner_count(); ++c) owners[c] = topology.vertex_of(c);
   for (std::int32_t e = 0; features.sharp_edge_count > 0 && e < topology.edge_count(); ++e) {
     const std::int32_t sharp = features.sharp_of_edge[e];
@@ -343,6 +344,8 @@ std::vector<std::int32_t> state_owners(const PatchMesh& mesh) {
   }
   for (std::int32_t i = 0; i < features.corner_count; ++i)
     owners[mesh.first_corner_vertex() + i] = features.corner_vertices[i];
+  for (const LargeRing& ring : mesh.large_rings())
+    std::fill_n(owners.begin() + ring.first_sum, ring.sum_count(), topology.vertex_of(ring.start));
   return owners;
 }
 
