@@ -30,7 +30,7 @@ std::vector<std::string> print_choice_table(const std::vector<NamedCase>& cases)
     const BestFit best = fit_best(made.mesh, *backend, methods()[2].options);
     std::printf("| %s%s (%d) |", named.name.c_str(), made.is_held_out ? "*" : "",
                 made.mesh.vertex_count());
-    print_quality(best.progressive);
+    print_quality(*best.progressive);
     if (best.fair) {
       print_quality(*best.fair);
     } else {

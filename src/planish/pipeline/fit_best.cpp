@@ -27,6 +27,20 @@ struct Candidate {
   [[nodiscard]] bool is_sound() const { return fit.interpolation.converged && !folds(); }
 };
 
+// Entries of the limit masks, one for each corner of each face around a vertex, over the corners of
+// the mesh. Beyond, in faces of a thousand corners and more, they grow as the square.
+constexpr double kMostEntries = 300;
+
+bool has_dense_masks(const PolygonMesh& mesh) {
+  double entries = 0, corners = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const double size = mesh.face_size(f);
+    entries += size * size;
+    corners += size;
+  }
+  return entries > kMostEntries * corners;
+}
+
 // Of the time of a candidate, that of its fit.
 constexpr double kCandidateFitted = 0.75;
 // Of the time of two candidates, that of the first and of both: a look at level 2 may come.
@@ -130,14 +144,14 @@ bool has_clear_creases(const PolygonMesh& mesh, const Fit& fitted) {
 
 // The fair surface with found creases, if it is the better one; else the mesh is as it was.
 std::optional<Candidate> with_clear_creases(FairMesh& made, Backend& backend,
-                                            const FitOptions& options, const Candidate& progressive,
+                                            const FitOptions& options, const Candidate& round,
                                             BestFit& best) {
   if (!made.prepared) made.prepared = prepare_mesh(made.mesh, "mesh");
   made.found = add_clear_creases(made.mesh, made.prepared);
   if (!made.found) return std::nullopt;
   Candidate creased = fair_candidate(made, backend, options, best);
   best.creased = creased.quality;
-  const SurfaceQuality &sharp = creased.quality, &rounded = progressive.quality;
+  const SurfaceQuality &sharp = creased.quality, &rounded = round.quality;
   const bool folds_more =
       creased.folds() && sharp.folded_area_elsewhere > rounded.folded_area_elsewhere;
   if (creased.fit.interpolation.converged && !folds_more &&
@@ -166,8 +180,34 @@ void give_out(Candidate&& taken, BestFit& best, const Callbacks& callbacks) {
 
 namespace {
 
+FairMesh fair_mesh_of(const PolygonMesh& mesh, const std::function<FairMesh()>& make) {
+  return make ? make() : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}};
+}
+
+// Where progressive is not tried.
+BestFit fair_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
+                const std::function<FairMesh()>& make_fair_mesh, bool tries_creases) {
+  BestFit best;
+  best.method = InterpolationMethod::Fair;
+  FairMesh made = fair_mesh_of(mesh, make_fair_mesh);
+  FitOptions of_candidate = options;
+  of_candidate.callbacks = share_of(options.callbacks, 0, kFirstMeasured);
+  Candidate taken = fair_candidate(made, backend, of_candidate, best);
+  best.fair = taken.quality;
+  best.reason = "fair: faces of so many corners make progressive's equations too many";
+  of_candidate.callbacks = share_of(options.callbacks, kFirstMeasured, 1);
+  if (tries_creases && !made.found && has_clear_creases(made.mesh, taken.fit)) {
+    if (auto creased = with_clear_creases(made, backend, of_candidate, taken, best))
+      taken = std::move(*creased);
+  }
+  best.fair_mesh = std::move(made.mesh);
+  give_out(std::move(taken), best, options.callbacks);
+  return best;
+}
+
 BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
                 const std::function<FairMesh()>& make_fair_mesh, bool tries_creases) {
+  if (has_dense_masks(mesh)) return fair_of(mesh, backend, options, make_fair_mesh, tries_creases);
   BestFit best;
   FitOptions of_candidate = options;
   of_candidate.callbacks = share_of(options.callbacks, 0, kFirstMeasured);
@@ -175,15 +215,13 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
   best.progressive = progressive.quality;
   const bool tries_found = tries_creases && has_clear_creases(mesh, progressive.fit);
   const bool is_close =
-      progressive.is_sound() && best.progressive.rms_normal_deviation < kCloseDegrees;
+      progressive.is_sound() && progressive.quality.rms_normal_deviation < kCloseDegrees;
   if (is_close && !tries_found) {
     best.reason = "progressive: it does not fold, and its normals are near the faces'";
     give_out(std::move(progressive), best, options.callbacks);
     return best;
   }
-  FairMesh made = make_fair_mesh
-                      ? make_fair_mesh()
-                      : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}};
+  FairMesh made = fair_mesh_of(mesh, make_fair_mesh);
   double done = kFirstMeasured;
   if (tries_found) {
     done = (kFirstMeasured + kBothMeasured) / 2;

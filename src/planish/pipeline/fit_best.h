@@ -28,9 +28,9 @@ struct BestFit {
   std::vector<std::int32_t> smoothed_vertices;  ///< of fair_mesh, see CreasedFit
   /// That `fair_mesh` has found creases by, where they were taken.
   std::optional<double> crease_degrees;
-  SurfaceQuality progressive;             ///< at level 1, against the mesh's faces
-  std::optional<SurfaceQuality> fair;     ///< the same; empty: not tried
-  std::optional<SurfaceQuality> creased;  ///< the same of fair with creases that were tried
+  // At level 1, against the mesh's faces; empty: not tried.
+  std::optional<SurfaceQuality> progressive, fair;
+  std::optional<SurfaceQuality> creased;  ///< of fair with creases that were tried
   std::string reason;  ///< in a line, for people: without figures of level 1 beside the surface's
 
   /// The mesh that `fit` is of.
@@ -56,6 +56,9 @@ inline constexpr double kCreasesBetter = 0.25;    ///< the same, of found crease
 /// Where `tries_creases`, the mesh has no tags and creases that are found are clear (see
 /// add_clear_creases()), the fair surface that has them comes second, whatever the first, and is
 /// taken where it does not fold more and is off by kCreasesBetter of what progressive is at most.
+///
+/// Progressive is left out where faces of a thousand corners and more would make its limit masks a
+/// square.
 ///
 /// `make_fair_mesh` is called at most once, for the mesh that the fair surface is of: without it
 /// with_cusp_corners() of with_convex_faces(). Only warnings of the fit that is taken are given.
