@@ -39,8 +39,9 @@ FileFormat output_format(const std::string& path) {
 }
 
 // A PLY may be one of a mesh: its vertices are points all the same.
-PointInput read_cloud(const std::string& path, std::optional<FileFormat> format) {
-  return points_of(load_input(path, format));
+PointInput read_cloud(const std::string& path, std::optional<FileFormat> format,
+                      const Callbacks& callbacks) {
+  return points_of(load_input(path, format, callbacks), callbacks);
 }
 
 void write_reconstruction(const ReconstructFlags& flags, const std::vector<std::string>& arguments,
@@ -120,8 +121,7 @@ ExitCode run_reconstruct(const ReconstructFlags& flags, const std::vector<std::s
     warnings.push_back(warning);
     console.warning(named_message(input_name(flags.input), warning.message));
   };
-  progress.update("read", 0);
-  const PointInput input = read_cloud(flags.input, input_format_of(flags));
+  const PointInput input = read_cloud(flags.input, input_format_of(flags), options.callbacks);
   progress.update("points", 0);
   const Reconstruction result = reconstruct_input(input, options);
   StagedFiles staged(flags.force);

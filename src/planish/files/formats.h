@@ -15,6 +15,7 @@ struct MeshFile;
 struct PointCloud;
 enum class PolygonPart : std::uint8_t;
 class PolygonStream;
+class ReadProgress;
 
 /// A format's place in formats().
 enum class FileFormat : std::uint8_t { Glb, Gltf, Obj, Ply, Off, Stl, Xyz, Pts, Pcd, Usda, Tiles };
@@ -30,6 +31,7 @@ struct FileBytes {
   /// Refuses what other programs write and the format does not have, and which is otherwise read
   /// with a warning: it concerns neither positions nor faces.
   bool is_strict = false;
+  ReadProgress* progress = nullptr;  ///< counts the bytes that are read; null: nobody asks
 };
 
 /// One format of the table. A reader or writer that is missing is null; the readers and the writer

@@ -3,12 +3,12 @@
 #include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/read_file.h"
-#include "planish/files/shared/text_encoding.h"
+#include "planish/files/shared/read_counted.h"
 #include "planish/files/write_polygons.h"
 
 namespace planish {
 
-MeshFile read_mesh(const FileBytes& file, FileFormat format) {
+MeshFile read_mesh(const FileBytes& file, FileFormat format, const Callbacks& callbacks) {
   const FormatInfo& info = info_of(format);
   if (!info.read_mesh && !info.read_points)
     throw Error(ErrorCode::InvalidArgument,
@@ -19,10 +19,7 @@ MeshFile read_mesh(const FileBytes& file, FileFormat format) {
                                                 " holds points, and a polygon mesh is wanted; "
                                                 "read_points() and reconstruct() make one of them");
   }
-  const TextFile text = text_file(file, format);
-  MeshFile found = info.read_mesh(text.file);
-  found.warnings.insert(found.warnings.begin(), text.warnings.begin(), text.warnings.end());
-  return found;
+  return read_counted(file, format, callbacks, info.read_mesh);
 }
 
 MeshFile read_mesh(std::span<const std::byte> bytes, std::string_view name, FileFormat format) {
@@ -37,14 +34,14 @@ MeshFile read_mesh(const std::filesystem::path& path, const MeshReadOptions& opt
                                                 "\" names no format of meshes that is read (" +
                                                 names_of(FormatUse::ReadMesh) + ")");
   }
-  const RawVector<std::byte> bytes = read_file(path);
+  const RawVector<std::byte> bytes = read_file(path, share_of(options.callbacks, 0, kFileLoaded));
   const std::string name = visible(path);
   return read_mesh(FileBytes{.bytes = bytes,
                              .name = name,
                              .path = path,
                              .split_normals_crease = options.split_normals_crease,
                              .is_strict = options.is_strict},
-                   *format);
+                   *format, share_of(options.callbacks, kFileLoaded, 1));
 }
 
 void write_mesh(const std::filesystem::path& path, FileFormat format, const PolygonMesh& mesh,

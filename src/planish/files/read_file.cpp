@@ -14,6 +14,7 @@
 #include "planish/core/parallel.h"
 #include "planish/core/stop.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/shared/read_progress.h"
 
 namespace planish {
 namespace {
@@ -40,7 +41,7 @@ ssize_t read_at(int file, std::span<std::byte> bytes, std::size_t place, bool ha
 }
 
 // Fills as much as can be read from the beginning without a gap, on all threads; returns how much.
-std::size_t read_pieces(int file, std::span<std::byte> bytes) {
+std::size_t read_pieces(int file, std::span<std::byte> bytes, ReadProgress& progress) {
   constexpr std::size_t kPiece = std::size_t{4} << 20;
   std::vector<std::size_t> filled((bytes.size() + kPiece - 1) / kPiece, 0);
   parallel_for(filled.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -52,6 +53,7 @@ std::size_t read_pieces(int file, std::span<std::byte> bytes) {
         if (got <= 0) break;
         filled[p] += static_cast<std::size_t>(got);
       }
+      progress.add(filled[p]);
     }
   });
   std::size_t used = 0;
@@ -64,7 +66,7 @@ std::size_t read_pieces(int file, std::span<std::byte> bytes) {
 
 }  // namespace
 
-RawVector<std::byte> read_file(const std::filesystem::path& path) {
+RawVector<std::byte> read_file(const std::filesystem::path& path, const Callbacks& callbacks) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.number < 0) fail_to_read(path, errno);
   struct stat status {};
@@ -74,7 +76,8 @@ RawVector<std::byte> read_file(const std::filesystem::path& path) {
   constexpr std::size_t kPiece = std::size_t{1} << 16;
   const auto size = static_cast<std::size_t>(status.st_size);
   RawVector<std::byte> bytes(size + kPiece);
-  std::size_t used = read_pieces(file.number, std::span(bytes).first(size));
+  ReadProgress progress(callbacks, size);
+  std::size_t used = read_pieces(file.number, std::span(bytes).first(size), progress);
   for (;;) {
     check_stop();
     if (used == bytes.size()) bytes.resize(2 * bytes.size());
@@ -84,6 +87,7 @@ RawVector<std::byte> read_file(const std::filesystem::path& path) {
     used += static_cast<std::size_t>(got);
   }
   bytes.resize(used);
+  progress.finish();
   return bytes;
 }
 

@@ -3,13 +3,19 @@
 #include <cstddef>
 #include <filesystem>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/raw_vector.h"
 
 namespace planish {
 
 /// The whole file as bytes, read on all threads; pipes too, on one. Throws Error{UnreadableInput}
-/// with the system's reason. (Mapped memory would end the program where a file is cut short while
+/// with the system's reason. Progress is told as the step
+/// "read". (Mapped memory would end the program where a file is cut short while
 /// it is read.)
-[[nodiscard]] RawVector<std::byte> read_file(const std::filesystem::path& path);
+[[nodiscard]] RawVector<std::byte> read_file(const std::filesystem::path& path,
+                                             const Callbacks& callbacks = {});
+
+/// The share of reading a file that bringing it into memory takes where it is cached.
+inline constexpr double kFileLoaded = 0.1;
 
 }  // namespace planish

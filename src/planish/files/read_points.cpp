@@ -4,20 +4,18 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
-#include "planish/files/shared/text_encoding.h"
+#include "planish/files/shared/read_counted.h"
 
 namespace planish {
 
-PointCloud read_points(const FileBytes& file, FileFormat format) {
+PointCloud read_points(const FileBytes& file, FileFormat format, const Callbacks& callbacks) {
   const FormatInfo& info = info_of(format);
   if (!info.read_points) {
     throw Error(
         ErrorCode::InvalidArgument,
         std::string(file.name) + ": ." + std::string(info.name) + " holds no points by themselves");
   }
-  const TextFile text = text_file(file, format);
-  PointCloud cloud = info.read_points(text.file);
-  cloud.warnings.insert(cloud.warnings.begin(), text.warnings.begin(), text.warnings.end());
+  PointCloud cloud = read_counted(file, format, callbacks, info.read_points);
   recentre(cloud);
   return cloud;
 }
@@ -33,16 +31,17 @@ PointCloud read_points(std::span<const std::byte> bytes, std::string_view name, 
   return read_points(FileBytes{.bytes = bytes, .name = name, .path = {}}, format);
 }
 
-PointCloud read_points(const std::filesystem::path& path) {
+PointCloud read_points(const std::filesystem::path& path, const Callbacks& callbacks) {
   const auto format = format_of(path);
   if (!format || !serves(*format, FormatUse::ReadPoints)) {
     throw Error(ErrorCode::InvalidArgument, visible(path) +
                                                 ": the extension names no format of points (" +
                                                 names_of(FormatUse::ReadPoints) + ")");
   }
-  const RawVector<std::byte> bytes = read_file(path);
+  const RawVector<std::byte> bytes = read_file(path, share_of(callbacks, 0, kFileLoaded));
   const std::string name = visible(path);
-  return read_points(FileBytes{.bytes = bytes, .name = name, .path = path}, *format);
+  return read_points(FileBytes{.bytes = bytes, .name = name, .path = path}, *format,
+                     share_of(callbacks, kFileLoaded, 1));
 }
 
 }  // namespace planish

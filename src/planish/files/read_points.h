@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "planish/core/callbacks.h"
 #include "planish/files/formats.h"
 #include "planish/mesh/point_cloud.h"
 
@@ -18,14 +19,17 @@ namespace planish {
 [[nodiscard]] PointCloud read_points(std::span<const std::byte> bytes, std::string_view name,
                                      FileFormat format);
 
-/// The same, with what a glTF names beside it where `file` has a path.
-[[nodiscard]] PointCloud read_points(const FileBytes& file, FileFormat format);
+/// The same, with what a glTF names beside it where `file` has a path. Progress is the share of
+/// bytes that are read, as the step "read"; warnings stand in the result.
+[[nodiscard]] PointCloud read_points(const FileBytes& file, FileFormat format,
+                                     const Callbacks& callbacks = {});
 
 /// The vertices of a file, with its colours, and its normals where it has no faces. Throws
 /// Error{UnreadableInput} as cloud_of().
 [[nodiscard]] PointCloud points_of(const MeshFile& file, std::string_view name);
 
 /// Reads a file by its extension. Throws as above.
-[[nodiscard]] PointCloud read_points(const std::filesystem::path& path);
+[[nodiscard]] PointCloud read_points(const std::filesystem::path& path,
+                                     const Callbacks& callbacks = {});
 
 }  // namespace planish

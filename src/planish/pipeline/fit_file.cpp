@@ -43,8 +43,11 @@ void require_other_file(const std::filesystem::path& input, const std::filesyste
               visible(output) + ": is the input itself; name another output");
 }
 
-MeshFile read_faces(const std::filesystem::path& input, bool split_normals, bool is_strict) {
-  MeshFile file = read_mesh(input, {.split_normals_crease = split_normals, .is_strict = is_strict});
+MeshFile read_faces(const std::filesystem::path& input, bool split_normals, bool is_strict,
+                    const Callbacks& callbacks) {
+  MeshFile file = read_mesh(
+      input,
+      {.split_normals_crease = split_normals, .is_strict = is_strict, .callbacks = callbacks});
   if (file.mesh.face_count() == 0 && file.mesh.vertex_count() > 0) {
     throw Error(
         ErrorCode::UnusableMesh,
@@ -126,8 +129,8 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   const double surface = 0.1 * std::ldexp(1.0, 2 * options.level);
   const double read = 0.2 / (1 + surface), fit = 1 / (1 + surface);
   how.fit.callbacks = share_of(callbacks, read, fit);
-  callbacks.report("read", 0);
-  MeshFile file = read_faces(input, options.split_normals, !options.mesh.repairs);
+  MeshFile file =
+      read_faces(input, options.split_normals, !options.mesh.repairs, share_of(callbacks, 0, read));
   for (const Warning& warning : file.warnings) callbacks.warn(warning);
   FileFit result;
   result.fitted = fit_mesh(std::move(file.mesh), visible(input), backend, how);

@@ -10,6 +10,7 @@
 
 #include "output/digest.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/nearest.h"
 #include "planish/core/stop.h"
 #include "planish/core/visible_text.h"
@@ -52,14 +53,16 @@ FileFormat settled_format(const InputFile& file, std::optional<FileFormat> forma
 
 }  // namespace
 
-InputFile load_input(const std::string& path, std::optional<FileFormat> format) {
+InputFile load_input(const std::string& path, std::optional<FileFormat> format,
+                     const Callbacks& callbacks) {
   InputFile file;
   file.name = input_name(path);
   if (path == "-") {
+    callbacks.report("read", 0);
     file.bytes = read_stdin();
   } else {
     file.path = path;
-    file.bytes = read_file(path);
+    file.bytes = read_file(path, share_of(callbacks, 0, kFileLoaded));
   }
   file.format = settled_format(file, format);
   // The digest takes as long as a reader: beside it. Moving the file leaves its bytes in place.
@@ -71,7 +74,7 @@ InputFile load_input(const std::string& path, std::optional<FileFormat> format) 
   return file;
 }
 
-Input mesh_of(const InputFile& file) {
+Input mesh_of(const InputFile& file, const Callbacks& callbacks) {
   if (holds_points_only(file.format)) {
     throw Error(ErrorCode::InvalidArgument,
                 file.name + ": holds points, and a mesh is wanted here; \"planish reconstruct " +
@@ -83,14 +86,15 @@ Input mesh_of(const InputFile& file) {
                                           .path = file.path,
                                           .split_normals_crease = file.split_normals_crease,
                                           .is_strict = file.is_strict},
-                                file.format),
+                                file.format, share_of(callbacks, kFileLoaded, 1)),
               .sha256 = {}};
   input.sha256 = file.sha256();
   return input;
 }
 
-Input read_input(const std::string& path, std::optional<FileFormat> format) {
-  return mesh_of(load_input(path, format));
+Input read_input(const std::string& path, std::optional<FileFormat> format,
+                 const Callbacks& callbacks) {
+  return mesh_of(load_input(path, format, callbacks), callbacks);
 }
 
 FileFormat parse_input_format(std::string_view value, std::string_view where) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "planish/core/callbacks.h"
 #include "planish/core/raw_vector.h"
 #include "planish/files/mesh_file.h"
 
@@ -34,15 +35,17 @@ struct Input {
 
 /// Reads a file, "-" for stdin. Its format is `format` where given, else what the extension names,
 /// else what the content looks like. Throws Error{UnreadableInput} where it cannot be read or
-/// nothing speaks for a format.
-[[nodiscard]] InputFile load_input(const std::string& path, std::optional<FileFormat> format);
+/// nothing speaks for a format. The first kFileLoaded of the step "read" is told.
+[[nodiscard]] InputFile load_input(const std::string& path, std::optional<FileFormat> format,
+                                   const Callbacks& callbacks = {});
 
-/// The mesh in a loaded file. Throws Error{UnreadableInput}; Error{InvalidArgument} for a format
-/// of points.
-[[nodiscard]] Input mesh_of(const InputFile& file);
+/// The mesh in a loaded file; tells the rest of the step. Throws Error{UnreadableInput};
+/// Error{InvalidArgument} for a format of points.
+[[nodiscard]] Input mesh_of(const InputFile& file, const Callbacks& callbacks = {});
 
 /// load_input() and mesh_of().
-[[nodiscard]] Input read_input(const std::string& path, std::optional<FileFormat> format);
+[[nodiscard]] Input read_input(const std::string& path, std::optional<FileFormat> format,
+                               const Callbacks& callbacks = {});
 
 /// The name of a format that is read, "obj" or "xyz" say. Throws Error{InvalidArgument} naming
 /// `where`.

@@ -61,6 +61,7 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
   std::vector<PlannedStep> steps{{"read", 2}};
   if (job.sampling) steps.push_back({"sample", 4});
   if (job.sampling || may_be_points(job)) steps.push_back({"points", 80});
+  if (!job.source.empty()) steps.push_back({"read", 2});
   steps.push_back({"fit", 8});
   std::vector<Fineness> all;
   for (const PlannedOutput& output : outputs) {
@@ -97,7 +98,6 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   PageJob page{.name = job.name};
   std::vector<std::byte> stdout_bytes;
   timed(report.timing.total, [&] {
-    context.progress.update("read", 0);
     JobInput made = timed(report.timing.read, [&] { return read_job_input(job, report, context); });
     ReadyFit ready = timed(report.timing.check, [&] {
       ReadyFit prepared = prepare_input(made, outputs, report, context);

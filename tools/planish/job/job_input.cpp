@@ -42,7 +42,8 @@ namespace {
 PointInput sample_input(const InputFile& file, const Sampling& sampling,
                         const Callbacks& callbacks) {
   (void)require_mesher();  // before the work
-  const Input mesh = mesh_of(file);
+  const Input mesh = mesh_of(file, callbacks);
+  callbacks.report("sample", 0);
   require_usable(mesh.file.mesh, mesh.name);
   return {
       .name = mesh.name, .cloud = sample_surface(mesh, sampling, callbacks), .sha256 = mesh.sha256};
@@ -62,8 +63,8 @@ void reconstruct_points(const PointInput& cloud, JobInput& made, JobReport& repo
   made.input.file.mesh = std::move(result.mesh);
 }
 
-Input read_source(const std::string& path) {
-  Input source = read_input(path, std::nullopt);
+Input read_source(const std::string& path, const Callbacks& callbacks) {
+  Input source = read_input(path, std::nullopt, callbacks);
   if (source.file.mesh.face_count() == 0) {
     throw Error(ErrorCode::UnusableMesh,
                 source.name + ": a source has to be a mesh, and this has no faces");
@@ -124,7 +125,7 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
   JobInput made;
   Input& input = made.input;
   const Callbacks callbacks = callbacks_for(report, context);
-  InputFile file = load_input(job.input, job.input_format);
+  InputFile file = load_input(job.input, job.input_format, callbacks);
   file.split_normals_crease = report.settings.creases.split_normals;
   file.is_strict = report.settings.repair == RepairChoice::None;
   input.name = file.name;
@@ -134,13 +135,12 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
     reconstruct_points(cloud, made, report, callbacks);
   };
   if (job.sampling) {
-    context.progress.update("sample", 0);
     reconstruct(sample_input(file, *job.sampling, callbacks));
     report.reconstruction["sampled"] = sampling_json(*job.sampling);
   } else if (holds_points_only(file.format)) {
-    reconstruct(points_of(file));
+    reconstruct(points_of(file, callbacks));
   } else {
-    input = mesh_of(file);
+    input = mesh_of(file, callbacks);
     report.input.format = name_of(input.file.format);
     if (const auto cloud = points_of(input)) reconstruct(*cloud);
   }
@@ -148,7 +148,7 @@ JobInput read_job_input(const Job& job, JobReport& report, const JobContext& con
     add_warning(report, console,
                 {"no-split-normals",
                  file.name + ": --creases normals found no edge where normals are split"});
-  if (!job.source.empty()) made.source = read_source(job.source);
+  if (!job.source.empty()) made.source = read_source(job.source, callbacks);
   for (const Warning& warning : input.file.warnings) add_warning(report, console, warning);
   report.input.sha256 = file.sha256();
   report.input.dropped = input.file.dropped_element_count;

@@ -4,6 +4,8 @@
 
 #include "job/input_path.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
+#include "planish/files/read_file.h"
 #include "planish/files/read_points.h"
 #include "planish/reconstruct/mesher_process.h"
 #include "report/report.h"
@@ -21,7 +23,7 @@ void require_readable(const std::string& path, std::optional<FileFormat> format)
   if (is_point_path(path, format)) (void)require_mesher();
 }
 
-PointInput points_of(const InputFile& file) {
+PointInput points_of(const InputFile& file, const Callbacks& callbacks) {
   if (!serves(file.format, FormatUse::ReadPoints))
     throw Error(ErrorCode::InvalidArgument, file.name + ": ." + std::string(name_of(file.format)) +
                                                 " is no format of points (" +
@@ -31,7 +33,7 @@ PointInput points_of(const InputFile& file) {
                                          .name = file.name,
                                          .path = file.path,
                                          .is_strict = file.is_strict},
-                               file.format),
+                               file.format, share_of(callbacks, kFileLoaded, 1)),
           .sha256 = file.sha256(),
           .format = file.format};
 }

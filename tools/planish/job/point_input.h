@@ -27,7 +27,7 @@ void require_readable(const std::string& path, std::optional<FileFormat> format)
 
 /// The points in a loaded file. Throws Error{UnreadableInput}; Error{InvalidArgument} for a format
 /// that holds no points.
-[[nodiscard]] PointInput points_of(const InputFile& file);
+[[nodiscard]] PointInput points_of(const InputFile& file, const Callbacks& callbacks = {});
 
 /// The points of a PLY file that has no faces; empty for a mesh.
 [[nodiscard]] std::optional<PointInput> points_of(const Input& input);

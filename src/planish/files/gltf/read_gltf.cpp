@@ -10,6 +10,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
+#include "planish/core/stop.h"
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/gltf_accessor.h"
@@ -20,6 +21,7 @@
 #include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/json_place.h"
 #include "planish/files/shared/attribute_collector.h"
+#include "planish/files/shared/read_progress.h"
 #include "planish/files/shared/split_normals.h"
 #include "planish/files/shared/weld.h"
 
@@ -37,15 +39,19 @@ constexpr std::array<std::string_view, 6> kHarmlessExtensions = {
 
 class SceneReader {
  public:
-  SceneReader(JsonPlace root, GltfSource& source, GltfBudget budget, bool creases_from_normals)
+  SceneReader(JsonPlace root, GltfSource& source, GltfBudget budget, const FileBytes& file)
       : root_(std::move(root)),
         source_(source),
         budget_(std::move(budget)),
-        creases_from_normals_(creases_from_normals) {}
+        creases_from_normals_(file.split_normals_crease),
+        bytes_(file.bytes.size()),
+        progress_(file.progress) {}
 
   MeshFile read(FileFormat format) {
     require_version();
-    for (const GltfInstance& instance : gltf_instances(root_)) read_instance(instance);
+    const std::vector<GltfInstance> instances = gltf_instances(root_);
+    for (const GltfInstance& instance : instances)
+      read_instance(instance, bytes_ / instances.size());
     file_.format = format;
     triangles_.finish(welder_, file_);
     attributes_.finish(std::move(uvs_), file_.mesh);
@@ -65,8 +71,8 @@ class SceneReader {
 
  private:
   void require_version();
-  void read_instance(const GltfInstance& instance);
-  void read_primitive(const JsonPlace& place, const GltfInstance& instance);
+  void read_instance(const GltfInstance& instance, std::size_t bytes);
+  void read_primitive(const JsonPlace& place, const GltfInstance& instance, std::size_t bytes);
   void read_point_primitive(const JsonPlace& place, const GltfInstance& instance);
   void name_group(const JsonPlace& place);
   void read_uvs(const JsonPlace& place, const SourcePrimitive& primitive);
@@ -83,6 +89,8 @@ class SceneReader {
   TriangleCollector triangles_;
   AttributeCollector attributes_;
   bool creases_from_normals_;
+  std::size_t bytes_;
+  ReadProgress* progress_;
   CornerNormals normals_;
   GltfPoints points_;
   std::vector<glm::dvec2> uvs_;
@@ -110,7 +118,9 @@ void SceneReader::require_version() {
   }
 }
 
-void SceneReader::read_instance(const GltfInstance& instance) {
+// Where the same bytes are placed often, or only some of them, each place has an equal share of
+// the file's.
+void SceneReader::read_instance(const GltfInstance& instance, std::size_t bytes) {
   const JsonPlace mesh = root_["meshes"][instance.mesh];
   if (root_["nodes"][instance.node].find("skin")) ++deformed_count_;
   const JsonPlace primitives = mesh["primitives"];
@@ -118,12 +128,15 @@ void SceneReader::read_instance(const GltfInstance& instance) {
     if (++primitive_count_ > kMaxPrimitives)
       primitives.fail("the scene places more than " + std::to_string(kMaxPrimitives) +
                       " primitives");
-    read_primitive(primitives[i], instance);
+    read_primitive(primitives[i], instance,
+                   bytes / static_cast<std::size_t>(primitives.array_size()));
   }
 }
 
-void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& instance) {
+void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& instance,
+                                 std::size_t bytes) {
   constexpr std::int64_t kPoints = 0, kTriangles = 4, kFan = 6;
+  constexpr std::int64_t kPiece = 4096;  // corners
   const std::int64_t mode = place.integer_or("mode", kTriangles);
   if (mode > kFan) place["mode"].fail(std::to_string(mode) + " is no mode of primitives");
   const bool has_positions = place["attributes"].find("POSITION").has_value();
@@ -155,6 +168,10 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
                             std::to_string(vertex) + " of " + std::to_string(vertex_count));
     corners_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(vertex);
     vertices_[static_cast<std::size_t>(i)] = welded(primitive, vertex, instance);
+    if ((i + 1) % kPiece != 0) continue;
+    check_stop();
+    count_read(progress_,
+               bytes * static_cast<std::size_t>(kPiece) / static_cast<std::size_t>(count));
   }
   color_vertices(primitive);
   add_triangles(place, mode, glm::determinant(glm::dmat3(instance.to_world)) < 0);
@@ -264,8 +281,7 @@ MeshFile read_gltf_within(const FileBytes& file, const GltfLimits& limits) {
   std::optional<std::filesystem::path> folder;
   if (!file.path.empty()) folder = file.path.parent_path();
   GltfSource source(root, parts.chunk, std::move(folder));
-  return SceneReader(root, source, GltfBudget(limits, file.name), file.split_normals_crease)
-      .read(parts.format);
+  return SceneReader(root, source, GltfBudget(limits, file.name), file).read(parts.format);
 }
 
 }  // namespace planish

@@ -32,15 +32,15 @@ std::int64_t normal_index(std::string_view corner) {
 }  // namespace
 
 CornerNormals read_obj_normals(const FileBytes& file, LineNote& missing) {
-  TextLines lines(file, TextLines::Continuation::Backslash);
+  const TextLines whole(file, TextLines::Continuation::Backslash);
   CornerNormals normals;
   LargestIndex largest;
   std::int64_t face = 0;
-  while (lines.next()) {
+  const auto read_line = [&](const TextLines& lines) {
     Words words(lines.line());
     const std::string_view keyword = words.next();
     if (keyword == "vn") normals.values.push_back(normal_of(words));
-    if (keyword != "f" && keyword != "fo") continue;
+    if (keyword != "f" && keyword != "fo") return;
     for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
       const auto before = static_cast<std::int64_t>(normals.values.size());
       const std::int64_t index = normal_index(word);
@@ -58,10 +58,17 @@ CornerNormals read_obj_normals(const FileBytes& file, LineNote& missing) {
       normals.of_corners.push_back(normal);
     }
     ++face;
+  };
+  std::int64_t passed = 0;
+  for (TextLines& part : whole.cut(kTextPartBytes)) {
+    part.count_from(passed);
+    while (part.next()) read_line(part);
+    passed = part.lines_passed();
+    part.count();
   }
   const auto count = static_cast<std::int64_t>(normals.values.size());
   if (largest.index < count) return normals;
-  lines.note_at(
+  whole.note_at(
       missing, largest.line,
       "face names normal " + std::to_string(largest.index + 1) + " of " + std::to_string(count),
       largest.element);

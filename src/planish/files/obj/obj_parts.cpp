@@ -42,7 +42,10 @@ ObjParts::ObjParts(std::size_t count, LinesOf lines_of, bool is_start)
     for (std::size_t p = begin; p < end; ++p) {
       const ObjCounts* before = p == 0 && is_start ? &none : nullptr;
       failure_.watch(p, [&] {
-        lines_of_(p, [&](const TextLines& lines) { parts_[p] = read_obj_part(lines, before); });
+        lines_of_(p, [&](const TextLines& lines) {
+          parts_[p] = read_obj_part(lines, before);
+          lines.count();
+        });
       });
     }
   });

@@ -10,6 +10,7 @@
 #include "planish/files/obj/obj_normals.h"
 #include "planish/files/obj/obj_parts.h"
 #include "planish/files/shared/attribute_collector.h"
+#include "planish/files/shared/read_progress.h"
 #include "planish/files/shared/split_normals.h"
 #include "planish/files/shared/text_lines.h"
 
@@ -81,6 +82,7 @@ MeshFile read_lines(const FileBytes& file, std::size_t part_bytes) {
 }  // namespace
 
 MeshFile read_obj(const FileBytes& file, std::size_t part_bytes) {
+  if (file.split_normals_crease) expect_passes(file, 2);
   MeshFile found = read_lines(file, part_bytes);
   const bool is_cloud = found.mesh.face_count() == 0 && !found.mesh.positions.empty();
   if (!is_cloud && !file.split_normals_crease) return found;

@@ -34,7 +34,7 @@ class OffReader {
     lines_ = TextLines(bytes_);
     file_.header.clear();
     const auto [vertex_count, face_count] = read_counts(read_keyword());
-    const LineRecords records(lines_, part_bytes_);
+    const LineRecords records(bytes_, lines_, part_bytes_);
     read_vertices(records, vertex_count);
     read_faces(records, vertex_count, face_count);
     TextLines behind = records.before(vertex_count + face_count);

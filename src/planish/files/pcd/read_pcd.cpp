@@ -13,10 +13,12 @@
 
 #include "planish/core/error.h"
 #include "planish/core/number_text.h"
+#include "planish/core/stop.h"
 #include "planish/files/pcd/lzf.h"
 #include "planish/files/pcd/pcd_header.h"
 #include "planish/files/shared/bytes.h"
 #include "planish/files/shared/line_records.h"
+#include "planish/files/shared/read_progress.h"
 #include "planish/files/shared/srgb.h"
 #include "planish/mesh/check.h"
 
@@ -93,6 +95,7 @@ class PcdReader {
   void read_binary();
   void read_compressed();
   void add(const Record& record, std::int64_t index, PointCloud& cloud) const;
+  void add_next(const Record& record, std::int64_t index);
   [[noreturn]] void fail(const std::string& what, std::int64_t element = -1) const {
     throw Error(ErrorCode::UnreadableInput, name_ + ": " + what, element);
   }
@@ -252,6 +255,16 @@ void PcdReader::add(const Record& record, std::int64_t index, PointCloud& cloud)
       linear_of_srgb(glm::dvec4(share(16), share(8), share(0), is_opaque ? 1.0 : share(24))));
 }
 
+// Of points one after another.
+void PcdReader::add_next(const Record& record, std::int64_t index) {
+  constexpr std::size_t kPiece = 4096;
+  add(record, index, cloud_);
+  if (static_cast<std::size_t>(index + 1) % kPiece != 0) return;
+  check_stop();
+  count_read(file_.progress,
+             file_.bytes.size() * kPiece / static_cast<std::size_t>(header_.points));
+}
+
 void PcdReader::set_word(Record& record, std::size_t slot, std::string_view word,
                          const TextLines& line, std::int64_t index) const {
   double value = 0;
@@ -275,7 +288,7 @@ void PcdReader::read_text() {
   body.bytes = file_.bytes.last(lines_.bytes_left());
   TextLines lines(body);
   lines.count_from(lines_.number());
-  const LineRecords records(lines, part_bytes_);
+  const LineRecords records(body, lines, part_bytes_);
   std::vector<PointCloud> clouds(records.part_count());
   records.for_parts(0, header_.points, "point",
                     [&](std::size_t part, TextLines& line, std::int64_t begin, std::int64_t end) {
@@ -326,7 +339,7 @@ void PcdReader::read_binary() {
     for (std::size_t slot = 0; slot <= kColor; ++slot)
       if (header_.has(slot))
         store(found, slot, record.subspan(offsets[slot]), header_.fields[header_.places[slot]]);
-    add(found, index, cloud_);
+    add_next(found, index);
   }
 }
 
@@ -357,7 +370,7 @@ void PcdReader::read_compressed() {
       store(record, slot, std::span(data).subspan(offsets[slot] * count + index * field.size),
             field);
     }
-    add(record, static_cast<std::int64_t>(index), cloud_);
+    add_next(record, static_cast<std::int64_t>(index));
   }
 }
 

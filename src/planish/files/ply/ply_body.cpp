@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "planish/core/stop.h"
+
 namespace planish {
 
 TextLines PlyTextBody::lines_behind(const FileBytes& file, const PlyHeader& header) {
@@ -47,7 +49,10 @@ std::size_t PlyBinaryBody::piece_count(const PlyElement& element) {
   const auto place = [&] { return cursor_.bytes_left() - cursor.bytes_left(); };
   try {
     for (std::int64_t entry = 0; entry < element.count; ++entry) {
-      if (entry % kPieceEntries == 0) places_.push_back(place());
+      if (entry % kPieceEntries == 0) {
+        check_stop();
+        places_.push_back(place());
+      }
       for (const PlyProperty& property : element.properties)
         skip_ply_value(cursor, property, element, entry);
     }

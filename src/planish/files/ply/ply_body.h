@@ -16,6 +16,7 @@
 #include "planish/files/ply/ply_header.h"
 #include "planish/files/shared/bytes.h"
 #include "planish/files/shared/line_records.h"
+#include "planish/files/shared/read_progress.h"
 
 namespace planish {
 
@@ -198,7 +199,7 @@ class PlyTextBody {
   using Cursor = PlyTextCursor;
 
   PlyTextBody(const FileBytes& file, const PlyHeader& header, std::size_t part_bytes)
-      : records_(lines_behind(file, header), part_bytes) {}
+      : records_(file, lines_behind(file, header), part_bytes) {}
 
   [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
     records_.before(first_).fail(what, index);
@@ -233,7 +234,7 @@ class PlyBinaryBody {
   using Cursor = PlyBinaryCursor;
 
   PlyBinaryBody(const FileBytes& file, const PlyHeader& header, std::size_t)
-      : cursor_(file, header) {}
+      : cursor_(file, header), progress_(file.progress) {}
 
   [[noreturn]] void fail(const std::string& what, std::int64_t index) const {
     cursor_.fail(what, index);
@@ -251,6 +252,7 @@ class PlyBinaryBody {
           const auto first = static_cast<std::int64_t>(piece) * kPieceEntries;
           const bool is_last = piece + 1 == places_.size();
           read(piece, cursor, first, is_last ? element.count : first + kPieceEntries);
+          count_read(progress_, cursor_.bytes_left() - places_[piece] - cursor.bytes_left());
         });
       }
     });
@@ -262,6 +264,7 @@ class PlyBinaryBody {
   static constexpr std::int64_t kPieceEntries = 4096;
 
   PlyBinaryCursor cursor_;
+  ReadProgress* progress_;
   std::vector<std::size_t> places_;  // where each piece of the next element begins
   std::size_t bytes_ = 0;            // of the next element, where it is sound
 };

@@ -2,10 +2,13 @@
 
 #include <limits>
 
+#include "planish/files/shared/read_progress.h"
+
 namespace planish {
 
-LineRecords::LineRecords(const TextLines& lines, std::size_t part_bytes)
+LineRecords::LineRecords(const FileBytes& file, const TextLines& lines, std::size_t part_bytes)
     : start_(lines), parts_(lines.rest().cut(part_bytes)) {
+  expect_passes(file, 2);
   first_.resize(parts_.size() + 1, 0);
   std::vector<std::int64_t> line_counts(parts_.size());
   parallel_for(parts_.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -13,6 +16,7 @@ LineRecords::LineRecords(const TextLines& lines, std::size_t part_bytes)
       TextLines part = parts_[p];
       while (part.next_with_words()) ++first_[p + 1];
       line_counts[p] = part.lines_passed();
+      part.count();
     }
   });
   last_line_ = lines.lines_passed();

@@ -16,8 +16,9 @@ namespace planish {
 /// The lines with words behind a place of a text file, numbered from 0, in parts for threads.
 class LineRecords {
  public:
-  /// Those behind the current line of `lines`, in parts of about `part_bytes`.
-  LineRecords(const TextLines& lines, std::size_t part_bytes);
+  /// Those behind the current line of `lines` of `file`, in parts of about `part_bytes`. Each byte
+  /// is read twice: when lines are counted, and as a record.
+  LineRecords(const FileBytes& file, const TextLines& lines, std::size_t part_bytes);
 
   [[nodiscard]] std::int64_t count() const { return first_.back(); }
   [[nodiscard]] std::size_t part_count() const { return parts_.size(); }
@@ -41,6 +42,7 @@ class LineRecords {
           for (std::int64_t record = first_[p]; record < begin; ++record)
             (void)lines.next_with_words();
           read(p, lines, begin, end);
+          lines.count_share(end - begin, first_[p + 1] - first_[p]);
         });
       }
     });

@@ -67,6 +67,7 @@ TextLines::TextLines(const FileBytes& file, Continuation continuation)
       name_(file.name),
       continuation_(continuation),
       is_strict_(file.is_strict),
+      progress_(file.progress),
       terminator_(text_.find('\n') == std::string_view::npos ? '\r' : '\n') {}
 
 TextLines TextLines::of_header(const FileBytes& file) {
@@ -181,6 +182,7 @@ std::vector<TextLines> numbered_parts(const TextLines& lines, std::size_t part_b
       TextLines part = parts[p];
       while (part.next()) continue;
       counts[p] = part.lines_passed();
+      part.count();
     }
   });
   std::int64_t before = lines.lines_passed();

@@ -9,6 +9,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/core/stop.h"
 #include "planish/files/formats.h"
+#include "planish/files/shared/read_progress.h"
 
 namespace planish {
 
@@ -81,6 +82,14 @@ class TextLines {
   [[nodiscard]] std::int64_t number() const { return number_; }
   /// How many lines of the file have been met, with the current one; continued ones count singly.
   [[nodiscard]] std::int64_t lines_passed() const { return next_number_ - 1; }
+  /// Counts all of its bytes as read.
+  void count() const { count_share(1, 1); }
+  /// The same for `steps` of `of` equal steps.
+  void count_share(std::int64_t steps, std::int64_t of) const {
+    count_read(progress_,
+               static_cast<std::size_t>(static_cast<double>(text_.size()) *
+                                        static_cast<double>(steps) / static_cast<double>(of)));
+  }
   /// Bytes after the current line.
   [[nodiscard]] std::size_t bytes_left() const { return text_.size() - position_; }
 
@@ -103,6 +112,7 @@ class TextLines {
   std::string name_;
   Continuation continuation_;
   bool is_strict_;
+  ReadProgress* progress_;
   char terminator_;
   std::string_view line_;
   std::size_t position_ = 0;

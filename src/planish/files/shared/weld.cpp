@@ -11,6 +11,7 @@
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
+#include "planish/files/shared/read_progress.h"
 
 namespace planish {
 namespace {
@@ -111,16 +112,18 @@ void find_firsts(std::span<const std::int32_t> members, std::span<const glm::dve
 
 }  // namespace
 
-WeldedPositions weld(std::span<const glm::dvec3> positions) {
+WeldedPositions weld(std::span<const glm::dvec3> positions, const FileBytes& file) {
   const std::size_t count = positions.size();
   if (count == 0) return {};
   const Groups groups = group(positions);
   RawVector<std::int32_t> firsts(count), numbers(count);
   parallel_for(kGroups, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t g = begin; g < end; ++g)
+    for (std::size_t g = begin; g < end; ++g) {
       find_firsts(std::span(groups.members)
                       .subspan(groups.starts[g], groups.starts[g + 1] - groups.starts[g]),
                   positions, firsts);
+      count_read(file.progress, file.bytes.size() / kGroups);
+    }
   });
   const auto is_first = [&](std::size_t i) { return firsts[i] == static_cast<std::int32_t>(i); };
   const SelectedBlocks blocks = count_selected(count, is_first);

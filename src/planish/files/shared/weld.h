@@ -35,8 +35,9 @@ struct WeldedPositions {
   std::vector<glm::dvec3> positions;  ///< in the order in which they first come
   RawVector<std::int32_t> indices;    ///< of each given one
 };
-/// The positions must be finite and fewer than 2^31.
-[[nodiscard]] WeldedPositions weld(std::span<const glm::dvec3> positions);
+/// The positions must be finite and fewer than 2^31. A file's are its bytes once more.
+[[nodiscard]] WeldedPositions weld(std::span<const glm::dvec3> positions,
+                                   const FileBytes& file = {});
 
 /// Collects triangles by welded vertices for the formats that know nothing else. Triangles that
 /// name a vertex twice have no area and are left out.

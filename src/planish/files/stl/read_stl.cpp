@@ -18,6 +18,7 @@
 #include "planish/core/raw_vector.h"
 #include "planish/files/shared/bytes.h"
 #include "planish/files/shared/first_failure.h"
+#include "planish/files/shared/read_progress.h"
 #include "planish/files/shared/text_lines.h"
 #include "planish/files/shared/weld.h"
 
@@ -60,8 +61,8 @@ bool is_text(std::span<const std::byte> bytes) {
 }
 
 // Of three corners a triangle.
-MeshFile welded_file(std::span<const glm::dvec3> corners) {
-  WeldedPositions welded = weld(corners);
+MeshFile welded_file(std::span<const glm::dvec3> corners, const FileBytes& from) {
+  WeldedPositions welded = weld(corners, from);
   TriangleCollector triangles;
   for (std::size_t c = 0; c < corners.size(); c += 3)
     triangles.add(welded.indices[c], welded.indices[c + 1], welded.indices[c + 2]);
@@ -71,7 +72,9 @@ MeshFile welded_file(std::span<const glm::dvec3> corners) {
   return file;
 }
 
-MeshFile read_binary(std::span<const std::byte> bytes, std::string_view name) {
+MeshFile read_binary(const FileBytes& file) {
+  expect_passes(file, 2);  // the second welds
+  const std::span<const std::byte> bytes = file.bytes;
   constexpr std::size_t kStlGrain = 4096;
   const auto count = load<std::uint32_t>(bytes.subspan(80));
   RawVector<glm::dvec3> positions(std::size_t{3} * count);
@@ -89,9 +92,10 @@ MeshFile read_binary(std::span<const std::byte> bytes, std::string_view name) {
       }
     }
     if (!all) finite.store(false, std::memory_order_relaxed);
+    count_read(file.progress, (end - begin) * kTriangleBytes);
   });
-  if (!finite.load()) fail_at_first_infinite(positions, name);
-  return welded_file(positions);
+  if (!finite.load()) fail_at_first_infinite(positions, file.name);
+  return welded_file(positions, file);
 }
 
 // Reads the facets that begin in a part of the file: a part but the first begins with its first
@@ -186,6 +190,7 @@ void StlPart::read_vertex(Words words) {
 }
 
 MeshFile read_text(const FileBytes& file, std::size_t part_bytes) {
+  expect_passes(file, 3);  // lines are counted, read, and corners welded
   TextLines whole(file);
   const std::vector<TextLines> lines = numbered_parts(whole, part_bytes);
   std::vector<StlPart> parts;
@@ -195,7 +200,10 @@ MeshFile read_text(const FileBytes& file, std::size_t part_bytes) {
   }
   FirstFailure failure;
   parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) failure.watch(p, [&] { parts[p].read(); });
+    for (std::size_t p = begin; p < end; ++p) {
+      failure.watch(p, [&] { parts[p].read(); });
+      lines[p].count();
+    }
   });
   failure.rethrow();
   std::vector<glm::dvec3> corners = std::move(parts.front().corners);
@@ -208,7 +216,7 @@ MeshFile read_text(const FileBytes& file, std::size_t part_bytes) {
   if (corners.size() > std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorCode::UnreadableInput,
                 std::string(file.name) + ": more triangle corners than 32 bits can count");
-  MeshFile found = welded_file(corners);
+  MeshFile found = welded_file(corners, file);
   unknown.warn(found.warnings, "unknown-keyword", file.name, "such lines are passed over");
   return found;
 }
@@ -229,7 +237,7 @@ MeshFile read_stl(const FileBytes& file, std::size_t part_bytes) {
   if (bytes.size() == expected) {
     if (3 * count > std::numeric_limits<std::int32_t>::max())
       fail("header promises " + std::to_string(count) + " triangles, more than 32 bits can count");
-    return read_binary(bytes, file.name);
+    return read_binary(file);
   }
   if (!is_text(bytes))
     fail("header promises " + std::to_string(count) + " triangles in " + std::to_string(expected) +

@@ -11,6 +11,7 @@
 #include "planish/core/number_text.h"
 #include "planish/core/parallel.h"
 #include "planish/files/shared/first_failure.h"
+#include "planish/files/shared/read_progress.h"
 #include "planish/files/shared/text_lines.h"
 #include "planish/mesh/check.h"
 
@@ -113,6 +114,7 @@ void read_point_part(TextLines lines, TextPoints kind, PointPart& part) {
       lines.fail("point count " + quote(columns[0]) + " is no integer from 0");
     part.counts.push_back({part.point_count(), count, lines.number()});
   }
+  lines.count();
   part.last_line = lines.number();
 }
 
@@ -129,6 +131,7 @@ class TextPointReader {
  public:
   TextPointReader(const FileBytes& file, TextPoints kind, std::size_t part_bytes)
       : name_(file.name), lines_(file), kind_(kind) {
+    expect_passes(file, 2);
     skip_heading(lines_, kind);
     parts_ = numbered_parts(lines_, part_bytes);
   }

@@ -1,0 +1,218 @@
+// Readers tell how far they are: on the calling thread, rising to 1, whatever the format.
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <chrono>
+#include <cstdint>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "files/file_of.h"
+#include "files/gltf/glb_bytes.h"
+#include "planish/core/error.h"
+#include "planish/core/stop.h"
+#include "planish/files/mesh_file.h"
+#include "planish/files/obj/read_obj.h"
+#include "planish/files/read_points.h"
+#include "planish/files/shared/read_progress.h"
+#include "support/byte_strings.h"
+#include "support/temporary_folder.h"
+#include "support/watching_host.h"
+
+namespace planish {
+namespace {
+
+constexpr int kCount = 10'000;  // vertices, and as many faces where there are some
+
+struct Sample {
+  std::string name;
+  std::string bytes;
+  bool is_cloud = false;
+};
+
+std::string lines(int count, const std::function<std::string(int)>& line) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += line(i) + "\n";
+  return text;
+}
+
+std::string point(int i) { return std::to_string(i) + " " + std::to_string(i * i % 97) + " 1"; }
+
+std::string triangle(int i, int first) {
+  const auto corner = [&](int k) { return std::to_string(first + (i + k) % kCount); };
+  return corner(0) + " " + corner(1) + " " + corner(2);
+}
+
+std::string binary_ply() {
+  const std::string count = std::to_string(kCount);
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + count +
+                      "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                      count + "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (int i = 0; i < kCount; ++i)
+    for (const int value : {i, i * i % 97, 1}) test::append<float>(bytes, value);
+  for (int i = 0; i < kCount; ++i) {
+    bytes += '\3';
+    for (int k = 0; k < 3; ++k) test::append<std::int32_t>(bytes, (i + k) % kCount);
+  }
+  return bytes;
+}
+
+std::string text_ply() {
+  const std::string count = std::to_string(kCount);
+  return "ply\nformat ascii 1.0\nelement vertex " + count +
+         "\nproperty float x\nproperty float y\nproperty float z\nelement face " + count +
+         "\nproperty list uchar int vertex_indices\nend_header\n" + lines(kCount, point) +
+         lines(kCount, [](int i) { return "3 " + triangle(i, 0); });
+}
+
+std::string binary_stl() {
+  std::string bytes(80, ' ');
+  test::append<std::uint32_t>(bytes, kCount);
+  for (int i = 0; i < kCount; ++i) {
+    for (int k = 0; k < 12; ++k) test::append<float>(bytes, (i + k * k) % 101);
+    bytes += std::string(2, '\0');
+  }
+  return bytes;
+}
+
+std::string glb() {
+  std::string bytes;
+  for (int i = 0; i < 3 * kCount; ++i)
+    for (const int value : {i, i * i % 97, 1}) test::append<float>(bytes, value);
+  const std::string size = std::to_string(bytes.size());
+  return test::glb_of(
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":)"
+      R"({"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3",)"
+      R"("count":)" +
+          std::to_string(3 * kCount) + R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + size +
+          R"(}],"buffers":[{"byteLength":)" + size + "}]}",
+      bytes);
+}
+
+std::string pcd(const std::string& kind) {
+  std::string bytes = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " +
+                      std::to_string(kCount) + "\nHEIGHT 1\nDATA " + kind + "\n";
+  if (kind == "ascii") return bytes + lines(kCount, point);
+  for (int i = 0; i < kCount; ++i)
+    for (const int value : {i, i * i % 97, 1}) test::append<float>(bytes, value);
+  return bytes;
+}
+
+std::vector<Sample> samples() {
+  const std::string count = std::to_string(kCount);
+  return {{"a.obj", lines(kCount, [](int i) { return "v " + point(i); }) +
+                        lines(kCount, [](int i) { return "f " + triangle(i, 1); })},
+          {"a.off", "OFF\n" + count + " " + count + " 0\n" + lines(kCount, point) +
+                        lines(kCount, [](int i) { return "3 " + triangle(i, 0); })},
+          {"text.ply", text_ply()},
+          {"binary.ply", binary_ply()},
+          {"text.stl", "solid a\n" +
+                           lines(kCount,
+                                 [](int i) {
+                                   return "facet normal 0 0 1\nouter loop\nvertex " + point(i) +
+                                          "\nvertex " + point(i + 1) + "\nvertex " + point(i + 3) +
+                                          "\nendloop\nendfacet";
+                                 }) +
+                           "endsolid\n"},
+          {"binary.stl", binary_stl()},
+          {"a.glb", glb()},
+          {"a.xyz", lines(kCount, point), true},
+          {"a.pts", count + "\n" + lines(kCount, point), true},
+          {"text.pcd", pcd("ascii"), true},
+          {"binary.pcd", pcd("binary"), true}};
+}
+
+void read(const FileBytes& file, const Callbacks& callbacks) {
+  const FileFormat format = *format_of(file.name);
+  if (holds_points_only(format))
+    (void)read_points(file, format, callbacks);
+  else
+    (void)read_mesh(file, format, callbacks);
+}
+
+// The share of its bytes that a reader counts.
+double counted(FileBytes file) {
+  double told = 0;
+  Callbacks callbacks;
+  callbacks.progress = [&](std::string_view, double fraction) { told = fraction; };
+  // More than there are, so that counting too much is seen.
+  ReadProgress progress(callbacks, 2 * file.bytes.size());
+  file.progress = &progress;
+  const FormatInfo& format = info_of(*format_of(file.name));
+  if (format.read_mesh)
+    (void)format.read_mesh(file);
+  else
+    (void)format.read_points(file);
+  std::this_thread::sleep_for(std::chrono::milliseconds(21));  // then the last is told
+  check_stop();
+  return 2 * told;
+}
+
+TEST(ReadProgress, CountsEveryByteOfEveryFormat) {
+  for (const Sample& sample : samples()) {
+    const double share = counted(test::file_of(sample.bytes, sample.name));
+    EXPECT_GT(share, 0.8) << sample.name;  // but headers, and a last piece that is no whole one
+    EXPECT_LE(share, 1.0) << sample.name;
+  }
+}
+
+TEST(ReadProgress, CountsWhatIsReadOnceMoreForNormals) {
+  const std::string text = samples().front().bytes;
+  FileBytes file = test::file_of(text, "a.obj");
+  file.split_normals_crease = true;
+  EXPECT_NEAR(counted(file), 1, 1e-9);
+}
+
+TEST(ReadProgress, RisesToOneOnTheCallingThread) {
+  const test::TemporaryFolder folder;
+  test::WatchingHost host;
+  const Callbacks callbacks = host.callbacks();
+  for (const Sample& sample : samples()) {
+    read(test::file_of(sample.bytes, sample.name), callbacks);
+    host.expect_good(sample.name);
+    const std::filesystem::path path = folder.path() / sample.name;
+    std::ofstream(path, std::ios::binary) << sample.bytes;
+    if (sample.is_cloud)
+      (void)read_points(path, callbacks);
+    else
+      (void)read_mesh(path, {.callbacks = callbacks});
+    host.expect_good(sample.name + " from disk");
+  }
+}
+
+TEST(ReadProgress, TellsSharesBetweenAndStopsThere) {
+  // One thread, which is slow where it asks, so that every piece is told.
+  const oneapi::tbb::global_control threads(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            1);
+  const std::string text = samples().front().bytes;
+  std::vector<double> told;
+  Callbacks callbacks;
+  callbacks.progress = [&](std::string_view step, double fraction) {
+    EXPECT_EQ(step, "read");
+    told.push_back(fraction);
+  };
+  callbacks.cancelled = [&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(21));
+    return told.size() >= 4;
+  };
+  FileBytes file = test::file_of(text, "a.obj");
+  MeshFile found;
+  ReadProgress progress(callbacks, file.bytes.size());
+  file.progress = &progress;
+  try {
+    found = read_obj(file, text.size() / 20);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Cancelled);
+  }
+  EXPECT_TRUE(found.mesh.positions.empty());
+  ASSERT_EQ(told.size(), 4);
+  for (std::size_t i = 1; i < told.size(); ++i) EXPECT_GT(told[i], told[i - 1]);
+  EXPECT_LT(told.back(), 0.5);
+}
+
+}  // namespace
+}  // namespace planish
