@@ -2,13 +2,13 @@
 # needs.
 
 # To build the command and the library.
-run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libmeshoptimizer-dev libdraco-dev
+run_packages="g++ cmake ninja-build libosd-dev libglm-dev libtbb-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev
   nlohmann-json3-dev libcli11-dev libssl-dev zlib1g-dev libstb-dev libvulkan-dev glslang-tools spirv-tools libcgal-dev"
 
 # To build and run the tests and benchmarks: reference implementations, a software Vulkan device
 # and its validation layers.
 test_packages="libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev libegl-dev
-  libtinygltf-dev libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers xvfb python3 zsh fish man-db bsdextrautils"
+  libtinyobjloader-dev mesa-vulkan-drivers vulkan-validationlayers xvfb python3 zsh fish man-db bsdextrautils"
 
 # To test pages in a browser: 64 MB to fetch, so only where the test must not be skipped.
 browser_packages="chromium-headless-shell"

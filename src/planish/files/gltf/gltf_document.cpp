@@ -1,9 +1,12 @@
 // Based on: Khronos, "glTF 2.0 Specification", 2021.
 #include "planish/files/gltf/gltf_document.h"
 
+#include <tiny_gltf.h>
+
 #include <cctype>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "planish/core/version.h"
 
@@ -11,96 +14,128 @@ namespace planish {
 namespace {
 
 using nlohmann::json;
+using tinygltf::Value;
 
 constexpr double kRoughness = 0.5;
-constexpr int kTriangleMode = 4, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 
 constexpr std::string_view kMeshopt = "EXT_meshopt_compression";
 
-json array_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-// As numbers of the accessor's kind.
-json array_of(const glm::vec3& v, GltfComponent component) {
-  if (component == GltfComponent::Float) return array_of(v);
-  return {static_cast<int>(v.x), static_cast<int>(v.y), static_cast<int>(v.z)};
+template <class Vector>
+std::vector<double> array_of(const Vector& v) {
+  return {v.x, v.y, v.z};
 }
 
-json asset_of(const GltfOptions& options) {
-  json asset{{"version", "2.0"}, {"generator", "planish " PLANISH_VERSION}};
-  for (const auto& [key, held] : options.extras)
-    std::visit([&](const auto& value) { asset["extras"][key] = value; }, held);
+// tinygltf throws where text is no UTF-8.
+std::string valid_utf8(const std::string& text) {
+  const json value = text;
+  return json::parse(value.dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+}
+
+Value value_of(const std::variant<bool, std::int64_t, double, std::string>& held) {
+  if (const auto* flag = std::get_if<bool>(&held)) return Value(*flag);
+  if (const auto* number = std::get_if<double>(&held)) return Value(*number);
+  if (const auto* text = std::get_if<std::string>(&held)) return Value(valid_utf8(*text));
+  const std::int64_t integer = std::get<std::int64_t>(held);
+  // tinygltf's integers have 32 bits.
+  const int narrow = static_cast<int>(integer);
+  return narrow == integer ? Value(narrow) : Value(static_cast<double>(integer));
+}
+
+tinygltf::Asset asset_of(const GltfOptions& options) {
+  tinygltf::Asset asset;
+  asset.version = "2.0";
+  asset.generator = "planish " PLANISH_VERSION;
+  Value::Object extras;
+  for (const auto& [key, held] : options.extras) extras[valid_utf8(key)] = value_of(held);
+  if (!extras.empty()) asset.extras = Value(std::move(extras));
   return asset;
 }
 
-void add_arrays(const GltfDocument& document, json& to) {
+// Of a mesh and its node.
+std::string name_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
+  const std::string number = document.mesh_count > 1 ? " " + std::to_string(mesh + 1) : "";
+  return valid_utf8(options.name + number);
+}
+
+tinygltf::Node node_of(const GltfDocument& document, const GltfOptions& options, std::size_t mesh) {
+  tinygltf::Node node;
+  node.mesh = static_cast<int>(mesh);
+  node.name = name_of(document, options, mesh);
+  if (document.translation != glm::dvec3(0.0)) node.translation = array_of(document.translation);
+  if (document.scale != 1.0) node.scale = array_of(glm::dvec3(document.scale));
+  return node;
+}
+
+int type_of(std::string_view name) {
+  if (name == "SCALAR") return TINYGLTF_TYPE_SCALAR;
+  if (name == "VEC2") return TINYGLTF_TYPE_VEC2;
+  return name == "VEC3" ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4;
+}
+
+void add_arrays(const GltfDocument& document, tinygltf::Model& model) {
   for (std::size_t i = 0; i < document.arrays.size(); ++i) {
     const GltfArray& array = document.arrays[i];
-    json& view =
-        to["bufferViews"][i] = {{"buffer", array.stream ? 1 : array.buffer},
-                                {"byteLength", array.bytes},
-                                {"target", array.is_indices ? kElementArrayBuffer : kArrayBuffer}};
-    if (array.offset > 0) view["byteOffset"] = array.offset;
-    if (array.stride > 0) view["byteStride"] = array.stride;
-    if (array.stream) {
-      json& stream =
-          view["extensions"][std::string(kMeshopt)] = {{"buffer", 0},
-                                                       {"byteOffset", array.stream->offset},
-                                                       {"byteLength", array.stream->bytes},
-                                                       {"byteStride", array.bytes / array.count},
-                                                       {"count", array.count},
-                                                       {"mode", array.stream->mode}};
-      if (array.stream->filter != "NONE") stream["filter"] = array.stream->filter;
-    }
-    json& accessor = to["accessors"][i] = {{"bufferView", i},
-                                           {"componentType", array.component},
-                                           {"count", array.count},
-                                           {"type", array.type}};
-    if (array.normalized) accessor["normalized"] = true;
+    tinygltf::BufferView& view = model.bufferViews.emplace_back();
+    view.buffer = array.stream ? 1 : static_cast<int>(array.buffer);
+    view.byteOffset = array.offset;
+    view.byteLength = array.bytes;
+    view.byteStride = array.stride;
+    view.target =
+        array.is_indices ? TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER : TINYGLTF_TARGET_ARRAY_BUFFER;
+    tinygltf::Accessor& accessor = model.accessors.emplace_back();
+    accessor.bufferView = static_cast<int>(i);
+    accessor.componentType = static_cast<int>(array.component);
+    accessor.normalized = array.normalized;
+    accessor.count = array.count;
+    accessor.type = type_of(array.type);
     if (!array.bounds) continue;
-    accessor["min"] = array_of(array.bounds->minimum, array.component);
-    accessor["max"] = array_of(array.bounds->maximum, array.component);
+    accessor.minValues = array_of(array.bounds->minimum);
+    accessor.maxValues = array_of(array.bounds->maximum);
   }
 }
 
-// The number of a new material.
-std::size_t add_material(const std::string& name, const GltfOptions& options, json& materials) {
-  json& material = materials.emplace_back();
-  material["pbrMetallicRoughness"] = {{"metallicFactor", 0.0}, {"roughnessFactor", kRoughness}};
-  if (options.double_sided) material["doubleSided"] = true;
-  if (!name.empty()) material["name"] = name;
-  return materials.size() - 1;
+// Materials of the primitives, each with its number.
+std::vector<int> add_materials(const GltfDocument& document, const GltfOptions& options,
+                               tinygltf::Model& model) {
+  std::vector<int> numbers;
+  std::map<std::string, int> known;
+  for (const GltfArrays& primitive : document.primitives) {
+    std::string name = valid_utf8(primitive.material.empty() ? primitive.name : primitive.material);
+    const auto next = static_cast<int>(model.materials.size());
+    const auto [entry, is_new] = known.try_emplace(name, next);
+    numbers.push_back(document.shares_materials ? entry->second : next);
+    if (document.shares_materials && !is_new) continue;
+    tinygltf::Material& material = model.materials.emplace_back();
+    material.pbrMetallicRoughness.metallicFactor = 0.0;
+    material.pbrMetallicRoughness.roughnessFactor = kRoughness;
+    material.doubleSided = options.double_sided;
+    material.name = std::move(name);
+  }
+  return numbers;
 }
 
-void add_meshes(const GltfDocument& document, const GltfOptions& options, json& to) {
-  json& nodes = to["nodes"] = json::array();
-  json& meshes = to["meshes"] = json::array();
+void add_meshes(const GltfDocument& document, const GltfOptions& options, tinygltf::Model& model) {
+  const std::vector<int> materials = add_materials(document, options, model);
   for (std::size_t m = 0; m < document.mesh_count; ++m) {
-    const std::string number = document.mesh_count > 1 ? " " + std::to_string(m + 1) : "";
-    json& node = nodes.emplace_back(json{{"mesh", m}});
-    json& mesh = meshes.emplace_back(json{{"primitives", json::array()}});
-    if (!(options.name + number).empty()) node["name"] = mesh["name"] = options.name + number;
-    if (document.translation != glm::dvec3(0.0))
-      node["translation"] = array_of(document.translation);
-    if (document.scale != 1.0) node["scale"] = array_of(glm::dvec3(document.scale));
-    to["scenes"][0]["nodes"].push_back(m);
+    model.nodes.push_back(node_of(document, options, m));
+    model.scenes.front().nodes.push_back(static_cast<int>(m));
+    model.meshes.emplace_back().name = name_of(document, options, m);
   }
-  std::map<std::string, std::size_t> known;
-  for (const GltfArrays& arrays : document.primitives) {
-    const std::string& name = arrays.material.empty() ? arrays.name : arrays.material;
-    const auto found = document.shares_materials ? known.find(name) : known.end();
-    const std::size_t material =
-        found != known.end() ? found->second : add_material(name, options, to["materials"]);
-    known.try_emplace(name, material);
-    json& primitive =
-        meshes[arrays.mesh]["primitives"].emplace_back(json{{"attributes", arrays.attributes},
-                                                            {"indices", arrays.indices},
-                                                            {"material", material},
-                                                            {"mode", kTriangleMode}});
+  for (std::size_t i = 0; i < document.primitives.size(); ++i) {
+    const GltfArrays& arrays = document.primitives[i];
+    tinygltf::Primitive& primitive = model.meshes[arrays.mesh].primitives.emplace_back();
+    for (const auto& [name, array] : arrays.attributes)
+      primitive.attributes[valid_utf8(name)] = static_cast<int>(array);
+    primitive.indices = static_cast<int>(arrays.indices);
+    primitive.material = materials[i];
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
     // Primitives have no name of their own.
-    if (!arrays.name.empty()) primitive["extras"] = {{"group", arrays.name}};
+    if (!arrays.name.empty())
+      primitive.extras = Value(Value::Object{{"group", Value(valid_utf8(arrays.name))}});
   }
 }
 
+// What tinygltf cannot serialise: buffers without their bytes, and extensions of buffer views.
 void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
   json& buffers = to["buffers"] = json::array();
   for (const GltfBuffer& buffer : document.buffers)
@@ -108,9 +143,21 @@ void add_buffers(const GltfDocument& document, std::string_view uri, json& to) {
   if (!document.buffers.empty()) return;
   buffers.push_back({{"byteLength", document.buffer_bytes}});
   if (!uri.empty()) buffers[0]["uri"] = uri;
-  if (document.decoded_bytes > 0)
-    buffers.push_back({{"byteLength", document.decoded_bytes},
-                       {"extensions", {{kMeshopt, {{"fallback", true}}}}}});
+  if (document.decoded_bytes == 0) return;
+  buffers.push_back(
+      {{"byteLength", document.decoded_bytes}, {"extensions", {{kMeshopt, {{"fallback", true}}}}}});
+  for (std::size_t i = 0; i < document.arrays.size(); ++i) {
+    const GltfArray& array = document.arrays[i];
+    if (!array.stream) continue;
+    json stream{{"buffer", 0},
+                {"byteOffset", array.stream->offset},
+                {"byteLength", array.stream->bytes},
+                {"byteStride", array.bytes / array.count},
+                {"count", array.count},
+                {"mode", array.stream->mode}};
+    if (array.stream->filter != "NONE") stream["filter"] = array.stream->filter;
+    to["bufferViews"][i]["extensions"][std::string(kMeshopt)] = std::move(stream);
+  }
 }
 
 // Where the parts of a block come.
@@ -143,13 +190,18 @@ void append_arrays(const GltfDocument& block, const BlockPlace& place, GltfDocum
 
 std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
                       std::string_view buffer_uri) {
-  json written{{"asset", asset_of(options)}, {"scene", 0}};
-  add_meshes(document, options, written);
-  if (!document.extensions.empty())
-    written["extensionsUsed"] = written["extensionsRequired"] = document.extensions;
-  add_arrays(document, written);
+  tinygltf::Model model;
+  model.asset = asset_of(options);
+  model.defaultScene = 0;
+  model.scenes.emplace_back();
+  add_meshes(document, options, model);
+  model.extensionsUsed = model.extensionsRequired = document.extensions;
+  add_arrays(document, model);
+  std::ostringstream text;
+  tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, text, false, false);
+  json written = json::parse(text.str());
   add_buffers(document, buffer_uri, written);
-  return written.dump(buffer_uri.empty() ? -1 : 2, ' ', false, json::error_handler_t::replace);
+  return written.dump(buffer_uri.empty() ? -1 : 2);
 }
 
 void append(GltfDocument& all, const GltfDocument& block) {

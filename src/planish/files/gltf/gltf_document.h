@@ -75,7 +75,7 @@ struct GltfDocument {
   double scale = 1.0;
 };
 
-/// The glTF JSON, keys sorted. An empty buffer_uri stands for a GLB's binary
+/// The glTF JSON as tinygltf writes it, keys sorted. An empty buffer_uri stands for a GLB's binary
 /// chunk and gives the text without white space. Text that is not UTF-8 and non-finite numbers
 /// become U+FFFD and null.
 [[nodiscard]] std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
