@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -26,21 +27,23 @@ void copy_creases(PolygonMesh& mesh, std::span<const std::int32_t> sources) {
   });
   std::ranges::sort(copies);
   const auto copies_of = [&](const CreaseEdge& crease) {
-    return std::ranges::equal_range(copies, EdgeEnds(std::minmax(crease.v0, crease.v1)), {},
-                                    &EdgeCopy::original);
+    // Not std::ranges::equal_range(), whose range Clang before 16 takes for none.
+    const EdgeEnds ends(std::minmax(crease.v0, crease.v1));
+    return std::span(std::ranges::lower_bound(copies, ends, {}, &EdgeCopy::original),
+                     std::ranges::upper_bound(copies, ends, {}, &EdgeCopy::original));
   };
   // Of several tags of an edge the last one holds: several copies get that alone.
   std::vector<std::size_t> last_tags(copies.size());
   for (std::size_t i = 0; i < mesh.creases.size(); ++i) {
     const auto found = copies_of(mesh.creases[i]);
-    if (!found.empty()) last_tags[found.begin() - copies.begin()] = i;
+    if (!found.empty()) last_tags[found.data() - copies.data()] = i;
   }
   std::vector<CreaseEdge> creases;
   for (std::size_t i = 0; i < mesh.creases.size(); ++i) {
     const CreaseEdge& crease = mesh.creases[i];
     const auto found = copies_of(crease);
     if (found.empty()) creases.push_back(crease);
-    if (found.size() > 1 && last_tags[found.begin() - copies.begin()] != i) continue;
+    if (found.size() > 1 && last_tags[found.data() - copies.data()] != i) continue;
     for (const EdgeCopy& copy : found)
       creases.push_back({copy.ends.first, copy.ends.second, crease.sharpness});
   }
