@@ -1,4 +1,5 @@
 #include "planish/core/visible_text.h"
+#include "planish/core/error.h"
 
 #include <gtest/gtest.h>
 
@@ -38,6 +39,13 @@ TEST(VisibleText, ShowsBytesThatAreNoUtf8) {
 
 TEST(VisibleText, LinesStayWhereSeveralAreMeant) {
   EXPECT_EQ(visible_lines("a\n  b\x1b\n"), "a\n  b\\x1b\n");
+}
+
+// Messages quote what came from outside; Python can take them as text only if they are UTF-8.
+TEST(Error, SaysNothingUnseen) {
+  const std::string seen =
+      Error(ErrorCode::UnreadableInput, "a\xff\x1b[31m:\n\xe2\x80\xae b").what();
+  EXPECT_EQ(seen, "a\\xff\\x1b[31m:\n\\u202e b");
 }
 
 }  // namespace
