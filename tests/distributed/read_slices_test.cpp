@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "distributed/rank_runs.h"
 #include "planish/distributed/range_file.h"
@@ -124,6 +127,35 @@ TEST(DamagedSlices, PlyIsRefusedOrReadAsOnOneRank) {
   if (is_first_rank()) {
     EXPECT_GT(refused, static_cast<int>(sound.size()));
     EXPECT_GT(read, 0);
+  }
+}
+
+// What fuzzers found: the same mesh, or the same refusal.
+TEST(DamagedSlices, TheCorpusIsRefusedOrReadAsOnOneRank) {
+  for (const std::string& format : {"obj", "ply", "cage"}) {
+    std::vector<std::string> paths;
+    for (const auto& entry : std::filesystem::directory_iterator(PLANISH_FUZZ_CORPUS "/" + format))
+      paths.push_back(entry.path());
+    std::ranges::sort(paths);
+    ASSERT_FALSE(paths.empty());
+    on_ranks(3, [&](const Ranks& ranks) {
+      for (const std::string& path : paths) {
+        PolygonMesh mesh;
+        const Outcome outcome =
+            outcome_of([&] { mesh = gathered(ranks, read_slices(ranks, path)); });
+        if (ranks.rank != 0) continue;
+        PolygonMesh whole;
+        Outcome expected;
+        try {
+          whole = read_mesh(path, {.is_strict = true}).mesh;
+        } catch (const Error& error) {
+          expected = {error.what(), static_cast<int>(error.code())};
+        }
+        EXPECT_EQ(outcome.code, expected.code) << path;
+        EXPECT_EQ(outcome.message, expected.message) << path;
+        expect_same(mesh, whole, path);
+      }
+    });
   }
 }
 

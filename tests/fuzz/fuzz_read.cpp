@@ -1,15 +1,21 @@
 #include "fuzz/fuzz_read.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 #include "files/gltf/glb_bytes.h"
 #include "planish/core/error.h"
+#include "planish/core/visible_text.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_points.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
+#include "support/byte_strings.h"
 
 namespace planish::test {
 
@@ -19,7 +25,20 @@ bool is_finite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
+void require_visible(const std::string& message) {
+  if (visible_lines(message) != message) std::abort();
+}
+
+int count_at(std::span<const std::byte> bytes, std::size_t i) {
+  return std::to_integer<int>(bytes[i]) + 256 * std::to_integer<int>(bytes[i + 1]);
+}
+
 }  // namespace
+
+void require_refusal(const Error& error, std::initializer_list<ErrorCode> codes) {
+  if (std::ranges::find(codes, error.code()) == codes.end()) std::abort();
+  require_visible(error.what());
+}
 
 void fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) {
   PolygonMesh mesh;
@@ -27,10 +46,11 @@ void fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) {
     // Every second size as `--creases normals` reads it.
     const FileBytes file{
         .bytes = bytes, .name = "fuzz", .path = {}, .split_normals_crease = bytes.size() % 2 == 1};
-    mesh = read_mesh(file, format).mesh;
+    MeshFile found = read_mesh(file, format);
+    for (const Warning& warning : found.warnings) require_visible(warning.message);
+    mesh = std::move(found.mesh);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::UnreadableInput) std::abort();
-    return;
+    return require_refusal(error, {ErrorCode::UnreadableInput});
   }
   for (const glm::dvec3& p : mesh.positions)
     if (!is_finite(p)) std::abort();
@@ -43,20 +63,53 @@ void fuzz_read_mesh(std::span<const std::byte> bytes, FileFormat format) {
 void fuzz_read_draco(std::span<const std::byte> bytes, FileFormat format) {
   constexpr std::size_t kCounts = 4;
   if (bytes.size() < kCounts) return;
-  const auto count_at = [&](std::size_t i) {
-    return std::to_integer<int>(bytes[i]) + 256 * std::to_integer<int>(bytes[i + 1]);
-  };
   const std::string size = std::to_string(bytes.size() - kCounts);
   const std::string json =
       R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":)"
       R"({"POSITION":1},"indices":0,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,)"
       R"("attributes":{"POSITION":0}}}}]}],"accessors":[{"componentType":5125,"type":"SCALAR",)"
       R"("count":)" +
-      std::to_string(3 * count_at(2)) + R"(},{"componentType":5126,"type":"VEC3","count":)" +
-      std::to_string(count_at(0)) + R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + size +
+      std::to_string(3 * count_at(bytes, 2)) + R"(},{"componentType":5126,"type":"VEC3","count":)" +
+      std::to_string(count_at(bytes, 0)) + R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + size +
       R"(}],"buffers":[{"byteLength":)" + size + "}]}";
-  std::string glb =
-      glb_of(json, {reinterpret_cast<const char*>(bytes.data()) + kCounts, bytes.size() - kCounts});
+  const std::string glb = glb_of(json, std::string(text_of(bytes.subspan(kCounts))));
+  fuzz_read_mesh(std::as_bytes(std::span(glb)), format);
+}
+
+void fuzz_read_meshopt(std::span<const std::byte> bytes, FileFormat format) {
+  constexpr std::size_t kHead = 4;
+  if (bytes.size() < kHead) return;
+  const int kind = std::to_integer<int>(bytes[3]);
+  const int stride = std::to_integer<int>(bytes[2]);
+  const char* const mode = std::array{"ATTRIBUTES", "TRIANGLES", "INDICES"}[kind % 3];
+  const char* const filter =
+      std::array{"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"}[kind / 3 % 4];
+  const bool is_positions = kind % 3 == 0;
+  const std::string size = std::to_string(bytes.size() - kHead),
+                    count = std::to_string(count_at(bytes, 0));
+  const std::string length = std::to_string(stride * count_at(bytes, 0)),
+                    of_view = R"("byteStride":)" + std::to_string(stride);
+  const int component = is_positions  ? stride == 4   ? 5120
+                                        : stride == 8 ? 5122
+                                                      : 5126
+                        : stride == 2 ? 5123
+                                      : 5125;
+  const std::string packed =
+      R"({"bufferView":0,"componentType":)" + std::to_string(component) + R"(,"count":)" + count;
+  const std::string accessors = is_positions
+                                    ? packed + R"(,"type":"VEC3"})"
+                                    : R"({"componentType":5126,"type":"VEC3","count":300},)" +
+                                          packed + R"(,"type":"SCALAR"})";
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":)"
+      R"({"POSITION":0})" +
+      std::string(is_positions ? "" : R"(,"indices":1)") + R"(}]}],"accessors":[)" + accessors +
+      R"(],"bufferViews":[{"buffer":0,"byteLength":)" + length + "," +
+      (is_positions ? of_view + "," : "") +
+      R"("extensions":{"EXT_meshopt_compression":{"buffer":0,"byteLength":)" + size + "," +
+      of_view + R"(,"count":)" + count + R"(,"mode":")" + mode + R"(","filter":")" + filter +
+      R"("}}}],"buffers":[{"byteLength":)" + size + "}]}";
+  const std::string glb = glb_of(json, std::string(text_of(bytes.subspan(kHead))));
   fuzz_read_mesh(std::as_bytes(std::span(glb)), format);
 }
 
@@ -64,13 +117,26 @@ void fuzz_read_points(std::span<const std::byte> bytes, FileFormat format) {
   PointCloud cloud;
   try {
     cloud = read_points(bytes, "fuzz", format);
+    for (const Warning& warning : cloud.warnings) require_visible(warning.message);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::UnreadableInput) std::abort();
-    return;
+    return require_refusal(error, {ErrorCode::UnreadableInput});
   }
   if (!is_finite(cloud.origin) || cloud.missing_count < 0) std::abort();
   for (const glm::dvec3& p : cloud.points)
     if (!is_finite(p) || !is_finite(p + cloud.origin)) std::abort();
+}
+
+void fuzz_read_lzf(std::span<const std::byte> bytes, FileFormat format) {
+  constexpr std::size_t kCount = 2;
+  if (bytes.size() < kCount) return;
+  const int count = count_at(bytes, 0);
+  std::string pcd =
+      "FIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nHEIGHT 1\nWIDTH " +
+      std::to_string(count) + "\nDATA binary_compressed\n";
+  append<std::uint32_t>(pcd, static_cast<std::uint32_t>(bytes.size() - kCount));
+  append<std::uint32_t>(pcd, static_cast<std::uint32_t>(16 * count));
+  pcd += text_of(bytes.subspan(kCount));
+  fuzz_read_points(std::as_bytes(std::span(pcd)), format);
 }
 
 }  // namespace planish::test

@@ -2,6 +2,7 @@
 // PLANISH_FUZZ_READ.
 #include <cstdint>
 
+#include "fuzz/fuzz_command.h"
 #include "fuzz/fuzz_read.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

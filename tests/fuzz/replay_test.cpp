@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "fuzz/fuzz_command.h"
 #include "fuzz/fuzz_read.h"
 #include "planish/files/read_file.h"
 
@@ -28,6 +29,26 @@ TEST(FuzzCorpus, EveryMeshIsReadOrRefused) {
 
 TEST(FuzzCorpus, EveryDracoStreamIsReadOrRefused) {
   replay("draco", FileFormat::Glb, test::fuzz_read_draco);
+}
+
+TEST(FuzzCorpus, EveryMeshoptStreamIsReadOrRefused) {
+  replay("meshopt", FileFormat::Glb, test::fuzz_read_meshopt);
+}
+
+TEST(FuzzCorpus, EveryLzfStreamIsReadOrRefused) {
+  replay("lzf", FileFormat::Pcd, test::fuzz_read_lzf);
+}
+
+TEST(FuzzCorpus, EverySceneIsReadOrRefused) {
+  replay("scene", FileFormat::Obj, test::fuzz_read_scene);
+}
+
+TEST(FuzzCorpus, EveryCageSaysAgainWhatWasRead) {
+  replay("cage", FileFormat::Obj, test::fuzz_read_cage);
+}
+
+TEST(FuzzCorpus, EveryTextStaysInItsPlace) {
+  replay("text", FileFormat::Obj, test::fuzz_write_text);
 }
 
 TEST(FuzzCorpus, EveryCloudIsReadOrRefused) {

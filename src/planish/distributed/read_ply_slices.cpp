@@ -212,9 +212,9 @@ MeshSlice read_ply_slices(const Ranks& ranks, const std::string& path, const Ply
   agree(ranks, [&] {
     file.emplace(path);
     if (vertex.count > (file->size() - body) / stride)
-      fail(path, "header promises " + std::to_string(vertex.count) + " of element `vertex` of " +
-                     std::to_string(stride) + " bytes, but only " +
-                     std::to_string(file->size() - body) + " bytes follow");
+      fail(path, "header promises " + std::to_string(vertex.count) +
+                     " of element `vertex` of at least " + std::to_string(stride) +
+                     " bytes, but only " + std::to_string(file->size() - body) + " bytes follow");
     slice.vertices = even_layout(vertex.count, ranks.size);
     read_vertices(*file, vertex, body, slice.vertices[ranks.rank], slice.vertices[ranks.rank + 1],
                   slice);

@@ -1,0 +1,115 @@
+#include "fuzz/fuzz_command.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fuzz/fuzz_read.h"
+#include "options/scene_file.h"
+#include "output/cage_header.h"
+#include "page/page_text.h"
+#include "planish/core/error.h"
+#include "planish/core/visible_text.h"
+#include "planish/files/mesh_file.h"
+
+namespace planish::test {
+
+namespace {
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+// What a browser makes of it; references are of one decimal number.
+std::string without_references(std::string_view html) {
+  std::string text;
+  while (!html.empty()) {
+    const bool is_reference = html.starts_with("&#");
+    const std::size_t end = is_reference ? html.find(';') : 0;
+    require(end != std::string_view::npos && html.front() != '<' && html.front() != '>' &&
+            html.front() != '"' && html.front() != '\'' && html.front() != '`' &&
+            (is_reference || html.front() != '&'));
+    text += is_reference ? static_cast<char>(std::stoi(std::string(html.substr(2, end - 2))))
+                         : html.front();
+    html.remove_prefix(end + 1);
+  }
+  return text;
+}
+
+// What a shell makes of it.
+std::string without_quotes(std::string_view word) {
+  std::string text;
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    if (word[i] == '\'') {
+      is_quoted = !is_quoted;
+    } else if (word[i] == '\\' && !is_quoted) {
+      require(++i < word.size());
+      text += word[i];
+    } else {
+      require(is_quoted || std::string_view(" \t\n;&|<>()$`\"*?[]#~!{}\\").find(word[i]) ==
+                               std::string_view::npos);
+      text += word[i];
+    }
+  }
+  require(!is_quoted);
+  return text;
+}
+
+}  // namespace
+
+void fuzz_read_scene(std::span<const std::byte> bytes, FileFormat) {
+  try {
+    for (const command::Job& job : command::parse_scene(text_of(bytes), "fuzz.json", "/folder"))
+      require(!job.name.empty() && !job.input.empty());
+  } catch (const Error& error) {
+    require_refusal(error, {ErrorCode::InvalidArgument});
+  }
+}
+
+void fuzz_read_cage(std::span<const std::byte> bytes, FileFormat format) {
+  try {
+    const MeshFile file = read_mesh(bytes, "fuzz", format);
+    const command::CageHeader header = command::parse_cage_header(file.header, "fuzz");
+    const auto written = [](const command::CageHeader& of) {
+      const bool is_fair = of.settings.interpolation == InterpolationChoice::Fair;
+      return command::cage_header_lines(
+          of.settings, is_fair ? InterpolationMethod::Fair : InterpolationMethod::Progressive,
+          of.source, of.smoothed_vertices);
+    };
+    const std::vector<std::string> lines = written(header);
+    for (const std::string& line : lines) require(line.find('\n') == std::string::npos);
+    require(written(command::parse_cage_header(lines, "fuzz")) == lines);
+  } catch (const Error& error) {
+    require_refusal(error, {ErrorCode::UnreadableInput});
+  }
+}
+
+void fuzz_write_text(std::span<const std::byte> bytes, FileFormat) {
+  const std::string_view text = text_of(bytes);
+  const std::string message = visible(text), shown = command::visible_text(text);
+  require(visible(message) == message);
+  require(command::visible_text(shown) == shown);
+  require(without_references(command::html_text(text)) == shown);
+  std::string lines;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines += (begin > 0 ? "\n" : "") + command::visible_text(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  require(without_references(command::html_lines(text)) == lines);
+  require(without_quotes(command::shell_word(text)) == text);
+  const nlohmann::ordered_json given = {{std::string(text), {std::string(text), 1, nullptr}}};
+  const nlohmann::ordered_json seen = command::visible_json(given);
+  for (const nlohmann::ordered_json* value : {&given, &seen}) {
+    const std::string script = command::script_json(*value);
+    for (const char c : script) require(c >= ' ' && c <= '~' && c != '<' && c != '>' && c != '&');
+    const nlohmann::ordered_json parsed = nlohmann::ordered_json::parse(script);
+    if (value == &seen) require(parsed == seen);
+  }
+}
+
+}  // namespace planish::test
