@@ -83,7 +83,7 @@ def comparable(path):
     if path.suffix == ".html":
         # Times: in the report's words and numbers, and as widths of a bar.
         text = messages(data.decode(errors="replace"))
-        text = re.sub(r'<rect class="c\d+"[^>]*>|"(timing_ms|memory)": *\{[^}]*\}', "", text)
+        text = re.sub(r'<rect class="(c\d+|t-[a-z]+)"[^>]*>|"(timing_ms|memory)": *\{[^}]*\}', "", text)
         text = re.sub(r"&#34;(timing_ms|memory)&#34;: \{[^}]*\}", "", text)
         text = re.sub(r"\([0-9a-f]{12}\)", "", text)  # the revision
         # From the beginning of a word only: the numbers of a scene are one word of a megabyte.
