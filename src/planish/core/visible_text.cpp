@@ -26,14 +26,16 @@ std::string escaped(std::uint32_t code_point) {
                  code_point);
 }
 
-std::string shown(std::string_view text, bool keep_lines) {
+}  // namespace
+
+std::string with_escapes(std::string_view text, std::string (*escape)(std::uint32_t)) {
   std::string out;
   while (!text.empty()) {
     const CodePoint point = decode_utf8(text);
     if (point.length == 0) {
       out += escaped("\\x%02x", static_cast<unsigned char>(text[0]));
-    } else if (is_invisible(point.value) && !(keep_lines && point.value == '\n')) {
-      out += escaped(point.value);
+    } else if (is_invisible(point.value)) {
+      out += escape(point.value);
     } else {
       out += text.substr(0, point.length);
     }
@@ -42,12 +44,13 @@ std::string shown(std::string_view text, bool keep_lines) {
   return out;
 }
 
-}  // namespace
-
 std::size_t utf8_length(std::string_view text) { return decode_utf8(text).length; }
 
-std::string visible(std::string_view text) { return shown(text, false); }
+std::string visible(std::string_view text) { return with_escapes(text, escaped); }
 
-std::string visible_lines(std::string_view text) { return shown(text, true); }
+std::string visible_lines(std::string_view text) {
+  return with_escapes(
+      text, [](std::uint32_t point) { return point == '\n' ? std::string("\n") : escaped(point); });
+}
 
 }  // namespace planish

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -10,6 +11,10 @@ namespace planish {
 /// Length in bytes of the well-formed UTF-8 sequence at the start of `text`, which is not empty;
 /// 0 where none stands there.
 [[nodiscard]] std::size_t utf8_length(std::string_view text);
+
+/// Text whose invisible code points (utf8.h) stand as escape() says, bytes that are no UTF-8 as
+/// `\xff`.
+[[nodiscard]] std::string with_escapes(std::string_view text, std::string (*escape)(std::uint32_t));
 
 /// Text from outside (a file's name, an argument) as it may stand in a message: what would move
 /// the cursor, turn the line round or be seen by nobody (control characters, bidirectional

@@ -1,12 +1,11 @@
 #include "page/page_text.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
-#include "planish/core/utf8.h"
+#include "planish/core/visible_text.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -34,20 +33,9 @@ std::string escaped(std::string_view text) {
 }  // namespace
 
 std::string visible_text(std::string_view text) {
-  std::string out;
-  while (!text.empty()) {
-    const CodePoint decoded = decode_utf8(text);
-    if (decoded.length == 0) {
-      out += printed("\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(text[0])));
-    } else if (is_invisible(decoded.value)) {
-      out += printed(decoded.value > 0xFFFF ? "\\u{%x}" : "\\u%04x",
-                     static_cast<unsigned>(decoded.value));
-    } else {
-      out += text.substr(0, decoded.length);
-    }
-    text.remove_prefix(std::max<std::size_t>(decoded.length, 1));
-  }
-  return out;
+  return with_escapes(text, [](std::uint32_t point) {
+    return printed(point > 0xFFFF ? "\\u{%x}" : "\\u%04x", static_cast<unsigned>(point));
+  });
 }
 
 std::string html_text(std::string_view text) { return escaped(visible_text(text)); }
