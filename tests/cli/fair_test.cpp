@@ -137,9 +137,8 @@ TEST_F(Fair, AutoJoinsTrianglesThatAreHalvesOfQuads) {
   const nlohmann::json taken = fit(torus, {"-o", path("a.ply")});
   EXPECT_EQ(taken["solve"]["quads"]["joined"], 288);
   EXPECT_EQ(taken["outputs"][0]["quads"], 288 * 16);
-  EXPECT_LT(taken["solve"]["quads"]["choice"]["quads"]["bending"],
-            taken["solve"]["quads"]["choice"]["triangles"]["bending"]);
-  EXPECT_THAT(messages_, HasSubstr("% less (--quads off leaves them)"));
+  EXPECT_EQ(taken["solve"]["quads"]["choice"]["triangles"], nullptr) << "it was not made";
+  EXPECT_THAT(messages_, HasSubstr("whose halves they are (--quads off leaves them)"));
   EXPECT_THAT(messages_, HasSubstr("288 vertices, 576 faces, 288 with triangles joined (closed"));
   const nlohmann::json asked = fit(torus, {"-o", path("o.ply"), "--quads", "on"});
   EXPECT_EQ(asked["outputs"][0]["sha256"], taken["outputs"][0]["sha256"]);
@@ -158,6 +157,19 @@ TEST_F(Fair, AutoJoinsTrianglesThatAreHalvesOfQuads) {
   EXPECT_THAT(
       run_planish({"fit", torus, "-o", path("x.ply"), "--scheme", "loop", "--quads", "on"}).err,
       HasSubstr("--quads: loop surfaces are of triangles; take off"));
+}
+
+// A part's flat faces do not say what its triangles are: both surfaces are made.
+TEST_F(Fair, AutoMeasuresQuadsAgainstTrianglesOfParts) {
+  const std::string box =
+      write("box.obj",
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+            "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\n"
+            "f 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n");
+  const nlohmann::json choice = fit(box, {"-o", path("b.ply")})["solve"]["quads"]["choice"];
+  EXPECT_GT(choice["quads"]["bending"], 1);
+  EXPECT_LT(choice["triangles"]["bending"], 1e-6);
+  EXPECT_EQ(choice["reason"], "triangles: the surface of quads bends no less");
 }
 
 TEST_F(Fair, AutoKeepsTheInputsFacesForACage) {

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <filesystem>
 #include <regex>
+#include <sstream>
 #include <thread>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "job/forecast.h"
+#include "support/cut_quads.h"
 #include "support/meshes.h"
 #include "terminal/text.h"
 
@@ -20,6 +22,18 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
+
+std::string obj_of(const PolygonMesh& mesh) {
+  std::ostringstream obj;
+  obj.precision(9);
+  for (const glm::dvec3& p : mesh.positions) obj << "v " << p.x << ' ' << p.y << ' ' << p.z << '\n';
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    obj << 'f';
+    for (const std::int32_t v : mesh.face(f)) obj << ' ' << v + 1;
+    obj << '\n';
+  }
+  return obj.str();
+}
 
 class Forecasts : public FolderTest {
  protected:
@@ -202,6 +216,25 @@ TEST_F(Needs, OfEveryFormatAndItsAttributes) {
   }
 }
 
+// Fits of both methods; of triangles, of which some are plainly halves of quads, some may be, and
+// others are made to be.
+TEST_F(Needs, OfTrianglesByWhatIsTried) {
+  write("halves.obj", obj_of(cut_quads(torus(300, 200, 1.0, 0.4))));
+  write("ball.obj", obj_of(icosphere(6)));
+  write("part.obj", obj_of(cut_quads(flat_grid(250, 200))));
+  for (const std::string input : {"halves.obj", "ball.obj", "part.obj"}) {
+    for (const std::vector<std::string>& flags : {std::vector<std::string>{},
+                                                  {"--quads", "off"},
+                                                  {"--quads", "on"},
+                                                  {"--interpolation", "fair"},
+                                                  {"--interpolation", "progressive"}}) {
+      std::vector<std::string> arguments{input, "-o", "a.glb", "--levels", "0"};
+      arguments.insert(arguments.end(), flags.begin(), flags.end());
+      expect_enough(arguments);
+    }
+  }
+}
+
 TEST_F(Needs, OfPagesAndTiles) {
   write("torus.obj", torus_obj(100));
   const std::string scan = PLANISH_SCENES "/rocker_arm_scan.obj";
@@ -244,13 +277,12 @@ TEST_F(Needs, OfPointsByTheirNumber) {
 
 // Where measurement chooses the method there are two fits.
 TEST(ForecastOf, CountsTheFitsThatAreMade) {
-  const PolygonMesh mesh = torus(20, 20, 1.0, 0.4);
-  const auto prepared = prepare_if_sound(mesh);
+  const ReadyFit ready = prepare_fit(torus(20, 20, 1.0, 0.4), "torus");
   command::Settings settings;
   settings.interpolation = InterpolationChoice::Progressive;
-  const double one = command::forecast_of(mesh, *prepared, settings, {}, 0).seconds;
+  const double one = command::forecast_of(ready, settings, {}, 0).seconds;
   settings.interpolation = InterpolationChoice::Auto;
-  EXPECT_DOUBLE_EQ(command::forecast_of(mesh, *prepared, settings, {}, 0).seconds, 2 * one);
+  EXPECT_DOUBLE_EQ(command::forecast_of(ready, settings, {}, 0).seconds, 2 * one);
   EXPECT_GT(one, 0);
 }
 

@@ -78,8 +78,8 @@ TEST(ChooseQuads, TakesTheTrianglesThatAreBetter) {
   const FittedMesh chosen = fitted(box, QuadChoice::Auto);
   ASSERT_TRUE(chosen.quad_reason.has_value());
   EXPECT_FALSE(chosen.pairs_triangles);
-  EXPECT_GT(chosen.quad_reason->quads.bending, 1);
-  EXPECT_NEAR(chosen.quad_reason->triangles.bending, 0, 1e-6);
+  EXPECT_GT(chosen.quad_reason->quads->bending, 1);
+  EXPECT_NEAR(chosen.quad_reason->triangles->bending, 0, 1e-6);
   EXPECT_EQ(chosen.mesh.creases.size(), 12u);
 }
 
@@ -128,14 +128,40 @@ TEST(ChooseQuads, WhatMayBeFoundSharpIsNeverJoined) {
 }
 
 TEST(ChooseQuads, IsTheSameForAnyNumberOfThreads) {
-  const PolygonMesh mesh = test::jittered(cut_quads(test::torus(40, 20, 1, 0.4)), 0.005, 3);
-  const FittedMesh one = fitted(mesh, QuadChoice::Auto, {}, 1);
-  const FittedMesh three = fitted(mesh, QuadChoice::Auto, {}, 3);
-  ASSERT_TRUE(one.quad_reason.has_value());
-  EXPECT_EQ(one.quad_reason->text, three.quad_reason->text);
-  EXPECT_EQ(one.quad_reason->quads.bending, three.quad_reason->quads.bending);
-  EXPECT_EQ(one.mesh.face_vertices, three.mesh.face_vertices);
-  EXPECT_EQ(points_of(one), points_of(three));
+  for (const PolygonMesh& mesh : {test::jittered(cut_quads(test::torus(40, 20, 1, 0.4)), 0.005, 3),
+                                  cut_quads(test::cube())}) {
+    const FittedMesh one = fitted(mesh, QuadChoice::Auto, {}, 1);
+    const FittedMesh three = fitted(mesh, QuadChoice::Auto, {}, 3);
+    ASSERT_TRUE(one.quad_reason.has_value());
+    EXPECT_EQ(one.quad_reason->text, three.quad_reason->text);
+    ASSERT_EQ(one.quad_reason->quads.has_value(), three.quad_reason->quads.has_value());
+    if (one.quad_reason->quads) {
+      EXPECT_EQ(one.quad_reason->quads->bending, three.quad_reason->quads->bending);
+    }
+    EXPECT_EQ(one.mesh.face_vertices, three.mesh.face_vertices);
+    EXPECT_EQ(points_of(one), points_of(three));
+  }
+}
+
+// A cut grid says what its triangles are by itself; parts, flat or sharp everywhere, do not.
+TEST(ChooseQuads, MakesOneSurfaceOfPlainHalves) {
+  const FittedMesh plain = fitted(cut_quads(test::torus(32, 16, 1, 0.4)), QuadChoice::Auto);
+  EXPECT_TRUE(plain.pairs_triangles);
+  EXPECT_FALSE(plain.quad_reason->quads || plain.quad_reason->triangles);
+  const FittedMesh part = fitted(cut_quads(test::cube()), QuadChoice::Auto);
+  EXPECT_TRUE(part.quad_reason->quads && part.quad_reason->triangles);
+}
+
+// Quads that fold are no cure: where they are plainly meant, the triangles' surface is made too.
+TEST(ChooseQuads, TriesTrianglesWherePlainQuadsFold) {
+  PolygonMesh mesh = cut_quads(test::torus(24, 12, 1, 0.4));
+  // A spike, far out of its neighbours' planes.
+  mesh.positions[5] *= 3.0;
+  const FittedMesh chosen =
+      fitted(mesh, QuadChoice::Auto, {.method = InterpolationMethod::Progressive});
+  ASSERT_TRUE(chosen.quad_reason.has_value());
+  ASSERT_TRUE(chosen.quad_reason->quads && chosen.quad_reason->triangles);
+  EXPECT_GT(chosen.quad_reason->quads->folded_area, 1e-5);
 }
 
 // Both fits are of a mesh that repair has to mend, which is told of once.

@@ -22,12 +22,14 @@ bool are_mostly_triangles(const PolygonMesh& mesh) {
   return 2 * count >= mesh.face_count();
 }
 
-bool look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
-                 std::optional<double> crease_degrees) {
+Halves look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                   std::optional<double> crease_degrees) {
   const HalvedVertices found = halved_vertices(mesh, prepared, pair_options(crease_degrees));
   const auto tell = static_cast<double>(found.telling);
-  return tell <= kFewTell * static_cast<double>(found.looked_at) ||
-         static_cast<double>(found.regular) >= kHalvedShare * tell;
+  if (tell <= kFewTell * static_cast<double>(found.looked_at)) return Halves::Maybe;
+  const double share = static_cast<double>(found.regular) / tell;
+  if (share >= kPlainShare && found.telling >= kPlainCount) return Halves::Plain;
+  return share >= kHalvedShare ? Halves::Maybe : Halves::No;
 }
 
 QuadReason choose_quads(const BendingFigures& triangles, const BendingFigures& quads) {

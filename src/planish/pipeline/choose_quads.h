@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -10,18 +11,25 @@ namespace planish {
 
 /// What decides; see pipeline/README.md.
 inline constexpr double kHalvedShare = 0.8;  ///< of the vertices that are looked at
-inline constexpr double kBendsLess = 1e-6;   ///< of 1 and the triangles' bending: rounding
+/// The same, of as many at least, where they are plainly halves: no mesh is known whose surface was
+/// better without joining them then.
+inline constexpr double kPlainShare = 0.9;
+inline constexpr std::int64_t kPlainCount = 50;
+inline constexpr double kBendsLess = 1e-6;  ///< of 1 and the triangles' bending: rounding
 
 /// Whether at least half of the faces are triangles.
 [[nodiscard]] bool are_mostly_triangles(const PolygonMesh& mesh);
 
-/// Whether two fits are worth their time: the triangles of a sound mesh, which most of its faces
-/// are, look like halves of quads, as those of cut grids do and those of scans do not. Looks at
-/// some hundreds of vertices: pairs of triangles that both would take the other first have to leave
-/// four faces around kHalvedShare of those where the mesh is neither flat nor sharp. Where it is
-/// flat or sharp nearly everywhere, as parts are, nothing can be said, which is true too.
-[[nodiscard]] bool look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
-                               std::optional<double> crease_degrees);
+/// What triangles look like: halves of quads, as those of cut grids do and those of scans do not.
+enum class Halves { No, Maybe, Plain };
+
+/// Whether a fit of quads is worth its time (Maybe), and one of triangles is not unless that of
+/// quads folds (Plain), of a sound mesh of which most faces are triangles. Looks at some hundreds
+/// of vertices: pairs of triangles that both would take the other first have to leave four faces
+/// around kHalvedShare of those where the mesh is neither flat nor sharp, kPlainShare for Plain.
+/// Where it is flat or sharp nearly everywhere, as parts are, nothing can be said: Maybe.
+[[nodiscard]] Halves look_halved(const PolygonMesh& mesh, const PreparedMesh& prepared,
+                                 std::optional<double> crease_degrees);
 
 /// Of a surface at level 2: long quads bend between the places of level 1.
 struct BendingFigures {
@@ -32,9 +40,9 @@ struct BendingFigures {
 /// Which of two surfaces through the same vertices was taken, that of the triangles or that of
 /// quads made of them, and why.
 struct QuadReason {
-  bool are_better = false;  ///< the quads
-  BendingFigures triangles, quads;
-  std::string text;  ///< in a line, for people
+  bool are_better = false;                         ///< the quads
+  std::optional<BendingFigures> triangles, quads;  ///< empty: only one surface was made
+  std::string text;                                ///< in a line, for people
 };
 
 /// Takes the quads where their surface converges and folds no more than the other, or that does

@@ -21,8 +21,6 @@ namespace {
 // Share of the time when the mesh is checked and repaired.
 constexpr double kMadeReady = 0.15;
 constexpr double kOneReady = 0.4, kLookedHalved = 0.5;  // of that, where triangles may be joined
-// Of fits with triangles joined and not, the first one, and both.
-constexpr double kOfTwo = 0.45, kBothFitted = 0.9;
 
 Preparation preparation_of(const MeshFitOptions& options, InterpolationMethod method) {
   return {.repairs = options.repairs,
@@ -68,6 +66,20 @@ void take(FittedMesh& result, ReadyMesh&& ready, std::string_view name,
   result.options.prepared = std::move(ready.prepared);
 }
 
+// The mesh that take() took. What was said of it was said.
+ReadyMesh ready_again(const FittedMesh& fitted) {
+  ReadyMesh ready;
+  ready.mesh = fitted.mesh;
+  ready.welded_count = fitted.welded_count;
+  ready.paired_count = fitted.paired_count;
+  ready.changed_faces = fitted.changed_faces;
+  ready.separated_edges = fitted.separated_edges;
+  ready.source_vertices = fitted.source_vertices;
+  ready.source_faces = fitted.source_faces;
+  ready.prepared = fitted.options.prepared;
+  return ready;
+}
+
 double sum_of(const FitTiming& timing) {
   return timing.check + timing.topology + timing.stencils + timing.upload + timing.solve;
 }
@@ -77,8 +89,10 @@ void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warning
   FittedMesh& result = ready.fitted;
   ReadyMesh fair;
   const auto make_fair_mesh = [&] {
-    fair = make_ready(std::move(*ready.given),
-                      preparation_of(ready.options, InterpolationMethod::Fair));
+    fair = ready.given ? make_ready(std::move(*ready.given),
+                                    preparation_of(ready.options, InterpolationMethod::Fair))
+                       : ready_again(result);
+    if (!ready.given && ready.options.repairs) make_fair(fair);
     return FairMesh{std::move(fair.mesh), fair.prepared, std::move(fair.found)};
   };
   BestFit best =
@@ -101,6 +115,16 @@ void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warning
 EvaluateOptions FittedMesh::evaluate_options(int level) const {
   return {
       .level = level, .scheme = options.scheme, .weights = options.weights, .sharp = options.sharp};
+}
+
+const SurfaceQuality* FittedMesh::chosen_quality() const {
+  if (!reason) return nullptr;
+  const bool is_fair = options.method == InterpolationMethod::Fair;
+  const bool is_creased = crease_degrees && reason->creased;
+  const auto& measured = is_creased ? reason->creased
+                         : is_fair  ? reason->fair
+                                    : reason->progressive;
+  return measured ? &*measured : nullptr;
 }
 
 std::string FittedMesh::creases() const {
@@ -126,7 +150,9 @@ ReadyFit prepare_one(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   result.uses_tags = options.fit.sharp.use_tags;
   result.options.sharp.use_tags = true;  // what make_ready() left has none but those that count
   if (!options.method && options.fit.scheme == Scheme::DooSabin) {
-    ready.given = mesh;
+    ready.chooses_method = true;
+    // Creases were found on faces that the fair method may cut.
+    if (options.crease_degrees) ready.given = mesh;
     ready.chooses_creases = options.chooses_creases && !options.crease_degrees &&
                             result.uses_tags && mesh.creases.empty() && mesh.corners.empty();
   }
@@ -151,7 +177,7 @@ FittedMesh fit_one(ReadyFit ready, Backend& backend) {
   result.options.callbacks = caller;
   result.options.callbacks.warning = [&](const Warning& warning) { warnings.add(warning); };
   try {
-    if (ready.chooses_method()) {
+    if (ready.chooses_method) {
       choose_method(ready, backend, warnings);
     } else if (ready.found) {
       CreasedFit creased =
@@ -170,33 +196,56 @@ FittedMesh fit_one(ReadyFit ready, Backend& backend) {
   return std::move(ready.fitted);
 }
 
-BendingFigures figures_of(const FittedMesh& fitted, const Callbacks& callbacks) {
+SurfaceQuality quality_of(const FittedMesh& fitted, int level, const Callbacks& callbacks) {
   const auto surface = fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options());
   const FoldedEdges folds = folded_edges(fitted.mesh, *fitted.fit.prepared->topology);
-  const SurfaceQuality quality =
-      surface_quality(*surface->level(2), fitted.mesh, folds.is_beside, callbacks);
+  return surface_quality(*surface->level(level), fitted.mesh, folds.is_beside, callbacks);
+}
+
+BendingFigures figures_of(const FittedMesh& fitted, const Callbacks& callbacks) {
+  const SurfaceQuality quality = quality_of(fitted, 2, callbacks);
   return {fitted.fit.interpolation.converged, quality.bending, quality.folded_area_elsewhere};
 }
 
-// Both fits, of which the better one is given out, with its warnings alone.
+bool is_whole(const FittedMesh& fitted, const Callbacks& callbacks) {
+  if (!fitted.fit.interpolation.converged) return false;
+  const SurfaceQuality* const known = fitted.chosen_quality();
+  const double folded = known != nullptr ? known->folded_area_elsewhere
+                                         : quality_of(fitted, 1, callbacks).folded_area_elsewhere;
+  return folded < kSoundFoldedArea;
+}
+
+// The fit of quads, and that of triangles unless they are plainly halves and the quads do not fold:
+// the better one is given out, with its warnings alone.
 FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   using Clock = std::chrono::steady_clock;
+  const bool is_plain = ready.is_plainly_halved;
+  // Of the time, the first fit, and both.
+  const double first = is_plain ? 0.9 : 0.45, both = is_plain ? 0.95 : 0.9;
   const Callbacks caller = ready.options.fit.callbacks;
   ReadyFit paired = std::move(*std::exchange(ready.paired, nullptr));
-  paired.options.fit.callbacks = share_of(caller, 0, kOfTwo);
-  ready.options.fit.callbacks = share_of(caller, kOfTwo, kBothFitted);
+  paired.options.fit.callbacks = share_of(caller, 0, first);
+  ready.options.fit.callbacks = share_of(caller, first, both);
   for (ReadyFit* one : {&ready, &paired}) one->options.fit.callbacks.warning = {};
   const std::size_t told = ready.fitted.warnings.size();
   paired.fitted.warnings = ready.fitted.warnings;
   paired.fitted.reason = ready.fitted.reason;
   const auto began = Clock::now();
   FittedMesh quads = fit_one(std::move(paired), backend);
+  if (is_plain && is_whole(quads, share_of(caller, first, both))) {
+    quads.quad_reason = {
+        .are_better = true,
+        .triangles = {},
+        .quads = {},
+        .text = "triangles joined to quads, whose halves they are (--quads off leaves them)"};
+    for (std::size_t i = told; i < quads.warnings.size(); ++i) caller.warn(quads.warnings[i]);
+    return quads;
+  }
   FittedMesh triangles = fit_one(std::move(ready), backend);
-  constexpr double kOneMeasured = (1 + kBothFitted) / 2;
-  const BendingFigures of_triangles =
-      figures_of(triangles, share_of(caller, kBothFitted, kOneMeasured));
+  const double one_measured = (1 + both) / 2;
+  const BendingFigures of_triangles = figures_of(triangles, share_of(caller, both, one_measured));
   QuadReason reason =
-      choose_quads(of_triangles, figures_of(quads, share_of(caller, kOneMeasured, 1)));
+      choose_quads(of_triangles, figures_of(quads, share_of(caller, one_measured, 1)));
   FittedMesh& taken = reason.are_better ? quads : triangles;
   taken.quad_reason = std::move(reason);
   const std::chrono::duration<double, std::milli> took = Clock::now() - began;
@@ -228,8 +277,11 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   ReadyFit ready = prepare_one(std::move(mesh), name, options);
   if (given) {
     report(kOneReady);
-    if (look_halved(ready.fitted.mesh, *ready.fitted.options.prepared, options.crease_degrees)) {
+    const Halves halves =
+        look_halved(ready.fitted.mesh, *ready.fitted.options.prepared, options.crease_degrees);
+    if (halves != Halves::No) {
       report(kLookedHalved);
+      ready.is_plainly_halved = halves == Halves::Plain;
       ready.paired = prepare_paired(std::move(*given), name, options);
     }
   }

@@ -71,6 +71,8 @@ struct FittedMesh {
   [[nodiscard]] std::span<const glm::dvec3> points() const {
     return fit.points.empty() ? std::span<const glm::dvec3>(mesh.positions) : fit.points;
   }
+  /// At level 1, where measurement chose it; else null.
+  [[nodiscard]] const SurfaceQuality* chosen_quality() const;
   /// What is sharp, as the command's --creases has it.
   [[nodiscard]] std::string creases() const;
 };
@@ -81,12 +83,12 @@ struct ReadyFit {
   std::string name;
   MeshFitOptions options;
   std::optional<FoundCreases> found;  ///< where creases were for the fair method
-  std::optional<PolygonMesh> given;   ///< as it was, where measurement chooses the method
+  bool chooses_method = false;        ///< by measurement
   bool chooses_creases = false;       ///< and creases
-  /// The same with triangles joined, where measurement chooses between both.
+  std::optional<PolygonMesh> given;   ///< as it was, where that needs it
+  /// The same with triangles joined, where these may be better, or plainly are.
   std::shared_ptr<ReadyFit> paired;
-
-  [[nodiscard]] bool chooses_method() const { return given.has_value(); }
+  bool is_plainly_halved = false;
 };
 
 /// The first half of fit_mesh(): welds, repairs and tags. Throws Error{UnusableMesh} with every

@@ -29,8 +29,9 @@ Json quads_json(const FittedMesh& fitted) {
   Json choice;
   if (fitted.quad_reason) {
     const QuadReason& reason = *fitted.quad_reason;
-    const auto figures = [](const BendingFigures& of) -> Json {
-      return {{"bending", of.bending}, {"folded_area_elsewhere", of.folded_area}};
+    const auto figures = [](const std::optional<BendingFigures>& of) -> Json {
+      if (!of) return nullptr;
+      return {{"bending", of->bending}, {"folded_area_elsewhere", of->folded_area}};
     };
     choice = {{"reason", reason.text},
               {"triangles", figures(reason.triangles)},

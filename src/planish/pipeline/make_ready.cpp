@@ -73,6 +73,11 @@ void find_creases(ReadyMesh& ready, const Preparation& choice) {
 
 }  // namespace
 
+void make_fair(ReadyMesh& ready) {
+  cut_concave_faces(ready);
+  if (ready.prepared) ready.mesh = with_cusp_corners(ready.mesh);
+}
+
 PairOptions pair_options(std::optional<double> crease_degrees) {
   PairOptions options;
   if (crease_degrees) options.largest_turn = std::min(options.largest_turn, *crease_degrees);
@@ -101,10 +106,7 @@ ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice) {
   }
   name_sources(ready, std::move(welded_sources));
   if (choice.pairs_triangles && ready.prepared) pair_up(ready, choice.crease_degrees);
-  if (choice.repairs && choice.method == InterpolationMethod::Fair) {
-    cut_concave_faces(ready);
-    if (ready.prepared) ready.mesh = with_cusp_corners(ready.mesh);
-  }
+  if (choice.repairs && choice.method == InterpolationMethod::Fair) make_fair(ready);
   if (choice.crease_degrees && ready.prepared) find_creases(ready, choice);
   return ready;
 }

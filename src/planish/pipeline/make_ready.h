@@ -49,6 +49,10 @@ struct ReadyMesh : RepairedMesh {
 /// then leaves `mesh` as it is, or welded.
 [[nodiscard]] ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice);
 
+/// What that does for fair surfaces alone, of a mesh that is ready otherwise and has no found
+/// creases.
+void make_fair(ReadyMesh& ready);
+
 /// "use", "ignore" or "auto:40": what is sharp besides boundaries, as flags and reports say it.
 [[nodiscard]] std::string creases_text(bool uses_tags, std::optional<double> crease_degrees);
 

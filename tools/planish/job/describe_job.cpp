@@ -108,22 +108,24 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   const std::int64_t vertices = input.file.mesh.vertex_count();
   const std::int64_t faces = input.file.mesh.face_count();
   ReadyFit ready = prepare_mesh(std::move(input), options, settings);
-  // Triangles that look like halves of quads mostly become quads.
-  if (ready.paired) ready = ReadyFit(*ready.paired);
-  const PolygonMesh& mesh = ready.fitted.mesh;
-  const PreparedMesh& prepared = *ready.fitted.options.prepared;
   // Vertices of files are there twice along creases.
-  if (settings.creases.chooses && chooses_by_measurement(settings, planned.outputs))
-    (void)add_clear_creases(ready.fitted.mesh, ready.fitted.options.prepared);
-  const Forecast forecast = forecast_of(mesh, prepared, settings, planned.outputs, page_bytes);
-  require_memory_for(mesh, prepared, settings, planned.outputs);
-  std::string text = "would fit " + input.name + ": " +
-                     counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(),
-                                 ready.fitted.paired_count) +
-                     "\n" + device_line(device) + "  solve        " +
-                     solve_text(settings, planned.outputs) + ", " +
-                     subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
-                     short_number(settings.tolerance) + "\n";
+  if (settings.creases.chooses && chooses_by_measurement(settings, planned.outputs)) {
+    for (ReadyFit* one : {&ready, ready.paired.get()})
+      if (one != nullptr) (void)add_clear_creases(one->fitted.mesh, one->fitted.options.prepared);
+  }
+  const FittedMesh& fitted = expected_fit(ready).fitted;
+  const PolygonMesh& mesh = fitted.mesh;
+  const Forecast forecast = forecast_of(ready, settings, planned.outputs, page_bytes);
+  require_memory_for(ready, settings, planned.outputs);
+  std::string text =
+      "would fit " + input.name + ": " +
+      counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count) +
+      "\n" + device_line(device) + "  solve        " + solve_text(settings, planned.outputs) +
+      ", " +
+      (ready.paired && !ready.is_plainly_halved ? "triangles joined to quads where that is better, "
+                                                : "") +
+      subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
+      short_number(settings.tolerance) + "\n";
   text += outputs_text(planned, mesh, forecast, claims);
   return text + needs_text(forecast);
 }

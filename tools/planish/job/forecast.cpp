@@ -68,13 +68,25 @@ std::uint64_t packing_bytes(const LevelCounts& level) {
          kBlockBytes * std::max(1u, std::thread::hardware_concurrency());
 }
 
+// The mesh and what its fits take, by corners of the mesh before triangles are joined: where the
+// progressive method is named, where another or both may be made, and both of quads and triangles.
+constexpr std::uint64_t kStartBytes = 20 << 20, kProgressiveBytes = 150, kFairBytes = 210,
+                        kPrimalBytes = 300, kBothBytes = 290;
+
+std::uint64_t solve_bytes(std::int64_t corners, bool makes_both, const Settings& settings) {
+  const std::uint64_t bytes = settings.scheme != Scheme::DooSabin ? kPrimalBytes
+                              : makes_both                        ? kBothBytes
+                              : settings.interpolation == InterpolationChoice::Progressive
+                                  ? kProgressiveBytes
+                                  : kFairBytes;
+  return kStartBytes + bytes * static_cast<std::uint64_t>(corners);
+}
+
 // What a job holds at its peak. Doo-Sabin surfaces go by blocks to who writes them, but for those
 // who need neighbours: values of vertices.
 std::uint64_t held_bytes(const RefinedAttributes& attributes,
-                         const std::vector<LevelCounts>& levels, const Settings& settings) {
-  // The mesh, its stencils and the solve's vectors take about this for a vertex.
-  constexpr std::uint64_t kSolveBytes = 1200;
-  const std::uint64_t solve = kSolveBytes * static_cast<std::uint64_t>(levels[0].vertices);
+                         const std::vector<LevelCounts>& levels, std::uint64_t solve,
+                         const Settings& settings) {
   const LastLevel last = settings.scheme != Scheme::DooSabin ? LastLevel::Full
                          : settings.attributes.any()         ? LastLevel::None
                                                              : LastLevel::Blocks;
@@ -113,8 +125,8 @@ const LevelCounts& page_counts(const std::vector<LevelCounts>& levels, std::uint
 
 // What any job with these numbers of elements takes; those of files aside that curvature decides.
 Forecast forecast_by_counts(const MeshCounts& counts, const RefinedAttributes& attributes,
-                            const Settings& settings, const std::vector<PlannedOutput>& outputs,
-                            std::uint64_t page_bytes) {
+                            std::uint64_t solve, const Settings& settings,
+                            const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
   int finest = kPageLevel;
   for (const PlannedOutput& output : outputs) finest = std::max(finest, output.fineness.level);
   const std::vector<LevelCounts> levels = levels_to(counts, settings.scheme, finest);
@@ -145,22 +157,34 @@ Forecast forecast_by_counts(const MeshCounts& counts, const RefinedAttributes& a
   const double fits = chooses_by_measurement(settings, outputs) ? 2 : 1;
   seconds += kVertexSeconds * fits * static_cast<double>(levels[0].vertices);
   forecast.peak_bytes =
-      beside +
-      held_bytes(attributes, levels_to(counts, settings.scheme, highest_level(outputs)), settings);
+      beside + held_bytes(attributes, levels_to(counts, settings.scheme, highest_level(outputs)),
+                          solve, settings);
   forecast.seconds = 1e-6 * seconds;
   return forecast;
+}
+
+std::uint64_t solve_bytes(const ReadyFit& ready, const Settings& settings) {
+  const bool makes_both = ready.paired && !ready.is_plainly_halved;
+  return solve_bytes(ready.fitted.options.prepared->topology->corner_count(), makes_both, settings);
 }
 
 double thread_count() { return std::max(1u, std::thread::hardware_concurrency()); }
 
 }  // namespace
 
-Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
-                     const Settings& settings, const std::vector<PlannedOutput>& outputs,
-                     std::uint64_t page_bytes) {
+const ReadyFit& expected_fit(const ReadyFit& ready) {
+  return ready.paired && ready.is_plainly_halved ? *ready.paired : ready;
+}
+
+Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
+                     const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
+  const FittedMesh& expected = expected_fit(ready).fitted;
+  const PolygonMesh& mesh = expected.mesh;
+  const PreparedMesh& prepared = *expected.options.prepared;
   const auto attributes = RefinedAttributes::of(mesh);
   Forecast forecast =
-      forecast_by_counts(mesh_counts_of(prepared), attributes, settings, outputs, page_bytes);
+      forecast_by_counts(mesh_counts_of(prepared), attributes, solve_bytes(ready, settings),
+                         settings, outputs, page_bytes);
   const WrittenShape shape = written_shape(mesh, prepared);
   const bool triangles = settings.scheme == Scheme::Loop;
   double most = 0, bends = 0;
@@ -187,7 +211,8 @@ Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
                             const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
   // A closed mesh of triangles has twice as many faces as vertices; pairs of them are quads.
   const MeshCounts counts{{point_count, 3 * point_count, 2 * point_count}, 6 * point_count};
-  Forecast forecast = forecast_by_counts(counts, {}, settings, outputs, page_bytes);
+  Forecast forecast = forecast_by_counts(counts, {}, solve_bytes(counts.corners, false, settings),
+                                         settings, outputs, page_bytes);
   forecast.outputs.assign(outputs.size(), {});
   const std::uint64_t meshing =
       kCloudFixedBytes + kCloudPointBytes * static_cast<std::uint64_t>(point_count);
@@ -199,14 +224,16 @@ Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
   return forecast;
 }
 
-void require_memory_for(const PolygonMesh& mesh, const PreparedMesh& prepared,
-                        const Settings& settings, const std::vector<PlannedOutput>& outputs) {
+void require_memory_for(const ReadyFit& ready, const Settings& settings,
+                        const std::vector<PlannedOutput>& outputs) {
   const int wanted = highest_level(outputs);
-  const MeshCounts counts = mesh_counts_of(prepared);
+  const FittedMesh& expected = expected_fit(ready).fitted;
+  const MeshCounts counts = mesh_counts_of(*expected.options.prepared);
   const std::uint64_t free = available_memory_bytes();
   require_indices(levels_to(counts, settings.scheme, wanted));
   const auto need = [&](int level) {
-    return held_bytes(RefinedAttributes::of(mesh), levels_to(counts, settings.scheme, level),
+    return held_bytes(RefinedAttributes::of(expected.mesh),
+                      levels_to(counts, settings.scheme, level), solve_bytes(ready, settings),
                       settings);
   };
   const std::uint64_t needed = need(wanted);

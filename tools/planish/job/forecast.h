@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "job/job.h"
-#include "planish/mesh/polygon_mesh.h"
-#include "planish/mesh/prepared_mesh.h"
+#include "planish/pipeline/fit_mesh.h"
 
 namespace planish::command {
 
@@ -23,9 +22,12 @@ struct Forecast {
   double seconds = 0;                   ///< on this machine's threads, within a factor of three
 };
 
-/// `page_bytes` is the limit of a page's size, 0 where no page is made.
-[[nodiscard]] Forecast forecast_of(const PolygonMesh& mesh, const PreparedMesh& prepared,
-                                   const Settings& settings,
+/// The mesh that files are told by: with triangles joined where they plainly are halves of quads;
+/// where measurement will tell, with all of them, of which there are more.
+[[nodiscard]] const ReadyFit& expected_fit(const ReadyFit& ready);
+
+/// `page_bytes` is the limit of a page's size, 0 where no page is made. `ready` can be fitted.
+[[nodiscard]] Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
                                    const std::vector<PlannedOutput>& outputs,
                                    std::uint64_t page_bytes);
 
@@ -37,7 +39,7 @@ struct Forecast {
 
 /// Throws Error{OutOfMemory} where the levels asked for need more than the machine has free, naming
 /// the need and the highest level that fits.
-void require_memory_for(const PolygonMesh& mesh, const PreparedMesh& prepared,
-                        const Settings& settings, const std::vector<PlannedOutput>& outputs);
+void require_memory_for(const ReadyFit& ready, const Settings& settings,
+                        const std::vector<PlannedOutput>& outputs);
 
 }  // namespace planish::command

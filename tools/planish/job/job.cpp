@@ -101,12 +101,11 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     JobInput made = timed(report.timing.read, [&] { return read_job_input(job, report, context); });
     ReadyFit ready = timed(report.timing.check, [&] {
       ReadyFit prepared = prepare_input(made, outputs, report, context);
-      if (!prepared.chooses_method()) warn_of_unused_settings(job, made, report, context.console);
-      const FittedMesh& fitted = prepared.fitted;
-      require_memory_for(fitted.mesh, *fitted.options.prepared, job.settings, outputs);
+      if (!prepared.chooses_method) warn_of_unused_settings(job, made, report, context.console);
+      require_memory_for(prepared, job.settings, outputs);
       return prepared;
     });
-    const bool was_open = ready.chooses_method();
+    const bool was_open = ready.chooses_method;
     fit_input(made, std::move(ready), backend, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context.console);
     stdout_bytes = staged.naming_targets([&] {

@@ -182,12 +182,8 @@ void measure_source(const JobInput& made, JobSurface& surface, JobReport& report
 }
 
 bool note_chosen_surface(const JobInput& made, JobReport& report, const JobContext& context) {
-  if (!report.choice || made.source) return false;
-  const MethodReason& choice = *report.choice;
-  const bool is_fair = report.method == InterpolationMethod::Fair;
-  const bool is_creased = report.settings.creases.dihedral_degrees && choice.creased;
-  const auto& measured = is_creased ? choice.creased : is_fair ? choice.fair : choice.progressive;
-  if (!measured) return false;
+  const SurfaceQuality* const measured = made.source ? nullptr : made.fitted.chosen_quality();
+  if (measured == nullptr) return false;
   MeasuredSurface& surface = report.surface.emplace();
   surface.level = 1;
   surface.quality = *measured;
