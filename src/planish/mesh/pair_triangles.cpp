@@ -2,6 +2,8 @@
 // leaves and enters its pairs in turn).
 #include "planish/mesh/pair_triangles.h"
 
+#include <oneapi/tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/parallel.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/mesh_topology.h"
 #include "planish/mesh/triangle_edges.h"
@@ -73,11 +76,12 @@ class Pairing {
   [[nodiscard]] std::span<const std::int32_t> chosen() const { return chosen_; }
 
   void pair_greedily() {
-    std::vector<std::int32_t> order;
+    std::vector<std::pair<double, std::int32_t>> order;
+    order.reserve(twins_.size() / 2);
     for (std::int32_t h = 0; h < static_cast<std::int32_t>(twins_.size()); ++h)
-      if (badness_[h] != kNoPair && h < twins_[h]) order.push_back(h);
-    std::ranges::stable_sort(order, {}, [&](std::int32_t h) { return badness_[h]; });
-    for (const std::int32_t h : order)
+      if (badness_[h] != kNoPair && h < twins_[h]) order.emplace_back(badness_[h], h);
+    oneapi::tbb::parallel_sort(order.begin(), order.end());
+    for (const auto& [badness, h] : order)
       if (chosen_[h / 3] < 0 && chosen_[twins_[h] / 3] < 0) join(h);
   }
 
@@ -141,11 +145,12 @@ std::vector<std::int32_t> lost_half_edges(std::span<const glm::dvec3> positions,
                                           std::span<const std::int32_t> twins,
                                           const PairOptions& options) {
   std::vector<double> badness(twins.size(), kNoPair);
-  for (std::int32_t h = 0; h < static_cast<std::int32_t>(twins.size()); ++h) {
-    if (twins[h] < h) continue;
+  parallel_each(twins.size(), [&](std::size_t i) {
+    const auto h = static_cast<std::int32_t>(i);
+    if (twins[h] < h) return;
     const auto found = badness_of(positions, quad_of(triangles, h, twins[h]), options);
     if (found) badness[h] = badness[twins[h]] = *found;
-  }
+  });
   Pairing pairing(twins, std::move(badness));
   pairing.pair_greedily();
   for (int most = 1; most <= kMostExchanges; ++most) pairing.exchange(most);
@@ -211,14 +216,14 @@ TrianglesOf triangles_of(const PolygonMesh& mesh, const PreparedMesh& prepared) 
     own.faces.push_back(f);
   }
   own.twins.assign(3 * own.triangles.size(), -1);
-  for (std::size_t h = 0; h < own.twins.size(); ++h) {
+  parallel_each(own.twins.size(), [&](std::size_t h) {
     const std::int32_t corner =
         mesh.face_offsets[own.faces[h / 3]] + static_cast<std::int32_t>(h % 3);
     const std::int32_t twin = topology.twin(corner);
     const std::int32_t other = twin < 0 ? -1 : triangle_of[topology.face_of(twin)];
     if (other >= 0 && !borders.has(topology, corner, twin))
       own.twins[h] = 3 * other + topology.place_of(twin);
-  }
+  });
   return own;
 }
 
