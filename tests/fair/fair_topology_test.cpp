@@ -80,9 +80,21 @@ TEST(CornerOffsets, AreOneSubdivisionStep) {
         expected += view.weights[entry] * points[view.indices[entry]];
       }
       EXPECT_LT(glm::distance(offsets[corner], expected), 1e-14);
-      EXPECT_LT(glm::distance(corner_offset(topology, c.given, points, corner), expected), 1e-14);
     }
   });
+}
+
+TEST(CornerOffsets, OfTheGivenPointsAreThereOneByOne) {
+  const auto expect_same = [](const FairCase& c, const FairTopology& topology) {
+    std::vector<dvec3> offsets(static_cast<std::size_t>(topology.corner_count));
+    corner_offsets(topology, c.given, c.given, offsets);
+    const GivenStep step(topology, c.given);
+    for (int32_t corner = 0; corner < topology.corner_count; ++corner)
+      EXPECT_LT(glm::distance(step.offset(corner), offsets[corner]), 1e-14);
+  };
+  for_each_topology(expect_same);
+  const FairCase large(prism(40));  // two faces whose sums are kept
+  expect_same(large, make_fair_topology(large.mesh, large.subdivision));
 }
 
 TEST(MaskedIteration, WithFullSharesIsThePlainIteration) {

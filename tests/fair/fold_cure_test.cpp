@@ -30,7 +30,8 @@ int folded_samples(const FairCase& c, std::span<const dvec3> state) {
   for (int32_t i = 0; i < topology.corner_count; ++i) {
     offsets[i] -= c.given[topology.corner_vertices[i]];
   }
-  const NetSamples samples{topology, c.given, offsets};
+  NetSamples samples{topology, c.given, offsets};
+  samples.sum_large_faces();
   int folded = 0;
   for (const FairTopology::Edge& edge : topology.edges) {
     for (const int32_t face : edge.faces) {
@@ -45,6 +46,33 @@ int folded_samples(const FairCase& c, std::span<const dvec3> state) {
     folded += samples.least_cosine_around(v, face_normals) < 0;
   }
   return folded;
+}
+
+// Of large faces and rings sums stand in for their points.
+TEST(NetSamples, OfLargePolygonsAreThoseOfAllPoints) {
+  for (const PolygonMesh& mesh : {prism(50), bipyramid(40), prism(31)}) {
+    const FairCase c(jittered(mesh, 0.05, 3));
+    FairTopology topology = make_fair_topology(c.mesh, c.subdivision);
+    const auto face_normals = unit_face_normals(topology, c.given);
+    std::vector<dvec3> offsets(static_cast<std::size_t>(topology.state_size));
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+      const auto x = static_cast<double>(i);
+      offsets[i] = 0.05 * dvec3(std::sin(x), std::cos(3 * x), std::sin(5 * x));
+    }
+    const auto least = [&] {
+      NetSamples samples{topology, c.given, offsets};
+      samples.sum_large_faces();
+      std::vector<double> result;
+      for (int32_t v = 0; v < topology.vertex_count; ++v)
+        result.push_back(samples.least_cosine_around(v, face_normals));
+      return result;
+    };
+    const std::vector<double> by_sums = least();
+    topology.large_size = 1000;
+    topology.large_faces.clear();
+    const std::vector<double> by_points = least();
+    for (std::size_t v = 0; v < by_sums.size(); ++v) EXPECT_NEAR(by_sums[v], by_points[v], 1e-10);
+  }
 }
 
 TEST(FoldCure, LeavesSoundNetsAlone) {

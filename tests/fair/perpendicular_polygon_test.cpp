@@ -52,7 +52,8 @@ struct Cone {
         tip(mesh.vertex_count() - 1) {}
   [[nodiscard]] std::vector<dvec3> polygon(const dvec3& normal) {
     PerpendicularScratch scratch;
-    build_perpendicular_polygon(topology, c.given, tip, normal, scratch, offsets);
+    build_perpendicular_polygon(topology, c.given, tip, normal,
+                                FaceHeights(topology, c.given).size_at(tip), scratch, offsets);
     std::vector<dvec3> points;
     for (int32_t i = topology.ring_offsets[tip]; i < topology.ring_offsets[tip + 1]; ++i) {
       points.push_back(offsets[topology.ring_corners[i]]);

@@ -147,16 +147,18 @@ std::vector<dvec3> built(const DeviceNet& net, const Prepared& from) {
   std::vector<dvec3> result = from.offsets;
   result.resize(static_cast<std::size_t>(topology.state_size));
   PolygonScratch scratch;
+  const GivenStep step(topology, net.given);
   for (std::int32_t v = 0; v < topology.vertex_count; ++v) {
     if (topology.has_polygon(v))
-      build_vertex_polygon(topology, net.given, v, {from.normals[v], from.shares[v]}, scratch,
+      build_vertex_polygon(topology, net.given, step, v, {from.normals[v], from.shares[v]}, scratch,
                            result);
     if (topology.kind(v) != VertexKind::Crease) continue;
     const SectorShape shape = crease_shape(net, from, v);
     const std::int32_t crease = topology.crease_of_vertex[v];
     const std::int32_t first = topology.sector_offsets[crease];
     for (std::int32_t s = first; s < topology.sector_offsets[crease + 1]; ++s)
-      build_sector(topology, net.given, from.face_normals, topology.sectors[s], shape, result);
+      build_sector(topology, net.given, step, from.face_normals, topology.sectors[s], shape,
+                   result);
     result[topology.sectors[first].curve0] = shape.handle;
     result[topology.sectors[first].curve1] = -shape.handle;
   }

@@ -37,7 +37,8 @@ struct FaceStep {
     }
   }
 
-  void polygon(std::int32_t first, std::int32_t m) const {
+  // From the place `to` of the offsets on.
+  void polygon(std::int32_t first, std::int32_t to, std::int32_t m) const {
     const std::int32_t* v = &topology.corner_vertices[first];
     const auto circle = topology.unit_circle.of(m);
     const dvec3 origin = points[v[0]];
@@ -51,8 +52,8 @@ struct FaceStep {
     mean /= m;
     for (std::int32_t i = 0; i < m; ++i) {
       const dvec3 p = points[v[i]] - origin;
-      offsets[first + i] = (origin - given[v[i]]) + 0.25 * p + 0.75 * mean +
-                           (circle[i].x * cosine_sum + circle[i].y * sine_sum) / (2.0 * m);
+      offsets[to + i] = (origin - given[v[i]]) + 0.25 * p + 0.75 * mean +
+                        (circle[i].x * cosine_sum + circle[i].y * sine_sum) / (2.0 * m);
     }
   }
 };
@@ -73,24 +74,35 @@ void corner_offsets(const FairTopology& topology, std::span<const dvec3> given,
                    } else if (m == 4) {
                      step.quad(first);
                    } else {
-                     step.polygon(first, m);
+                     step.polygon(first, first, m);
                    }
                  }
                });
 }
 
-dvec3 corner_offset(const FairTopology& topology, std::span<const dvec3> given,
-                    std::span<const dvec3> points, std::int32_t corner) {
-  const std::int32_t face = topology.corner_faces[corner];
-  const std::int32_t first = topology.face_offsets[face], m = topology.face_size(face);
-  const auto circle = topology.unit_circle.of(m);
-  const dvec3& own = points[topology.corner_vertices[corner]];
+GivenStep::GivenStep(const FairTopology& topology, std::span<const dvec3> given)
+    : topology_(topology), given_(given) {
+  for (const std::int32_t face : topology.large_faces) {
+    std::vector<dvec3>& offsets = of_large_.emplace_back();
+    offsets.resize(static_cast<std::size_t>(topology.face_size(face)));
+    FaceStep{topology, given, given, offsets}.polygon(topology.face_offsets[face], 0,
+                                                      topology.face_size(face));
+  }
+}
+
+dvec3 GivenStep::offset(std::int32_t corner) const {
+  const std::int32_t face = topology_.corner_faces[corner];
+  const std::int32_t first = topology_.face_offsets[face], m = topology_.face_size(face);
+  if (const std::int32_t large = topology_.large_face(face); large >= 0)
+    return of_large_[large][corner - first];
+  const auto circle = topology_.unit_circle.of(m);
+  const dvec3& own = given_[topology_.corner_vertices[corner]];
   dvec3 sum(0.0);
   for (std::int32_t i = 0; i < m; ++i) {
     const std::int32_t place = corner - first + i;
-    sum += (3 + 2 * circle[i].x) * (points[topology.corner_vertices[first + place % m]] - own);
+    sum += (3 + 2 * circle[i].x) * (given_[topology_.corner_vertices[first + place % m]] - own);
   }
-  return (own - given[topology.corner_vertices[corner]]) + sum / (4.0 * m);
+  return sum / (4.0 * m);
 }
 
 }  // namespace planish

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
+#include <vector>
 
 #include "planish/fair/fair_topology.h"
 
@@ -13,9 +14,16 @@ namespace planish {
 void corner_offsets(const FairTopology& topology, std::span<const glm::dvec3> given,
                     std::span<const glm::dvec3> points, std::span<glm::dvec3> offsets);
 
-/// The same for one corner.
-[[nodiscard]] glm::dvec3 corner_offset(const FairTopology& topology,
-                                       std::span<const glm::dvec3> given,
-                                       std::span<const glm::dvec3> points, std::int32_t corner);
+/// The same of the given points themselves, for single corners.
+class GivenStep {
+ public:
+  GivenStep(const FairTopology& topology, std::span<const glm::dvec3> given);
+  [[nodiscard]] glm::dvec3 offset(std::int32_t corner) const;
+
+ private:
+  const FairTopology& topology_;
+  std::span<const glm::dvec3> given_;
+  std::vector<std::vector<glm::dvec3>> of_large_;  // by FairTopology::large_faces
+};
 
 }  // namespace planish

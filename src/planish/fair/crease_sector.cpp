@@ -37,7 +37,7 @@ double handle_factor(double handle_length, const dvec3& edge) {
 
 }  // namespace
 
-void build_sector(const FairTopology& topology, std::span<const dvec3> given,
+void build_sector(const FairTopology& topology, std::span<const dvec3> given, const GivenStep& step,
                   std::span<const dvec3> face_normals, const FairTopology::Sector& sector,
                   const SectorShape& shape, std::span<dvec3> offsets) {
   const VertexFrame frame = sector_frame(topology, given, face_normals, sector, shape.handle);
@@ -48,7 +48,7 @@ void build_sector(const FairTopology& topology, std::span<const dvec3> given,
     const dvec3 next = given[ring.next[i]] - given[sector.vertex];
     const dvec3 previous = given[ring.previous[i]] - given[sector.vertex];
     const dvec2 flat_next = frame.project(next), flat_previous = frame.project(previous);
-    dvec2 flat = frame.project(corner_offset(topology, given, given, corner));
+    dvec2 flat = frame.project(step.offset(corner));
     const PlanarRing::Wedge wedge = wedge_of(flat, flat_next, flat_previous);
     if (wedge.valid) {
       const double next_factor = i == 0 ? handle_factor(handle_length, next) : 1.0;

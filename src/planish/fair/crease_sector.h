@@ -3,6 +3,7 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "planish/fair/corner_offsets.h"
 #include "planish/fair/fair_topology.h"
 
 namespace planish {
@@ -16,9 +17,11 @@ struct SectorShape {
 
 /// Builds the control points of a crease or boundary sector in place of those in `offsets`, which
 /// are of one step of the given points or of P: flat in the plane of the handle and the sector's
-/// normal where share is 0, following the curve's handles beside the sharp edges.
+/// normal where share is 0, following the curve's handles beside the sharp edges. `step`: of
+/// `given`.
 void build_sector(const FairTopology& topology, std::span<const glm::dvec3> given,
-                  std::span<const glm::dvec3> face_normals, const FairTopology::Sector& sector,
-                  const SectorShape& shape, std::span<glm::dvec3> offsets);
+                  const GivenStep& step, std::span<const glm::dvec3> face_normals,
+                  const FairTopology::Sector& sector, const SectorShape& shape,
+                  std::span<glm::dvec3> offsets);
 
 }  // namespace planish

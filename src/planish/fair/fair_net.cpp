@@ -59,6 +59,7 @@ struct NetBuilder {
   const FairTopology& topology;
   std::span<const dvec3> given;
   FairHalo* halo = nullptr;
+  GivenStep step{topology, given};
   std::vector<dvec3> face_normals{}, normals{};
   std::vector<double> shares{};
   std::vector<dvec3> points{};  // of the masked iteration; empty where no vertex has a share
@@ -99,7 +100,7 @@ void NetBuilder::build_polygons(std::vector<std::uint8_t>& reversed, const Callb
           if (topology.has_polygon(v)) {
             PolygonShape shape{normals[v], shares[v]};
             if (decided) shape.reversed = reversed[v] != 0;
-            reversed[v] = build_vertex_polygon(topology, given, v, shape, scratch, offsets);
+            reversed[v] = build_vertex_polygon(topology, given, step, v, shape, scratch, offsets);
           } else if (topology.kind(v) == VertexKind::Crease) {
             build_crease(v);
           }
@@ -123,7 +124,7 @@ void NetBuilder::build_crease(std::int32_t vertex) {
   const std::int32_t crease = topology.crease_of_vertex[vertex];
   for (std::int32_t s = topology.sector_offsets[crease]; s < topology.sector_offsets[crease + 1];
        ++s) {
-    build_sector(topology, given, face_normals, topology.sectors[s], shape, offsets);
+    build_sector(topology, given, step, face_normals, topology.sectors[s], shape, offsets);
   }
   const FairTopology::Sector& first = topology.sectors[topology.sector_offsets[crease]];
   offsets[first.curve0] = shape.handle;

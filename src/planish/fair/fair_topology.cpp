@@ -184,6 +184,8 @@ FairTopology make_fair_topology(const PolygonMesh& mesh, const Subdivision& subd
   mark_near_curves(topology, halo);
   gather_edges(subdivision, topology);
   fill_unit_circle(topology);
+  for (std::int32_t f = 0; f < topology.face_count; ++f)
+    if (topology.face_size(f) >= topology.large_size) topology.large_faces.push_back(f);
   return topology;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -80,7 +81,16 @@ struct FairTopology {
   std::vector<Edge> edges;
 
   UnitCircle unit_circle;  ///< of all face sizes and valences
+  /// What is asked of a face or ring at each of its corners is found once where these are as many.
+  std::int32_t large_size = 32;
+  std::vector<std::int32_t> large_faces;  ///< ascending
 
+  /// The number of a face among those, or -1.
+  [[nodiscard]] std::int32_t large_face(std::int32_t face) const {
+    if (face_size(face) < large_size) return -1;
+    return static_cast<std::int32_t>(std::ranges::lower_bound(large_faces, face) -
+                                     large_faces.begin());
+  }
   [[nodiscard]] std::int32_t face_size(std::int32_t face) const {
     return face_offsets[face + 1] - face_offsets[face];
   }

@@ -52,6 +52,7 @@ struct Cure {
   Flags bad, changed, touched;  // per vertex; touched: in a face with a changed one
 
   NetSamples samples{topology, input.given, input.offsets};
+  FaceHeights heights{topology, input.given};
 
   [[nodiscard]] double edge_cosine(const FairTopology::Edge& edge) const;
   [[nodiscard]] double face_cosine(std::int32_t face) const;
@@ -171,6 +172,7 @@ void Cure::test_sharp_edges() {
 }
 
 void Cure::test_vertices(std::span<const std::uint8_t> cures) {
+  samples.sum_large_faces();
   parallel_each(bad.size(), kCureGrain, [&](std::size_t v) {
     const auto vertex = static_cast<std::int32_t>(v);
     if (!touched[v] || bad[v]) return;
@@ -195,16 +197,17 @@ void Cure::build_smooth(std::int32_t vertex, PerpendicularScratch& scratch) {
   const dvec3 plane = leaning_normal(topology, input.given, vertex, normal, lean);
   if (!input.ellipses.empty() && is_ellipse(input.ellipses[vertex])) {
     build_hub_ellipse(topology, input.given, vertex, plane, input.ellipses[vertex],
-                      perpendicular_size(topology, input.given, vertex), input.offsets);
+                      heights.size_at(vertex), input.offsets);
   } else {
-    build_perpendicular_polygon(topology, input.given, vertex, plane, scratch, input.offsets);
+    build_perpendicular_polygon(topology, input.given, vertex, plane, heights.size_at(vertex),
+                                scratch, input.offsets);
   }
 }
 
 // `times` more rounds at the vertex, which had some before unless it is new.
 void Cure::change(std::int32_t vertex, std::int32_t times, bool is_new,
                   PerpendicularScratch& scratch) {
-  const CurveSite site{topology, input.given, input.face_normals, input.offsets, vertex};
+  const CurveSite site{topology, input.given, input.face_normals, input.offsets, heights, vertex};
   if (is_new && times > 0) {
     if (topology.kind(vertex) == VertexKind::Crease) {
       build_perpendicular_crease(site, leans[vertex], scratch);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <optional>
 
+#include "planish/core/parallel.h"
 #include "planish/fair/limit_normal.h"
 
 namespace planish {
@@ -19,6 +21,30 @@ dvec3 stepped(const FairTopology& topology, std::int32_t count, const Point& poi
   dvec3 sum(0.0);
   for (std::int32_t k = 1; k < count; ++k) sum += (3 + 2 * circle[k].x) * (point(k) - own);
   return own + sum / (4.0 * count);
+}
+
+// Sums of a large polygon, of which a step takes few.
+template <class Point>
+NetSamples::PolygonSums sums_of(const FairTopology& topology, std::int32_t count,
+                                const Point& point) {
+  const auto circle = topology.unit_circle.of(count);
+  const dvec3 origin = point(0);
+  NetSamples::PolygonSums sums{};
+  for (std::int32_t k = 1; k < count; ++k) {
+    const dvec3 from_origin = point(k) - origin;
+    sums.mean += from_origin;
+    sums.even += circle[k].x * from_origin;
+    sums.odd += circle[k].y * from_origin;
+  }
+  sums.mean = origin + sums.mean / double(count);
+  sums.even *= 2.0 / count;
+  sums.odd *= 2.0 / count;
+  return sums;
+}
+
+// X_i / 4 + 3/4 M + (cos a_i U + sin a_i W) / 4.
+dvec3 stepped(const NetSamples::PolygonSums& sums, const dvec3& own, const glm::dvec2& place) {
+  return 0.25 * own + 0.75 * sums.mean + 0.25 * (place.x * sums.even + place.y * sums.odd);
 }
 
 // The same on four points.
@@ -57,6 +83,7 @@ namespace {
 struct Surroundings {
   const NetSamples& samples;
   const FairTopology& topology = samples.topology;
+  std::optional<NetSamples::PolygonSums> of_polygon{};  // around the vertex, where that is large
 
   [[nodiscard]] std::int32_t beside(std::int32_t corner, std::int32_t by) const {
     const std::int32_t face = topology.corner_faces[corner], m = topology.face_size(face);
@@ -70,11 +97,19 @@ struct Surroundings {
            topology.corner_ccw[next] < topology.corner_count;
   }
   [[nodiscard]] dvec3 in_face(std::int32_t corner) const {
-    return stepped(topology, topology.face_size(topology.corner_faces[corner]),
-                   [&](std::int32_t k) { return samples.point(beside(corner, k)); });
+    const std::int32_t face = topology.corner_faces[corner], m = topology.face_size(face);
+    if (const std::int32_t large = topology.large_face(face); large >= 0)
+      return stepped(samples.of_large_faces[large], samples.point(corner),
+                     topology.unit_circle.of(m)[corner - topology.face_offsets[face]]);
+    return stepped(topology, m, [&](std::int32_t k) { return samples.point(beside(corner, k)); });
   }
   [[nodiscard]] dvec3 in_polygon(std::int32_t vertex, std::int32_t place) const {
     const FairTopology::Ring ring = topology.ring(vertex);
+    if (of_polygon) {
+      const std::int32_t at = place % ring.size();
+      return stepped(*of_polygon, samples.point(ring.corners[at]),
+                     topology.unit_circle.of(ring.size())[at]);
+    }
     return stepped(topology, ring.size(), [&](std::int32_t k) {
       return samples.point(ring.corners[(place + k) % ring.size()]);
     });
@@ -94,9 +129,24 @@ struct Surroundings {
 
 }  // namespace
 
+void NetSamples::sum_large_faces() {
+  of_large_faces.resize(topology.large_faces.size());
+  parallel_each(of_large_faces.size(), 1, [&](std::size_t i) {
+    const std::int32_t face = topology.large_faces[i];
+    const std::int32_t first = topology.face_offsets[face];
+    of_large_faces[i] = sums_of(topology, topology.face_size(face),
+                                [&](std::int32_t k) { return point(first + k); });
+  });
+}
+
 double NetSamples::least_cosine_around(std::int32_t vertex,
                                        std::span<const dvec3> face_normals) const {
-  const Surroundings around{*this};
+  Surroundings around{*this};
+  if (topology.valence(vertex) >= topology.large_size) {
+    const FairTopology::Ring ring = topology.ring(vertex);
+    around.of_polygon =
+        sums_of(topology, ring.size(), [&](std::int32_t k) { return point(ring.corners[k]); });
+  }
   double least = 1;
   const auto note = [&](const dvec3& normal, std::int32_t corner) {
     least = std::min(least, cosine_of(normal, face_normals[topology.corner_faces[corner]]));

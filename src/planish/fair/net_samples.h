@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
+#include <vector>
 
 #include "planish/fair/fair_topology.h"
 
@@ -12,8 +13,17 @@ namespace planish {
 /// Limit normals of a net of level 1 at the places where they depend on the fewest control points;
 /// of any length, zero where there is none. `offsets`: the state relative to the given points.
 struct NetSamples {
+  /// All that a step asks of a polygon besides the own point: its mean and first Fourier pair.
+  struct PolygonSums {
+    glm::dvec3 mean, even, odd;
+  };
+
   const FairTopology& topology;
   std::span<const glm::dvec3> given, offsets;
+  std::vector<PolygonSums> of_large_faces{};  ///< by FairTopology::large_faces
+
+  /// Before least_cosine_around() where there are large faces, whenever offsets have changed.
+  void sum_large_faces();
 
   [[nodiscard]] glm::dvec3 point(std::int32_t corner) const {
     return given[topology.corner_vertices[corner]] + offsets[corner];

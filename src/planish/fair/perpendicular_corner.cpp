@@ -114,7 +114,7 @@ void for_corner_sectors(const FairTopology& topology, std::int32_t vertex, const
 
 void build_perpendicular_corner(const CurveSite& site, glm::vec2& lean) {
   const FairTopology& topology = site.topology;
-  const double size = perpendicular_size(topology, site.given, site.vertex);
+  const double size = site.heights.size_at(site.vertex);
   const FairTopology::Ring ring = topology.ring(site.vertex);
   for (std::int32_t i = 0; i < ring.size(); ++i) {
     const std::int32_t corner = ring.corners[i];

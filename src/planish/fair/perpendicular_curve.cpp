@@ -153,7 +153,7 @@ void build_perpendicular_crease(const CurveSite& site, glm::vec2& lean,
                                                              topology.sector_offsets[crease]));
   const std::int32_t curve0 = sectors[0].curve0, curve1 = sectors[0].curve1;
   const dvec3 direction = unit_or_zero(site.offsets[curve0]);
-  const double size = perpendicular_size(topology, site.given, site.vertex);
+  const double size = site.heights.size_at(site.vertex);
   if (!(size > 0) || direction == dvec3(0.0)) {
     scale_curve_vertex(site, kHalfOfCurve);
     return;

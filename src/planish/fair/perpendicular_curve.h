@@ -16,6 +16,7 @@ struct CurveSite {
   const FairTopology& topology;
   std::span<const glm::dvec3> given, face_normals;
   std::span<glm::dvec3> offsets;
+  const FaceHeights& heights;
   std::int32_t vertex;
   /// From the vertex to another one.
   [[nodiscard]] glm::dvec3 edge(std::int32_t other) const { return given[other] - given[vertex]; }

@@ -23,22 +23,6 @@ constexpr double kSize = 0.5;
 // Of how far the weights are to be used: from here on they are all there is.
 constexpr double kFullChain = 0.05;
 
-// The height of a face over its longest side; polygons count half, as they narrow towards it.
-double least_height(const FairTopology& topology, std::span<const dvec3> given, std::int32_t face) {
-  const std::int32_t first = topology.face_offsets[face], m = topology.face_size(face);
-  const dvec3& origin = given[topology.corner_vertices[first]];
-  dvec3 area(0.0);  // twice
-  double longest = 0;
-  for (std::int32_t k = 0; k < m; ++k) {
-    const dvec3 a = given[topology.corner_vertices[first + k]] - origin;
-    const dvec3 b = given[topology.corner_vertices[first + (k + 1) % m]] - origin;
-    area += glm::cross(a, b);
-    longest = std::max(longest, glm::length(b - a));
-  }
-  if (!(longest > 0)) return 0;
-  return glm::length(area) / longest / (m > 3 ? 2 : 1);
-}
-
 // The points about their mean; returns the farthest one's distance.
 double set_points(PerpendicularScratch& scratch) {
   dvec2 at(0.0), mean(0.0);
@@ -73,18 +57,42 @@ dvec2 circle_start(const dvec2& direction, std::int32_t count) {
 
 double chain_share(double usable) { return std::min(1.0, usable / kFullChain); }
 
-double perpendicular_size(const FairTopology& topology, std::span<const dvec3> given,
-                          std::int32_t vertex) {
+FaceHeights::FaceHeights(const FairTopology& topology, std::span<const dvec3> given)
+    : topology_(topology), given_(given) {
+  for (const std::int32_t face : topology.large_faces) of_large_.push_back(measured(face));
+}
+
+double FaceHeights::measured(std::int32_t face) const {
+  const std::int32_t first = topology_.face_offsets[face], m = topology_.face_size(face);
+  const dvec3& origin = given_[topology_.corner_vertices[first]];
+  dvec3 area(0.0);  // twice
+  double longest = 0;
+  for (std::int32_t k = 0; k < m; ++k) {
+    const dvec3 a = given_[topology_.corner_vertices[first + k]] - origin;
+    const dvec3 b = given_[topology_.corner_vertices[first + (k + 1) % m]] - origin;
+    area += glm::cross(a, b);
+    longest = std::max(longest, glm::length(b - a));
+  }
+  if (!(longest > 0)) return 0;
+  return glm::length(area) / longest / (m > 3 ? 2 : 1);
+}
+
+double FaceHeights::of(std::int32_t face) const {
+  const std::int32_t large = topology_.large_face(face);
+  return large < 0 ? measured(face) : of_large_[large];
+}
+
+double FaceHeights::size_at(std::int32_t vertex) const {
   double least = HUGE_VAL;
-  for (const std::int32_t corner : topology.ring(vertex).corners) {
-    const double height = least_height(topology, given, topology.corner_faces[corner]);
+  for (const std::int32_t corner : topology_.ring(vertex).corners) {
+    const double height = of(topology_.corner_faces[corner]);
     if (height > 0) least = std::min(least, height);
   }
   return least < HUGE_VAL ? kSize * least : 0;
 }
 
 void build_perpendicular_polygon(const FairTopology& topology, std::span<const dvec3> given,
-                                 std::int32_t vertex, const dvec3& normal,
+                                 std::int32_t vertex, const dvec3& normal, double size,
                                  PerpendicularScratch& scratch, std::span<dvec3> offsets) {
   const FairTopology::Ring ring = topology.ring(vertex);
   const std::int32_t n = ring.size();
@@ -98,7 +106,6 @@ void build_perpendicular_polygon(const FairTopology& topology, std::span<const d
     scratch.edges[i] = length > 0 ? edge / length : dvec2(0.0);
   }
   const double usable = balance(scratch.edges, scratch.weights);
-  const double size = perpendicular_size(topology, given, vertex);
   const double farthest = usable > 0 ? set_points(scratch) : 0;
   const double chain = farthest > 0 ? chain_share(usable) : 0;
   // As far as the edges do not surround the vertex, the points of a circle: its sides cross no

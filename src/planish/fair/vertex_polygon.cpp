@@ -59,8 +59,8 @@ void build_local(const FairTopology& topology, std::span<const dvec3> given, std
 }  // namespace
 
 bool build_vertex_polygon(const FairTopology& topology, std::span<const dvec3> given,
-                          std::int32_t vertex, const PolygonShape& shape, PolygonScratch& scratch,
-                          std::span<dvec3> offsets) {
+                          const GivenStep& step, std::int32_t vertex, const PolygonShape& shape,
+                          PolygonScratch& scratch, std::span<dvec3> offsets) {
   const auto corners = topology.ring(vertex).corners;
   const std::int32_t n = topology.valence(vertex);
   // Two control points only: translation puts them on both sides of the vertex.
@@ -83,7 +83,7 @@ bool build_vertex_polygon(const FairTopology& topology, std::span<const dvec3> g
       shape.reversed ? *shape.reversed : is_reversed(topology, offsets, vertex, shape.normal);
   if (reversed) {
     for (const std::int32_t corner : corners)
-      offsets[corner] = kReversedFactor * corner_offset(topology, given, given, corner);
+      offsets[corner] = kReversedFactor * step.offset(corner);
   }
   centre(topology, offsets, vertex);
   return reversed;

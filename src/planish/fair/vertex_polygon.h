@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "planish/fair/corner_offsets.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/fair/local_polygon.h"
 #include "planish/fair/planar_ring.h"
@@ -31,9 +32,9 @@ struct PolygonShape {
 /// Builds the polygon around `vertex`, its mean exactly 0, in place of its control points in
 /// `offsets`, which are those of one step of the given points or of the masked iteration's.
 /// True where the built polygon came out turned over and a small translated copy of the given
-/// points' stands in for it.
+/// points' stands in for it. `step`: of `given`.
 bool build_vertex_polygon(const FairTopology& topology, std::span<const glm::dvec3> given,
-                          std::int32_t vertex, const PolygonShape& shape, PolygonScratch& scratch,
-                          std::span<glm::dvec3> offsets);
+                          const GivenStep& step, std::int32_t vertex, const PolygonShape& shape,
+                          PolygonScratch& scratch, std::span<glm::dvec3> offsets);
 
 }  // namespace planish

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "planish/core/host_scope.h"
+#include "planish/core/parallel.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/convex_faces.h"
 #include "planish/mesh/folded_edges.h"
@@ -107,16 +108,17 @@ bool are_creases_clear(const PolygonMesh& mesh,
     const std::int32_t edge = topology.find_edge(crease.v0, crease.v1);
     if (edge >= 0) is_crease[edge] = 1;
   }
+  std::vector<glm::dvec3> areas(static_cast<std::size_t>(topology.face_count()));
+  parallel_each(areas.size(), [&](std::size_t f) {
+    areas[f] = area_vector(used.mesh.positions, used.mesh.face(static_cast<std::int32_t>(f)));
+  });
   double all = 0, of_creases = 0;
   bool is_any_smooth = false;
   for (std::int32_t e = 0; e < topology.edge_count(); ++e) {
     if (topology.is_boundary_edge(e)) continue;
     is_any_smooth |= is_crease[e] == 0;
     const std::int32_t corner = topology.corner_of(e), twin = topology.twin(corner);
-    const auto area_of = [&](std::int32_t c) {
-      return area_vector(used.mesh.positions, used.mesh.face(topology.face_of(c)));
-    };
-    const glm::dvec3 a = area_of(corner), b = area_of(twin);
+    const glm::dvec3 &a = areas[topology.face_of(corner)], &b = areas[topology.face_of(twin)];
     const double turn = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
     const double weight = glm::length(a) / topology.face_size(topology.face_of(corner)) +
                           glm::length(b) / topology.face_size(topology.face_of(twin));
