@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <unordered_map>
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
@@ -21,18 +22,38 @@ namespace {
 // to 30 degrees off, the half-plane rule still gives the better-shaped sector.
 constexpr double kStraightAngleTolerance = std::numbers::pi / 6.0;
 
+// Of faces; those of large ones are kept, as many of their corners may ask.
+class FaceAreas {
+ public:
+  FaceAreas(const PolygonMesh& mesh, std::span<const glm::dvec3> positions)
+      : mesh(mesh), positions(positions) {}
+
+  [[nodiscard]] glm::dvec3 of(std::int32_t face) {
+    if (mesh.face_size(face) < kKeptSize) return area_vector(positions, mesh.face(face));
+    const auto [place, is_new] = kept_.try_emplace(face);
+    if (is_new) place->second = area_vector(positions, mesh.face(face));
+    return place->second;
+  }
+
+  const PolygonMesh& mesh;
+  std::span<const glm::dvec3> positions;
+
+ private:
+  static constexpr std::int32_t kKeptSize = 32;
+  std::unordered_map<std::int32_t, glm::dvec3> kept_;
+};
+
 // Interior angle of a face at its corner, in [0, 2 pi): more than pi where the face is concave.
-double interior_angle(const PolygonMesh& mesh, std::int32_t face, std::int32_t corner,
-                      std::span<const glm::dvec3> positions) {
-  const auto vertices = mesh.face(face);
+double interior_angle(FaceAreas& areas, std::int32_t face, std::int32_t corner) {
+  const auto vertices = areas.mesh.face(face);
+  const auto positions = areas.positions;
   const std::size_t m = vertices.size();
   const glm::dvec3& apex = positions[vertices[corner]];
   const glm::dvec3 next = positions[vertices[(corner + 1) % m]] - apex;
   const glm::dvec3 previous = positions[vertices[(corner + m - 1) % m]] - apex;
   const glm::dvec3 turn = glm::cross(next, previous);
   const double angle = std::atan2(glm::length(turn), glm::dot(next, previous));
-  return glm::dot(turn, area_vector(positions, vertices)) < 0 ? 2.0 * std::numbers::pi - angle
-                                                              : angle;
+  return glm::dot(turn, areas.of(face)) < 0 ? 2.0 * std::numbers::pi - angle : angle;
 }
 
 CornerSector classify_angle(double angle) {
@@ -104,8 +125,8 @@ void classify_vertices(const PolygonMesh& mesh, const MeshTopology& topology,
 }
 
 // Walks the faces around a corner and sums the angles from one sharp edge to the next.
-void classify_sectors(const PolygonMesh& mesh, const MeshTopology& topology, std::int32_t vertex,
-                      std::span<const glm::dvec3> rest_positions, SharpFeatures& features) {
+void classify_sectors(const MeshTopology& topology, std::int32_t vertex, FaceAreas& areas,
+                      SharpFeatures& features) {
   const auto corners = topology.corners_at(vertex);
   const std::size_t n = corners.size();
   const auto leading_sharp_edge = [&](std::size_t i) {
@@ -128,8 +149,7 @@ void classify_sectors(const PolygonMesh& mesh, const MeshTopology& topology, std
       sector = leading_sharp_edge(i);
       angle = 0;
     }
-    angle += interior_angle(mesh, topology.face_of(corners[i]), topology.place_of(corners[i]),
-                            rest_positions);
+    angle += interior_angle(areas, topology.face_of(corners[i]), topology.place_of(corners[i]));
   }
   close_sector();
 }
@@ -143,6 +163,7 @@ SharpFeatures find_sharp_features(const PolygonMesh& mesh, const MeshTopology& t
   SharpFeatures features;
   number_sharp_edges(mesh, topology, options.use_tags, features);
   classify_vertices(mesh, topology, options, features);
+  FaceAreas areas(mesh, rest_positions);
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (features.vertex_kinds[v] != VertexKind::Corner) continue;
     if (features.corner_of_vertex.empty()) {
@@ -150,8 +171,7 @@ SharpFeatures find_sharp_features(const PolygonMesh& mesh, const MeshTopology& t
     }
     features.corner_of_vertex[v] = features.corner_count++;
     features.corner_vertices.push_back(v);
-    if (features.sharp_edge_count > 0)
-      classify_sectors(mesh, topology, v, rest_positions, features);
+    if (features.sharp_edge_count > 0) classify_sectors(topology, v, areas, features);
   }
   return features;
 }
