@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kSamePosition = 1e-14;  // of the diagonal, which is about 1
-constexpr double kSine = 1e-9;       // of the angle between normals
+constexpr double kSine = 1e-9;           // of the angle between normals
 
 // n faces of m corners around vertex 0, over an angle; closed where that is 2 pi.
 PolygonMesh fan(std::int32_t n, double opening, std::int32_t m, std::uint32_t seed) {
