@@ -27,7 +27,7 @@ namespace {
 
 constexpr int kCount = 10'000;  // vertices, and as many faces where there are some
 
-struct Sample {
+struct ProgressFile {
   std::string name;
   std::string bytes;
   bool is_cloud = false;
@@ -60,7 +60,7 @@ std::string binary_ply() {
   return bytes;
 }
 
-std::string text_ply() {
+std::string counted_ply() {
   const std::string count = std::to_string(kCount);
   return "ply\nformat ascii 1.0\nelement vertex " + count +
          "\nproperty float x\nproperty float y\nproperty float z\nelement face " + count +
@@ -68,7 +68,7 @@ std::string text_ply() {
          lines(kCount, [](int i) { return "3 " + triangle(i, 0); });
 }
 
-std::string binary_stl() {
+std::string counted_stl() {
   std::string bytes(80, ' ');
   test::append<std::uint32_t>(bytes, kCount);
   for (int i = 0; i < kCount; ++i) {
@@ -101,13 +101,13 @@ std::string pcd(const std::string& kind) {
   return bytes;
 }
 
-std::vector<Sample> samples() {
+std::vector<ProgressFile> progress_files() {
   const std::string count = std::to_string(kCount);
   return {{"a.obj", lines(kCount, [](int i) { return "v " + point(i); }) +
                         lines(kCount, [](int i) { return "f " + triangle(i, 1); })},
           {"a.off", "OFF\n" + count + " " + count + " 0\n" + lines(kCount, point) +
                         lines(kCount, [](int i) { return "3 " + triangle(i, 0); })},
-          {"text.ply", text_ply()},
+          {"text.ply", counted_ply()},
           {"binary.ply", binary_ply()},
           {"text.stl", "solid a\n" +
                            lines(kCount,
@@ -117,7 +117,7 @@ std::vector<Sample> samples() {
                                           "\nendloop\nendfacet";
                                  }) +
                            "endsolid\n"},
-          {"binary.stl", binary_stl()},
+          {"binary.stl", counted_stl()},
           {"a.glb", glb()},
           {"a.xyz", lines(kCount, point), true},
           {"a.pts", count + "\n" + lines(kCount, point), true},
@@ -125,7 +125,7 @@ std::vector<Sample> samples() {
           {"binary.pcd", pcd("binary"), true}};
 }
 
-void read(const FileBytes& file, const Callbacks& callbacks) {
+void read_counted(const FileBytes& file, const Callbacks& callbacks) {
   const FileFormat format = *format_of(file.name);
   if (holds_points_only(format))
     (void)read_points(file, format, callbacks);
@@ -152,7 +152,7 @@ double counted(FileBytes file) {
 }
 
 TEST(ReadProgress, CountsEveryByteOfEveryFormat) {
-  for (const Sample& sample : samples()) {
+  for (const ProgressFile& sample : progress_files()) {
     const double share = counted(test::file_of(sample.bytes, sample.name));
     EXPECT_GT(share, 0.8) << sample.name;  // but headers, and a last piece that is no whole one
     EXPECT_LE(share, 1.0) << sample.name;
@@ -160,7 +160,7 @@ TEST(ReadProgress, CountsEveryByteOfEveryFormat) {
 }
 
 TEST(ReadProgress, CountsWhatIsReadOnceMoreForNormals) {
-  const std::string text = samples().front().bytes;
+  const std::string text = progress_files().front().bytes;
   FileBytes file = test::file_of(text, "a.obj");
   file.split_normals_crease = true;
   EXPECT_NEAR(counted(file), 1, 1e-9);
@@ -170,8 +170,8 @@ TEST(ReadProgress, RisesToOneOnTheCallingThread) {
   const test::TemporaryFolder folder;
   test::WatchingHost host;
   const Callbacks callbacks = host.callbacks();
-  for (const Sample& sample : samples()) {
-    read(test::file_of(sample.bytes, sample.name), callbacks);
+  for (const ProgressFile& sample : progress_files()) {
+    read_counted(test::file_of(sample.bytes, sample.name), callbacks);
     host.expect_good(sample.name);
     const std::filesystem::path path = folder.path() / sample.name;
     std::ofstream(path, std::ios::binary) << sample.bytes;
@@ -187,7 +187,7 @@ TEST(ReadProgress, TellsSharesBetweenAndStopsThere) {
   // One thread, which is slow where it asks, so that every piece is told.
   const oneapi::tbb::global_control threads(oneapi::tbb::global_control::max_allowed_parallelism,
                                             1);
-  const std::string text = samples().front().bytes;
+  const std::string text = progress_files().front().bytes;
   std::vector<double> told;
   Callbacks callbacks;
   callbacks.progress = [&](std::string_view step, double fraction) {

@@ -17,7 +17,7 @@ namespace {
 constexpr int kWorstLevel = 2;
 constexpr int kWorstRuns = 5;
 // Two 30,000-gons: of larger ones check() finds that limit masks would have too many entries.
-constexpr std::int32_t kMostQuads = 45'000;
+constexpr std::int32_t kMostWorstQuads = 45'000;
 
 // A ring of quads between two fans.
 PolygonMesh two_fans(int n) {
@@ -61,7 +61,7 @@ PolygonMesh creased_bipyramid(int n) {
 }  // namespace
 
 std::vector<Row> bench_worst(const Options& options) {
-  const std::int32_t quads = std::min(options.quad_count, kMostQuads);
+  const std::int32_t quads = std::min(options.quad_count, kMostWorstQuads);
   const auto backend = make_cpu_backend();
   Group group;
   group.name = "worst";
