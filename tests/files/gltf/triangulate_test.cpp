@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -115,17 +116,98 @@ TEST(Triangulate, RandomStarsAreCovered) {
   }
 }
 
-TEST(Triangulate, SpiralIsCovered) {
-  std::vector<glm::dvec3> spiral;
-  for (int i = 0; i <= 60; ++i) {
-    const double angle = i * 0.2, radius = 1 + angle;
-    spiral.emplace_back((radius + 0.5) * std::cos(angle), (radius + 0.5) * std::sin(angle), 0);
+// The rule itself, in the time of its square: from corner 1 on the next corner whose triangle holds
+// no corner that turned inward, then the second behind it.
+std::vector<std::uint32_t> plainly_clipped(const std::vector<glm::dvec3>& polygon) {
+  std::vector<std::uint32_t> left(polygon.size()), triangles;
+  std::iota(left.begin(), left.end(), 0u);
+  const auto beside = [&](std::size_t k, std::size_t by) { return left[(k + by) % left.size()]; };
+  const auto area = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    return doubled_area(polygon[a], polygon[b], polygon[c]);
+  };
+  const auto convex = [&](std::size_t k) {
+    return area(beside(k, left.size() - 1), left[k], beside(k, 1)) > 0;
+  };
+  std::vector<bool> reflex(polygon.size());
+  for (std::size_t k = 0; k < left.size(); ++k) reflex[k] = !convex(k);
+  const auto is_ear = [&](std::size_t k) {
+    if (!convex(k)) return false;
+    const std::uint32_t a = beside(k, left.size() - 1), b = left[k], c = beside(k, 1);
+    return std::ranges::none_of(left, [&](std::uint32_t p) {
+      if (!reflex[p] || polygon[p] == polygon[a] || polygon[p] == polygon[b] ||
+          polygon[p] == polygon[c])
+        return false;
+      return area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0;
+    });
+  };
+  for (std::size_t k = 1; left.size() > 2;) {
+    for (std::size_t asked = 0; left.size() > 3 && asked < left.size() && !is_ear(k); ++asked)
+      k = (k + 1) % left.size();
+    triangles.insert(triangles.end(), {beside(k, left.size() - 1), left[k], beside(k, 1)});
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(k));
+    const std::size_t before = (k + left.size() - 1) % left.size();
+    for (const std::size_t other : {before, k % left.size()})
+      if (convex(other)) reflex[left[other]] = false;
+    k = (k + 1) % left.size();
   }
-  for (int i = 60; i >= 0; --i) {
-    const double angle = i * 0.2, radius = 1 + angle;
-    spiral.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  return triangles;
+}
+
+// A band along a spiral.
+std::vector<glm::dvec3> spiral(int count, double step) {
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 2 * count; ++i) {
+    const double angle = step * (i < count ? i : 2 * count - 1 - i);
+    const double radius = 1 + angle + (i < count ? 0.5 : 0);
+    points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
   }
-  expect_cover(spiral);
+  return points;
+}
+
+std::vector<glm::dvec3> comb(int teeth) {
+  std::vector<glm::dvec3> points{{0, -1, 0}, {2.0 * teeth, -1, 0}};
+  for (int t = teeth; t-- > 0;) {
+    points.emplace_back(2 * t + 1.5, 10.0 * teeth, 0);
+    points.emplace_back(2 * t + 0.5, 0, 0);
+  }
+  return points;
+}
+
+TEST(Triangulate, LargePolygonsFallIntoTheTrianglesOfPlainClipping) {
+  std::mt19937 random(7);
+  const auto number = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  for (int round = 0; round < 120; ++round) {
+    const int n = 5 + static_cast<int>(random() % 300);
+    std::vector<glm::dvec3> star, tangle;  // the latter crosses itself, on a coarse grid
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n, radius = 0.05 + number();
+      star.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+      tangle.emplace_back(std::floor(20 * number()), std::floor(20 * number()), 0);
+    }
+    ASSERT_EQ(triangles_of(star), plainly_clipped(star)) << n;
+    double area = 0;  // seen from +z, as plain clipping sees it
+    for (std::size_t i = 0; i < tangle.size(); ++i)
+      area += doubled_area(glm::dvec3(0), tangle[i], tangle[(i + 1) % tangle.size()]);
+    if (area < 0) std::ranges::reverse(tangle);
+    if (area == 0) continue;
+    ASSERT_EQ(triangles_of(tangle), plainly_clipped(tangle)) << n;
+  }
+  for (const auto& polygon : {spiral(200, 0.05), spiral(150, 0.3), comb(170)})
+    ASSERT_EQ(triangles_of(polygon), plainly_clipped(polygon));
+}
+
+// By the square of their corners these would take minutes.
+TEST(Triangulate, AHundredThousandCornersAreNoMatter) {
+  expect_cover(spiral(50'000, 0.002));
+  expect_cover(comb(50'000));
+  std::mt19937 random(3);
+  std::vector<glm::dvec3> star;
+  for (int i = 0; i < 100'000; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 100'000;
+    const double radius = 0.05 + static_cast<double>(random()) / 4294967296.0;
+    star.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  }
+  expect_cover(star);
 }
 
 TEST(Triangulate, CornersOnAnEdgeAreCovered) {
