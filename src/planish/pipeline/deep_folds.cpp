@@ -67,14 +67,18 @@ std::vector<std::uint8_t> uneven_vertices(const PolygonMesh& mesh, const MeshTop
                                           std::span<const glm::dvec3> normals,
                                           const SharpFeatureOptions& sharp) {
   const std::vector<std::uint8_t> on_curve = curve_vertices(mesh, topology, sharp);
+  std::vector<std::uint8_t> is_at_curve(normals.size());  // by face
+  parallel_each(is_at_curve.size(), kDeepGrain, [&](std::size_t f) {
+    is_at_curve[f] = std::ranges::any_of(topology.face(static_cast<std::int32_t>(f)),
+                                         [&](std::int32_t w) { return on_curve[w] != 0; });
+  });
   std::vector<std::uint8_t> uneven(mesh.positions.size(), 0);
   parallel_each(uneven.size(), kDeepGrain, [&](std::size_t v) {
     const auto vertex = static_cast<std::int32_t>(v);
-    const auto is_at_curve = [&](std::int32_t c) {
-      return std::ranges::any_of(topology.face(topology.face_of(c)),
-                                 [&](std::int32_t w) { return on_curve[w] != 0; });
-    };
-    uneven[v] = on_curve[v] != 0 || std::ranges::any_of(topology.corners_at(vertex), is_at_curve) ||
+    uneven[v] = on_curve[v] != 0 ||
+                std::ranges::any_of(
+                    topology.corners_at(vertex),
+                    [&](std::int32_t c) { return is_at_curve[topology.face_of(c)] != 0; }) ||
                 !is_even(topology, normals, vertex);
   });
   return uneven;
