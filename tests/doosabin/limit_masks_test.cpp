@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <numeric>
 
+#include "planish/core/error.h"
 #include "support/meshes.h"
 
 namespace planish {
@@ -38,6 +40,39 @@ TEST(LimitMasks, OnARegularGridAreTheBiquadraticBSplines) {
     std::map<double, int> weight_counts;
     for (const auto& [index, weight] : mask_of(mesh, weights, 7)) ++weight_counts[weight * 64];
     EXPECT_EQ(weight_counts, (std::map<double, int>{{1, 4}, {6, 4}, {36, 1}}));
+  }
+}
+
+PolygonMesh polygon(std::int32_t corners) {
+  PolygonMesh mesh;
+  mesh.positions.resize(static_cast<std::size_t>(corners), glm::dvec3(0.0));
+  mesh.positions[0].x = 1;
+  std::vector<std::int32_t> face(mesh.positions.size());
+  std::iota(face.begin(), face.end(), 0);
+  mesh.add_face(face);
+  return mesh;
+}
+
+TEST(LimitMasks, AreRefusedWhereTheyMayBeTooLarge) {
+  // 46341 * (46341 - 1) = 2147441940 < 2^31
+  EXPECT_FALSE(too_large_masks(MeshTopology(polygon(46341))));
+  const PolygonMesh mesh = polygon(46342);
+  const MeshTopology topology(mesh);
+  const auto problem = too_large_masks(topology);
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->kind, MeshProblemKind::TooLarge);
+  EXPECT_EQ(problem->element, 0);
+  EXPECT_EQ(problem->message,
+            "the stencils of the progressive method need up to 2147534622 entries, at most "
+            "2147483647 can be addressed; the largest face, 0, has 46342 corners; the fair method "
+            "needs none");
+  const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
+  try {
+    (void)limit_masks(Subdivision(topology, features, Weights::DooSabin));
+    FAIL() << "was made";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::UnusableMesh);
+    EXPECT_EQ(error.what(), problem->message);
   }
 }
 

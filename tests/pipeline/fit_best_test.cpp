@@ -189,5 +189,23 @@ TEST(FitBest, LeavesOutProgressiveWhereLargeFacesFillItsEquations) {
   EXPECT_TRUE(small.progressive);
 }
 
+// A face whose limit masks no table could hold.
+TEST(FitBest, LeavesOutProgressiveWhereNoTableHoldsItsEquations) {
+  const auto backend = make_cpu_backend({Precision::Double});
+  constexpr int kCorners = 46'342;
+  PolygonMesh mesh;
+  std::vector<std::int32_t> face;
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kCorners;
+    mesh.positions.emplace_back(std::cos(angle), std::sin(angle), 0);
+    face.push_back(i);
+  }
+  mesh.add_face(face);
+  const BestFit best = fit_best(mesh, *backend);
+  EXPECT_EQ(best.method, InterpolationMethod::Fair);
+  EXPECT_TRUE(best.fit.interpolation.converged);
+  EXPECT_THROW((void)fit(mesh, *backend, {}), Error);
+}
+
 }  // namespace
 }  // namespace planish::test

@@ -32,12 +32,13 @@ class RowMaker {
         return problem.kind == MeshProblemKind::NoExtent;
       };
       if (!std::ranges::all_of(problems, is_harmless)) {
-        const auto found = problems_of_run(part_, sub, begin, end, problems);
-        found_.insert(found_.end(), found.begin(), found.end());
-        is_sound_ = false;
+        note(begin, end, sub, problems);
       } else {
         topology.emplace(sub.mesh);
       }
+    }
+    if (topology && !sub.faces.empty()) {
+      if (const auto problem = too_large_masks(*topology)) note(begin, end, sub, {*problem});
     }
     if (is_sound_) add_rows(begin, end, sub, std::move(topology));
   }
@@ -64,6 +65,13 @@ class RowMaker {
   }
 
  private:
+  void note(std::int32_t begin, std::int32_t end, const SubMesh& sub,
+            const std::vector<MeshProblem>& problems) {
+    const auto found = problems_of_run(part_, sub, begin, end, problems);
+    found_.insert(found_.end(), found.begin(), found.end());
+    is_sound_ = false;
+  }
+
   void add_rows(std::int32_t begin, std::int32_t end, const SubMesh& sub,
                 std::optional<MeshTopology> topology) {
     if (sub.faces.empty()) {

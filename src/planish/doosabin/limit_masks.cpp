@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <limits>
+#include <string>
 #include <vector>
 
 #include "planish/core/assert.h"
+#include "planish/core/error.h"
 #include "planish/core/parallel.h"
 #include "planish/core/prefix_sum.h"
 #include "planish/stencil/stencil_builder.h"
@@ -90,16 +93,6 @@ struct MaskEmitter {
   }
 };
 
-// An upper bound; check() has seen that it does, for those who ask it.
-void require_masks_fit(const MeshTopology& topology) {
-  std::int64_t count = topology.vertex_count();
-  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
-    const std::int64_t size = topology.face_size(f);
-    count += size * (size - 2);
-  }
-  require_entries_fit(count);
-}
-
 // Closes the gaps behind rows that came out shorter than their place.
 void close_gaps(StencilTable& masks) {
   std::int32_t end = 0;
@@ -117,10 +110,29 @@ void close_gaps(StencilTable& masks) {
 
 }  // namespace
 
+std::optional<MeshProblem> too_large_masks(const MeshTopology& topology) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  std::int64_t count = topology.vertex_count();
+  std::int32_t largest = 0;
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    const std::int64_t size = topology.face_size(f);
+    count += size * (size - 2);
+    if (size > topology.face_size(largest)) largest = f;
+  }
+  if (count <= kMost) return std::nullopt;
+  return MeshProblem{MeshProblemKind::TooLarge, largest,
+                     "the stencils of the progressive method need up to " + std::to_string(count) +
+                         " entries, at most " + std::to_string(kMost) +
+                         " can be addressed; the largest face, " + std::to_string(largest) +
+                         ", has " + std::to_string(topology.face_size(largest)) +
+                         " corners; the fair method needs none"};
+}
+
 StencilTable limit_masks(const Subdivision& subdivision) {
   const MeshTopology& topology = subdivision.topology();
   const auto count = static_cast<std::size_t>(topology.vertex_count());
-  require_masks_fit(topology);
+  if (const auto problem = too_large_masks(topology))
+    throw Error(ErrorCode::UnusableMesh, problem->message, problem->element);
   StencilTable masks;
   masks.source_count = topology.vertex_count();
   masks.sizes.resize(count);

@@ -45,7 +45,6 @@ class Inspection {
     check_vertices(edges);
     check_tags(edges);
     list_attribute_problems(arrays_of(mesh_), problems_);
-    check_size();
     check_extent();
     std::ranges::stable_sort(problems_, [](const MeshProblem& a, const MeshProblem& b) {
       return a.kind != b.kind ? a.kind < b.kind : a.element < b.element;
@@ -67,7 +66,6 @@ class Inspection {
   void check_edges(const EdgeGroups& edges);
   void check_vertices(const EdgeGroups& edges);
   void check_tags(const EdgeGroups& edges);
-  void check_size();
   void check_extent();
 
   const PolygonMesh& mesh_;
@@ -270,24 +268,6 @@ void Inspection::check_tags(const EdgeGroups& edges) {
     add(Kind::UnknownCornerVertex, index,
         "corner " + text_of(index) + " names vertex " + text_of(vertex) + ", which no face uses");
   }
-}
-
-// A row of the limit masks names every vertex of every face around it, so that a face of m corners
-// costs up to m^2 entries, and tables address theirs in 32 bits.
-void Inspection::check_size() {
-  std::int64_t entries = 0;
-  std::int32_t largest = -1;
-  for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
-    if (!sound_[face]) continue;
-    const std::int64_t size = mesh_.face_size(face);
-    entries += size * size;
-    if (largest < 0 || size > mesh_.face_size(largest)) largest = face;
-  }
-  if (entries <= kMaxInt32) return;
-  add(Kind::TooLarge, largest,
-      "the stencils need up to " + text_of(entries) + " entries, at most " + text_of(kMaxInt32) +
-          " can be addressed; the largest face, " + text_of(largest) + ", has " +
-          text_of(mesh_.face_size(largest)) + " corners");
 }
 
 void Inspection::check_extent() {

@@ -26,7 +26,7 @@ enum class MeshProblemKind {
   UnknownCornerVertex,  ///< element: index of a corner that is no used vertex, or of sharpness NaN
   UnknownHole,          ///< element: index of a hole that is no face
   ValenceTooHigh,       ///< element: vertex or face above OpenSubdiv's limit of 65535
-  TooLarge,             ///< element: the largest face; more stencil entries than fit 32 bits
+  TooLarge,             ///< what 32 bits cannot number; element: the largest face, or -1
   NoExtent,             ///< all vertices that faces name coincide
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -28,8 +29,9 @@ struct Candidate {
 };
 
 // Entries of the limit masks, one for each corner of each face around a vertex, over the corners of
-// the mesh. Beyond, in faces of a thousand corners and more, they grow as the square.
-constexpr double kMostEntries = 300;
+// the mesh. Beyond, in faces of a thousand corners and more, they grow as the square. And no more
+// of them can be addressed at all.
+constexpr double kMostEntries = 300, kMostOfAll = std::numeric_limits<std::int32_t>::max();
 
 bool has_dense_masks(const PolygonMesh& mesh) {
   double entries = 0, corners = 0;
@@ -38,7 +40,7 @@ bool has_dense_masks(const PolygonMesh& mesh) {
     entries += size * size;
     corners += size;
   }
-  return entries > kMostEntries * corners;
+  return entries > kMostEntries * corners || entries > kMostOfAll;
 }
 
 // Of the time of a candidate, that of its fit.
