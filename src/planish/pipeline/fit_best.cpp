@@ -23,7 +23,14 @@ struct Candidate {
   Fit fit;
   SurfaceQuality quality;
   std::vector<Warning> warnings;
+  bool is_kept = true;  // else only figures are there
 
+  // Gives back the memory of a fit that is hardly taken any more.
+  void drop() {
+    fit.cage = {};
+    fit.interpolation.displacement = {};
+    is_kept = false;
+  }
   [[nodiscard]] bool folds() const { return quality.folded_area_elsewhere >= kSoundFoldedArea; }
   [[nodiscard]] bool is_sound() const { return fit.interpolation.converged && !folds(); }
 };
@@ -234,6 +241,8 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
       return best;
     }
   }
+  // It is taken only where the fair one is worse still, and made again then.
+  if (!progressive.is_sound()) progressive.drop();
   of_candidate.callbacks = share_of(options.callbacks, done, kBothMeasured);
   Candidate fair = fair_candidate(made, backend, of_candidate, best);
   best.fair = fair.quality;
@@ -246,6 +255,11 @@ BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& opt
       },
       best);
   const bool is_fair = best.method == InterpolationMethod::Fair;
+  if (!is_fair && !progressive.is_kept) {
+    fair = {};
+    of_candidate.callbacks = share_of(options.callbacks, kBothMeasured, 1);
+    progressive = candidate(mesh, backend, of_candidate);
+  }
   give_out(std::move(is_fair ? fair : progressive), best, options.callbacks);
   if (is_fair) {
     best.fair_mesh = std::move(made.mesh);

@@ -231,6 +231,9 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   paired.fitted.warnings = ready.fitted.warnings;
   paired.fitted.reason = ready.fitted.reason;
   const auto began = Clock::now();
+  auto& prepared = ready.fitted.options.prepared;
+  // Mostly that is of no use any more.
+  if (is_plain) prepared.reset();
   FittedMesh quads = fit_one(std::move(paired), backend);
   if (is_plain && is_whole(quads, share_of(caller, first, both))) {
     quads.quad_reason = {
@@ -241,6 +244,7 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
     for (std::size_t i = told; i < quads.warnings.size(); ++i) caller.warn(quads.warnings[i]);
     return quads;
   }
+  if (!prepared) prepared = prepare_mesh(ready.fitted.mesh, ready.name);
   FittedMesh triangles = fit_one(std::move(ready), backend);
   const double one_measured = (1 + both) / 2;
   const BendingFigures of_triangles = figures_of(triangles, share_of(caller, both, one_measured));
@@ -254,14 +258,32 @@ FittedMesh fit_both(ReadyFit ready, Backend& backend) {
   return std::move(taken);
 }
 
-// Null where none of its triangles are joined.
-std::shared_ptr<ReadyFit> prepare_paired(PolygonMesh mesh, std::string_view name,
-                                         const MeshFitOptions& options) {
-  MeshFitOptions pairing = options;
+// The same with triangles joined; null where none are. `given`: the mesh that `ready` was made of,
+// where more was done to it than can be done before.
+std::shared_ptr<ReadyFit> prepare_paired(const ReadyFit& ready, std::optional<PolygonMesh> given) {
+  MeshFitOptions pairing = ready.options;
   pairing.quads = QuadChoice::On;
   pairing.fit.callbacks.warning = {};
-  auto paired = std::make_shared<ReadyFit>(prepare_one(std::move(mesh), name, pairing));
-  return paired->fitted.paired_count > 0 ? std::move(paired) : nullptr;
+  if (given) {
+    auto paired = std::make_shared<ReadyFit>(prepare_one(std::move(*given), ready.name, pairing));
+    return paired->fitted.paired_count > 0 ? std::move(paired) : nullptr;
+  }
+  ReadyMesh made = ready_again(ready.fitted);
+  if (!pair_up(made, ready.options.crease_degrees)) return nullptr;
+  auto paired = std::make_shared<ReadyFit>();
+  paired->name = ready.name;
+  paired->chooses_method = ready.chooses_method;
+  paired->chooses_creases = ready.chooses_creases;
+  FittedMesh& result = paired->fitted;
+  result.options = ready.fitted.options;
+  result.repairs = ready.fitted.repairs;
+  result.weld = ready.fitted.weld;
+  result.pairs_triangles = true;
+  result.uses_tags = ready.fitted.uses_tags;
+  take(result, std::move(made), ready.name, {result.warnings, pairing.fit.callbacks});
+  if (!result.options.prepared) require_usable(result.mesh, ready.name);
+  paired->options = std::move(pairing);
+  return paired;
 }
 
 }  // namespace
@@ -270,19 +292,21 @@ ReadyFit prepare_fit(PolygonMesh mesh, std::string_view name, const MeshFitOptio
   const HostScope host(options.fit.callbacks);
   const auto report = [&](double fraction) { options.fit.callbacks.report("check", fraction); };
   report(0);
+  const bool may_pair = options.quads == QuadChoice::Auto &&
+                        options.fit.scheme == Scheme::DooSabin && are_mostly_triangles(mesh);
+  // Creases, and what is done for fair surfaces alone, come after the pairs.
   std::optional<PolygonMesh> given;
-  if (options.quads == QuadChoice::Auto && options.fit.scheme == Scheme::DooSabin &&
-      are_mostly_triangles(mesh))
+  if (may_pair && (options.crease_degrees || options.method == InterpolationMethod::Fair))
     given = mesh;
   ReadyFit ready = prepare_one(std::move(mesh), name, options);
-  if (given) {
+  if (may_pair) {
     report(kOneReady);
     const Halves halves =
         look_halved(ready.fitted.mesh, *ready.fitted.options.prepared, options.crease_degrees);
     if (halves != Halves::No) {
       report(kLookedHalved);
       ready.is_plainly_halved = halves == Halves::Plain;
-      ready.paired = prepare_paired(std::move(*given), name, options);
+      ready.paired = prepare_paired(ready, std::move(given));
     }
   }
   report(1);

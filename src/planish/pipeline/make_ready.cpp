@@ -34,19 +34,6 @@ void cut_concave_faces(ReadyMesh& prepared) {
   prepared.prepared = prepare_if_sound(prepared.mesh);
 }
 
-void pair_up(ReadyMesh& ready, std::optional<double> crease_degrees) {
-  PairedMesh paired =
-      with_paired_triangles(ready.mesh, *ready.prepared, pair_options(crease_degrees));
-  if (paired.pair_count == 0) return;
-  std::vector<std::int32_t>& sources = ready.source_faces;
-  if (!sources.empty())
-    for (std::int32_t& face : paired.source_faces) face = sources[face];
-  sources = std::move(paired.source_faces);
-  ready.paired_count = paired.pair_count;
-  ready.mesh = std::move(paired.mesh);
-  ready.prepared = prepare_if_sound(ready.mesh);
-}
-
 // What was said of the vertices of the welded mesh, of the file's.
 void name_sources(ReadyMesh& ready, std::vector<std::int32_t>&& welded) {
   if (welded.empty()) return;
@@ -72,6 +59,20 @@ void find_creases(ReadyMesh& ready, const Preparation& choice) {
 }
 
 }  // namespace
+
+bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees) {
+  PairedMesh paired =
+      with_paired_triangles(ready.mesh, *ready.prepared, pair_options(crease_degrees));
+  if (paired.pair_count == 0) return false;
+  std::vector<std::int32_t>& sources = ready.source_faces;
+  if (!sources.empty())
+    for (std::int32_t& face : paired.source_faces) face = sources[face];
+  sources = std::move(paired.source_faces);
+  ready.paired_count = paired.pair_count;
+  ready.mesh = std::move(paired.mesh);
+  ready.prepared = prepare_if_sound(ready.mesh);
+  return true;
+}
 
 void make_fair(ReadyMesh& ready) {
   cut_concave_faces(ready);

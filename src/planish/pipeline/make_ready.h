@@ -49,6 +49,10 @@ struct ReadyMesh : RepairedMesh {
 /// then leaves `mesh` as it is, or welded.
 [[nodiscard]] ReadyMesh make_ready(PolygonMesh&& mesh, const Preparation& choice);
 
+/// What that does where triangles are paired, of a mesh that is ready otherwise and has no found
+/// creases. False, and nothing is done, where none are.
+bool pair_up(ReadyMesh& ready, std::optional<double> crease_degrees);
+
 /// What that does for fair surfaces alone, of a mesh that is ready otherwise and has no found
 /// creases.
 void make_fair(ReadyMesh& ready);
