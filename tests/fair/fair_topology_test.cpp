@@ -52,7 +52,8 @@ TEST(FairTopology, RingsAreThoseOfTheSubdivision) {
 
 TEST(FairTopology, EdgesHaveTheirFourCorners) {
   for_each_topology([](const FairCase&, const FairTopology& topology) {
-    for (const FairTopology::Edge& edge : topology.edges) {
+    for (std::size_t e = 0; e < topology.edge_corners.size(); ++e) {
+      const FairTopology::Edge edge = topology.edge(e);
       const auto vertex = [&](int k) { return topology.corner_vertices[edge.corners[k]]; };
       EXPECT_EQ(vertex(1), vertex(2));
       EXPECT_EQ(vertex(0), vertex(3));

@@ -33,7 +33,8 @@ int folded_samples(const FairCase& c, std::span<const dvec3> state) {
   NetSamples samples{topology, c.given, offsets};
   samples.sum_large_faces();
   int folded = 0;
-  for (const FairTopology::Edge& edge : topology.edges) {
+  for (std::size_t e = 0; e < topology.edge_corners.size(); ++e) {
+    const FairTopology::Edge edge = topology.edge(e);
     for (const int32_t face : edge.faces) {
       folded += glm::dot(samples.at_edge(edge), face_normals[face]) < 0;
     }

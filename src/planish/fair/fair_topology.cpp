@@ -141,12 +141,9 @@ void gather_edges(const Subdivision& subdivision, FairTopology& topology) {
     return subdivision.sharp_of_edge(static_cast<std::int32_t>(e)) < 0;
   };
   const SelectedBlocks blocks = count_selected(count, is_smooth);
-  topology.edges = std::vector<FairTopology::Edge>(static_cast<std::size_t>(blocks.total));
+  topology.edge_corners.resize(static_cast<std::size_t>(blocks.total));
   for_selected(count, blocks, is_smooth, [&](std::size_t e, std::int32_t number) {
-    const std::int32_t own = base.corner_of(static_cast<std::int32_t>(e));
-    const std::int32_t twin = base.twin(own);
-    topology.edges[number] = {{base.next(own), own, base.next(twin), twin},
-                              {base.face_of(own), base.face_of(twin)}};
+    topology.edge_corners[number] = base.corner_of(static_cast<std::int32_t>(e));
   });
 }
 

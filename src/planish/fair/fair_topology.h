@@ -78,7 +78,7 @@ struct FairTopology {
   /// State indices of the control points beside a corner's own around its vertex: after it and
   /// before it, counter-clockwise.
   std::vector<std::int32_t> corner_ccw, corner_cw;
-  std::vector<Edge> edges;
+  std::vector<std::int32_t> edge_corners;  ///< of edges that are not sharp, Edge::corners[1]
 
   UnitCircle unit_circle;  ///< of all face sizes and valences
   /// What is asked of a face or ring at each of its corners is found once where these are as many.
@@ -108,6 +108,14 @@ struct FairTopology {
   [[nodiscard]] std::span<const std::int32_t> face(std::int32_t index) const {
     return corner_vertices.subspan(static_cast<std::size_t>(face_offsets[index]),
                                    static_cast<std::size_t>(face_size(index)));
+  }
+  /// By number among `edge_corners`.
+  [[nodiscard]] Edge edge(std::size_t number) const {
+    const std::int32_t own = edge_corners[number], other = corner_cw[own];
+    const std::int32_t f = corner_faces[own], g = corner_faces[other];
+    return {{own + 1 == face_offsets[f + 1] ? face_offsets[f] : own + 1, own, other,
+             (other == face_offsets[g] ? face_offsets[g + 1] : other) - 1},
+            {f, g}};
   }
   [[nodiscard]] std::int32_t first_curve_point() const { return corner_count; }
   [[nodiscard]] VertexKind kind(std::int32_t vertex) const {

@@ -97,8 +97,8 @@ bool Cure::vertex_is_bad(std::int32_t vertex) const {
 
 std::int64_t Cure::test_edges(bool count) {
   std::atomic<std::int64_t> folded = 0;
-  parallel_each(topology.edges.size(), kCureGrain, [&](std::size_t e) {
-    const FairTopology::Edge& edge = topology.edges[e];
+  parallel_each(topology.edge_corners.size(), kCureGrain, [&](std::size_t e) {
+    const FairTopology::Edge edge = topology.edge(e);
     const std::int32_t v = topology.corner_vertices[edge.corners[0]];
     const std::int32_t w = topology.corner_vertices[edge.corners[1]];
     if (!count && !changed[v] && !changed[w]) return;

@@ -48,8 +48,8 @@ struct FoldTest {
 FoldCount find_folds(const FoldTest& test, std::span<std::uint8_t> flags) {
   const FairTopology& topology = test.samples.topology;
   std::atomic<std::int64_t> edges = 0, faces = 0;
-  parallel_each(topology.edges.size(), kRepairGrain, [&](std::size_t e) {
-    const FairTopology::Edge& edge = topology.edges[e];
+  parallel_each(topology.edge_corners.size(), kRepairGrain, [&](std::size_t e) {
+    const FairTopology::Edge edge = topology.edge(e);
     if (!test.edge_is_folded(edge)) return;
     if (owns_face(test.halo, edge.faces[0])) ++edges;
     flag(flags, topology.corner_vertices[edge.corners[0]]);

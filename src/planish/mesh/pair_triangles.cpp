@@ -16,8 +16,10 @@
 #include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/core/prefix_sum.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/mesh_topology.h"
+#include "planish/mesh/quad_rule.h"
 #include "planish/mesh/triangle_edges.h"
 
 namespace planish {
@@ -42,29 +44,6 @@ std::array<std::int32_t, 4> quad_of(std::span<const Triangle> triangles, std::in
           start(previous_half_edge(half_edge))};
 }
 
-// Largest deviation of a corner from a right angle; none for a quad that may not be.
-std::optional<double> badness_of(std::span<const glm::dvec3> positions,
-                                 const std::array<std::int32_t, 4>& quad,
-                                 const PairOptions& options) {
-  const auto place = [&](std::size_t i) { return positions[quad[i % 4]]; };
-  const glm::dvec3 n0 = glm::cross(place(1) - place(0), place(2) - place(0));
-  const glm::dvec3 n1 = glm::cross(place(2) - place(0), place(3) - place(0));
-  const double lengths = glm::length(n0) * glm::length(n1);
-  if (!(lengths > 0) || glm::dot(n0, n1) < lengths * std::cos(options.largest_turn * kDegree))
-    return std::nullopt;
-  const glm::dvec3 normal = n0 + n1;
-  double worst = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const glm::dvec3 ahead = place(i + 1) - place(i), back = place(i + 3) - place(i);
-    const glm::dvec3 cross = glm::cross(ahead, back);
-    if (!(glm::dot(cross, normal) > 0)) return std::nullopt;
-    const double angle = std::atan2(glm::length(cross), glm::dot(ahead, back));
-    if (angle > options.largest_angle * kDegree) return std::nullopt;
-    worst = std::max(worst, std::abs(angle - std::numbers::pi / 2));
-  }
-  return worst;
-}
-
 // Grows a set of pairs, each a half-edge and its twin.
 class Pairing {
  public:
@@ -76,10 +55,14 @@ class Pairing {
   [[nodiscard]] std::span<const std::int32_t> chosen() const { return chosen_; }
 
   void pair_greedily() {
-    std::vector<std::pair<double, std::int32_t>> order;
-    order.reserve(twins_.size() / 2);
-    for (std::int32_t h = 0; h < static_cast<std::int32_t>(twins_.size()); ++h)
-      if (badness_[h] != kNoPair && h < twins_[h]) order.emplace_back(badness_[h], h);
+    const auto leads = [&](std::size_t h) {
+      return badness_[h] != kNoPair && static_cast<std::int32_t>(h) < twins_[h];
+    };
+    const SelectedBlocks blocks = count_selected(twins_.size(), leads);
+    std::vector<std::pair<double, std::int32_t>> order(static_cast<std::size_t>(blocks.total));
+    for_selected(twins_.size(), blocks, leads, [&](std::size_t h, std::int32_t number) {
+      order[number] = {badness_[h], static_cast<std::int32_t>(h)};
+    });
     oneapi::tbb::parallel_sort(order.begin(), order.end());
     for (const auto& [badness, h] : order)
       if (chosen_[h / 3] < 0 && chosen_[twins_[h] / 3] < 0) join(h);
@@ -144,11 +127,12 @@ std::vector<std::int32_t> lost_half_edges(std::span<const glm::dvec3> positions,
                                           std::span<const Triangle> triangles,
                                           std::span<const std::int32_t> twins,
                                           const PairOptions& options) {
+  const QuadRule rule(options);
   std::vector<double> badness(twins.size(), kNoPair);
   parallel_each(twins.size(), [&](std::size_t i) {
     const auto h = static_cast<std::int32_t>(i);
     if (twins[h] < h) return;
-    const auto found = badness_of(positions, quad_of(triangles, h, twins[h]), options);
+    const auto found = rule.badness_of(positions, quad_of(triangles, h, twins[h]));
     if (found) badness[h] = badness[twins[h]] = *found;
   });
   Pairing pairing(twins, std::move(badness));
@@ -160,8 +144,9 @@ std::vector<std::int32_t> lost_half_edges(std::span<const glm::dvec3> positions,
 // A mesh's triangles among its faces, numbered by themselves.
 struct TrianglesOf {
   std::vector<Triangle> triangles;
-  std::vector<std::int32_t> faces;  // of the mesh, by triangle
-  std::vector<std::int32_t> twins;  // by half-edge; -1 where the edge has to stay
+  std::vector<std::int32_t> faces;    // of the mesh, by triangle
+  std::vector<std::int32_t> of_face;  // and back; -1: the face is no triangle
+  std::vector<std::int32_t> twins;    // by half-edge; -1 where the edge has to stay
 };
 
 class Borders {
@@ -207,20 +192,26 @@ TrianglesOf triangles_of(const PolygonMesh& mesh, const PreparedMesh& prepared) 
   const MeshTopology& topology = *prepared.topology;
   const Borders borders(mesh, prepared);
   TrianglesOf own;
-  std::vector<std::int32_t> triangle_of(static_cast<std::size_t>(mesh.face_count()), -1);
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (mesh.face_size(f) != 3) continue;
-    const auto face = mesh.face(f);
-    triangle_of[f] = static_cast<std::int32_t>(own.triangles.size());
-    own.triangles.push_back({face[0], face[1], face[2]});
-    own.faces.push_back(f);
-  }
+  const auto face_count = static_cast<std::size_t>(mesh.face_count());
+  const auto is_triangle = [&](std::size_t f) {
+    return mesh.face_size(static_cast<std::int32_t>(f)) == 3;
+  };
+  const SelectedBlocks blocks = count_selected(face_count, is_triangle);
+  own.of_face.assign(face_count, -1);
+  own.triangles.resize(static_cast<std::size_t>(blocks.total));
+  own.faces.resize(own.triangles.size());
+  for_selected(face_count, blocks, is_triangle, [&](std::size_t f, std::int32_t number) {
+    const auto face = mesh.face(static_cast<std::int32_t>(f));
+    own.of_face[f] = number;
+    own.triangles[number] = {face[0], face[1], face[2]};
+    own.faces[number] = static_cast<std::int32_t>(f);
+  });
   own.twins.assign(3 * own.triangles.size(), -1);
   parallel_each(own.twins.size(), [&](std::size_t h) {
     const std::int32_t corner =
         mesh.face_offsets[own.faces[h / 3]] + static_cast<std::int32_t>(h % 3);
     const std::int32_t twin = topology.twin(corner);
-    const std::int32_t other = twin < 0 ? -1 : triangle_of[topology.face_of(twin)];
+    const std::int32_t other = twin < 0 ? -1 : own.of_face[topology.face_of(twin)];
     if (other >= 0 && !borders.has(topology, corner, twin))
       own.twins[h] = 3 * other + topology.place_of(twin);
   });
@@ -264,14 +255,14 @@ void add_corners(const PolygonMesh& source, std::span<const std::int32_t> corner
 
 // The half-edge that a triangle would lose first; -1: none.
 std::int32_t first_choice(const TrianglesOf& own, std::span<const glm::dvec3> positions,
-                          const PairOptions& options, std::int32_t triangle) {
+                          const QuadRule& rule, std::int32_t triangle) {
   std::int32_t best = -1;
   double least = 0;
   for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
     const std::int32_t twin = own.twins[h];
     if (twin < 0) continue;
-    const auto badness = badness_of(
-        positions, quad_of(own.triangles, std::min(h, twin), std::max(h, twin)), options);
+    const auto badness =
+        rule.badness_of(positions, quad_of(own.triangles, std::min(h, twin), std::max(h, twin)));
     const bool is_first = best < 0 || badness < least ||
                           (badness == least && std::min(h, twin) < std::min(best, own.twins[best]));
     if (!badness || !is_first) continue;
@@ -302,9 +293,7 @@ HalvedVertices halved_vertices(const PolygonMesh& mesh, const PreparedMesh& prep
   const MeshTopology& topology = *prepared.topology;
   HalvedVertices result;
   const TrianglesOf own = triangles_of(mesh, prepared);
-  std::vector<std::int32_t> triangle_of(static_cast<std::size_t>(mesh.face_count()), -1);
-  for (std::size_t t = 0; t < own.faces.size(); ++t)
-    triangle_of[own.faces[t]] = static_cast<std::int32_t>(t);
+  const QuadRule rule(options);
   const std::int32_t step = 1 + topology.vertex_count() / kMostLookedAt;
   for (std::int32_t v = 0; v < topology.vertex_count(); v += step) {
     ++result.looked_at;
@@ -316,12 +305,12 @@ HalvedVertices halved_vertices(const PolygonMesh& mesh, const PreparedMesh& prep
     std::int64_t lost = 0;
     for (const std::int32_t corner : corners) {
       // Its leading edge, if both sides would lose it first.
-      const std::int32_t t = triangle_of[topology.face_of(corner)];
+      const std::int32_t t = own.of_face[topology.face_of(corner)];
       if (t < 0) continue;
       const std::int32_t half_edge = 3 * t + topology.place_of(corner);
       const std::int32_t twin = own.twins[half_edge];
-      if (twin >= 0 && first_choice(own, mesh.positions, options, t) == half_edge &&
-          first_choice(own, mesh.positions, options, twin / 3) == twin)
+      if (twin >= 0 && first_choice(own, mesh.positions, rule, t) == half_edge &&
+          first_choice(own, mesh.positions, rule, twin / 3) == twin)
         ++lost;
     }
     if (std::ssize(corners) - lost == 4) ++result.regular;

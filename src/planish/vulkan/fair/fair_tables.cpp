@@ -68,8 +68,9 @@ void add_corners(const FairTopology& topology, FairRecords& records) {
 }
 
 void add_edges(const FairTopology& topology, FairRecords& records) {
-  records.edges.reserve(topology.edges.size());
-  for (const FairTopology::Edge& edge : topology.edges) {
+  records.edges.reserve(topology.edge_corners.size());
+  for (std::size_t e = 0; e < topology.edge_corners.size(); ++e) {
+    const FairTopology::Edge edge = topology.edge(e);
     records.edges.push_back({word(edge.corners[0]), word(edge.corners[1]), word(edge.corners[2]),
                              word(edge.corners[3]), word(edge.faces[0]), word(edge.faces[1]), 0,
                              0});
