@@ -58,23 +58,58 @@ void append_number(std::string& text, double value) {
 
 }  // namespace
 
-PolygonMesh torus_grid(std::int32_t quad_count) {
-  const auto n = static_cast<std::int32_t>(std::lround(std::sqrt(quad_count)));
+namespace {
+
+// The vertices of an n by n torus, moved by what `move` returns, in edges.
+template <class Move>
+PolygonMesh torus_points(std::int32_t n, const Move& move) {
   PolygonMesh mesh;
   mesh.positions.reserve(static_cast<std::size_t>(n) * n);
   for (std::int32_t j = 0; j < n; ++j) {
     for (std::int32_t i = 0; i < n; ++i) {
-      const double u = 2 * std::numbers::pi * i / n, v = 2 * std::numbers::pi * j / n;
+      const double u = 2 * std::numbers::pi * (i + move()) / n;
+      const double v = 2 * std::numbers::pi * (j + move()) / n;
       const double radius = 1 + 0.4 * std::cos(v);
       mesh.positions.push_back({radius * std::cos(u), radius * std::sin(u), 0.4 * std::sin(v)});
     }
   }
+  return mesh;
+}
+
+// Calls add(corners) for the quads of an n by n torus.
+template <class Add>
+void for_torus_quads(std::int32_t n, const Add& add) {
   for (std::int32_t j = 0; j < n; ++j) {
     for (std::int32_t i = 0; i < n; ++i) {
       const std::int32_t i1 = (i + 1) % n, j1 = (j + 1) % n;
-      mesh.add_face(std::array{j * n + i, j * n + i1, j1 * n + i1, j1 * n + i});
+      add(std::array{j * n + i, j * n + i1, j1 * n + i1, j1 * n + i});
     }
   }
+}
+
+std::int32_t side_of(std::int32_t quad_count) {
+  return static_cast<std::int32_t>(std::lround(std::sqrt(quad_count)));
+}
+
+}  // namespace
+
+PolygonMesh torus_grid(std::int32_t quad_count) {
+  const std::int32_t n = side_of(quad_count);
+  PolygonMesh mesh = torus_points(n, [] { return 0; });
+  for_torus_quads(n, [&](const auto& quad) { mesh.add_face(quad); });
+  return mesh;
+}
+
+PolygonMesh irregular_triangles(std::int32_t quad_count) {
+  const std::int32_t n = side_of(quad_count);
+  std::mt19937 random(1);
+  // The generator's own numbers: standard distributions differ between libraries.
+  PolygonMesh mesh = torus_points(n, [&] { return 0.4 * (random() / 4294967295.0 - 0.5); });
+  for_torus_quads(n, [&](const std::array<std::int32_t, 4>& q) {
+    const std::size_t k = random() % 2;
+    mesh.add_face(std::array{q[k], q[k + 1], q[k + 2]});
+    mesh.add_face(std::array{q[k], q[k + 2], q[(k + 3) % 4]});
+  });
   return mesh;
 }
 

@@ -10,9 +10,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/agreement.h"
@@ -132,22 +134,53 @@ void write_text(const std::string& path, const std::string& text) {
   if (!file.flush()) throw std::runtime_error(path + " cannot be written");
 }
 
-std::vector<std::string> fit_command(const JobFolder& folder, int level) {
+std::vector<std::string> fit_command(const JobFolder& folder,
+                                     std::initializer_list<std::string> flags) {
   const std::string program = (fs::read_symlink("/proc/self/exe").parent_path() / "planish");
-  return {program,
-          "fit",
-          folder.file("in.obj"),
-          "-o",
-          folder.file("out.glb"),
-          "--levels",
-          std::to_string(level),
-          "--interpolation",
-          "progressive",
-          "--device",
-          "cpu",
-          "--force",
-          "--report",
-          folder.file("report.json")};
+  std::vector<std::string> words = {
+      program, "fit",    folder.file("in.obj"), "-o", folder.file("out.glb"), "--device",
+      "cpu",   "--force"};
+  words.insert(words.end(), flags);
+  return words;
+}
+
+std::vector<std::string> progressive_command(const JobFolder& folder, int level) {
+  return fit_command(folder, {"--levels", std::to_string(level), "--interpolation", "progressive",
+                              "--report", folder.file("report.json")});
+}
+
+// Adds gltfpack as the baseline, where it is.
+void add_gltfpack(Group& group, const JobFolder& folder) {
+  if (!is_installed("gltfpack")) {
+    std::fprintf(stderr, "%s: gltfpack is not installed and left out\n", group.name.c_str());
+    return;
+  }
+  group.baseline = "gltfpack";
+  group.peers.push_back(
+      {"gltfpack", [&folder] {
+         run_program({"gltfpack", "-i", folder.file("in.obj"), "-o", folder.file("packed.glb")});
+       }});
+}
+
+// What everybody gets who gives triangles and no flag.
+std::vector<Row> bench_triangles_job(const Options& options) {
+  const PolygonMesh mesh = irregular_triangles(options.quad_count);
+  const JobFolder folder;
+  write_text(folder.file("in.obj"), obj_text(mesh));
+  Group group;
+  group.name = "job-triangles";
+  group.size = std::to_string(mesh.face_count()) + " irregular triangles";
+  group.baseline = "planish-default-level-0";
+  group.peers = {
+      {"planish-default-level-0",
+       [&] {
+         run_program(fit_command(folder, {"--levels", "0", "--quiet"}));
+       }},
+      {"planish-quads-off-level-0", [&] {
+         run_program(fit_command(folder, {"--levels", "0", "--quiet", "--quads", "off"}));
+       }}};
+  add_gltfpack(group, folder);
+  return run_group(group, std::min(options.repetitions, kJobRuns));
 }
 
 }  // namespace
@@ -169,7 +202,7 @@ std::vector<Row> bench_job(const Options& options) {
   require_agreement("job",
                     std::span<const glm::dvec3>(rows.positions).first(file.mesh.positions.size()),
                     file.mesh.positions);
-  run_program(fit_command(folder, kJobLevel));
+  run_program(progressive_command(folder, kJobLevel));
   const std::uint64_t level_bytes = fs::file_size(folder.file("out.glb"));
 
   Group group;
@@ -178,8 +211,8 @@ std::vector<Row> bench_job(const Options& options) {
                " bytes of OBJ";
   group.baseline = "planish-level-0";
   group.peers = {
-      {"planish-level-0", [&] { run_program(fit_command(folder, 0)); }},
-      {"planish-level-2", [&] { run_program(fit_command(folder, kJobLevel)); }},
+      {"planish-level-0", [&] { run_program(progressive_command(folder, 0)); }},
+      {"planish-level-2", [&] { run_program(progressive_command(folder, kJobLevel)); }},
       {"set-and-write-level-2", [&] { set_and_write(folder.file("plain"), level_bytes); }},
       {"read", [&] { (void)read(); }},
       {"fit", [&] { (void)fit(file.mesh, *backend); }},
@@ -189,16 +222,10 @@ std::vector<Row> bench_job(const Options& options) {
       {"planish-tables-level-2",
        [&] { apply_table_chain(fitted.cage, kJobLevel, rows.positions, rows.normals); }},
   };
-  if (is_installed("gltfpack")) {
-    group.baseline = "gltfpack";
-    group.peers.push_back(
-        {"gltfpack", [&] {
-           run_program({"gltfpack", "-i", folder.file("in.obj"), "-o", folder.file("packed.glb")});
-         }});
-  } else {
-    std::fprintf(stderr, "job: gltfpack is not installed and left out\n");
-  }
-  return run_group(group, std::min(options.repetitions, kJobRuns));
+  add_gltfpack(group, folder);
+  std::vector<Row> rows_of_all = run_group(group, std::min(options.repetitions, kJobRuns));
+  for (Row& row : bench_triangles_job(options)) rows_of_all.push_back(std::move(row));
+  return rows_of_all;
 }
 
 }  // namespace planish::bench
