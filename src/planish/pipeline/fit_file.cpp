@@ -10,11 +10,14 @@
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/gltf/asset/write_asset.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/read_file.h"
 #include "planish/files/write_surface.h"
 #include "planish/mesh/statistics.h"
 #include "planish/patches/patch_evaluator.h"
+#include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/make_ready.h"
 #include "planish/surface/doo_sabin_surface.h"
 
@@ -120,6 +123,87 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
   return write_surface(path, format, surface, how);
 }
 
+bool keeps_asset(const std::filesystem::path& input, const std::filesystem::path& output,
+                 const FitFileOptions& options) {
+  const auto from = format_of(input), to = format_of(output);
+  return options.keeps_asset && options.cage.empty() && from && info_of(*from).is_gltf && to &&
+         info_of(*to).is_gltf && !info_of(*to).is_tiles;
+}
+
+// A mesh of an asset with its surface.
+struct AssetPart {
+  AssetMesh mesh;
+  FittedMesh fitted;
+  SurfaceLevel level;
+  std::unique_ptr<const AssetAttributes> attributes;
+};
+
+// As fit_mesh(); empty, with a warning, where several meshes are and no surface can be made of it.
+std::unique_ptr<AssetPart> fitted_part(const GltfAsset& asset, std::int64_t number,
+                                       const MeshFitOptions& how, Backend& backend,
+                                       const FitFileOptions& options) {
+  const bool is_one = asset.surfaces().size() == 1;
+  const std::string file(asset.file().name);
+  auto part = std::make_unique<AssetPart>();
+  part->mesh = asset.read(number);
+  try {
+    for (const Warning& warning : part->mesh.file.warnings) how.fit.callbacks.warn(warning);
+    part->fitted = fit_mesh(std::move(part->mesh.file.mesh),
+                            is_one ? file : file + ": " + part->mesh.name, backend, how);
+  } catch (const Error& error) {
+    if (is_one || error.code() != ErrorCode::UnusableMesh) throw;
+    how.fit.callbacks.warn({"kept-mesh",
+                            file + ": meshes[" + std::to_string(number) +
+                                "] stays as it is, no surface can be made of it: " + error.what(),
+                            1, number});
+    return nullptr;
+  }
+  part->fitted.split_normals = options.split_normals;
+  part->level = surface_level(part->fitted, backend, {options.level, options.z_up, {}});
+  part->attributes = std::make_unique<const AssetAttributes>(
+      part->mesh, part->fitted, *part->level.blocks, backend, how.fit.callbacks);
+  return part;
+}
+
+FileFit fitted_asset(const GltfAsset& asset, const std::filesystem::path& output,
+                     const MeshFitOptions& how, Backend& backend, const FitFileOptions& options) {
+  const std::vector<std::int64_t>& numbers = asset.surfaces();
+  const double fitted_share = 1 / (1 + 0.1 * std::ldexp(1.0, 2 * options.level));
+  std::vector<std::unique_ptr<AssetPart>> parts;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    MeshFitOptions one = how;
+    const auto share = [&](std::size_t k) {
+      return fitted_share * static_cast<double>(k) / static_cast<double>(numbers.size());
+    };
+    one.fit.callbacks = share_of(how.fit.callbacks, share(i), share(i + 1));
+    if (auto part = fitted_part(asset, numbers[i], one, backend, options))
+      parts.push_back(std::move(part));
+  }
+  if (parts.empty())
+    throw Error(ErrorCode::UnusableMesh,
+                std::string(asset.file().name) + ": no surface can be made of any mesh");
+  std::vector<AssetSurface> surfaces;
+  FileFit result;
+  for (const auto& part : parts) {
+    GltfOptions gltf = gltf_options(part->fitted, part->mesh.name, {options.level, false, {}});
+    gltf.origin = glm::dvec3(0.0);
+    part->attributes->add_to(gltf);
+    surfaces.push_back(
+        {part->mesh.number, part->level.blocks.get(), &part->mesh.vertices, std::move(gltf)});
+    result.vertex_count += part->level.blocks->info().row_count;
+    result.face_count += part->level.blocks->info().face_count;
+  }
+  GltfOptions common;
+  common.name = std::string(asset.file().name);
+  if (parts.size() == 1) common.extras = surfaces.front().options.extras;
+  common.callbacks = share_of(how.fit.callbacks, fitted_share, 1);
+  result.byte_count = write_asset(output, output.parent_path(), asset, surfaces, common).byte_count;
+  result.fitted = std::move(parts.front()->fitted);
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    result.further.push_back(std::move(parts[i]->fitted));
+  return result;
+}
+
 // `how` with the method as it is settled.
 FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::path& output,
                     MeshFitOptions how, std::optional<FileFormat> cage_format, Backend& backend,
@@ -129,6 +213,20 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   const double surface = 0.1 * std::ldexp(1.0, 2 * options.level);
   const double read = 0.2 / (1 + surface), fit = 1 / (1 + surface);
   how.fit.callbacks = share_of(callbacks, read, fit);
+  if (keeps_asset(input, output, options)) {
+    const RawVector<std::byte> bytes = read_file(input, share_of(callbacks, 0, read));
+    const std::string name = visible(input);
+    const auto asset = asset_of({.bytes = bytes,
+                                 .name = name,
+                                 .path = input,
+                                 .split_normals_crease = options.split_normals,
+                                 .is_strict = !options.mesh.repairs},
+                                *format_of(input));
+    if (asset) {
+      how.fit.callbacks = callbacks;
+      return fitted_asset(*asset, output, how, backend, options);
+    }
+  }
   MeshFile file =
       read_faces(input, options.split_normals, !options.mesh.repairs, share_of(callbacks, 0, read));
   for (const Warning& warning : file.warnings) callbacks.warn(warning);

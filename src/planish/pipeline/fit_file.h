@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "planish/backend/backend.h"
 #include "planish/core/callbacks.h"
@@ -16,12 +17,16 @@ struct FitFileOptions {
   bool z_up = false;           ///< turns a Z-up model upright in glTF
   /// Sharp are also edges where the normals of glTF, OBJ or PLY are split (see FileBytes).
   bool split_normals = false;
+  /// A glTF that becomes one, without a cage, keeps nodes, materials, textures, skins, morphs and
+  /// animations; each of its meshes is fitted by itself. Else its scene becomes one mesh.
+  bool keeps_asset = true;
   Backend* backend = nullptr;  ///< null: all cores of the CPU, as the command's --device cpu
 };
 
 /// What became of a file.
 struct FileFit {
-  FittedMesh fitted;
+  FittedMesh fitted;                ///< of an asset its first mesh
+  std::vector<FittedMesh> further;  ///< of an asset the others
   std::int64_t vertex_count = 0, face_count = 0;  ///< of the surface that was written
   std::uint64_t byte_count = 0;                   ///< of its file, a .gltf's .bin included
 };

@@ -34,6 +34,8 @@ constexpr std::array kInterpolationWords{
     OptionWord<InterpolationChoice>{"auto", InterpolationChoice::Auto},
     OptionWord<InterpolationChoice>{"progressive", InterpolationChoice::Progressive},
     OptionWord<InterpolationChoice>{"fair", InterpolationChoice::Fair}};
+constexpr std::array kAssetWords{OptionWord<AssetChoice>{"keep", AssetChoice::Keep},
+                                 OptionWord<AssetChoice>{"merge", AssetChoice::Merge}};
 constexpr std::array kCompressionWords{
     OptionWord<GltfCompression>{"none", GltfCompression::None},
     OptionWord<GltfCompression>{"quantize", GltfCompression::Quantize},
@@ -351,6 +353,12 @@ std::vector<FitOption> make_table() {
                    .help = "z turns a Z-up input upright for glTF, and is told to USD"},
                   kUpWords, &FitSettings::up),
       attributes_option(),
+      word_option({.name = "asset",
+                   .stage = Stage::Output,
+                   .initial = "keep",
+                   .help = "a glTF that becomes a glTF: each mesh by itself, nodes, materials, "
+                           "textures, skins and animations as they are; or the scene as one mesh"},
+                  kAssetWords, &FitSettings::asset),
       word_option({.name = "compress",
                    .stage = Stage::Output,
                    .initial = "none",

@@ -17,6 +17,8 @@ namespace planish {
 enum class PrecisionChoice { Auto, Float, Double };
 enum class UpAxis { Y, Z };
 enum class RepairChoice { None, Safe };
+/// A glTF that becomes one: with all that it holds, or one mesh of its scene.
+enum class AssetChoice { Keep, Merge };
 /// Auto: fair for point clouds; of meshes the better one by measurement, and progressive where a
 /// cage is wanted.
 enum class InterpolationChoice { Auto, Progressive, Fair };
@@ -63,6 +65,7 @@ struct FitSettings {
   std::vector<CornerVertex> corner_vertices;
   UpAxis up = UpAxis::Y;
   FieldChoice attributes;  ///< that surfaces carry as data
+  AssetChoice asset = AssetChoice::Keep;
   GltfCompression compression = GltfCompression::None;
   std::int64_t tile_vertices = 262'144;  ///< about so many has a file of 3D Tiles
   bool skirts = false;                   ///< along the boundaries of tiles

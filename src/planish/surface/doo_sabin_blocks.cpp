@@ -83,22 +83,35 @@ DegenerateRows DooSabinBlocks::rows(RowRange range, const RowTarget& target) con
                      ? surface_.rows(base_.state(), base_.placement(), range, target)
                      : rows_from_device(range, target);
   }
-  if (target.colors.empty()) return degenerate;
-  const PatchNumbering& numbering = surface_.numbering();
-  const PolygonMesh& mesh = base_.mesh();
-  const auto at = [&](std::int32_t corner) {
-    return glm::dvec4(mesh.colors[topology_.vertex_of(corner)]);
-  };
-  const std::int64_t vertices = numbering.end_row(PatchNumbering::Part::Vertices);
-  for (std::int64_t row = range.first; row < std::min(range.first + range.count, vertices); ++row) {
-    const std::int32_t corner = numbering.item_corner(PatchNumbering::Part::Vertices, row);
-    target.colors[row - range.first] = mesh.colors[topology_.vertex_of(corner)];
-  }
-  BilinearRows<glm::dvec4, decltype(at)>(topology_, numbering, at)
-      .write(range, [&](std::int64_t row, const glm::dvec4& color) {
-        target.colors[row - range.first] = glm::vec4(color);
-      });
+  if (!target.colors.empty())
+    linear_rows(range, target.colors,
+                [&](std::int32_t vertex) { return base_.mesh().colors[vertex]; });
   return degenerate;
+}
+
+bool DooSabinBlocks::rows_of(std::span<const glm::vec4> given, RowRange range,
+                             std::span<glm::vec4> values) const {
+  linear_rows(range, values,
+              [&](std::int32_t vertex) { return given[base_.used().vertices[vertex]]; });
+  return true;
+}
+
+template <class OfVertex>
+void DooSabinBlocks::linear_rows(RowRange range, std::span<glm::vec4> values,
+                                 const OfVertex& of_vertex) const {
+  const PatchNumbering& numbering = surface_.numbering();
+  const auto of_corner = [&](std::int32_t corner) {
+    return of_vertex(topology_.vertex_of(corner));
+  };
+  const auto at = [&](std::int32_t corner) { return glm::dvec4(of_corner(corner)); };
+  const std::int64_t vertices = numbering.end_row(PatchNumbering::Part::Vertices);
+  for (std::int64_t row = range.first; row < std::min(range.first + range.count, vertices); ++row)
+    values[row - range.first] =
+        of_corner(numbering.item_corner(PatchNumbering::Part::Vertices, row));
+  BilinearRows<glm::dvec4, decltype(at)>(topology_, numbering, at)
+      .write(range, [&](std::int64_t row, const glm::dvec4& value) {
+        values[row - range.first] = glm::vec4(value);
+      });
 }
 
 DegenerateRows DooSabinBlocks::rows_at(std::span<const std::int32_t> rows,
@@ -193,10 +206,10 @@ void DooSabinBlocks::corners_from_device(RowRange faces, std::span<glm::dvec3> p
   }
 }
 
-void DooSabinBlocks::uvs(RowRange range, std::span<glm::dvec2> values) const {
-  const PolygonMesh& mesh = base_.mesh();
+bool DooSabinBlocks::uvs_of(std::span<const glm::dvec2> given, RowRange range,
+                            std::span<glm::dvec2> values) const {
   const auto value = [&](std::size_t uv) {
-    return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
+    return uv < given.size() ? given[uv] : glm::dvec2(0.0);
   };
   const auto at = [&](std::int32_t corner) {
     return value(static_cast<std::size_t>(uvs_->indices[corner]));
@@ -208,6 +221,7 @@ void DooSabinBlocks::uvs(RowRange range, std::span<glm::dvec2> values) const {
   BilinearRows<glm::dvec2, decltype(at)>(topology_, *uv_numbering_, at)
       .write(range,
              [&](std::int64_t row, const glm::dvec2& uv) { values[row - range.first] = uv; });
+  return true;
 }
 
 void DooSabinBlocks::write_faces(const PatchNumbering& numbering, RowRange faces,

@@ -86,7 +86,13 @@ class DooSabinBlocks final : public SurfaceBlocks {
   void ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const override {
     for (std::int64_t i = 0; i < faces.count; ++i) mesh_faces[i] = mesh_face(faces.first + i);
   }
-  void uvs(RowRange range, std::span<glm::dvec2> values) const override;
+  void uvs(RowRange range, std::span<glm::dvec2> values) const override {
+    (void)uvs_of(base_.mesh().uvs, range, values);
+  }
+  bool uvs_of(std::span<const glm::dvec2> given, RowRange range,
+              std::span<glm::dvec2> values) const override;
+  bool rows_of(std::span<const glm::vec4> given, RowRange range,
+               std::span<glm::vec4> values) const override;
   void corners(RowRange faces, std::span<glm::dvec3> positions,
                std::span<glm::vec3> normals) const override {
     if (!device_rows_.empty()) return corners_from_device(faces, positions, normals);
@@ -116,6 +122,8 @@ class DooSabinBlocks final : public SurfaceBlocks {
   }
 
  private:
+  template <class OfVertex>
+  void linear_rows(RowRange range, std::span<glm::vec4> values, const OfVertex& of_vertex) const;
   void point_corners(RowRange faces, std::span<glm::dvec3> positions,
                      std::span<glm::vec3> normals) const;
   DegenerateRows quad_corners(RowRange faces, std::span<glm::dvec3> positions,

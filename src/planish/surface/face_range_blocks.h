@@ -39,6 +39,8 @@ class FaceRangeBlocks final : public SurfaceBlocks {
 
   /// The surface's row of each row, ascending.
   [[nodiscard]] std::span<const std::int32_t> surface_rows() const { return rows_.all(); }
+  /// Of each texture coordinate the same.
+  [[nodiscard]] std::span<const std::int32_t> surface_uvs() const { return uvs_.all(); }
 
   [[nodiscard]] std::vector<RowRange> row_blocks(std::int64_t row_count) const override;
   /// What it returns has the surface's numbers.

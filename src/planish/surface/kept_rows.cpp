@@ -106,6 +106,14 @@ class KeptRows final : public SurfaceBlocks {
     surface_.ancestors(faces, mesh_faces);
   }
   void uvs(RowRange uvs, std::span<glm::dvec2> values) const override { surface_.uvs(uvs, values); }
+  bool uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
+              std::span<glm::dvec2> values) const override {
+    return surface_.uvs_of(given, uvs, values);
+  }
+  bool rows_of(std::span<const glm::vec4> given, RowRange rows,
+               std::span<glm::vec4> values) const override {
+    return surface_.rows_of(given, rows, values);
+  }
   void corners(RowRange faces, std::span<glm::dvec3> positions,
                std::span<glm::vec3> normals) const override;
   void cuts(RowRange faces, std::span<std::uint8_t> from_1) const override {

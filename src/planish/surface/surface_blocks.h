@@ -85,6 +85,20 @@ class SurfaceBlocks {
   /// The face of the mesh that each one descends from.
   virtual void ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const = 0;
   virtual void uvs(RowRange uvs, std::span<glm::dvec2> values) const = 0;
+  /// The same of other values in the place of the mesh's texture coordinates, as many. False, and
+  /// nothing is written, where nobody knows the mesh any more.
+  virtual bool uvs_of([[maybe_unused]] std::span<const glm::dvec2> given,
+                      [[maybe_unused]] RowRange uvs,
+                      [[maybe_unused]] std::span<glm::dvec2> values) const {
+    return false;
+  }
+  /// Rows of what is given to each vertex of the mesh, linear between them as colours are. False as
+  /// above.
+  virtual bool rows_of([[maybe_unused]] std::span<const glm::vec4> given,
+                       [[maybe_unused]] RowRange rows,
+                       [[maybe_unused]] std::span<glm::vec4> values) const {
+    return false;
+  }
 
   /// Positions and normals at the corners of faces, without the rows: for figures that need no
   /// neighbours. Ranges are cheapest that begin and end at first faces of mesh faces.

@@ -2,10 +2,13 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 
+#include "files/gltf/asset_sample.h"
 #include "files/gltf/surfaces.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_surface.h"
+#include "planish/pipeline/fit_file.h"
 
 namespace planish {
 namespace {
@@ -69,6 +72,12 @@ void write_samples(const std::filesystem::path& folder) {
   everything.extras = {
       {"converged", true}, {"error", 1e-7}, {"iterations", std::int64_t{7}}, {"solver", "plain"}};
   write_gltf(folder / "everything.glb", test::wavy_grid(30, 20, everything.origin), everything);
+  {
+    std::ofstream(folder / "asset_in.glb", std::ios::binary) << test::AssetSample().glb();
+    for (const char* name : {"asset.glb", "asset.gltf"})
+      (void)fit_file(folder / "asset_in.glb", folder / name);
+    std::filesystem::remove(folder / "asset_in.glb");
+  }
   write_gltf(folder / "everything.gltf", test::wavy_grid(30, 20, everything.origin), everything);
 }
 

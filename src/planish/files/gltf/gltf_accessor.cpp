@@ -27,6 +27,10 @@ Wanted wanted_of(GltfAccessor::Use use, std::string_view type) {
       return {"VEC2", "texture coordinates"};
     case GltfAccessor::Use::Numbers:
       return {"SCALAR", "numbers"};
+    case GltfAccessor::Use::Vectors: {
+      const bool is_vector = type == "SCALAR" || type == "VEC2" || type == "VEC3";
+      return {is_vector ? type : "VEC4", "attributes"};
+    }
     case GltfAccessor::Use::Colors:
       break;
   }

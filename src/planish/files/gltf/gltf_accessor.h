@@ -15,7 +15,8 @@ namespace planish {
 /// A typed array whose every element lies within its buffer view.
 class GltfAccessor {
  public:
-  enum class Use { Positions, Normals, Indices, TextureCoordinates, Colors, Numbers };
+  /// Vectors: of one to four numbers each.
+  enum class Use { Positions, Normals, Indices, TextureCoordinates, Colors, Numbers, Vectors };
 
   /// Checks everything before any element can be asked for: component and element type for the
   /// use, count, offset, stride, and the same of the elements that a sparse accessor has in the
@@ -33,6 +34,11 @@ class GltfAccessor {
   [[nodiscard]] glm::vec4 color(std::int64_t index) const;
   /// Of Use::Numbers. May not be finite.
   [[nodiscard]] double value(std::int64_t index) const { return number(index, 0); }
+  /// Of Use::Vectors: the k-th of number_count().
+  [[nodiscard]] double value(std::int64_t index, std::int64_t k) const { return number(index, k); }
+  [[nodiscard]] std::int64_t number_count() const { return number_count_; }
+  /// Whole numbers that are not scaled to parts of 1.
+  [[nodiscard]] bool is_integer() const { return component_ != Float && !normalized_; }
   /// Of Use::Indices.
   [[nodiscard]] std::uint32_t index(std::int64_t index) const;
 

@@ -61,15 +61,26 @@ GltfBounds bounds_of_rows(const SurfaceBlocks& surface, const GltfOptions& optio
 }  // namespace
 
 GltfBlock::GltfBlock(const SurfaceBlocks& surface, RowRange faces, const GltfOptions& options)
-    : surface_(surface, faces), vertices_(gltf_vertices(surface_)), options_(options) {
+    : surface_(surface, faces), options_(options) {
   options_.callbacks = {};
-  fields_.reserve(options.fields.size());
-  for (NamedField& field : options_.fields) {
-    std::vector<float>& values = fields_.emplace_back();
-    for (const std::int32_t row : surface_.surface_rows())
-      values.push_back(field.values[static_cast<std::size_t>(row)]);
-    field.values = values;
+  options_.fields.clear();
+  options_.attributes = row_attributes(options);
+  for (GltfAttribute& attribute : options_.attributes) {
+    std::vector<float>& values = values_.emplace_back();
+    const auto width = static_cast<std::size_t>(attribute.width);
+    for (const std::int32_t row : surface_.surface_rows()) {
+      const auto of_row = attribute.values.subspan(width * static_cast<std::size_t>(row), width);
+      values.insert(values.end(), of_row.begin(), of_row.end());
+    }
+    attribute.values = values;
   }
+  for (std::span<const glm::dvec2>& set : options_.further_uvs) {
+    std::vector<glm::dvec2>& values = uvs_.emplace_back();
+    for (const std::int32_t uv : surface_.surface_uvs())
+      values.push_back(set[static_cast<std::size_t>(uv)]);
+    set = values;
+  }
+  vertices_ = gltf_vertices(surface_, options_);
   layout_ = gltf_layout(surface_, vertices_, options_);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <vector>
 
 #include "planish/core/raw_vector.h"
@@ -33,7 +34,8 @@ class GltfBlock {
   FaceRangeBlocks surface_;
   GltfVertices vertices_;
   GltfOptions options_;
-  std::vector<std::vector<float>> fields_;
+  std::list<std::vector<float>> values_;    // of options_.attributes
+  std::list<std::vector<glm::dvec2>> uvs_;  // of options_.further_uvs
   GltfLayout layout_;
 };
 

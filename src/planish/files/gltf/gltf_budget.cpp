@@ -12,7 +12,7 @@ namespace {
 // primitive: its number and stamp; one that is placed: its position, its slot in a table. A corner:
 // its vertex before and behind welding, its place in the mesh, its texture coordinate and group.
 constexpr std::uint64_t kVertexBytes = 12, kPlacedBytes = 72, kCornerBytes = 28, kPointBytes = 110,
-                        kUvBytes = 40, kNormalBytes = 48;
+                        kUvBytes = 40, kNormalBytes = 48, kNumberBytes = 16;
 // Scenes that need less are read without asking the system.
 constexpr std::uint64_t kSmallScene = std::uint64_t{64} << 20;
 
@@ -48,6 +48,10 @@ void GltfBudget::add_uvs(const JsonPlace& place, std::int64_t uvs) {
 void GltfBudget::add_normals(const JsonPlace& place, std::int64_t normals) {
   add(place, normals_, normals, "normals");
   take(place, normals, kNormalBytes);
+}
+
+void GltfBudget::add_numbers(const JsonPlace& place, std::int64_t numbers) {
+  take(place, numbers, kNumberBytes);
 }
 
 void GltfBudget::add(const JsonPlace& place, std::int64_t& total, std::int64_t count,

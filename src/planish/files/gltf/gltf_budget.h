@@ -27,6 +27,8 @@ class GltfBudget {
   void add_points(const JsonPlace& place, std::int64_t points);
   void add_uvs(const JsonPlace& place, std::int64_t uvs);
   void add_normals(const JsonPlace& place, std::int64_t normals);
+  /// Of further attributes.
+  void add_numbers(const JsonPlace& place, std::int64_t numbers);
 
  private:
   void add(const JsonPlace& place, std::int64_t& total, std::int64_t count, const char* what) const;

@@ -215,13 +215,15 @@ class RowWriter {
   std::vector<ByteSink> row_sinks_;  // empty where no row is kept
 };
 
-void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices,
-               std::span<const ByteSink> sinks) {
-  std::vector<glm::dvec2> uvs(static_cast<std::size_t>(surface.info().uv_count));
-  surface.uvs({0, surface.info().uv_count}, uvs);
+void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices, int set,
+               const GltfOptions& options, std::span<const ByteSink> sinks) {
+  std::vector<glm::dvec2> made(static_cast<std::size_t>(set == 0 ? surface.info().uv_count : 0));
+  if (set == 0) surface.uvs({0, surface.info().uv_count}, made);
+  const std::span<const glm::dvec2> uvs =
+      set == 0 ? made : options.further_uvs[static_cast<std::size_t>(set - 1)];
   std::vector<RowRange> pieces;
   for (const GltfPart& part : vertices.parts) {
-    if (!part.has_uvs) continue;
+    if (part.uv_sets <= set) continue;
     for (RowRange piece : ranges_of(part.vertex_count, kBufferRows)) {
       piece.first += part.first_vertex;
       pieces.push_back(piece);
@@ -233,29 +235,49 @@ void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices,
         const auto values = values_of<glm::vec2>(bytes, static_cast<std::size_t>(range.count));
         for (std::size_t i = 0; i < values.size(); ++i) {
           const std::int32_t uv = vertices.uvs[static_cast<std::size_t>(range.first) + i];
-          values[i] = stored_uv(uv < 0 ? glm::dvec2(0.0) : uvs[uv]);
+          values[i] = stored_uv(uv < 0 ? glm::dvec2(0.0) : uvs[static_cast<std::size_t>(uv)]);
         }
       },
       sinks);
 }
 
-void write_field(const GltfVertices& vertices, const NamedField& field,
-                 std::span<const ByteSink> sinks) {
+template <class Number>
+void write_attribute(const GltfVertices& vertices, const GltfAttribute& attribute,
+                     std::span<const ByteSink> sinks) {
+  const auto width = static_cast<std::size_t>(attribute.width);
   stream(
       ranges_of(vertices.count(), kBufferRows),
       [&](RowRange range, RawVector<std::byte>& bytes) {
-        const auto values = values_of<float>(bytes, static_cast<std::size_t>(range.count));
-        for (std::int64_t i = 0; i < range.count; ++i)
-          values[i] = field.values[static_cast<std::size_t>(vertices.row_of(range.first + i))];
+        const auto values = values_of<Number>(bytes, width * static_cast<std::size_t>(range.count));
+        for (std::int64_t i = 0; i < range.count; ++i) {
+          const auto row = static_cast<std::size_t>(vertices.row_of(range.first + i));
+          for (std::size_t k = 0; k < width; ++k)
+            values[width * static_cast<std::size_t>(i) + k] =
+                static_cast<Number>(attribute.values[width * row + k]);
+        }
       },
       sinks);
 }
 
-// glTF wants an underscore before names of one's own, and capitals.
-std::string attribute_name(const std::string& field) {
-  std::string name = "_";
-  for (const char c : field) name += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return name;
+// Of the primitive that has most.
+int uv_set_count(const GltfVertices& vertices) {
+  int sets = 0;
+  for (const GltfPart& part : vertices.parts) sets = std::max(sets, part.uv_sets);
+  return sets;
+}
+
+// The format wants them of positions.
+std::optional<GltfBounds> attribute_bounds(const GltfVertices& vertices, const GltfPart& part,
+                                           const GltfAttribute& attribute) {
+  if (!attribute.name.ends_with("/POSITION")) return std::nullopt;
+  std::optional<GltfBounds> bounds;
+  for (std::int64_t i = 0; i < part.vertex_count; ++i) {
+    const float* at = attribute.values.data() + 3 * vertices.row_of(part.first_vertex + i);
+    const glm::vec3 value(at[0], at[1], at[2]);
+    if (!bounds) bounds = GltfBounds{value, value};
+    bounds = GltfBounds{glm::min(bounds->minimum, value), glm::max(bounds->maximum, value)};
+  }
+  return bounds;
 }
 
 template <class Index>
@@ -282,15 +304,17 @@ GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertice
                        const GltfOptions& options) {
   GltfLayout layout;
   layout.has_colors = surface.info().has_colors;
-  for (const NamedField& field : options.fields)
-    layout.fields.push_back(attribute_name(field.name));
+  layout.attributes = row_attributes(options);
   for (const GltfPart& part : vertices.parts) {
     const FaceGroup group = part.group < 0 ? FaceGroup{} : surface.info().groups[part.group];
     layout.primitives.push_back({.vertex_count = static_cast<std::uint64_t>(part.vertex_count),
                                  .triangle_count = part.triangle_count,
-                                 .has_uvs = part.has_uvs,
+                                 .uv_sets = part.uv_sets,
                                  .name = group.name,
-                                 .material = group.material});
+                                 .material = group.material,
+                                 .group = part.group});
+    for (const GltfAttribute& attribute : layout.attributes)
+      layout.primitives.back().bounds.push_back(attribute_bounds(vertices, part, attribute));
   }
   set_sizes(layout);
   return layout;
@@ -343,9 +367,16 @@ void write_buffer(const SurfaceBlocks& surface, const GltfVertices& vertices,
   RowWriter rows(surface, vertices, options, all);
   rows.write<glm::vec3>(Part::Position);
   rows.write<glm::vec3>(Part::Normal);
-  if (!vertices.uvs.empty()) write_uvs(surface, vertices, all);
+  for (int set = 0; set < uv_set_count(vertices); ++set)
+    write_uvs(surface, vertices, set, options, all);
   if (layout.has_colors) rows.write<glm::vec4>(Part::Color);
-  for (const NamedField& field : options.fields) write_field(vertices, field, all);
+  for (const GltfAttribute& attribute : layout.attributes) {
+    if (attribute.is_integer) {
+      write_attribute<std::uint16_t>(vertices, attribute, all);
+    } else {
+      write_attribute<float>(vertices, attribute, all);
+    }
+  }
   const std::array<std::byte, 4> zeros{};
   for (std::size_t i = 0; i < vertices.parts.size(); ++i) {
     if (layout.primitives[i].index_size() == 2) {

@@ -1,6 +1,8 @@
 // Based on: Khronos, "glTF 2.0 Specification", 2021, sections 3.6 and 4.4.
 #include "planish/files/gltf/gltf_layout.h"
 
+#include <algorithm>
+#include <cctype>
 #include <limits>
 
 #include "planish/core/error.h"
@@ -16,22 +18,55 @@ struct Attribute {
   std::string name;
   std::string_view type;
   std::uint64_t bytes;  // of a vertex
-  bool needs_uvs = false;
+  GltfComponent component = GltfComponent::Float;
+  int uv_sets = 0;  // that a primitive has which has it
+  int place = -1;   // among GltfLayout::attributes
 
   [[nodiscard]] bool belongs_to(const GltfPrimitive& primitive) const {
-    return !needs_uvs || primitive.has_uvs;
+    return uv_sets <= primitive.uv_sets;
   }
 };
 
+std::string_view type_of(int width) {
+  constexpr std::string_view kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+  return kTypes[width - 1];
+}
+
 std::vector<Attribute> attributes_of(const GltfLayout& layout) {
-  std::vector<Attribute> attributes{
-      {"POSITION", "VEC3", 12}, {"NORMAL", "VEC3", 12}, {"TEXCOORD_0", "VEC2", 8, true}};
+  std::vector<Attribute> attributes{{"POSITION", "VEC3", 12}, {"NORMAL", "VEC3", 12}};
+  int sets = 0;
+  for (const GltfPrimitive& primitive : layout.primitives) sets = std::max(sets, primitive.uv_sets);
+  for (int set = 0; set < sets; ++set)
+    attributes.push_back({.name = uv_name(set), .type = "VEC2", .bytes = 8, .uv_sets = set + 1});
   if (layout.has_colors) attributes.push_back({"COLOR_0", "VEC4", 16});
-  for (const std::string& field : layout.fields) attributes.push_back({field, "SCALAR", 4});
+  for (std::size_t i = 0; i < layout.attributes.size(); ++i) {
+    const GltfAttribute& attribute = layout.attributes[i];
+    attributes.push_back(
+        {.name = attribute.name,
+         .type = type_of(attribute.width),
+         .bytes = attribute_bytes(attribute),
+         .component = attribute.is_integer ? GltfComponent::UnsignedShort : GltfComponent::Float,
+         .place = static_cast<int>(i)});
+  }
   return attributes;
 }
 
+// glTF wants an underscore before names of one's own, and capitals.
+std::string own_name(const std::string& field) {
+  std::string name = "_";
+  for (const char c : field) name += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
 }  // namespace
+
+std::vector<GltfAttribute> row_attributes(const GltfOptions& options) {
+  std::vector<GltfAttribute> all;
+  for (const NamedField& field : options.fields)
+    all.push_back({.name = own_name(field.name), .values = field.values});
+  all.insert(all.end(), options.attributes.begin(), options.attributes.end());
+  return all;
+}
 
 std::uint32_t GltfPrimitive::index_size() const {
   return vertex_count <= kMaxShortIndexVertices ? 2 : 4;
@@ -77,8 +112,12 @@ GltfDocument plain_document(const GltfLayout& layout, std::span<const GltfBounds
     for (std::size_t i = 0; i < layout.primitives.size(); ++i) {
       const GltfPrimitive& primitive = layout.primitives[i];
       if (!attribute.belongs_to(primitive)) continue;
-      GltfArray array{.type = attribute.type, .count = primitive.vertex_count};
+      GltfArray array{.type = attribute.type,
+                      .component = attribute.component,
+                      .count = primitive.vertex_count};
       if (attribute.name == "POSITION") array.bounds = bounds[i];
+      if (attribute.place >= 0 && !primitive.bounds.empty())
+        array.bounds = primitive.bounds[static_cast<std::size_t>(attribute.place)];
       document.primitives[i].attributes[attribute.name] =
           add(array, attribute.bytes * primitive.vertex_count);
     }
@@ -94,6 +133,7 @@ GltfDocument plain_document(const GltfLayout& layout, std::span<const GltfBounds
             primitive.index_bytes());
     document.primitives[i].name = primitive.name;
     document.primitives[i].material = primitive.material;
+    document.primitives[i].group = primitive.group;
   }
   return document;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,8 +14,11 @@ namespace planish {
 /// A primitive with vertices of its own, and the names of its group, which may be empty.
 struct GltfPrimitive {
   std::uint64_t vertex_count = 0, triangle_count = 0;
-  bool has_uvs = false;
+  int uv_sets = 0;  ///< TEXCOORD_0, TEXCOORD_1 ...
   std::string name, material;
+  std::int32_t group = -1;  ///< of the surface; -1: it has none
+  /// Of each of GltfLayout::attributes, where the format wants them.
+  std::vector<std::optional<GltfBounds>> bounds;
 
   /// 2 up to kMaxShortIndexVertices, else 4.
   [[nodiscard]] std::uint32_t index_size() const;
@@ -23,12 +27,12 @@ struct GltfPrimitive {
 };
 
 /// Where the parts of a file's binary buffer lie. First, each for all primitives in turn: POSITION
-/// (float32 x 3), NORMAL (float32 x 3), TEXCOORD_0 (float32 x 2) of those that have any, COLOR_0
-/// (float32 x 4) where there are any, fields (float32 each); then the triangle indices of each
-/// primitive. Every part starts on a multiple of 4.
+/// (float32 x 3), NORMAL (float32 x 3), TEXCOORD_0, TEXCOORD_1 ... (float32 x 2) of those that have
+/// any, COLOR_0 (float32 x 4) where there are any, row_attributes(); then the triangle indices of
+/// each primitive. Every part starts on a multiple of 4.
 struct GltfLayout {
   bool has_colors = false;
-  std::vector<std::string> fields;  ///< attributes behind those, by name
+  std::vector<GltfAttribute> attributes;  ///< those behind the others
   std::vector<GltfPrimitive> primitives;
   std::uint64_t vertex_count = 0, triangle_count = 0;  ///< of all primitives
   std::uint64_t buffer_bytes = 0;                      ///< of all, padded to a multiple of 4
@@ -37,6 +41,18 @@ struct GltfLayout {
 /// Most vertices that 16-bit indices are used for. One less than their largest value, which some
 /// graphics interfaces take for a primitive restart.
 inline constexpr std::uint64_t kMaxShortIndexVertices = 65534;
+
+/// "TEXCOORD_1" of set 1.
+[[nodiscard]] inline std::string uv_name(int set) { return "TEXCOORD_" + std::to_string(set); }
+
+/// Bytes of a vertex. Only attributes of width 2 and 4 are integers: each starts on a multiple
+/// of 4.
+[[nodiscard]] inline std::uint64_t attribute_bytes(const GltfAttribute& attribute) {
+  return static_cast<std::uint64_t>(attribute.width) * (attribute.is_integer ? 2 : 4);
+}
+
+/// Fields and attributes of the options, as they are written.
+[[nodiscard]] std::vector<GltfAttribute> row_attributes(const GltfOptions& options);
 
 /// One primitive without texture coordinates, colours and names.
 [[nodiscard]] GltfLayout gltf_layout(std::uint64_t vertex_count, std::uint64_t triangle_count);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
+#include <string_view>
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
@@ -40,6 +41,9 @@ GltfBounds bounds_of(std::span<const glm::vec3> positions) {
   }
   return bounds;
 }
+
+bool is_uv(std::string_view name) { return name.starts_with("TEXCOORD_"); }
+bool is_color(std::string_view name) { return name.starts_with("COLOR_"); }
 
 // An array in its new form.
 struct PackedArray {
@@ -221,11 +225,12 @@ void Packer::quantize(const std::string& name, std::span<const std::byte> bytes,
     array.bounds = {grid_.place(array.bounds->minimum), grid_.place(array.bounds->maximum)};
     use(packed, bytes_of(places));
   } else {
+    if (array.component != GltfComponent::Float) return use(packed, bytes);
     const auto numbers = values_in<float>(bytes);
-    const bool fits = name == "COLOR_0" ||
-                      (name == "TEXCOORD_0" && std::ranges::all_of(numbers, [](float number) {
-                         return number >= 0 && number <= 1;
-                       }));
+    const bool fits =
+        is_color(name) || (is_uv(name) && std::ranges::all_of(numbers, [](float number) {
+                             return number >= 0 && number <= 1;
+                           }));
     if (!fits) return use(packed, bytes);
     array.component = GltfComponent::UnsignedShort;
     array.normalized = true;
@@ -242,20 +247,22 @@ void Packer::compress(const std::string& name, std::span<const std::byte> bytes,
     packed.bytes = encode_vertices(values, values.size() / array.count);
   };
   const auto numbers = values_in<float>(bytes);
-  if (name == "NORMAL") {
+  if (array.component != GltfComponent::Float) {
+    encode(bytes);
+  } else if (name == "NORMAL") {
     array.component = GltfComponent::Short;
     array.normalized = true;
     array.stride = 8;
     stream.filter = "OCTAHEDRAL";
     encode(bytes_of(octahedral(values_in<glm::vec3>(bytes))));
-  } else if (name == "COLOR_0") {
+  } else if (is_color(name)) {
     array.component = GltfComponent::UnsignedShort;
     array.normalized = true;
     encode(bytes_of(unit_shorts(numbers)));
   } else if (name == "POSITION" && grid_.step > 0) {
     stream.filter = "EXPONENTIAL";
     encode(bytes_of(on_grid(placed(values_in<glm::vec3>(bytes)), 0)));
-  } else if (const auto exponent = grid_exponent(numbers, name == "TEXCOORD_0" ? kUvError : 0)) {
+  } else if (const auto exponent = grid_exponent(numbers, is_uv(name) ? kUvError : 0)) {
     stream.filter = "EXPONENTIAL";
     encode(bytes_of(on_grid(numbers, *exponent)));
   } else {
@@ -338,11 +345,11 @@ GltfContents Packer::assembled() {
 GltfBounds bounds_of_all(const GltfDocument& document) {
   GltfBounds all;
   bool is_first = true;
-  for (const GltfArray& array : document.arrays) {
-    if (!array.bounds) continue;
-    all = is_first ? *array.bounds
-                   : GltfBounds{glm::min(all.minimum, array.bounds->minimum),
-                                glm::max(all.maximum, array.bounds->maximum)};
+  for (const GltfArrays& primitive : document.primitives) {
+    const GltfBounds& bounds = *document.arrays[primitive.attributes.at("POSITION")].bounds;
+    all = is_first ? bounds
+                   : GltfBounds{glm::min(all.minimum, bounds.minimum),
+                                glm::max(all.maximum, bounds.maximum)};
     is_first = false;
   }
   return all;

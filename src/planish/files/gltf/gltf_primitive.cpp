@@ -35,9 +35,8 @@ void SourcePrimitive::unpack() {
   if (place_.integer_or("mode", kTriangles) != kTriangles)
     place_["mode"].fail("only triangles are read of Draco streams");
   const JsonPlace attributes = (*packed)["attributes"];
-  for (const char* name : {"POSITION", "NORMAL", "TEXCOORD_0", "COLOR_0"})
-    if (const auto identifier = attributes.find(name))
-      identifiers_.emplace(name, identifier->integer());
+  for (const std::string& name : attributes.keys())
+    identifiers_.emplace(name, attributes[name].integer());
   const DracoCounts wanted{accessors[place_["indices"].integer()]["count"].integer(1),
                            positions["count"].integer(1)};
   unpacked_ = decode_draco(*packed, source_.view((*packed)["bufferView"].integer()), wanted);
@@ -70,6 +69,14 @@ std::optional<GltfAccessor> SourcePrimitive::attribute(std::string_view name,
   if (found.count() != positions().count())
     place->fail(std::to_string(found.count()) + " elements for " +
                 std::to_string(positions().count()) + " vertices");
+  return found;
+}
+
+GltfAccessor SourcePrimitive::target(const JsonPlace& place) const {
+  GltfAccessor found(root_, place.integer(), GltfAccessor::Use::Positions, source_);
+  if (found.count() != positions().count())
+    place.fail(std::to_string(found.count()) + " elements for " +
+               std::to_string(positions().count()) + " vertices");
   return found;
 }
 

@@ -30,6 +30,9 @@ class SourcePrimitive {
   [[nodiscard]] std::optional<GltfAccessor> attribute(std::string_view name,
                                                       GltfAccessor::Use use) const;
 
+  /// The accessor of a morph target's attribute: vectors, one for each position.
+  [[nodiscard]] GltfAccessor target(const JsonPlace& place) const;
+
   /// A vertex in the world.
   [[nodiscard]] glm::dvec3 position(std::int64_t vertex, const GltfInstance& instance) const;
   /// An element of the attribute COLOR_0.

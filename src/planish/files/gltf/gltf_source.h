@@ -27,13 +27,14 @@ class GltfSource {
   [[nodiscard]] std::span<const std::byte> buffer(std::int64_t index);
   /// The bytes of a buffer view, which lie within its buffer; unpacked where they are packed.
   [[nodiscard]] std::span<const std::byte> view(std::int64_t index);
+  /// The bytes that a URI stands for: data, or a file beside the document.
+  [[nodiscard]] std::span<const std::byte> fetch(const JsonPlace& uri);
   /// True the first time that it is asked of an accessor: what is looked at once for all its uses.
   [[nodiscard]] bool is_new_sparse(std::int64_t accessor) {
     return sparse_accessors_.insert(accessor).second;
   }
 
  private:
-  [[nodiscard]] std::span<const std::byte> fetch(const JsonPlace& uri);
   // Of a buffer view, or of its packed stream.
   [[nodiscard]] std::span<const std::byte> part(const JsonPlace& place);
 

@@ -118,16 +118,23 @@ void part_vertices(const SurfaceBlocks& surface, GltfVertices& vertices) {
 }
 
 // Faces without texture coordinates come with zeros.
-void look_for_uvs(const SurfaceBlocks& surface, GltfVertices& vertices) {
+void count_uv_sets(const SurfaceBlocks& surface, const GltfOptions& options,
+                   GltfVertices& vertices) {
+  if (!options.uv_sets.empty()) {
+    for (GltfPart& part : vertices.parts)
+      part.uv_sets = options.uv_sets[static_cast<std::size_t>(std::max(part.group, 0))];
+    return;
+  }
   std::vector<glm::dvec2> values(static_cast<std::size_t>(surface.info().uv_count));
   surface.uvs({0, surface.info().uv_count}, values);
   for (GltfPart& part : vertices.parts) {
     const auto uvs = std::span(vertices.uvs)
                          .subspan(static_cast<std::size_t>(part.first_vertex),
                                   static_cast<std::size_t>(part.vertex_count));
-    part.has_uvs = std::ranges::any_of(uvs, [&](std::int32_t uv) {
+    const bool has_uvs = std::ranges::any_of(uvs, [&](std::int32_t uv) {
       return uv >= 0 && values[static_cast<std::size_t>(uv)] != glm::dvec2(0.0);
     });
+    part.uv_sets = has_uvs ? 1 + static_cast<int>(options.further_uvs.size()) : 0;
   }
 }
 
@@ -158,7 +165,7 @@ void sort_by_group(const SurfaceBlocks& surface, GltfVertices& vertices) {
 
 }  // namespace
 
-GltfVertices gltf_vertices(const SurfaceBlocks& surface) {
+GltfVertices gltf_vertices(const SurfaceBlocks& surface, const GltfOptions& options) {
   const SurfaceInfo& info = surface.info();
   GltfVertices vertices;
   if (info.has_groups) {
@@ -176,7 +183,7 @@ GltfVertices gltf_vertices(const SurfaceBlocks& surface) {
     if (info.uv_count > 0) split_seams(surface, vertices);
     for (GltfPart& part : vertices.parts) part.vertex_count = vertices.count();
   }
-  if (info.uv_count > 0) look_for_uvs(surface, vertices);
+  if (info.uv_count > 0) count_uv_sets(surface, options, vertices);
   return vertices;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planish/core/raw_vector.h"
+#include "planish/files/gltf/write_gltf.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
@@ -14,7 +15,7 @@ namespace planish {
 struct GltfPart {
   std::int32_t group = -1;  ///< -1: the surface has no groups
   std::int64_t first_vertex = 0, vertex_count = 0;
-  bool has_uvs = false;
+  int uv_sets = 0;  ///< sets of texture coordinates
   std::uint64_t face_count = 0, triangle_count = 0;
   std::vector<RowRange> faces;  ///< ascending
 };
@@ -40,9 +41,9 @@ struct GltfVertices {
 /// Splits vertices along the seams of the texture coordinates and between primitives. Of one
 /// primitive the surface's rows stay the first vertices, in their order: each takes the texture
 /// coordinate of its first corner, every other gets a vertex of its own behind them. Several have
-/// each the rows of its faces, in their order, and such copies behind them. A primitive whose
-/// texture coordinates are all zero has none.
-[[nodiscard]] GltfVertices gltf_vertices(const SurfaceBlocks& surface);
+/// each the rows of its faces, in their order, and such copies behind them. Sets of texture
+/// coordinates are as the options say.
+[[nodiscard]] GltfVertices gltf_vertices(const SurfaceBlocks& surface, const GltfOptions& options);
 
 /// A vertex behind the kept rows, by its row: sorted by row, then by vertex.
 struct CopiedRow {

@@ -88,6 +88,13 @@ const std::string& JsonPlace::text() const {
   return value_->get_ref<const std::string&>();
 }
 
+std::vector<std::string> JsonPlace::keys() const {
+  if (!value_->is_object()) fail(clipped() + " is no object");
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : value_->items()) keys.push_back(key);
+  return keys;
+}
+
 std::int64_t JsonPlace::integer_or(std::string_view key, std::int64_t otherwise) const {
   const auto found = find(key);
   return found ? found->integer() : otherwise;

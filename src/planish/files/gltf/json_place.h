@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace planish {
 
@@ -30,6 +31,10 @@ class JsonPlace {
   [[nodiscard]] const std::string& text() const;
   [[nodiscard]] bool is_text() const;
   [[nodiscard]] bool is_object() const;
+
+  /// The keys of an object, in order.
+  [[nodiscard]] std::vector<std::string> keys() const;
+  [[nodiscard]] const nlohmann::json& value() const { return *value_; }
 
   /// Members with a value to use where they are missing.
   [[nodiscard]] std::int64_t integer_or(std::string_view key, std::int64_t otherwise) const;

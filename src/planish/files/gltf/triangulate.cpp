@@ -44,7 +44,7 @@ std::vector<glm::dvec2> flatten(std::span<const std::int32_t> corners,
   return flat;
 }
 
-constexpr std::uint32_t kNone = ReflexCorners::kNone;
+constexpr std::uint32_t kNoCorner = ReflexCorners::kNone;
 
 // Corners of a polygon, by number, with the next one from any on: a tree of words of 64 bits.
 class CornerSet {
@@ -145,8 +145,8 @@ class Ears {
   struct Corner {
     std::uint32_t next, previous;
     // Corners that this one keeps from being ears, a list of its own; and where that list goes on.
-    std::uint32_t first_watcher = kNone, watcher_after = kNone, watcher_before = kNone;
-    std::uint32_t watched = kNone;  // the corner that keeps this one from being an ear
+    std::uint32_t first_watcher = kNoCorner, watcher_after = kNoCorner, watcher_before = kNoCorner;
+    std::uint32_t watched = kNoCorner;  // the corner that keeps this one from being an ear
   };
 
   bool is_convex(std::uint32_t i) const {
@@ -158,34 +158,34 @@ class Ears {
   bool is_ear(std::uint32_t i) {
     if (!is_convex(i)) return false;
     const std::uint32_t blocker = reflex_->inside({flat_[previous(i)], flat_[i], flat_[next(i)]});
-    if (blocker == kNone) return true;
+    if (blocker == kNoCorner) return true;
     std::uint32_t& first = corners_[blocker].first_watcher;
     corners_[i].watched = blocker;
-    corners_[i].watcher_before = kNone;
+    corners_[i].watcher_before = kNoCorner;
     corners_[i].watcher_after = first;
-    if (first != kNone) corners_[first].watcher_before = i;
+    if (first != kNoCorner) corners_[first].watcher_before = i;
     first = i;
     return false;
   }
 
   void unwatch(std::uint32_t i) {
     Corner& own = corners_[i];
-    if (own.watched == kNone) return;
-    std::uint32_t& to_own = own.watcher_before == kNone
+    if (own.watched == kNoCorner) return;
+    std::uint32_t& to_own = own.watcher_before == kNoCorner
                                 ? corners_[own.watched].first_watcher
                                 : corners_[own.watcher_before].watcher_after;
     to_own = own.watcher_after;
-    if (own.watcher_after != kNone) corners_[own.watcher_after].watcher_before = own.watcher_before;
-    own.watched = kNone;
+    if (own.watcher_after != kNoCorner) corners_[own.watcher_after].watcher_before = own.watcher_before;
+    own.watched = kNoCorner;
   }
 
   void stop_blocking(std::uint32_t i) {
     reflex_->erase(i);
-    for (std::uint32_t w = corners_[i].first_watcher; w != kNone; w = corners_[w].watcher_after) {
+    for (std::uint32_t w = corners_[i].first_watcher; w != kNoCorner; w = corners_[w].watcher_after) {
       open_->insert(w);
-      corners_[w].watched = kNone;
+      corners_[w].watched = kNoCorner;
     }
-    corners_[i].first_watcher = kNone;
+    corners_[i].first_watcher = kNoCorner;
   }
 
   std::span<const glm::dvec2> flat_;

@@ -4,9 +4,7 @@
 #include "planish/files/gltf/write_gltf.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <functional>
 #include <memory>
 
 #include "planish/core/host_scope.h"
@@ -16,168 +14,24 @@
 #include "planish/files/gltf/gltf_blocks.h"
 #include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_checks.h"
+#include "planish/files/gltf/gltf_container.h"
 #include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/gltf_layout.h"
-#include "planish/files/gltf/gltf_packing.h"
+#include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/stored_position.h"
 
 namespace planish {
 namespace {
 
-constexpr std::uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr std::uint32_t kGlbVersion = 2;
-
-// Many readers keep sizes in signed 32-bit numbers.
-constexpr std::uint64_t kLargeFileBytes = std::uint64_t{1} << 31;
-
-void send(std::span<const ByteSink> sinks, std::span<const std::byte> bytes) {
-  for (const ByteSink& sink : sinks) sink(bytes);
-}
-
-template <std::size_t N>
-void send(std::span<const ByteSink> sinks, const std::array<std::uint32_t, N>& words) {
-  send(sinks, std::as_bytes(std::span(words)));
-}
-
-void warn_if_large(std::uint64_t bytes, const GltfOptions& options) {
-  if (bytes <= kLargeFileBytes) return;
-  options.callbacks.warn({"large-file", options.name + ": " + std::to_string(bytes) +
-                                            " bytes; many programs cannot open a glTF file above "
-                                            "2 GiB, fewer levels make it smaller"});
-}
-
-// What is written behind which document.
-struct Contents {
-  GltfDocument document;
-  std::uint64_t vertex_count = 0, triangle_count = 0;
-  std::function<void(std::span<const ByteSink>)> write_buffer;
-};
-
-GltfLayout whole_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
-                        const GltfOptions& options) {
-  require_fields(surface.info().row_count, options);
-  return gltf_layout(surface, vertices, options);
-}
-
-// In memory first, since packing needs all of it.
-PackedGltf pack_at_once(const SurfaceBlocks& surface, const GltfOptions& given) {
-  GltfOptions options = given;
-  options.callbacks = share_of(given.callbacks, 0, 0.5);
-  const GltfVertices vertices = gltf_vertices(surface);
-  const GltfLayout layout = whole_layout(surface, vertices, options);
-  GltfContents plain{plain_document(layout, gltf_bounds(surface, vertices, options), options), {}};
-  plain.buffer.reserve(layout.buffer_bytes);
-  const ByteSink append = [&](std::span<const std::byte> piece) {
-    plain.buffer.insert(plain.buffer.end(), piece.begin(), piece.end());
-  };
-  write_buffer(surface, vertices, options, std::span(&append, 1));
-  const GltfBounds bounds = bounds_of_all(plain.document);
-  tell_kept_float(options, bounds);
-  GltfContents packed = pack_gltf(plain, vertices, options, bounds);
-  PackedGltf all{std::move(packed.document), {}, layout.vertex_count};
-  all.pieces.push_back(std::move(packed.buffer));
-  return all;
-}
-
-Contents packed_contents(const SurfaceBlocks& surface, const GltfOptions& options) {
-  require_fields(surface.info().row_count, options);
-  const bool is_small = surface.info().face_count <= kPackedFaces;
-  const auto packed = std::make_shared<const PackedGltf>(
-      is_small ? pack_at_once(surface, options) : pack_by_blocks(surface, options));
-  Contents contents;
-  contents.document = packed->document;
-  contents.vertex_count = packed->vertex_count;
-  contents.triangle_count =
-      static_cast<std::uint64_t>(surface.info().corner_count - 2 * surface.info().face_count);
-  contents.write_buffer = [packed](std::span<const ByteSink> sinks) {
-    constexpr std::size_t kPiece = std::size_t{1} << 20;
-    for (const RawVector<std::byte>& piece : packed->pieces) {
-      const std::span<const std::byte> bytes = piece;
-      for (std::size_t at = 0; at < bytes.size(); at += kPiece)
-        send(sinks, bytes.subspan(at, std::min(kPiece, bytes.size() - at)));
-    }
-  };
-  return contents;
-}
-
-Contents contents_of(const SurfaceBlocks& surface, const GltfOptions& options, bool is_glb) {
-  if (options.compression != GltfCompression::None) return packed_contents(surface, options);
-  auto vertices = std::make_shared<const GltfVertices>(gltf_vertices(surface));
-  const GltfLayout layout = whole_layout(surface, *vertices, options);
-  // Before the work: it may not fit.
-  if (is_glb) (void)glb_byte_count(0, layout.buffer_bytes, options.name);
-  Contents contents;
-  contents.vertex_count = layout.vertex_count;
-  contents.triangle_count = layout.triangle_count;
-  contents.document = plain_document(layout, gltf_bounds(surface, *vertices, options), options);
-  contents.write_buffer = [&surface, &options, vertices](std::span<const ByteSink> sinks) {
-    write_buffer(surface, *vertices, options, sinks);
-  };
-  return contents;
-}
-
-std::string json_of(const Contents& contents, const GltfOptions& options, std::string_view uri) {
-  if (options.compression != GltfCompression::Meshopt)
-    return gltf_json(contents.document, options, uri);
-  GltfOptions reordered = options;
-  reordered.extras.emplace_back("vertex_order", "as triangles first use them");
-  return gltf_json(contents.document, reordered, uri);
-}
-
-// A GLB with all that stands before its buffer.
-struct Glb {
-  Glb(const SurfaceBlocks& surface, const GltfOptions& with)
-      : options(with), contents(contents_of(surface, with, true)) {
-    json = json_of(contents, options, {});
-    json.resize((json.size() + 3) / 4 * 4, ' ');
-    byte_count = glb_byte_count(json.size(), contents.document.buffer_bytes, options.name);
-    warn_if_large(byte_count, options);
-  }
-
-  void write(std::span<const ByteSink> sinks) const {
-    send(sinks, std::array{kGlbMagic, kGlbVersion, static_cast<std::uint32_t>(byte_count)});
-    send(sinks, std::array{static_cast<std::uint32_t>(json.size()), kJsonChunk});
-    send(sinks, std::as_bytes(std::span(json)));
-    send(sinks,
-         std::array{static_cast<std::uint32_t>(contents.document.buffer_bytes), kBinaryChunk});
-    contents.write_buffer(sinks);
-  }
-
-  const GltfOptions& options;
-  Contents contents;
-  std::string json;
-  std::uint64_t byte_count = 0;
-};
-
-std::vector<ByteSink> sinks_to(OutputFile& file, const GltfOptions& options) {
-  std::vector<ByteSink> sinks{[&file](std::span<const std::byte> bytes) { file.write(bytes); }};
-  if (options.observe) sinks.push_back(options.observe);
-  return sinks;
-}
-
-void write_glb(const std::filesystem::path& path, const Glb& glb) {
-  OutputFile file(path);
-  file.reserve(glb.byte_count);
-  glb.write(sinks_to(file, glb.options));
-  file.commit();
-}
-
-// The document and its buffer.
-GltfFile write_pair(const std::filesystem::path& path, const Contents& contents,
-                    const GltfOptions& options) {
-  const std::filesystem::path buffer_path = gltf_buffer_path(path, 0);
-  const std::string json = json_of(contents, options, encode_uri(buffer_path.filename().string()));
-  warn_if_large(contents.document.buffer_bytes, options);
-  OutputFile file(path), buffer(buffer_path);
-  buffer.reserve(contents.document.buffer_bytes);
-  const ByteSink to_buffer = [&](std::span<const std::byte> bytes) { buffer.write(bytes); };
-  contents.write_buffer(std::span(&to_buffer, 1));
-  send(sinks_to(file, options), std::as_bytes(std::span(json)));
-  // The JSON is nothing without the buffer that it names.
-  buffer.commit();
-  file.commit();
-  return {json.size() + contents.document.buffer_bytes, contents.vertex_count,
-          contents.triangle_count, 1};
+// `buffer`: of a .gltf.
+GltfWhole whole_of(const SurfaceBlocks& surface, const GltfOptions& options,
+                   const std::filesystem::path& buffer) {
+  GltfPayload payload = payload_of(surface, options, buffer.empty());
+  return {.json = payload_json(payload, options, encode_uri(buffer.filename().string())),
+          .buffer_bytes = payload.document.buffer_bytes,
+          .vertex_count = payload.vertex_count,
+          .triangle_count = payload.triangle_count,
+          .write_buffer = std::move(payload.write_buffer)};
 }
 
 // A document and buffers of some faces each, one after another.
@@ -196,7 +50,7 @@ class SeveralBuffers {
     document_.shares_materials = true;
     document_.translation = StoredPosition(options_).translation();
     const std::string json = gltf_json(document_, options_, gltf_buffer_path(path_, 0).string());
-    send(sinks_to(file, options_), std::as_bytes(std::span(json)));
+    write_observed(file, std::as_bytes(std::span(json)), options_);
     for (const auto& buffer : buffers_) buffer->commit();
     file.commit();
     written_.byte_count = json.size() + document_.buffer_bytes;
@@ -243,11 +97,11 @@ class SeveralBuffers {
 std::uint64_t least_buffer_bytes(const SurfaceInfo& info, const GltfOptions& options) {
   GltfLayout layout;
   layout.has_colors = info.has_colors;
-  layout.fields.resize(options.fields.size());
+  layout.attributes = row_attributes(options);
   layout.primitives.push_back(
       {.vertex_count = static_cast<std::uint64_t>(info.row_count),
        .triangle_count = static_cast<std::uint64_t>(info.corner_count - 2 * info.face_count),
-       .has_uvs = info.uv_count > 0});
+       .uv_sets = info.uv_count > 0 ? 1 + static_cast<int>(options.further_uvs.size()) : 0});
   set_sizes(layout);
   return layout.buffer_bytes;
 }
@@ -256,13 +110,7 @@ std::uint64_t least_buffer_bytes(const SurfaceInfo& info, const GltfOptions& opt
 
 std::vector<std::byte> encode_glb(const SurfaceBlocks& surface, const GltfOptions& options) {
   const HostScope host(options.callbacks);
-  const Glb glb(surface, options);
-  std::vector<std::byte> bytes;
-  bytes.reserve(glb.byte_count);
-  const ByteSink append = [&](std::span<const std::byte> piece) {
-    bytes.insert(bytes.end(), piece.begin(), piece.end());
-  };
-  glb.write(std::span(&append, 1));
+  std::vector<std::byte> bytes = glb_bytes(whole_of(surface, options, {}), options);
   options.callbacks.report("write", 1);
   return bytes;
 }
@@ -279,15 +127,17 @@ GltfFile write_gltf(const std::filesystem::path& path, const SurfaceBlocks& surf
   const HostScope host(options.callbacks);
   const std::uint64_t bytes = least_buffer_bytes(surface.info(), options);
   GltfFile written;
+  const auto note = [&](const GltfWhole& whole, bool is_glb) {
+    written = {is_glb ? write_glb(path, whole, options) : write_pair(path, whole, options),
+               whole.vertex_count, whole.triangle_count, std::size_t{is_glb ? 0U : 1U}};
+  };
   if (extension == ".glb") {
-    const Glb glb(surface, options);
-    write_glb(path, glb);
-    written = {glb.byte_count, glb.contents.vertex_count, glb.contents.triangle_count};
+    note(whole_of(surface, options, {}), true);
   } else if (options.compression == GltfCompression::None && bytes > options.buffer_bytes) {
     require_fields(surface.info().row_count, options);
     written = SeveralBuffers(path, surface, bytes, options).write();
   } else {
-    written = write_pair(path, contents_of(surface, options, false), options);
+    note(whole_of(surface, options, gltf_buffer_path(path, 0)), false);
   }
   options.callbacks.report("write", 1);
   return written;

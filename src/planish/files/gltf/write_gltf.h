@@ -25,6 +25,15 @@ namespace planish {
 /// which asset.extras says ("vertex_order").
 enum class GltfCompression { None, Quantize, Meshopt };
 
+/// An attribute of the vertices that is ready: `width` numbers for each row of the surface.
+struct GltfAttribute {
+  /// As the format has it, "WEIGHTS_0"; of the k-th morph target "target/k/POSITION".
+  std::string name;
+  int width = 1;            ///< 1 to 4
+  bool is_integer = false;  ///< stored in 16 bits without a sign
+  std::span<const float> values;
+};
+
 struct GltfOptions {
   std::string name = "surface";  ///< of mesh and node
   bool double_sided = false;     ///< for open surfaces
@@ -36,6 +45,13 @@ struct GltfOptions {
   /// Further figures of the vertices: "mean_curvature" becomes the attribute _MEAN_CURVATURE. One
   /// value for each position of the surface; they must outlive the call.
   std::vector<NamedField> fields;
+  /// The same for attributes that have their names already.
+  std::vector<GltfAttribute> attributes;
+  /// TEXCOORD_1, TEXCOORD_2 ...: other values, one for each texture coordinate of the surface.
+  std::vector<std::span<const glm::dvec2>> further_uvs;
+  /// How many sets of texture coordinates the primitive of each group has; empty: all of them,
+  /// unless they are all zero.
+  std::vector<int> uv_sets;
   GltfCompression compression = GltfCompression::None;
   /// How far compression may move a position, in model units.
   double position_error = 0;

@@ -44,11 +44,14 @@ std::int32_t Welder::insert(const glm::dvec3& position) {
     }
     slot = (slot + 1) & mask;
   }
+  return slots_[slot] = insert_apart(position);
+}
+
+std::int32_t Welder::insert_apart(const glm::dvec3& position) {
   if (positions_.size() == std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorCode::UnreadableInput, "more distinct positions than 32 bits can count");
-  slots_[slot] = static_cast<std::int32_t>(positions_.size());
   positions_.push_back(position);
-  return slots_[slot];
+  return count() - 1;
 }
 
 void Welder::grow() {

@@ -18,9 +18,12 @@ class Welder {
 
   /// The index of `position`, which must be finite. Throws Error{UnreadableInput} past 2^31 - 1.
   std::int32_t insert(const glm::dvec3& position);
+  /// A further index at a position that was inserted, which insert() does not give.
+  std::int32_t insert_apart(const glm::dvec3& position);
   [[nodiscard]] std::vector<glm::dvec3> take_positions() { return std::move(positions_); }
   /// How many inserted positions were there already.
   [[nodiscard]] std::int64_t merged_count() const { return merged_count_; }
+  [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(positions_.size()); }
 
  private:
   void grow();

@@ -1,0 +1,211 @@
+// Based on: Khronos Group, "glTF 2.0 Specification", sections 3.7.2 (meshes), 3.7.3 (skins).
+#include "planish/files/gltf/asset/asset_collector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "planish/files/gltf/asset/primitive_parts.h"
+
+namespace planish {
+namespace {
+
+// Joints that a vertex names beyond so many sets of four are an error of the file.
+constexpr int kMostSets = 4;
+constexpr int kJointsOfSet = 4;
+
+bool is_color(std::string_view name) { return name.starts_with("COLOR_"); }
+
+}  // namespace
+
+int AssetCollector::begin_primitive(const JsonPlace& place, const SourcePrimitive& primitive,
+                                    GltfBudget& budget) {
+  const JsonPlace attributes = place["attributes"];
+  uvs_.clear();
+  uv_places_.clear();
+  arrays_.clear();
+  joints_.clear();
+  targets_.clear();
+  find_uvs(attributes, primitive, budget);
+  find_arrays(attributes, primitive, budget);
+  find_joints(attributes, primitive, budget);
+  find_targets(place, primitive, budget);
+  const auto next = static_cast<int>(made_.groups.size());
+  const auto [group, is_new] =
+      group_of_.try_emplace(without_vertices(place.value()).dump(-1, ' ', true), next);
+  const std::int64_t number = primitive_number(place.path());
+  if (is_new) made_.groups.push_back({.primitive = number});
+  int& sets = made_.groups[static_cast<std::size_t>(group->second)].uv_sets;
+  sets = std::max(sets, uv_set_count());
+  return group->second;
+}
+
+void AssetCollector::find_uvs(const JsonPlace& attributes, const SourcePrimitive& primitive,
+                              GltfBudget& budget) {
+  for (int set = 0;; ++set) {
+    const std::string name = "TEXCOORD_" + std::to_string(set);
+    auto uvs = primitive.attribute(name, GltfAccessor::Use::TextureCoordinates);
+    if (!uvs) return;
+    budget.add_uvs(attributes[name], uvs->count());
+    uvs_.push_back(*std::move(uvs));
+    uv_places_.push_back(attributes[name]);
+  }
+}
+
+void AssetCollector::read_uvs(std::vector<glm::dvec2>& first) {
+  const std::size_t before = first.size();
+  made_.further_uvs.resize(std::max(made_.further_uvs.size(), uvs_.size() - 1));
+  for (std::size_t set = 0; set < uvs_.size(); ++set) {
+    std::vector<glm::dvec2>& to = set == 0 ? first : made_.further_uvs[set - 1];
+    to.resize(before, glm::dvec2(0.0));
+    for (std::int64_t i = 0; i < uvs_[set].count(); ++i) {
+      const glm::dvec2 uv = uvs_[set].texture_coordinate(i);
+      if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+        uv_places_[set].fail("the texture coordinate of vertex " + std::to_string(i) +
+                             " is not finite");
+      // Ours run upwards, glTF's down.
+      to.emplace_back(uv.x, 1.0 - uv.y);
+    }
+  }
+  for (std::vector<glm::dvec2>& set : made_.further_uvs) set.resize(first.size(), glm::dvec2(0.0));
+}
+
+void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimitive& primitive,
+                                 GltfBudget& budget) {
+  for (const std::string& name : attributes.keys()) {
+    const bool is_further_color = is_color(name) && name != "COLOR_0";
+    if (!is_further_color && !name.starts_with("_")) continue;
+    auto values = primitive.attribute(name, GltfAccessor::Use::Vectors);
+    // Numbers of things have nothing between them.
+    if (values->is_integer()) {
+      if (std::ranges::find(made_.left_out, name) == made_.left_out.end())
+        made_.left_out.push_back(name);
+      continue;
+    }
+    const int width = is_further_color ? 4 : static_cast<int>(values->number_count());
+    budget.add_numbers(attributes[name], width * values->count());
+    auto known = std::ranges::find(made_.arrays, name, &AssetArray::name);
+    if (known == made_.arrays.end()) {
+      const float missing = is_further_color ? 1.0f : 0.0f;
+      made_.arrays.push_back({.name = name, .width = width, .values = {}});
+      known = made_.arrays.end() - 1;
+      known->values.resize(static_cast<std::size_t>(width * vertex_count_), missing);
+    } else if (known->width != width) {
+      attributes[name].fail(std::to_string(values->number_count()) +
+                            " numbers a vertex, and another primitive of the mesh has " +
+                            std::to_string(known->width));
+    }
+    arrays_.push_back({*std::move(values), static_cast<std::size_t>(known - made_.arrays.begin())});
+  }
+}
+
+void AssetCollector::find_joints(const JsonPlace& attributes, const SourcePrimitive& primitive,
+                                 GltfBudget& budget) {
+  for (int set = 0; set < kMostSets; ++set) {
+    const std::string number = std::to_string(set);
+    auto joints = primitive.attribute("JOINTS_" + number, GltfAccessor::Use::Vectors);
+    auto weights = primitive.attribute("WEIGHTS_" + number, GltfAccessor::Use::Vectors);
+    if (!joints && !weights) break;
+    const JsonPlace place = attributes[(joints ? "JOINTS_" : "WEIGHTS_") + number];
+    if (!joints || !weights) place.fail("joints and weights come in pairs, and one is missing");
+    if (joints->number_count() != kJointsOfSet || weights->number_count() != kJointsOfSet)
+      place.fail("joints and weights are four of a vertex");
+    budget.add_numbers(place, 2 * kJointsOfSet * joints->count());
+    joints_.push_back({place, *std::move(joints), *std::move(weights)});
+  }
+  made_.joint_sets = std::max(made_.joint_sets, static_cast<int>(joints_.size()));
+  if (!joints_.empty() && made_.first_influence.empty())
+    made_.first_influence.assign(static_cast<std::size_t>(vertex_count_) + 1, 0);
+}
+
+void AssetCollector::find_targets(const JsonPlace& place, const SourcePrimitive& primitive,
+                                  GltfBudget& budget) {
+  const auto targets = place.find("targets");
+  const auto count = static_cast<std::size_t>(targets ? targets->array_size() : 0);
+  if (next_primitive_++ > 0 && count != made_.targets.size())
+    place.fail(std::to_string(count) + " morph targets, and another primitive of the mesh has " +
+               std::to_string(made_.targets.size()) + "; all of a mesh need the same");
+  made_.targets.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const JsonPlace target = (*targets)[static_cast<std::int64_t>(k)];
+    const auto moves = target.find("POSITION");
+    targets_.emplace_back();
+    if (!moves) continue;
+    budget.add_numbers(*moves, 6 * primitive.positions().count());
+    targets_.back().emplace(*moves, primitive.target(*moves));
+  }
+}
+
+void AssetCollector::read_motion(std::int64_t vertex) {
+  influences_.clear();
+  moves_.clear();
+  for (const Joints& set : joints_) {
+    for (std::int64_t k = 0; k < kJointsOfSet; ++k) {
+      const double weight = set.weights.value(vertex, k), joint = set.joints.value(vertex, k);
+      if (!std::isfinite(weight) || weight < 0 || joint < 0 || joint != std::floor(joint))
+        set.place.fail("vertex " + std::to_string(vertex) + " is no joint with a weight from 0");
+      if (weight > 0)
+        influences_.push_back({static_cast<std::int32_t>(joint), static_cast<float>(weight)});
+    }
+  }
+  for (const std::optional<Target>& target : targets_) {
+    const glm::dvec3 move = target ? target->moves.position(vertex) : glm::dvec3(0.0);
+    if (!std::isfinite(move.x) || !std::isfinite(move.y) || !std::isfinite(move.z))
+      target->place.fail("the move of vertex " + std::to_string(vertex) + " is not finite");
+    moves_.push_back(move);
+  }
+}
+
+bool AssetCollector::moves_like(std::int32_t welded) const {
+  if (!made_.first_influence.empty() &&
+      !std::ranges::equal(made_.influences_of(welded), influences_))
+    return false;
+  for (std::size_t k = 0; k < moves_.size(); ++k)
+    if (made_.targets[k][static_cast<std::size_t>(welded)] != moves_[k]) return false;
+  return true;
+}
+
+std::int32_t AssetCollector::weld(Welder& welder, const glm::dvec3& position, std::int64_t vertex) {
+  const std::int32_t before = welder.count();
+  std::int32_t welded = welder.insert(position);
+  read_motion(vertex);
+  if (welded == before) {
+    append(vertex);
+    return welded;
+  }
+  if (!made_.moves()) return welded;
+  while (!moves_like(welded)) {
+    const auto [next, is_new] = apart_.try_emplace(welded, before);
+    if (is_new) {
+      append(vertex);
+      return welder.insert_apart(position);
+    }
+    welded = next->second;
+  }
+  return welded;
+}
+
+void AssetCollector::append(std::int64_t vertex) {
+  ++vertex_count_;
+  for (const Source& source : arrays_) {
+    AssetArray& array = made_.arrays[source.array];
+    for (int k = 0; k < array.width; ++k)
+      array.values.push_back(k < source.accessor.number_count()
+                                 ? static_cast<float>(source.accessor.value(vertex, k))
+                                 : 1.0f);
+  }
+  // Of those that this primitive lacks.
+  for (AssetArray& array : made_.arrays)
+    array.values.resize(static_cast<std::size_t>(array.width * vertex_count_),
+                        is_color(array.name) ? 1.0f : 0.0f);
+  if (!made_.first_influence.empty()) {
+    made_.influences.insert(made_.influences.end(), influences_.begin(), influences_.end());
+    made_.first_influence.push_back(std::ssize(made_.influences));
+  }
+  for (std::size_t k = 0; k < moves_.size(); ++k) made_.targets[k].push_back(moves_[k]);
+}
+
+AssetVertices AssetCollector::finish() { return std::move(made_); }
+
+}  // namespace planish

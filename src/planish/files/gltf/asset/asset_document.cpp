@@ -1,0 +1,215 @@
+// Based on: Khronos Group, "glTF 2.0 Specification", 2021. The asset's own JSON is changed in
+// place: tinygltf, which writes what is new (gltf_document.h), drops keys that it does not know.
+#include "planish/files/gltf/asset/asset_document.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "planish/core/version.h"
+#include "planish/files/gltf/asset/image_type.h"
+#include "planish/files/gltf/asset/primitive_parts.h"
+#include "planish/files/gltf/draco_stream.h"
+#include "planish/files/gltf/meshopt_stream.h"
+
+namespace planish {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kQuantization = "KHR_mesh_quantization";
+
+json vector_of(const glm::dvec3& v) { return json::array({v.x, v.y, v.z}); }
+
+// "target/2/POSITION" are attributes of morph targets.
+json primitive_of(const json& made, const json& rest, const std::vector<std::int64_t>& accessors) {
+  constexpr std::string_view kTarget = "target/";
+  json primitive = rest;
+  const auto place = [&](const json& number) { return accessors[number.get<std::size_t>()]; };
+  for (const auto& [name, number] : made["attributes"].items()) {
+    if (!name.starts_with(kTarget)) {
+      primitive["attributes"][name] = place(number);
+      continue;
+    }
+    const std::size_t slash = name.find('/', kTarget.size());
+    const std::size_t target = std::stoul(name.substr(kTarget.size()));
+    while (primitive["targets"].size() <= target) primitive["targets"].push_back(json::object());
+    primitive["targets"][target][name.substr(slash + 1)] = place(number);
+  }
+  primitive["indices"] = place(made["indices"]);
+  return primitive;
+}
+
+}  // namespace
+
+std::int64_t AssetDocument::Places::next(json& list) {
+  if (list.is_null()) list = json::array();
+  if (free.empty()) {
+    list.push_back(nullptr);
+    return std::ssize(list) - 1;
+  }
+  return free.extract(free.begin()).value();
+}
+
+AssetDocument::AssetDocument(const GltfAsset& asset, const std::set<std::int64_t>& replaced_meshes,
+                             bool keeps_files)
+    : asset_(asset), json_(asset.root().value()) {
+  FreePlaces free = free_places(json_, replaced_meshes);
+  accessors_.free = std::move(free.accessors);
+  views_.free = std::move(free.views);
+  for (std::size_t m = 0; m < json_["meshes"].size(); ++m)
+    keeps_vertices_ |= !replaced_meshes.contains(static_cast<std::int64_t>(m)) ||
+                       !std::ranges::all_of(json_["meshes"][m]["primitives"], is_surface);
+  keep_views();
+  if (!keeps_files) keep_images();
+  json_["asset"]["generator"] = "planish " PLANISH_VERSION;
+}
+
+std::uint64_t AssetDocument::keep(std::span<const std::byte> bytes) {
+  const std::uint64_t offset = buffer_bytes_;
+  kept_.push_back(bytes);
+  buffer_bytes_ += (bytes.size() + 3) / 4 * 4;
+  return offset;
+}
+
+// What was packed by meshopt comes unpacked: its streams name buffers by themselves.
+void AssetDocument::keep_views() {
+  if (!json_.contains("bufferViews")) return;
+  json& views = json_["bufferViews"];
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto number = static_cast<std::int64_t>(i);
+    if (views_.free.contains(number)) continue;
+    const std::span<const std::byte> bytes = asset_.source().view(number);
+    views[i]["buffer"] = 0;
+    views[i]["byteOffset"] = keep(bytes);
+    views[i]["byteLength"] = bytes.size();
+    if (!views[i].contains("extensions")) continue;
+    views[i]["extensions"].erase(kMeshoptExtension);
+    if (views[i]["extensions"].empty()) views[i].erase("extensions");
+  }
+}
+
+void AssetDocument::keep_images() {
+  const auto images = asset_.root().find("images");
+  for (std::int64_t i = 0; images && i < images->array_size(); ++i) {
+    const auto uri = (*images)[i].find("uri");
+    if (!uri || uri->text().starts_with("data:")) continue;
+    const std::span<const std::byte> bytes = asset_.source().fetch(*uri);
+    json& views = json_["bufferViews"];
+    const std::int64_t view = views_.next(views);
+    views[static_cast<std::size_t>(view)] = {
+        {"buffer", 0}, {"byteOffset", keep(bytes)}, {"byteLength", bytes.size()}};
+    json& image = json_["images"][static_cast<std::size_t>(i)];
+    if (!image.contains("name")) image["name"] = image["uri"];
+    if (!image.contains("mimeType")) image["mimeType"] = image_type(bytes, uri->text());
+    image["bufferView"] = view;
+    image.erase("uri");
+  }
+}
+
+void AssetDocument::replace(std::int64_t mesh, const AssetVertices& vertices,
+                            const GltfDocument& document, const json& made) {
+  std::vector<std::int64_t> views, accessors;
+  for (const json& view : made["bufferViews"]) {
+    views.push_back(views_.next(json_["bufferViews"]));
+    json& to = json_["bufferViews"][static_cast<std::size_t>(views.back())] = view;
+    const bool is_packed = to["buffer"] == 1;
+    to["byteOffset"] =
+        to.value("byteOffset", std::uint64_t{0}) + (is_packed ? decoded_bytes_ : buffer_bytes_);
+    if (!is_packed) continue;
+    json& stream = to["extensions"][kMeshoptExtension];
+    stream["byteOffset"] = stream.value("byteOffset", std::uint64_t{0}) + buffer_bytes_;
+  }
+  for (const json& accessor : made["accessors"]) {
+    accessors.push_back(accessors_.next(json_["accessors"]));
+    json& to = json_["accessors"][static_cast<std::size_t>(accessors.back())] = accessor;
+    to["bufferView"] = views[to["bufferView"].get<std::size_t>()];
+  }
+  json& place = json_["meshes"][static_cast<std::size_t>(mesh)];
+  const json given = std::exchange(place["primitives"], json::array());
+  const json& primitives = made["meshes"][0]["primitives"];
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const auto group = static_cast<std::size_t>(std::max(document.primitives[i].group, 0));
+    const auto source = static_cast<std::size_t>(vertices.groups[group].primitive);
+    place["primitives"].push_back(
+        primitive_of(primitives[i], without_vertices(given[source]), accessors));
+  }
+  for (const json& primitive : given)
+    if (!is_surface(primitive)) place["primitives"].push_back(primitive);
+  buffer_bytes_ += document.buffer_bytes;
+  decoded_bytes_ += document.decoded_bytes;
+  new_extensions_.insert(document.extensions.begin(), document.extensions.end());
+  if (document.scale != 1.0 || document.translation != glm::dvec3(0.0)) scale_nodes(mesh, document);
+}
+
+// A child between: the node's own children and animations stay where they are.
+void AssetDocument::scale_nodes(std::int64_t mesh, const GltfDocument& document) {
+  if (!json_.contains("nodes")) return;
+  json& nodes = json_["nodes"];
+  const std::size_t count = nodes.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!nodes[i].contains("mesh") || nodes[i]["mesh"] != mesh) continue;
+    nodes[i].erase("mesh");
+    nodes[i]["children"].push_back(nodes.size());
+    nodes.push_back({{"mesh", mesh},
+                     {"scale", vector_of(glm::dvec3(document.scale))},
+                     {"translation", vector_of(document.translation)}});
+  }
+}
+
+void AssetDocument::add_extras(const json& extras) {
+  if (!extras.is_object()) return;
+  json& own = json_["asset"]["extras"];
+  if (own.is_null()) own = json::object();
+  if (!own.is_object()) return;
+  for (const auto& [key, value] : extras.items())
+    if (!own.contains(key)) own[key] = value;
+}
+
+// Where fewer came than gave way. Numbers stay, so only the last of a list can go.
+void AssetDocument::drop_unused_places(const char* list, Places& places, const json& filler) {
+  if (!json_.contains(list)) return;
+  json& all = json_[list];
+  while (!places.free.empty() && *places.free.rbegin() == std::ssize(all) - 1) {
+    places.free.erase(std::prev(places.free.end()));
+    all.erase(all.size() - 1);
+  }
+  for (const std::int64_t place : places.free) all[static_cast<std::size_t>(place)] = filler;
+  if (all.empty()) json_.erase(list);
+}
+
+void AssetDocument::settle_extensions() {
+  // What concerns bytes that are unpacked now, or attributes that gave way.
+  const bool keeps_triangles = std::ranges::any_of(json_["meshes"], [&](const json& mesh) {
+    return std::ranges::any_of(mesh["primitives"], [](const json& primitive) {
+      return primitive.contains("extensions") && primitive["extensions"].contains(kDracoExtension);
+    });
+  });
+  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+    std::set<std::string> names;
+    if (json_.contains(list))
+      for (const json& name : json_[list]) names.insert(name.get<std::string>());
+    names.erase(kMeshoptExtension);
+    if (!keeps_vertices_) names.erase(kDracoExtension), names.erase(kQuantization);
+    names.insert(new_extensions_.begin(), new_extensions_.end());
+    json_[list] = names;
+    if (names.empty()) json_.erase(list);
+  }
+}
+
+std::string AssetDocument::text(const std::string& uri) {
+  constexpr int kFloat = 5126;
+  drop_unused_places("accessors", accessors_,
+                     {{"componentType", kFloat}, {"count", 1}, {"type", "SCALAR"}});
+  drop_unused_places("bufferViews", views_, {{"buffer", 0}, {"byteLength", 1}});
+  settle_extensions();
+  json& buffers = json_["buffers"] = json::array();
+  buffers.push_back({{"byteLength", buffer_bytes_}});
+  if (!uri.empty()) buffers[0]["uri"] = uri;
+  if (decoded_bytes_ > 0)
+    buffers.push_back({{"byteLength", decoded_bytes_},
+                       {"extensions", {{kMeshoptExtension, {{"fallback", true}}}}}});
+  return json_.dump(uri.empty() ? -1 : 2, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace planish

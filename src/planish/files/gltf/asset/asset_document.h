@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "planish/files/gltf/asset/asset_references.h"
+#include "planish/files/gltf/asset/gltf_asset.h"
+#include "planish/files/gltf/gltf_document.h"
+
+namespace planish {
+
+/// An asset's document while surfaces come in the place of triangles. New accessors and buffer
+/// views take the places of those that nothing else names, so that no number in the rest of the
+/// document changes, which may be one of an extension that nobody here knows.
+class AssetDocument {
+ public:
+  /// `keeps_files`: images beside the asset stay there. Throws Error{UnreadableInput} where the
+  /// asset names bytes that are not there.
+  AssetDocument(const GltfAsset& asset, const std::set<std::int64_t>& replaced_meshes,
+                bool keeps_files);
+
+  /// Puts a surface's document, `made` as gltf_json() has it, in the place of a mesh's triangles;
+  /// its bytes follow those before it.
+  void replace(std::int64_t mesh, const AssetVertices& vertices, const GltfDocument& document,
+               const nlohmann::json& made);
+  /// Adds what stands in `extras` to asset.extras, unless the asset has that already.
+  void add_extras(const nlohmann::json& extras);
+  /// The text, with `uri` for the buffer of a .gltf.
+  [[nodiscard]] std::string text(const std::string& uri);
+
+  /// Bytes that come before those of the surfaces, each piece padded to a multiple of four.
+  [[nodiscard]] const std::vector<std::span<const std::byte>>& kept() const { return kept_; }
+  [[nodiscard]] std::uint64_t buffer_bytes() const { return buffer_bytes_; }
+
+ private:
+  // Of a list of the document, the places that new elements take.
+  struct Places {
+    std::set<std::int64_t> free;
+    std::int64_t next(nlohmann::json& list);
+  };
+
+  std::uint64_t keep(std::span<const std::byte> bytes);
+  void keep_views();
+  void keep_images();
+  void scale_nodes(std::int64_t mesh, const GltfDocument& document);
+  void drop_unused_places(const char* list, Places& places, const nlohmann::json& filler);
+  void settle_extensions();
+
+  const GltfAsset& asset_;
+  nlohmann::json json_;
+  Places accessors_, views_;
+  std::vector<std::span<const std::byte>> kept_;
+  std::uint64_t buffer_bytes_ = 0, decoded_bytes_ = 0;
+  std::set<std::string> new_extensions_;
+  bool keeps_vertices_ = false;  // of some primitive
+};
+
+}  // namespace planish

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace planish {
+
+/// A part of a mesh with one material: primitives that differ in their vertices only.
+struct AssetGroup {
+  std::int64_t primitive = 0;  ///< the first of them, in the mesh
+  int uv_sets = 0;             ///< of texture coordinates
+};
+
+/// Numbers of each vertex, linear between them on the surface as colours are.
+struct AssetArray {
+  std::string name;  ///< "COLOR_1", "_TEMPERATURE"
+  int width = 1;
+  std::vector<float> values;  ///< `width` for each vertex
+};
+
+/// How far a joint takes a vertex along.
+struct JointWeight {
+  std::int32_t joint;
+  float weight;
+  friend bool operator==(const JointWeight&, const JointWeight&) = default;
+};
+
+/// What a mesh of an asset has besides a PolygonMesh, by the vertices and groups of that.
+struct AssetVertices {
+  std::vector<AssetGroup> groups;
+  /// TEXCOORD_1, TEXCOORD_2 ...: as many as PolygonMesh::uvs, whose indices they have.
+  std::vector<std::vector<glm::dvec2>> further_uvs;
+  std::vector<AssetArray> arrays;
+  /// Joints of vertex v: [first_influence[v], first_influence[v + 1]); empty: there are none.
+  std::vector<std::int64_t> first_influence;
+  std::vector<JointWeight> influences;
+  int joint_sets = 0;  ///< of four each: JOINTS_0, JOINTS_1 ...
+  /// By morph target: how far it takes each vertex.
+  std::vector<std::vector<glm::dvec3>> targets;
+  std::vector<std::string> left_out;  ///< attributes that no surface can have, by name
+
+  [[nodiscard]] std::span<const JointWeight> influences_of(std::int64_t vertex) const {
+    const auto first = static_cast<std::size_t>(first_influence[vertex]);
+    return std::span(influences)
+        .subspan(first, static_cast<std::size_t>(first_influence[vertex + 1]) - first);
+  }
+  [[nodiscard]] bool moves() const { return !first_influence.empty() || !targets.empty(); }
+};
+
+}  // namespace planish

@@ -1,0 +1,76 @@
+#include "planish/files/gltf/asset/gltf_asset.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "planish/core/visible_text.h"
+#include "planish/files/gltf/asset/asset_checks.h"
+#include "planish/files/gltf/asset/primitive_parts.h"
+#include "planish/files/gltf/glb_parts.h"
+#include "planish/files/gltf/scene_reader.h"
+
+namespace planish {
+namespace {
+
+std::optional<std::filesystem::path> folder_of(const FileBytes& file) {
+  if (file.path.empty()) return std::nullopt;
+  return file.path.parent_path();
+}
+
+}  // namespace
+
+GltfAsset::GltfAsset(const FileBytes& file, const GltfLimits& limits)
+    : file_(file),
+      limits_(limits),
+      format_(split_glb(file.bytes, file.name).format),
+      document_(parse_json(split_glb(file.bytes, file.name).json, file.name)),
+      root_(*document_, file_.name, ""),
+      source_(root_, split_glb(file.bytes, file.name).chunk, folder_of(file)) {
+  file_.progress = nullptr;  // which counts the bytes of a scene
+  require_asset_version(root_);
+  require_sound_asset(root_);
+  const auto meshes = root_.find("meshes");
+  for (std::int64_t i = 0; meshes && i < meshes->array_size(); ++i) {
+    const JsonPlace primitives = (*meshes)[i]["primitives"];
+    bool has_triangles = false;
+    for (std::int64_t k = 0; k < primitives.array_size(); ++k)
+      has_triangles |= is_surface(primitives[k].value());
+    if (has_triangles) surfaces_.push_back(i);
+  }
+}
+
+AssetMesh GltfAsset::read(std::int64_t number) const {
+  const JsonPlace place = root_["meshes"][number];
+  AssetMesh mesh{.number = number, .name = place.path(), .file = {}, .vertices = {}};
+  if (const auto name = place.find("name"); name && name->is_text() && !name->text().empty())
+    mesh.name = visible(name->text());
+  AssetCollector collector;
+  mesh.file = SceneReader(root_, source_, GltfBudget(limits_, file_.name), file_)
+                  .read_mesh(format_, number, collector);
+  mesh.vertices = collector.finish();
+  return mesh;
+}
+
+bool GltfAsset::may_be_scaled(std::int64_t number) const {
+  const JsonPlace primitives = root_["meshes"][number]["primitives"];
+  for (std::int64_t i = 0; i < primitives.array_size(); ++i)
+    if (primitives[i].find("targets") || !is_surface(primitives[i].value())) return false;
+  const auto nodes = root_.find("nodes");
+  for (std::int64_t i = 0; nodes && i < nodes->array_size(); ++i) {
+    const JsonPlace node = (*nodes)[i];
+    const auto mesh = node.find("mesh");
+    // Nobody knows what extensions do with the node's mesh.
+    if (mesh && mesh->integer() == number && (node.find("skin") || node.find("extensions")))
+      return false;
+  }
+  return true;
+}
+
+std::unique_ptr<const GltfAsset> asset_of(const FileBytes& file, FileFormat format) {
+  if (!info_of(format).is_gltf) return nullptr;
+  auto asset = std::make_unique<const GltfAsset>(file);
+  return asset->surfaces().empty() ? nullptr : std::move(asset);
+}
+
+}  // namespace planish

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "planish/files/gltf/asset/gltf_asset.h"
+#include "planish/files/gltf/write_gltf.h"
+#include "planish/surface/surface_blocks.h"
+
+namespace planish {
+
+/// What comes in the place of a mesh's triangles.
+struct AssetSurface {
+  std::int64_t mesh = 0;                    ///< its number in the asset
+  const SurfaceBlocks* surface = nullptr;   ///< whose groups are those of the AssetMesh
+  const AssetVertices* vertices = nullptr;  ///< of the AssetMesh
+  /// Name, attributes and compression; neither origin nor turn, since nodes stay.
+  GltfOptions options;
+};
+
+/// The asset with surfaces instead of triangles: one primitive for each AssetGroup, with its
+/// material, extras and extensions. All else stays as it is, byte by byte where it is no JSON; the
+/// JSON's keys come sorted. What lies in other buffers comes into one; images beside the file come
+/// into it too, unless the output is a .gltf in the same folder (`folder`: where it will stand).
+/// Of `common` are taken: extras, which are added to asset.extras, observe and callbacks.
+/// Throws as write_gltf(), Error{UnreadableInput} where something that the asset names is not
+/// there.
+GltfFile write_asset(const std::filesystem::path& path, const std::filesystem::path& folder,
+                     const GltfAsset& asset, std::span<const AssetSurface> surfaces,
+                     const GltfOptions& common);
+
+/// The same as a GLB in memory.
+[[nodiscard]] std::vector<std::byte> encode_asset(const GltfAsset& asset,
+                                                  std::span<const AssetSurface> surfaces,
+                                                  const GltfOptions& common);
+
+}  // namespace planish

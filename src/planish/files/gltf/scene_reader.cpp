@@ -1,0 +1,237 @@
+// Based on: Khronos Group, "glTF 2.0 Specification", section 3.7 (meshes).
+#include "planish/files/gltf/scene_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/matrix.hpp>
+#include <optional>
+
+#include "planish/core/error.h"
+#include "planish/core/number_text.h"
+#include "planish/core/stop.h"
+#include "planish/files/gltf/draco_stream.h"
+#include "planish/files/gltf/gltf_accessor.h"
+
+namespace planish {
+namespace {
+
+// A few bytes of nodes can place any number of them.
+constexpr std::int64_t kMaxPrimitives = std::int64_t{1} << 20;
+
+// Extensions that change nothing about the triangles, or are read; any other that a file requires
+// is refused.
+constexpr std::array<std::string_view, 6> kHarmlessExtensions = {
+    "KHR_materials_", "KHR_texture_",          "EXT_texture_",
+    "KHR_lights_",    "KHR_mesh_quantization", "EXT_meshopt_compression"};
+
+}  // namespace
+
+void require_gltf_version(const JsonPlace& root, std::span<const std::string_view> further) {
+  const JsonPlace version = root["asset"]["version"];
+  if (!version.text().starts_with("2.")) version.fail(quote(version.text()) + " is not 2.x");
+  const auto required = root.find("extensionsRequired");
+  for (std::int64_t i = 0; required && i < required->array_size(); ++i) {
+    const std::string& extension = (*required)[i].text();
+    const auto begins = [&](std::string_view known) { return extension.starts_with(known); };
+    const bool harmless =
+        std::ranges::any_of(kHarmlessExtensions, begins) || std::ranges::any_of(further, begins);
+    if (!harmless && !(reads_draco() && extension == kDracoExtension))
+      (*required)[i].fail(quote(extension) + " cannot be read; save the file without it");
+  }
+}
+
+MeshFile SceneReader::read(FileFormat format) { return read(format, gltf_instances(root_)); }
+
+MeshFile SceneReader::read_mesh(FileFormat format, std::int64_t mesh, AssetCollector& asset) {
+  constexpr std::int64_t kNoNode = -1;
+  asset_ = &asset;
+  const GltfInstance itself{mesh, kNoNode, glm::dmat4(1.0)};
+  return read(format, {&itself, 1});
+}
+
+MeshFile SceneReader::read(FileFormat format, std::span<const GltfInstance> instances) {
+  for (const GltfInstance& instance : instances) read_instance(instance, bytes_ / instances.size());
+  file_.format = format;
+  triangles_.finish(welder_, file_);
+  attributes_.finish(std::move(uvs_), file_.mesh);
+  if (file_.mesh.face_count() == 0 && !points_.empty()) {
+    points_.finish(file_);
+  } else {
+    file_.dropped_element_count += point_primitive_count_;
+  }
+  if (creases_from_normals_) mark_split_normals(file_.mesh, normals_);
+  if (deformed_count_ > 0)
+    file_.warnings.push_back({.code = "ignored-deformation",
+                              .message = "skins and morph targets are ignored; the shape at "
+                                         "rest is read",
+                              .count = deformed_count_});
+  return std::move(file_);
+}
+
+// Where the same bytes are placed often, or only some of them, each place has an equal share of
+// the file's.
+void SceneReader::read_instance(const GltfInstance& instance, std::size_t bytes) {
+  const JsonPlace mesh = root_["meshes"][instance.mesh];
+  if (asset_ == nullptr && root_["nodes"][instance.node].find("skin")) ++deformed_count_;
+  const JsonPlace primitives = mesh["primitives"];
+  for (std::int64_t i = 0; i < primitives.array_size(); ++i) {
+    if (++primitive_count_ > kMaxPrimitives)
+      primitives.fail("the scene places more than " + std::to_string(kMaxPrimitives) +
+                      " primitives");
+    read_primitive(primitives[i], instance,
+                   bytes / static_cast<std::size_t>(primitives.array_size()));
+  }
+}
+
+void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& instance,
+                                 std::size_t bytes) {
+  constexpr std::int64_t kPoints = 0, kTriangles = 4, kFan = 6;
+  constexpr std::int64_t kPiece = 4096;  // corners
+  const std::int64_t mode = place.integer_or("mode", kTriangles);
+  if (mode > kFan) place["mode"].fail(std::to_string(mode) + " is no mode of primitives");
+  const bool has_positions = place["attributes"].find("POSITION").has_value();
+  if (mode == kPoints && has_positions && asset_ == nullptr)
+    return read_point_primitive(place, instance);
+  if (mode < kTriangles || !has_positions) {
+    if (asset_ == nullptr) ++file_.dropped_element_count;
+    return;
+  }
+  if (asset_ == nullptr && place.find("targets")) ++deformed_count_;
+  const SourcePrimitive primitive(root_, place, source_);
+  const std::optional<GltfAccessor> indices = primitive.indices();
+  const std::int64_t vertex_count = primitive.positions().count();
+  const std::int64_t count = indices ? indices->count() : vertex_count;
+  budget_.add_triangles(place, vertex_count, count * (mode == kTriangles ? 1 : 3));
+  if (stamps_.size() < static_cast<std::size_t>(vertex_count)) {
+    stamps_.resize(static_cast<std::size_t>(vertex_count), 0);
+    welded_vertices_.resize(stamps_.size());
+  }
+  ++stamp_;
+  if (asset_ != nullptr) {
+    const int group = asset_->begin_primitive(place, primitive, budget_);
+    attributes_.use_group({.name = std::to_string(group), .material = ""});
+  } else {
+    name_group(place);
+  }
+  read_uvs(place, primitive);
+  if (creases_from_normals_) read_normals(primitive, instance);
+  corners_.resize(static_cast<std::size_t>(count));
+  vertices_.resize(corners_.size());
+  for (std::int64_t i = 0; i < count; ++i) {
+    const std::int64_t vertex = indices ? indices->index(i) : i;
+    if (vertex >= vertex_count)
+      place["indices"].fail("entry " + std::to_string(i) + " names vertex " +
+                            std::to_string(vertex) + " of " + std::to_string(vertex_count));
+    corners_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(vertex);
+    vertices_[static_cast<std::size_t>(i)] = welded(primitive, vertex, instance);
+    if ((i + 1) % kPiece != 0) continue;
+    check_stop();
+    count_read(progress_,
+               bytes * static_cast<std::size_t>(kPiece) / static_cast<std::size_t>(count));
+  }
+  color_vertices(primitive);
+  add_triangles(place, mode, glm::determinant(glm::dmat3(instance.to_world)) < 0);
+}
+
+void SceneReader::name_group(const JsonPlace& place) {
+  FaceGroup group;
+  if (const auto material = place.find("material")) {
+    const JsonPlace named = root_["materials"][material->integer()];
+    if (const auto name = named.find("name")) group.material = name->text();
+  }
+  if (const auto extras = place.find("extras"); extras && extras->is_object()) {
+    if (const auto name = extras->find("group"); name && name->is_text()) group.name = name->text();
+  }
+  attributes_.use_group(std::move(group));
+}
+
+// Appended for the whole primitive; OBJ's v runs upwards, glTF's down.
+void SceneReader::read_uvs(const JsonPlace& place, const SourcePrimitive& primitive) {
+  first_uv_ = -1;
+  if (asset_ != nullptr && asset_->uv_set_count() > 0) {
+    first_uv_ = static_cast<std::int64_t>(uvs_.size());
+    asset_->read_uvs(uvs_);
+    return;
+  }
+  const auto uvs = primitive.attribute("TEXCOORD_0", GltfAccessor::Use::TextureCoordinates);
+  if (!uvs) return;
+  const JsonPlace attribute = place["attributes"]["TEXCOORD_0"];
+  budget_.add_uvs(attribute, uvs->count());
+  first_uv_ = static_cast<std::int64_t>(uvs_.size());
+  for (std::int64_t i = 0; i < uvs->count(); ++i) {
+    const glm::dvec2 uv = uvs->texture_coordinate(i);
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+      attribute.fail("the texture coordinate of vertex " + std::to_string(i) + " is not finite");
+    uvs_.emplace_back(uv.x, 1.0 - uv.y);
+  }
+}
+
+void SceneReader::read_normals(const SourcePrimitive& primitive, const GltfInstance& instance) {
+  first_normal_ = -1;
+  const auto normals = primitive.attribute("NORMAL", GltfAccessor::Use::Normals);
+  if (!normals) return;
+  budget_.add_normals(root_["meshes"], normals->count());
+  first_normal_ = static_cast<std::int64_t>(normals_.values.size());
+  for (std::int64_t i = 0; i < normals->count(); ++i)
+    normals_.values.emplace_back(placed_normal(normals->position(i), instance));
+}
+
+void SceneReader::color_vertices(const SourcePrimitive& primitive) {
+  const auto colors = primitive.attribute("COLOR_0", GltfAccessor::Use::Colors);
+  if (!colors) return;
+  for (std::size_t i = 0; i < corners_.size(); ++i)
+    attributes_.color_vertex(vertices_[i], primitive.color(*colors, corners_[i]));
+}
+
+// All vertices: indices would only leave some out, or name some twice.
+void SceneReader::read_point_primitive(const JsonPlace& place, const GltfInstance& instance) {
+  const SourcePrimitive primitive(root_, place, source_);
+  ++point_primitive_count_;
+  budget_.add_points(place, primitive.positions().count());
+  points_.add(primitive, instance);
+}
+
+std::int32_t SceneReader::welded(const SourcePrimitive& primitive, std::int64_t vertex,
+                                 const GltfInstance& instance) {
+  const auto slot = static_cast<std::size_t>(vertex);
+  if (stamps_[slot] != stamp_) {
+    stamps_[slot] = stamp_;
+    const glm::dvec3 position = primitive.position(vertex, instance);
+    welded_vertices_[slot] =
+        asset_ != nullptr ? asset_->weld(welder_, position, vertex) : welder_.insert(position);
+  }
+  return welded_vertices_[slot];
+}
+
+void SceneReader::add_triangles(const JsonPlace& place, std::int64_t mode, bool mirrored) {
+  constexpr std::int64_t kTriangles = 4, kStrip = 5;
+  const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
+    // A mirror turns front faces into back faces.
+    if (mirrored) std::swap(b, c);
+    if (!triangles_.add(vertices_[a], vertices_[b], vertices_[c])) return;
+    const auto numbered = [&](std::int64_t first, std::size_t corner) {
+      return first < 0 ? -1 : static_cast<std::int32_t>(first + corners_[corner]);
+    };
+    for (const std::size_t corner : {a, b, c}) {
+      attributes_.add_corner(numbered(first_uv_, corner));
+      if (creases_from_normals_) normals_.of_corners.push_back(numbered(first_normal_, corner));
+    }
+    attributes_.add_face();
+  };
+  if (mode == kTriangles) {
+    if (vertices_.size() % 3 != 0)
+      place.fail(std::to_string(vertices_.size()) + " corners make no whole triangles");
+    for (std::size_t i = 0; i < vertices_.size(); i += 3) add(i, i + 1, i + 2);
+    return;
+  }
+  for (std::size_t i = 0; i + 2 < vertices_.size(); ++i) {
+    if (mode == kStrip) {
+      add(i, i + 1 + i % 2, i + 2 - i % 2);
+    } else {
+      add(i + 1, i + 2, 0);
+    }
+  }
+}
+
+}  // namespace planish

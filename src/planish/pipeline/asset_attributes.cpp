@@ -1,0 +1,249 @@
+// Based on: Khronos Group, "glTF 2.0 Specification", sections 3.7.2.2 (morph targets) and 3.7.3.3
+// (skinned meshes: weights sum to 1).
+#include "planish/pipeline/asset_attributes.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "planish/core/error.h"
+#include "planish/core/parallel.h"
+#include "planish/pipeline/linear_surface.h"
+
+namespace planish {
+namespace {
+
+// Rows that are made at once.
+constexpr std::int64_t kRows = std::int64_t{1} << 14;
+constexpr int kJointsOfSet = 4;
+
+// of(range) on all threads, for all rows.
+template <class Of>
+void for_rows(const SurfaceBlocks& surface, const Of& of) {
+  const std::vector<RowRange> ranges = surface.row_blocks(kRows);
+  parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) of(ranges[i]);
+  });
+}
+
+}  // namespace
+
+class AssetAttributes::Maker {
+ public:
+  Maker(AssetAttributes& made, const AssetMesh& mesh, const FittedMesh& fitted,
+        const SurfaceBlocks& surface, Backend& backend)
+      : made_(made), given_(mesh.vertices), fitted_(fitted), surface_(surface), backend_(backend) {}
+
+  void add_uvs() {
+    for (const std::vector<glm::dvec2>& set : given_.further_uvs) {
+      std::vector<glm::dvec2>& values = made_.uvs_.emplace_back();
+      values.resize(static_cast<std::size_t>(surface_.info().uv_count));
+      (void)surface_.uvs_of(set, {0, surface_.info().uv_count}, values);
+    }
+  }
+
+  void add_arrays() {
+    for (const AssetArray& array : given_.arrays) {
+      std::vector<glm::vec4> given(fitted_.mesh.positions.size(), glm::vec4(0.0f));
+      const auto width = static_cast<std::size_t>(array.width);
+      for (std::size_t v = 0; v < given.size(); ++v)
+        for (std::size_t k = 0; k < width; ++k)
+          given[v][static_cast<int>(k)] = array.values[width * source(v) + k];
+      std::vector<float>& values = new_attribute(array.name, array.width);
+      for_rows(surface_, [&](RowRange rows) {
+        std::vector<glm::vec4> made(static_cast<std::size_t>(rows.count));
+        (void)surface_.rows_of(given, rows, made);
+        for (std::size_t i = 0; i < made.size(); ++i)
+          for (std::size_t k = 0; k < width; ++k)
+            values[width * (static_cast<std::size_t>(rows.first) + i) + k] =
+                made[i][static_cast<int>(k)];
+      });
+    }
+  }
+
+  void add_joints() {
+    // Joints that move anything, three on a surface.
+    std::map<std::int32_t, std::size_t> channel_of;
+    for (const JointWeight& influence : given_.influences) channel_of.try_emplace(influence.joint);
+    std::vector<std::int32_t> joints;
+    for (auto& [joint, channel] : channel_of) {
+      channel = joints.size();
+      joints.push_back(joint);
+    }
+    std::vector<LinearSurface::Through> surfaces;
+    for (std::size_t first = 0; first < joints.size(); first += 3) {
+      std::vector<glm::dvec3> given(fitted_.mesh.positions.size(), glm::dvec3(0.0));
+      for (std::size_t v = 0; v < given.size(); ++v) {
+        for (const JointWeight& influence :
+             given_.influences_of(static_cast<std::int64_t>(source(v)))) {
+          const std::size_t channel = channel_of[influence.joint];
+          if (channel / 3 == first / 3) given[v][static_cast<int>(channel % 3)] += influence.weight;
+        }
+      }
+      surfaces.push_back(linear().through(given));
+    }
+    write_joints(joints, surfaces);
+  }
+
+  void add_targets() {
+    const auto base = fitted_surface(fitted_.mesh, fitted_.fit, fitted_.evaluate_options());
+    for (std::size_t k = 0; k < given_.targets.size(); ++k) {
+      std::vector<glm::dvec3> moves(fitted_.mesh.positions.size());
+      for (std::size_t v = 0; v < moves.size(); ++v) moves[v] = given_.targets[k][source(v)];
+      const LinearSurface::Through moved = linear().moved(*base, moves);
+      const auto blocks = moved.surface->level(surface_.info().level);
+      const std::string target = "target/" + std::to_string(k) + "/";
+      std::vector<float>& positions = new_attribute(target + "POSITION", 3);
+      std::vector<float>& normals = new_attribute(target + "NORMAL", 3);
+      for_rows(surface_, [&](RowRange rows) {
+        const auto count = static_cast<std::size_t>(rows.count);
+        std::vector<glm::dvec3> from(count), to(count);
+        std::vector<glm::vec3> from_normals(count), to_normals(count);
+        const auto make = [&](const SurfaceBlocks& of, std::vector<glm::dvec3>& made,
+                              std::vector<glm::vec3>& made_normals) {
+          RowTarget rest;
+          rest.positions = made;
+          rest.normals = made_normals;
+          (void)of.rows(rows, rest);
+        };
+        make(surface_, from, from_normals);
+        make(*blocks, to, to_normals);
+        for (std::size_t i = 0; i < count; ++i) {
+          const std::size_t at = 3 * (static_cast<std::size_t>(rows.first) + i);
+          for (int axis = 0; axis < 3; ++axis) {
+            positions[at + static_cast<std::size_t>(axis)] =
+                static_cast<float>(to[i][axis] - from[i][axis]);
+            normals[at + static_cast<std::size_t>(axis)] =
+                to_normals[i][axis] - from_normals[i][axis];
+          }
+        }
+      });
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t source(std::size_t vertex) const {
+    return fitted_.source_vertices.empty()
+               ? vertex
+               : static_cast<std::size_t>(fitted_.source_vertices[vertex]);
+  }
+  [[nodiscard]] const LinearSurface& linear() {
+    if (!linear_) linear_ = std::make_unique<const LinearSurface>(fitted_, backend_);
+    return *linear_;
+  }
+  std::vector<float>& new_attribute(std::string name, int width, bool is_integer = false) {
+    std::vector<float>& values = made_.values_.emplace_back();
+    values.resize(static_cast<std::size_t>(width * surface_.info().row_count), 0.0f);
+    made_.attributes_.push_back(
+        {.name = std::move(name), .width = width, .is_integer = is_integer, .values = values});
+    return values;
+  }
+  void write_joints(const std::vector<std::int32_t>& joints,
+                    const std::vector<LinearSurface::Through>& surfaces);
+
+  AssetAttributes& made_;
+  const AssetVertices& given_;
+  const FittedMesh& fitted_;
+  const SurfaceBlocks& surface_;
+  Backend& backend_;
+  std::unique_ptr<const LinearSurface> linear_;
+};
+
+void AssetAttributes::Maker::write_joints(const std::vector<std::int32_t>& joints,
+                                          const std::vector<LinearSurface::Through>& surfaces) {
+  const auto places = static_cast<std::size_t>(kJointsOfSet * given_.joint_sets);
+  std::vector<std::vector<float>*> numbers, weights;
+  for (int set = 0; set < given_.joint_sets; ++set) {
+    numbers.push_back(&new_attribute("JOINTS_" + std::to_string(set), kJointsOfSet, true));
+    weights.push_back(&new_attribute("WEIGHTS_" + std::to_string(set), kJointsOfSet));
+  }
+  std::vector<std::unique_ptr<SurfaceBlocks>> blocks;
+  for (const LinearSurface::Through& through : surfaces)
+    blocks.push_back(through.surface->level(surface_.info().level));
+  std::mutex mutex;
+  for_rows(surface_, [&](RowRange rows) {
+    const auto count = static_cast<std::size_t>(rows.count);
+    std::vector<std::vector<glm::dvec3>> channels(blocks.size());
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      channels[k].resize(count);
+      RowTarget target;
+      target.positions = channels[k];
+      (void)blocks[k]->rows(rows, target);
+    }
+    double lost = 0;
+    std::vector<JointWeight> of_row;
+    for (std::size_t i = 0; i < count; ++i) {
+      of_row.clear();
+      double sum = 0, kept = 0, below = 0;
+      for (std::size_t j = 0; j < joints.size(); ++j) {
+        const auto weight = static_cast<float>(channels[j / 3][i][static_cast<int>(j % 3)]);
+        if (weight > 0) of_row.push_back({joints[j], weight}), sum += weight;
+        if (weight < 0) below -= weight;
+      }
+      std::ranges::stable_sort(of_row, std::greater<>(), &JointWeight::weight);
+      of_row.resize(std::min(of_row.size(), places));
+      for (const JointWeight& one : of_row) kept += one.weight;
+      if (sum > 0) lost = std::max(lost, (sum - kept + below) / sum);
+      for (std::size_t k = 0; k < of_row.size(); ++k) {
+        const std::size_t at = kJointsOfSet * (static_cast<std::size_t>(rows.first) + i) + k % 4;
+        (*numbers[k / 4])[at] = static_cast<float>(of_row[k].joint);
+        (*weights[k / 4])[at] = static_cast<float>(of_row[k].weight / kept);
+      }
+      // A vertex that nothing moves has the first joint, as the format wants.
+      if (of_row.empty())
+        (*weights[0])[kJointsOfSet * (static_cast<std::size_t>(rows.first) + i)] = 1.0f;
+    }
+    const std::lock_guard lock(mutex);
+    made_.lost_weight_ = std::max(made_.lost_weight_, lost);
+  });
+}
+
+AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted,
+                                 const SurfaceBlocks& surface, Backend& backend,
+                                 const Callbacks& callbacks) {
+  const AssetVertices& given = mesh.vertices;
+  std::vector<std::string> left_out = given.left_out;
+  std::vector<glm::vec4> nothing(fitted.mesh.positions.size());
+  std::array<glm::vec4, 1> one;
+  const bool has_rows = surface.info().row_count > 0 && surface.rows_of(nothing, {0, 1}, one);
+  // The file would have skins and weights of what does not move.
+  if (given.moves() && !has_rows)
+    throw Error(ErrorCode::InvalidArgument,
+                mesh.name +
+                    ": joints and morph targets are carried by levels of Doo-Sabin "
+                    "surfaces only; take levels and that scheme, or merge the scene "
+                    "(--asset merge)");
+  Maker maker(*this, mesh, fitted, surface, backend);
+  const auto add = [&](bool is_given, const std::string& name, const auto& make) {
+    if (!is_given) return;
+    if (has_rows) {
+      make();
+    } else {
+      left_out.push_back(name);
+    }
+  };
+  add(!given.further_uvs.empty(), "TEXCOORD_1", [&] { maker.add_uvs(); });
+  add(!given.arrays.empty(), "further colours and attributes", [&] { maker.add_arrays(); });
+  add(!given.first_influence.empty(), "joints", [&] { maker.add_joints(); });
+  add(!given.targets.empty(), "morph targets", [&] { maker.add_targets(); });
+  for (const AssetGroup& group : given.groups)
+    uv_sets_.push_back(has_rows ? group.uv_sets : std::min(group.uv_sets, 1));
+  if (left_out.empty()) return;
+  std::string names;
+  for (const std::string& name : left_out) names += (names.empty() ? "" : ", ") + name;
+  callbacks.warn({"left-out-attributes",
+                  mesh.name + ": " + names + (left_out.size() == 1 ? " is" : " are") +
+                      " left out: whole numbers have nothing between them, and other attributes "
+                      "need Doo-Sabin surfaces of a level",
+                  std::ssize(left_out)});
+}
+
+void AssetAttributes::add_to(GltfOptions& options) const {
+  options.attributes = attributes_;
+  options.uv_sets = uv_sets_;
+  for (const std::vector<glm::dvec2>& set : uvs_) options.further_uvs.push_back(set);
+}
+
+}  // namespace planish
