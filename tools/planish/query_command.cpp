@@ -183,7 +183,8 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   JobReport report;
   report.label = job.label;
   report.settings = job.settings;
-  JobInput made = read_job_input(job, report, context);
+  const InputFile file = load_job_input(job, report, context);
+  JobInput made = read_job_input(job, file, report, context);
   ReadyFit ready = prepare_input(made, {}, report, context);
   const auto backend =
       open_backend(list_devices(DeviceScope::CpuOnly).devices.front(), job.settings);

@@ -67,8 +67,27 @@ std::string weights_text(const Settings& settings) {
                                                          : name_of(settings.scheme));
 }
 
+std::string fit_time(const JobTiming& timing) {
+  return fixed(timing.check + timing.topology + timing.stencils + timing.upload + timing.solve, 1);
+}
+
+// Of a glTF that stays an asset: the largest error of its meshes.
+std::vector<std::string> row_of_asset(const JobReport& report) {
+  double error = 0;
+  for (const JobReport& mesh : report.meshes) error = std::max(error, mesh.interpolation.error.max);
+  return {report.job,
+          "-",
+          with_separators(report.input.file_vertices),
+          counted(std::ssize(report.meshes), "mesh"),
+          weights_text(report.settings),
+          "-",
+          short_number(error),
+          fit_time(report.timing),
+          fixed(report.timing.total, 1)};
+}
+
 std::vector<std::string> row_of(const JobReport& report) {
-  const JobTiming& timing = report.timing;
+  if (!report.meshes.empty()) return row_of_asset(report);
   const Interpolation& result = report.interpolation;
   return {report.job,
           report.reconstruction.is_null()
@@ -80,8 +99,8 @@ std::vector<std::string> row_of(const JobReport& report) {
           (report.fair ? "-" : std::to_string(result.iterations)) +
               (result.converged ? "" : " (not converged)"),
           short_number(result.error.max),
-          fixed(timing.check + timing.topology + timing.stencils + timing.upload + timing.solve, 1),
-          fixed(timing.total, 1)};
+          fit_time(report.timing),
+          fixed(report.timing.total, 1)};
 }
 
 std::vector<std::string> failed_row(const Job& job) {

@@ -80,14 +80,10 @@ Input mesh_of(const InputFile& file, const Callbacks& callbacks) {
                 file.name + ": holds points, and a mesh is wanted here; \"planish reconstruct " +
                     file.name + " -o mesh.obj\" makes one of them");
   }
-  Input input{.name = file.name,
-              .file = read_mesh(FileBytes{.bytes = file.bytes,
-                                          .name = file.name,
-                                          .path = file.path,
-                                          .split_normals_crease = file.split_normals_crease,
-                                          .is_strict = file.is_strict},
-                                file.format, share_of(callbacks, kFileLoaded, 1)),
-              .sha256 = {}};
+  Input input{
+      .name = file.name,
+      .file = read_mesh(file.for_reader(), file.format, share_of(callbacks, kFileLoaded, 1)),
+      .sha256 = {}};
   input.sha256 = file.sha256();
   return input;
 }

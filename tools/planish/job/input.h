@@ -24,6 +24,14 @@ struct InputFile {
   std::shared_future<std::string> digest;  ///< is taken while the bytes are read
 
   [[nodiscard]] std::string sha256() const { return digest.get(); }
+  /// For readers; this must outlive it.
+  [[nodiscard]] FileBytes for_reader() const {
+    return {.bytes = bytes,
+            .name = name,
+            .path = path,
+            .split_normals_crease = split_normals_crease,
+            .is_strict = is_strict};
+  }
 };
 
 /// A mesh with what a report says of its file.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "job/asset_job.h"
 #include "job/forecast.h"
 #include "job/job_fit.h"
 #include "job/job_input.h"
@@ -98,7 +99,16 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
   PageJob page{.name = job.name};
   std::vector<std::byte> stdout_bytes;
   timed(report.timing.total, [&] {
-    JobInput made = timed(report.timing.read, [&] { return read_job_input(job, report, context); });
+    const InputFile file =
+        timed(report.timing.read, [&] { return load_job_input(job, report, context); });
+    if (const auto asset = kept_asset(job, outputs, file, report, context)) {
+      stdout_bytes = staged.naming_targets([&] {
+        return run_asset({job, outputs, backend, context, file, *asset, report, staged});
+      });
+      return;
+    }
+    JobInput made =
+        timed(report.timing.read, [&] { return read_job_input(job, file, report, context); });
     ReadyFit ready = timed(report.timing.check, [&] {
       ReadyFit prepared = prepare_input(made, outputs, report, context);
       if (!prepared.chooses_method) warn_of_unused_settings(job, made, report, context.console);

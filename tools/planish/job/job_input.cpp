@@ -120,14 +120,19 @@ void warn_of_torn_vertices(const ReadyFit& ready, JobReport& report, Console& co
 
 }  // namespace
 
-JobInput read_job_input(const Job& job, JobReport& report, const JobContext& context) {
+InputFile load_job_input(const Job& job, JobReport& report, const JobContext& context) {
+  InputFile file = load_input(job.input, job.input_format, callbacks_for(report, context));
+  file.split_normals_crease = report.settings.creases.split_normals;
+  file.is_strict = report.settings.repair == RepairChoice::None;
+  return file;
+}
+
+JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report,
+                        const JobContext& context) {
   Console& console = context.console;
   JobInput made;
   Input& input = made.input;
   const Callbacks callbacks = callbacks_for(report, context);
-  InputFile file = load_input(job.input, job.input_format, callbacks);
-  file.split_normals_crease = report.settings.creases.split_normals;
-  file.is_strict = report.settings.repair == RepairChoice::None;
   input.name = file.name;
   report.input.format = name_of(file.format);
   const auto reconstruct = [&](const PointInput& cloud) {

@@ -27,9 +27,14 @@ struct JobInput {
   FoldedEdges folds;               ///< of that
 };
 
+/// Loads the file of a job's input, to be read as the job's settings say. Throws as load_input().
+[[nodiscard]] InputFile load_job_input(const Job& job, JobReport& report,
+                                       const JobContext& context);
+
 /// Reads a job's input, meshing points, and its source, and notes in the report what the file is.
 /// Throws planish::Error.
-[[nodiscard]] JobInput read_job_input(const Job& job, JobReport& report, const JobContext& context);
+[[nodiscard]] JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report,
+                                      const JobContext& context);
 
 /// Whether a mesh's method is chosen by measurement: not where it is named, where only one is to be
 /// had, or where a cage is wanted, which the progressive method alone makes of the mesh's faces.

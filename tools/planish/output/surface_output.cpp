@@ -69,32 +69,9 @@ double largest_error(const SurfaceInfo& info, std::span<const glm::dvec3> given,
 void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& target,
                    const SurfaceBlocks& surface, const SurfaceOutputOptions& options,
                    WrittenOutput& written, std::vector<std::byte>& stdout_bytes) {
-  // Little of what the tolerance leaves to compression is kept for rounding.
-  constexpr double kShare = 0.99;
-  GltfOptions gltf = options.gltf;
-  const SurfaceInfo& info = surface.info();
-  double distance =
-      largest_error(info, options.given, [&](RowRange rows, std::span<glm::dvec3> positions) {
-        written_positions(surface, gltf, rows, positions);
-      });
-  if (gltf.compression != GltfCompression::None) {
-    gltf.position_error = std::max(0.0, kShare * (options.tolerance * options.diagonal - distance));
-    gltf.decoded_rows = static_cast<std::int64_t>(info.base_vertices.size());
-    gltf.decoded = [&](std::span<const glm::dvec3> decoded) {
-      distance = largest_error(info, options.given, [&](RowRange rows, std::span<glm::dvec3> some) {
-        std::copy_n(decoded.begin() + rows.first, rows.count, some.begin());
-      });
-    };
-    gltf.kept_float = [&](double moved) {
-      gltf.callbacks.warn(
-          {"float-positions", visible(planned.path) +
-                                  ": positions stay 32 bits: 16 would move them by up to " +
-                                  short_number(moved / options.diagonal) +
-                                  " of the diagonal, and --tolerance leaves " +
-                                  short_number(gltf.position_error / options.diagonal) +
-                                  "; a larger one may allow it"});
-    };
-  }
+  MeasuredGltf measured;
+  measure_gltf(planned, surface, options, measured);
+  GltfOptions& gltf = measured.options;
   if (planned.to_stdout) {
     stdout_bytes = encode_glb(surface, gltf);
     note_bytes(written, stdout_bytes);
@@ -104,7 +81,7 @@ void write_as_gltf(const PlannedOutput& planned, const std::filesystem::path& ta
     written.bytes = write_gltf(target, surface, gltf).byte_count;
     written.sha256 = digest.finish();
   }
-  written.as_written_error = distance / options.diagonal;
+  written.as_written_error = measured.distance / options.diagonal;
 }
 
 // As the format holds them.
@@ -131,6 +108,50 @@ LevelOne state_of(const PolygonMesh& cage, const FairFit& fair) {
 
 }  // namespace
 
+void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
+                  const SurfaceOutputOptions& options, MeasuredGltf& measured) {
+  // Little of what the tolerance leaves to compression is kept for rounding.
+  constexpr double kShare = 0.99;
+  GltfOptions& gltf = measured.options = options.gltf;
+  const SurfaceInfo& info = surface.info();
+  measured.distance =
+      largest_error(info, options.given, [&](RowRange rows, std::span<glm::dvec3> positions) {
+        written_positions(surface, gltf, rows, positions);
+      });
+  if (gltf.compression == GltfCompression::None) return;
+  gltf.position_error =
+      options.may_be_scaled
+          ? std::max(0.0, kShare * (options.tolerance * options.diagonal - measured.distance))
+          : 0.0;
+  gltf.decoded_rows = static_cast<std::int64_t>(info.base_vertices.size());
+  gltf.decoded = [&](std::span<const glm::dvec3> decoded) {
+    measured.distance =
+        largest_error(info, options.given, [&](RowRange rows, std::span<glm::dvec3> some) {
+          std::copy_n(decoded.begin() + rows.first, rows.count, some.begin());
+        });
+  };
+  if (!options.may_be_scaled) return;
+  gltf.kept_float = [&](double moved) {
+    gltf.callbacks.warn(
+        {"float-positions",
+         visible(planned.path) + ": positions stay 32 bits: 16 would move them by up to " +
+             short_number(moved / options.diagonal) + " of the diagonal, and --tolerance leaves " +
+             short_number(gltf.position_error / options.diagonal) + "; a larger one may allow it"});
+  };
+}
+
+WrittenOutput counted_output(const PlannedOutput& planned, const SurfaceInfo& info) {
+  WrittenOutput written;
+  written.path = planned.path.string();
+  written.kind = planned.kind;
+  written.fineness = planned.fineness;
+  written.vertices = info.row_count;
+  written.faces = info.face_count;
+  written.quads = info.face_offsets.empty() ? info.face_count : 0;
+  written.triangles = info.corner_count - 2 * info.face_count;
+  return written;
+}
+
 double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
   const auto count = static_cast<std::int64_t>(std::min(a.size(), b.size()));
   return largest_of_pieces(count, [&](RowRange rows) {
@@ -145,14 +166,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
                                    const SurfaceOutputOptions& options,
                                    std::vector<std::byte>& stdout_bytes) {
   const SurfaceInfo& info = surface.blocks().info();
-  WrittenOutput written;
-  written.path = planned.path.string();
-  written.kind = planned.kind;
-  written.fineness = planned.fineness;
-  written.vertices = info.row_count;
-  written.faces = info.face_count;
-  written.quads = info.face_offsets.empty() ? info.face_count : 0;
-  written.triangles = info.corner_count - 2 * info.face_count;
+  WrittenOutput written = counted_output(planned, info);
   const bool is_gltf = info_of(planned.format).is_gltf;
   if (is_gltf) {
     write_as_gltf(planned, target, surface.blocks(), options, written, stdout_bytes);

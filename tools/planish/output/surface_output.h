@@ -19,7 +19,20 @@ struct SurfaceOutputOptions {
   std::span<const glm::dvec3> given;     ///< what the surface passes through in their place
   double diagonal = 1.0;                 ///< that errors are relative to
   double tolerance = 0;                  ///< relative, that compression keeps
+  bool may_be_scaled = true;             ///< whether nodes may carry the grid of compression
 };
+
+/// Options for writing a surface as glTF, and how far it is off as written: known once it is.
+struct MeasuredGltf {
+  GltfOptions options;
+  double distance = 0;  ///< in model units
+};
+/// Of one surface of a file. All that is given must outlive what is measured.
+void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
+                  const SurfaceOutputOptions& options, MeasuredGltf& measured);
+
+/// What is known of a file of that surface before it is written.
+[[nodiscard]] WrittenOutput counted_output(const PlannedOutput& planned, const SurfaceInfo& info);
 
 /// Writes `surface` to `target` in the format of `planned` and measures what was written; a
 /// planned stdout goes to `stdout_bytes` instead. Throws Error{UnwritableOutput}.

@@ -25,6 +25,12 @@ std::string errors_text(const std::vector<ErrorNorms>& history) {
 }  // namespace
 
 std::string details(const JobReport& report) {
+  if (!report.meshes.empty()) {
+    std::string all;
+    for (const JobReport& mesh : report.meshes)
+      all += (all.empty() ? "" : "\n") + mesh.mesh_name + " of " + details(mesh);
+    return all;
+  }
   std::string text = report.job + ", in detail:\n";
   text += line("threads", std::to_string(oneapi::tbb::this_task_arena::max_concurrency()));
   if (report.fair) {
@@ -38,10 +44,11 @@ std::string details(const JobReport& report) {
     text += line("bound", short_number(report.spectral_bound) + " (least eigenvalue of B)");
   }
   text += line("errors", errors_text(report.interpolation.history));
-  text += line("memory", byte_size(report.host_peak_bytes) + " at most" +
-                             (report.device_bytes > 0
-                                  ? ", " + byte_size(report.device_bytes) + " on the device"
-                                  : ""));
+  if (report.host_peak_bytes > 0)  // of a mesh of several only the job has it
+    text += line("memory", byte_size(report.host_peak_bytes) + " at most" +
+                               (report.device_bytes > 0
+                                    ? ", " + byte_size(report.device_bytes) + " on the device"
+                                    : ""));
   text.pop_back();
   return text;
 }

@@ -86,6 +86,47 @@ OrderedJson timing_json(const JobTiming& timing) {
           {"write", timing.write},       {"total", timing.total}};
 }
 
+OrderedJson device_json(const DeviceDescription& device) {
+  return {{"kind", device.kind},
+          {"name", device.name},
+          {"uuid", device.uuid},
+          {"driver", device.driver},
+          {"api", device.api}};
+}
+
+// Of a mesh of an asset.
+OrderedJson asset_json(const JobReport& report) {
+  return {{"mesh", report.mesh_number},
+          {"name", report.mesh_name},
+          {"lost_joint_weight", report.lost_joint_weight}};
+}
+
+// What was fitted, and how good it is.
+void add_fit(const JobReport& report, OrderedJson& json) {
+  json["solve"] = report.solve;
+  json["surface"] = surface_json(report);
+}
+
+OrderedJson meshes_json(const std::vector<JobReport>& meshes) {
+  OrderedJson json = OrderedJson::array();
+  for (const JobReport& mesh : meshes) {
+    OrderedJson& entry = json.emplace_back();
+    entry["asset"] = asset_json(mesh);
+    entry["input"] = input_json(mesh.input);
+    add_fit(mesh, entry);
+    entry["warnings"] = warnings_json(mesh.warnings);
+  }
+  return json;
+}
+
+OrderedJson asset_input_json(const InputFacts& input) {
+  return {{"path", input.path},
+          {"sha256", input.sha256},
+          {"format", input.format},
+          {"file_vertices", input.file_vertices},
+          {"file_faces", input.file_faces}};
+}
+
 }  // namespace
 
 OrderedJson histogram_json(const std::vector<std::int64_t>& counts) {
@@ -101,22 +142,22 @@ std::string json_text(const OrderedJson& value) {
 }
 
 OrderedJson to_json(const JobReport& report) {
-  const DeviceDescription& device = report.device;
+  const bool is_one = report.meshes.empty();
   OrderedJson json;
   json["schema"] = "planish.report/1";
   json["tool"] = {{"name", "planish"}, {"version", PLANISH_VERSION}, {"git", kGitRevision}};
   json["argv"] = report.arguments;
   json["job"] = report.job;
   json["exit_code"] = static_cast<int>(report.exit_code);
-  json["input"] = input_json(report.input);
+  json["input"] = is_one ? input_json(report.input) : asset_input_json(report.input);
   if (!report.reconstruction.is_null()) json["reconstruction"] = report.reconstruction;
-  json["device"] = {{"kind", device.kind},
-                    {"name", device.name},
-                    {"uuid", device.uuid},
-                    {"driver", device.driver},
-                    {"api", device.api}};
-  json["solve"] = report.solve;
-  json["surface"] = surface_json(report);
+  if (is_one && report.mesh_number >= 0) json["asset"] = asset_json(report);
+  json["device"] = device_json(report.device);
+  if (is_one) {
+    add_fit(report, json);
+  } else {
+    json["meshes"] = meshes_json(report.meshes);
+  }
   json["outputs"] = outputs_json(report.outputs);
   json["timing_ms"] = timing_json(report.timing);
   json["memory"] = {{"host_peak_bytes", report.host_peak_bytes},

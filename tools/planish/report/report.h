@@ -112,6 +112,13 @@ struct JobReport {
   /// Distances of all used points to the surface, as fractions of the diagonal; of a cloud.
   std::optional<PointDistances> point_distances;
   std::vector<WrittenOutput> outputs;
+  /// Of several meshes of a glTF that stays an asset: the report of each, without outputs; solve,
+  /// surface and the like of the job are empty then.
+  std::vector<JobReport> meshes;
+  std::string mesh_name;          ///< of a mesh of an asset
+  std::int64_t mesh_number = -1;  ///< in its file; -1: the job's input is no asset
+  /// Of a skinned mesh, see AssetAttributes.
+  double lost_joint_weight = 0;
   WrittenPage page;  ///< not in the JSON, which the page holds itself
   JobTiming timing;
   std::uint64_t host_peak_bytes = 0, device_bytes = 0;

@@ -201,7 +201,54 @@ std::string within_text(const WithinFit& within) {
          short_number(within.bending_before) + " to " + short_number(within.bending_after);
 }
 
+namespace {
+
+// How many meshes have which, and the worst figures of all.
+std::string asset_summary(const JobReport& report, bool is_full) {
+  std::int64_t fair = 0;
+  const JobReport *folded = nullptr, *off = nullptr;
+  for (const JobReport& mesh : report.meshes) {
+    if (mesh.method == InterpolationMethod::Fair) ++fair;
+    if (!mesh.surface) continue;
+    const SurfaceQuality& quality = mesh.surface->quality;
+    if (quality.folded_area >= kSoundFoldedArea &&
+        (folded == nullptr || quality.folded_area > folded->surface->quality.folded_area))
+      folded = &mesh;
+    if (off == nullptr || quality.rms_normal_deviation > off->surface->quality.rms_normal_deviation)
+      off = &mesh;
+  }
+  const std::int64_t count = std::ssize(report.meshes);
+  std::string text = input_name(report.input.path) + ": " + counted(count, "mesh") + ", " +
+                     counted(report.input.file_vertices, "vertex") + ", " +
+                     counted(report.input.file_faces, "face") + ", " +
+                     duration(report.timing.total) + "\n  surfaces    ";
+  if (fair > 0) text += with_separators(fair) + " fair";
+  if (fair > 0 && fair < count) text += ", ";
+  if (fair < count) text += with_separators(count - fair) + " " + "progressive";
+  if (folded != nullptr)
+    text += "; " + folds_text(folded->surface->quality) + " of " + folded->mesh_name;
+  if (off != nullptr)
+    text += "; normals off by up to " + angle_text(off->surface->quality.rms_normal_deviation) +
+            " degrees rms (" + off->mesh_name + ")";
+  text += "\n";
+  for (const JobReport& mesh : report.meshes)
+    if (is_full)
+      text += "  " + mesh.mesh_name + ": " +
+              counts_text(mesh.input.file_vertices, mesh.input.file_faces,
+                          mesh.input.statistics.vertex_count, mesh.input.statistics.face_count,
+                          mesh.input.joined) +
+              "\n" + surface_line(mesh);
+  return text + output_lines(report);
+}
+
+}  // namespace
+
 std::string summary(const JobReport& report, bool is_full) {
+  if (!report.meshes.empty()) {
+    std::string all = asset_summary(report, is_full);
+    all.pop_back();
+    return all;
+  }
   const MeshStatistics& statistics = report.input.statistics;
   std::string text =
       input_name(report.input.path) + ": " +

@@ -1,0 +1,117 @@
+// What the command does with a glTF of several meshes; what comes out is tested in tests/pipeline.
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "cli/json_schema.h"
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+#include "files/gltf/asset_sample.h"
+#include "planish/pipeline/fit_file.h"
+
+namespace planish::test {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class AssetCommand : public FolderTest {
+ protected:
+  ProcessResult fit(const std::string& input, std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"fit", input, "--device", "cpu", "-f"});
+    return run_planish(flags);
+  }
+  [[nodiscard]] static json document_of(const std::string& glb) {
+    std::uint32_t length = 0;
+    std::memcpy(&length, glb.data() + 12, sizeof(length));
+    return json::parse(glb.substr(20, length));
+  }
+
+  AssetSample sample_;
+  std::string input_ = write("asset.glb", sample_.glb());
+};
+
+TEST_F(AssetCommand, WritesWhatTheLibraryDoes) {
+  const ProcessResult result = fit(input_, {"-o", path("out.glb"), "--report", path("r.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, AllOf(HasSubstr("asset.glb: 3 meshes, "), HasSubstr("surfaces  "),
+                                Not(HasSubstr("warning"))));
+  (void)fit_file(input_, path("library.glb"));
+  EXPECT_EQ(read("out.glb"), read("library.glb"));
+  const json report = read_json("r.json");
+  const json schema = json::parse(std::ifstream(PLANISH_REPORT_SCHEMA));
+  EXPECT_THAT(schema_problems(report, schema), testing::IsEmpty());
+  ASSERT_EQ(report["meshes"].size(), 3U);
+  EXPECT_EQ(report["meshes"][0]["asset"]["name"], "tube");
+  EXPECT_LT(report["meshes"][0]["asset"]["lost_joint_weight"], 0.05);
+  EXPECT_EQ(report["outputs"][0]["bytes"], read("out.glb").size());
+  // On stdout the same bytes.
+  EXPECT_EQ(fit(input_, {"-o", "-"}).out, read("out.glb"));
+}
+
+// With formats that hold one mesh the scene becomes one, and that is said.
+TEST_F(AssetCommand, BesideOtherFormatsTheSceneIsMerged) {
+  const ProcessResult both = fit(input_, {"-o", path("out.glb"), "-o", path("out.obj")});
+  ASSERT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_THAT(both.err, AllOf(HasSubstr("the scene becomes one mesh"), HasSubstr("out.obj")));
+  EXPECT_FALSE(document_of(read("out.glb")).contains("skins"));
+  const ProcessResult merged = fit(input_, {"-o", path("out.glb"), "--asset", "merge"});
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_THAT(merged.err, Not(HasSubstr("the scene becomes one mesh")));
+  EXPECT_EQ(document_of(read("out.glb"))["meshes"].size(), 1U);
+}
+
+TEST_F(AssetCommand, WhatHasNoSurfaceStays) {
+  // Triangles that name a vertex twice: the joints' numbers, taken for vertices.
+  const int joints = sample_.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"];
+  sample_.json["accessors"].push_back(
+      {{"bufferView", sample_.json["accessors"][joints]["bufferView"]},
+       {"componentType", 5121},
+       {"count", 12},
+       {"type", "SCALAR"}});
+  sample_.json["meshes"][2]["primitives"][0]["indices"] = sample_.json["accessors"].size() - 1;
+  const json given = sample_.json["meshes"][2];
+  const ProcessResult result =
+      fit(write("flat.glb", sample_.glb()), {"-o", path("out.glb"), "--report", path("r.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("meshes[2] stays as it is"));
+  EXPECT_EQ(document_of(read("out.glb"))["meshes"][2], given);
+  EXPECT_EQ(read_json("r.json")["warnings"][0]["code"], "kept-mesh");
+}
+
+// Nodes of compressed meshes that nobody moves get a child with the grid; others keep float32.
+TEST_F(AssetCommand, CompressedNodesKeepTheirPlaces) {
+  const ProcessResult result = fit(input_, {"-o", path("out.glb"), "--compress", "meshopt",
+                                            "--tolerance", "1e-4", "--report", path("r.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LE(read_json("r.json")["outputs"][0]["as_written_error"].get<double>(), 1e-4);
+  const json made = document_of(read("out.glb"));
+  EXPECT_EQ(made["nodes"][0]["mesh"], 0);  // skinned
+  EXPECT_EQ(made["nodes"][7]["mesh"], 2);  // instanced
+  EXPECT_FALSE(made["nodes"][4].contains("mesh"));
+  const json child = made["nodes"][made["nodes"][4]["children"][0].get<int>()];
+  EXPECT_EQ(child["mesh"], 1);
+  EXPECT_TRUE(child.contains("scale"));
+  EXPECT_EQ(made["nodes"][4]["translation"], sample_.json["nodes"][4]["translation"]);
+}
+
+TEST_F(AssetCommand, LevelsAreAssetsToo) {
+  const ProcessResult result = fit(input_, {"-o", path("out.glb"), "--levels", "2,0"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const char* name : {"out_LOD0.glb", "out_LOD1.glb"})
+    EXPECT_EQ(document_of(read(name))["skins"], sample_.json["skins"]) << name;
+}
+
+// As fine as it has to be there are no rows that joints and targets could be made for.
+TEST_F(AssetCommand, WhatAnAdaptiveSurfaceLacksIsSaid) {
+  const ProcessResult result = fit(input_, {"-o", path("out.glb"), "--chord-error", "1e-2"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("joints"), HasSubstr("--asset merge")));
+  EXPECT_FALSE(exists("out.glb"));
+}
+
+}  // namespace
+}  // namespace planish::test

@@ -1,0 +1,275 @@
+#include "job/asset_job.h"
+
+#include <algorithm>
+#include <list>
+#include <utility>
+
+#include "job/forecast.h"
+#include "job/job_fit.h"
+#include "job/job_input.h"
+#include "job/timed.h"
+#include "output/digest.h"
+#include "output/output_levels.h"
+#include "planish/core/error.h"
+#include "planish/core/visible_text.h"
+#include "planish/files/gltf/asset/write_asset.h"
+#include "planish/pipeline/asset_attributes.h"
+#include "terminal/interrupt.h"
+#include "terminal/text.h"
+
+namespace planish::command {
+namespace {
+
+// A mesh of the asset on its way.
+struct AssetPart {
+  AssetMesh mesh;
+  JobInput made;
+  JobReport report;
+  PageJob no_page;
+  std::unique_ptr<JobSurface> surface;
+};
+
+// Of one fineness.
+struct PartLevel {
+  SurfaceOutputOptions options;
+  VertexFields fields;
+  std::unique_ptr<JobLevel> level;
+  std::unique_ptr<const AssetAttributes> attributes;
+};
+
+std::string reason_to_merge(const Job& job, const std::vector<PlannedOutput>& outputs,
+                            const JobContext& context) {
+  if (context.wants_page(job)) return "a page shows one mesh";
+  if (!job.source.empty()) return "a source is compared with one mesh";
+  if (job.sampling) return "points are sampled from one mesh";
+  for (const PlannedOutput& output : outputs)
+    if (output.kind == OutputKind::Cage || !info_of(output.format).is_gltf)
+      return output_name(output.path.native()) + " holds one mesh";
+  return "";
+}
+
+FittedJob job_of(const AssetJob& work, AssetPart& part) {
+  return {work.job,  work.outputs, work.backend, work.context,
+          part.made, part.report,  work.staged,  part.no_page};
+}
+
+void fit_part(const AssetJob& work, AssetPart& part) {
+  part.made.input = {.name = part.report.label.empty() ? work.file.name : part.report.label,
+                     .file = std::move(part.mesh.file),
+                     .sha256 = {}};
+  const MeshFile& file = part.made.input.file;
+  for (const Warning& warning : file.warnings)
+    add_warning(part.report, work.context.console, warning);
+  part.report.input.welded = file.welded_vertex_count;
+  part.report.input.dropped = file.dropped_element_count;
+  part.report.input.file_vertices = file.mesh.vertex_count();
+  part.report.input.file_faces = file.mesh.face_count();
+  ReadyFit ready = timed(part.report.timing.check, [&] {
+    ReadyFit prepared = prepare_input(part.made, work.outputs, part.report, work.context);
+    require_memory_for(prepared, work.job.settings, work.outputs);
+    return prepared;
+  });
+  fit_input(part.made, std::move(ready), work.backend, part.report, work.context);
+  part.surface = std::make_unique<JobSurface>(part.made.fitted, work.backend,
+                                              callbacks_for(part.report, work.context));
+}
+
+// Reads and fits all that can be; several may lose some.
+std::list<AssetPart> fit_parts(const AssetJob& work) {
+  const std::vector<std::int64_t>& numbers = work.asset.surfaces();
+  const bool is_one = numbers.size() == 1;
+  std::list<AssetPart> parts;
+  for (const std::int64_t number : numbers) {
+    check_interrupt();
+    AssetPart& part = parts.emplace_back();
+    part.report = {.job = work.report.job,
+                   .label = work.report.label,
+                   .input = work.report.input,
+                   .device = work.report.device,
+                   .settings = work.report.settings};
+    try {
+      part.mesh = timed(part.report.timing.read, [&] { return work.asset.read(number); });
+      if (!is_one) part.report.label = named_message(work.report.label, part.mesh.name);
+      fit_part(work, part);
+    } catch (const Error& error) {
+      if (is_one || error.code() != ErrorCode::UnusableMesh) throw;
+      parts.pop_back();
+      add_warning(work.report, work.context.console,
+                  {"kept-mesh",
+                   work.file.name + ": meshes[" + std::to_string(number) +
+                       "] stays as it is, no surface can be made of it: " + error.what(),
+                   1, number});
+    }
+  }
+  if (parts.empty())
+    throw Error(ErrorCode::UnusableMesh, work.file.name + ": no surface can be made of any mesh");
+  return parts;
+}
+
+std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts,
+                               const Fineness& fineness) {
+  std::list<PartLevel> levels;
+  for (AssetPart& part : parts) {
+    const FittedJob job = job_of(work, part);
+    PartLevel& made = levels.emplace_back();
+    made.options = surface_options(job);
+    made.options.gltf.name = part.mesh.name;
+    made.options.gltf.origin = glm::dvec3(0.0);  // which nodes would carry
+    made.options.may_be_scaled = work.asset.may_be_scaled(part.mesh.number);
+    made.level = std::make_unique<JobLevel>(
+        surface_of(job, *part.surface, fineness, made.fields, made.options));
+    made.attributes = timed(part.report.timing.evaluate, [&] {
+      return std::make_unique<const AssetAttributes>(part.mesh, part.made.fitted,
+                                                     made.level->blocks(), work.backend,
+                                                     made.options.gltf.callbacks);
+    });
+    made.attributes->add_to(made.options.gltf);
+    part.report.lost_joint_weight =
+        std::max(part.report.lost_joint_weight, made.attributes->largest_lost_weight());
+  }
+  return levels;
+}
+
+// What is said of all meshes in the file.
+GltfOptions common_options(const AssetJob& work, const std::list<PartLevel>& levels) {
+  GltfOptions common = levels.front().options.gltf;
+  common.name = work.report.input.path;
+  if (levels.size() > 1) common.extras.clear();
+  return common;
+}
+
+void write_level(const AssetJob& work, const PlannedOutput& planned, std::list<AssetPart>& parts,
+                 std::list<PartLevel>& levels, WrittenOutput& written,
+                 std::vector<std::byte>& stdout_bytes) {
+  std::list<MeasuredGltf> measured;
+  std::vector<AssetSurface> surfaces;
+  written = {};
+  auto part = parts.begin();
+  for (PartLevel& level : levels) {
+    MeasuredGltf& one = measured.emplace_back();
+    measure_gltf(planned, level.level->blocks(), level.options, one);
+    const WrittenOutput counts = counted_output(planned, level.level->blocks().info());
+    written.vertices += counts.vertices;
+    written.faces += counts.faces;
+    written.quads += counts.quads;
+    written.triangles += counts.triangles;
+    surfaces.push_back({.mesh = part->mesh.number,
+                        .surface = &level.level->blocks(),
+                        .vertices = &part->mesh.vertices,
+                        .options = one.options});
+    ++part;
+  }
+  written.path = planned.path.string();
+  written.kind = planned.kind;
+  written.fineness = planned.fineness;
+  GltfOptions common = common_options(work, levels);
+  Sha256 digest;
+  common.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
+  if (planned.to_stdout) {
+    stdout_bytes = encode_asset(work.asset, surfaces, common);
+    written.bytes = stdout_bytes.size();
+    digest.add(stdout_bytes);
+  } else {
+    const std::filesystem::path target = work.staged.stage(planned.path);
+    written.bytes =
+        write_asset(target, planned.path.parent_path(), work.asset, surfaces, common).byte_count;
+    const std::filesystem::path beside = companion_of(target, planned.format);
+    if (!beside.empty()) (void)work.staged.stage(companion_of(planned.path, planned.format));
+  }
+  written.sha256 = digest.finish();
+  auto level = levels.begin();
+  for (const MeasuredGltf& one : measured)
+    written.as_written_error =
+        std::max(written.as_written_error, one.distance / (level++)->options.diagonal);
+}
+
+void add_timing(const JobTiming& from, JobTiming& to) {
+  for (double JobTiming::*const part :
+       {&JobTiming::read, &JobTiming::check, &JobTiming::topology, &JobTiming::stencils,
+        &JobTiming::upload, &JobTiming::solve, &JobTiming::choose, &JobTiming::evaluate})
+    to.*part += from.*part;
+}
+
+// One mesh is the job; of several the job has sums.
+void settle_report(std::list<AssetPart>& parts, JobReport& report) {
+  for (AssetPart& part : parts) {
+    part.report.mesh_name = part.mesh.name;
+    part.report.mesh_number = part.mesh.number;
+    if (static_cast<int>(part.report.exit_code) > static_cast<int>(report.exit_code))
+      report.exit_code = part.report.exit_code;
+    add_timing(part.report.timing, report.timing);
+  }
+  if (parts.size() > 1) {
+    for (AssetPart& part : parts) {
+      report.input.file_vertices += part.report.input.file_vertices;
+      report.input.file_faces += part.report.input.file_faces;
+      report.meshes.push_back(std::move(part.report));
+    }
+    return;
+  }
+  JobReport& one = parts.front().report;
+  one.outputs = std::move(report.outputs);
+  one.arguments = std::move(report.arguments);
+  one.timing = report.timing;
+  one.exit_code = report.exit_code;
+  one.warnings.insert(one.warnings.begin(), report.warnings.begin(), report.warnings.end());
+  report = std::move(one);
+}
+
+}  // namespace
+
+std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
+                                            const std::vector<PlannedOutput>& outputs,
+                                            const InputFile& file, JobReport& report,
+                                            const JobContext& context) {
+  if (!info_of(file.format).is_gltf || job.settings.asset == AssetChoice::Merge || outputs.empty())
+    return nullptr;
+  const std::string reason = reason_to_merge(job, outputs, context);
+  const bool writes_gltf = std::ranges::any_of(outputs, [](const PlannedOutput& output) {
+    return info_of(output.format).is_gltf && !info_of(output.format).is_tiles;
+  });
+  if (!reason.empty()) {
+    if (writes_gltf)
+      add_warning(report, context.console,
+                  {"merged-asset", file.name +
+                                       ": the scene becomes one mesh without materials, nodes and "
+                                       "animations, since " +
+                                       reason +
+                                       "; write the glTF by itself to keep them, or say --asset "
+                                       "merge"});
+    return nullptr;
+  }
+  auto asset = asset_of(file.for_reader(), file.format);
+  if (!asset) return nullptr;
+  report.input.format = name_of(file.format);
+  report.input.sha256 = file.sha256();
+  return asset;
+}
+
+std::vector<std::byte> run_asset(const AssetJob& work) {
+  std::list<AssetPart> parts = fit_parts(work);
+  std::vector<std::byte> stdout_bytes;
+  std::vector<WrittenOutput>& written = work.report.outputs;
+  written.resize(work.outputs.size());
+  for (const Fineness& fineness : finenesses_of(work.outputs)) {
+    std::list<PartLevel> levels = levels_of(work, parts, fineness);
+    for (std::size_t i = 0; i < work.outputs.size(); ++i) {
+      const PlannedOutput& planned = work.outputs[i];
+      if (!(planned.fineness == fineness)) continue;
+      check_interrupt();
+      work.context.progress.update("write", 0);
+      timed(work.report.timing.write,
+            [&] { write_level(work, planned, parts, levels, written[i], stdout_bytes); });
+    }
+  }
+  for (AssetPart& part : parts) {
+    const FittedJob job = job_of(work, part);
+    measure_rest(job, *part.surface, surface_options(job));
+  }
+  for (const WrittenOutput& output : written)
+    warn_of_rounding(parts.front().report, work.context.console, output);
+  settle_report(parts, work.report);
+  return stdout_bytes;
+}
+
+}  // namespace planish::command

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "job/input.h"
+#include "job/job.h"
+#include "output/staged_files.h"
+#include "planish/files/gltf/asset/gltf_asset.h"
+
+namespace planish::command {
+
+/// The asset that a job's input is, where the job keeps it: a glTF with triangles all of whose
+/// outputs are glTF surfaces. Warns "merged-asset" where that alone is missing. Null: the scene
+/// becomes one mesh. Throws Error{UnreadableInput}.
+[[nodiscard]] std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
+                                                          const std::vector<PlannedOutput>& outputs,
+                                                          const InputFile& file, JobReport& report,
+                                                          const JobContext& context);
+
+/// An asset on its way to its files. `file` holds its bytes.
+struct AssetJob {
+  const Job& job;
+  const std::vector<PlannedOutput>& outputs;
+  Backend& backend;
+  const JobContext& context;
+  const InputFile& file;
+  const GltfAsset& asset;
+  JobReport& report;
+  StagedFiles& staged;
+};
+
+/// Fits every mesh of the asset by itself, in its own coordinates, and writes the asset with their
+/// surfaces. A mesh of several that no surface can be made of stays as it is, with the warning
+/// "kept-mesh". The report of one mesh is the job's; those of several stand in JobReport::meshes.
+/// Returns what is meant for stdout. Throws planish::Error.
+[[nodiscard]] std::vector<std::byte> run_asset(const AssetJob& work);
+
+}  // namespace planish::command

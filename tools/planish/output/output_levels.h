@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "job/job_surface.h"
+#include "output/job_outputs.h"
+#include "output/surface_output.h"
+#include "planish/surface/vertex_fields.h"
+
+namespace planish::command {
+
+/// What all files of a job's surface have in common.
+[[nodiscard]] SurfaceOutputOptions surface_options(const FittedJob& work);
+
+/// Every fineness that a file of a surface has, but of tiles, once.
+[[nodiscard]] std::vector<Fineness> finenesses_of(const std::vector<PlannedOutput>& outputs);
+
+/// A level, measured for the report.
+[[nodiscard]] JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level,
+                                      const SurfaceOutputOptions& options);
+
+/// The surface of that fineness, measured where it is a level. The options get what its files say
+/// of it, and the fields that the job wants as data, which `fields` holds.
+[[nodiscard]] JobLevel surface_of(const FittedJob& work, JobSurface& all, const Fineness& fineness,
+                                  VertexFields& fields, SurfaceOutputOptions& options);
+
+/// Figures that a job's report wants and that cannot be seen on its cage or at level 0.
+void measure_rest(const FittedJob& work, JobSurface& all, const SurfaceOutputOptions& common);
+
+/// A tolerance finer than float32 holds in the solve but not in a glTF file.
+void warn_of_rounding(JobReport& report, Console& console, const WrittenOutput& output);
+
+}  // namespace planish::command
