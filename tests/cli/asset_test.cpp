@@ -1,8 +1,11 @@
 // What the command does with a glTF of several meshes; what comes out is tested in tests/pipeline.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <set>
+#include <string>
 
 #include "cli/json_schema.h"
 #include "cli/planish_process.h"
@@ -96,6 +99,54 @@ TEST_F(AssetCommand, CompressedNodesKeepTheirPlaces) {
   EXPECT_EQ(child["mesh"], 1);
   EXPECT_TRUE(child.contains("scale"));
   EXPECT_EQ(made["nodes"][4]["translation"], sample_.json["nodes"][4]["translation"]);
+}
+
+// What inspect says of an asset is what fit writes.
+TEST_F(AssetCommand, InspectSaysWhatPasses) {
+  auto& attributes = sample_.json["meshes"][1]["primitives"][0]["attributes"];
+  const auto vertices = sample_.json["accessors"][attributes["POSITION"].get<int>()]["count"];
+  sample_.json["accessors"].push_back(
+      {{"bufferView", 0}, {"componentType", 5121}, {"count", vertices}, {"type", "SCALAR"}});
+  attributes["_FEATURE_ID_0"] = sample_.json["accessors"].size() - 1;
+  const std::string input = write("asset.glb", sample_.glb());
+  const json seen = json::parse(run_planish({"inspect", input, "--json"}).out);
+  const json schema = json::parse(std::ifstream(PLANISH_REPORT_SCHEMA));
+  EXPECT_THAT(schema_problems(seen, schema), testing::IsEmpty());
+  const ProcessResult result = fit(input, {"-o", path("out.glb")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("ball: _FEATURE_ID_0 is left out"));
+  EXPECT_EQ(seen["asset"]["left_out"], json::array({"_FEATURE_ID_0"}));
+  const json made = document_of(read("out.glb"));
+  for (const auto& [list, count] : seen["asset"]["counts"].items())
+    EXPECT_EQ(made[list].size(), count) << list;
+  std::set<std::string> written;
+  std::size_t targets = 0;
+  for (const json& mesh : made["meshes"]) {
+    targets += mesh["primitives"][0].contains("targets") ? 1 : 0;
+    for (const json& primitive : mesh["primitives"])
+      for (const auto& [name, accessor] : primitive["attributes"].items()) written.insert(name);
+  }
+  written.erase("NORMAL");  // which the surface has of its own
+  EXPECT_EQ(json(written), seen["asset"]["carried"]);
+  EXPECT_EQ(targets, seen["asset"]["morph_targets"]);
+  for (const json& name : seen["asset"]["extensions"])
+    EXPECT_TRUE(std::ranges::find(made["extensionsUsed"], name) != made["extensionsUsed"].end());
+  EXPECT_THAT(run_planish({"inspect", input}).out,
+              AllOf(HasSubstr("3 meshes, 3 materials, 1 textures"), HasSubstr("left out")));
+}
+
+// Before the work, within what other programs would call about right.
+TEST_F(AssetCommand, ADryRunTellsItsSize) {
+  const ProcessResult dry = fit(input_, {"-o", path("out.glb"), "--dry-run"});
+  ASSERT_EQ(dry.exit_code, 0) << dry.err;
+  EXPECT_THAT(dry.out, HasSubstr("asset.glb: 3 meshes, "));
+  const std::size_t at = dry.out.find("about ") + 6;
+  const double said = 1024 * std::stod(dry.out.substr(at));
+  ASSERT_EQ(dry.out.substr(dry.out.find(' ', at) + 1, 3), "KiB");
+  ASSERT_EQ(fit(input_, {"-o", path("out.glb")}).exit_code, 0);
+  const auto written = static_cast<double>(read("out.glb").size());
+  EXPECT_LE(written, 1.05 * said);
+  EXPECT_LE(said, 1.5 * written);
 }
 
 TEST_F(AssetCommand, LevelsAreAssetsToo) {

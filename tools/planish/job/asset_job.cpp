@@ -37,17 +37,6 @@ struct PartLevel {
   std::unique_ptr<const AssetAttributes> attributes;
 };
 
-std::string reason_to_merge(const Job& job, const std::vector<PlannedOutput>& outputs,
-                            const JobContext& context) {
-  if (context.wants_page(job)) return "a page shows one mesh";
-  if (!job.source.empty()) return "a source is compared with one mesh";
-  if (job.sampling) return "points are sampled from one mesh";
-  for (const PlannedOutput& output : outputs)
-    if (output.kind == OutputKind::Cage || !info_of(output.format).is_gltf)
-      return output_name(output.path.native()) + " holds one mesh";
-  return "";
-}
-
 FittedJob job_of(const AssetJob& work, AssetPart& part) {
   return {work.job,  work.outputs, work.backend, work.context,
           part.made, part.report,  work.staged,  part.no_page};
@@ -218,27 +207,37 @@ void settle_report(std::list<AssetPart>& parts, JobReport& report) {
 
 }  // namespace
 
+std::optional<std::string> reason_to_merge(const Job& job,
+                                           const std::vector<PlannedOutput>& outputs,
+                                           bool wants_page) {
+  if (job.settings.asset == AssetChoice::Merge || outputs.empty()) return "";
+  if (wants_page) return "a page shows one mesh";
+  if (!job.source.empty()) return "a source is compared with one mesh";
+  if (job.sampling) return "points are sampled from one mesh";
+  for (const PlannedOutput& output : outputs)
+    if (output.kind == OutputKind::Cage || !info_of(output.format).is_gltf)
+      return output_name(output.path.native()) + " holds one mesh";
+  return std::nullopt;
+}
+
 std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
                                             const std::vector<PlannedOutput>& outputs,
                                             const InputFile& file, JobReport& report,
                                             const JobContext& context) {
-  if (!info_of(file.format).is_gltf || job.settings.asset == AssetChoice::Merge || outputs.empty())
-    return nullptr;
-  const std::string reason = reason_to_merge(job, outputs, context);
+  if (!info_of(file.format).is_gltf) return nullptr;
+  const auto reason = reason_to_merge(job, outputs, context.wants_page(job));
   const bool writes_gltf = std::ranges::any_of(outputs, [](const PlannedOutput& output) {
     return info_of(output.format).is_gltf && !info_of(output.format).is_tiles;
   });
-  if (!reason.empty()) {
-    if (writes_gltf)
-      add_warning(report, context.console,
-                  {"merged-asset", file.name +
-                                       ": the scene becomes one mesh without materials, nodes and "
-                                       "animations, since " +
-                                       reason +
-                                       "; write the glTF by itself to keep them, or say --asset "
-                                       "merge"});
-    return nullptr;
-  }
+  if (reason && !reason->empty() && writes_gltf)
+    add_warning(report, context.console,
+                {"merged-asset", file.name +
+                                     ": the scene becomes one mesh without materials, nodes and "
+                                     "animations, since " +
+                                     *reason +
+                                     "; write the glTF by itself to keep them, or say --asset "
+                                     "merge"});
+  if (reason) return nullptr;
   auto asset = asset_of(file.for_reader(), file.format);
   if (!asset) return nullptr;
   report.input.format = name_of(file.format);

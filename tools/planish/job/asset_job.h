@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "job/input.h"
@@ -10,6 +12,12 @@
 #include "planish/files/gltf/asset/gltf_asset.h"
 
 namespace planish::command {
+
+/// Why a glTF's scene becomes one mesh: the reason, empty where the settings say so; nothing: it
+/// stays an asset.
+[[nodiscard]] std::optional<std::string> reason_to_merge(const Job& job,
+                                                         const std::vector<PlannedOutput>& outputs,
+                                                         bool wants_page);
 
 /// The asset that a job's input is, where the job keeps it: a glTF with triangles all of whose
 /// outputs are glTF surfaces. Warns "merged-asset" where that alone is missing. Null: the scene

@@ -1,5 +1,6 @@
 #include "job/describe_job.h"
 
+#include "job/asset_job.h"
 #include "job/forecast.h"
 #include "job/input.h"
 #include "job/job_input.h"
@@ -98,27 +99,35 @@ std::string solve_text(const Settings& settings, const std::vector<PlannedOutput
                                                    : solver;
 }
 
-std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDescription& device,
-                          const PathClaims& claims, std::uint64_t page_bytes) {
+// As it will be fitted, as far as that is known before it is measured.
+ReadyFit expected_ready(const PlannedJob& planned, Input input) {
   const Settings& settings = planned.job.settings;
   MeshFitOptions options = mesh_fit_options(settings);
   options.method = settings.interpolation == InterpolationChoice::Fair
                        ? InterpolationMethod::Fair
                        : InterpolationMethod::Progressive;
-  const std::int64_t vertices = input.file.mesh.vertex_count();
-  const std::int64_t faces = input.file.mesh.face_count();
   ReadyFit ready = prepare_mesh(std::move(input), options, settings);
   // Vertices of files are there twice along creases.
   if (settings.creases.chooses && chooses_by_measurement(settings, planned.outputs)) {
     for (ReadyFit* one : {&ready, ready.paired.get()})
       if (one != nullptr) (void)add_clear_creases(one->fitted.mesh, one->fitted.options.prepared);
   }
+  return ready;
+}
+
+std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDescription& device,
+                          const PathClaims& claims, std::uint64_t page_bytes) {
+  const Settings& settings = planned.job.settings;
+  const std::string name = input.name;
+  const std::int64_t vertices = input.file.mesh.vertex_count();
+  const std::int64_t faces = input.file.mesh.face_count();
+  const ReadyFit ready = expected_ready(planned, std::move(input));
   const FittedMesh& fitted = expected_fit(ready).fitted;
   const PolygonMesh& mesh = fitted.mesh;
   const Forecast forecast = forecast_of(ready, settings, planned.outputs, page_bytes);
   require_memory_for(ready, settings, planned.outputs);
   std::string text =
-      "would fit " + input.name + ": " +
+      "would fit " + name + ": " +
       counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count) +
       "\n" + device_line(device) + "  solve        " + solve_text(settings, planned.outputs) +
       ", " +
@@ -130,6 +139,45 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   return text + needs_text(forecast);
 }
 
+// All meshes are held at once, and what is no mesh is written as it is.
+std::string describe_asset(const PlannedJob& planned, const InputFile& file, const GltfAsset& asset,
+                           const DeviceDescription& device, const PathClaims& claims) {
+  Forecast all;
+  all.outputs.resize(planned.outputs.size());
+  std::int64_t vertices = 0, faces = 0, kept = 0;
+  for (const std::int64_t number : asset.surfaces()) {
+    AssetMesh mesh = asset.read(number);
+    vertices += mesh.file.mesh.vertex_count();
+    faces += mesh.file.mesh.face_count();
+    try {
+      const ReadyFit ready =
+          expected_ready(planned, {.name = file.name, .file = std::move(mesh.file), .sha256 = {}});
+      const Forecast one = forecast_of(ready, planned.job.settings, planned.outputs, 0);
+      all.peak_bytes += one.peak_bytes;
+      all.seconds += one.seconds;
+      for (std::size_t i = 0; i < one.outputs.size(); ++i) {
+        all.outputs[i].vertices += one.outputs[i].vertices;
+        all.outputs[i].faces += one.outputs[i].faces;
+        const auto rows = static_cast<std::uint64_t>(one.outputs[i].vertices);
+        all.outputs[i].bytes = all.outputs[i].bytes.value_or(file.bytes.size()) +
+                               one.outputs[i].bytes.value_or(0) +
+                               rows * mesh.vertices.bytes_of_vertex();
+      }
+    } catch (const Error& error) {
+      if (asset.surfaces().size() == 1 || error.code() != ErrorCode::UnusableMesh) throw;
+      ++kept;
+    }
+  }
+  std::string text =
+      "would fit " + file.name + ": " + counted(std::ssize(asset.surfaces()), "mesh") +
+      (kept > 0 ? " (" + with_separators(kept) + " would stay as it is)" : "") + ", " +
+      counted(vertices, "vertex") + ", " + counted(faces, "face") + "\n" + device_line(device) +
+      "  solve        " + solve_text(planned.job.settings, planned.outputs) + ", for each mesh\n";
+  // What is no mesh is at most the file again.
+  text += outputs_text(planned, {}, all, claims);
+  return text + needs_text(all);
+}
+
 std::string describe(const PlannedJob& planned, const DeviceDescription& device,
                      const PathClaims& claims, std::uint64_t page_bytes) {
   InputFile file = load_input(planned.job.input, planned.job.input_format);
@@ -137,6 +185,9 @@ std::string describe(const PlannedJob& planned, const DeviceDescription& device,
   file.is_strict = planned.job.settings.repair == RepairChoice::None;
   if (holds_points_only(file.format))
     return describe_points(planned, points_of(file), device, claims, page_bytes);
+  if (!reason_to_merge(planned.job, planned.outputs, page_bytes > 0))
+    if (const auto asset = asset_of(file.for_reader(), file.format))
+      return describe_asset(planned, file, *asset, device, claims);
   Input input = mesh_of(file);
   if (const auto cloud = points_of(input)) {
     (void)require_mesher();

@@ -124,6 +124,31 @@ std::string problems_text(const Inspection& inspection) {
   return text;
 }
 
+std::string list_text(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + visible(name);
+  return text;
+}
+
+// What a glTF holds besides, and what fit makes of it.
+std::string asset_text(const Inspection& inspection) {
+  if (!inspection.asset_problem.empty())
+    return inspection_line("asset", "cannot stay one: " + inspection.asset_problem);
+  if (!inspection.asset) return "";
+  const AssetContents& asset = *inspection.asset;
+  std::string counts;
+  for (const auto& [list, count] : asset.counts)
+    counts += (counts.empty() ? "" : ", ") + with_separators(count) + " " + list;
+  std::string carried = list_text(asset.carried);
+  if (asset.morph_targets > 0) carried += ", " + counted(asset.morph_targets, "morph target");
+  std::string text = inspection_line("asset", counts);
+  if (!asset.extensions.empty())
+    text += inspection_line("extensions kept", list_text(asset.extensions));
+  text += inspection_line("on the surface", carried);
+  if (!asset.left_out.empty()) text += inspection_line("left out", list_text(asset.left_out));
+  return text;
+}
+
 std::string mesh_text(const Inspection& inspection) {
   const MeshFile& file = inspection.input.file;
   std::string text = inspection_line("vertices", with_separators(file.mesh.vertex_count()));
@@ -146,6 +171,7 @@ std::string mesh_text(const Inspection& inspection) {
   text += line_if_any("materials", count(materials_of(file.mesh.groups)));
   text += line_if_any("welded vertices", file.welded_vertex_count);
   text += line_if_any("dropped elements", file.dropped_element_count);
+  text += asset_text(inspection);
   for (const std::string& entry : file.header) text += inspection_line("header", visible(entry));
   for (const Warning& warning : file.warnings)
     text += inspection_line("warning", visible(warning.message));
@@ -180,6 +206,25 @@ void add_mesh(const Inspection& inspection, nlohmann::ordered_json& json) {
     json["torn_vertices"] = inspection.torn.count;
   }
   json["header"] = file.header;
+  if (!inspection.asset_problem.empty()) json["asset_problem"] = inspection.asset_problem;
+  if (!inspection.asset) return;
+  nlohmann::ordered_json& asset = json["asset"];
+  for (const auto& [list, count] : inspection.asset->counts) asset["counts"][list] = count;
+  asset["morph_targets"] = inspection.asset->morph_targets;
+  asset["extensions"] = inspection.asset->extensions;
+  asset["carried"] = inspection.asset->carried;
+  asset["left_out"] = inspection.asset->left_out;
+}
+
+// What keeps it from staying an asset need not keep its triangles from being read.
+void look_at_asset(const InputFile& file, Inspection& inspection) {
+  try {
+    if (const auto asset = asset_of(file.for_reader(), file.format))
+      inspection.asset = contents_of(*asset);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::UnreadableInput) throw;
+    inspection.asset_problem = error.what();
+  }
 }
 
 void add_points(const Inspection& inspection, nlohmann::ordered_json& json) {
@@ -210,6 +255,7 @@ Inspection inspect(const std::string& path, std::optional<FileFormat> requested)
     measure_points(inspection);
     return inspection;
   }
+  look_at_asset(file, inspection);
   const PolygonMesh& mesh = inspection.input.file.mesh;
   note_box(inspection, mesh.positions, glm::dvec3(0));
   inspection.problems = check(mesh);

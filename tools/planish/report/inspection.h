@@ -9,6 +9,7 @@
 
 #include "job/point_input.h"
 #include "job/torn_vertices.h"
+#include "planish/files/gltf/asset/asset_contents.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
@@ -24,6 +25,8 @@ struct Inspection {
   std::optional<MeshStatistics> statistics;      ///< of a mesh without problems
   std::optional<FoldedEdges> folds;              ///< the same
   TornVertices torn;                             ///< the same
+  std::optional<AssetContents> asset;            ///< of a glTF with triangles
+  std::string asset_problem;                     ///< why it cannot stay one; empty: it can
   std::optional<PointInput> points;              ///< of a file without faces
   std::optional<std::array<glm::dvec3, 2>> box;  ///< least and largest coordinates, where any are
   double diagonal = 0;

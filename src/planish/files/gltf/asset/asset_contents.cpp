@@ -1,0 +1,58 @@
+#include "planish/files/gltf/asset/asset_contents.h"
+
+#include <array>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "planish/files/gltf/asset/primitive_parts.h"
+#include "planish/files/gltf/draco_stream.h"
+#include "planish/files/gltf/meshopt_stream.h"
+
+namespace planish {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kFloat = 5126;
+
+bool is_number_of_things(const json& document, const json& accessor) {
+  const json& of = document["accessors"][accessor.get<std::size_t>()];
+  return of.value("componentType", kFloat) != kFloat && !of.value("normalized", false);
+}
+
+bool is_carried(const json& document, const std::string& name, const json& accessor) {
+  if (name.starts_with("_")) return !is_number_of_things(document, accessor);
+  return name != "TANGENT";
+}
+
+}  // namespace
+
+AssetContents contents_of(const GltfAsset& asset) {
+  const json& document = asset.root().value();
+  AssetContents contents;
+  for (const char* list : {"scenes", "nodes", "meshes", "materials", "textures", "images", "skins",
+                           "animations", "cameras"})
+    if (document.contains(list) && !document[list].empty())
+      contents.counts.emplace_back(list, std::ssize(document[list]));
+  std::set<std::string> carried, left_out;
+  for (const std::int64_t number : asset.surfaces()) {
+    const json& primitives = document["meshes"][static_cast<std::size_t>(number)]["primitives"];
+    for (const json& primitive : primitives) {
+      if (!is_surface(primitive)) continue;
+      for (const auto& [name, accessor] : primitive["attributes"].items())
+        (is_carried(document, name, accessor) ? carried : left_out).insert(name);
+    }
+    if (primitives[0].contains("targets"))
+      contents.morph_targets += std::ssize(primitives[0]["targets"]);
+  }
+  contents.carried.assign(carried.begin(), carried.end());
+  contents.left_out.assign(left_out.begin(), left_out.end());
+  if (document.contains("extensionsUsed"))
+    for (const json& name : document["extensionsUsed"])
+      if (name != kMeshoptExtension && name != kDracoExtension && name != "KHR_mesh_quantization")
+        contents.extensions.push_back(name.get<std::string>());
+  return contents;
+}
+
+}  // namespace planish
