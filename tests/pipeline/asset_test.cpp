@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <iterator>
 #include <map>
@@ -196,19 +197,7 @@ TEST_F(Asset, MorphTargetsAreExact) {
   const tinygltf::Model model = fitted(sample_.glb(), progressive());
   AssetSample posed = sample_;
   // The same file whose rest pose is the morphed one.
-  std::string& bytes = posed.bytes;
-  const json accessor =
-      posed.json["accessors"]
-                [posed.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"].get<int>()];
-  const std::size_t at =
-      posed.json["bufferViews"][accessor["bufferView"].get<int>()]["byteOffset"].get<std::size_t>();
-  for (std::size_t v = 0; v < posed.tube.size(); ++v) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto value = static_cast<float>(static_cast<float>(posed.tube[v][k]) +
-                                            static_cast<float>(posed.moves[v][k]));
-      std::memcpy(bytes.data() + at + 12 * v + 4 * k, &value, 4);
-    }
-  }
+  posed.move_tube([&](std::size_t v, std::size_t k) { return posed.moves[v][k]; });
   const tinygltf::Model wanted = fitted(posed.glb(), progressive());
   for (int p = 0; p < 2; ++p) {
     const tinygltf::Primitive &rest = model.meshes[0].primitives[p],
@@ -230,20 +219,44 @@ TEST_F(Asset, MorphTargetsAreExact) {
   }
 }
 
+// With the fair method targets move the rest pose's surface by the linear map: through every moved
+// point, and elsewhere near the surface that would be fitted to them.
+TEST_F(Asset, MorphedFairSurfacesPassThroughTheMovedPoints) {
+  FitFileOptions fair = progressive();
+  fair.mesh.method = InterpolationMethod::Fair;
+  const tinygltf::Model model = fitted(sample_.glb(), fair);
+  AssetSample posed = sample_;
+  posed.move_tube([&](std::size_t v, std::size_t k) { return posed.moves[v][k]; });
+  const tinygltf::Model wanted = fitted(posed.glb(), fair);
+  const double diagonal = result_.fitted.fit.placement.diagonal;
+  std::map<std::array<float, 3>, bool> is_met;
+  for (std::size_t v = 0; v < posed.tube.size(); ++v) is_met[posed.stored(v)] = false;
+  double farthest = 0;
+  for (int p = 0; p < 2; ++p) {
+    const tinygltf::Primitive& rest = model.meshes[0].primitives[p];
+    const auto from = points_of(model, rest.attributes.at("POSITION"));
+    const auto by = points_of(model, rest.targets.at(0).at("POSITION"));
+    const auto to = points_of(wanted, wanted.meshes[0].primitives[p].attributes.at("POSITION"));
+    ASSERT_EQ(from.size(), to.size());
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      farthest = std::max(farthest, glm::length(from[i] + by[i] - to[i]) / diagonal);
+      for (auto& [point, met] : is_met)
+        met =
+            met || glm::length(from[i] + by[i] - glm::dvec3(point[0], point[1], point[2])) <= 2e-6;
+    }
+  }
+  for (const auto& [point, met] : is_met) EXPECT_TRUE(met) << point[0] << " " << point[1];
+  EXPECT_LE(farthest, 0.01);
+}
+
 // Joints that only shift are linear too: the skinned surface is the surface through the skinned
 // points. Weights sum to 1 and no vertex names a joint twice.
 TEST_F(Asset, JointsShiftTheSurfaceAsTheyShiftThePoints) {
   const tinygltf::Model model = fitted(sample_.glb(), progressive());
   constexpr double kShift = 3.0;
   AssetSample posed = sample_;
-  const json attributes = posed.json["meshes"][0]["primitives"][0]["attributes"];
-  const json accessor = posed.json["accessors"][attributes["POSITION"].get<int>()];
-  const std::size_t at =
-      posed.json["bufferViews"][accessor["bufferView"].get<int>()]["byteOffset"].get<std::size_t>();
-  for (std::size_t v = 0; v < posed.tube.size(); ++v) {
-    const auto value = static_cast<float>(posed.tube[v][0] + kShift * posed.weights[v][1]);
-    std::memcpy(posed.bytes.data() + at + 12 * v, &value, 4);
-  }
+  posed.move_tube(
+      [&](std::size_t v, std::size_t k) { return k == 0 ? kShift * posed.weights[v][1] : 0.0; });
   const tinygltf::Model wanted = fitted(posed.glb(), progressive());
   for (int p = 0; p < 2; ++p) {
     const tinygltf::Primitive& rest = model.meshes[0].primitives[p];
@@ -263,6 +276,42 @@ TEST_F(Asset, JointsShiftTheSurfaceAsTheyShiftThePoints) {
       EXPECT_NEAR(from[i].x + kShift * second, to[i].x, 0.02) << i;
     }
   }
+}
+
+// Joints that turn are not linear: a point of the surface has one product of weights and places, a
+// fitted pose another. They are near each other.
+TEST_F(Asset, JointsThatTurnComeNearTheFittedPose) {
+  const tinygltf::Model model = fitted(sample_.glb(), progressive());
+  const double angle = 0.6;
+  const auto posed_by = [&](const glm::dvec3& at, double second) {
+    const double x = at.x, y = at.y - 2;
+    const glm::dvec3 turned(std::cos(angle) * x - std::sin(angle) * y,
+                            2 + std::sin(angle) * x + std::cos(angle) * y, at.z);
+    return glm::mix(at, turned, second);
+  };
+  AssetSample posed = sample_;
+  posed.move_tube([&](std::size_t v, std::size_t k) {
+    const auto& at = posed.tube[v];
+    const auto axis = static_cast<int>(k);
+    return posed_by({at[0], at[1], at[2]}, posed.weights[v][1])[axis] - at[k];
+  });
+  const tinygltf::Model wanted = fitted(posed.glb(), progressive());
+  double farthest = 0;
+  for (int p = 0; p < 2; ++p) {
+    const tinygltf::Primitive& rest = model.meshes[0].primitives[p];
+    const auto from = points_of(model, rest.attributes.at("POSITION"));
+    const auto to = points_of(wanted, wanted.meshes[0].primitives[p].attributes.at("POSITION"));
+    const auto joints = numbers_of(model, rest.attributes.at("JOINTS_0"));
+    const auto weights = numbers_of(model, rest.attributes.at("WEIGHTS_0"));
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      double second = 0;
+      for (std::size_t k = 4 * i; k < 4 * i + 4; ++k)
+        if (joints[k] == 1 && weights[k] > 0) second = weights[k];
+      farthest = std::max(farthest, glm::length(posed_by(from[i], second) - to[i]));
+    }
+  }
+  const double off = farthest / result_.fitted.fit.placement.diagonal;
+  EXPECT_LE(off, 2e-3) << off;
 }
 
 // Points at one place that joints or targets move apart, as lips do, are two.
@@ -364,6 +413,10 @@ TEST_F(Asset, BrokenAssetsAreRefused) {
               HasSubstr("animations[0].channels[0].sampler"));
   EXPECT_THAT(refusal([](json& all) { all["nodes"][0]["skin"] = 4; }),
               HasSubstr("nodes[0].skin: names skins[4]"));
+  EXPECT_THAT(refusal([](json& all) {
+                all["extensionsUsed"] = {1, 2};
+              }),
+              HasSubstr("in.glb: a value is not of the kind that glTF has there"));
   EXPECT_THAT(refusal([](json& all) { all["extensionsRequired"] = {"VENDOR_secret"}; }),
               HasSubstr("VENDOR_secret"));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -47,6 +48,23 @@ class AssetSample {
         0x9C, 0x63, 0xF8, 0xDF, 0xC0, 0x00, 0x00, 0x04, 0x01, 0x01, 0x80, 0xC5, 0x2A, 0x18,
         0x5D, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4E, 0x44, 0xAE, 0x42, 0x60, 0x82};
     return {std::begin(kBytes), std::end(kBytes)};
+  }
+
+  /// Shifts the tube's vertices in the buffer: by(vertex, axis).
+  template <class By>
+  void move_tube(const By& by) {
+    for (std::size_t v = 0; v < tube.size(); ++v) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const float value = static_cast<float>(tube[v][k]) + static_cast<float>(by(v, k));
+        std::memcpy(bytes.data() + position_offset_ + 12 * v + 4 * k, &value, sizeof(value));
+      }
+    }
+  }
+  /// A vertex of the tube as it stands in the buffer.
+  [[nodiscard]] std::array<float, 3> stored(std::size_t vertex) const {
+    std::array<float, 3> point;
+    std::memcpy(point.data(), bytes.data() + position_offset_ + 12 * vertex, sizeof(point));
+    return point;
   }
 
   static constexpr int kAround = 12, kRings = 16;
@@ -237,6 +255,8 @@ class AssetSample {
           {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "rotation"}}}},
            {{"sampler", 1}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}};
   }
+
+  std::size_t position_offset_ = 0;
 };
 
 }  // namespace planish::test

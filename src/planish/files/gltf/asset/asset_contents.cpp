@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/meshopt_stream.h"
@@ -17,7 +18,7 @@ using nlohmann::json;
 constexpr int kFloat = 5126;
 
 bool is_number_of_things(const json& document, const json& accessor) {
-  const json& of = document["accessors"][accessor.get<std::size_t>()];
+  const json& of = document.at("accessors").at(accessor.get<std::size_t>());
   return of.value("componentType", kFloat) != kFloat && !of.value("normalized", false);
 }
 
@@ -26,9 +27,7 @@ bool is_carried(const json& document, const std::string& name, const json& acces
   return name != "TANGENT";
 }
 
-}  // namespace
-
-AssetContents contents_of(const GltfAsset& asset) {
+AssetContents counted_contents(const GltfAsset& asset) {
   const json& document = asset.root().value();
   AssetContents contents;
   for (const char* list : {"scenes", "nodes", "meshes", "materials", "textures", "images", "skins",
@@ -53,6 +52,12 @@ AssetContents contents_of(const GltfAsset& asset) {
       if (name != kMeshoptExtension && name != kDracoExtension && name != "KHR_mesh_quantization")
         contents.extensions.push_back(name.get<std::string>());
   return contents;
+}
+
+}  // namespace
+
+AssetContents contents_of(const GltfAsset& asset) {
+  return guard_json(asset.file().name, [&] { return counted_contents(asset); });
 }
 
 }  // namespace planish

@@ -6,6 +6,7 @@
 
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/asset_checks.h"
+#include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/scene_reader.h"
@@ -41,6 +42,10 @@ GltfAsset::GltfAsset(const FileBytes& file, const GltfLimits& limits)
 }
 
 AssetMesh GltfAsset::read(std::int64_t number) const {
+  return guard_json(file_.name, [&] { return read_unguarded(number); });
+}
+
+AssetMesh GltfAsset::read_unguarded(std::int64_t number) const {
   const JsonPlace place = root_["meshes"][number];
   AssetMesh mesh{.number = number, .name = place.path(), .file = {}, .vertices = {}};
   if (const auto name = place.find("name"); name && name->is_text() && !name->text().empty())

@@ -43,6 +43,8 @@ class GltfAsset {
   [[nodiscard]] const FileBytes& file() const { return file_; }
 
  private:
+  [[nodiscard]] AssetMesh read_unguarded(std::int64_t number) const;
+
   FileBytes file_;
   GltfLimits limits_;
   FileFormat format_;

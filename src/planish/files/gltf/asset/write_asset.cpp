@@ -7,6 +7,7 @@
 
 #include "planish/core/host_scope.h"
 #include "planish/files/gltf/asset/asset_document.h"
+#include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/gltf_container.h"
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/gltf_payload.h"
@@ -27,8 +28,8 @@ void write_padded(std::span<const std::byte> bytes, std::span<const ByteSink> si
 }
 
 // `uri`: of the buffer of a .gltf; empty: a GLB.
-GltfWhole whole_asset(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
-                      const GltfOptions& common, const std::string& uri, bool keeps_files) {
+GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
+                    const GltfOptions& common, const std::string& uri, bool keeps_files) {
   std::set<std::int64_t> replaced;
   for (const AssetSurface& surface : surfaces) replaced.insert(surface.mesh);
   AssetDocument document(asset, replaced, keeps_files);
@@ -52,6 +53,12 @@ GltfWhole whole_asset(const GltfAsset& asset, std::span<const AssetSurface> surf
     for (const GltfPayload& payload : *payloads) payload.write_buffer(sinks);
   };
   return whole;
+}
+
+GltfWhole whole_asset(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
+                      const GltfOptions& common, const std::string& uri, bool keeps_files) {
+  return guard_json(asset.file().name,
+                    [&] { return assembled(asset, surfaces, common, uri, keeps_files); });
 }
 
 bool is_same_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
