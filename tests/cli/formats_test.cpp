@@ -1,6 +1,8 @@
 // What files bring along and get beside them: normals, materials, axes.
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 
@@ -103,6 +105,32 @@ TEST_F(Formats, UsdSaysWhichAxisIsUp) {
   // Turned by its reader, not by us.
   const std::string y = read("y.usda"), z = read("z.usda");
   EXPECT_EQ(y.substr(y.find("def Xform")), z.substr(z.find("def Xform")));
+}
+
+// As they stand in the input's own file, textures named from where the output stands; a material
+// that nobody knows gets a colour.
+TEST_F(Formats, MaterialsOfAnObjComeAlong) {
+  std::filesystem::create_directory(path("model"));
+  std::filesystem::create_directory(path("out"));
+  const std::string box =
+      write("model/box.obj", "mtllib box.mtl\nmtllib gone.mtl\n" + box_obj(false));
+  write("model/box.mtl",
+        "# of hand\nnewmtl lid\nKd 0.1 0.2 0.3\nmap_Kd -s 2 2 1 -clamp on textures/my lid.png\n"
+        "bump -bm 0.5 /abs/bump.png\nnewmtl unused\nKd 1 1 1\n");
+  const ProcessResult result = fit(box, {"-o", path("out/a.obj"), "--levels", "1"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, testing::AllOf(HasSubstr("its materials are not there: "),
+                                         HasSubstr("gone.mtl"), Not(HasSubstr("box.mtl"))));
+  const std::string materials = read("out/a.mtl");
+  EXPECT_THAT(materials, HasSubstr("newmtl lid\nKd 0.1 0.2 0.3\n"
+                                   "map_Kd -s 2 2 1 -clamp on ../model/textures/my lid.png\n"
+                                   "bump -bm 0.5 /abs/bump.png\n"));
+  EXPECT_THAT(materials, testing::AllOf(HasSubstr("newmtl wall\nKd "), Not(HasSubstr("unused"))));
+  // In the same folder every line stays as it is.
+  ASSERT_EQ(fit(box, {"-o", path("model/a.obj"), "--levels", "1"}).exit_code, 0);
+  EXPECT_THAT(read("model/a.mtl"), HasSubstr("map_Kd -s 2 2 1 -clamp on textures/my lid.png\n"));
+  // Where no OBJ is written nobody misses them.
+  EXPECT_THAT(fit(box, {"-o", path("out/a.ply")}).err, Not(HasSubstr("materials are not")));
 }
 
 }  // namespace

@@ -291,7 +291,7 @@ std::vector<std::string> materials_of(std::span<const FaceGroup> groups) {
 
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonSource& source, std::span<const std::string> header,
-                             const ByteObserver& observe) {
+                             const ByteObserver& observe, const GivenMaterials& materials) {
   const FormatInfo& info = info_of(format);
   const std::string name = visible(path);
   if (!info.write_polygons)
@@ -303,7 +303,7 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
   if (format == FileFormat::Obj && !source.totals().materials.empty()) {
     const std::filesystem::path beside = companion_of(path, format);
     if (beside != path) {
-      write_mtl(beside, source.totals().materials);
+      write_mtl(beside, source.totals().materials, materials);
       companion = beside.filename().string();
     }
   }

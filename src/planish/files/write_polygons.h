@@ -105,6 +105,14 @@ class PolygonSource {
                      const std::function<void(const PolygonPiece&)>& use) const = 0;
 };
 
+class MaterialLibrary;
+
+/// Materials that an OBJ has from another.
+struct GivenMaterials {
+  const MaterialLibrary* library = nullptr;  ///< null: none
+  std::filesystem::path folder;              ///< where the OBJ will stand
+};
+
 /// Writes the polygons through OutputFile as the format's own writer does (obj/write_obj.h,
 /// ply/write_ply.h, off/write_off.h), formatted on all threads; the same bytes whatever their
 /// number. `observe`, if any, gets all bytes in order. Returns their number. OBJ with materials
@@ -117,6 +125,7 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
 /// The same of polygons that are made as they are written.
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonSource& source, std::span<const std::string> header,
-                             const ByteObserver& observe = {});
+                             const ByteObserver& observe = {},
+                             const GivenMaterials& materials = {});
 
 }  // namespace planish

@@ -249,7 +249,7 @@ std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format
   require_field_sizes(options.fields, surface.info().row_count, visible(path));
   const BlockSource source(surface, format, options);
   const std::uint64_t byte_count =
-      write_polygons(path, format, source, options.header, options.observe);
+      write_polygons(path, format, source, options.header, options.observe, options.materials);
   warn_of(source.degenerate(), options.callbacks);
   const PolygonTotals& totals = source.totals();
   const std::string lost = lost_attributes(

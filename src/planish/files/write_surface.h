@@ -26,7 +26,8 @@ void write_surface(const std::filesystem::path& path, FileFormat format, const S
 struct SurfaceWriteOptions {
   std::vector<std::string> header;
   std::span<const NamedField> fields;
-  bool is_z_up = false;  ///< of USD
+  bool is_z_up = false;      ///< of USD
+  GivenMaterials materials;  ///< of OBJ
   /// Gets all bytes in order while they are written: for a digest.
   std::function<void(std::span<const std::byte>)> observe;
   Callbacks callbacks;  ///< step "write", warnings "degenerate-normals" and "lost-attributes"

@@ -13,6 +13,7 @@
 #include "planish/files/gltf/asset/write_asset.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
+#include "planish/files/obj/material_library.h"
 #include "planish/files/read_file.h"
 #include "planish/files/write_surface.h"
 #include "planish/mesh/statistics.h"
@@ -120,6 +121,7 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
     return write_gltf(path, surface, gltf_options(fitted, name, options)).byte_count;
   SurfaceWriteOptions how;
   how.callbacks = options.callbacks;
+  how.materials = {options.materials, path.parent_path()};
   return write_surface(path, format, surface, how);
 }
 
@@ -236,7 +238,12 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   auto& warnings = result.fitted.warnings;
   warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
 
-  const SurfaceShares shares({options.level, options.z_up, share_of(callbacks, fit, 1)});
+  MaterialLibrary materials;
+  if (file.format == FileFormat::Obj && format_of(output) == FileFormat::Obj)
+    materials = MaterialLibrary(input);
+  for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
+  const SurfaceShares shares(
+      {options.level, options.z_up, share_of(callbacks, fit, 1), &materials});
   const SurfaceLevel made = surface_level(result.fitted, backend, shares.making);
   result.vertex_count = made.blocks->info().row_count;
   result.face_count = made.blocks->info().face_count;

@@ -25,8 +25,8 @@ struct FitFileOptions {
 
 /// What became of a file.
 struct FileFit {
-  FittedMesh fitted;                ///< of an asset its first mesh
-  std::vector<FittedMesh> further;  ///< of an asset the others
+  FittedMesh fitted;                              ///< of an asset its first mesh
+  std::vector<FittedMesh> further;                ///< of an asset the others
   std::int64_t vertex_count = 0, face_count = 0;  ///< of the surface that was written
   std::uint64_t byte_count = 0;                   ///< of its file, a .gltf's .bin included
 };
@@ -42,10 +42,13 @@ struct FileFit {
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options = {});
 
+class MaterialLibrary;
+
 struct SurfaceFileOptions {
   int level = 2;
   bool z_up = false;
   Callbacks callbacks{};
+  const MaterialLibrary* materials = nullptr;  ///< of an OBJ that is written; null: none
 };
 
 /// Writes the surface of a fitted mesh. `name`: of mesh and node in a glTF. Returns the number of

@@ -105,6 +105,12 @@ PolygonMesh tagged(PolygonMesh mesh, const Settings& settings, const std::string
   return mesh;
 }
 
+bool writes_obj(const Job& job) {
+  return std::ranges::any_of(job.outputs, [](const OutputRequest& output) {
+    return output.kind == OutputKind::Surface && format_of(output.path) == FileFormat::Obj;
+  });
+}
+
 // Whoever has welded, or had sheets separated, knows of vertices at one place.
 void warn_of_torn_vertices(const ReadyFit& ready, JobReport& report, Console& console) {
   const FittedMesh& made = ready.fitted;
@@ -147,6 +153,9 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
   } else {
     input = mesh_of(file, callbacks);
     report.input.format = name_of(input.file.format);
+    if (file.format == FileFormat::Obj && !file.path.empty() && writes_obj(job))
+      made.materials = MaterialLibrary(file.path);
+    for (const Warning& warning : made.materials.warnings()) add_warning(report, console, warning);
     if (const auto cloud = points_of(input)) reconstruct(*cloud);
   }
   if (file.split_normals_crease && input.file.mesh.creases.empty())

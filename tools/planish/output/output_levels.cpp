@@ -50,6 +50,7 @@ SurfaceOutputOptions surface_options(const FittedJob& work) {
   const FittedMesh& fitted = work.made.fitted;
   SurfaceOutputOptions options;
   options.vertices = fitted.mesh.positions;
+  options.materials = &work.made.materials;
   options.given = fitted.points();
   options.gltf.callbacks = callbacks_for(work.report, work.context);
   options.diagonal = fitted.fit.placement.diagonal;

@@ -177,6 +177,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
       .header = {},
       .fields = options.gltf.fields,
       .is_z_up = options.gltf.z_up,
+      .materials = {options.materials, planned.path.parent_path()},
       .observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); },
       .callbacks = options.gltf.callbacks};
   for (const auto& [key, value] : options.gltf.extras) {

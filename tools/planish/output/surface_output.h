@@ -15,11 +15,12 @@ namespace planish::command {
 /// What every surface output of a job has in common.
 struct SurfaceOutputOptions {
   GltfOptions gltf;
-  std::span<const glm::dvec3> vertices;  ///< the input's
-  std::span<const glm::dvec3> given;     ///< what the surface passes through in their place
-  double diagonal = 1.0;                 ///< that errors are relative to
-  double tolerance = 0;                  ///< relative, that compression keeps
-  bool may_be_scaled = true;             ///< whether nodes may carry the grid of compression
+  std::span<const glm::dvec3> vertices;        ///< the input's
+  std::span<const glm::dvec3> given;           ///< what the surface passes through in their place
+  double diagonal = 1.0;                       ///< that errors are relative to
+  double tolerance = 0;                        ///< relative, that compression keeps
+  const MaterialLibrary* materials = nullptr;  ///< of the input
+  bool may_be_scaled = true;                   ///< whether nodes may carry the grid of compression
 };
 
 /// Options for writing a surface as glTF, and how far it is off as written: known once it is.

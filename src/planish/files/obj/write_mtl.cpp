@@ -9,6 +9,7 @@
 
 #include "planish/core/output_file.h"
 #include "planish/core/raw_vector.h"
+#include "planish/files/obj/material_library.h"
 #include "planish/files/shared/write_numbers.h"
 
 namespace planish {
@@ -39,7 +40,8 @@ std::string obj_line_name(const std::string& name) {
   return line;
 }
 
-void write_mtl(const std::filesystem::path& path, std::span<const std::string> materials) {
+void write_mtl(const std::filesystem::path& path, std::span<const std::string> materials,
+               const GivenMaterials& given) {
   OutputFile file(path);
   RawVector<std::byte> bytes;
   FileBuffer out(bytes, [&](std::span<const std::byte> some) { file.write(some); });
@@ -47,7 +49,11 @@ void write_mtl(const std::filesystem::path& path, std::span<const std::string> m
   for (std::size_t i = 0; i < materials.size(); ++i) {
     const std::string name = obj_line_name(materials[i]);
     if (!written.insert(name).second) continue;
-    out.text("newmtl").text(name).text("\nKd");
+    const std::string known =
+        given.library != nullptr ? given.library->statements(materials[i], given.folder) : "";
+    out.text("newmtl").text(name).text("\n").text(known);
+    if (!known.empty()) continue;
+    out.text("Kd");
     for (const double part : color_of(i)) out.text(" ").number(part);
     out.text("\n");
   }

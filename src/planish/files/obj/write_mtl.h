@@ -5,6 +5,7 @@
 #include <string>
 
 #include "planish/files/shared/file_buffer.h"
+#include "planish/files/write_polygons.h"
 
 namespace planish {
 
@@ -12,9 +13,10 @@ namespace planish {
 /// before a word and `\` at the end become `_`.
 [[nodiscard]] std::string obj_line_name(const std::string& name);
 
-/// Writes the materials through OutputFile, each with a colour of its own: OBJ keeps names only,
-/// and a viewer shows by them what belongs together. Throws Error{UnwritableOutput}.
-void write_mtl(const std::filesystem::path& path, std::span<const std::string> materials);
+/// Writes the materials through OutputFile, as the library has them; the others each with a colour
+/// of its own, by which a viewer shows what belongs together. Throws Error{UnwritableOutput}.
+void write_mtl(const std::filesystem::path& path, std::span<const std::string> materials,
+               const GivenMaterials& given = {});
 
 /// The line of an OBJ file that names them.
 void write_mtllib(FileBuffer& out, const std::string& file_name);

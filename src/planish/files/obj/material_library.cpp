@@ -1,0 +1,130 @@
+// Based on: Wavefront Technologies, "MTL material format (Lightwave, OBJ)", 1995.
+#include "planish/files/obj/material_library.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <sstream>
+
+#include "planish/core/visible_text.h"
+
+namespace planish {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kBetweenWords = " \t\r";
+
+std::string_view without_blanks(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBetweenWords);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBetweenWords) - first + 1);
+}
+
+// Takes the first word off the text.
+std::string_view take_word(std::string_view& text) {
+  text = without_blanks(text);
+  const std::size_t end = std::min(text.find_first_of(kBetweenWords), text.size());
+  const std::string_view word = text.substr(0, end);
+  text = without_blanks(text.substr(end));
+  return word;
+}
+
+bool is_number(std::string_view word) {
+  return !word.empty() && word.find_first_not_of("+-.eE0123456789") == std::string_view::npos;
+}
+
+bool names_a_texture(std::string_view keyword) {
+  constexpr std::array<std::string_view, 5> kOthers = {"bump", "disp", "decal", "refl", "norm"};
+  return keyword.starts_with("map_") || std::ranges::find(kOthers, keyword) != kOthers.end();
+}
+
+// Behind the options of a texture, such as -s 1 1 1 and -clamp on, comes its name with its blanks.
+std::string_view texture_of(std::string_view rest) {
+  constexpr std::array<std::string_view, 3> kVectors = {"-s", "-o", "-t"};
+  while (rest.starts_with('-')) {
+    const std::string_view option = take_word(rest);
+    const bool is_vector = std::ranges::find(kVectors, option) != kVectors.end();
+    (void)take_word(rest);
+    for (std::string_view next = rest; (is_vector || option == "-mm") && is_number(take_word(next));
+         rest = next) {
+    }
+  }
+  return rest;
+}
+
+// A line with its texture as it is named from another folder.
+std::string moved_line(const std::string& line, const fs::path& from, const fs::path& to) {
+  std::string_view rest = line;
+  const std::string keyword(take_word(rest));
+  std::string lower = keyword;
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (!names_a_texture(lower)) return line;
+  const std::string_view texture = texture_of(rest);
+  std::string name(texture);
+  std::ranges::replace(name, '\\', '/');
+  const bool has_drive = name.size() > 1 && name[1] == ':';
+  if (name.empty() || fs::path(name).is_absolute() || has_drive) return line;
+  std::error_code error;
+  const fs::path moved = fs::relative(from / name, to, error);
+  if (error || moved.empty() || fs::equivalent(from, to, error)) return line;
+  const std::size_t at = static_cast<std::size_t>(texture.data() - line.data());
+  return line.substr(0, at) + moved.generic_string();
+}
+
+fs::path named_folder(const fs::path& folder) { return folder.empty() ? fs::path(".") : folder; }
+
+}  // namespace
+
+MaterialLibrary::MaterialLibrary(const fs::path& path) {
+  constexpr std::size_t kHead = std::size_t{1} << 20;
+  std::ifstream file(path, std::ios::binary);
+  std::string head(kHead, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  std::istringstream lines(head);
+  for (std::string line; std::getline(lines, line);) {
+    std::string_view rest = line;
+    if (take_word(rest) == "mtllib" && !rest.empty()) read(path, std::string(rest));
+  }
+}
+
+void MaterialLibrary::read(const fs::path& obj, const std::string& name) {
+  std::string file_name = name;
+  std::ranges::replace(file_name, '\\', '/');
+  const fs::path path = obj.parent_path() / file_name;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    warnings_.push_back(
+        {"missing-materials", visible(obj) + ": its materials are not there: " + visible(path) +
+                                  "; copy that along, or its colours and textures are lost"});
+    return;
+  }
+  Material* material = nullptr;
+  for (std::string line; std::getline(file, line);) {
+    if (line.ends_with('\r')) line.pop_back();
+    std::string_view rest = line;
+    const std::string_view keyword = take_word(rest);
+    if (keyword == "newmtl") {
+      // The first of a name counts.
+      const auto [place, is_new] = materials_.try_emplace(std::string(rest));
+      material = is_new ? &place->second : nullptr;
+      if (is_new) material->folder = named_folder(path.parent_path());
+    } else if (material != nullptr && !keyword.empty() && !keyword.starts_with('#')) {
+      material->lines.push_back(line);
+    }
+  }
+}
+
+std::string MaterialLibrary::statements(const std::string& material, const fs::path& folder) const {
+  const auto found = materials_.find(material);
+  if (found == materials_.end()) return {};
+  std::string text;
+  for (const std::string& line : found->second.lines)
+    text += moved_line(line, found->second.folder, named_folder(folder)) + "\n";
+  return text;
+}
+
+}  // namespace planish
