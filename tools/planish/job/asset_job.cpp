@@ -59,6 +59,9 @@ void fit_part(const AssetJob& work, AssetPart& part) {
     return prepared;
   });
   fit_input(part.made, std::move(ready), work.backend, part.report, work.context);
+  // Of several, what has none on one has on another.
+  if (work.asset.surfaces().size() == 1)
+    warn_of_unused_settings(work.job, part.made, part.report, work.context.console);
   part.surface = std::make_unique<JobSurface>(part.made.fitted, work.backend,
                                               callbacks_for(part.report, work.context));
 }

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <glm/vec3.hpp>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "files/gltf/asset_sample.h"
+#include "files/gltf/parsed_gltf.h"
+#include "planish/pipeline/fit_file.h"
+#include "support/temporary_folder.h"
+
+namespace planish::test {
+
+// Numbers of an accessor, one after another.
+inline std::vector<double> numbers_of(const tinygltf::Model& model, int accessor) {
+  const tinygltf::Accessor& of = model.accessors.at(static_cast<std::size_t>(accessor));
+  const tinygltf::BufferView& view = model.bufferViews.at(static_cast<std::size_t>(of.bufferView));
+  const auto width = static_cast<std::size_t>(
+      tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(of.type)));
+  const auto size = static_cast<std::size_t>(
+      tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(of.componentType)));
+  const std::size_t stride = view.byteStride > 0 ? view.byteStride : width * size;
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < of.count; ++i) {
+    for (std::size_t k = 0; k < width; ++k) {
+      const unsigned char* at =
+          model.buffers.at(0).data.data() + view.byteOffset + of.byteOffset + i * stride + k * size;
+      if (of.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        float value = 0;
+        std::memcpy(&value, at, size);
+        numbers.push_back(value);
+      } else {
+        std::uint16_t value = 0;
+        std::memcpy(&value, at, size);
+        numbers.push_back(value);
+      }
+    }
+  }
+  return numbers;
+}
+
+inline std::vector<glm::dvec3> points_of(const tinygltf::Model& model, int accessor) {
+  const std::vector<double> numbers = numbers_of(model, accessor);
+  std::vector<glm::dvec3> points;
+  for (std::size_t i = 0; i < numbers.size(); i += 3)
+    points.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+  return points;
+}
+
+/// Fits an asset to a GLB, which tinygltf reads.
+class Asset : public testing::Test {
+ protected:
+  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+    return folder_ / name;
+  }
+  std::string read(const std::string& name) const {
+    std::ifstream file(folder_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  tinygltf::Model fitted(const std::string& glb, const FitFileOptions& options = {}) {
+    result_ = fit_file(write("in.glb", glb), folder_ / "out.glb", options);
+    const std::string bytes = read("out.glb");
+    const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
+    return parsed({begin, begin + bytes.size()});
+  }
+  nlohmann::json written_json() const {
+    const std::string bytes = read("out.glb");
+    std::uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + 12, sizeof(length));
+    return nlohmann::json::parse(bytes.substr(20, length));
+  }
+  static FitFileOptions progressive() {
+    FitFileOptions options;
+    options.mesh.method = InterpolationMethod::Progressive;
+    options.mesh.quads = QuadChoice::Off;
+    options.mesh.chooses_creases = false;
+    return options;
+  }
+
+  TemporaryFolder temporary_;
+  const std::filesystem::path& folder_ = temporary_.path();
+  AssetSample sample_;
+  FileFit result_;
+};
+
+}  // namespace planish::test

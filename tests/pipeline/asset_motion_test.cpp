@@ -1,0 +1,163 @@
+// Skins and morph targets on the surface, against surfaces fitted to the moved points.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <map>
+
+#include "pipeline/asset_fixture.h"
+
+namespace planish::test {
+namespace {
+
+using nlohmann::json;
+
+// With the progressive method the surface is linear in the given points: a morphed surface is the
+// surface through the morphed points.
+TEST_F(Asset, MorphTargetsAreExact) {
+  const tinygltf::Model model = fitted(sample_.glb(), progressive());
+  AssetSample posed = sample_;
+  // The same file whose rest pose is the morphed one.
+  posed.move_tube([&](std::size_t v, std::size_t k) { return posed.moves[v][k]; });
+  const tinygltf::Model wanted = fitted(posed.glb(), progressive());
+  for (int p = 0; p < 2; ++p) {
+    const tinygltf::Primitive &rest = model.meshes[0].primitives[p],
+                              &there = wanted.meshes[0].primitives[p];
+    const auto from = points_of(model, rest.attributes.at("POSITION"));
+    const auto by = points_of(model, rest.targets.at(0).at("POSITION"));
+    const auto to = points_of(wanted, there.attributes.at("POSITION"));
+    const auto from_normals = points_of(model, rest.attributes.at("NORMAL"));
+    const auto by_normals = points_of(model, rest.targets.at(0).at("NORMAL"));
+    const auto to_normals = points_of(wanted, there.attributes.at("NORMAL"));
+    ASSERT_EQ(from.size(), to.size());
+    double moved_by = 0;
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      EXPECT_LE(glm::length(from[i] + by[i] - to[i]), 2e-6);
+      EXPECT_LE(glm::length(from_normals[i] + by_normals[i] - to_normals[i]), 2e-5);
+      moved_by = std::max(moved_by, glm::length(by[i]));
+    }
+    EXPECT_GT(moved_by, 0.3);
+  }
+}
+
+// With the fair method targets move the rest pose's surface by the linear map: through every moved
+// point, and elsewhere near the surface that would be fitted to them.
+TEST_F(Asset, MorphedFairSurfacesPassThroughTheMovedPoints) {
+  FitFileOptions fair = progressive();
+  fair.mesh.method = InterpolationMethod::Fair;
+  const tinygltf::Model model = fitted(sample_.glb(), fair);
+  AssetSample posed = sample_;
+  posed.move_tube([&](std::size_t v, std::size_t k) { return posed.moves[v][k]; });
+  const tinygltf::Model wanted = fitted(posed.glb(), fair);
+  const double diagonal = result_.fitted.fit.placement.diagonal;
+  std::map<std::array<float, 3>, bool> is_met;
+  for (std::size_t v = 0; v < posed.tube.size(); ++v) is_met[posed.stored(v)] = false;
+  double farthest = 0;
+  for (int p = 0; p < 2; ++p) {
+    const tinygltf::Primitive& rest = model.meshes[0].primitives[p];
+    const auto from = points_of(model, rest.attributes.at("POSITION"));
+    const auto by = points_of(model, rest.targets.at(0).at("POSITION"));
+    const auto to = points_of(wanted, wanted.meshes[0].primitives[p].attributes.at("POSITION"));
+    ASSERT_EQ(from.size(), to.size());
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      farthest = std::max(farthest, glm::length(from[i] + by[i] - to[i]) / diagonal);
+      for (auto& [point, met] : is_met)
+        met =
+            met || glm::length(from[i] + by[i] - glm::dvec3(point[0], point[1], point[2])) <= 2e-6;
+    }
+  }
+  for (const auto& [point, met] : is_met) EXPECT_TRUE(met) << point[0] << " " << point[1];
+  EXPECT_LE(farthest, 0.01);
+}
+
+// Joints that only shift are linear too: the skinned surface is the surface through the skinned
+// points. Weights sum to 1 and no vertex names a joint twice.
+TEST_F(Asset, JointsShiftTheSurfaceAsTheyShiftThePoints) {
+  const tinygltf::Model model = fitted(sample_.glb(), progressive());
+  constexpr double kShift = 3.0;
+  AssetSample posed = sample_;
+  posed.move_tube(
+      [&](std::size_t v, std::size_t k) { return k == 0 ? kShift * posed.weights[v][1] : 0.0; });
+  const tinygltf::Model wanted = fitted(posed.glb(), progressive());
+  for (int p = 0; p < 2; ++p) {
+    const tinygltf::Primitive& rest = model.meshes[0].primitives[p];
+    const auto from = points_of(model, rest.attributes.at("POSITION"));
+    const auto to = points_of(wanted, wanted.meshes[0].primitives[p].attributes.at("POSITION"));
+    const auto joints = numbers_of(model, rest.attributes.at("JOINTS_0"));
+    const auto weights = numbers_of(model, rest.attributes.at("WEIGHTS_0"));
+    ASSERT_EQ(from.size(), to.size());
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      double second = 0, sum = 0;
+      for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) {
+        sum += weights[k];
+        if (joints[k] == 1 && weights[k] > 0) second = weights[k];
+      }
+      EXPECT_NEAR(sum, 1, 1e-6);
+      // Weights that would be below 0 are left out, by less than a hundredth.
+      EXPECT_NEAR(from[i].x + kShift * second, to[i].x, 0.02) << i;
+    }
+  }
+}
+
+// Joints that turn are not linear: a point of the surface has one product of weights and places, a
+// fitted pose another. They are near each other.
+TEST_F(Asset, JointsThatTurnComeNearTheFittedPose) {
+  const tinygltf::Model model = fitted(sample_.glb(), progressive());
+  const double angle = 0.6;
+  const auto posed_by = [&](const glm::dvec3& at, double second) {
+    const double x = at.x, y = at.y - 2;
+    const glm::dvec3 turned(std::cos(angle) * x - std::sin(angle) * y,
+                            2 + std::sin(angle) * x + std::cos(angle) * y, at.z);
+    return glm::mix(at, turned, second);
+  };
+  AssetSample posed = sample_;
+  posed.move_tube([&](std::size_t v, std::size_t k) {
+    const auto& at = posed.tube[v];
+    const auto axis = static_cast<int>(k);
+    return posed_by({at[0], at[1], at[2]}, posed.weights[v][1])[axis] - at[k];
+  });
+  const tinygltf::Model wanted = fitted(posed.glb(), progressive());
+  double farthest = 0;
+  for (int p = 0; p < 2; ++p) {
+    const tinygltf::Primitive& rest = model.meshes[0].primitives[p];
+    const auto from = points_of(model, rest.attributes.at("POSITION"));
+    const auto to = points_of(wanted, wanted.meshes[0].primitives[p].attributes.at("POSITION"));
+    const auto joints = numbers_of(model, rest.attributes.at("JOINTS_0"));
+    const auto weights = numbers_of(model, rest.attributes.at("WEIGHTS_0"));
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      double second = 0;
+      for (std::size_t k = 4 * i; k < 4 * i + 4; ++k)
+        if (joints[k] == 1 && weights[k] > 0) second = weights[k];
+      farthest = std::max(farthest, glm::length(posed_by(from[i], second) - to[i]));
+    }
+  }
+  const double off = farthest / result_.fitted.fit.placement.diagonal;
+  EXPECT_LE(off, 2e-3) << off;
+}
+
+// Points at one place that joints or targets move apart, as lips do, are two.
+TEST_F(Asset, WhatMovesApartIsNotWelded) {
+  AssetSample apart = sample_;
+  apart.json["meshes"].erase(2);
+  apart.json["nodes"].erase(7);
+  apart.json["scenes"][0]["nodes"] = {0, 3, 4, 5, 6, 7};
+  const tinygltf::Model together = fitted(apart.glb(), progressive());
+  const std::int64_t before = result_.fitted.mesh.vertex_count();
+  // The seam of the tube: its last column morphs away.
+  const json target = apart.json["meshes"][0]["primitives"][0]["targets"][0];
+  const json accessor = apart.json["accessors"][target["POSITION"].get<int>()];
+  const std::size_t at =
+      apart.json["bufferViews"][accessor["bufferView"].get<int>()]["byteOffset"].get<std::size_t>();
+  for (int j = 0; j <= AssetSample::kRings; ++j) {
+    const float away = 1;
+    const std::size_t v =
+        static_cast<std::size_t>(j * (AssetSample::kAround + 1) + AssetSample::kAround);
+    std::memcpy(apart.bytes.data() + at + 12 * v + 8, &away, 4);
+  }
+  (void)fitted(apart.glb(), progressive());
+  EXPECT_EQ(result_.fitted.mesh.vertex_count(), before + AssetSample::kRings + 1);
+}
+
+}  // namespace
+}  // namespace planish::test
