@@ -204,6 +204,21 @@ struct FirstStepParameters {
   uint instance_rows;
 };
 
+// A large ring, of kRingWords words: where the places of its points in the state begin, their
+// count, the count of its corners, its first sum, the vertex that sums are offsets from, and where
+// weights begin, three floats a point, behind which are cosine and sine of each corner's angle.
+const uint kRingWords = 6u;
+const uint kRingLanes = 64u;
+
+// Push constants of ring_sums.
+struct RingSumParameters {
+  uint count;         // of rings
+  uint first_target;  // of the state, that the target's window begins with
+  // From an instance to the next: points of the state, given points.
+  uint instance_points;
+  uint instance_rows;
+};
+
 // Push constants of the kernels that walk vectors or partial sums.
 struct VectorParameters {
   uint count;

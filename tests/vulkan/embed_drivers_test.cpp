@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <functional>
+#include <numbers>
 
 #include "fair/fair_case.h"
 #include "planish/surface/evaluate.h"
@@ -16,6 +17,7 @@
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"
+#include "vulkan/large_rings.h"
 #include "vulkan/tables.h"
 
 namespace planish::testing {
@@ -71,8 +73,31 @@ class EmbedDrivers : public Embedding {
     }
     // Of few kinds of corners: the weights of each take 55 kB, and tables may be a megabyte at
     // most.
-    const std::vector<std::byte> more = places(test::icosphere(1));
-    bytes.insert(bytes.end(), more.begin(), more.end());
+    for (const std::vector<std::byte>& more :
+         {places(test::icosphere(1)), frame_of_large_rings(InterpolationMethod::Progressive),
+          frame_of_large_rings(InterpolationMethod::Fair)})
+      bytes.insert(bytes.end(), more.begin(), more.end());
+    return bytes;
+  }
+
+  /// Three instances, or one of the fair method.
+  std::vector<std::byte> frame_of_large_rings(InterpolationMethod method) {
+    const PolygonMesh mesh = hub_of(40, 3, 2 * std::numbers::pi);
+    SystemOptions options;
+    options.level = 1;
+    options.method = method;
+    const std::uint32_t count = method == InterpolationMethod::Fair ? 1 : 3;
+    HostTopology topology(*context_, mesh, options);
+    HostFrame frame(*context_, topology, {}, 64, count);
+    topology.upload(*submitter_);
+    for (std::uint32_t i = 0; i < count; ++i) frame.set_points(posed(mesh, static_cast<int>(i)), i);
+    submitter_->run([&](VkCommandBuffer commands) { frame.record(commands, iterations(9)); });
+    std::vector<std::byte> bytes;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::vector<Vertex> vertices = frame.vertices(i);
+      const auto more = std::as_bytes(std::span(vertices));
+      bytes.insert(bytes.end(), more.begin(), more.end());
+    }
     return bytes;
   }
 

@@ -7,17 +7,22 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 #include <iostream>
+#include <numbers>
+#include <optional>
 
 #include "planish/backend/cpu_backend.h"
 #include "planish/mesh/placement.h"
 #include "planish/patches/first_step.h"
 #include "planish/surface/evaluate.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
+#include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/evaluate/gpu_first_step.h"
+#include "planish/vulkan/evaluate/gpu_ring_sums.h"
 #include "planish/vulkan/host/surface_records.h"
 #include "support/meshes.h"
 #include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"
+#include "vulkan/large_rings.h"
 #include "vulkan/random_kinds.h"
 #include "vulkan/tables.h"
 
@@ -55,6 +60,8 @@ std::vector<test::NamedMesh> meshes_of_all_kinds() {
                                          {"torus", test::torus(12, 7, 2, 0.7)}};
   const std::vector<test::NamedMesh> kinds = random_kinds();
   meshes.insert(meshes.end(), kinds.begin(), kinds.end());
+  const std::vector<test::NamedMesh> rings = large_rings();
+  meshes.insert(meshes.end(), rings.begin(), rings.end());
   return meshes;
 }
 
@@ -145,6 +152,35 @@ TEST_F(EmbedPatches, AllLevelsAndWeights) {
     }
 }
 
+// By the sums of large rings, and by points where weights are averaged.
+TEST_F(EmbedPatches, LargeRings) {
+  const auto expect_near = [&](const test::NamedMesh& named, double normal) {
+    for (const Weights weights : {Weights::DooSabin, Weights::Averaged})
+      for (const int level : {0, 2, 3}) {
+        SystemOptions options;
+        options.level = level;
+        options.weights = weights;
+        const Off found = frame_against_cpu(named.mesh, options);
+        EXPECT_LT(found.position, 2e-7) << named.name << " " << level;
+        EXPECT_LT(found.normal, normal) << named.name << " " << level;
+      }
+  };
+  for (const test::NamedMesh& named : large_rings()) expect_near(named, 2e-5);
+  // Wedges of 33 corners at a hub: patches at their rims are 100 times as long as wide.
+  expect_near({"ring and faces", hub_of(36, 33, 2 * std::numbers::pi)}, 1e-3);
+  expect_near({"hub of 1,000", hub_of(1000, 3, 2 * std::numbers::pi)}, 5e-5);
+}
+
+TEST_F(EmbedPatches, APatchByLargeRingsHasFewColumns) {
+  for (const test::NamedMesh& named : large_rings()) {
+    const System system(named.mesh);
+    const PatchRecords records =
+        patch_records(system.surface_records().patches, patch_limits(*context_, 24));
+    for (const shared::PatchGroup& group : records.groups)
+      EXPECT_LE(group.columns, 14u) << named.name;
+  }
+}
+
 TEST_F(EmbedPatches, NormalsKeepTheirDigitsFarFromTheOrigin) {
   PolygonMesh mesh = test::icosphere(4);
   for (glm::dvec3& p : mesh.positions) p += glm::dvec3(10, -20, 30);
@@ -178,10 +214,11 @@ TEST_F(EmbedPatches, FirstStepsAreTheCpus) {
     const SurfaceRecords& surface = system.surface_records();
     VulkanMachine machine(device_options(), {});
     const PatchLimits limits = patch_limits(machine.context, 24);
-    const PatchRecords patches = patch_records(surface.patches, limits);
+    PatchRecords patches = patch_records(surface.patches, limits);
+    add_rings(surface.patch_mesh, patches);
     const StepRecords step =
         step_records(surface.patch_mesh, surface.weights, surface.sharp_rows->view(), limits);
-    const PatchTables patch_tables(machine.context, patches, surface.patch_mesh.state_size());
+    const PatchTables patch_tables(machine.context, patches, surface.patch_mesh.point_count());
     const StepTables step_tables(machine.context, step);
     const auto upload = [&](const Buffer& buffer, std::span<const std::byte> bytes) {
       machine.submitter.upload({buffer.handle(), 0, bytes.size()}, bytes);
@@ -200,9 +237,17 @@ TEST_F(EmbedPatches, FirstStepsAreTheCpus) {
     upload(given_buffer, std::as_bytes(std::span(given_texels)));
     upload(moved_buffer, std::as_bytes(std::span(moved_texels)));
     const GpuFirstStep gpu(machine.context, patch_tables, step_tables, given_buffer, moved_buffer);
-    machine.submitter.run([&](VkCommandBuffer commands) { gpu.record(commands); });
+    std::optional<GpuRingSums> sums;
+    if (surface.patch_mesh.has_sums())
+      sums.emplace(machine.context, patch_tables, given_buffer, gpu.state());
+    machine.submitter.run([&](VkCommandBuffer commands) {
+      gpu.record(commands);
+      if (!sums) return;
+      const Wait wait = sums->record(commands);
+      record_barrier(machine.context, commands, wait.from, wait.to);
+    });
     const std::vector<glm::dvec3> found = machine.download_points(
-        gpu.state(), static_cast<std::size_t>(surface.patch_mesh.state_size()));
+        gpu.state(), static_cast<std::size_t>(surface.patch_mesh.point_count()));
 
     std::vector<glm::dvec3> cage = mesh.positions;
     for (std::size_t v = 0; v < moved.size(); ++v) cage[v] += moved[v];

@@ -107,6 +107,8 @@
 #include "shaders/interpolation_step_texel.spv.h"
 #include "shaders/reduce_rms.spv.h"
 #include "shaders/reduce_sums.spv.h"
+#include "shaders/ring_sums.spv.h"
+#include "shaders/ring_sums_texel.spv.h"
 #include "shaders/shared.h"
 #include "shaders/stop_test.spv.h"
 #include "shaders/surface_places.spv.h"
@@ -165,6 +167,8 @@ const KernelSource kSources[kKernelCount] = {
                    {Records, Words, Entries, Points, Points, Points, Storage}),
     special_kernel(PLANISH_BOTH(surface_places), sizeof(shared::PlaceParameters),
                    {Storage, Words, Entries, Points, Points, Points, Storage}),
+    special_kernel(PLANISH_BOTH(ring_sums), sizeof(shared::RingSumParameters),
+                   {Words, Points, Points, Storage}),
     table_kernel(PLANISH_BOTH(cg_apply), {Points, Storage, Storage, Storage}),
     vector_kernel(spirv::cg_advance, 6),
     vector_kernel(spirv::cg_turn, 2),
@@ -254,6 +258,7 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish first_step",
                                                     "planish corner_patches",
                                                     "planish surface_places",
+                                                    "planish ring_sums",
                                                     "planish cg_apply",
                                                     "planish cg_advance",
                                                     "planish cg_turn",

@@ -22,6 +22,7 @@ enum class Kernel {
   FirstStep,      ///< only specialised
   CornerPatches,  ///< only specialised
   SurfacePlaces,  ///< only specialised
+  RingSums,       ///< only specialised
   CgApply,
   CgAdvance,
   CgTurn,
@@ -78,7 +79,7 @@ enum class Kernel {
   FairCureCreases,
   FairCureCorners,
 };
-inline constexpr std::size_t kKernelCount = 61;
+inline constexpr std::size_t kKernelCount = 62;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);

@@ -105,8 +105,7 @@ class Packer {
   void join_passes();
 
   [[nodiscard]] bool fits(const IndexWindow& window) const {
-    const auto count = static_cast<std::uint64_t>(aligned_window(window).count);
-    return count * kWidestPoint <= limits_.max_range && count <= limits_.max_elements;
+    return limits_.allow_points(aligned_window(window).count);
   }
   [[nodiscard]] std::uint64_t row_bytes(const IndexWindow& rows) const {
     return static_cast<std::uint64_t>(rows.count) * limits_.row_stride + kRowSlack;

@@ -36,6 +36,12 @@ struct PatchLimits {
   std::uint64_t max_elements = 0;  ///< points, links or vertices that a binding may have
   std::uint64_t max_units = 0;     ///< groups times chunks in one dispatch
   std::uint64_t row_stride = 24;   ///< bytes from one row of the output to the next, at most
+
+  /// Whether a binding may have so many points.
+  [[nodiscard]] bool allow_points(std::int64_t count) const {
+    const auto points = static_cast<std::uint64_t>(count);
+    return points * shared::kPointFloats * sizeof(float) <= max_range && points <= max_elements;
+  }
 };
 
 /// Where the points of the state of level 1 are seen from: the vertex of a corner; of a curve point
@@ -52,9 +58,16 @@ struct PatchRecords {
   std::vector<std::uint32_t> words;
   std::vector<Weight> weights;  ///< of point, du, dv; a float unused
   std::vector<PatchSlice> slices;
+  std::vector<std::uint32_t> rings;  ///< shared::kRingWords each, and what they name
+  std::uint32_t ring_count = 0;
+  std::int64_t first_sum = 0;  ///< the place behind the state
 };
 
-/// Throws Error{OutOfMemory}, naming the limit that one patch alone exceeds.
+/// All but the rings, see add_rings(). Throws Error{OutOfMemory}, naming the limit that one patch
+/// alone exceeds.
 [[nodiscard]] PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits);
+
+/// The mesh's large rings, for a device that makes their sums.
+void add_rings(const PatchMesh& mesh, PatchRecords& records);
 
 }  // namespace planish::vulkan

@@ -41,12 +41,15 @@ PatchLimits patch_limits(const Context& context, std::uint32_t row_stride) {
 
 PatchTables::PatchTables(Context& context, const PatchRecords& records, std::int64_t points)
     : point_count(points),
+      ring_count(records.ring_count),
+      first_sum(records.first_sum),
       slices(records.slices),
       links(make_windowed(context, records.links, "planish corner links")),
       groups(make_patch_buffer(context, records.groups, 4 * sizeof(std::uint32_t),
                                "planish patch groups")),
       words(make_windowed(context, records.words, "planish patch words")),
-      weights(make_windowed(context, records.weights, "planish patch weights")) {}
+      weights(make_windowed(context, records.weights, "planish patch weights")),
+      rings(make_patch_buffer(context, records.rings, sizeof(std::uint32_t), "planish rings")) {}
 
 StepTables::StepTables(Context& context, const StepRecords& records)
     : slices(records.slices),

@@ -19,9 +19,11 @@ struct PatchTables {
   /// Throws Error{OutOfMemory} naming the limit that a table exceeds.
   PatchTables(Context& context, const PatchRecords& records, std::int64_t point_count);
 
-  std::int64_t point_count;  ///< of the state of level 1
+  std::int64_t point_count;  ///< of the state of level 1 and its sums
+  std::uint32_t ring_count;
+  std::int64_t first_sum;
   std::vector<PatchSlice> slices;
-  Buffer links, groups, words, weights;
+  Buffer links, groups, words, weights, rings;
 
   /// Calls take(buffer, bytes) for all of them, in one order.
   template <class Take>
@@ -31,6 +33,7 @@ struct PatchTables {
     take(groups, bytes(records.groups));
     take(words, bytes(records.words));
     take(weights, bytes(records.weights));
+    take(rings, bytes(records.rings));
   }
 };
 

@@ -52,8 +52,8 @@ void GpuFair::make_buffers() {
   }
   make(b.sector_normals, tables_.sector_count * kPointBytes);
   make(b.shifts, tables_.crease_count * kPointBytes);
-  for (Buffer* buffer : {&b.result, &b.state, &b.state_offsets})
-    make(*buffer, tables_.state_size * kPointBytes);
+  for (Buffer* buffer : {&b.result, &b.state}) make(*buffer, tables_.state_size * kPointBytes);
+  make(b.state_offsets, (tables_.state_size + options_.sum_count) * kPointBytes);
   for (Buffer* buffer : {&b.shares, &b.flags, &b.decisions, &b.precondition})
     make(*buffer, vertices * sizeof(float));
   make(b.counts, shared::kFairCounts * sizeof(std::uint32_t));

@@ -44,13 +44,25 @@ DeviceTable make_masks(Context& context, const System& system) {
 /// What of a System's surface goes to a device. Made anew for each use, since it is as large as the
 /// device's own.
 struct DeviceSystem::Parts::PackedSurface {
-  PackedSurface(const System& system, const PatchLimits& limits, bool answers_places)
-      : patches(patch_records(system.surface_records().patches, limits)) {
+  PackedSurface(const System& system, const PatchLimits& limits, bool answers_places) {
     const SurfaceRecords& surface = system.surface_records();
+    const PatchMesh& mesh = surface.patch_mesh;
     if (surface.sharp_rows)
-      step = step_records(surface.patch_mesh, surface.weights, surface.sharp_rows->view(), limits);
-    if (answers_places) places = place_records(surface.patch_mesh, surface.weights, limits);
+      step = step_records(mesh, surface.weights, surface.sharp_rows->view(), limits);
+    const PatchMesh by_points(*surface.topology, surface.features);
+    if (answers_places) places = place_records(by_points, surface.weights, limits);
+    point_count = mesh.point_count();
+    if (!mesh.has_sums() || limits.allow_points(point_count)) {
+      patches = patch_records(surface.patches, limits);
+      add_rings(mesh, patches);
+      return;
+    }
+    // A binding has not both a patch's own points and its sums: by points, in slices.
+    point_count = mesh.state_size();
+    patches = patch_records(
+        PatchSurface(by_points, {.level = system.level(), .weights = surface.weights}), limits);
   }
+  std::int64_t point_count = 0;
   PatchRecords patches;
   std::optional<StepRecords> step;
   std::optional<PlaceRecords> places;
@@ -68,7 +80,7 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
       vertices(on, used_vertices.size() * sizeof(std::int32_t), MemoryUse::Device,
                "planish vertices") {
   const PackedSurface surface(system, patch_limits(on, max_vertex_stride), options.answers_places);
-  patches.emplace(on, surface.patches, system.surface_records().patch_mesh.state_size());
+  patches.emplace(on, surface.patches, surface.point_count);
   if (surface.step) step.emplace(on, *surface.step);
   if (surface.places) places.emplace(on, *surface.places);
   if (const FairRecords* records = system.fair_records()) fair.emplace(on, *records);

@@ -11,6 +11,7 @@
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/evaluate/gpu_first_step.h"
 #include "planish/vulkan/evaluate/gpu_patches.h"
+#include "planish/vulkan/evaluate/gpu_ring_sums.h"
 #include "planish/vulkan/fair/gpu_fair.h"
 #include "planish/vulkan/host/device_system.h"
 #include "planish/vulkan/host/instance_limits.h"
@@ -66,7 +67,9 @@ GpuFairOptions fair_options(const SolveOptions& options) {
   require(options.polish_steps <= kMostPolishSteps,
           "polish_steps " + std::to_string(options.polish_steps) + " are outside 0 to " +
               std::to_string(kMostPolishSteps));
-  return {options.polish_steps};
+  GpuFairOptions result;
+  result.polish_steps = options.polish_steps;
+  return result;
 }
 
 /// Calls in lock-step, with their timestamps around all of it. `timestamps_of(i)` and
@@ -95,7 +98,13 @@ struct Solve::Parts {
     Fair(Context& context, const DeviceSystem::Parts& system, const GpuFairOptions& options,
          const GivenPoints& points)
         : gather(context, system.vertices, system.used_vertices, points),
-          fair(context, *system.fair, gather.points(), options) {}
+          fair(context, *system.fair, gather.points(), with_sums(system, options)) {}
+    static GpuFairOptions with_sums(const DeviceSystem::Parts& system, GpuFairOptions options) {
+      const PatchTables& patches = *system.patches;
+      if (patches.ring_count > 0)
+        options.sum_count = static_cast<std::uint64_t>(patches.point_count - patches.first_sum);
+      return options;
+    }
     GpuGather gather;
     GpuFair fair;
   };
@@ -138,6 +147,7 @@ struct Solve::Parts {
   std::optional<Fair> fair;
   std::optional<GpuLeastBending> bending;
   std::optional<GpuFirstStep> step;  // of the progressive method
+  std::optional<GpuRingSums> sums;   // where patches are and large rings
   std::optional<GpuPatches> patches;
 
  private:
@@ -198,6 +208,8 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const Instan
                  progressive->given.displacement(), sizes.rows, instances);
   if (!options.vertices.buffer) return;
   check_layout(options.vertices, system.max_vertex_stride);
+  if (system.patches->ring_count > 0)
+    sums.emplace(on, *system.patches, given_points(), state_points(), sizes.rows, instances);
   patches.emplace(on, *system.patches, given_points(), state_points(), options.vertices, sizes.rows,
                   instances);
 }
@@ -237,11 +249,14 @@ Wait Solve::Parts::record_surface(VkCommandBuffer commands, std::size_t round) c
     progressive->given.record_control_points(commands);
     return kKernelWait;
   }
-  return step ? step->record_round(commands, round) : Wait{};
+  const std::size_t steps = step ? step->round_count() : 0;
+  if (round < steps) return step->record_round(commands, round);
+  return sums && round == steps ? sums->record(commands) : Wait{};
 }
 
 Wait Solve::Parts::record_evaluate(VkCommandBuffer commands, std::size_t round) const noexcept {
-  const std::size_t surface_rounds = (progressive ? 1 : 0) + (step ? step->round_count() : 0);
+  const std::size_t surface_rounds =
+      (progressive ? 1 : 0) + (step ? step->round_count() : 0) + (sums ? 1 : 0);
   if (round < surface_rounds) return record_surface(commands, round);
   return patches ? patches->record_round(commands, round - surface_rounds) : Wait{};
 }

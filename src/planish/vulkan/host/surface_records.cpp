@@ -7,7 +7,7 @@ namespace planish::vulkan {
 SurfaceRecords::SurfaceRecords(const PolygonMesh& mesh, const SystemOptions& options)
     : topology(std::make_shared<const MeshTopology>(mesh)),
       features(find_sharp_features(mesh, *topology, mesh.positions, options.sharp)),
-      patch_mesh(*topology, features),
+      patch_mesh(*topology, features, ring_columns(options.weights)),
       weights(options.weights),
       patches(patch_mesh, {.level = options.level, .weights = options.weights}) {}
 

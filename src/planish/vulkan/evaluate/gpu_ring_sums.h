@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "planish/vulkan/device/rounds.h"
+#include "planish/vulkan/evaluate/patch_tables.h"
+#include "planish/vulkan/tables/instances.h"
+
+namespace planish::vulkan {
+
+/// The sums of large rings, behind the state of level 1 as GpuPatches reads it. Externally
+/// synchronised; tables and points outlive it.
+class GpuRingSums {
+ public:
+  /// `tables` have rings, and `state` has room for PatchTables::point_count points an instance;
+  /// `given` and `vertex_count` as in GpuPatches.
+  GpuRingSums(Context& context, const PatchTables& tables, const Buffer& given, const Buffer& state,
+              std::uint64_t vertex_count = 0, const Instances& instances = {});
+
+  /// Only records, within kEntryScope: the one round.
+  Wait record(VkCommandBuffer commands) const noexcept;
+
+ private:
+  Context& context_;
+  Instances instances_;
+  Pipeline pipeline_;
+  shared::RingSumParameters parameters_{};
+  std::uint32_t groups_ = 0;
+  DescriptorSets sets_;
+};
+
+}  // namespace planish::vulkan
