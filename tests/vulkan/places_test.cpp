@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "support/meshes.h"
+#include "vulkan/large_rings.h"
 #include "vulkan/places_fixture.h"
 
 namespace planish::testing {
@@ -27,6 +28,8 @@ std::vector<test::NamedMesh> meshes_for_places() {
   }
   const std::vector<test::NamedMesh> kinds = random_kinds();
   meshes.insert(meshes.end(), kinds.begin(), kinds.end());
+  const std::vector<test::NamedMesh> rings = large_rings();
+  meshes.insert(meshes.end(), rings.begin(), rings.end());
   for (test::NamedMesh& mesh : meshes) mesh.mesh = in_floats(mesh.mesh);
   return meshes;
 }

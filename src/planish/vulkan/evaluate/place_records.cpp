@@ -82,7 +82,9 @@ class PlacePacker {
     return shared::kQuarterCells + (form.is_singular_at_vertex() ? shared::kChainCells : 0) +
            (is_singular_at_face(form) ? shared::kChainCells : 0);
   }
-  static bool has_list(const PatchClass& patch) { return patch.kind != PatchKind::Smooth; }
+  static bool has_list(const PatchClass& patch) {
+    return patch.kind != PatchKind::Smooth || patch.has_ring_sums || patch.has_face_sums;
+  }
 
   void add_word(std::int64_t value) { records_.words.push_back(static_cast<std::uint32_t>(value)); }
   void list_classes();
@@ -138,7 +140,7 @@ void PlacePacker::require_fit() const {
   check("the weights of " + std::to_string(classes_.size()) + " kinds of corners", texel_count_,
         sizeof records_.weights[0]);
   check("what is known of corners", word_count_, sizeof(std::uint32_t));
-  check("control points", static_cast<std::uint64_t>(mesh_.state_size()),
+  check("control points", static_cast<std::uint64_t>(mesh_.point_count()),
         shared::kPointFloats * sizeof(float));
 }
 

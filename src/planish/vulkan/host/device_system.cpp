@@ -49,18 +49,22 @@ struct DeviceSystem::Parts::PackedSurface {
     const PatchMesh& mesh = surface.patch_mesh;
     if (surface.sharp_rows)
       step = step_records(mesh, surface.weights, surface.sharp_rows->view(), limits);
-    const PatchMesh by_points(*surface.topology, surface.features);
-    if (answers_places) places = place_records(by_points, surface.weights, limits);
-    point_count = mesh.point_count();
-    if (!mesh.has_sums() || limits.allow_points(point_count)) {
+    if (!mesh.has_sums() || limits.allow_points(mesh.point_count())) {
       patches = patch_records(surface.patches, limits);
       add_rings(mesh, patches);
+      take_points(mesh, surface.weights, limits, answers_places);
       return;
     }
     // A binding has not both a patch's own points and its sums: by points, in slices.
-    point_count = mesh.state_size();
+    const PatchMesh by_points(*surface.topology, surface.features);
     patches = patch_records(
         PatchSurface(by_points, {.level = system.level(), .weights = surface.weights}), limits);
+    take_points(by_points, surface.weights, limits, answers_places);
+  }
+  void take_points(const PatchMesh& mesh, Weights weights, const PatchLimits& limits,
+                   bool answers_places) {
+    point_count = mesh.point_count();
+    if (answers_places) places = place_records(mesh, weights, limits);
   }
   std::int64_t point_count = 0;
   PatchRecords patches;

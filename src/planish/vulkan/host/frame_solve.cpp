@@ -147,7 +147,7 @@ struct Solve::Parts {
   std::optional<Fair> fair;
   std::optional<GpuLeastBending> bending;
   std::optional<GpuFirstStep> step;  // of the progressive method
-  std::optional<GpuRingSums> sums;   // where patches are and large rings
+  std::optional<GpuRingSums> sums;   // where large rings are
   std::optional<GpuPatches> patches;
 
  private:
@@ -206,10 +206,10 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const Instan
   if (progressive && sizes.has_surface)
     step.emplace(on, *system.patches, *system.step, progressive->given.given(),
                  progressive->given.displacement(), sizes.rows, instances);
+  if (sizes.has_surface && system.patches->ring_count > 0)
+    sums.emplace(on, *system.patches, given_points(), state_points(), sizes.rows, instances);
   if (!options.vertices.buffer) return;
   check_layout(options.vertices, system.max_vertex_stride);
-  if (system.patches->ring_count > 0)
-    sums.emplace(on, *system.patches, given_points(), state_points(), sizes.rows, instances);
   patches.emplace(on, *system.patches, given_points(), state_points(), options.vertices, sizes.rows,
                   instances);
 }
