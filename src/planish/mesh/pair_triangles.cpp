@@ -11,7 +11,6 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <utility>
 #include <vector>
 

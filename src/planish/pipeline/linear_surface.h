@@ -3,7 +3,6 @@
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "planish/backend/backend.h"
 #include "planish/pipeline/fit_mesh.h"

@@ -1,7 +1,5 @@
 #include "output/job_outputs.h"
 
-#include <algorithm>
-#include <optional>
 
 #include "job/job_surface.h"
 #include "job/measure_surface.h"

@@ -130,6 +130,11 @@ std::string list_text(const std::vector<std::string>& names) {
   return text;
 }
 
+// "mesh" of "meshes", "node" of "nodes".
+std::string_view singular_of(std::string_view list) {
+  return list.substr(0, list.size() - (list.ends_with("shes") ? 2 : 1));
+}
+
 // What a glTF holds besides, and what fit makes of it.
 std::string asset_text(const Inspection& inspection) {
   if (!inspection.asset_problem.empty())
@@ -138,7 +143,7 @@ std::string asset_text(const Inspection& inspection) {
   const AssetContents& asset = *inspection.asset;
   std::string counts;
   for (const auto& [list, count] : asset.counts)
-    counts += (counts.empty() ? "" : ", ") + with_separators(count) + " " + list;
+    counts += (counts.empty() ? "" : ", ") + counted(count, singular_of(list));
   std::string carried = list_text(asset.carried);
   if (asset.morph_targets > 0) carried += ", " + counted(asset.morph_targets, "morph target");
   std::string text = inspection_line("asset", counts);
@@ -221,6 +226,10 @@ void look_at_asset(const InputFile& file, Inspection& inspection) {
   try {
     if (const auto asset = asset_of(file.for_reader(), file.format))
       inspection.asset = contents_of(*asset);
+    // Which counts for the scene as one mesh only.
+    if (inspection.asset)
+      std::erase_if(inspection.input.file.warnings,
+                    [](const Warning& warning) { return warning.code == "ignored-deformation"; });
   } catch (const Error& error) {
     if (error.code() != ErrorCode::UnreadableInput) throw;
     inspection.asset_problem = error.what();

@@ -27,7 +27,7 @@ struct Attribute {
   }
 };
 
-std::string_view type_of(int width) {
+std::string_view type_name(int width) {
   constexpr std::string_view kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
   return kTypes[width - 1];
 }
@@ -43,7 +43,7 @@ std::vector<Attribute> attributes_of(const GltfLayout& layout) {
     const GltfAttribute& attribute = layout.attributes[i];
     attributes.push_back(
         {.name = attribute.name,
-         .type = type_of(attribute.width),
+         .type = type_name(attribute.width),
          .bytes = attribute_bytes(attribute),
          .component = attribute.is_integer ? GltfComponent::UnsignedShort : GltfComponent::Float,
          .place = static_cast<int>(i)});

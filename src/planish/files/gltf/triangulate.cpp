@@ -175,13 +175,15 @@ class Ears {
                                 ? corners_[own.watched].first_watcher
                                 : corners_[own.watcher_before].watcher_after;
     to_own = own.watcher_after;
-    if (own.watcher_after != kNoCorner) corners_[own.watcher_after].watcher_before = own.watcher_before;
+    if (own.watcher_after != kNoCorner)
+      corners_[own.watcher_after].watcher_before = own.watcher_before;
     own.watched = kNoCorner;
   }
 
   void stop_blocking(std::uint32_t i) {
     reflex_->erase(i);
-    for (std::uint32_t w = corners_[i].first_watcher; w != kNoCorner; w = corners_[w].watcher_after) {
+    for (std::uint32_t w = corners_[i].first_watcher; w != kNoCorner;
+         w = corners_[w].watcher_after) {
       open_->insert(w);
       corners_[w].watched = kNoCorner;
     }

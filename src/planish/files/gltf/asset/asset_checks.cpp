@@ -1,13 +1,11 @@
 // Based on: Khronos Group, "glTF 2.0 Specification", sections 3.5 to 3.11.
 #include "planish/files/gltf/asset/asset_checks.h"
 
-#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "planish/core/number_text.h"
 #include "planish/files/gltf/scene_reader.h"
 
 namespace planish {

@@ -15,7 +15,7 @@ namespace {
 constexpr int kMostSets = 4;
 constexpr int kJointsOfSet = 4;
 
-bool is_color(std::string_view name) { return name.starts_with("COLOR_"); }
+bool is_vertex_color(std::string_view name) { return name.starts_with("COLOR_"); }
 
 }  // namespace
 
@@ -74,7 +74,7 @@ void AssetCollector::read_uvs(std::vector<glm::dvec2>& first) {
 void AssetCollector::find_arrays(const JsonPlace& attributes, const SourcePrimitive& primitive,
                                  GltfBudget& budget) {
   for (const std::string& name : attributes.keys()) {
-    const bool is_further_color = is_color(name) && name != "COLOR_0";
+    const bool is_further_color = is_vertex_color(name) && name != "COLOR_0";
     if (!is_further_color && !name.starts_with("_")) continue;
     auto values = primitive.attribute(name, GltfAccessor::Use::Vectors);
     // Numbers of things have nothing between them.
@@ -198,7 +198,7 @@ void AssetCollector::append(std::int64_t vertex) {
   // Of those that this primitive lacks.
   for (AssetArray& array : made_.arrays)
     array.values.resize(static_cast<std::size_t>(array.width * vertex_count_),
-                        is_color(array.name) ? 1.0f : 0.0f);
+                        is_vertex_color(array.name) ? 1.0f : 0.0f);
   if (!made_.first_influence.empty()) {
     made_.influences.insert(made_.influences.end(), influences_.begin(), influences_.end());
     made_.first_influence.push_back(std::ssize(made_.influences));

@@ -1,6 +1,5 @@
 #include "planish/files/gltf/asset/asset_contents.h"
 
-#include <array>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>

@@ -3,7 +3,6 @@
 #include "planish/files/gltf/asset/asset_document.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "planish/core/version.h"

@@ -10,25 +10,25 @@ struct ImageFormat {
   std::string_view start, type, extension;
 };
 
-constexpr ImageFormat kFormats[] = {{"\x89PNG\r\n", "image/png", ".png"},
-                                    {"\xFF\xD8\xFF", "image/jpeg", ".jpg"},
-                                    {"\xFF\xD8\xFF", "image/jpeg", ".jpeg"},
-                                    {"\xABKTX 20\xBB", "image/ktx2", ".ktx2"},
-                                    {"DDS ", "image/vnd-ms.dds", ".dds"},
-                                    {"RIFF", "image/webp", ".webp"},
-                                    {"", "image/avif", ".avif"}};
+constexpr ImageFormat kImageFormats[] = {{"\x89PNG\r\n", "image/png", ".png"},
+                                         {"\xFF\xD8\xFF", "image/jpeg", ".jpg"},
+                                         {"\xFF\xD8\xFF", "image/jpeg", ".jpeg"},
+                                         {"\xABKTX 20\xBB", "image/ktx2", ".ktx2"},
+                                         {"DDS ", "image/vnd-ms.dds", ".dds"},
+                                         {"RIFF", "image/webp", ".webp"},
+                                         {"", "image/avif", ".avif"}};
 
 }  // namespace
 
 std::string image_type(std::span<const std::byte> bytes, std::string_view name) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
                                std::min<std::size_t>(bytes.size(), 16));
-  for (const ImageFormat& format : kFormats)
+  for (const ImageFormat& format : kImageFormats)
     if (!format.start.empty() && start.starts_with(format.start)) return std::string(format.type);
   std::string lower(name);
   std::ranges::transform(lower, lower.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const ImageFormat& format : kFormats)
+  for (const ImageFormat& format : kImageFormats)
     if (lower.ends_with(format.extension)) return std::string(format.type);
   return "application/octet-stream";
 }
