@@ -59,6 +59,7 @@ FittedMesh fitted_of(const MpiJob& job, const DistributedFit& fit) {
     fair.cured_vertices = fit.fair->cured_vertices;
     fair.flagged_edges = fit.fair->flagged_edges;
     fair.flagged_faces = fit.fair->flagged_faces;
+    fair.rounds = fit.fair->rounds;
   }
   return all;
 }

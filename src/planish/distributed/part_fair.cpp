@@ -128,6 +128,7 @@ PartFair make_part_fair(const Ranks& ranks, const MeshPart& part, const PartFair
   fair.cured_vertices = net.cured_vertices;
   fair.flagged_edges = net.flagged_edges;
   fair.flagged_faces = net.flagged_faces;
+  fair.rounds = net.rounds;
   fair.concave_faces = count_concave(mesh->sub, halo);
   fair.keys = std::move(mesh->keys);
   return fair;

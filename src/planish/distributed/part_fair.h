@@ -33,6 +33,7 @@ struct PartFair {
   bool converged = false;
   std::int64_t shrunk_vertices = 0, reversed_vertices = 0, cured_vertices = 0;
   std::int64_t flagged_edges = 0, flagged_faces = 0;  ///< as FairNet has them
+  FairRounds rounds;
   std::int64_t concave_faces = 0;
 };
 

@@ -3,6 +3,7 @@
 #include "planish/fair/corner_offsets.h"
 
 #include "planish/core/parallel.h"
+#include "planish/core/work.h"
 
 namespace planish {
 
@@ -95,6 +96,7 @@ dvec3 GivenStep::offset(std::int32_t corner) const {
   const std::int32_t first = topology_.face_offsets[face], m = topology_.face_size(face);
   if (const std::int32_t large = topology_.large_face(face); large >= 0)
     return of_large_[large][corner - first];
+  count_work(Work::Points, m);
   const auto circle = topology_.unit_circle.of(m);
   const dvec3& own = given_[topology_.corner_vertices[corner]];
   dvec3 sum(0.0);

@@ -153,16 +153,17 @@ void NetBuilder::build_dart_points() {
   }
 }
 
-// Repairs the folds, or halves what was halved before.
-void settle_folds(NetBuilder& builder, bool decided, std::vector<std::uint8_t>& halvings) {
+// Repairs the folds, or halves what was halved before. Returns the rounds of repair.
+std::int32_t settle_folds(NetBuilder& builder, bool decided, std::vector<std::uint8_t>& halvings) {
   if (decided) {
     halve_polygons(builder.topology, halvings, builder.offsets);
     builder.exchange_state();
-    return;
+    return 0;
   }
   halvings.assign(builder.given.size(), 0);
-  repair_folds(builder.topology, builder.given, builder.face_normals, builder.offsets, halvings,
-               builder.halo);
+  return repair_folds(builder.topology, builder.given, builder.face_normals, builder.offsets,
+                      halvings, builder.halo)
+      .rounds;
 }
 
 // What no halving cures; or as it was cured before.
@@ -236,7 +237,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   builder.build_curve_points();
   options.callbacks.report("solve", 0.6);
 
-  settle_folds(builder, decided, decisions.halvings);
+  std::int32_t repairs = settle_folds(builder, decided, decisions.halvings);
   options.callbacks.report("solve", 0.7);
   if (options.polish_steps > 0) {
     builder.build_curve_points();
@@ -248,7 +249,7 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
                   polish_heights(topology, std::move(bending), options.polish_steps, options.halo),
                   builder.offsets);
     builder.exchange_state();
-    settle_folds(builder, decided, decisions.late_halvings);
+    repairs += settle_folds(builder, decided, decisions.late_halvings);
   } else if (!decided) {
     decisions.late_halvings.assign(given.size(), 0);
   }
@@ -257,6 +258,8 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
   const FoldCount folds = settle_cure(builder, options, decisions);
   builder.build_dart_points();
   builder.exchange_state();
+  net.rounds.repair = repairs;
+  net.rounds.cure = folds.rounds;
   net.flagged_edges = folds.edges;
   net.flagged_faces = folds.faces;
   count_decisions(net, options.halo);

@@ -4,6 +4,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,6 +47,14 @@ struct FairOptions {
 /// Throws Error{InvalidArgument} for polish_steps out of range.
 void require_valid(const FairOptions& options);
 
+/// How often steps were taken that end when nothing is left to do.
+struct FairRounds {
+  std::int32_t nets = 1;  ///< that were made; deeply_cured_net() makes 13 at most
+  /// Of the first net: that halved polygons, 6 at most, and that cured, 6 at most. Empty: it was
+  /// made on a device, in rounds of a fixed number.
+  std::optional<std::int32_t> repair, cure;
+};
+
 /// A Doo-Sabin net of level 1 whose surface passes through the given vertices: the polygon around
 /// every smooth vertex has its centroid there, the two curve points beside a crease or boundary
 /// vertex their middle.
@@ -57,6 +66,7 @@ struct FairNet {
   std::int64_t cured_vertices = 0;     ///< whose polygons were replaced by perpendicular ones
   std::int64_t flagged_edges = 0;      ///< smooth edges still turned over in the end
   std::int64_t flagged_faces = 0;      ///< faces still turned over in the end
+  FairRounds rounds;
   FairDecisions decisions;
 };
 

@@ -241,7 +241,8 @@ FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures,
                      std::span<glm::vec2> leans) {
   Cure cure{input, leans};
   cure.changed.assign(cures.size(), 1);
-  for (int round = 0; round < kCureRounds; ++round) {
+  std::int32_t round = 0;
+  for (; round < kCureRounds; ++round) {
     cure.bad.assign(cures.size(), 0);
     cure.touched.assign(cures.size(), 0);
     cure.test_edges(false);
@@ -262,7 +263,9 @@ FoldCount cure_folds(const CureInput& input, std::span<std::uint8_t> cures,
     });
     if (!cure.exchange(any)) break;
   }
-  return cure.count();
+  FoldCount left = cure.count();
+  left.rounds = round;
+  return left;
 }
 
 FoldCount repeat_cure(const CureInput& input, std::span<const std::uint8_t> cures,

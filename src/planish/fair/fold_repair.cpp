@@ -95,7 +95,8 @@ FoldCount repair_folds(const FairTopology& topology, std::span<const dvec3> give
   std::vector<std::uint8_t> round_halvings(halvings.size());
   for (int round = 0;; ++round) {
     std::vector<std::uint8_t> flags(halvings.size(), 0);
-    const FoldCount folds = find_folds(test, flags);
+    FoldCount folds = find_folds(test, flags);
+    folds.rounds = round;
     if (round == kRepairRounds || folds.edges + folds.faces == 0) return folds;
     for (std::size_t v = 0; v < halvings.size(); ++v) {
       // Corner points and the curves that end there are where they must be.

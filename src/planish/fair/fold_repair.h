@@ -12,6 +12,7 @@ namespace planish {
 /// Elements whose level-1 limit normal is turned away from the mesh's.
 struct FoldCount {
   std::int64_t edges = 0, faces = 0;
+  std::int32_t rounds = 0;  ///< that changed something before
 };
 
 /// Halves the polygons of control points around the vertices of folded edges and faces, about the
@@ -25,7 +26,7 @@ FoldCount repair_folds(const FairTopology& topology, std::span<const glm::dvec3>
                        std::span<std::uint8_t> halvings, FairHalo* halo = nullptr);
 
 [[nodiscard]] inline FoldCount sum_of_parts(FairHalo* halo, const FoldCount& count) {
-  return {sum_of_parts(halo, count.edges), sum_of_parts(halo, count.faces)};
+  return {sum_of_parts(halo, count.edges), sum_of_parts(halo, count.faces), count.rounds};
 }
 
 /// The halving alone, as an earlier repair decided it.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "planish/core/parallel.h"
+#include "planish/core/work.h"
 #include "planish/fair/limit_normal.h"
 
 namespace planish {
@@ -84,6 +85,9 @@ struct Surroundings {
   const NetSamples& samples;
   const FairTopology& topology = samples.topology;
   std::optional<NetSamples::PolygonSums> of_polygon{};  // around the vertex, where that is large
+  mutable std::int64_t asked = 0;                       // points of polygons
+
+  ~Surroundings() { count_work(Work::Points, asked); }
 
   [[nodiscard]] std::int32_t beside(std::int32_t corner, std::int32_t by) const {
     const std::int32_t face = topology.corner_faces[corner], m = topology.face_size(face);
@@ -101,6 +105,7 @@ struct Surroundings {
     if (const std::int32_t large = topology.large_face(face); large >= 0)
       return stepped(samples.of_large_faces[large], samples.point(corner),
                      topology.unit_circle.of(m)[corner - topology.face_offsets[face]]);
+    asked += m;
     return stepped(topology, m, [&](std::int32_t k) { return samples.point(beside(corner, k)); });
   }
   [[nodiscard]] dvec3 in_polygon(std::int32_t vertex, std::int32_t place) const {
@@ -110,6 +115,7 @@ struct Surroundings {
       return stepped(*of_polygon, samples.point(ring.corners[at]),
                      topology.unit_circle.of(ring.size())[at]);
     }
+    asked += ring.size();
     return stepped(topology, ring.size(), [&](std::int32_t k) {
       return samples.point(ring.corners[(place + k) % ring.size()]);
     });

@@ -1,7 +1,9 @@
 #include "planish/fair/smallest_cap.h"
 
 #include <glm/geometric.hpp>
+#include <iterator>
 
+#include "planish/core/work.h"
 #include "planish/fair/best_view.h"
 
 namespace planish {
@@ -10,9 +12,13 @@ using glm::dvec3;
 
 namespace {
 
+// Smaller rings cost less than the count of them.
+constexpr std::size_t kCounted = 32;
+
 auto worst_face(const FairTopology& topology, std::span<const dvec3> face_normals,
                 std::int32_t vertex) {
   return [=, &topology, corners = topology.ring(vertex).corners](const dvec3& direction) {
+    if (corners.size() >= kCounted) count_work(Work::Points, std::ssize(corners));
     return least_seen<dvec3>(corners, direction, [&](std::int32_t corner) {
       return face_normals[topology.corner_faces[corner]];
     });

@@ -11,6 +11,7 @@
 #include <span>
 #include <utility>
 
+#include "planish/core/work.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/mesh_arrays.h"
 
@@ -82,6 +83,7 @@ std::size_t worst_corner(std::span<const dvec2> points, const Part& part) {
 // Whether the segment between corners i and j meets an edge of the part that ends at neither.
 bool meets_an_edge(std::span<const dvec2> points, const Part& part, std::size_t i, std::size_t j) {
   const std::size_t m = part.size();
+  count_work(Work::Pairs, static_cast<std::int64_t>(m));
   const dvec2& start = points[part[i]];
   const dvec2 way = points[part[j]] - start;
   for (std::size_t e = 0; e < m; ++e) {

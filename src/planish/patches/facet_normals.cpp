@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "planish/core/work.h"
 #include "planish/mesh/area_vector.h"
 
 namespace planish {
@@ -84,6 +85,7 @@ std::vector<FacetNormals::Sample> FacetNormals::samples_of(const PatchTile& tile
 
 glm::dvec3 FacetNormals::point(const PatchPlace& place, std::int32_t sample) const {
   const auto columns = static_cast<std::size_t>(place.patch.column_count());
+  count_work(Work::Products, static_cast<std::int64_t>(columns));
   std::vector<std::int32_t> indices(columns);
   mesh_.gather(place, indices.data(), 1);
   const auto at = [&](std::size_t k) {

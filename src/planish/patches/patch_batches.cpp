@@ -3,6 +3,8 @@
 #include <bit>
 #include <span>
 
+#include "planish/core/work.h"
+
 namespace planish {
 
 // Where the weights that the kernel leaves out are zero.
@@ -85,6 +87,7 @@ void PatchBatches::run(std::int32_t class_index, OpenBatch& batch) {
   batch_.lane_count = batch.lane_count;
   batch_.weights = weights.rows(first_sample_).data();
   batch_.column_count = weights.column_count;
+  products_ += std::int64_t{batch.lane_count} * weights.column_count * batch_.sample_count;
   degenerate_ |= is_face ? run_faces() : kernel_(batch_, output_);
   batch.lane_count = 0;
 }
@@ -110,6 +113,8 @@ bool PatchBatches::finish() {
     if (batch.lane_count > 0) run(index, batch);
   }
   open_.clear();
+  count_work(Work::Products, products_);
+  products_ = 0;
   return degenerate_;
 }
 

@@ -98,7 +98,8 @@ class PatchBatches {
   OpenBatch* last_ = nullptr;
   std::int32_t last_index_ = -1;
   std::int32_t* last_indices_ = nullptr;
-  std::int32_t face_ = 0;  // the last quad's lane
+  std::int32_t face_ = 0;      // the last quad's lane
+  std::int64_t products_ = 0;  // since the last finish()
   bool degenerate_ = false;
 };
 

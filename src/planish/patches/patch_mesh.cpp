@@ -5,6 +5,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
+#include "planish/core/work.h"
 
 namespace planish {
 
@@ -115,6 +116,7 @@ void PatchMesh::update_sums(std::span<glm::dvec3> points) const {
     std::vector<glm::dvec3> of_ring;
     for (std::size_t r = begin; r < end; ++r) {
       ring_points(rings_[r], indices);
+      count_work(Work::Products, 3 * std::ssize(indices));
       of_ring.clear();
       for (const std::int32_t i : indices) of_ring.push_back(points[i]);
       write_ring_sums(rings_[r], of_ring, points.data() + rings_[r].first_sum);

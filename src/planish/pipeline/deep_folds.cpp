@@ -345,6 +345,7 @@ DeepFolds DeepLook::at(const LevelOne& level_one, const Callbacks& callbacks) {
 
 FairNet deeply_cured_net(const DeepCure& cure) {
   FairNet net = cure.make_net(nullptr);
+  FairRounds rounds = net.rounds;
   const DeepFolds first = cure.folds_of(net);
   const FairDecisions first_decisions = first.area > kNoDeepFolds ? net.decisions : FairDecisions{};
   double least = first.area;
@@ -357,6 +358,7 @@ FairNet deeply_cured_net(const DeepCure& cure) {
       for (std::size_t v = 0; v < folds.at_vertex.size(); ++v)
         decisions.cures[v] += folds.at_vertex[v] != 0 && has_changed[v] == 0 ? 1 : 0;
       FairNet next = cure.make_net(&decisions);
+      ++rounds.nets;
       folds = cure.folds_of(next);
       // Vertices that this net cures for the first time have chosen how they lean.
       decisions.leans = next.decisions.leans;
@@ -365,6 +367,7 @@ FairNet deeply_cured_net(const DeepCure& cure) {
       net = std::move(next);
     }
   }
+  net.rounds = rounds;
   return net;
 }
 

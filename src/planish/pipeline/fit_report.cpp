@@ -49,7 +49,11 @@ Json fair_json(const FittedMesh& fitted) {
           {"cured_vertices", fair.cured_vertices},
           {"smoothed_vertices", fitted.smoothed_vertices.size()},
           {"flagged_edges", fair.flagged_edges},
-          {"flagged_faces", fair.flagged_faces}};
+          {"flagged_faces", fair.flagged_faces},
+          {"rounds",
+           {{"nets", fair.rounds.nets},
+            {"repair", fair.rounds.repair ? Json(*fair.rounds.repair) : Json()},
+            {"cure", fair.rounds.cure ? Json(*fair.rounds.cure) : Json()}}}};
 }
 
 Json within_json(const std::optional<WithinFit>& within) {

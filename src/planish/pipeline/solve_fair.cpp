@@ -138,6 +138,7 @@ void solve_fair(Fit& result, const PolygonMesh& mesh, const Subdivision& subdivi
   fair.cured_vertices = net.cured_vertices;
   fair.flagged_edges = net.flagged_edges;
   fair.flagged_faces = net.flagged_faces;
+  fair.rounds = net.rounds;
   fair.decisions = std::move(net.decisions);
   if (fair.flagged_edges + fair.flagged_faces > 0)
     options.callbacks.warn(folds_left_warning(fair.flagged_edges, fair.flagged_faces));

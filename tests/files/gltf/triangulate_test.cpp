@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <numeric>
 #include <random>
 #include <vector>
+
+#include "planish/core/work.h"
 
 namespace planish {
 namespace {
@@ -196,18 +199,32 @@ TEST(Triangulate, LargePolygonsFallIntoTheTrianglesOfPlainClipping) {
     ASSERT_EQ(triangles_of(polygon), plainly_clipped(polygon));
 }
 
-// By the square of their corners these would take minutes.
-TEST(Triangulate, AHundredThousandCornersAreNoMatter) {
-  expect_cover(spiral(50'000, 0.002));
-  expect_cover(comb(50'000));
+std::vector<glm::dvec3> star(int count) {
   std::mt19937 random(3);
-  std::vector<glm::dvec3> star;
-  for (int i = 0; i < 100'000; ++i) {
-    const double angle = 2 * std::numbers::pi * i / 100'000;
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * i / count;
     const double radius = 0.05 + static_cast<double>(random()) / 4294967296.0;
-    star.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+    points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
   }
-  expect_cover(star);
+  return points;
+}
+
+// Corners and boxes of them that were asked, for each corner.
+double asked_in(const std::vector<glm::dvec3>& polygon) {
+  const std::atomic<std::int64_t>& count = work_counts[static_cast<std::size_t>(Work::Pairs)];
+  const std::int64_t before = count;
+  expect_cover(polygon);
+  return static_cast<double>(count - before) / static_cast<double>(polygon.size());
+}
+
+// All corners asked for each would be tens of thousands. It is the root of their number at most.
+TEST(Triangulate, AHundredThousandCornersAskFewOthers) {
+  for (const int count : {10'000, 100'000}) {
+    EXPECT_LT(asked_in(spiral(count / 2, 200.0 / count)), 1000) << count;
+    EXPECT_LT(asked_in(comb(count / 2)), 100) << count;
+    EXPECT_LT(asked_in(star(count)), 2500) << count;
+  }
 }
 
 TEST(Triangulate, CornersOnAnEdgeAreCovered) {

@@ -6,6 +6,8 @@
 #include <glm/common.hpp>
 #include <utility>
 
+#include "planish/core/work.h"
+
 namespace planish {
 namespace {
 
@@ -69,11 +71,16 @@ void ReflexCorners::erase(std::uint32_t corner) {
 }
 
 std::uint32_t ReflexCorners::inside(const std::array<glm::dvec2, 3>& triangle) const {
-  return nodes_.empty() ? kNone : inside(0, triangle);
+  if (nodes_.empty()) return kNone;
+  std::int64_t asked = 0;
+  const std::uint32_t found = inside(0, triangle, asked);
+  count_work(Work::Pairs, asked);
+  return found;
 }
 
-std::uint32_t ReflexCorners::inside(std::size_t node,
-                                    const std::array<glm::dvec2, 3>& triangle) const {
+std::uint32_t ReflexCorners::inside(std::size_t node, const std::array<glm::dvec2, 3>& triangle,
+                                    std::int64_t& asked) const {
+  ++asked;
   const Node& own = nodes_[node];
   if (own.left == 0) return kNone;
   const auto& [a, b, c] = triangle;
@@ -81,9 +88,10 @@ std::uint32_t ReflexCorners::inside(std::size_t node,
       !may_be_left(c, a, own.low, own.high))
     return kNone;
   if (2 * node + 2 < nodes_.size()) {
-    const std::uint32_t found = inside(2 * node + 1, triangle);
-    return found != kNone ? found : inside(2 * node + 2, triangle);
+    const std::uint32_t found = inside(2 * node + 1, triangle, asked);
+    return found != kNone ? found : inside(2 * node + 2, triangle, asked);
   }
+  asked += own.left;
   for (std::uint32_t k = own.begin; k < own.begin + own.left; ++k)
     if (is_in(triangle, places_[corners_[k]])) return corners_[k];
   return kNone;

@@ -37,8 +37,9 @@ class ReflexCorners {
     std::uint32_t begin, end, left;  // of corners_; `left`: how many are still there
   };
   void split(std::size_t node, std::uint32_t begin, std::uint32_t end);
-  [[nodiscard]] std::uint32_t inside(std::size_t node,
-                                     const std::array<glm::dvec2, 3>& triangle) const;
+  // `asked` counts nodes and corners.
+  [[nodiscard]] std::uint32_t inside(std::size_t node, const std::array<glm::dvec2, 3>& triangle,
+                                     std::int64_t& asked) const;
 
   std::span<const glm::dvec2> places_;
   std::vector<std::uint32_t> corners_;
