@@ -13,8 +13,8 @@ namespace planish::vulkan {
 struct GpuFairOptions {
   std::uint32_t polish_steps = 8;
   bool cures_folds = true;      ///< as FairOptions has it
-  std::uint64_t sum_count = 0;  ///< room for large rings' sums behind Buffers::state_offsets
   bool counts_folds = false;    ///< edges and faces turned over in the end, in Buffers::counts
+  std::uint64_t sum_count = 0;  ///< room for large rings' sums behind Buffers::state_offsets
 };
 
 /// What a construction consists of, in this order.
