@@ -10,6 +10,7 @@
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
+#include "planish/files/gltf/gltf_tangents.h"
 #include "planish/pipeline/linear_surface.h"
 
 namespace planish {
@@ -61,6 +62,22 @@ class AssetAttributes::Maker {
                 made[i][static_cast<int>(k)];
       });
     }
+  }
+
+  // Any surface has them: they come of its triangles.
+  void add_tangents() {
+    std::vector<glm::dvec2> first(static_cast<std::size_t>(surface_.info().uv_count));
+    surface_.uvs({0, surface_.info().uv_count}, first);
+    TangentSource source{.sets = {first}, .set_of_group = {}};
+    for (const std::vector<glm::dvec2>& set : made_.uvs_) source.sets.emplace_back(set);
+    GltfAttribute tangents{.name = "TANGENT", .width = 4, .of_uvs = true};
+    for (const AssetGroup& group : given_.groups) {
+      const bool has = group.tangent_set < static_cast<int>(source.sets.size());
+      source.set_of_group.push_back(has ? group.tangent_set : -1);
+      tangents.in_groups.push_back(source.set_of_group.back() >= 0 ? 1 : 0);
+    }
+    tangents.values = made_.values_.emplace_back(surface_tangents(surface_, source));
+    made_.attributes_.push_back(std::move(tangents));
   }
 
   void add_joints() {
@@ -228,6 +245,7 @@ AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted
   add(!given.arrays.empty(), "further colours and attributes", [&] { maker.add_arrays(); });
   add(!given.first_influence.empty(), "joints", [&] { maker.add_joints(); });
   add(!given.targets.empty(), "morph targets", [&] { maker.add_targets(); });
+  if (given.has_tangents()) maker.add_tangents();
   for (const AssetGroup& group : given.groups)
     uv_sets_.push_back(has_rows ? group.uv_sets : std::min(group.uv_sets, 1));
   if (left_out.empty()) return;

@@ -15,7 +15,8 @@
 
 namespace planish::test {
 
-/// An asset with everything that is to pass: a skinned tube of two materials with a texture, two
+/// An asset with everything that is to pass: a skinned tube of two materials, of which one has
+/// textures of colours and normals, two
 /// sets of texture coordinates and a morph target, whose first triangles lie beside points that
 /// only morph apart; a ball with colours and numbers of its own that two nodes place; the ball
 /// again, instanced, beside a line; a lamp, a camera, an animation, and an extension that nobody
@@ -58,6 +59,15 @@ class AssetSample {
         const float value = static_cast<float>(tube[v][k]) + static_cast<float>(by(v, k));
         std::memcpy(bytes.data() + position_offset_ + 12 * v + 4 * k, &value, sizeof(value));
       }
+    }
+  }
+  /// Both halves of the tube show the texture, one of them mirrored: u becomes |1 - 2 u|.
+  void mirror_texture() {
+    for (std::size_t v = 0; v < tube.size(); ++v) {
+      float u = 0;
+      std::memcpy(&u, bytes.data() + uv_offset_ + 8 * v, sizeof(u));
+      u = std::abs(1 - 2 * u);
+      std::memcpy(bytes.data() + uv_offset_ + 8 * v, &u, sizeof(u));
     }
   }
   /// A vertex of the tube as it stands in the buffer.
@@ -126,7 +136,7 @@ class AssetSample {
         const double angle = 2 * std::numbers::pi * (i % kAround) / kAround, y = 4.0 * j / kRings;
         tube.push_back({0.5 * std::cos(angle), y, 0.5 * std::sin(angle)});
         uvs.push_back({static_cast<double>(i) / kAround, static_cast<double>(j) / kRings});
-        further.push_back({0.5 * uvs.back()[0], 0.25});
+        further.push_back({0.5 * uvs.back()[0], 0.25 + 0.5 * uvs.back()[1]});
         const double t = std::clamp((y - 1) / 2, 0.0, 1.0), second = t * t * (3 - 2 * t);
         weights.push_back({1 - second, second});
         of_joints.push_back({1 - second, second, 0, 0});
@@ -142,9 +152,11 @@ class AssetSample {
         triangles.push_back({a + 1, c, c + 1});
       }
     }
+    const std::size_t positions = add_floats(tube, true), texture = add_floats(uvs);
+    uv_offset_ = json["bufferViews"][texture]["byteOffset"].get<std::size_t>();
     const nlohmann::json attributes = {
-        {"POSITION", add_floats(tube, true)},
-        {"TEXCOORD_0", add_floats(uvs)},
+        {"POSITION", positions},
+        {"TEXCOORD_0", texture},
         {"TEXCOORD_1", add_floats(further)},
         {"JOINTS_0", add_accessor(joints, 5121, tube.size(), "VEC4")},
         {"WEIGHTS_0", add_floats(of_joints)}};
@@ -240,6 +252,7 @@ class AssetSample {
                 {"name": "eye", "camera": 0, "translation": [0, 2, 9]}],
       "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
       "materials": [{"name": "check", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+                     "normalTexture": {"index": 0},
                      "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 0.5}}},
                     {"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.1, 0.1, 1]}},
                     {"name": "plain", "doubleSided": true}],
@@ -256,7 +269,7 @@ class AssetSample {
            {{"sampler", 1}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}};
   }
 
-  std::size_t position_offset_ = 0;
+  std::size_t position_offset_ = 0, uv_offset_ = 0;
 };
 
 }  // namespace planish::test

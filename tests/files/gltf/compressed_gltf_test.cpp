@@ -202,9 +202,10 @@ TEST(PackedNumbers, NormalsTurnByAFiftiethOfADegree) {
     const double z = 1 - 2 * (i + 0.5) / 5000, angle = 2.399963 * i, r = std::sqrt(1 - z * z);
     normals.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
   }
-  auto packed = octahedral(normals);
+  const std::span numbers(&normals[0].x, 3 * normals.size());
+  auto packed = octahedral(numbers, 3);
   meshopt_decodeFilterOct(packed.data(), normals.size(), 8);
-  auto shorts = short_normals(normals);
+  auto shorts = short_vectors(numbers, 3);
   for (std::size_t i = 0; i < normals.size(); ++i) {
     for (std::int16_t* values : {packed.data(), shorts.data()}) {
       const glm::dvec3 found(values[4 * i], values[4 * i + 1], values[4 * i + 2]);

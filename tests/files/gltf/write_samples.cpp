@@ -76,6 +76,18 @@ void write_samples(const std::filesystem::path& folder) {
     std::ofstream(folder / "asset_in.glb", std::ios::binary) << test::AssetSample().glb();
     for (const char* name : {"asset.glb", "asset.gltf"})
       (void)fit_file(folder / "asset_in.glb", folder / name);
+    test::AssetSample mirrored;
+    mirrored.mirror_texture();
+    // The other set of texture coordinates is that of the second material's normals.
+    mirrored.json["materials"].push_back({{"normalTexture", {{"index", 0}, {"texCoord", 1}}}});
+    mirrored.json["meshes"][0]["primitives"][1]["material"] = 3;
+    std::ofstream(folder / "asset_in.glb", std::ios::binary) << mirrored.glb();
+    for (const int level : {0, 2}) {
+      FitFileOptions options;
+      options.level = level;
+      (void)fit_file(folder / "asset_in.glb",
+                     folder / ("tangents_" + std::to_string(level) + ".glb"), options);
+    }
     std::filesystem::remove(folder / "asset_in.glb");
   }
   write_gltf(folder / "everything.gltf", test::wavy_grid(30, 20, everything.origin), everything);

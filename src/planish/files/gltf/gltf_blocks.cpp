@@ -68,9 +68,10 @@ GltfBlock::GltfBlock(const SurfaceBlocks& surface, RowRange faces, const GltfOpt
   for (GltfAttribute& attribute : options_.attributes) {
     std::vector<float>& values = values_.emplace_back();
     const auto width = static_cast<std::size_t>(attribute.width);
-    for (const std::int32_t row : surface_.surface_rows()) {
-      const auto of_row = attribute.values.subspan(width * static_cast<std::size_t>(row), width);
-      values.insert(values.end(), of_row.begin(), of_row.end());
+    for (const std::int32_t i :
+         attribute.of_uvs ? surface_.surface_uvs() : surface_.surface_rows()) {
+      const auto of_one = attribute.values.subspan(width * static_cast<std::size_t>(i), width);
+      values.insert(values.end(), of_one.begin(), of_one.end());
     }
     attribute.values = values;
   }

@@ -215,22 +215,28 @@ class RowWriter {
   std::vector<ByteSink> row_sinks_;  // empty where no row is kept
 };
 
+// The vertices of the primitives that have what is to be written.
+template <class Has>
+std::vector<RowRange> pieces_of(const GltfVertices& vertices, const Has& has) {
+  std::vector<RowRange> pieces;
+  for (const GltfPart& part : vertices.parts) {
+    if (!has(part)) continue;
+    for (RowRange piece : ranges_of(part.vertex_count, kBufferRows)) {
+      piece.first += part.first_vertex;
+      pieces.push_back(piece);
+    }
+  }
+  return pieces;
+}
+
 void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices, int set,
                const GltfOptions& options, std::span<const ByteSink> sinks) {
   std::vector<glm::dvec2> made(static_cast<std::size_t>(set == 0 ? surface.info().uv_count : 0));
   if (set == 0) surface.uvs({0, surface.info().uv_count}, made);
   const std::span<const glm::dvec2> uvs =
       set == 0 ? made : options.further_uvs[static_cast<std::size_t>(set - 1)];
-  std::vector<RowRange> pieces;
-  for (const GltfPart& part : vertices.parts) {
-    if (part.uv_sets <= set) continue;
-    for (RowRange piece : ranges_of(part.vertex_count, kBufferRows)) {
-      piece.first += part.first_vertex;
-      pieces.push_back(piece);
-    }
-  }
   stream(
-      pieces,
+      pieces_of(vertices, [&](const GltfPart& part) { return part.uv_sets > set; }),
       [&](RowRange range, RawVector<std::byte>& bytes) {
         const auto values = values_of<glm::vec2>(bytes, static_cast<std::size_t>(range.count));
         for (std::size_t i = 0; i < values.size(); ++i) {
@@ -246,14 +252,20 @@ void write_attribute(const GltfVertices& vertices, const GltfAttribute& attribut
                      std::span<const ByteSink> sinks) {
   const auto width = static_cast<std::size_t>(attribute.width);
   stream(
-      ranges_of(vertices.count(), kBufferRows),
+      pieces_of(vertices,
+                [&](const GltfPart& part) {
+                  return attribute.is_in(part.group) && (!attribute.of_uvs || part.uv_sets > 0);
+                }),
       [&](RowRange range, RawVector<std::byte>& bytes) {
         const auto values = values_of<Number>(bytes, width * static_cast<std::size_t>(range.count));
         for (std::int64_t i = 0; i < range.count; ++i) {
-          const auto row = static_cast<std::size_t>(vertices.row_of(range.first + i));
+          const std::int64_t vertex = range.first + i;
+          const auto from = static_cast<std::size_t>(
+              attribute.of_uvs ? vertices.uvs[static_cast<std::size_t>(vertex)]
+                               : vertices.row_of(vertex));
           for (std::size_t k = 0; k < width; ++k)
             values[width * static_cast<std::size_t>(i) + k] =
-                static_cast<Number>(attribute.values[width * row + k]);
+                static_cast<Number>(attribute.values[width * from + k]);
         }
       },
       sinks);

@@ -21,9 +21,10 @@ struct Attribute {
   GltfComponent component = GltfComponent::Float;
   int uv_sets = 0;  // that a primitive has which has it
   int place = -1;   // among GltfLayout::attributes
+  const GltfAttribute* given = nullptr;
 
   [[nodiscard]] bool belongs_to(const GltfPrimitive& primitive) const {
-    return uv_sets <= primitive.uv_sets;
+    return uv_sets <= primitive.uv_sets && (given == nullptr || given->is_in(primitive.group));
   }
 };
 
@@ -46,7 +47,9 @@ std::vector<Attribute> attributes_of(const GltfLayout& layout) {
          .type = type_name(attribute.width),
          .bytes = attribute_bytes(attribute),
          .component = attribute.is_integer ? GltfComponent::UnsignedShort : GltfComponent::Float,
-         .place = static_cast<int>(i)});
+         .uv_sets = attribute.of_uvs ? 1 : 0,
+         .place = static_cast<int>(i),
+         .given = &attribute});
   }
   return attributes;
 }

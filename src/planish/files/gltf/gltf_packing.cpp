@@ -43,6 +43,8 @@ GltfBounds bounds_of(std::span<const glm::vec3> positions) {
 }
 
 bool is_uv(std::string_view name) { return name.starts_with("TEXCOORD_"); }
+bool is_direction(std::string_view name) { return name == "NORMAL" || name == "TANGENT"; }
+std::size_t width_of(const GltfArray& array) { return array.type == "VEC4" ? 4 : 3; }
 bool is_color(std::string_view name) { return name.starts_with("COLOR_"); }
 
 // An array in its new form.
@@ -206,11 +208,11 @@ void Packer::pack_attribute(const std::string& name, std::size_t array, const Gl
 void Packer::quantize(const std::string& name, std::span<const std::byte> bytes,
                       PackedArray& packed) {
   GltfArray& array = packed.array;
-  if (name == "NORMAL") {
+  if (is_direction(name)) {
     array.component = GltfComponent::Short;
     array.normalized = true;
     array.stride = 8;
-    use(packed, bytes_of(short_normals(values_in<glm::vec3>(bytes))));
+    use(packed, bytes_of(short_vectors(values_in<float>(bytes), width_of(array))));
   } else if (name == "POSITION" && grid_.step > 0) {
     array.component = GltfComponent::UnsignedShort;
     array.stride = 8;
@@ -249,12 +251,12 @@ void Packer::compress(const std::string& name, std::span<const std::byte> bytes,
   const auto numbers = values_in<float>(bytes);
   if (array.component != GltfComponent::Float) {
     encode(bytes);
-  } else if (name == "NORMAL") {
+  } else if (is_direction(name)) {
     array.component = GltfComponent::Short;
     array.normalized = true;
     array.stride = 8;
     stream.filter = "OCTAHEDRAL";
-    encode(bytes_of(octahedral(values_in<glm::vec3>(bytes))));
+    encode(bytes_of(octahedral(numbers, width_of(array))));
   } else if (is_color(name)) {
     array.component = GltfComponent::UnsignedShort;
     array.normalized = true;

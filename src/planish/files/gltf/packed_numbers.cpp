@@ -46,28 +46,30 @@ RawVector<std::uint32_t> on_grid(std::span<const float> numbers, int exponent) {
   return words;
 }
 
-RawVector<std::int16_t> octahedral(std::span<const glm::vec3> normals) {
-  RawVector<std::int16_t> packed(4 * normals.size());
-  parallel_for(normals.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
+RawVector<std::int16_t> octahedral(std::span<const float> vectors, std::size_t width) {
+  const std::size_t count = vectors.size() / width;
+  RawVector<std::int16_t> packed(4 * count);
+  parallel_for(count, kNumberGrain, [&](std::size_t begin, std::size_t end) {
     RawVector<float> wide(4 * (end - begin));
     for (std::size_t i = begin; i < end; ++i) {
-      for (int axis = 0; axis < 3; ++axis) wide[4 * (i - begin) + axis] = normals[i][axis];
-      wide[4 * (i - begin) + 3] = 0;
+      for (std::size_t k = 0; k < 4; ++k)
+        wide[4 * (i - begin) + k] = k < width ? vectors[width * i + k] : 0;
     }
     meshopt_encodeFilterOct(packed.data() + 4 * begin, end - begin, 8, kNormalBits, wide.data());
   });
   return packed;
 }
 
-RawVector<std::int16_t> short_normals(std::span<const glm::vec3> normals) {
-  RawVector<std::int16_t> packed(4 * normals.size());
-  parallel_for(normals.size(), kNumberGrain, [&](std::size_t begin, std::size_t end) {
+RawVector<std::int16_t> short_vectors(std::span<const float> vectors, std::size_t width) {
+  const std::size_t count = vectors.size() / width;
+  RawVector<std::int16_t> packed(4 * count);
+  parallel_for(count, kNumberGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      for (int axis = 0; axis < 3; ++axis) {
-        packed[4 * i + axis] = static_cast<std::int16_t>(
-            std::lround(std::clamp(normals[i][axis], -1.0f, 1.0f) * 32767));
+      for (std::size_t k = 0; k < 4; ++k) {
+        const float value = k < width ? vectors[width * i + k] : 0;
+        packed[4 * i + k] =
+            static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * 32767));
       }
-      packed[4 * i + 3] = 0;
     }
   });
   return packed;

@@ -19,12 +19,13 @@ namespace planish {
 /// exponent: of 12-byte vectors only the low bytes then change from one to the next.
 [[nodiscard]] RawVector<std::uint32_t> on_grid(std::span<const float> numbers, int exponent);
 
-/// Unit vectors as the filter "OCTAHEDRAL" decodes them to int16 x 4, the fourth 0. 14 bits turn
-/// them by at most 0.02 degrees.
-[[nodiscard]] RawVector<std::int16_t> octahedral(std::span<const glm::vec3> normals);
+/// Unit vectors as the filter "OCTAHEDRAL" decodes them to int16 x 4: `width` 3, the fourth 0, or
+/// 4, which is kept. 14 bits turn them by at most 0.02 degrees.
+[[nodiscard]] RawVector<std::int16_t> octahedral(std::span<const float> vectors, std::size_t width);
 
-/// Unit vectors as int16 x 4 normalised, the fourth 0.
-[[nodiscard]] RawVector<std::int16_t> short_normals(std::span<const glm::vec3> normals);
+/// The same as int16 x 4 normalised.
+[[nodiscard]] RawVector<std::int16_t> short_vectors(std::span<const float> vectors,
+                                                    std::size_t width);
 
 /// Numbers from 0 to 1 as uint16, 65535 for 1.
 [[nodiscard]] RawVector<std::uint16_t> unit_shorts(std::span<const float> numbers);

@@ -32,6 +32,13 @@ struct GltfAttribute {
   int width = 1;            ///< 1 to 4
   bool is_integer = false;  ///< stored in 16 bits without a sign
   std::span<const float> values;
+  bool of_uvs = false;  ///< `width` numbers for each texture coordinate instead
+  /// One flag for each group whose primitive has it; empty: all have.
+  std::vector<std::uint8_t> in_groups;
+
+  [[nodiscard]] bool is_in(std::int32_t group) const {
+    return in_groups.empty() || in_groups[static_cast<std::size_t>(group < 0 ? 0 : group)] != 0;
+  }
 };
 
 struct GltfOptions {

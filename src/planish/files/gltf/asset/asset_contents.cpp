@@ -6,7 +6,9 @@
 
 #include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
+#include "planish/files/gltf/asset/tangent_sets.h"
 #include "planish/files/gltf/draco_stream.h"
+#include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/meshopt_stream.h"
 
 namespace planish {
@@ -21,9 +23,15 @@ bool is_number_of_things(const json& document, const json& accessor) {
   return of.value("componentType", kFloat) != kFloat && !of.value("normalized", false);
 }
 
-bool is_carried(const json& document, const std::string& name, const json& accessor) {
-  if (name.starts_with("_")) return !is_number_of_things(document, accessor);
-  return name != "TANGENT";
+bool has_tangents(const json& document, const json& primitive) {
+  const int set = tangent_set(document, primitive);
+  return set >= 0 && primitive["attributes"].contains(uv_name(set));
+}
+
+bool is_carried(const json& document, const json& primitive, const std::string& name) {
+  const json& attributes = primitive["attributes"];
+  if (name.starts_with("_")) return !is_number_of_things(document, attributes[name]);
+  return name != "TANGENT" || has_tangents(document, primitive);
 }
 
 AssetContents counted_contents(const GltfAsset& asset) {
@@ -39,7 +47,8 @@ AssetContents counted_contents(const GltfAsset& asset) {
     for (const json& primitive : primitives) {
       if (!is_surface(primitive)) continue;
       for (const auto& [name, accessor] : primitive["attributes"].items())
-        (is_carried(document, name, accessor) ? carried : left_out).insert(name);
+        (is_carried(document, primitive, name) ? carried : left_out).insert(name);
+      if (has_tangents(document, primitive)) carried.insert("TANGENT");
     }
     if (primitives[0].contains("targets"))
       contents.morph_targets += std::ssize(primitives[0]["targets"]);

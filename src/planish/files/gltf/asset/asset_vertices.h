@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -13,6 +14,7 @@ namespace planish {
 struct AssetGroup {
   std::int64_t primitive = 0;  ///< the first of them, in the mesh
   int uv_sets = 0;             ///< of texture coordinates
+  int tangent_set = -1;        ///< of those, whose tangents it has; -1: none
 };
 
 /// Numbers of each vertex, linear between them on the surface as colours are.
@@ -50,11 +52,16 @@ struct AssetVertices {
   }
   /// Bytes of a vertex that a file has for all this, uncompressed.
   [[nodiscard]] std::uint64_t bytes_of_vertex() const {
-    constexpr std::uint64_t kUv = 8, kJoints = 8 + 16, kTarget = 12 + 12;
+    constexpr std::uint64_t kUv = 8, kJoints = 8 + 16, kTarget = 12 + 12, kTangent = 16;
     std::uint64_t bytes = kUv * further_uvs.size() + kTarget * targets.size() +
                           kJoints * static_cast<std::uint64_t>(joint_sets);
     for (const AssetArray& array : arrays) bytes += 4 * static_cast<std::uint64_t>(array.width);
+    if (has_tangents()) bytes += kTangent;
     return bytes;
+  }
+  [[nodiscard]] bool has_tangents() const {
+    return std::ranges::any_of(groups,
+                               [](const AssetGroup& group) { return group.tangent_set >= 0; });
   }
   [[nodiscard]] bool moves() const { return !first_influence.empty() || !targets.empty(); }
 };

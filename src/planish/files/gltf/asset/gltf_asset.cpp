@@ -8,6 +8,7 @@
 #include "planish/files/gltf/asset/asset_checks.h"
 #include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
+#include "planish/files/gltf/asset/tangent_sets.h"
 #include "planish/files/gltf/glb_parts.h"
 #include "planish/files/gltf/scene_reader.h"
 
@@ -54,6 +55,11 @@ AssetMesh GltfAsset::read_unguarded(std::int64_t number) const {
   mesh.file = SceneReader(root_, source_, GltfBudget(limits_, file_.name), file_)
                   .read_mesh(format_, number, collector);
   mesh.vertices = collector.finish();
+  for (AssetGroup& group : mesh.vertices.groups) {
+    const int set = tangent_set(root_.value(), place["primitives"][group.primitive].value());
+    if (set < group.uv_sets) group.tangent_set = set;
+  }
+  cut_mirrored_charts(mesh.file.mesh, mesh.vertices);
   return mesh;
 }
 

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "planish/files/gltf/asset/asset_vertices.h"
+#include "planish/mesh/polygon_mesh.h"
+
+namespace planish {
+
+/// The set of texture coordinates whose tangents a primitive's material asks for: that of its
+/// normal texture, of a clear coat's, or of what shines along a direction; -1: it asks for none.
+/// Source: glTF 2.0, sections 3.7.2.1 and 3.9.3; KHR_materials_clearcoat, _anisotropy.
+[[nodiscard]] int tangent_set(const nlohmann::json& document, const nlohmann::json& primitive);
+
+/// Cuts texture coordinates in two that belong to faces which lie either way round in the texture:
+/// along the middle of mirrored charts, where tangents jump.
+void cut_mirrored_charts(PolygonMesh& mesh, AssetVertices& vertices);
+
+}  // namespace planish
