@@ -58,7 +58,7 @@ TEST_F(Compress, QuantizeSaysWherePositionsStayFloat) {
 TEST_F(Compress, OtherFormatsAreRefused) {
   const ProcessResult result = fit({"-o", path("p.obj"), "--compress", "meshopt"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("p.obj is not compressed; .glb and .gltf are"));
+  EXPECT_THAT(result.err, HasSubstr("p.obj is not compressed; .glb, .gltf and 3D Tiles are"));
 }
 
 TEST_F(Compress, StdoutIsCompressedToo) {

@@ -55,6 +55,9 @@ def make_sets(planish, scenes, folder):
     folder.mkdir(parents=True)
     sets = {"rocker": ("rocker_arm.obj", ["--levels", "3", "--tile-vertices", "4096"]),
             "skirts": ("rocker_arm.obj", ["--levels", "3", "--tile-vertices", "4096", "--skirts"]),
+            "packed": ("rocker_arm.obj", ["--levels", "3", "--tile-vertices", "4096", "--compress", "meshopt"]),
+            "shorts": ("rocker_arm.obj", ["--levels", "3", "--tile-vertices", "4096", "--compress", "quantize",
+                                          "--tolerance", "1e-4"]),
             "mapped": ("mapped_cube.obj", ["--levels", "3", "--tile-vertices", "256", "--creases", "use"]),
             "holes": ("cube_with_windows.obj", ["--levels", "3", "--tile-vertices", "256", "--creases", "use"]),
             "many": ("rocker_arm.obj", ["--levels", "1", "--tile-vertices", "256"])}
@@ -105,7 +108,7 @@ def check_views(folder, pictures):
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     with browser.Browser(browser.SOFTWARE_GL) as chromium:
-        for name in ["rocker", "skirts", "mapped", "holes", "many"]:
+        for name in ["rocker", "skirts", "packed", "shorts", "mapped", "holes", "many"]:
             check_view(chromium, server.server_port, name, pictures)
     check("the server was asked for nothing that is not there", not Handler.missing,
           Handler.missing)

@@ -114,7 +114,6 @@ TEST_F(TileCommand, RefusesByName) {
   EXPECT_THAT(error({"--scheme", "catmull-clark"}),
               HasSubstr("3D Tiles are made of Doo-Sabin surfaces, not of catmull-clark"));
   EXPECT_THAT(error({"--levels", "0"}), HasSubstr("3D Tiles have levels from 1 on, not 0"));
-  EXPECT_THAT(error({"--compress", "meshopt"}), HasSubstr("t.json is not compressed"));
   EXPECT_THAT(error({"--attributes", "error"}), HasSubstr("t.json cannot hold them"));
   EXPECT_THAT(fit({"-o", path("t.json"), "--tile-vertices", "255"}).err,
               HasSubstr("--tile-vertices: 255 is out of range; 256 to 16777216"));

@@ -45,6 +45,8 @@ TEST(TileGrid, DifferencesToAnOriginAreFloats) {
   }
   EXPECT_EQ(TileGrid(1.0, 1.0).step(), std::ldexp(1.0, -23));
   EXPECT_GE(TileGrid(1.0, 1.0).reach(), 1.0);
+  EXPECT_EQ(TileGrid(1.0, 1.0, 15).step(), std::ldexp(1.0, -14));
+  EXPECT_EQ(TileGrid(1.0, 1.0, 23, 0.01).step(), std::ldexp(1.0, -7)) << "at most 0.01";
   EXPECT_EQ(TileGrid(1e-9, 1024.0).step(), std::ldexp(1.0, 11 - 53)) << "doubles end before";
 }
 

@@ -81,7 +81,7 @@ class PartTilesWriter {
 
   void write_all() {
     for (int doublings = 0;; ++doublings) {
-      const TileGrid grid = reach_.grid(doublings);
+      const TileGrid grid = reach_.grid(doublings, options_.tiles.gltf);
       bool fits = true;
       agree(ranks_, [&] { fits = try_all(grid, tiles_key_on_grid(key_, doublings)); });
       if (min_over(ranks_, std::int64_t{fits}) == 0) continue;

@@ -203,8 +203,10 @@ void require_tileable(const std::vector<PlannedOutput>& outputs, const Settings&
 
 void require_compressible(const std::vector<PlannedOutput>& outputs) {
   for (const PlannedOutput& output : outputs) {
-    if (output.kind == OutputKind::Cage || info_of(output.format).is_gltf) continue;
-    refuse("--compress", visible(output.path) + " is not compressed; .glb and .gltf are");
+    if (output.kind == OutputKind::Cage || info_of(output.format).is_gltf ||
+        info_of(output.format).is_tiles)
+      continue;
+    refuse("--compress", visible(output.path) + " is not compressed; .glb, .gltf and 3D Tiles are");
   }
 }
 

@@ -16,6 +16,9 @@
 namespace planish::command {
 namespace {
 
+// Little of what the tolerance leaves to compression is kept for rounding.
+constexpr double kCompressionShare = 0.99;
+
 void note_bytes(WrittenOutput& written, std::span<const std::byte> bytes) {
   written.bytes = bytes.size();
   written.sha256 = sha256(bytes);
@@ -110,8 +113,6 @@ LevelOne state_of(const PolygonMesh& cage, const FairFit& fair) {
 
 void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
                   const SurfaceOutputOptions& options, MeasuredGltf& measured) {
-  // Little of what the tolerance leaves to compression is kept for rounding.
-  constexpr double kShare = 0.99;
   GltfOptions& gltf = measured.options = options.gltf;
   const SurfaceInfo& info = surface.info();
   measured.distance =
@@ -121,7 +122,8 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
   if (gltf.compression == GltfCompression::None) return;
   gltf.position_error =
       options.may_be_scaled
-          ? std::max(0.0, kShare * (options.tolerance * options.diagonal - measured.distance))
+          ? std::max(0.0,
+                     kCompressionShare * (options.tolerance * options.diagonal - measured.distance))
           : 0.0;
   gltf.decoded_rows = static_cast<std::int64_t>(info.base_vertices.size());
   gltf.decoded = [&](std::span<const glm::dvec3> decoded) {
@@ -207,6 +209,7 @@ WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesy
                      .given = options.vertices,
                      .points = options.given,
                      .gltf = options.gltf};
+  tiles.gltf.position_error = kCompressionShare * options.tolerance * options.diagonal;
   tiles.gltf.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
   const TilesFile file = write_tiles(target, surface, tiles);
   WrittenOutput written;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 #include <string_view>
 
 #include "planish/core/assert.h"
@@ -74,13 +75,19 @@ double extent_of(const GltfBounds& all) {
   return std::max({sides.x, sides.y, sides.z});
 }
 
-// On which every position moves by `error` at most, half a step in each of three directions: for
-// packing as coarse as that leaves room for, else in 16 bits where those do.
+// For packing as coarse as that leaves room for, else in 16 bits where those do.
 PositionGrid position_grid(const GltfBounds& all, const GltfOptions& options) {
   const glm::dvec3 least(all.minimum), sides = glm::dvec3(all.maximum) - least;
-  const double extent = extent_of(all);
-  const double coarsest = 2 / std::sqrt(3.0) * options.position_error;
   const bool packs = options.compression == GltfCompression::Meshopt;
+  if (options.grid_step > 0) {
+    if (packs) return {glm::dvec3(0.0), options.grid_step};
+    const double reach = std::ldexp(options.grid_step, 15);
+    const bool fits = glm::all(glm::greaterThanEqual(least, glm::dvec3(-reach))) &&
+                      glm::all(glm::lessThan(glm::dvec3(all.maximum), glm::dvec3(reach)));
+    return fits ? PositionGrid{glm::dvec3(-reach), options.grid_step} : PositionGrid{};
+  }
+  const double extent = extent_of(all);
+  const double coarsest = coarsest_step(options.position_error);
   const double step = packs ? coarsest : extent / kMostShort;
   if (!(step > 0) || step > coarsest || extent > kMostMantissas * step) return {};
   return {packs ? least + 0.5 * sides : least, step};
@@ -343,6 +350,8 @@ GltfContents Packer::assembled() {
 }
 
 }  // namespace
+
+double coarsest_step(double error) { return 2 / std::sqrt(3.0) * error; }
 
 GltfBounds bounds_of_all(const GltfDocument& document) {
   GltfBounds all;

@@ -8,6 +8,10 @@
 
 namespace planish {
 
+/// The step of the coarsest grid on which every position moves by `error` at most, half a step in
+/// each of three directions.
+[[nodiscard]] double coarsest_step(double error);
+
 /// A buffer in memory and the document that describes it.
 struct GltfContents {
   GltfDocument document;

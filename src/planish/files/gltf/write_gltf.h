@@ -62,6 +62,9 @@ struct GltfOptions {
   GltfCompression compression = GltfCompression::None;
   /// How far compression may move a position, in model units.
   double position_error = 0;
+  /// Positions lie on multiples of this about the origin, at most 2^23 of them away: compression
+  /// keeps them as they are, in 16 bits where it is Quantize and 2^15 reach. 0: it makes a grid.
+  double grid_step = 0;
   /// With compression: gets the first decoded_rows positions of the surface, in its order, as
   /// readers decode them, in model coordinates.
   std::function<void(std::span<const glm::dvec3>)> decoded;

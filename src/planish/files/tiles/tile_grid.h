@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/vec3.hpp>
+#include <limits>
 
 namespace planish {
 
@@ -11,27 +12,40 @@ namespace planish {
 /// place for the same point.
 class TileGrid {
  public:
-  /// Positions may be `reach` away from their tile's origin and `largest` from the model's.
-  TileGrid(double reach, double largest)
-      : exponent_(std::max(std::ilogb(std::max(reach, kSmallest)) + 1 - kFloatBits,
-                           std::ilogb(std::max(largest, kSmallest)) + 1 - kDoubleBits)),
-        step_(std::ldexp(1.0, exponent_)) {}
+  /// Float32's.
+  static constexpr int kFloatBits = 24;
+
+  /// Positions may be `reach` away from their tile's origin and `largest` from the model's. The
+  /// step is no finer than needed for numbers of `bits` and a sign, nor than `coarsest` / 2, where
+  /// that is larger.
+  TileGrid(double reach, double largest, int bits = kFloatBits, double coarsest = 0)
+      : bits_(bits),
+        step_(std::ldexp(1.0, std::max({exponent_of(reach) + 1 - bits, coarsest_exponent(coarsest),
+                                        exponent_of(largest) + 1 - kDoubleBits}))) {}
 
   [[nodiscard]] double step() const { return step_; }
-  /// As far from a tile's origin as float32 holds all multiples.
-  [[nodiscard]] double reach() const { return std::ldexp(step_, kFloatBits); }
+  /// As far from a tile's origin as such numbers hold all multiples.
+  [[nodiscard]] double reach() const { return std::ldexp(step_, bits_) - step_; }
   [[nodiscard]] glm::dvec3 snap(const glm::dvec3& position) const {
     return {snap(position.x), snap(position.y), snap(position.z)};
   }
 
  private:
-  static constexpr int kFloatBits = 24, kDoubleBits = 53;
+  static constexpr int kDoubleBits = 53;
   static constexpr double kSmallest = 1e-30;  // of a model of no size; floats end at 1e-38
+
+  [[nodiscard]] static int exponent_of(double length) {
+    return std::ilogb(std::max(length, kSmallest));
+  }
 
   // Division and product by a power of two are exact.
   [[nodiscard]] double snap(double value) const { return std::nearbyint(value / step_) * step_; }
 
-  int exponent_;
+  [[nodiscard]] static int coarsest_exponent(double coarsest) {
+    return coarsest > 0 ? std::ilogb(coarsest) : std::numeric_limits<int>::min();
+  }
+
+  int bits_;
   double step_;
 };
 

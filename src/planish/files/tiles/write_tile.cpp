@@ -13,6 +13,7 @@
 #include "planish/core/error.h"
 #include "planish/core/output_file.h"
 #include "planish/core/version.h"
+#include "planish/files/gltf/gltf_packing.h"
 
 namespace planish {
 namespace {
@@ -21,6 +22,9 @@ namespace {
 constexpr double kErrorShare = 4.0 / 3.0;
 // Of the box of the given vertices: the surface between them leaves it by less, as a rule.
 constexpr double kReachShare = 1.0 + 1.0 / 16;
+
+// Whole numbers with a sign: of the filter that float positions are packed by, and of 16 bits.
+constexpr int kMantissaBits = 23, kShortBits = 15;
 
 double largest_of(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -41,9 +45,11 @@ double distance_from_given(const TileSource& source, const TileMesh& made, const
   return largest;
 }
 
-std::vector<std::byte> glb_of(const TileMesh& made, const PlannedTile& tile,
+std::vector<std::byte> glb_of(const TileMesh& made, const PlannedTile& tile, const TileGrid& grid,
                               const GltfOptions& options) {
   GltfOptions gltf;
+  gltf.compression = options.compression;
+  gltf.grid_step = grid.step();
   gltf.name = options.name + " " + tile_name(tile);
   gltf.double_sided = options.double_sided;
   gltf.z_up = options.z_up;
@@ -66,9 +72,22 @@ void TileReach::add(const TileBox& block) {
   largest = std::max({largest, largest_of(block.lower), largest_of(block.upper)});
 }
 
-TileGrid TileReach::grid(int doublings) const {
+TileGrid TileReach::grid(int doublings, const GltfOptions& options) const {
   const double share = std::ldexp(kReachShare, doublings);
-  return {share * reach, 2 * share * largest};
+  const double coarsest = coarsest_step(options.position_error);
+  const auto of_bits = [&](int bits, double coarsest_of_bits) {
+    return TileGrid(share * reach, 2 * share * largest, bits, coarsest_of_bits);
+  };
+  switch (options.compression) {
+    case GltfCompression::Meshopt:
+      return of_bits(kMantissaBits, coarsest);
+    case GltfCompression::Quantize:
+      if (const TileGrid shorts = of_bits(kShortBits, 0); shorts.step() <= coarsest) return shorts;
+      break;
+    case GltfCompression::None:
+      break;
+  }
+  return of_bits(TileGrid::kFloatBits, 0);
 }
 
 std::optional<WrittenTile> write_tile(const TileSource& source, const PlannedTile& tile,
@@ -88,7 +107,7 @@ std::optional<WrittenTile> write_tile(const TileSource& source, const PlannedTil
   if (std::max(largest_of(record.box.lower), largest_of(record.box.upper)) > source.grid.reach())
     return std::nullopt;
   OutputFile file(place.path);
-  const std::vector<std::byte> bytes = glb_of(made, tile, options.gltf);
+  const std::vector<std::byte> bytes = glb_of(made, tile, source.grid, options.gltf);
   file.write(bytes);
   file.commit();
   record.bytes = bytes.size();
@@ -142,8 +161,6 @@ void require_tiles_options(const TilesOptions& options) {
     refuse("tiles of " + std::to_string(options.tile_vertices) + " vertices; " +
            std::to_string(kLeastTileVertices) + " are the least");
   }
-  if (options.gltf.compression != GltfCompression::None)
-    refuse("compressed tiles would not meet; take none");
 }
 
 std::vector<TilesetText> documents_of(const std::filesystem::path& path, const TilePlan& plan,

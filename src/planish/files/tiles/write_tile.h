@@ -24,7 +24,9 @@ struct TileReach {
   void add(const TileBox& block);
   /// The surface between the vertices leaves their boxes: by a sixteenth, twice as much with each
   /// doubling.
-  [[nodiscard]] TileGrid grid(int doublings) const;
+  /// Compressed positions have as many bits as the form of `options` has, and may be as coarse as
+  /// its position_error allows.
+  [[nodiscard]] TileGrid grid(int doublings, const GltfOptions& options) const;
 };
 
 /// What is known of a tile once it is written.

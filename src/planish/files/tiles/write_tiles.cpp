@@ -123,7 +123,7 @@ class TilesWriter {
     LoopProgress progress(callbacks, "write", 0, 1, std::ssize(plan_.tiles));
     TileReach reach;
     for (const TileBox& box : boxes_) reach.add(box);
-    const TileGrid grid = reach.grid(doublings);
+    const TileGrid grid = reach.grid(doublings, options_.gltf);
     origins_.clear();
     for (const TileBox& box : boxes_) origins_.push_back(grid.snap(box.centre()));
     for (int level = options_.level; level >= 1; --level)

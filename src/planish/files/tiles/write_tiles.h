@@ -22,8 +22,9 @@ struct TilesOptions {
   /// those, and what is written is measured against them, or against `points` where the surface
   /// passes through those in their place.
   std::span<const glm::dvec3> given, points;
-  /// name, double_sided, z_up, extras, observe (the document's bytes) and callbacks (step "write",
-  /// warning "degenerate-normals") count. Tiles have their own origins, and no fields.
+  /// name, double_sided, z_up, extras, compression, position_error, observe (the document's bytes)
+  /// and callbacks (step "write", warning "degenerate-normals") count. Tiles have their own
+  /// origins, and no fields.
   GltfOptions gltf;
 };
 
@@ -54,8 +55,8 @@ struct TilesFile {
 /// folder beside it. README.md in this folder says how they are cut. Bytes are the same for every
 /// number of threads; memory beside the surface is a few tiles for each thread. Files appear one by
 /// one, the document last; where that fails the folder is removed again.
-/// Throws Error{InvalidArgument} for a level or size out of range, a surface without faces, and
-/// compression, Error{UnwritableOutput}, also where the folder exists and is not empty,
+/// Throws Error{InvalidArgument} for a level or size out of range, a surface without faces,
+/// Error{UnwritableOutput}, also where the folder exists and is not empty,
 /// Error{OutOfMemory} where 32-bit indices do not reach, Error{Cancelled}.
 TilesFile write_tiles(const std::filesystem::path& path, const DooSabinSurface& surface,
                       const TilesOptions& options);
