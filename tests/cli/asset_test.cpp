@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <cstring>
 #include <fstream>
 #include <set>
 #include <string>
@@ -26,11 +25,6 @@ class AssetCommand : public FolderTest {
   ProcessResult fit(const std::string& input, std::vector<std::string> flags) {
     flags.insert(flags.begin(), {"fit", input, "--device", "cpu", "-f"});
     return run_planish(flags);
-  }
-  [[nodiscard]] static json document_of(const std::string& glb) {
-    std::uint32_t length = 0;
-    std::memcpy(&length, glb.data() + 12, sizeof(length));
-    return json::parse(glb.substr(20, length));
   }
 
   AssetSample sample_;
@@ -86,6 +80,53 @@ TEST_F(AssetCommand, WhatHasNoSurfaceStays) {
 }
 
 // Nodes of compressed meshes that nobody moves get a child with the grid; others keep float32.
+// Materials go with the one mesh, each by itself where the file gives them no names of their own.
+TEST_F(AssetCommand, AMergedSceneKeepsItsMaterials) {
+  json& materials = sample_.json["materials"];
+  materials[0].erase("name");
+  materials[1]["name"] = materials[2]["name"];
+  materials[1]["occlusionTexture"] = {{"index", 0}, {"texCoord", 1}};
+  const std::string input = write("asset.glb", sample_.glb());
+  const auto compare = [&](const json& made) {
+    json wanted = sample_.json["materials"];
+    wanted[0]["name"] = "material_0";
+    wanted[1].erase("occlusionTexture");
+    wanted[2]["name"] = "plain_2";
+    EXPECT_EQ(made["materials"], wanted);
+    EXPECT_EQ(made["textures"], sample_.json["textures"]);
+    EXPECT_EQ(made["samplers"], sample_.json["samplers"]);
+    EXPECT_EQ(made["meshes"].size(), 1U);
+    EXPECT_EQ(made["meshes"][0]["primitives"].size(), 3U);
+    return made["bufferViews"][made["images"][0]["bufferView"].get<std::size_t>()];
+  };
+  for (const char* packing : {"none", "meshopt"}) {
+    const ProcessResult result =
+        fit(input, {"-o", path("out.glb"), "--asset", "merge", "--compress", packing});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("textures of further sets of texture coordinates"));
+    const std::string glb = read("out.glb");
+    const json made = document_of(glb), view = compare(made);
+    EXPECT_EQ(view["buffer"], 0);
+    const std::size_t buffer = glb.find("BIN") + 4;
+    EXPECT_EQ(glb.substr(buffer + view["byteOffset"].get<std::size_t>(), view["byteLength"]),
+              AssetSample::image());
+    EXPECT_EQ(made["buffers"][0]["byteLength"], glb.size() - buffer);
+    EXPECT_THAT(made["extensionsUsed"].dump(), HasSubstr("KHR_materials_clearcoat"));
+  }
+  ASSERT_EQ(fit(input, {"-o", path("out.gltf"), "--asset", "merge"}).exit_code, 0);
+  const json view = compare(read_json("out.gltf"));
+  EXPECT_EQ(read("out.bin").substr(view["byteOffset"], view["byteLength"]), AssetSample::image());
+}
+
+// A missing image keeps nobody from the shape.
+TEST_F(AssetCommand, MissingImagesOfAMergedSceneAreAWarning) {
+  const std::string input = write("asset.gltf", sample_.gltf("asset.bin", "none.png"));
+  write("asset.bin", sample_.bytes);
+  const ProcessResult result = fit(input, {"-o", path("out.glb"), "--asset", "merge"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("none.png"), HasSubstr("materials are left out")));
+}
+
 TEST_F(AssetCommand, CompressedNodesKeepTheirPlaces) {
   const ProcessResult result = fit(input_, {"-o", path("out.glb"), "--compress", "meshopt",
                                             "--tolerance", "1e-4", "--report", path("r.json")});

@@ -71,12 +71,7 @@ class Asset : public testing::Test {
     const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
     return parsed({begin, begin + bytes.size()});
   }
-  nlohmann::json written_json() const {
-    const std::string bytes = read("out.glb");
-    std::uint32_t length = 0;
-    std::memcpy(&length, bytes.data() + 12, sizeof(length));
-    return nlohmann::json::parse(bytes.substr(20, length));
-  }
+  nlohmann::json written_json() const { return document_of(read("out.glb")); }
   static FitFileOptions progressive() {
     FitFileOptions options;
     options.mesh.method = InterpolationMethod::Progressive;

@@ -3,11 +3,15 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <fstream>
+#include <set>
 
 #include "cli/json_schema.h"
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "files/gltf/asset_sample.h"
+#include "files/gltf/glb_bytes.h"
 #include "support/files_below.h"
 #include "tiles/read_tiles.h"
 
@@ -95,6 +99,34 @@ TEST_F(TileCommand, ScenesHaveTheSameSettings) {
   EXPECT_EQ(files_below(path("a")), files_below(path("b")));
   ASSERT_EQ(fit_set().exit_code, 0);
   EXPECT_NE(files_below(path("a")), files_below(path("t"))) << "skirts are more";
+}
+
+// Each tile has the materials of its faces; images stand once beside all of them.
+TEST_F(TileCommand, TilesHaveTheMaterialsOfAnAsset) {
+  AssetSample sample;
+  const std::string input = write("asset.glb", sample.glb());
+  for (int turn = 0; turn < 2; ++turn) {
+    const ProcessResult result = run_planish(
+        {"fit", input, "--device", "cpu", "-f", "-o", path("t.json"), "--tile-vertices", "256"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  EXPECT_EQ(read("t/images/0.png"), AssetSample::image());
+  std::set<std::string> seen;
+  for (const ReadTile& tile : read_tileset(path("t.json")).tiles) {
+    if (tile.content.empty()) continue;
+    const nlohmann::json made = document_of(read(tile.content.string()));
+    for (const nlohmann::json& material : made["materials"]) {
+      const auto given = std::ranges::find(sample.json["materials"], material);
+      ASSERT_NE(given, sample.json["materials"].end()) << material;
+      seen.insert(material["name"]);
+    }
+    EXPECT_EQ(made["images"][0]["uri"], "../images/0.png");
+    EXPECT_EQ(made["textures"], sample.json["textures"]);
+  }
+  EXPECT_EQ(seen, (std::set<std::string>{"check", "red", "plain"}));
+  // A stranger's file in that folder stays.
+  write("t/images/mine.txt", "");
+  EXPECT_EQ(run_planish({"fit", input, "-f", "-o", path("t.json")}).exit_code, 7);
 }
 
 TEST_F(TileCommand, FlagsWithoutTilesAreToldToHaveNoEffect) {

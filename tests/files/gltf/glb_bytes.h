@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <cstring>
 #include <initializer_list>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "support/byte_strings.h"
@@ -17,6 +20,13 @@ inline std::string glb_of(std::string json, std::string chunk) {
   bytes += "JSON" + json;
   append<std::uint32_t>(bytes, static_cast<std::uint32_t>(chunk.size()));
   return bytes + std::string("BIN\0", 4) + chunk;
+}
+
+/// The JSON of a GLB.
+inline nlohmann::json document_of(const std::string& glb) {
+  std::uint32_t length = 0;
+  std::memcpy(&length, glb.data() + 12, sizeof(length));
+  return nlohmann::json::parse(glb.substr(20, length));
 }
 
 template <class Value>

@@ -235,7 +235,7 @@ std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
   if (reason && !reason->empty() && writes_gltf)
     add_warning(report, context.console,
                 {"merged-asset", file.name +
-                                     ": the scene becomes one mesh without materials, nodes and "
+                                     ": the scene becomes one mesh without nodes, skins and "
                                      "animations, since " +
                                      *reason +
                                      "; write the glTF by itself to keep them, or say --asset "

@@ -1,6 +1,7 @@
 // Based on: Khronos, "glTF 2.0 Specification", 2021, section 4 (GLB).
 #include "planish/files/gltf/gltf_container.h"
 
+#include <algorithm>
 #include <array>
 
 #include "planish/files/gltf/gltf_layout.h"
@@ -58,6 +59,14 @@ struct Glb {
 };
 
 }  // namespace
+
+void write_padded(std::span<const std::byte> bytes, std::span<const ByteSink> sinks) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  constexpr std::array<std::byte, 4> kZeros{};
+  for (std::size_t at = 0; at < bytes.size(); at += kPiece)
+    send(sinks, bytes.subspan(at, std::min(kPiece, bytes.size() - at)));
+  if (bytes.size() % 4 != 0) send(sinks, std::span(kZeros).first(4 - bytes.size() % 4));
+}
 
 std::vector<std::byte> glb_bytes(const GltfWhole& whole, const GltfOptions& options) {
   const Glb glb(whole, options);

@@ -22,6 +22,9 @@ struct GltfWhole {
   std::function<void(std::span<const ByteSink>)> write_buffer;
 };
 
+/// Bytes in pieces, and zeros up to a multiple of four.
+void write_padded(std::span<const std::byte> bytes, std::span<const ByteSink> sinks);
+
 /// A GLB in memory. Throws Error{InvalidArgument} from 4 GiB on; large ones are warned of.
 [[nodiscard]] std::vector<std::byte> glb_bytes(const GltfWhole& whole, const GltfOptions& options);
 

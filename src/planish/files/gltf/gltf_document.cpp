@@ -3,12 +3,14 @@
 
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <cctype>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "planish/core/version.h"
+#include "planish/files/gltf/gltf_materials.h"
 
 namespace planish {
 namespace {
@@ -94,13 +96,17 @@ void add_arrays(const GltfDocument& document, tinygltf::Model& model) {
   }
 }
 
+std::string material_name(const GltfArrays& primitive) {
+  return valid_utf8(primitive.material.empty() ? primitive.name : primitive.material);
+}
+
 // Materials of the primitives, each with its number.
 std::vector<int> add_materials(const GltfDocument& document, const GltfOptions& options,
                                tinygltf::Model& model) {
   std::vector<int> numbers;
   std::map<std::string, int> known;
   for (const GltfArrays& primitive : document.primitives) {
-    std::string name = valid_utf8(primitive.material.empty() ? primitive.name : primitive.material);
+    std::string name = material_name(primitive);
     const auto next = static_cast<int>(model.materials.size());
     const auto [entry, is_new] = known.try_emplace(name, next);
     numbers.push_back(document.shares_materials ? entry->second : next);
@@ -188,6 +194,13 @@ void append_arrays(const GltfDocument& block, const BlockPlace& place, GltfDocum
 
 }  // namespace
 
+bool takes_materials(const GltfDocument& document, const GltfOptions& options) {
+  return options.materials != nullptr && document.buffers.empty() &&
+         std::ranges::any_of(document.primitives, [&](const GltfArrays& primitive) {
+           return options.materials->has(material_name(primitive));
+         });
+}
+
 std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
                       std::string_view buffer_uri) {
   tinygltf::Model model;
@@ -201,6 +214,8 @@ std::string gltf_json(const GltfDocument& document, const GltfOptions& options,
   tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, text, false, false);
   json written = json::parse(text.str());
   add_buffers(document, buffer_uri, written);
+  if (takes_materials(document, options))
+    options.materials->apply(written, options.image_folder, document.buffer_bytes);
   return written.dump(buffer_uri.empty() ? -1 : 2);
 }
 

@@ -76,6 +76,9 @@ struct GltfDocument {
   double scale = 1.0;
 };
 
+/// Whether it gets any of the options' materials.
+[[nodiscard]] bool takes_materials(const GltfDocument& document, const GltfOptions& options);
+
 /// The glTF JSON as tinygltf writes it, keys sorted. An empty buffer_uri stands for a GLB's binary
 /// chunk and gives the text without white space. Text that is not UTF-8 and non-finite numbers
 /// become U+FFFD and null.

@@ -11,8 +11,6 @@
 namespace planish {
 namespace {
 
-std::uint64_t padded(std::uint64_t bytes) { return (bytes + 3) / 4 * 4; }
-
 // Attributes in the order in which they are written.
 struct Attribute {
   std::string name;

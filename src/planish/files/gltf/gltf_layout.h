@@ -42,6 +42,9 @@ struct GltfLayout {
 /// graphics interfaces take for a primitive restart.
 inline constexpr std::uint64_t kMaxShortIndexVertices = 65534;
 
+/// Bytes up to a multiple of four, on which every part of a buffer starts.
+[[nodiscard]] inline std::uint64_t padded(std::uint64_t bytes) { return (bytes + 3) / 4 * 4; }
+
 /// "TEXCOORD_1" of set 1.
 [[nodiscard]] inline std::string uv_name(int set) { return "TEXCOORD_" + std::to_string(set); }
 

@@ -323,7 +323,6 @@ GltfContents Packer::assembled() {
   GltfContents contents;
   contents.document = std::move(document_);
   GltfDocument& document = contents.document;
-  const auto padded = [](std::uint64_t bytes) { return (bytes + 3) / 4 * 4; };
   std::uint64_t total = 0;
   for (const PackedArray& packed : packed_) total += padded(packed.bytes.size());
   contents.buffer.resize(total);

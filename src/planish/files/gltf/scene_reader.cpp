@@ -12,6 +12,7 @@
 #include "planish/core/stop.h"
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/gltf_accessor.h"
+#include "planish/files/gltf/gltf_materials.h"
 
 namespace planish {
 namespace {
@@ -137,8 +138,10 @@ void SceneReader::read_primitive(const JsonPlace& place, const GltfInstance& ins
 void SceneReader::name_group(const JsonPlace& place) {
   FaceGroup group;
   if (const auto material = place.find("material")) {
-    const JsonPlace named = root_["materials"][material->integer()];
-    if (const auto name = named.find("name")) group.material = name->text();
+    const std::int64_t number = material->integer();
+    (void)root_["materials"][number];
+    if (material_names_.empty()) material_names_ = material_names(root_);
+    group.material = material_names_[static_cast<std::size_t>(number)];
   }
   if (const auto extras = place.find("extras"); extras && extras->is_object()) {
     if (const auto name = extras->find("group"); name && name->is_text()) group.name = name->text();

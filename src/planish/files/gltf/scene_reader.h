@@ -70,6 +70,7 @@ class SceneReader {
   // By corner of the current primitive: its vertex, and what that is welded to.
   std::vector<std::int32_t> corners_, vertices_;
   MeshFile file_;
+  std::vector<std::string> material_names_;
   std::int64_t deformed_count_ = 0, point_primitive_count_ = 0, primitive_count_ = 0;
   // By vertex of the current primitive: its welded vertex, valid where the stamp is the current.
   std::vector<std::int32_t> welded_vertices_;

@@ -17,21 +17,35 @@
 #include "planish/files/gltf/gltf_container.h"
 #include "planish/files/gltf/gltf_document.h"
 #include "planish/files/gltf/gltf_layout.h"
+#include "planish/files/gltf/gltf_materials.h"
 #include "planish/files/gltf/gltf_payload.h"
 #include "planish/files/gltf/stored_position.h"
 
 namespace planish {
 namespace {
 
+// Behind the surface.
+void add_images(const GltfMaterials& materials, GltfWhole& whole) {
+  whole.buffer_bytes += materials.image_bytes();
+  whole.write_buffer = [&materials,
+                        surface = std::move(whole.write_buffer)](std::span<const ByteSink> sinks) {
+    surface(sinks);
+    for (const GltfImage& image : materials.images) write_padded(image.bytes, sinks);
+  };
+}
+
 // `buffer`: of a .gltf.
 GltfWhole whole_of(const SurfaceBlocks& surface, const GltfOptions& options,
                    const std::filesystem::path& buffer) {
   GltfPayload payload = payload_of(surface, options, buffer.empty());
-  return {.json = payload_json(payload, options, encode_uri(buffer.filename().string())),
-          .buffer_bytes = payload.document.buffer_bytes,
-          .vertex_count = payload.vertex_count,
-          .triangle_count = payload.triangle_count,
-          .write_buffer = std::move(payload.write_buffer)};
+  GltfWhole whole{.json = payload_json(payload, options, encode_uri(buffer.filename().string())),
+                  .buffer_bytes = payload.document.buffer_bytes,
+                  .vertex_count = payload.vertex_count,
+                  .triangle_count = payload.triangle_count,
+                  .write_buffer = std::move(payload.write_buffer)};
+  if (takes_materials(payload.document, options) && options.image_folder.empty())
+    add_images(*options.materials, whole);
+  return whole;
 }
 
 // A document and buffers of some faces each, one after another.

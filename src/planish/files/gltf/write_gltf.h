@@ -17,6 +17,8 @@
 
 namespace planish {
 
+struct GltfMaterials;  // gltf_materials.h
+
 /// How numbers are stored. Quantize (KHR_mesh_quantization): normals and colours in 16 bits,
 /// texture coordinates too where they lie between 0 and 1, and positions where position_error
 /// allows it. Meshopt (EXT_meshopt_compression): positions on a grid as coarse as position_error
@@ -59,6 +61,11 @@ struct GltfOptions {
   /// How many sets of texture coordinates the primitive of each group has; empty: all of them,
   /// unless they are all zero.
   std::vector<int> uv_sets;
+  /// In the place of plain materials for groups of their names; must outlive the call.
+  const GltfMaterials* materials = nullptr;
+  /// Where their images stand, as a relative URI with a slash at its end; empty: in the file. A
+  /// .gltf of several buffers has none.
+  std::string image_folder;
   GltfCompression compression = GltfCompression::None;
   /// How far compression may move a position, in model units.
   double position_error = 0;

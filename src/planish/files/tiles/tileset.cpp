@@ -151,6 +151,7 @@ std::string tile_path(const PlannedTile& tile, std::size_t index) {
 }
 
 bool is_tileset_entry(std::string_view name) {
+  if (name == kImageFolder) return true;
   const bool is_document = take(name, "group-");
   return take_number(name) && (!is_document || take(name, ".json")) && name.empty();
 }
@@ -160,6 +161,12 @@ bool is_tile_name(std::string_view name) {
          take_number(name) && name == ".glb";
 }
 
+bool is_image_name(std::string_view name) {
+  return take_number(name) && take(name, ".") && !name.empty() &&
+         std::ranges::all_of(
+             name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; });
+}
+
 std::filesystem::path foreign_in_tiles(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -167,8 +174,9 @@ std::filesystem::path foreign_in_tiles(const std::filesystem::path& folder) {
     if (!is_tileset_entry(entry.path().filename().string())) return entry.path();
     if (entry.is_symlink(error)) return entry.path();
     if (!entry.is_directory(error)) continue;
-    for (const fs::directory_entry& tile : fs::directory_iterator(entry.path(), error))
-      if (!is_tile_name(tile.path().filename().string())) return tile.path();
+    const auto is_known = entry.path().filename() == kImageFolder ? is_image_name : is_tile_name;
+    for (const fs::directory_entry& file : fs::directory_iterator(entry.path(), error))
+      if (!is_known(file.path().filename().string())) return file.path();
   }
   return {};
 }

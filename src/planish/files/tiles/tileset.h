@@ -25,16 +25,22 @@ inline constexpr std::size_t kTilesInFolder = 4096;
 /// Blocks of one document; a set of more has a document for each group of so many.
 inline constexpr std::size_t kBlocksInDocument = 64;
 
+/// Where tiles find the images that they share, as a relative URI, and their folder in the set's.
+inline constexpr const char* kTileImages = "../images/";
+inline constexpr const char* kImageFolder = "images";
+
 /// Where a tile's file lies in the set's folder: "0/12-2-3.glb", the block, the level and the place
 /// among those of its level in the block. `index`: among all tiles of the set.
 [[nodiscard]] std::string tile_path(const PlannedTile& tile, std::size_t index);
 /// "12-2-3" of it.
 [[nodiscard]] std::string tile_name(const PlannedTile& tile);
 
-/// Whether a name may stand in a set's folder, or in a folder of that: "0" and "group-0.json", or
-/// "12-2-3.glb".
+/// Whether a name may stand in a set's folder, or in a folder of that: "0", "images" and
+/// "group-0.json", or "12-2-3.glb".
 [[nodiscard]] bool is_tileset_entry(std::string_view name);
 [[nodiscard]] bool is_tile_name(std::string_view name);
+/// Whether it may stand in the folder of images: "3.png".
+[[nodiscard]] bool is_image_name(std::string_view name);
 /// The first thing in a set's folder that no set has there; empty if there is none.
 [[nodiscard]] std::filesystem::path foreign_in_tiles(const std::filesystem::path& folder);
 

@@ -50,6 +50,8 @@ std::vector<std::byte> glb_of(const TileMesh& made, const PlannedTile& tile, con
   GltfOptions gltf;
   gltf.compression = options.compression;
   gltf.grid_step = grid.step();
+  gltf.materials = options.materials;
+  gltf.image_folder = kTileImages;
   gltf.name = options.name + " " + tile_name(tile);
   gltf.double_sided = options.double_sided;
   gltf.z_up = options.z_up;

@@ -12,6 +12,7 @@
 #include "planish/core/output_file.h"
 #include "planish/core/parallel.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/gltf/gltf_materials.h"
 #include "planish/files/tiles/curve_order.h"
 #include "planish/files/tiles/tile_mesh.h"
 #include "planish/files/tiles/tileset.h"
@@ -75,6 +76,20 @@ TilePlan plan_of(const DooSabinSurface& surface, const TilesOptions& options) {
                      // Level 1 has about four vertices for each of the mesh.
                      .block_vertices = options.tile_vertices / 4,
                      .level = options.level});
+}
+
+// Once for all tiles.
+std::uint64_t write_images(const GltfMaterials& materials, const NewFolder& folder) {
+  if (materials.images.empty()) return 0;
+  folder.make(kImageFolder);
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < materials.images.size(); ++i) {
+    OutputFile file(folder / kImageFolder / materials.image_name(i));
+    file.write(materials.images[i].bytes);
+    file.commit();
+    bytes += materials.images[i].bytes.size();
+  }
+  return bytes;
 }
 
 class TilesWriter {
@@ -200,6 +215,8 @@ TilesFile write_tiles(const fs::path& path, const DooSabinSurface& surface,
                 options.gltf.name + ": the surface has no face; 3D Tiles need one");
   writer.write_all();
   TilesFile written = writer.result();
+  if (options.gltf.materials != nullptr)
+    written.byte_count += write_images(*options.gltf.materials, folder);
   warn_of(written.degenerate, options.gltf.callbacks);
   for (const TilesetText& document : writer.documents(path)) {
     const bool is_group = !document.path.empty();

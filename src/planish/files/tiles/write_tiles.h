@@ -22,9 +22,9 @@ struct TilesOptions {
   /// those, and what is written is measured against them, or against `points` where the surface
   /// passes through those in their place.
   std::span<const glm::dvec3> given, points;
-  /// name, double_sided, z_up, extras, compression, position_error, observe (the document's bytes)
-  /// and callbacks (step "write", warning "degenerate-normals") count. Tiles have their own
-  /// origins, and no fields.
+  /// name, double_sided, z_up, extras, materials (whose images stand once in the folder),
+  /// compression, position_error, observe (the document's bytes) and callbacks (step "write",
+  /// warning "degenerate-normals") count. Tiles have their own origins, and no fields.
   GltfOptions gltf;
 };
 

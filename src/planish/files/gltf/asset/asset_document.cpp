@@ -9,6 +9,7 @@
 #include "planish/files/gltf/asset/image_type.h"
 #include "planish/files/gltf/asset/primitive_parts.h"
 #include "planish/files/gltf/draco_stream.h"
+#include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/meshopt_stream.h"
 
 namespace planish {
@@ -67,7 +68,7 @@ AssetDocument::AssetDocument(const GltfAsset& asset, const std::set<std::int64_t
 std::uint64_t AssetDocument::keep(std::span<const std::byte> bytes) {
   const std::uint64_t offset = buffer_bytes_;
   kept_.push_back(bytes);
-  buffer_bytes_ += (bytes.size() + 3) / 4 * 4;
+  buffer_bytes_ += padded(bytes.size());
   return offset;
 }
 

@@ -18,11 +18,6 @@ const json* found(const json& in, std::initializer_list<const char*> path) {
   return at;
 }
 
-int set_of(const json& texture) {
-  const json* moved = found(texture, {"extensions", "KHR_texture_transform", "texCoord"});
-  return moved != nullptr ? moved->get<int>() : texture.value("texCoord", 0);
-}
-
 // Twice its area in the texture, with a sign.
 double area_of(std::span<const std::int32_t> face, std::span<const glm::dvec2> uvs) {
   double area = 0;
@@ -36,6 +31,11 @@ double area_of(std::span<const std::int32_t> face, std::span<const glm::dvec2> u
 
 }  // namespace
 
+int set_of_texture(const json& texture) {
+  const json* moved = found(texture, {"extensions", "KHR_texture_transform", "texCoord"});
+  return moved != nullptr ? moved->get<int>() : texture.value("texCoord", 0);
+}
+
 int tangent_set(const json& document, const json& primitive) {
   const auto number = primitive.find("material");
   if (number == primitive.end()) return -1;
@@ -45,7 +45,7 @@ int tangent_set(const json& document, const json& primitive) {
        {found(material, {"normalTexture"}),
         found(material, {"extensions", "KHR_materials_clearcoat", "clearcoatNormalTexture"}),
         anisotropy != nullptr ? found(*anisotropy, {"anisotropyTexture"}) : nullptr})
-    if (texture != nullptr) return set_of(*texture);
+    if (texture != nullptr) return set_of_texture(*texture);
   return anisotropy != nullptr ? 0 : -1;
 }
 

@@ -12,6 +12,9 @@ namespace planish {
 /// Source: glTF 2.0, sections 3.7.2.1 and 3.9.3; KHR_materials_clearcoat, _anisotropy.
 [[nodiscard]] int tangent_set(const nlohmann::json& document, const nlohmann::json& primitive);
 
+/// The set that a texture of a material names, KHR_texture_transform's where it has one.
+[[nodiscard]] int set_of_texture(const nlohmann::json& texture);
+
 /// Cuts texture coordinates in two that belong to faces which lie either way round in the texture:
 /// along the middle of mirrored charts, where tangents jump.
 void cut_mirrored_charts(PolygonMesh& mesh, AssetVertices& vertices);

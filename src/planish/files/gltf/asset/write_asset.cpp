@@ -1,6 +1,5 @@
 #include "planish/files/gltf/asset/write_asset.h"
 
-#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -16,16 +15,6 @@ namespace planish {
 namespace {
 
 using nlohmann::json;
-
-void write_padded(std::span<const std::byte> bytes, std::span<const ByteSink> sinks) {
-  constexpr std::size_t kPiece = std::size_t{1} << 20;
-  constexpr std::array<std::byte, 4> kZeros{};
-  for (const ByteSink& sink : sinks) {
-    for (std::size_t at = 0; at < bytes.size(); at += kPiece)
-      sink(bytes.subspan(at, std::min(kPiece, bytes.size() - at)));
-    if (bytes.size() % 4 != 0) sink(std::span(kZeros).first(4 - bytes.size() % 4));
-  }
-}
 
 // `uri`: of the buffer of a .gltf; empty: a GLB.
 GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfaces,

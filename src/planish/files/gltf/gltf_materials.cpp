@@ -1,0 +1,157 @@
+#include "planish/files/gltf/gltf_materials.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+
+#include "planish/files/gltf/asset/image_type.h"
+#include "planish/files/gltf/asset/json_guard.h"
+#include "planish/files/gltf/asset/tangent_sets.h"
+#include "planish/files/gltf/gltf_layout.h"
+
+namespace planish {
+namespace {
+
+using nlohmann::json;
+
+void add_extensions(const json& in, std::set<std::string>& names) {
+  if (!in.is_structured()) return;
+  if (in.is_object() && in.contains("extensions"))
+    for (const auto& [name, value] : in["extensions"].items()) names.insert(name);
+  for (const json& value : in) add_extensions(value, names);
+}
+
+// Members that name a texture and another set of texture coordinates than the first.
+std::int64_t drop_further_sets(json& in) {
+  if (!in.is_structured()) return 0;
+  std::int64_t count = 0;
+  std::vector<std::string> dropped;
+  for (const auto& [key, value] : in.items()) {
+    if (in.is_object() && value.is_object() && value.contains("index") &&
+        set_of_texture(value) != 0) {
+      dropped.push_back(key);
+    } else {
+      count += drop_further_sets(value);
+    }
+  }
+  for (const std::string& key : dropped) in.erase(key);
+  return count + std::ssize(dropped);
+}
+
+void add_names(const json& names, const char* list, json& document) {
+  for (const json& name : names) {
+    json& all = document[list];
+    if (std::ranges::find(all, name) == all.end()) all.push_back(name);
+  }
+}
+
+GltfMaterials made_of(const GltfAsset& asset) {
+  const json& document = asset.root().value();
+  GltfMaterials made;
+  if (!document.contains("materials")) return made;
+  for (const char* list : {"materials", "textures", "samplers", "images"})
+    if (document.contains(list)) made.lists[list] = document[list];
+  const std::vector<std::string> names = material_names(asset.root());
+  for (std::size_t i = 0; i < names.size(); ++i) made.lists["materials"][i]["name"] = names[i];
+  const std::int64_t dropped = drop_further_sets(made.lists["materials"]);
+  if (dropped > 0)
+    made.warnings.push_back(
+        {"left-out-textures",
+         std::string(asset.file().name) +
+             ": textures of further sets of texture coordinates are left out, since a scene that "
+             "becomes one mesh has one",
+         dropped});
+  std::set<std::string> extensions;
+  add_extensions(made.lists, extensions);
+  for (const char* list : {"extensionsUsed", "extensionsRequired"})
+    for (const json& name : document.value(list, json::array()))
+      if (extensions.contains(name.get<std::string>())) made.lists[list].push_back(name);
+  if (!made.lists.contains("images")) return made;
+  for (std::size_t i = 0; i < made.lists["images"].size(); ++i) {
+    json& image = made.lists["images"][i];
+    const JsonPlace place = asset.root()["images"][static_cast<std::int64_t>(i)];
+    const auto uri = place.find("uri");
+    const std::span<const std::byte> bytes =
+        uri ? asset.source().fetch(*uri) : asset.source().view(place["bufferView"].integer());
+    const std::string type = image_type(bytes, uri ? uri->text() : "");
+    made.images.push_back({image.value("mimeType", type), {}});
+    made.images.back().bytes.assign(bytes.begin(), bytes.end());
+    image.erase("uri");
+    image.erase("bufferView");
+  }
+  return made;
+}
+
+}  // namespace
+
+bool GltfMaterials::has(const std::string& name) const {
+  const auto all = lists.find("materials");
+  return all != lists.end() &&
+         std::ranges::any_of(*all, [&](const json& material) { return material["name"] == name; });
+}
+
+void GltfMaterials::apply(json& document, std::string_view folder,
+                          std::uint64_t buffer_bytes) const {
+  std::map<std::string, const json*> by_name;
+  for (const json& material : lists["materials"])
+    by_name[material["name"].get<std::string>()] = &material;
+  for (json& material : document["materials"]) {
+    const auto found = by_name.find(material.value("name", std::string()));
+    if (found == by_name.end()) continue;
+    material = *found->second;
+  }
+  for (const char* list : {"textures", "samplers", "images"})
+    if (lists.contains(list)) document[list] = lists[list];
+  for (const char* list : {"extensionsUsed", "extensionsRequired"})
+    if (lists.contains(list)) add_names(lists[list], list, document);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    json& image = document["images"][i];
+    if (!folder.empty()) {
+      image["uri"] = std::string(folder) + image_name(i);
+      image.erase("mimeType");
+      continue;
+    }
+    image["mimeType"] = images[i].type;
+    image["bufferView"] = document["bufferViews"].size();
+    document["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", buffer_bytes}, {"byteLength", images[i].bytes.size()}});
+    buffer_bytes += padded(images[i].bytes.size());
+    document["buffers"][0]["byteLength"] = buffer_bytes;
+  }
+}
+
+std::string GltfMaterials::image_name(std::size_t image) const {
+  const std::string& type = images[image].type;
+  const std::size_t slash = type.find('/');
+  const std::string kind = slash == std::string::npos ? "bin" : type.substr(slash + 1);
+  const bool is_plain =
+      std::ranges::all_of(kind, [](char c) { return std::isalnum(static_cast<unsigned char>(c)); });
+  return std::to_string(image) + "." + (kind == "jpeg" ? "jpg" : is_plain ? kind : "bin");
+}
+
+std::uint64_t GltfMaterials::image_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const GltfImage& image : images) bytes += padded(image.bytes.size());
+  return bytes;
+}
+
+std::vector<std::string> material_names(const JsonPlace& root) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  const auto materials = root.find("materials");
+  for (std::int64_t i = 0; materials && i < materials->array_size(); ++i) {
+    const auto named = (*materials)[i].find("name");
+    std::string name = named && named->is_text() ? named->text() : "";
+    while (name.empty() || !taken.insert(name).second)
+      name += (name.empty() ? "material_" : "_") + std::to_string(i);
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+GltfMaterials materials_of(const GltfAsset& asset) {
+  return guard_json(asset.file().name, [&] { return made_of(asset); });
+}
+
+}  // namespace planish

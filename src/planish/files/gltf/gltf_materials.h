@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "planish/core/callbacks.h"
+#include "planish/core/raw_vector.h"
+#include "planish/files/gltf/asset/gltf_asset.h"
+
+namespace planish {
+
+/// An image as it stands in a file.
+struct GltfImage {
+  std::string type;  ///< "image/png"
+  RawVector<std::byte> bytes;
+};
+
+/// Materials for the groups of a surface whose names they have, with all that they name.
+struct GltfMaterials {
+  /// Lists of a glTF document: "materials", each of a name of its own; "textures", "samplers",
+  /// "images", of which nothing says where their bytes are; "extensionsUsed",
+  /// "extensionsRequired".
+  nlohmann::json lists = nlohmann::json::object();
+  std::vector<GltfImage> images;  ///< one for each of the list
+  std::vector<Warning> warnings;
+
+  [[nodiscard]] bool has(const std::string& name) const;
+  /// Puts them in the place of a document's materials of these names, of which there is one. Its
+  /// images are found by `folder`, as image_name() has them; where that is empty they are embedded
+  /// behind `buffer_bytes`.
+  void apply(nlohmann::json& document, std::string_view folder, std::uint64_t buffer_bytes) const;
+  /// "3.png" of image 3.
+  [[nodiscard]] std::string image_name(std::size_t image) const;
+  /// Bytes of all images, each padded to a multiple of four.
+  [[nodiscard]] std::uint64_t image_bytes() const;
+};
+
+/// The names that a document's materials have in meshes that are read from it: their own, of those
+/// without one and of those whose name another has already "material_2", by their number.
+[[nodiscard]] std::vector<std::string> material_names(const JsonPlace& root);
+
+/// Of a glTF. A mesh that is read from all of its scene has one set of texture coordinates:
+/// textures of others are left out, with the warning "left-out-textures". Throws
+/// Error{UnreadableInput}.
+[[nodiscard]] GltfMaterials materials_of(const GltfAsset& asset);
+
+}  // namespace planish
