@@ -10,10 +10,10 @@
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/visible_text.h"
+#include "planish/files/file_materials.h"
 #include "planish/files/gltf/asset/write_asset.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
-#include "planish/files/obj/material_library.h"
 #include "planish/files/read_file.h"
 #include "planish/files/write_surface.h"
 #include "planish/mesh/statistics.h"
@@ -109,6 +109,7 @@ GltfOptions gltf_options(const FittedMesh& fitted, std::string_view name,
   gltf.origin = storage_origin(fitted.fit.placement);
   gltf.extras = fit_extras(fitted.options, fitted.creases(), fitted.fit.interpolation);
   gltf.extras.emplace_back("level", std::int64_t{options.level});
+  if (options.materials != nullptr) gltf.materials = &options.materials->gltf;
   gltf.callbacks = options.callbacks;
   return gltf;
 }
@@ -121,7 +122,8 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
     return write_gltf(path, surface, gltf_options(fitted, name, options)).byte_count;
   SurfaceWriteOptions how;
   how.callbacks = options.callbacks;
-  how.materials = {options.materials, path.parent_path()};
+  if (options.materials != nullptr)
+    how.materials = {&options.materials->library, path.parent_path()};
   return write_surface(path, format, surface, how);
 }
 
@@ -238,9 +240,13 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   auto& warnings = result.fitted.warnings;
   warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
 
-  MaterialLibrary materials;
-  if (file.format == FileFormat::Obj && format_of(output) == FileFormat::Obj)
-    materials = MaterialLibrary(input);
+  const FormatInfo& to = info_of(output_format(output, FormatUse::WriteSurface));
+  RawVector<std::byte> bytes;
+  if (info_of(file.format).is_gltf && to.is_gltf) bytes = read_file(input, {});
+  const std::string name = visible(input);
+  const FileMaterials materials =
+      read_materials({.bytes = bytes, .name = name, .path = input}, file.format,
+                     to.format == FileFormat::Obj, to.is_gltf);
   for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
   const SurfaceShares shares(
       {options.level, options.z_up, share_of(callbacks, fit, 1), &materials});

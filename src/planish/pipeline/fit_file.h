@@ -42,13 +42,13 @@ struct FileFit {
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options = {});
 
-class MaterialLibrary;
+struct FileMaterials;
 
 struct SurfaceFileOptions {
   int level = 2;
   bool z_up = false;
   Callbacks callbacks{};
-  const MaterialLibrary* materials = nullptr;  ///< of an OBJ that is written; null: none
+  const FileMaterials* materials = nullptr;  ///< of the file that was read; null: plain ones
 };
 
 /// Writes the surface of a fitted mesh. `name`: of mesh and node in a glTF. Returns the number of

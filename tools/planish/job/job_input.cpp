@@ -120,20 +120,6 @@ bool writes_gltf(const Job& job) {
   });
 }
 
-// Of a glTF. What is wrong with them need not keep its triangles from being read.
-GltfMaterials materials_in(const InputFile& file) {
-  try {
-    const auto asset = asset_of(file.for_reader(), file.format);
-    return asset ? materials_of(*asset) : GltfMaterials{};
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::UnreadableInput) throw;
-    GltfMaterials none;
-    none.warnings.push_back(
-        {"missing-materials", std::string(error.what()) + "; materials are left out"});
-    return none;
-  }
-}
-
 // Whoever has welded, or had sheets separated, knows of vertices at one place.
 void warn_of_torn_vertices(const ReadyFit& ready, JobReport& report, Console& console) {
   const FittedMesh& made = ready.fitted;
@@ -176,11 +162,9 @@ JobInput read_job_input(const Job& job, const InputFile& file, JobReport& report
   } else {
     input = mesh_of(file, callbacks);
     report.input.format = name_of(input.file.format);
-    if (file.format == FileFormat::Obj && !file.path.empty() && writes_obj(job))
-      made.materials = MaterialLibrary(file.path);
-    if (writes_gltf(job)) made.gltf_materials = materials_in(file);
-    for (const auto& warnings : {made.materials.warnings(), made.gltf_materials.warnings})
-      for (const Warning& warning : warnings) add_warning(report, console, warning);
+    made.materials =
+        read_materials(file.for_reader(), file.format, writes_obj(job), writes_gltf(job));
+    for (const Warning& warning : made.materials.warnings()) add_warning(report, console, warning);
     if (const auto cloud = points_of(input)) reconstruct(*cloud);
   }
   if (file.split_normals_crease && input.file.mesh.creases.empty())

@@ -7,8 +7,7 @@
 #include "job/input.h"
 #include "job/job.h"
 #include "planish/core/callbacks.h"
-#include "planish/files/gltf/gltf_materials.h"
-#include "planish/files/obj/material_library.h"
+#include "planish/files/file_materials.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/pipeline/fit_mesh.h"
 
@@ -24,8 +23,7 @@ void add_warning(JobReport& report, Console& console, const Warning& warning);
 struct JobInput {
   Input input;
   std::vector<glm::dvec3> points;  ///< that were used, where the file has them
-  MaterialLibrary materials;       ///< that the file names
-  GltfMaterials gltf_materials;    ///< of a glTF that becomes one mesh
+  FileMaterials materials;         ///< that the file names
   std::optional<Input> source;     ///< where the job names one
   FittedMesh fitted;               ///< the mesh of `input`, once fit_input() has it
   FoldedEdges folds;               ///< of that

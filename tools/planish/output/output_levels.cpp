@@ -50,7 +50,7 @@ SurfaceOutputOptions surface_options(const FittedJob& work) {
   const FittedMesh& fitted = work.made.fitted;
   SurfaceOutputOptions options;
   options.vertices = fitted.mesh.positions;
-  options.materials = &work.made.materials;
+  options.materials = &work.made.materials.library;
   options.given = fitted.points();
   options.gltf.callbacks = callbacks_for(work.report, work.context);
   options.diagonal = fitted.fit.placement.diagonal;
@@ -60,7 +60,7 @@ SurfaceOutputOptions surface_options(const FittedJob& work) {
       job.input == "-" ? job.name : std::filesystem::path(job.input).stem().string();
   options.gltf.name = plain_utf8(stem);
   options.gltf.double_sided = report.input.statistics.boundary_loop_count > 0;
-  options.gltf.materials = &work.made.gltf_materials;
+  options.gltf.materials = &work.made.materials.gltf;
   options.gltf.z_up = job.settings.up == UpAxis::Z;
   options.gltf.origin = storage_origin(fitted.fit.placement);
   options.gltf.extras = fit_extras(fitted.options, fitted.creases(), report.interpolation);

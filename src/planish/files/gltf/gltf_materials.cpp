@@ -99,7 +99,9 @@ void GltfMaterials::apply(json& document, std::string_view folder,
   for (json& material : document["materials"]) {
     const auto found = by_name.find(material.value("name", std::string()));
     if (found == by_name.end()) continue;
+    const bool is_double_sided = !has_sides && material.value("doubleSided", false);
     material = *found->second;
+    if (is_double_sided) material["doubleSided"] = true;
   }
   for (const char* list : {"textures", "samplers", "images"})
     if (lists.contains(list)) document[list] = lists[list];

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +24,7 @@ struct GltfMaterials {
   /// "extensionsRequired".
   nlohmann::json lists = nlohmann::json::object();
   std::vector<GltfImage> images;  ///< one for each of the list
+  bool has_sides = true;  ///< false: "doubleSided" is that of the material whose place they take
   std::vector<Warning> warnings;
 
   [[nodiscard]] bool has(const std::string& name) const;

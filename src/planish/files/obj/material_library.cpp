@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <fstream>
 #include <sstream>
 
@@ -40,16 +41,39 @@ bool names_a_texture(std::string_view keyword) {
   return keyword.starts_with("map_") || std::ranges::find(kOthers, keyword) != kOthers.end();
 }
 
+double number_of(std::string_view word) {
+  double value = 0;
+  (void)std::from_chars(word.data(), word.data() + word.size(), value);
+  return value;
+}
+
+std::string lower_of(std::string_view word) {
+  std::string lower(word);
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
 // Behind the options of a texture, such as -s 1 1 1 and -clamp on, comes its name with its blanks.
-std::string_view texture_of(std::string_view rest) {
+std::string_view texture_of(std::string_view rest, MaterialTexture* texture = nullptr) {
   constexpr std::array<std::string_view, 3> kVectors = {"-s", "-o", "-t"};
   while (rest.starts_with('-')) {
     const std::string_view option = take_word(rest);
     const bool is_vector = std::ranges::find(kVectors, option) != kVectors.end();
-    (void)take_word(rest);
-    for (std::string_view next = rest; (is_vector || option == "-mm") && is_number(take_word(next));
-         rest = next) {
+    std::vector<std::string_view> words{take_word(rest)};
+    for (std::string_view next = rest; is_vector || option == "-mm"; rest = next) {
+      const std::string_view word = take_word(next);
+      if (!is_number(word)) break;
+      words.push_back(word);
     }
+    if (texture == nullptr) continue;
+    if (option == "-s" || option == "-o") {
+      glm::dvec2& vector = option == "-s" ? texture->size : texture->offset;
+      vector.x = number_of(words[0]);
+      if (words.size() > 1) vector.y = number_of(words[1]);
+    }
+    if (option == "-bm") texture->scale = number_of(words[0]);
+    if (option == "-clamp") texture->clamps = words[0] == "on";
   }
   return rest;
 }
@@ -57,11 +81,7 @@ std::string_view texture_of(std::string_view rest) {
 // A line with its texture as it is named from another folder.
 std::string moved_line(const std::string& line, const fs::path& from, const fs::path& to) {
   std::string_view rest = line;
-  const std::string keyword(take_word(rest));
-  std::string lower = keyword;
-  std::ranges::transform(lower, lower.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (!names_a_texture(lower)) return line;
+  if (!names_a_texture(lower_of(take_word(rest)))) return line;
   const std::string_view texture = texture_of(rest);
   std::string name(texture);
   std::ranges::replace(name, '\\', '/');
@@ -116,6 +136,34 @@ void MaterialLibrary::read(const fs::path& obj, const std::string& name) {
       material->lines.push_back(line);
     }
   }
+}
+
+std::vector<std::string> MaterialLibrary::names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, material] : materials_) names.push_back(name);
+  return names;
+}
+
+std::vector<MaterialStatement> MaterialLibrary::parsed(const std::string& name) const {
+  std::vector<MaterialStatement> all;
+  const Material& material = materials_.at(name);
+  for (const std::string& line : material.lines) {
+    std::string_view rest = line;
+    MaterialStatement& statement = all.emplace_back();
+    statement.keyword = lower_of(take_word(rest));
+    if (names_a_texture(statement.keyword)) {
+      std::string file(texture_of(rest, &statement.texture));
+      std::ranges::replace(file, '\\', '/');
+      if (!file.empty()) statement.texture.path = material.folder / file;
+    } else {
+      while (!rest.empty()) {
+        const std::string_view word = take_word(rest);
+        if (!is_number(word)) break;
+        statement.numbers.push_back(number_of(word));
+      }
+    }
+  }
+  return all;
 }
 
 std::string MaterialLibrary::statements(const std::string& material, const fs::path& folder) const {

@@ -24,7 +24,7 @@ constexpr double kErrorShare = 4.0 / 3.0;
 constexpr double kReachShare = 1.0 + 1.0 / 16;
 
 // Whole numbers with a sign: of the filter that float positions are packed by, and of 16 bits.
-constexpr int kMantissaBits = 23, kShortBits = 15;
+constexpr int kPackedBits = 23, kShortBits = 15;
 
 double largest_of(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -82,7 +82,7 @@ TileGrid TileReach::grid(int doublings, const GltfOptions& options) const {
   };
   switch (options.compression) {
     case GltfCompression::Meshopt:
-      return of_bits(kMantissaBits, coarsest);
+      return of_bits(kPackedBits, coarsest);
     case GltfCompression::Quantize:
       if (const TileGrid shorts = of_bits(kShortBits, 0); shorts.step() <= coarsest) return shorts;
       break;

@@ -1,0 +1,81 @@
+// Materials of an OBJ in a glTF.
+#include "planish/files/gltf/mtl_to_gltf.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "files/gltf/asset_sample.h"
+#include "support/temporary_folder.h"
+
+namespace planish {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class MtlToGltf : public testing::Test {
+ protected:
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_.path() / name, std::ios::binary) << text;
+  }
+  [[nodiscard]] GltfMaterials converted(const std::string& mtl) const {
+    write("a.obj", "mtllib a.mtl\n");
+    write("a.mtl", mtl);
+    return materials_of(MaterialLibrary(folder_.path() / "a.obj"));
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(MtlToGltf, FactorsAreThoseOfThePhysicalModel) {
+  const GltfMaterials made = converted(
+      "newmtl glass\nKd 0.2 0.4 0.9\nd 0.5\nKe 0 4 1\nNs 250\n"
+      "newmtl metal\nKd 2 nan -1\nTr 0\nPr 0.3\nPm 1\nNs 250\nnewmtl bare\n");
+  EXPECT_EQ(made.lists["materials"], json::parse(R"([
+    {"name": "bare", "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.5}},
+    {"name": "glass", "alphaMode": "BLEND", "emissiveFactor": [0.0, 1.0, 0.25],
+     "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4.0}},
+     "pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.4, 0.9, 0.5], "metallicFactor": 0.0,
+                              "roughnessFactor": 0.5}},
+    {"name": "metal", "pbrMetallicRoughness": {"metallicFactor": 1.0, "roughnessFactor": 0.3}}])"));
+  EXPECT_EQ(made.lists["extensionsUsed"], json::parse(R"(["KHR_materials_emissive_strength"])"));
+  EXPECT_THAT(made.warnings, IsEmpty());
+}
+
+// u and v of the file are size * u + offset, v upwards.
+TEST_F(MtlToGltf, TexturesComeWithTheirPlacesEachImageOnce) {
+  write("a b.png", test::AssetSample::image());
+  const GltfMaterials made = converted(
+      "newmtl a\nKd 0 0 0\nmap_Kd -s 4 2 1 -o 0.5 0.25 -clamp on a b.png\n"
+      "map_Bump -bm 0.5 a b.png\nnewmtl b\nmap_Ke .\\a b.png\nnorm a b.png\n");
+  const json& a = made.lists["materials"][0];
+  const json color = a["pbrMetallicRoughness"]["baseColorTexture"];
+  EXPECT_FALSE(a["pbrMetallicRoughness"].contains("baseColorFactor")) << "white";
+  EXPECT_EQ(color["extensions"]["KHR_texture_transform"],
+            json::parse(R"({"scale": [4.0, 2.0], "offset": [0.5, -1.25]})"));
+  const json texture = made.lists["textures"][color["index"].get<std::size_t>()];
+  EXPECT_EQ(made.lists["samplers"][texture["sampler"].get<std::size_t>()]["wrapS"], 33071);
+  EXPECT_EQ(a["normalTexture"]["scale"], 0.5);
+  const json& b = made.lists["materials"][1];
+  EXPECT_EQ(b["emissiveFactor"], json::parse("[1.0, 1.0, 1.0]"));
+  EXPECT_EQ(b["normalTexture"]["index"], b["emissiveTexture"]["index"]);
+  ASSERT_EQ(made.images.size(), 1U);
+  EXPECT_EQ(made.images[0].bytes.size(), test::AssetSample::image().size());
+  EXPECT_EQ(made.image_name(0), "0.png");
+}
+
+TEST_F(MtlToGltf, WhatGltfCannotHoldIsSaid) {
+  write("a.tga", "not a PNG");
+  const GltfMaterials made = converted("newmtl a\nmap_Kd a.tga\nmap_Ke gone.png\nmap_d\n");
+  EXPECT_FALSE(made.lists.contains("textures"));
+  EXPECT_THAT(made.images, IsEmpty());
+  ASSERT_EQ(made.warnings.size(), 1U);
+  EXPECT_EQ(made.warnings[0].code, "left-out-textures");
+  EXPECT_EQ(made.warnings[0].count, 2);
+  EXPECT_THAT(made.warnings[0].message, HasSubstr("a.tga"));
+}
+
+}  // namespace
+}  // namespace planish
