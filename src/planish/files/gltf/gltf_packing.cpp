@@ -12,6 +12,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/parallel.h"
+#include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/packed_numbers.h"
 #include "planish/files/gltf/stored_position.h"
 #include "planish/files/gltf/strip_order.h"
