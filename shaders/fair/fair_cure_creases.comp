@@ -67,8 +67,7 @@ vec3 as_view(vec3 v, vec3 otherwise) {
 #include "fair_best_view.glsl"
 
 // Where the convex hull of the edges' directions crosses the line across the curve, the farther of
-// the two times; 0 where they all lie to one side. From any edge on either side to those farthest
-// beyond the line between them, until there is none: a few walks in any valence.
+// the two times; 0 where they all lie to one side. Of unit vectors those nearest to the line make it.
 float highest_across() {
   vec2 right = vec2(-1.0), left = vec2(1.0);  // none
   for (uint i = 0u; i <= sector.count; ++i) {
@@ -77,26 +76,7 @@ float highest_across() {
     if (edge.x < 0.0 && (left.x >= 0.0 || edge.y > left.y)) left = edge;
   }
   if (right.x < 0.0 || left.x >= 0.0) return 0.0;
-  float highest = (right.x * left.y - left.x * right.y) / (right.x - left.x);
-  for (uint walk = 0u; walk <= sector.count; ++walk) {
-    float slope = (right.y - left.y) / (right.x - left.x);
-    float far_right = right.y - slope * right.x, far_left = left.y - slope * left.x;
-    for (uint i = 0u; i <= sector.count; ++i) {
-      vec2 edge = edge_direction(i);
-      float height = edge.y - slope * edge.x;
-      if (edge.x >= 0.0 && height > far_right) {
-        far_right = height;
-        right = edge;
-      } else if (edge.x < 0.0 && height > far_left) {
-        far_left = height;
-        left = edge;
-      }
-    }
-    float higher = (right.x * left.y - left.x * right.y) / (right.x - left.x);
-    if (!(higher > highest)) break;
-    highest = higher;
-  }
-  return max(highest, 0.0);
+  return max((right.x * left.y - left.x * right.y) / (right.x - left.x), 0.0);
 }
 
 // The normal of the sector's plane: its faces', about the curve by the angle that is to be chosen where

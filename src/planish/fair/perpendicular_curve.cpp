@@ -29,16 +29,16 @@ constexpr double kFullRise = 0.4;
 constexpr double kAcrossShare = 0.5;
 
 // Where the convex hull of the edges' directions crosses the line across the curve, the farther of
-// the two times; 0 where they all lie to one side.
+// the two times; 0 where they all lie to one side. Of unit vectors those nearest to the line make
+// it.
 double highest_across(std::span<const dvec2> edges) {
-  double highest = 0;
-  for (const dvec2& a : edges) {
-    if (a.x < 0) continue;
-    for (const dvec2& b : edges) {
-      if (b.x < 0) highest = std::max(highest, (a.x * b.y - b.x * a.y) / (a.x - b.x));
-    }
+  const dvec2 *right = nullptr, *left = nullptr;
+  for (const dvec2& edge : edges) {
+    const dvec2*& side = edge.x < 0 ? left : right;
+    if (!side || edge.y > side->y) side = &edge;
   }
-  return highest;
+  if (!right || !left) return 0;
+  return std::max(0.0, (right->x * left->y - left->x * right->y) / (right->x - left->x));
 }
 
 // Weights with sum s_i edges[i] across the curve; returns how far they are to be used. Needles lie
