@@ -3,12 +3,14 @@
 // vertex over the edges that leave it, since the normals are exact at vertices.
 #include "planish/surface/normal_curvatures.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "planish/core/group_by.h"
 #include "planish/core/parallel.h"
+#include "planish/core/work.h"
 
 namespace planish {
 namespace {
@@ -17,10 +19,21 @@ namespace {
 // of unit size, so the determinant of a full set is of order 1.
 constexpr double kOpenForm = 1e-9;
 
-Groups<std::int32_t> faces_by_vertex(const SurfaceMesh& surface) {
-  return group_by<std::int32_t>(surface.positions.size(), [&](const auto& take) {
-    for (std::int64_t f = 0; f < surface.face_count(); ++f)
-      for (const std::int32_t v : surface.face(f)) take(v, static_cast<std::int32_t>(f));
+// Of a large face's other corners so many are asked, evenly spaced: all of them for each of them
+// would take the square of its size.
+constexpr std::size_t kMostOthers = 32;
+
+struct FaceCorner {
+  std::int32_t face, place;
+};
+
+Groups<FaceCorner> corners_by_vertex(const SurfaceMesh& surface) {
+  return group_by<FaceCorner>(surface.positions.size(), [&](const auto& take) {
+    for (std::int64_t f = 0; f < surface.face_count(); ++f) {
+      std::int32_t place = 0;
+      for (const std::int32_t v : surface.face(f))
+        take(v, FaceCorner{static_cast<std::int32_t>(f), place++});
+    }
   });
 }
 
@@ -60,23 +73,34 @@ struct FormFit {
   }
 };
 
-std::array<double, 3> form_at(const SurfaceMesh& surface, std::int32_t vertex,
-                              std::span<const std::int32_t> faces) {
+std::array<double, 3> form_at(const SurfaceMesh& surface, std::size_t vertex,
+                              std::span<const FaceCorner> corners, std::int64_t& asked) {
   const glm::dvec3 normal(surface.normals[vertex]);
   const Tangents tangents = tangents_of(normal);
   FormFit fit;
-  for (const std::int32_t f : faces) {
+  const auto add = [&](std::int32_t other) {
+    const glm::dvec3 along = surface.positions[other] - surface.positions[vertex];
+    const double square = glm::dot(along, along);
+    double x = glm::dot(along, tangents.u), y = glm::dot(along, tangents.v);
+    const double length = std::hypot(x, y);
+    if (!(length > 0)) return;
+    x /= length;
+    y /= length;
+    fit.add(x, y, glm::dot(glm::dvec3(surface.normals[other]) - normal, along) / square);
+  };
+  for (const auto& [f, place] : corners) {
     // The other corners of a quad: both neighbours, and the diagonal, without which a grid's two
     // directions would leave the mixed term open.
-    for (const std::int32_t other : surface.face(f)) {
-      const glm::dvec3 along = surface.positions[other] - surface.positions[vertex];
-      const double square = glm::dot(along, along);
-      double x = glm::dot(along, tangents.u), y = glm::dot(along, tangents.v);
-      const double length = std::hypot(x, y);
-      if (!(length > 0)) continue;
-      x /= length;
-      y /= length;
-      fit.add(x, y, glm::dot(glm::dvec3(surface.normals[other]) - normal, along) / square);
+    const auto face = surface.face(f);
+    const std::size_t others = face.size() - 1;
+    asked += static_cast<std::int64_t>(std::min(others, kMostOthers));
+    if (others <= kMostOthers) {
+      for (const std::int32_t other : face) add(other);
+      continue;
+    }
+    for (std::size_t k = 0; k < kMostOthers; ++k) {
+      const std::size_t way = 1 + k * (others - 1) / (kMostOthers - 1);
+      add(face[(static_cast<std::size_t>(place) + way) % face.size()]);
     }
   }
   return fit.solve();
@@ -85,14 +109,18 @@ std::array<double, 3> form_at(const SurfaceMesh& surface, std::int32_t vertex,
 }  // namespace
 
 Curvatures curvatures_of_normals(const SurfaceMesh& surface) {
-  const Groups<std::int32_t> faces = faces_by_vertex(surface);
+  const Groups<FaceCorner> corners = corners_by_vertex(surface);
   Curvatures result;
   result.mean.resize(surface.positions.size());
   result.gaussian.resize(surface.positions.size());
-  parallel_each(surface.positions.size(), [&](std::size_t v) {
-    const auto [e, f, g] = form_at(surface, static_cast<std::int32_t>(v), faces.of(v));
-    result.mean[v] = static_cast<float>((e + g) / 2);
-    result.gaussian[v] = static_cast<float>(e * g - f * f);
+  parallel_for(surface.positions.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    std::int64_t asked = 0;
+    for (std::size_t v = begin; v < end; ++v) {
+      const auto [e, f, g] = form_at(surface, v, corners.of(v), asked);
+      result.mean[v] = static_cast<float>((e + g) / 2);
+      result.gaussian[v] = static_cast<float>(e * g - f * f);
+    }
+    count_work(Work::Pairs, asked);
   });
   return result;
 }
