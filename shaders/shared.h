@@ -191,17 +191,28 @@ struct PlaceParameters {
   uint position, normal, du, dv, duu, duv, dvv, state;  // from a target's start
 };
 
+// What a dispatch of first_step makes: the points of faces' corners, a lane each; those of large
+// faces, a work group a face; those beside sharp edges and at corner vertices.
+PLANISH_SHARED_CONSTANT kStepFaces = 0u;
+PLANISH_SHARED_CONSTANT kStepLargeFaces = 1u;
+PLANISH_SHARED_CONSTANT kStepSharp = 2u;
+// Faces of so many corners are large: kSummedRing of patches/ring_sums.h.
+PLANISH_SHARED_CONSTANT kStepLargeFace = 32u;
+// A large face's words: its first corner, its size, where cosine and sine of each corner begin.
+PLANISH_SHARED_CONSTANT kLargeFaceWords = 3u;
+
 // Push constants of first_step.
 struct FirstStepParameters {
-  uint count;
+  uint count;         // of points, or of large faces
   uint first_point;   // of the state, that lane 0 does
   uint first_corner;  // that the windows of links and vertices begin with
   uint first_vertex;  // that the windows of points begin with
   uint first_target;  // of the state, that the target's window begins with
-  uint first_word;    // of the sharp points
+  uint first_word;    // of the sharp points or large faces
   // From an instance to the next: points of the state, given points.
   uint instance_points;
   uint instance_rows;
+  float own, beside, mean, turn;  // FaceSumRule of doosabin/face_rule.h
 };
 
 // A large ring, of kRingWords words: where the places of its points in the state begin, their

@@ -6,8 +6,7 @@
 #include "read.glsl"
 
 layout(local_size_x = 64) in;
-// The points beside sharp edges and at corner vertices, or those of the faces' corners.
-layout(constant_id = 3) const uint kIsSharp = 0u;
+layout(constant_id = 3) const uint kStep = kStepFaces;
 layout(push_constant) uniform Parameters { FirstStepParameters parameters; };
 
 READ(0, uint, words)
@@ -30,47 +29,102 @@ vec3 origin_of(uint vertex) {
       .xyz;
 }
 
-// The words begin with the place of each size's weights.
-vec3 of_face(uint corner, vec3 origin) {
+void write_point(uint point, uint vertex, vec3 offset) {
+  state[gl_WorkGroupID.y * parameters.instance_points + (point - parameters.first_target)] =
+      vec4(offset, uintBitsToFloat(vertex | kVertexTag));
+}
+
+uint vertex_of(uint corner) { return vertices_at(corner - parameters.first_corner); }
+
+// The words begin with the place of each size's weights. Large faces are left to others.
+void step_corner(uint corner) {
   uint size = 0u;
-  for (uint c = corner;;) {
+  uint vertex = vertex_of(corner);
+  for (uint c = corner; size < kStepLargeFace;) {
     ++size;
     c = next_corner(c);
     if (c == corner) break;
   }
+  if (size == kStepLargeFace) return;
   uint weight = words_at(size);
+  vec3 origin = origin_of(vertex);
   vec3 sum = vec3(0.0);
+  uint c = corner;
   for (uint i = 0u; i < size; ++i) {
-    sum += uintBitsToFloat(words_at(weight + i)) *
-           from(origin, vertices_at(corner - parameters.first_corner));
-    corner = next_corner(corner);
+    sum += uintBitsToFloat(words_at(weight + i)) * from(origin, vertex_of(c));
+    c = next_corner(c);
   }
-  return sum;
+  write_point(corner, vertex, sum);
 }
 
-// Pairs of a vertex and its weight.
-vec3 of_list(uint first, uint end, vec3 origin) {
+// Each point's vertex and where its pairs of a vertex and its weight begin.
+void step_sharp(uint point, uint head) {
+  uint vertex = words_at(head);
+  vec3 origin = origin_of(vertex);
   vec3 sum = vec3(0.0);
-  for (uint i = first; i < end; i += 2u)
+  for (uint i = words_at(head + 1u); i < words_at(head + 3u); i += 2u)
     sum += uintBitsToFloat(words_at(i + 1u)) * from(origin, words_at(i));
-  return sum;
+  write_point(point, vertex, sum);
+}
+
+const uint kStepLanes = 64u;
+shared vec3 means[kStepLanes], evens[kStepLanes], odds[kStepLanes];
+
+vec2 turn_at(uint place, uint i) {
+  return vec2(uintBitsToFloat(words_at(place + 2u * i)),
+              uintBitsToFloat(words_at(place + 2u * i + 1u)));
+}
+
+// refine_large_face() of patches/first_step.cpp.
+void step_large_face(uint head, uint lane) {
+  uint first = words_at(head), size = words_at(head + 1u), turns = words_at(head + 2u);
+  vec3 origin = origin_of(vertex_of(first));
+  precise vec3 mean = vec3(0.0), even = vec3(0.0), odd = vec3(0.0);
+  for (uint i = lane; i < size; i += kStepLanes) {
+    vec3 x = from(origin, vertex_of(first + i));
+    vec2 turn = turn_at(turns, i);
+    mean += x;
+    even += turn.x * x;
+    odd += turn.y * x;
+  }
+  means[lane] = mean, evens[lane] = even, odds[lane] = odd;
+  for (uint half_count = kStepLanes / 2u; half_count > 0u; half_count /= 2u) {
+    barrier();
+    if (lane < half_count) {
+      means[lane] += means[lane + half_count];
+      evens[lane] += evens[lane + half_count];
+      odds[lane] += odds[lane + half_count];
+    }
+  }
+  barrier();
+  float share = 1.0 / float(size), swing = 2.0 * parameters.turn * share;
+  mean = means[0] * share, even = evens[0] * swing, odd = odds[0] * swing;
+  for (uint i = lane; i < size; i += kStepLanes) {
+    uint vertex = vertex_of(first + i);
+    uint before = vertex_of(first + (i == 0u ? size : i) - 1u);
+    uint after = vertex_of(first + (i + 1u == size ? 0u : i + 1u));
+    vec3 own = origin_of(vertex);
+    vec2 turn = turn_at(turns, i);
+    precise vec3 offset = parameters.own * from(own, vertex) +
+                          parameters.beside * (from(own, before) + from(own, after)) +
+                          parameters.mean * (mean - (own - origin)) +
+                          (turn.x * even + turn.y * odd);
+    write_point(first + i, vertex, offset);
+  }
+  // Before the next face's sums take their places.
+  barrier();
 }
 
 void main() {
+  if (kStep == kStepLargeFaces) {
+    for (uint face = gl_WorkGroupID.x; face < parameters.count; face += gl_NumWorkGroups.x)
+      step_large_face(parameters.first_word + kLargeFaceWords * face, gl_LocalInvocationIndex);
+    return;
+  }
   uint i = gl_GlobalInvocationID.x;
   if (i >= parameters.count) return;
-  uint point = parameters.first_point + i;
-  uint vertex;
-  vec3 offset;
-  if (kIsSharp != 0u) {
-    // Each one's vertex and where its pairs begin.
-    uint head = parameters.first_word + 2u * i;
-    vertex = words_at(head);
-    offset = of_list(words_at(head + 1u), words_at(head + 3u), origin_of(vertex));
-  } else {
-    vertex = vertices_at(point - parameters.first_corner);
-    offset = of_face(point, origin_of(vertex));
-  }
-  state[gl_WorkGroupID.y * parameters.instance_points + (point - parameters.first_target)] =
-      vec4(offset, uintBitsToFloat(vertex | kVertexTag));
+  if (kStep == kStepSharp)
+    step_sharp(parameters.first_point + i, parameters.first_word + 2u * i);
+  else
+    step_corner(parameters.first_point + i);
 }

@@ -4,12 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <set>
 
 #include "patches/patch_oracle.h"
+#include "planish/core/work.h"
 #include "planish/patches/first_step.h"
 #include "planish/patches/patch_form.h"
 #include "planish/patches/patch_templates.h"
@@ -128,6 +130,37 @@ void expect_same(BothWays& c, const PatchPlace& whole, const PatchPlace& summed,
     ASSERT_LT(glm::length(a[0] - b[0]), kSamePosition) << where << ", sample " << i;
     expect_same_normal(glm::cross(b[1], b[2]), glm::cross(a[1], a[2]), where);
   }
+}
+
+// Large faces of a cage by their sums, against the rule as it is written.
+TEST(FirstStep, OfLargeFacesIsTheirRules) {
+  for (const Weights weights : {Weights::DooSabin, Weights::Averaged}) {
+    for (const std::int32_t size : {31, 32, 33, 500}) {
+      PolygonMesh mesh = fan(5, 2 * kPi, size, 15);
+      for (glm::dvec3& p : mesh.positions) p += glm::dvec3(30);
+      const PatchCase c(mesh, weights, {}, 0);
+      const auto state = first_step(c.patches, weights, mesh.positions);
+      const std::vector<double> rule = face_weights(weights, size);
+      for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+        const auto face = mesh.face(f);
+        for (std::int32_t i = 0; i < size; ++i) {
+          glm::dvec3 expected(0.0);
+          for (std::int32_t j = 0; j < size; ++j)
+            expected += rule[j] * mesh.positions[face[(i + j) % size]];
+          ASSERT_LT(glm::length(state[f * size + i] - expected), 1e-13) << size << " " << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(FirstStep, TakesTimeOfTheCorners) {
+  const PatchCase c(prism(3000), Weights::DooSabin, {}, 0);
+  const std::atomic<std::int64_t>& pairs = work_counts[static_cast<std::size_t>(Work::Pairs)];
+  const std::int64_t before = pairs;
+  (void)first_step(c.patches, Weights::DooSabin, c.mesh.positions);
+  EXPECT_LE(pairs - before, 4 * c.topology.corner_count());
+  EXPECT_GE(pairs - before, 4 * 12'000);
 }
 
 TEST(RingSums, GiveThePatchesOfAllPoints) {

@@ -21,6 +21,20 @@ enum class Weights {
 /// Source: Doo & Sabin 1978; the paper, equation (1).
 [[nodiscard]] std::vector<double> face_weights(Weights weights, std::int32_t m);
 
+/// The same for large faces, in time of their corners: with M the mean of the corners and C, S
+/// their first Fourier pair, 2/m sum_j cos(2 pi j / m) P_j and likewise with sines,
+///
+///   X_i = own P_i + beside (P_(i-1) + P_(i+1)) + mean M + turn (cos(2 pi i / m) C + sin(...) S)
+///
+/// for any m >= 3. A derivation of our own.
+struct FaceSumRule {
+  double own, beside, mean, turn;
+};
+[[nodiscard]] constexpr FaceSumRule face_sum_rule(Weights weights) {
+  return weights == Weights::Averaged ? FaceSumRule{0.5, 0.125, 0.25, 0}
+                                      : FaceSumRule{0.25, 0, 0.75, 0.25};
+}
+
 /// c_m of all sizes, those that meshes have many of made once.
 class FaceWeights {
  public:

@@ -2,9 +2,13 @@
 // equation (1). Curve points: the uniform quadratic B-spline of a sharp polyline.
 #include "planish/patches/first_step.h"
 
+#include <cmath>
+#include <glm/vec2.hpp>
+#include <numbers>
 #include <vector>
 
 #include "planish/core/parallel.h"
+#include "planish/core/work.h"
 
 namespace planish {
 
@@ -29,6 +33,37 @@ void refine_face(std::span<const std::int32_t> vertices, std::span<const double>
       sum += c[j] * points[vertices[i + j < m ? i + j : i + j - m]];
     }
     result[i] = sum;
+  }
+}
+
+// About one of the corners: far from the origin sums would lose digits.
+void refine_large_face(std::span<const std::int32_t> vertices, const FaceSumRule& rule,
+                       std::span<const glm::dvec3> points, glm::dvec3* result) {
+  const std::size_t m = vertices.size();
+  const glm::dvec3 origin = points[vertices[0]];
+  const double step = 2 * std::numbers::pi / static_cast<double>(m);
+  const auto turn = [&](std::size_t i) {
+    const double angle = step * static_cast<double>(i);
+    return glm::dvec2(std::cos(angle), std::sin(angle));
+  };
+  glm::dvec3 mean(0.0), even(0.0), odd(0.0);
+  for (std::size_t i = 0; i < m; ++i) {
+    const glm::dvec3 p = points[vertices[i]] - origin;
+    const glm::dvec2 at = turn(i);
+    mean += p;
+    even += at.x * p;
+    odd += at.y * p;
+  }
+  const double share = 1 / static_cast<double>(m);
+  mean *= rule.mean * share;
+  even *= 2 * rule.turn * share;
+  odd *= 2 * rule.turn * share;
+  for (std::size_t i = 0; i < m; ++i) {
+    const glm::dvec3 p = points[vertices[i]] - origin;
+    const glm::dvec3 beside = (points[vertices[i == 0 ? m - 1 : i - 1]] - origin) +
+                              (points[vertices[i + 1 == m ? 0 : i + 1]] - origin);
+    const glm::dvec2 at = turn(i);
+    result[i] = origin + (rule.own * p + rule.beside * beside + mean + (at.x * even + at.y * odd));
   }
 }
 
@@ -59,21 +94,29 @@ RawVector<glm::dvec3> first_step(const PatchMesh& mesh, Weights weights,
   const MeshTopology& topology = mesh.topology();
   const FaceWeights face_weights(weights);
   RawVector<glm::dvec3> state(static_cast<std::size_t>(mesh.point_count()));
-  parallel_for(
-      static_cast<std::size_t>(topology.face_count()), 4096,
-      [&](std::size_t begin, std::size_t end) {
-        std::vector<double> scratch;
-        for (auto f = static_cast<std::int32_t>(begin); f < static_cast<std::int32_t>(end); ++f) {
-          const auto vertices = topology.face(f);
-          const auto c = face_weights.of(static_cast<std::int32_t>(vertices.size()), scratch);
-          glm::dvec3* result = state.data() + topology.first_corner(f);
-          if (vertices.size() == 4) {
-            refine_quad(vertices, c, points, result);
-          } else {
-            refine_face(vertices, c, points, result);
-          }
-        }
-      });
+  parallel_for(static_cast<std::size_t>(topology.face_count()), 4096,
+               [&](std::size_t begin, std::size_t end) {
+                 std::vector<double> scratch;
+                 std::int64_t pairs = 0;
+                 for (auto f = static_cast<std::int32_t>(begin); f < static_cast<std::int32_t>(end);
+                      ++f) {
+                   const auto vertices = topology.face(f);
+                   const auto size = static_cast<std::int32_t>(vertices.size());
+                   glm::dvec3* result = state.data() + topology.first_corner(f);
+                   if (size >= kSummedRing) {
+                     refine_large_face(vertices, face_sum_rule(weights), points, result);
+                     continue;
+                   }
+                   pairs += std::int64_t{size} * size;
+                   const auto c = face_weights.of(size, scratch);
+                   if (size == 4) {
+                     refine_quad(vertices, c, points, result);
+                   } else {
+                     refine_face(vertices, c, points, result);
+                   }
+                 }
+                 count_work(Work::Pairs, pairs);
+               });
   const SharpFeatures& features = mesh.features();
   if (features.sharp_edge_count > 0) {
     for (std::int32_t e = 0; e < topology.edge_count(); ++e) {

@@ -2,6 +2,8 @@
 // equation (1), in differences between neighbours; its twin is patches/first_step.cpp.
 #include "planish/vulkan/evaluate/gpu_first_step.h"
 
+#include <algorithm>
+
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/tables/table_slices.h"
 
@@ -25,19 +27,25 @@ GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const S
   for (const StepSlice& slice : tables.slices) {
     const std::int64_t shift = slice.points.first % kStepLanes;
     const IndexWindow target{slice.points.first - shift, slice.points.count + shift};
-    const std::uint32_t constants[] = {slice.is_sharp ? 1u : 0u};
+    const std::uint32_t constants[] = {slice.kind};
     Dispatch& dispatch = dispatches_.emplace_back();
     dispatch.pipeline = context.pipelines().specialised(Kernel::FirstStep, constants);
     shared::FirstStepParameters& parameters = dispatch.parameters;
-    parameters.count = static_cast<std::uint32_t>(slice.points.count);
+    parameters.count = slice.count;
     parameters.first_point = static_cast<std::uint32_t>(slice.points.first);
     parameters.first_corner = static_cast<std::uint32_t>(slice.corners.first);
     parameters.first_vertex = static_cast<std::uint32_t>(slice.vertices.first);
     parameters.first_target = static_cast<std::uint32_t>(target.first);
-    parameters.first_word = tables.first_sharp_word;
+    parameters.first_word = slice.first_word;
     parameters.instance_points = static_cast<std::uint32_t>(instances.stride(point_count));
     parameters.instance_rows = static_cast<std::uint32_t>(instances.stride(vertex_count));
-    dispatch.groups = (parameters.count + kStepLanes - 1) / kStepLanes;
+    parameters.own = static_cast<float>(tables.rule.own);
+    parameters.beside = static_cast<float>(tables.rule.beside);
+    parameters.mean = static_cast<float>(tables.rule.mean);
+    parameters.turn = static_cast<float>(tables.rule.turn);
+    dispatch.groups = slice.kind == shared::kStepLargeFaces
+                          ? std::min(slice.count, context.max_group_count())
+                          : (slice.count + kStepLanes - 1) / kStepLanes;
     bound.push_back(
         {Kernel::FirstStep,
          {whole(tables.words),

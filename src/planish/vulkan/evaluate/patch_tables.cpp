@@ -53,7 +53,7 @@ PatchTables::PatchTables(Context& context, const PatchRecords& records, std::int
 
 StepTables::StepTables(Context& context, const StepRecords& records)
     : slices(records.slices),
-      first_sharp_word(records.first_sharp_word),
+      rule(records.rule),
       vertices(make_windowed(context, records.vertices, "planish corner vertices")),
       words(
           make_patch_buffer(context, records.words, sizeof(std::uint32_t), "planish step words")) {}

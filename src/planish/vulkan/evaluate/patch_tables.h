@@ -42,7 +42,7 @@ struct StepTables {
   StepTables(Context& context, const StepRecords& records);
 
   std::vector<StepSlice> slices;
-  std::uint32_t first_sharp_word;
+  FaceSumRule rule;
   Buffer vertices, words;
 
   template <class Take>

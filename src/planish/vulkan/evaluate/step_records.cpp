@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <map>
+#include <numbers>
 #include <set>
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/patches/ring_sums.h"
 
 namespace planish::vulkan {
 
@@ -23,9 +27,16 @@ IndexWindow from_a_multiple(const IndexWindow& window) {
   return {window.first - shift, window.count + shift};
 }
 
+static_assert(shared::kStepLargeFace == kSummedRing);
+
+bool is_large(const MeshTopology& topology, std::int32_t face) {
+  return topology.face_size(face) >= kSummedRing;
+}
+
 void add_weights(const MeshTopology& topology, Weights weights, std::vector<std::uint32_t>& words) {
   std::set<std::int32_t> sizes;
-  for (std::int32_t f = 0; f < topology.face_count(); ++f) sizes.insert(topology.face_size(f));
+  for (std::int32_t f = 0; f < topology.face_count(); ++f)
+    if (!is_large(topology, f)) sizes.insert(topology.face_size(f));
   if (sizes.empty()) return;
   const FaceWeights rule(weights);
   std::vector<double> scratch;
@@ -36,10 +47,31 @@ void add_weights(const MeshTopology& topology, Weights weights, std::vector<std:
   }
 }
 
+// Returns where the faces' words begin.
+std::uint32_t add_large_faces(const MeshTopology& topology, std::vector<std::uint32_t>& words) {
+  std::map<std::int32_t, std::uint32_t> turns;  // by size
+  std::vector<std::int32_t> faces;
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    if (!is_large(topology, f)) continue;
+    faces.push_back(f);
+    const std::int32_t size = topology.face_size(f);
+    if (!turns.try_emplace(size, static_cast<std::uint32_t>(words.size())).second) continue;
+    const double step = 2 * std::numbers::pi / size;
+    for (std::int32_t i = 0; i < size; ++i)
+      for (const double part : {std::cos(step * i), std::sin(step * i)})
+        words.push_back(float_bits(part));
+  }
+  const auto first = static_cast<std::uint32_t>(words.size());
+  for (const std::int32_t f : faces) {
+    const std::int32_t size = topology.face_size(f);
+    words.insert(words.end(), {static_cast<std::uint32_t>(topology.first_corner(f)),
+                               static_cast<std::uint32_t>(size), turns.at(size)});
+  }
+  return first;
+}
+
 void add_sharp(const StencilView<double>& rows, std::span<const std::int32_t> owners,
-               StepRecords& records) {
-  std::vector<std::uint32_t>& words = records.words;
-  records.first_sharp_word = static_cast<std::uint32_t>(words.size());
+               std::vector<std::uint32_t>& words) {
   auto pair = static_cast<std::uint32_t>(words.size() + 2 * rows.row_count() + 2);
   for (std::int32_t row = 0; row < rows.row_count(); ++row) {
     words.push_back(static_cast<std::uint32_t>(owners[row]));
@@ -68,21 +100,30 @@ void require_fit(const StepSlice& slice, const PatchLimits& limits) {
   const std::int64_t most =
       std::max({slice.points.count, slice.corners.count, slice.vertices.count}) + kSliceLanes;
   throw Error(ErrorCode::OutOfMemory,
-              std::string(slice.is_sharp ? "the points beside sharp edges" : "a face's points") +
+              std::string(slice.kind == shared::kStepSharp ? "the points beside sharp edges"
+                                                           : "a face's points") +
                   " span " + std::to_string(most * static_cast<std::int64_t>(kStepPointBytes)) +
                   " bytes of one binding, but maxStorageBufferRange is " +
                   std::to_string(limits.max_range) + " and maxTexelBufferElements " +
                   std::to_string(limits.max_elements) + "; use --device cpu or a smaller mesh");
 }
 
-void cut_faces(const MeshTopology& topology, const PatchLimits& limits,
-               std::vector<StepSlice>& slices) {
+// Of the small faces, or of the large ones, whose words begin at `word`.
+void cut_faces(const MeshTopology& topology, const PatchLimits& limits, std::uint32_t kind,
+               std::uint32_t word, std::vector<StepSlice>& slices) {
+  const bool of_large = kind == shared::kStepLargeFaces;
   StepSlice slice;
   for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    if (is_large(topology, f) != of_large) continue;
     StepSlice face;
+    face.kind = kind;
+    face.first_word = word;
+    face.count = 1;
+    if (of_large) word += shared::kLargeFaceWords;
     face.points = {topology.first_corner(f), topology.face_size(f)};
     for (const std::int32_t vertex : topology.face(f)) face.vertices.take(vertex);
-    StepSlice longer = slice;
+    StepSlice longer = slice.count > 0 ? slice : face;
+    longer.count = slice.count + 1;
     longer.points = longer.corners = slice.points.joined(face.points);
     longer.vertices = slice.vertices.joined(face.vertices);
     if (slice.points.count > 0 && !slice_fits(longer, limits)) {
@@ -94,6 +135,9 @@ void cut_faces(const MeshTopology& topology, const PatchLimits& limits,
     if (slice.points.count == face.points.count) require_fit(slice, limits);
   }
   if (slice.points.count > 0) slices.push_back(slice);
+  if (of_large) return;
+  for (StepSlice& of_points : slices)
+    of_points.count = static_cast<std::uint32_t>(of_points.points.count);
 }
 
 }  // namespace
@@ -106,13 +150,18 @@ StepRecords step_records(const PatchMesh& mesh, Weights weights,
   for (std::int32_t c = 0; c < topology.corner_count(); ++c)
     records.vertices.push_back(static_cast<std::uint32_t>(topology.vertex_of(c)));
   add_weights(topology, weights, records.words);
-  cut_faces(topology, limits, records.slices);
+  cut_faces(topology, limits, shared::kStepFaces, 0, records.slices);
+  const std::uint32_t large = add_large_faces(topology, records.words);
+  cut_faces(topology, limits, shared::kStepLargeFaces, large, records.slices);
+  records.rule = face_sum_rule(weights);
   if (sharp_rows.row_count() > 0) {
     const std::vector<std::int32_t> owners = state_owners(mesh);
-    add_sharp(sharp_rows, std::span(owners).subspan(mesh.first_sharp()), records);
     StepSlice slice;
-    slice.is_sharp = true;
+    slice.kind = shared::kStepSharp;
+    slice.count = static_cast<std::uint32_t>(sharp_rows.row_count());
+    slice.first_word = static_cast<std::uint32_t>(records.words.size());
     slice.points = {mesh.first_sharp(), sharp_rows.row_count()};
+    add_sharp(sharp_rows, std::span(owners).subspan(mesh.first_sharp()), records.words);
     for (const std::int32_t vertex : sharp_rows.indices) slice.vertices.take(vertex);
     require_fit(slice, limits);
     records.slices.push_back(slice);

@@ -13,19 +13,22 @@ namespace planish::vulkan {
 /// Points of the state of level 1 that one dispatch makes, with what its bindings must span.
 /// Windows begin at multiples of 64.
 struct StepSlice {
-  bool is_sharp = false;
-  IndexWindow points;    ///< that are made
-  IndexWindow corners;   ///< of the faces that are read
-  IndexWindow vertices;  ///< of the mesh
+  std::uint32_t kind = shared::kStepFaces;
+  std::uint32_t count = 0;       ///< of points, or of large faces
+  std::uint32_t first_word = 0;  ///< of the sharp points or large faces
+  IndexWindow points;            ///< that are made
+  IndexWindow corners;           ///< of the faces that are read
+  IndexWindow vertices;          ///< of the mesh
 };
 
 /// The first step as its kernel takes it, beside PatchRecords::links.
 struct StepRecords {
   std::vector<std::uint32_t> vertices;  ///< per corner
-  /// The place of each face size's weights, the weights; then of each sharp point its vertex and
-  /// where its pairs begin, and pairs of a vertex and a weight.
+  /// The place of each small face size's weights, the weights; of each large face its
+  /// kLargeFaceWords, and what they name; then of each sharp point its vertex and where its pairs
+  /// begin, and pairs of a vertex and a weight.
   std::vector<std::uint32_t> words;
-  std::uint32_t first_sharp_word = 0;
+  FaceSumRule rule{};
   std::vector<StepSlice> slices;
 };
 
