@@ -394,6 +394,7 @@ struct FairParameters {
   uint corner_count;                             // where the state's curve points begin
   uint only_counts;                              // 1: the cure's looks count, and flag nothing
   uint darts_only;                               // 1: of the curve points
+  uint of_net;                                   // 1: offsets of one step of the net, not of points
 };
 
 #ifdef __cplusplus

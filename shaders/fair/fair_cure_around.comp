@@ -8,7 +8,7 @@
 READ(0, FairVertex, vertices)
 READ(1, FairPlace, places)
 READ(2, FairLinks, links)
-READ(3, uint, owners)
+READ(3, vec4, stepped)  // offsets of one step in the faces
 READ(4, vec4, given)
 READ(5, vec4, face_normals)
 READ(6, vec4, result)
@@ -20,8 +20,8 @@ const float kTurn = 6.28318531;
 
 // All points are relative to the vertex.
 vec3 origin;
-vec3 point(uint corner) {
-  return (given_at(owners_at(corner)).xyz - origin) + result_at(corner).xyz;
+vec3 point(uint corner, uint owner) {
+  return (given_at(owner).xyz - origin) + result_at(corner).xyz;
 }
 
 // A dart's ring does not show that it has a sharp edge.
@@ -32,27 +32,21 @@ bool is_smooth(uint corner, uint next) {
 
 // The points of level 2 around a control point: in its face, and in the polygons of the edges to the
 // next vertex of the face and to the one before.
-vec3 in_face(uint corner, float count) {
-  vec3 own = point(corner), sum = vec3(0.0);
-  uint other = corner;
-  for (float k = 1.0; k < count; ++k) {
-    other = links_at(other).next;
-    sum += (3.0 + 2.0 * cos(kTurn * (k / count))) * (point(other) - own);
-  }
-  return own + sum / (4.0 * count);
+vec3 in_face(uint corner, uint owner) {
+  return (given_at(owner).xyz - origin) + stepped_at(corner).xyz;
 }
 vec3 stepped_quad(vec3 own, vec3 beside, vec3 opposite, vec3 other_beside) {
   return own + (3.0 * (beside - own) + 3.0 * (other_beside - own) + (opposite - own)) / 16.0;
 }
-vec3 on_next(uint corner) {
+vec3 on_next(uint corner, uint owner, uint next) {
   uint other = links_at(corner).before;
-  return stepped_quad(point(corner), point(links_at(corner).next), point(links_at(other).previous),
-                      point(other));
+  return stepped_quad(point(corner, owner), point(links_at(corner).next, next),
+                      point(links_at(other).previous, next), point(other, owner));
 }
-vec3 on_previous(uint corner) {
+vec3 on_previous(uint corner, uint owner, uint previous) {
   uint other = links_at(corner).after;
-  return stepped_quad(point(corner), point(links_at(corner).previous), point(links_at(other).next),
-                      point(other));
+  return stepped_quad(point(corner, owner), point(links_at(corner).previous, previous),
+                      point(links_at(other).next, previous), point(other, owner));
 }
 
 // The polygon's first Fourier pair and mean, so that any valence takes two walks.
@@ -78,27 +72,31 @@ vec3 in_polygon(FairVertex vertex, Pair pair, uint i) {
 }
 
 // The least cosine at the places beside the i-th control point of the polygon.
-float least_beside(FairVertex vertex, Pair pair, uint i) {
+float least_beside(uint v, FairVertex vertex, Pair pair, uint i) {
   FairPlace place = places_at(vertex.first + i);
   uint corner = place.corner, following = i + 1u == vertex.count ? 0u : i + 1u;
-  vec4 face_normal = face_normals_at(place.face);
+  vec3 face_normal = face_normals_at(place.face).xyz;
   uint next = links_at(corner).next, last = links_at(corner).previous;
   bool next_is_smooth = is_smooth(corner, next);
-  vec3 face = in_face(corner, face_normal.w), own = in_polygon(vertex, pair, i);
+  vec3 face = in_face(corner, v), own = in_polygon(vertex, pair, i);
   float least = 1.0;
   if (next_is_smooth) {
-    vec3 normal = cross(on_previous(next) - face, in_face(next, face_normal.w) - on_next(corner));
-    least = cosine_of(normal, face_normal.xyz);
+    vec3 normal = cross(on_previous(next, place.next, v) - face,
+                        in_face(next, place.next) - on_next(corner, v, place.next));
+    least = cosine_of(normal, face_normal);
   }
   if (!is_smooth(last, corner)) return least;
-  vec3 edge = on_previous(corner);
-  vec3 normal = cross(face - on_next(last), in_face(last, face_normal.w) - edge);
-  least = min(least, cosine_of(normal, face_normal.xyz));
-  if (next_is_smooth)
-    least = min(least, cosine_of(cross(face - own, edge - on_next(corner)), face_normal.xyz));
+  vec3 edge = on_previous(corner, v, place.previous);
+  vec3 normal = cross(face - on_next(last, place.previous, v), in_face(last, place.previous) - edge);
+  least = min(least, cosine_of(normal, face_normal));
+  if (next_is_smooth) {
+    normal = cross(face - own, edge - on_next(corner, v, place.next));
+    least = min(least, cosine_of(normal, face_normal));
+  }
   FairPlace after = places_at(vertex.first + following);
-  vec3 side = cross(on_next(after.corner) - own, in_polygon(vertex, pair, following) - edge);
-  least = min(least, cosine_of(side, face_normal.xyz));
+  vec3 side = cross(on_next(after.corner, v, after.next) - own,
+                    in_polygon(vertex, pair, following) - edge);
+  least = min(least, cosine_of(side, face_normal));
   return min(least, cosine_of(side, face_normals_at(after.face).xyz));
 }
 
@@ -113,7 +111,7 @@ void main() {
     origin = given_at(v).xyz;
     Pair pair = pair_of(vertex);
     for (uint i = 0u; i < vertex.count; ++i) {
-      if (least_beside(vertex, pair, i) >= wanted) continue;
+      if (least_beside(v, vertex, pair, i) >= wanted) continue;
       flags[v] = word | kBad;
       break;
     }

@@ -11,9 +11,15 @@ READ(3, vec4, points)
 READ(4, vec2, circle)
 WRITE(5, vec4, offsets);
 
-vec3 point(uint corner) { return points_at(owners_at(corner)).xyz; }
+// Of the net, whose points are offsets of corners: what all are relative to.
+vec3 origin = vec3(0.0);
+vec3 given_of(uint corner) { return given_at(owners_at(corner)).xyz - origin; }
+vec3 point(uint corner) {
+  return parameters.of_net != 0u ? given_of(corner) + points_at(corner).xyz
+                                 : points_at(owners_at(corner)).xyz;
+}
 void write_offset(uint corner, vec3 from, vec3 step) {
-  offsets[corner] = vec4((from - given_at(owners_at(corner)).xyz) + step, 0.0);
+  offsets[corner] = vec4((from - given_of(corner)) + step, 0.0);
 }
 
 void step_triangle(uint first) {
@@ -37,10 +43,10 @@ void step_quad(uint first) {
 }
 
 void step_polygon(FairFace face) {
-  vec3 origin = point(face.first);
+  vec3 middle = point(face.first);
   vec3 mean = vec3(0.0), cosine_sum = vec3(0.0), sine_sum = vec3(0.0);
   for (uint i = 0u; i < face.count; ++i) {
-    vec3 p = point(face.first + i) - origin;
+    vec3 p = point(face.first + i) - middle;
     mean += p;
     cosine_sum += circle_at(face.circle + i).x * p;
     sine_sum += circle_at(face.circle + i).y * p;
@@ -48,8 +54,8 @@ void step_polygon(FairFace face) {
   mean /= float(face.count);
   for (uint i = 0u; i < face.count; ++i) {
     vec2 at = circle_at(face.circle + i);
-    write_offset(face.first + i, origin,
-                 0.25 * (point(face.first + i) - origin) + 0.75 * mean +
+    write_offset(face.first + i, middle,
+                 0.25 * (point(face.first + i) - middle) + 0.75 * mean +
                      (at.x * cosine_sum + at.y * sine_sum) / (2.0 * float(face.count)));
   }
 }
@@ -57,6 +63,7 @@ void step_polygon(FairFace face) {
 void main() {
   FOR_ELEMENTS(f) {
     FairFace face = faces_at(f);
+    if (parameters.of_net != 0u) origin = given_at(owners_at(face.first)).xyz;
     if (face.count == 3u)
       step_triangle(face.first);
     else if (face.count == 4u)

@@ -157,10 +157,10 @@ TEST_F(EmbedFair, DoesNothingButRecord) {
     }
   }
   // 8 polish steps of 5 kernels, two first looks of 2, and 3 rounds after each. Of the cure's six
-  // rounds all look in 4 kernels and decide, the first one whatever was found, and cure in 3.
+  // rounds all look in 5 kernels and decide, the first one whatever was found, and cure in 3.
   EXPECT_GT(after["vkCmdDispatch"] - before["vkCmdDispatch"], 8 * 5 + 2 * (2 + 3));
   EXPECT_EQ(after["vkCmdDispatchIndirect"] - before["vkCmdDispatchIndirect"],
-            2 * 3 * 3 + 5 * (4 + 1) + 6 * 3);
+            2 * 3 * 3 + 5 * (5 + 1) + 6 * 3);
   commands.submit();
   commands.wait();
 }

@@ -59,6 +59,9 @@ class FairCure : public FairReads {
 std::vector<test::NamedMesh> all_cure_meshes() {
   std::vector<test::NamedMesh> meshes = device_meshes();
   for (test::NamedMesh& mesh : test::cure_meshes()) meshes.push_back(std::move(mesh));
+  PolygonMesh drum = test::prism(40);
+  for (std::size_t v = 0; v < drum.positions.size(); v += 3) drum.positions[v].z *= 1.3;
+  meshes.push_back({"large faces", drum});
   return meshes;
 }
 

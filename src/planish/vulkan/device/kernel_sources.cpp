@@ -232,7 +232,7 @@ const KernelSource kSources[kKernelCount] = {
     fair_kernel(PLANISH_BOTH(fair_cure_vertices),
                 {Records, Records, Points, Points, Points, Pairs, Storage}),
     fair_kernel(PLANISH_BOTH(fair_cure_around),
-                {Records, Records, Records, Words, Points, Points, Points, Storage}),
+                {Records, Records, Records, Points, Points, Points, Points, Storage}),
     fair_kernel(PLANISH_BOTH(fair_cure_sharp),
                 {Records, Records, Records, Points, Points, Points, Storage, Storage}),
     fair_kernel(spirv::fair_cure_decide, spirv::fair_cure_decide, {Storage, Storage, Storage}),

@@ -20,8 +20,13 @@ void GpuFair::plan_looks(Binder& binder, Passes& passes) {
   }
   add(Kernel::FairCureVertices, t.vertex_count, shared::kRoundVertices,
       {&t.vertices, &t.places, &b.face_normals, &b.normals, &b.result, &t.circle, &b.flags});
+  // Once a face, not once a corner of it; given points' offsets are needed no longer.
+  Pass& step = binder.add(passes, Kernel::FairOffsets, t.face_count,
+                          {&t.faces, &t.owners, &b.given, &b.result, &t.circle, &b.given_offsets});
+  step.arguments = shared::kRoundFaces;
+  step.parameters.of_net = 1;
   add(Kernel::FairCureAround, t.vertex_count, shared::kRoundVertices,
-      {&t.vertices, &t.places, &t.links, &t.owners, &b.given, &b.face_normals, &b.result,
+      {&t.vertices, &t.places, &t.links, &b.given_offsets, &b.given, &b.face_normals, &b.result,
        &b.flags});
   if (has_curves) {
     add(Kernel::FairCureSharp, t.vertex_count, shared::kRoundVertices,

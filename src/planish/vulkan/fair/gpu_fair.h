@@ -46,7 +46,8 @@ class GpuFair {
     Buffer given;                     // per vertex
     Buffer face_normals, normals;     // per face, vertex
     Buffer shares;                    // float per vertex
-    Buffer given_offsets, offsets;    // per corner: of one step of given points and of P
+    // Per corner: of one step of given points, in the cure of the net, and of P.
+    Buffer given_offsets, offsets;
     Buffer points, next_points;       // P per vertex
     Buffer sector_normals, shifts;    // per sector, crease
     Buffer result;                    // per point of the state: relative to its given point
