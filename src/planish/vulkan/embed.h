@@ -53,10 +53,10 @@
 //   buffer that it records to, from one at a time.
 // Names. planish::Solve is the interface of backends; this one is planish::vulkan::Solve.
 // Hubs. Rings of 32 faces and more, and faces of as many corners, are evaluated by three sums that
-//   a work group makes, so a corner there costs what others do; with Weights::Averaged each
-//   corner's lane walks its rings. The first step of the progressive method takes the square of a
-//   face's corners. In the fair method one lane walks a vertex's ring a few hundred times, which
-//   is linear but not parallel, and the cure takes the square of a face's corners.
+//   a work group makes, so a corner there costs what others do, as in the first step of the
+//   progressive method; with Weights::Averaged each corner's lane walks its rings on the surface.
+//   In the fair method one lane walks a vertex's ring or a face a few hundred times: linear, but
+//   not parallel.
 // Units. Positions and errors are in the mesh's own units, in float32; coordinates should lie
 //   within 1e-9 to 1e9. Single precision reaches about 1e-7 of the largest coordinate.
 
