@@ -192,12 +192,13 @@ TEST_P(WorkOf, GrowsAsTheCornersDo) {
 
 INSTANTIATE_TEST_SUITE_P(
     Meshes, WorkOf,
-    testing::Values(Case{"fans", fans, {1500, 30, 0}}, Case{"bipyramid", bipyramid, {2000, 120, 0}},
-                    Case{"drum", prism, {2000, 100, 0}}, Case{"wreath", wreath, {1000, 10, 0}},
-                    Case{"creased_hub", creased_hub, {1500, 200, 0}},
-                    Case{"hub_on_boundary", open_fan, {900, 10, 0}},
-                    Case{"hubs_of_a_hundred", hubs_of_a_hundred, {900, 10, 0}, 2, 10},
-                    Case{"crossing_slivers", crossing_slivers, {18'000, 400, 0}, 100, 1000},
+    testing::Values(Case{"fans", fans, {1500, 30, 12}},
+                    Case{"bipyramid", bipyramid, {2000, 120, 12}},
+                    Case{"drum", prism, {2000, 100, 12}}, Case{"wreath", wreath, {1000, 10, 12}},
+                    Case{"creased_hub", creased_hub, {1500, 200, 12}},
+                    Case{"hub_on_boundary", open_fan, {900, 10, 12}},
+                    Case{"hubs_of_a_hundred", hubs_of_a_hundred, {900, 10, 12}, 2, 10},
+                    Case{"crossing_slivers", crossing_slivers, {18'000, 400, 12}, 100, 1000},
                     Case{"gear", gear, {48'000, 2700, 12}}),
     [](const auto& info) { return std::string(info.param.name); });
 

@@ -12,7 +12,7 @@ namespace planish {
 enum class Work : std::size_t {
   Products,  ///< a weight of a patch by a point
   Points,    ///< control points and faces around that looks for folds and cures ask
-  Pairs,     ///< a corner or edge of a face held against another one of it
+  Pairs,     ///< a corner or edge of a face held against, or weighted with, another one of it
 };
 inline constexpr std::size_t kWorkKinds = 3;
 

@@ -43,9 +43,9 @@ class GpuFair {
   // What they leave; points are of shared::kPointFloats floats, all but state() in unit
   // coordinates.
   struct Buffers {
-    Buffer given;                     // per vertex
-    Buffer face_normals, normals;     // per face, vertex
-    Buffer shares;                    // float per vertex
+    Buffer given;                  // per vertex
+    Buffer face_normals, normals;  // per face, vertex
+    Buffer shares;                 // float per vertex
     // Per corner: of one step of given points, in the cure of the net, and of P.
     Buffer given_offsets, offsets;
     Buffer points, next_points;       // P per vertex
