@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <glm/geometric.hpp>
 #include <set>
 #include <string>
 
@@ -10,6 +11,7 @@
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "files/gltf/asset_sample.h"
+#include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit_file.h"
 
 namespace planish::test {
@@ -116,6 +118,36 @@ TEST_F(AssetCommand, AMergedSceneKeepsItsMaterials) {
   ASSERT_EQ(fit(input, {"-o", path("out.gltf"), "--asset", "merge"}).exit_code, 0);
   const json view = compare(read_json("out.gltf"));
   EXPECT_EQ(read("out.bin").substr(view["byteOffset"], view["byteLength"]), AssetSample::image());
+}
+
+// As often as EXT_mesh_gpu_instancing places them, turned and scaled; required or not.
+TEST_F(AssetCommand, AMergedSceneHasAllInstances) {
+  json& node = sample_.json["nodes"][7];
+  node["rotation"] = {0, 0, 1, 0};  // half a turn: x and y change their sign
+  sample_.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+  const std::string input = write("asset.glb", sample_.glb());
+  ASSERT_EQ(fit(input, {"-o", path("out.obj"), "--levels", "0"}).exit_code, 0);
+  const PolygonMesh mesh = read_mesh(path("out.obj")).mesh;
+  for (const double x : {0.0, -3.0, -6.0}) {
+    const auto is_pole = [&](const glm::dvec3& p) {
+      return glm::length(p - glm::dvec3(x, 1, 0)) < 1e-5;
+    };
+    EXPECT_EQ(std::ranges::count_if(mesh.positions, is_pole), 1) << x;
+  }
+  const ProcessResult seen = run_planish({"inspect", input});
+  EXPECT_EQ(seen.exit_code, 0) << seen.err;
+  // One scale too few.
+  const int places = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"];
+  json shorter = sample_.json["accessors"][places];
+  shorter["count"] = 2;
+  sample_.json["accessors"].push_back(shorter);
+  node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] =
+      sample_.json["accessors"].size() - 1;
+  const ProcessResult refused =
+      fit(write("asset.glb", sample_.glb()), {"-o", path("out.obj"), "-f"});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("nodes[7].extensions.EXT_mesh_gpu_instancing"),
+                                 HasSubstr("another attribute has 2")));
 }
 
 // A missing image keeps nobody from the shape.

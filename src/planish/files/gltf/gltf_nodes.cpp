@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "planish/files/gltf/gltf_accessor.h"
+
 namespace planish {
 namespace {
 
@@ -17,8 +19,8 @@ std::array<double, Count> numbers_of(const JsonPlace& place) {
   return numbers;
 }
 
-glm::dmat4 rotation_of(const JsonPlace& place) {
-  auto [x, y, z, w] = numbers_of<4>(place);
+glm::dmat4 rotation_of(const JsonPlace& place, const std::array<double, 4>& quaternion) {
+  auto [x, y, z, w] = quaternion;
   const double length = std::sqrt(x * x + y * y + z * z + w * w);
   if (!(length > 0) || !std::isfinite(length)) place.fail("is no rotation");
   x /= length, y /= length, z /= length, w /= length;
@@ -40,7 +42,8 @@ glm::dmat4 local_transform(const JsonPlace& node) {
             {m[12], m[13], m[14], 1}};
   }
   glm::dmat4 transform(1.0);
-  if (const auto rotation = node.find("rotation")) transform = rotation_of(*rotation);
+  if (const auto rotation = node.find("rotation"))
+    transform = rotation_of(*rotation, numbers_of<4>(*rotation));
   if (const auto scale = node.find("scale")) {
     const auto factors = numbers_of<3>(*scale);
     for (int axis = 0; axis < 3; ++axis) transform[axis] *= factors[axis];
@@ -50,6 +53,46 @@ glm::dmat4 local_transform(const JsonPlace& node) {
     transform[3] = {x, y, z, 1};
   }
   return transform;
+}
+
+constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
+// A few bytes of accessors stand for any number of places.
+constexpr std::int64_t kMostPlaces = std::int64_t{1} << 20;
+
+// Where the extension places a node's mesh in the node, each place for itself.
+std::vector<glm::dmat4> places_of(const JsonPlace& root, const JsonPlace& attributes,
+                                  GltfSource& source) {
+  std::vector<glm::dmat4> places;
+  // Each begins with the rotation, as a node does.
+  for (const char* name : {"ROTATION", "SCALE", "TRANSLATION"}) {
+    const auto number = attributes.find(name);
+    if (!number) continue;
+    const GltfAccessor values(root, number->integer(), GltfAccessor::Use::Vectors, source);
+    const bool is_rotation = number->path().ends_with("ROTATION");
+    if (values.number_count() != (is_rotation ? 4 : 3))
+      number->fail("has " + std::to_string(values.number_count()) + " numbers for each place");
+    if (values.count() > kMostPlaces)
+      number->fail("places more than " + std::to_string(kMostPlaces) + " meshes");
+    if (places.empty()) places.resize(static_cast<std::size_t>(values.count()), glm::dmat4(1.0));
+    if (std::ssize(places) != values.count())
+      number->fail(std::to_string(values.count()) + " places, and another attribute has " +
+                   std::to_string(places.size()));
+    for (std::int64_t i = 0; i < values.count(); ++i) {
+      glm::dmat4& place = places[static_cast<std::size_t>(i)];
+      const auto value = [&](std::int64_t k) { return values.value(i, k); };
+      if (is_rotation) {
+        place = rotation_of(*number, {value(0), value(1), value(2), value(3)});
+        continue;
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!std::isfinite(value(axis)))
+          number->fail("place " + std::to_string(i) + " is not finite");
+        if (name[0] == 'S') place[axis] *= value(axis);
+        if (name[0] == 'T') place[3][axis] = value(axis);
+      }
+    }
+  }
+  return places;
 }
 
 std::vector<std::int64_t> indices_of(const JsonPlace& array) {
@@ -77,7 +120,7 @@ std::vector<std::int64_t> root_nodes(const JsonPlace& root, const JsonPlace& nod
 
 }  // namespace
 
-std::vector<GltfInstance> gltf_instances(const JsonPlace& root) {
+std::vector<GltfInstance> gltf_instances(const JsonPlace& root, GltfSource& source) {
   struct Visit {
     std::int64_t node;
     glm::dmat4 parent_to_world;
@@ -101,8 +144,17 @@ std::vector<GltfInstance> gltf_instances(const JsonPlace& root) {
       node.fail("is reached twice, but nodes must form trees");
     reached[static_cast<std::size_t>(visit.node)] = true;
     const glm::dmat4 to_world = visit.parent_to_world * local_transform(node);
-    if (const auto mesh = node.find("mesh"))
-      instances.push_back({mesh->integer(), visit.node, to_world});
+    if (const auto mesh = node.find("mesh")) {
+      const auto extensions = node.find("extensions");
+      const auto instancing = extensions ? extensions->find(kInstancing) : std::nullopt;
+      const auto attributes = instancing ? instancing->find("attributes") : std::nullopt;
+      if (!attributes) {
+        instances.push_back({mesh->integer(), visit.node, to_world});
+      } else {
+        for (const glm::dmat4& place : places_of(root, *attributes, source))
+          instances.push_back({mesh->integer(), visit.node, to_world * place});
+      }
+    }
     if (const auto children = node.find("children")) push(indices_of(*children), to_world);
   }
   return instances;

@@ -4,6 +4,7 @@
 #include <glm/mat4x4.hpp>
 #include <vector>
 
+#include "planish/files/gltf/gltf_source.h"
 #include "planish/files/gltf/json_place.h"
 
 namespace planish {
@@ -15,8 +16,8 @@ struct GltfInstance {
 };
 
 /// The meshes of the default scene (scene 0 where none is named; without scenes, of all nodes
-/// that are no children), parents first. Every node may be reached once.
-/// Throws Error{UnreadableInput}.
-[[nodiscard]] std::vector<GltfInstance> gltf_instances(const JsonPlace& root);
+/// that are no children), parents first, each as often as EXT_mesh_gpu_instancing places it. Every
+/// node may be reached once. Throws Error{UnreadableInput}.
+[[nodiscard]] std::vector<GltfInstance> gltf_instances(const JsonPlace& root, GltfSource& source);
 
 }  // namespace planish

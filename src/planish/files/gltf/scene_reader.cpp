@@ -22,9 +22,11 @@ constexpr std::int64_t kMaxPrimitives = std::int64_t{1} << 20;
 
 // Extensions that change nothing about the triangles, or are read; any other that a file requires
 // is refused.
-constexpr std::array<std::string_view, 6> kHarmlessExtensions = {
-    "KHR_materials_", "KHR_texture_",          "EXT_texture_",
-    "KHR_lights_",    "KHR_mesh_quantization", "EXT_meshopt_compression"};
+constexpr std::array<std::string_view, 7> kHarmlessExtensions = {
+    "KHR_materials_",         "KHR_texture_",
+    "EXT_texture_",           "KHR_lights_",
+    "KHR_mesh_quantization",  "EXT_meshopt_compression",
+    "EXT_mesh_gpu_instancing"};
 
 }  // namespace
 
@@ -42,7 +44,9 @@ void require_gltf_version(const JsonPlace& root, std::span<const std::string_vie
   }
 }
 
-MeshFile SceneReader::read(FileFormat format) { return read(format, gltf_instances(root_)); }
+MeshFile SceneReader::read(FileFormat format) {
+  return read(format, gltf_instances(root_, source_));
+}
 
 MeshFile SceneReader::read_mesh(FileFormat format, std::int64_t mesh, AssetCollector& asset) {
   constexpr std::int64_t kNoNode = -1;

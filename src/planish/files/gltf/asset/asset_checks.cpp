@@ -12,14 +12,9 @@ namespace planish {
 namespace {
 
 // Extensions that leave alone what a mesh is, besides those that any reading takes.
-constexpr std::array<std::string_view, 8> kPassing = {"EXT_mesh_gpu_instancing",
-                                                      "KHR_animation_pointer",
-                                                      "KHR_node_",
-                                                      "KHR_xmp_json_ld",
-                                                      "MSFT_lod",
-                                                      "KHR_interactivity",
-                                                      "KHR_lights_",
-                                                      "MSFT_texture_dds"};
+constexpr std::array<std::string_view, 7> kPassing = {
+    "KHR_animation_pointer", "KHR_node_",   "KHR_xmp_json_ld", "MSFT_lod",
+    "KHR_interactivity",     "KHR_lights_", "MSFT_texture_dds"};
 
 std::int64_t count_of(const JsonPlace& root, std::string_view key) {
   const auto array = root.find(key);
