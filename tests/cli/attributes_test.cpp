@@ -52,6 +52,29 @@ TEST_F(Attributes, ErrorsInTheFileAreTheReports) {
   EXPECT_THAT(read("p.glb"), Not(HasSubstr("_FOLD")));
 }
 
+// A figure that is asked for has its name before a property of the input; sizes are forecast.
+TEST_F(Attributes, PropertiesOfTheInputAreCarried) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float Quality\nproperty float Error\nelement face 6\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "0 0 0 1 9\n1 0 0 2 9\n1 1 0 3 9\n0 1 0 4 9\n0 0 1 5 9\n1 0 1 6 9\n1 1 1 7 9\n0 1 1 8 9\n"
+      "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n";
+  plate_ = write("cube.ply", ply);
+  const ProcessResult run =
+      fit({"-o", path("p.glb"), "-o", path("p.ply"), "--attributes", "error", "--levels", "1"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("properties of the vertices are left out: Error; fields"));
+  const std::vector<float> values = scalars(read("p.glb"), "_QUALITY");
+  ASSERT_EQ(values.size(), 26u);
+  EXPECT_THAT(std::vector(values.begin(), values.begin() + 8),
+              testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
+  EXPECT_THAT(std::vector(values.begin() + 8, values.end()),
+              testing::IsSupersetOf({2.5f, 6.5f, 1.5f}));
+  EXPECT_LT(std::ranges::max(scalars(read("p.glb"), "_ERROR")), 1);
+  EXPECT_THAT(read("p.ply"), HasSubstr("property float error\nproperty float Quality\n"));
+}
+
 TEST_F(Attributes, CurvatureSaysWhatItIsTakenFrom) {
   ASSERT_EQ(fit({"-o", path("p.glb"), "-o", path("p.ply"), "--attributes", "curvature"}).exit_code,
             0);

@@ -97,6 +97,77 @@ TEST(ReadPly, ReadsColoursAndTextureCoordinates) {
   EXPECT_THAT(half.colors, IsEmpty());
 }
 
+MeshFile with_properties(const std::string& properties, const std::string& values,
+                         std::string_view name = "a.ply", bool is_strict = false) {
+  const std::string text =
+      header("ascii", "element vertex 3\n" + std::string(kPositions) + properties +
+                          "element face 1\n" + std::string(kIndices)) +
+      "0 0 0 " + values + "\n1 0 0 " + values + "\n0 1 0 " + values + "\n3 0 1 2\n";
+  FileBytes file = test::file_of(text, name);
+  file.is_strict = is_strict;
+  return read_ply(file);
+}
+
+std::vector<std::string> names_of(const MeshFile& file) {
+  std::vector<std::string> names;
+  for (const VertexProperty& property : file.properties) names.push_back(property.name);
+  return names;
+}
+
+// Whatever their type; lists, and what the convention names, are none.
+TEST(ReadPly, KeepsFurtherPropertiesOfVertices) {
+  const MeshFile file = with_properties(
+      "property float nx\nproperty uchar quality\nproperty list uchar int tags\n"
+      "property double Intensity\nproperty int red\n",
+      "0 200 1 7 -0.25 9");
+  EXPECT_THAT(names_of(file), ElementsAre("quality", "Intensity"));
+  EXPECT_THAT(file.properties[0].values, ElementsAre(200, 200, 200));
+  EXPECT_THAT(file.properties[1].values, ElementsAre(-0.25f, -0.25f, -0.25f));
+  EXPECT_THAT(file.warnings, IsEmpty());
+}
+
+TEST(ReadPly, NamesOfPropertiesAreMadePlainAndTellApart) {
+  const MeshFile file = with_properties(
+      "property float a-b\nproperty float 2nd\nproperty float Q\nproperty float q\n"
+      "property float displayColor\nproperty float " +
+          std::string(80, 'l') + "\n",
+      "1 2 3 4 5 6");
+  EXPECT_THAT(names_of(file), ElementsAre("a_b", "_2nd", "Q"));
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].code, "left-out-properties");
+  EXPECT_EQ(file.warnings[0].count, 3);
+  EXPECT_THAT(file.warnings[0].message, testing::HasSubstr("property `q` of the vertices"));
+}
+
+TEST(ReadPly, TooManyPropertiesAreLeftOut) {
+  std::string properties, values;
+  for (int i = 0; i < 300; ++i) {
+    properties += "property uchar p" + std::to_string(i) + "\n";
+    values += std::to_string(i % 256) + " ";
+  }
+  const MeshFile file = with_properties(properties, values);
+  ASSERT_EQ(file.properties.size(), 32u);
+  EXPECT_THAT(file.properties[31].values, ElementsAre(31, 31, 31));
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].count, 268);
+}
+
+// Also what float32 cannot hold, and words.
+TEST(ReadPly, PropertiesThatAreNoNumbersAreZero) {
+  const MeshFile file =
+      with_properties("property double a\nproperty float b\nproperty float c\nproperty float d\n",
+                      "1e300 nan word 4");
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_THAT(file.properties[k].values, ElementsAre(0, 0, 0));
+  EXPECT_THAT(file.properties[3].values, ElementsAre(4, 4, 4));
+  ASSERT_EQ(file.warnings.size(), 1u);
+  EXPECT_EQ(file.warnings[0].code, "missing-properties");
+  EXPECT_EQ(file.warnings[0].count, 3);
+  EXPECT_THAT(
+      test::message_of(ErrorCode::UnreadableInput,
+                       [] { (void)with_properties("property float a\n", "nan", "a.ply", true); }),
+      testing::HasSubstr("a is nan"));
+}
+
 TEST(ReadPly, PointsAloneMakeAMeshWithoutFaces) {
   const MeshFile file =
       ply_of(header("ascii", "element vertex 2\n" + std::string(kPositions)) + "1 2 3\n4 5 6\n");

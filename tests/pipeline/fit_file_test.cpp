@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "planish/files/mesh_file.h"
 #include "support/expect_error.h"
@@ -59,6 +61,72 @@ TEST_F(FitFilePlaces, SurfaceAndCageAreTwoFiles) {
   options.cage = folder_ / "d.obj";
   (void)fit_file(input_, folder_ / "b.ply", options);
   EXPECT_EQ(read_mesh(folder_ / "d.obj").mesh.face_count(), 6);
+}
+
+// Properties of vertices: at given vertices as they are, linear between, also where repair copies
+// vertices (two cubes that share one) and drops some that no face names.
+TEST_F(FitFilePlaces, PropertiesOfVerticesComeOut) {
+  const PolygonMesh cube = test::cube();
+  std::ostringstream text;
+  const int count = 2 * cube.vertex_count();  // one that no face names, and one that two cubes have
+  text << "ply\nformat ascii 1.0\nelement vertex " << count
+       << "\nproperty float quality\nproperty double x\nproperty double y\nproperty double z\n"
+          "property int error\nelement face 12\nproperty list uchar int vertex_indices\n"
+          "end_header\n9 50 0 0 0\n";
+  std::vector<glm::dvec3> points(cube.positions);
+  for (std::size_t v = 1; v < cube.positions.size(); ++v)
+    points.push_back(2.0 * cube.positions[0] - cube.positions[v]);
+  const auto value = [](const glm::dvec3& p) { return 3 * p.x - p.y + 10 * p.z + 7; };
+  for (const glm::dvec3& p : points)
+    text << value(p) << " " << p.x << " " << p.y << " " << p.z << " 5\n";
+  for (int side = 0; side < 2; ++side) {
+    for (std::int32_t f = 0; f < cube.face_count(); ++f) {
+      text << cube.face_size(f);
+      std::vector<std::int32_t> face(cube.face(f).begin(), cube.face(f).end());
+      if (side == 1) std::ranges::reverse(face);
+      for (const std::int32_t v : face)
+        text << " " << 1 + (side == 0 || v == 0 ? v : cube.vertex_count() - 1 + v);
+      text << "\n";
+    }
+  }
+  input_ = folder_ / "a.ply";
+  std::ofstream(input_, std::ios::binary) << text.str();
+  FitFileOptions options;
+  options.level = 0;
+  const FileFit fit = fit_file(input_, folder_ / "b.ply", options);
+  ASSERT_FALSE(fit.fitted.source_vertices.empty());
+  const MeshFile level_0 = read_mesh(folder_ / "b.ply");
+  ASSERT_EQ(level_0.properties.size(), 2u);
+  EXPECT_EQ(level_0.properties[0].name, "quality");
+  EXPECT_EQ(level_0.properties[1].name, "error");
+  EXPECT_GE(level_0.mesh.positions.size(), 16u);
+  for (std::size_t v = 0; v < level_0.mesh.positions.size(); ++v)
+    EXPECT_NEAR(level_0.properties[0].values[v], value(level_0.mesh.positions[v]), 1e-5) << v;
+  options.level = 1;
+  (void)fit_file(input_, folder_ / "c.ply", options);
+  const MeshFile level_1 = read_mesh(folder_ / "c.ply");
+  // A vertex in the middle of a face has the mean of its corners, whose sum is linear in them.
+  const auto& values = level_1.properties[0].values;
+  const auto [least, most] = std::ranges::minmax(values);
+  EXPECT_EQ(std::ranges::count(values, 50), 0);
+  EXPECT_GE(least, std::ranges::min(level_0.properties[0].values));
+  EXPECT_LE(most, std::ranges::max(level_0.properties[0].values));
+  const auto face = level_1.mesh.face(0);
+  const float middle = values[face[2]], first = values[face[0]];
+  EXPECT_NEAR(values[face[1]] + values[face[3]], first + middle, 1e-4);
+  EXPECT_THAT(level_1.properties[1].values, testing::Each(5));
+  (void)fit_file(input_, folder_ / "c.glb", options);
+  EXPECT_THAT(bytes_of(folder_ / "c.glb"), HasSubstr("\"_QUALITY\""));
+  (void)fit_file(input_, folder_ / "c.usda", options);
+  EXPECT_THAT(bytes_of(folder_ / "c.usda"), HasSubstr("float[] primvars:quality = ["));
+  // Other schemes do not know the mesh any more.
+  std::vector<std::string> codes;
+  options.mesh.fit.scheme = Scheme::CatmullClark;
+  options.mesh.method = InterpolationMethod::Progressive;
+  options.mesh.fit.callbacks.warning = [&](const Warning& w) { codes.push_back(w.code); };
+  (void)fit_file(input_, folder_ / "d.ply", options);
+  EXPECT_THAT(codes, testing::Contains("left-out-properties"));
+  EXPECT_THAT(bytes_of(folder_ / "d.ply"), testing::Not(HasSubstr("quality")));
 }
 
 // What the surface has and its format has not is told once.

@@ -53,6 +53,7 @@ struct FormatInfo {
   bool keeps_doubles = false;      ///< positions come back to the last bit; else as float32
   bool keeps_sharp_edges = false;  ///< and corners and holes
   bool keeps_uvs = false, keeps_colors = false, keeps_groups = false;
+  bool keeps_fields = false;  ///< figures of vertices
 };
 
 /// All formats, each at the place of its FileFormat. Dispatch, help texts and messages are made

@@ -17,6 +17,12 @@
 
 namespace planish {
 
+/// A number that each vertex of a file has besides, as PLY's `quality`.
+struct VertexProperty {
+  std::string name;  ///< letters, digits and '_', no digit first; no two differ by case alone
+  std::vector<float> values;  ///< finite, one per vertex
+};
+
 /// A mesh as read, with what the reader had to do.
 struct MeshFile {
   PolygonMesh mesh;
@@ -26,6 +32,7 @@ struct MeshFile {
   std::vector<Warning> warnings;
   std::vector<glm::vec3> normals;   ///< one per vertex, of files without faces that have them
   std::vector<std::string> header;  ///< `# planish key=value` comment lines of a cage
+  std::vector<VertexProperty> properties;  ///< of PLY with faces
 };
 
 /// Reads a mesh from memory; `name` stands in messages, and files that a glTF names are refused.

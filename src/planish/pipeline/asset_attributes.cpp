@@ -12,6 +12,7 @@
 #include "planish/core/parallel.h"
 #include "planish/files/gltf/gltf_tangents.h"
 #include "planish/pipeline/linear_surface.h"
+#include "planish/pipeline/vertex_properties.h"
 
 namespace planish {
 namespace {
@@ -47,20 +48,9 @@ class AssetAttributes::Maker {
 
   void add_arrays() {
     for (const AssetArray& array : given_.arrays) {
-      std::vector<glm::vec4> given(fitted_.mesh.positions.size(), glm::vec4(0.0f));
-      const auto width = static_cast<std::size_t>(array.width);
-      for (std::size_t v = 0; v < given.size(); ++v)
-        for (std::size_t k = 0; k < width; ++k)
-          given[v][static_cast<int>(k)] = array.values[width * source(v) + k];
-      std::vector<float>& values = new_attribute(array.name, array.width);
-      for_rows(surface_, [&](RowRange rows) {
-        std::vector<glm::vec4> made(static_cast<std::size_t>(rows.count));
-        (void)surface_.rows_of(given, rows, made);
-        for (std::size_t i = 0; i < made.size(); ++i)
-          for (std::size_t k = 0; k < width; ++k)
-            values[width * (static_cast<std::size_t>(rows.first) + i) + k] =
-                made[i][static_cast<int>(k)];
-      });
+      const auto& values = made_.values_.emplace_back(
+          rows_of_vertices(array.values, array.width, fitted_, surface_));
+      made_.attributes_.push_back({.name = array.name, .width = array.width, .values = values});
     }
   }
 

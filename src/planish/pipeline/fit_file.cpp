@@ -20,6 +20,7 @@
 #include "planish/patches/patch_evaluator.h"
 #include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/make_ready.h"
+#include "planish/pipeline/vertex_properties.h"
 #include "planish/surface/doo_sabin_surface.h"
 
 namespace planish {
@@ -118,9 +119,17 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
                           const SurfaceBlocks& surface, std::string_view name,
                           const SurfaceFileOptions& options) {
   const FileFormat format = output_format(path, FormatUse::WriteSurface);
-  if (info_of(format).is_gltf)
-    return write_gltf(path, surface, gltf_options(fitted, name, options)).byte_count;
+  std::vector<NamedField> fields;
+  std::vector<VertexProperty> properties;
+  if (info_of(format).keeps_fields)
+    properties = add_properties(options.properties, fitted, surface, fields, options.callbacks);
+  if (info_of(format).is_gltf) {
+    GltfOptions gltf = gltf_options(fitted, name, options);
+    gltf.fields = fields;
+    return write_gltf(path, surface, gltf).byte_count;
+  }
   SurfaceWriteOptions how;
+  how.fields = fields;
   how.callbacks = options.callbacks;
   if (options.materials != nullptr)
     how.materials = {&options.materials->library, path.parent_path()};
@@ -249,7 +258,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
                      to.format == FileFormat::Obj, to.is_gltf);
   for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
   const SurfaceShares shares(
-      {options.level, options.z_up, share_of(callbacks, fit, 1), &materials});
+      {options.level, options.z_up, share_of(callbacks, fit, 1), &materials, file.properties});
   const SurfaceLevel made = surface_level(result.fitted, backend, shares.making);
   result.vertex_count = made.blocks->info().row_count;
   result.face_count = made.blocks->info().face_count;

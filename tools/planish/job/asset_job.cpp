@@ -32,7 +32,7 @@ struct AssetPart {
 // Of one fineness.
 struct PartLevel {
   SurfaceOutputOptions options;
-  VertexFields fields;
+  LevelFields fields;
   std::unique_ptr<JobLevel> level;
   std::unique_ptr<const AssetAttributes> attributes;
 };

@@ -112,7 +112,7 @@ Counts counts_of(const WrittenShape& shape, const WrittenLevel& level, const Pla
           .corners = level.level == 0 ? static_cast<std::uint64_t>(shape.corner_count)
                                       : (level.is_triangles ? 3 : 4) * faces,
           .fields = is_surface ? static_cast<std::uint64_t>(fields.error) + fields.deviation +
-                                     fields.fold + (fields.curvature ? 2 : 0)
+                                     fields.fold + (fields.curvature ? 2 : 0) + shape.property_count
                                : 0,
           .has_normals = is_surface};
 }

@@ -19,7 +19,8 @@ struct WrittenShape {
   std::int64_t group_count = 0;
   std::uint64_t name_bytes = 0;  ///< of groups and materials
   std::size_t largest_face = 0;
-  std::int64_t corner_count = 0;  ///< of level 0
+  std::int64_t corner_count = 0;   ///< of level 0
+  std::size_t property_count = 0;  ///< of vertices, that surfaces carry
 
   /// Copies of a mesh's vertices, and edges whose inner vertices are copied at every level.
   struct Copies {

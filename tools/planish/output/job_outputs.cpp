@@ -1,6 +1,5 @@
 #include "output/job_outputs.h"
 
-
 #include "job/job_surface.h"
 #include "job/measure_surface.h"
 #include "job/timed.h"
@@ -128,7 +127,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   }
   for (const Fineness& fineness : finenesses_of(work.outputs)) {
     SurfaceOutputOptions options = common;
-    VertexFields fields;
+    LevelFields fields;
     JobLevel surface = surface_of(work, all, fineness, fields, options);
     for (std::size_t i = 0; i < work.outputs.size(); ++i) {
       const PlannedOutput& planned = work.outputs[i];

@@ -7,6 +7,7 @@
 #include "job/timed.h"
 #include "planish/files/formats.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/vertex_properties.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -91,10 +92,17 @@ JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level,
 }
 
 JobLevel surface_of(const FittedJob& work, JobSurface& all, const Fineness& fineness,
-                    VertexFields& fields, SurfaceOutputOptions& options) {
+                    LevelFields& fields, SurfaceOutputOptions& options) {
   JobLevel surface = fineness.is_adaptive() ? adaptive_surface(work, all, fineness)
                                             : measured_level(work, all, fineness.level, options);
-  add_attributes(work, all, surface, fields, options.gltf);
+  add_attributes(work, all, surface, fields.figures, options.gltf);
+  if (std::ranges::any_of(work.outputs, [&](const PlannedOutput& planned) {
+        return planned.kind == OutputKind::Surface && planned.fineness == fineness &&
+               info_of(planned.format).keeps_fields;
+      }))
+    fields.properties =
+        add_properties(work.made.input.file.properties, work.made.fitted, surface.blocks(),
+                       options.gltf.fields, options.gltf.callbacks);
   if (!fineness.is_adaptive())
     options.gltf.extras.emplace_back("level", std::int64_t{fineness.level});
   if (fineness.chord_error > 0)

@@ -5,6 +5,7 @@
 #include "job/job_surface.h"
 #include "output/job_outputs.h"
 #include "output/surface_output.h"
+#include "planish/files/mesh_file.h"
 #include "planish/surface/vertex_fields.h"
 
 namespace planish::command {
@@ -19,10 +20,16 @@ namespace planish::command {
 [[nodiscard]] JobLevel measured_level(const FittedJob& work, JobSurface& surface, int level,
                                       const SurfaceOutputOptions& options);
 
+/// What the fields of a surface's files are held by.
+struct LevelFields {
+  VertexFields figures;                    ///< that the job wants as data
+  std::vector<VertexProperty> properties;  ///< of the input's vertices
+};
+
 /// The surface of that fineness, measured where it is a level. The options get what its files say
-/// of it, and the fields that the job wants as data, which `fields` holds.
+/// of it, and the fields, which `fields` holds.
 [[nodiscard]] JobLevel surface_of(const FittedJob& work, JobSurface& all, const Fineness& fineness,
-                                  VertexFields& fields, SurfaceOutputOptions& options);
+                                  LevelFields& fields, SurfaceOutputOptions& options);
 
 /// Figures that a job's report wants and that cannot be seen on its cage or at level 0.
 void measure_rest(const FittedJob& work, JobSurface& all, const SurfaceOutputOptions& common);

@@ -89,10 +89,11 @@ class PlyTextCursor {
     const double infinite = std::numeric_limits<double>::infinity();
     return text.starts_with('-') ? -infinite : infinite;
   }
-  /// The same, 0 for what is no finite number.
-  double number_or_zero(PlyType, const PlyElement& element, std::int64_t index) {
+  /// The same, NaN for what is no finite number.
+  double number_or_nan(PlyType, const PlyElement& element, std::int64_t index) {
     double value = 0;
-    return parse_number(word(element, index), value) ? value : 0;
+    return parse_number(word(element, index), value) ? value
+                                                     : std::numeric_limits<double>::quiet_NaN();
   }
   [[nodiscard]] std::size_t values_left(PlyType) const { return words_.rest().size(); }
   /// Whether so many can follow.
@@ -145,9 +146,8 @@ class PlyBinaryCursor {
   double number(PlyType type, const PlyElement& element, std::int64_t index) {
     return any_number(type, element, index);
   }
-  double number_or_zero(PlyType type, const PlyElement& element, std::int64_t index) {
-    const double value = any_number(type, element, index);
-    return std::isfinite(value) ? value : 0;
+  double number_or_nan(PlyType type, const PlyElement& element, std::int64_t index) {
+    return any_number(type, element, index);
   }
   [[nodiscard]] std::size_t values_left(PlyType type) const {
     return left_.size() / byte_count_of(type);

@@ -17,34 +17,40 @@ namespace planish {
 
 /// What was made the best of.
 struct PlyNotes {
-  LineNote excess, color, uv;
+  LineNote excess, color, uv, property;
 
   void join(const PlyNotes& behind) {
     excess.join(behind.excess);
     color.join(behind.color);
     uv.join(behind.uv);
+    property.join(behind.property);
   }
 };
 
 /// What a vertex has, by the slots of PlyVertexLayout.
 struct PlyVertex {
-  std::array<double, 12> values{};
+  std::array<double, kPlyFirstProperty + kMaxPlyProperties> values;  // properties: if there
 
   [[nodiscard]] glm::dvec3 position() const { return {values[0], values[1], values[2]}; }
   [[nodiscard]] glm::dvec2 uv() const { return {values[3], values[4]}; }  ///< NaN: none
   [[nodiscard]] glm::vec4 color() const { return {values[5], values[6], values[7], values[8]}; }
   [[nodiscard]] glm::vec3 normal() const { return {values[9], values[10], values[11]}; }
+  [[nodiscard]] float property(std::size_t k) const {
+    return static_cast<float>(values[kPlyFirstProperty + k]);
+  }
 };
 
 /// Reads an entry of the element `vertex`. Colours that are no numbers are white, and noted, as
-/// texture coordinates are. Throws Error{UnreadableInput} for positions that are none.
+/// texture coordinates are; further properties are 0 there, and noted. Throws
+/// Error{UnreadableInput} for positions that are none.
 template <class Cursor>
 PlyVertex read_ply_vertex(Cursor& cursor, const PlyElement& element, const PlyVertexLayout& layout,
                           std::int64_t vertex, PlyNotes& notes) {
   PlyVertex found;
-  std::array<double, 12>& values = found.values;
+  auto& values = found.values;
+  std::fill_n(values.begin(), kPlyFirstProperty, 0.0);
   values[8] = 1;  // opaque
-  std::optional<std::size_t> bad_uv, bad_color;
+  std::optional<std::size_t> bad_uv, bad_color, bad_property;
   const auto fault = [&](std::size_t i) {
     return place_of(element, vertex) + ": " + element.properties[i].name + " is " +
            shortest(values[layout.slots[i]]);
@@ -58,7 +64,16 @@ PlyVertex read_ply_vertex(Cursor& cursor, const PlyElement& element, const PlyVe
       values[slot] = cursor.number(property.type, element, vertex);
       if (!std::isfinite(values[slot])) cursor.fail(fault(i), vertex);
     } else if (slot > 8) {
-      values[slot] = cursor.number_or_zero(property.type, element, vertex);
+      values[slot] = cursor.number_or_nan(property.type, element, vertex);
+      const bool is_property = slot >= static_cast<int>(kPlyFirstProperty);
+      const bool is_good = is_property ? std::isfinite(static_cast<float>(values[slot]))
+                                       : std::isfinite(values[slot]);
+      if (is_good) continue;
+      if (is_property && !bad_property) {
+        bad_property = i;
+        cursor.note(notes.property, fault(i), vertex);
+      }
+      values[slot] = 0;
     } else {
       values[slot] = cursor.any_number(property.type, element, vertex);
       std::optional<std::size_t>& bad = slot < 5 ? bad_uv : bad_color;

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <set>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "planish/files/shared/srgb.h"
 
@@ -31,6 +35,28 @@ constexpr std::array<Slot, 16> kSlots = {{{"x", 0},
                                           {"ny", 10},
                                           {"nz", 11}}};
 
+constexpr std::size_t kMostNameBytes = 64;
+// Names of USD, which knows the others apart by their case.
+constexpr std::array<std::string_view, 3> kTakenNames = {"st", "displaycolor", "displayopacity"};
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Letters of other alphabets are several characters.
+std::string plain_name(const std::string& name) {
+  std::string plain = is_digit(name.front()) ? "_" : "";
+  for (const char c : name) {
+    const bool is_plain = is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    plain += is_plain ? c : '_';
+  }
+  return plain;
+}
+
+std::string lower(std::string name) {
+  for (char& c : name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return name;
+}
+
 }  // namespace
 
 PlyVertexLayout ply_vertex_layout(const PlyElement& element) {
@@ -57,6 +83,25 @@ PlyVertexLayout ply_vertex_layout(const PlyElement& element) {
   layout.has_colors = std::ranges::find(slots, 5) != slots.end();
   layout.has_normals = std::ranges::find(slots, 9) != slots.end();
   return layout;
+}
+
+void add_ply_properties(const PlyElement& element, PlyVertexLayout& layout) {
+  std::set<std::string, std::less<>> taken(kTakenNames.begin(), kTakenNames.end());
+  for (const Slot& slot : kSlots) taken.emplace(slot.name);
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    if (property.count_type || property.name.empty() ||
+        std::ranges::find(kSlots, property.name, &Slot::name) != kSlots.end())
+      continue;
+    std::string name = plain_name(property.name);
+    if (layout.properties.size() < kMaxPlyProperties && name.size() <= kMostNameBytes &&
+        taken.insert(lower(name)).second) {
+      layout.slots[i] = static_cast<int>(kPlyFirstProperty + layout.properties.size());
+      layout.properties.push_back(std::move(name));
+    } else if (layout.left_out_count++ == 0) {
+      layout.left_out = property.name;
+    }
+  }
 }
 
 const PlyProperty* ply_vertex_list(const PlyElement& face) {

@@ -22,6 +22,7 @@ constexpr std::int64_t kMaxCount = std::numeric_limits<std::int32_t>::max() - 1;
 struct Reading {
   std::size_t part_bytes = kTextPartBytes;
   bool wants_normals = false;  // of a mesh; those of a cloud are always read
+  bool wants_properties = false;
 };
 
 template <class Body>
@@ -138,6 +139,7 @@ PlyVertexLayout PlyReader<Body>::layout_of(const PlyElement& element) const {
     std::ranges::replace_if(
         layout.slots, [](int slot) { return slot > 8; }, -1);
   }
+  if (has_faces && reading_.wants_properties) add_ply_properties(element, layout);
   if (layout.missing_axis != 0)
     body_.fail("element `vertex` has no property " + quote({&layout.missing_axis, 1}), -1);
   return layout;
@@ -150,6 +152,19 @@ void PlyReader<Body>::make_room(const PlyVertexLayout& layout, std::int64_t coun
   file_.mesh.uvs.resize(layout.has_uvs ? vertices : 0);
   file_.mesh.colors.resize(layout.has_colors ? vertices : 0);
   file_.normals.resize(layout.has_normals ? vertices : 0);
+  for (const std::string& name : layout.properties)
+    file_.properties.push_back({name, std::vector<float>(vertices)});
+  if (layout.left_out_count == 0) return;
+  file_.warnings.push_back(
+      {.code = "left-out-properties",
+       .message = std::string(name_) + ": property " + quote(layout.left_out) +
+                  " of the vertices is left out" +
+                  (layout.left_out_count > 1
+                       ? ", and " + std::to_string(layout.left_out_count - 1) + " more"
+                       : "") +
+                  "; " + std::to_string(kMaxPlyProperties) +
+                  " are read, of names of their own, whatever their case",
+       .count = layout.left_out_count});
 }
 
 template <class Body>
@@ -175,6 +190,8 @@ void PlyReader<Body>::read_vertex(Cursor& cursor, const PlyElement& element,
   if (layout.has_uvs) mesh.uvs[vertex] = found.uv();
   if (layout.has_normals) file_.normals[vertex] = found.normal();
   if (layout.has_colors) mesh.colors[vertex] = found.color();
+  for (std::size_t k = 0; k < layout.properties.size(); ++k)
+    file_.properties[k].values[vertex] = found.property(k);
 }
 
 template <class Body>
@@ -259,6 +276,7 @@ void PlyReader<Body>::add_warnings() {
   notes_.color.warn(file_.warnings, "missing-colors", name_, "such vertices are white");
   notes_.uv.warn(file_.warnings, "missing-texture-coordinates", name_,
                  "corners at such vertices have none");
+  notes_.property.warn(file_.warnings, "missing-properties", name_, "such properties are 0 there");
 }
 
 MeshFile read_as(const FileBytes& file, const Reading& reading) {
@@ -278,8 +296,9 @@ MeshFile read_binary_ply_body(const FileBytes& file, const PlyHeader& header) {
 }
 
 MeshFile read_ply(const FileBytes& file, std::size_t part_bytes) {
-  MeshFile found =
-      read_as(file, {.part_bytes = part_bytes, .wants_normals = file.split_normals_crease});
+  MeshFile found = read_as(file, {.part_bytes = part_bytes,
+                                  .wants_normals = file.split_normals_crease,
+                                  .wants_properties = true});
   if (!file.split_normals_crease || found.mesh.face_count() == 0) return found;
   const CornerNormals normals{.values = std::exchange(found.normals, {}),
                               .of_corners = found.mesh.face_vertices};

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "planish/core/raw_vector.h"
@@ -100,12 +101,16 @@ void weld_repeated_vertices(MeshFile& file) {
   }
   std::erase_if(mesh.creases, [](const CreaseEdge& crease) { return crease.v0 == crease.v1; });
   for (CornerVertex& corner : mesh.corners) rename(corner.vertex);
-  if (!mesh.colors.empty()) {
-    std::vector<glm::vec4> colors(welded.positions.size());
+  // The first vertex's stays.
+  const auto gather = [&](auto& values) {
+    if (values.empty()) return;
+    std::remove_reference_t<decltype(values)> kept(welded.positions.size());
     for (std::size_t i = count; i-- > 0;)
-      colors[static_cast<std::size_t>(welded.indices[i])] = mesh.colors[i];
-    mesh.colors = std::move(colors);
-  }
+      kept[static_cast<std::size_t>(welded.indices[i])] = values[i];
+    values = std::move(kept);
+  };
+  gather(mesh.colors);
+  for (VertexProperty& property : file.properties) gather(property.values);
   mesh.positions = std::move(welded.positions);
 }
 
