@@ -21,17 +21,22 @@ class PolygonStream {
  public:
   /// `name` is that of the file, for messages. What is referred to must outlive the stream.
   PolygonStream(const PolygonSource& source, std::span<const ByteSink> sinks,
-                const FormatInfo& format, std::string name, std::string companion)
+                const FormatInfo& format, std::string name, std::string companion,
+                const UsdMaterials* materials)
       : source_(source),
         sinks_(sinks),
         format_(format),
         name_(std::move(name)),
-        companion_(std::move(companion)) {}
+        companion_(std::move(companion)),
+        materials_(materials) {}
 
   [[nodiscard]] const PolygonTotals& totals() const { return source_.totals(); }
   [[nodiscard]] const std::string& name() const { return name_; }
   /// The file beside it that holds its materials; empty: none.
   [[nodiscard]] const std::string& companion() const { return companion_; }
+
+  /// Those of groups, where USD has some; else null.
+  [[nodiscard]] const UsdMaterials* materials() const { return materials_; }
 
   void text(std::string_view text) const {
     for (const ByteSink& sink : sinks_) sink(std::as_bytes(std::span(text)));
@@ -79,6 +84,7 @@ class PolygonStream {
   std::span<const ByteSink> sinks_;
   const FormatInfo& format_;
   std::string name_, companion_;
+  const UsdMaterials* materials_;
 };
 
 }  // namespace planish

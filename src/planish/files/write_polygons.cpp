@@ -308,7 +308,7 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
     }
   }
   CountedFile file(path, observe);
-  info.write_polygons(PolygonStream(source, file.sinks(), info, name, companion));
+  info.write_polygons(PolygonStream(source, file.sinks(), info, name, companion, materials.usd));
   return file.commit();
 }
 

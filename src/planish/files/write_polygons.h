@@ -106,11 +106,15 @@ class PolygonSource {
 };
 
 class MaterialLibrary;
+struct GltfMaterials;
+struct UsdMaterials;
 
-/// Materials that an OBJ has from another.
+/// Materials that a file has from another; null: none.
 struct GivenMaterials {
-  const MaterialLibrary* library = nullptr;  ///< null: none
-  std::filesystem::path folder;              ///< where the OBJ will stand
+  const MaterialLibrary* library = nullptr;  ///< of OBJ
+  std::filesystem::path folder;              ///< where the file will stand
+  const GltfMaterials* gltf = nullptr;       ///< of USD, that write_surface() makes `usd` of
+  const UsdMaterials* usd = nullptr;
 };
 
 /// Writes the polygons through OutputFile as the format's own writer does (obj/write_obj.h,

@@ -9,6 +9,7 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/gltf_face_writer.h"
 #include "planish/files/shared/writable.h"
+#include "planish/files/usda/usd_materials.h"
 #include "planish/files/write_polygons.h"
 
 namespace planish {
@@ -248,8 +249,16 @@ std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format
   const HostScope host(options.callbacks);
   require_field_sizes(options.fields, surface.info().row_count, visible(path));
   const BlockSource source(surface, format, options);
+  GivenMaterials materials = options.materials;
+  UsdMaterials usd;
+  if (format == FileFormat::Usda && materials.gltf != nullptr) {
+    usd = usd_materials(*materials.gltf, source.totals().materials, materials.folder);
+    for (const Warning& warning : usd.warnings)
+      options.callbacks.warn({warning.code, visible(path) + ": " + warning.message, warning.count});
+    materials.usd = &usd;
+  }
   const std::uint64_t byte_count =
-      write_polygons(path, format, source, options.header, options.observe, options.materials);
+      write_polygons(path, format, source, options.header, options.observe, materials);
   warn_of(source.degenerate(), options.callbacks);
   const PolygonTotals& totals = source.totals();
   const std::string lost = lost_attributes(

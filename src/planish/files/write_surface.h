@@ -27,7 +27,7 @@ struct SurfaceWriteOptions {
   std::vector<std::string> header;
   std::span<const NamedField> fields;
   bool is_z_up = false;      ///< of USD
-  GivenMaterials materials;  ///< of OBJ
+  GivenMaterials materials;  ///< of OBJ and USD
   /// Gets all bytes in order while they are written: for a digest.
   std::function<void(std::span<const std::byte>)> observe;
   Callbacks callbacks;  ///< step "write", warnings "degenerate-normals" and "lost-attributes"

@@ -132,7 +132,7 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
   how.fields = fields;
   how.callbacks = options.callbacks;
   if (options.materials != nullptr)
-    how.materials = {&options.materials->library, path.parent_path()};
+    how.materials = {&options.materials->library, path.parent_path(), &options.materials->gltf};
   return write_surface(path, format, surface, how);
 }
 
@@ -251,11 +251,12 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
 
   const FormatInfo& to = info_of(output_format(output, FormatUse::WriteSurface));
   RawVector<std::byte> bytes;
-  if (info_of(file.format).is_gltf && to.is_gltf) bytes = read_file(input, {});
+  const bool to_gltf = to.is_gltf || to.format == FileFormat::Usda;
+  if (info_of(file.format).is_gltf && to_gltf) bytes = read_file(input, {});
   const std::string name = visible(input);
   const FileMaterials materials =
       read_materials({.bytes = bytes, .name = name, .path = input}, file.format,
-                     to.format == FileFormat::Obj, to.is_gltf);
+                     to.format == FileFormat::Obj, to_gltf);
   for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
   const SurfaceShares shares(
       {options.level, options.z_up, share_of(callbacks, fit, 1), &materials, file.properties});

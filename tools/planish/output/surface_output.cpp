@@ -179,7 +179,7 @@ WrittenOutput write_surface_output(const PlannedOutput& planned,
       .header = {},
       .fields = options.gltf.fields,
       .is_z_up = options.gltf.z_up,
-      .materials = {options.materials, planned.path.parent_path()},
+      .materials = {options.materials, planned.path.parent_path(), options.gltf.materials},
       .observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); },
       .callbacks = options.gltf.callbacks};
   for (const auto& [key, value] : options.gltf.extras) {

@@ -9,6 +9,7 @@
 #include "planish/files/gltf/asset/json_guard.h"
 #include "planish/files/gltf/asset/tangent_sets.h"
 #include "planish/files/gltf/gltf_layout.h"
+#include "planish/files/gltf/gltf_source.h"
 
 namespace planish {
 namespace {
@@ -75,7 +76,10 @@ GltfMaterials made_of(const GltfAsset& asset) {
     const std::span<const std::byte> bytes =
         uri ? asset.source().fetch(*uri) : asset.source().view(place["bufferView"].integer());
     const std::string type = image_type(bytes, uri ? uri->text() : "");
-    made.images.push_back({image.value("mimeType", type), {}});
+    made.images.push_back({image.value("mimeType", type), {}, {}});
+    const auto file = uri ? decode_relative_uri(uri->text()) : std::nullopt;
+    if (file && !uri->text().starts_with("data:"))
+      made.images.back().path = asset.file().path.parent_path() / *file;
     made.images.back().bytes.assign(bytes.begin(), bytes.end());
     image.erase("uri");
     image.erase("bufferView");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@ namespace planish {
 struct GltfImage {
   std::string type;  ///< "image/png"
   RawVector<std::byte> bytes;
+  std::filesystem::path path{};  ///< the file that it is; empty: it lies in another
 };
 
 /// Materials for the groups of a surface whose names they have, with all that they name.

@@ -131,7 +131,7 @@ class Converter {
                                                 : ": the texture is left out");
       return std::nullopt;
     }
-    made_.images.push_back({type, {}});
+    made_.images.push_back({type, {}, path});
     made_.images.back().bytes.assign(begin, begin + bytes.size());
     made_.lists["images"].push_back({{"name", visible(path.filename())}});
     known->second = made_.images.size() - 1;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "planish/files/shared/identifier.h"
 #include "planish/files/shared/srgb.h"
 
 namespace planish {
@@ -38,18 +39,6 @@ constexpr std::array<Slot, 16> kSlots = {{{"x", 0},
 constexpr std::size_t kMostNameBytes = 64;
 // Names of USD, which knows the others apart by their case.
 constexpr std::array<std::string_view, 3> kTakenNames = {"st", "displaycolor", "displayopacity"};
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-// Letters of other alphabets are several characters.
-std::string plain_name(const std::string& name) {
-  std::string plain = is_digit(name.front()) ? "_" : "";
-  for (const char c : name) {
-    const bool is_plain = is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    plain += is_plain ? c : '_';
-  }
-  return plain;
-}
 
 std::string lower(std::string name) {
   for (char& c : name)
@@ -93,7 +82,7 @@ void add_ply_properties(const PlyElement& element, PlyVertexLayout& layout) {
     if (property.count_type || property.name.empty() ||
         std::ranges::find(kSlots, property.name, &Slot::name) != kSlots.end())
       continue;
-    std::string name = plain_name(property.name);
+    std::string name = identifier_of(property.name);
     if (layout.properties.size() < kMaxPlyProperties && name.size() <= kMostNameBytes &&
         taken.insert(lower(name)).second) {
       layout.slots[i] = static_cast<int>(kPlyFirstProperty + layout.properties.size());

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "planish/files/shared/identifier.h"
+#include "planish/files/usda/usd_materials.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
@@ -172,12 +174,8 @@ void write_sharp_features(FileBuffer& out, const PolygonView& view) {
 
 // Names of prims are identifiers; the number keeps them apart.
 std::string prim_name(const FaceGroup& group, std::size_t index) {
-  std::string name = "_";
-  for (const char c : group.name.empty() ? group.material : group.name) {
-    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    name += plain ? c : '_';
-  }
-  return "group_" + std::to_string(index) + (name.size() > 1 ? name : "");
+  const std::string& given = group.name.empty() ? group.material : group.name;
+  return "group_" + std::to_string(index) + (given.empty() ? "" : identifier_of("_" + given));
 }
 
 // Where the faces of a group are.
@@ -208,14 +206,30 @@ std::vector<GroupPlaces> places_of_groups(const PolygonStream& stream) {
   return places;
 }
 
+// Empty: it has none.
+std::string material_path(const UsdMaterials* materials, const std::string& name) {
+  if (materials == nullptr) return "";
+  const auto found = materials->paths.find(name);
+  return found == materials->paths.end() ? "" : found->second;
+}
+
 void write_groups(const PolygonStream& stream) {
   if (!stream.totals().has_groups) return;
   const std::vector<GroupPlaces> places = places_of_groups(stream);
+  const UsdMaterials* const materials = stream.materials();
+  if (materials != nullptr && !materials->paths.empty())
+    stream.text("    uniform token subsetFamily:materialBind:familyType = \"nonOverlapping\"\n");
   for (std::size_t g = 0; g < places.size(); ++g) {
     if (places[g].ranges.empty()) continue;
-    stream.text("    def GeomSubset \"" + prim_name(places[g].group, g) + "\"\n    {\n");
-    stream.text("        uniform token elementType = \"face\"\n");
-    stream.text("        uniform token familyName = \"planish\"\n        int[] indices = [");
+    const std::string bound = material_path(materials, places[g].group.material);
+    stream.text("    def GeomSubset \"" + prim_name(places[g].group, g) + "\"");
+    if (!bound.empty())
+      stream.text(" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )");
+    stream.text("\n    {\n        uniform token elementType = \"face\"\n");
+    stream.text("        uniform token familyName = \"");
+    stream.text(bound.empty() ? "planish\"\n" : "materialBind\"\n");
+    if (!bound.empty()) stream.text("        rel material:binding = <" + bound + ">\n");
+    stream.text("        int[] indices = [");
     stream.pieces(PolygonPart::Faces, places[g].ranges,
                   [&](FileBuffer& out, const PolygonPiece& piece, RowRange range) {
                     for (std::size_t f = 0; f < piece.view.face_groups.size(); ++f) {
@@ -259,7 +273,10 @@ void write_usda(const PolygonStream& stream) {
   write_fields(stream);
   of_view(PolygonPart::Tail, write_sharp_features);
   write_groups(stream);
-  stream.text("}\n}\n");
+  stream.text("}\n");
+  if (stream.materials() != nullptr && !stream.materials()->text.empty())
+    stream.text("def Scope \"materials\"\n{\n" + stream.materials()->text + "}\n");
+  stream.text("}\n");
 }
 
 }  // namespace planish
