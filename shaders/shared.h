@@ -196,7 +196,7 @@ struct PlaceParameters {
 PLANISH_SHARED_CONSTANT kStepFaces = 0u;
 PLANISH_SHARED_CONSTANT kStepLargeFaces = 1u;
 PLANISH_SHARED_CONSTANT kStepSharp = 2u;
-// Faces of so many corners are large: kSummedRing of patches/ring_sums.h.
+// Faces of so many corners are large: kSummedRing of doosabin/face_rule.h.
 PLANISH_SHARED_CONSTANT kStepLargeFace = 32u;
 // A large face's words: its first corner, its size, where cosine and sine of each corner begin.
 PLANISH_SHARED_CONSTANT kLargeFaceWords = 3u;

@@ -8,6 +8,8 @@
 #include <limits>
 #include <random>
 
+#include "planish/stencil/stencil_builder.h"
+
 namespace planish {
 namespace {
 
@@ -87,6 +89,38 @@ TEST(CpuSolve, StepsEqualTheirDefinition) {
       EXPECT_LT(glm::length(displacement[i] - reference.displacement[i]), 1e-14);
     }
     EXPECT_NEAR(solve->error().max, reference.max_error(), 1e-14);
+  }
+}
+
+// Rows over points and three sums, against the same rows over points alone.
+TEST(CpuSolve, TakesSumsAsItTakesTheirPoints) {
+  constexpr std::int32_t kCount = 5000, kSums = 3;
+  SummedTable table{random_masks(kCount, 4), random_masks(kSums, 7)};
+  for (std::size_t k = 3; k < table.rows.indices.size(); k += 11)
+    table.rows.indices[k] = kCount + static_cast<std::int32_t>(k) % kSums;
+  for (std::size_t k = 0; k < table.sums.indices.size(); ++k)
+    table.sums.indices[k] = static_cast<std::int32_t>(701 * k % kCount);
+  table.rows.source_count = kCount + kSums;
+  table.sums.source_count = kCount;
+  const StencilTable whole = expanded(table.view());
+  const auto initial = random_points(kCount, 5);
+  for (const auto& [precision, most] :
+       {std::pair{Precision::Double, 1e-14}, {Precision::Float, 3e-6}}) {
+    const auto backend = make_cpu_backend({precision});
+    const auto apart = backend->make_solve(table.view()),
+               together = backend->make_solve(whole.view());
+    const std::vector<StepCoefficients> steps{{0, 1}, {0.2, 1.1}, {0.3, 0.9}};
+    for (Solve* const solve : {apart.get(), together.get()}) {
+      solve->begin(initial);
+      solve->run(steps, 0);
+    }
+    EXPECT_NEAR(apart->error().max, together->error().max, 10 * most);
+    const auto a = apart->displacement(), b = together->displacement();
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) EXPECT_LT(glm::length(a[i] - b[i]), most);
+    const std::vector<double> valences(kCount, 1.0);
+    EXPECT_EQ(apart->cg_begin(initial, valences), together->cg_begin(initial, valences));
+    EXPECT_LT(glm::length(apart->cg_apply() - together->cg_apply()), kCount * most);
   }
 }
 

@@ -25,29 +25,50 @@ MeshPart part_of(const Ranks& ranks, const PolygonMesh& mesh, std::int64_t block
 
 using Row = std::vector<std::pair<std::int64_t, double>>;
 
-// By the vertex's number in the file.
+// By the vertex's number in the file. A sum is named by -1, and its own entries follow.
 std::map<std::int64_t, Row> rows_on_one(const PolygonMesh& mesh, const SharpFeatureOptions& sharp) {
   const MeshTopology topology(mesh);
   const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, sharp);
   const Subdivision subdivision(topology, features, Weights::DooSabin);
-  const StencilTable masks = limit_masks(subdivision);
+  const SummedTable table = summed_limit_masks(subdivision);
   std::map<std::int64_t, Row> rows;
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
-    for (std::int32_t k = masks.offsets[v]; k < masks.offsets[v] + masks.sizes[v]; ++k)
-      rows[v].emplace_back(masks.indices[k], masks.weights[k]);
+  const auto add = [&](const StencilTable& from, std::int32_t i, Row& row,
+                       const auto& self) -> void {
+    for (std::int32_t k = from.offsets[i]; k < from.offsets[i] + from.sizes[i]; ++k) {
+      const bool is_sum = from.indices[k] >= mesh.vertex_count();
+      row.emplace_back(is_sum ? -1 : from.indices[k], from.weights[k]);
+      if (is_sum) self(table.sums, from.indices[k] - mesh.vertex_count(), row, self);
+    }
+  };
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    Row row;
+    add(table.rows, v, row, add);
+    if (!row.empty()) rows[v] = std::move(row);
+  }
   return rows;
 }
 
 std::map<std::int64_t, Row> rows_of(const MeshPart& part, const PartRows& rows) {
   std::map<std::int64_t, Row> result;
-  for (std::int32_t v = 0; v < rows.row_count(); ++v)
-    for (std::int64_t k = rows.offsets[v]; k < rows.offsets[v + 1]; ++k) {
-      const std::int32_t column = rows.columns[k];
+  const auto add = [&](const RowEntries& from, std::int32_t i, Row& row, const auto& self) -> void {
+    for (std::int64_t k = from.offsets[i]; k < from.offsets[i + 1]; ++k) {
+      const std::int32_t column = from.columns[k];
+      if (column >= rows.first_sum()) {
+        row.emplace_back(-1, from.weights[k]);
+        self(rows.sums, column - rows.first_sum(), row, self);
+        continue;
+      }
       const std::int32_t local = column < part.owned_count()
                                      ? column
                                      : part.local_of(rows.ghosts[column - part.owned_count()]);
-      result[part.file_ids[v]].emplace_back(part.file_ids[local], rows.weights[k]);
+      row.emplace_back(part.file_ids[local], from.weights[k]);
     }
+  };
+  for (std::int32_t v = 0; v < rows.row_count(); ++v) {
+    Row row;
+    add(rows, v, row, add);
+    if (!row.empty()) result[part.file_ids[v]] = std::move(row);
+  }
   return result;
 }
 
@@ -120,6 +141,18 @@ TEST(PartRows, AreThoseOfOneMachine) {
   }
 }
 
+// Two faces of 30,000 corners, whose masks were 1.8 thousand million entries.
+TEST(PartRows, GrowAsTheCorners) {
+  const PolygonMesh mesh = prism(30000);
+  for (const int count : {1, 3})
+    on_ranks(count, [&](const Ranks& ranks) {
+      const MeshPart part = part_of(ranks, mesh, 4096);
+      const PartRows rows =
+          make_rows(ranks, part, "prism", mesh.face_count(), {.block_vertices = 4096});
+      EXPECT_LE(rows.columns.size() + rows.sums.columns.size(), 5 * mesh.face_vertices.size());
+    });
+}
+
 // A cube has fewer blocks and faces than there are ranks.
 TEST(PartRows, RanksMayBeEmpty) {
   const PolygonMesh mesh = cube();
@@ -153,7 +186,7 @@ TEST(SubMesh, OneRingGivesTheBitsAndNoneDoesNot) {
             if (v < begin || v >= end) continue;
             Row named;
             for (const auto& [column, weight] : row)
-              named.emplace_back(part.file_ids[sub.vertices[column]], weight);
+              named.emplace_back(column < 0 ? -1 : part.file_ids[sub.vertices[column]], weight);
             if (rings == Rings::None) {
               wrong_without += named != expected.at(part.file_ids[v]);
             } else if (rings == Rings::Two) {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "planish/core/error.h"
+#include "planish/stencil/stencil_builder.h"
 #include "support/meshes.h"
 
 namespace planish {
@@ -73,6 +74,39 @@ TEST(LimitMasks, AreRefusedWhereTheyMayBeTooLarge) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::UnusableMesh);
     EXPECT_EQ(error.what(), problem->message);
+  }
+}
+
+TEST(LimitMasks, WithSumsAreTheSameMatrix) {
+  PolygonMesh creased = test::prism(40);
+  creased.creases = {{0, 1, kInfiniteSharpness}, {1, 2, kInfiniteSharpness}};
+  for (const PolygonMesh& mesh :
+       {test::prism(31), test::prism(32), test::prism(45), creased, test::single_polygon(64)}) {
+    const MeshTopology topology(mesh);
+    const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
+    for (const Weights weights : {Weights::DooSabin, Weights::Averaged}) {
+      const Subdivision subdivision(topology, features, weights);
+      const StencilTable whole = limit_masks(subdivision);
+      const SummedTable apart = summed_limit_masks(subdivision);
+      EXPECT_EQ(apart.sums.sizes.empty(), mesh.face_size(0) < kSummedRing);
+      const StencilTable back = expanded(apart.view());
+      ASSERT_EQ(back.sizes, whole.sizes);
+      for (std::size_t k = 0; k < whole.weights.size(); ++k) {
+        EXPECT_EQ(back.indices[k], whole.indices[k]);
+        EXPECT_NEAR(back.weights[k], whole.weights[k], 1e-15);
+      }
+    }
+  }
+}
+
+TEST(LimitMasks, WithSumsGrowAsTheCorners) {
+  for (const std::int32_t n : {1000, 100000}) {
+    const PolygonMesh mesh = test::prism(n);
+    const MeshTopology topology(mesh);
+    EXPECT_FALSE(too_large_summed_masks(topology));
+    const SharpFeatures features = find_sharp_features(mesh, topology, mesh.positions, {});
+    const Subdivision subdivision(topology, features, Weights::DooSabin);
+    EXPECT_LE(summed_limit_masks(subdivision).entry_count(), 5 * topology.corner_count());
   }
 }
 

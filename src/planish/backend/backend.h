@@ -106,8 +106,7 @@ class Backend {
 
   /// `limit_masks` is B, square; it is copied to the device, or must outlive the solve where the
   /// device is the CPU.
-  [[nodiscard]] virtual std::unique_ptr<Solve> make_solve(
-      const StencilView<double>& limit_masks) = 0;
+  [[nodiscard]] virtual std::unique_ptr<Solve> make_solve(const SummedView& limit_masks) = 0;
 
   [[nodiscard]] virtual std::unique_ptr<DevicePoints> upload(
       std::span<const glm::dvec3> points) = 0;

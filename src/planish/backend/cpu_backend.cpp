@@ -84,16 +84,16 @@ class HostThreads {
 template <class Real>
 class CpuSolve final : public Solve {
  public:
-  CpuSolve(const StencilView<double>& masks, HostThreads& threads)
-      : threads_(threads), row_count_(masks.sizes.size()) {
-    PLANISH_ASSERT(masks.source_count == masks.row_count());
-    threads_.execute([&] { rows_.emplace(masks); });
+  CpuSolve(const SummedView& masks, HostThreads& threads)
+      : threads_(threads), row_count_(masks.rows.sizes.size()), sums_(masks.sums) {
+    PLANISH_ASSERT(masks.point_count() == masks.rows.row_count());
+    threads_.execute([&] { rows_.emplace(masks.rows); });
   }
 
   void begin(std::span<const glm::dvec3> initial_residual) override {
     PLANISH_ASSERT(initial_residual.size() == row_count_);
-    for (Points* points : {&initial_residual_, &displacement_, &other_displacement_})
-      points->resize(row_count_);
+    initial_residual_.resize(row_count_);
+    for (Points* points : {&displacement_, &other_displacement_}) points->resize(source_count());
     for_pieces(row_count_, [&](std::size_t i) {
       initial_residual_[i] = Point::of(initial_residual[i]);
       displacement_[i] = other_displacement_[i] = Point{};
@@ -117,6 +117,7 @@ class CpuSolve final : public Solve {
   ErrorNorms error() override {
     PieceSums squares;
     threads_.execute([&] {
+      set_sums(displacement_);
       squares = sum_rows([initial = initial_residual_.data()](std::size_t i, const Point& image) {
         return initial[i] - image;
       });
@@ -125,7 +126,7 @@ class CpuSolve final : public Solve {
   }
 
   [[nodiscard]] std::vector<glm::dvec3> displacement() const override {
-    std::vector<glm::dvec3> result(displacement_.size());
+    std::vector<glm::dvec3> result(row_count_);
     for_pieces(result.size(), [&](std::size_t i) { result[i] = displacement_[i].point(); });
     return result;
   }
@@ -135,12 +136,14 @@ class CpuSolve final : public Solve {
     begin(initial_residual);
     row_weights_.assign(row_weights.begin(), row_weights.end());
     residual_ = step_ = initial_residual_;
+    step_.resize(source_count());
     image_.resize(row_count_);
     return inner_product(residual_, residual_);
   }
 
   glm::dvec3 cg_apply() override {
     threads_.execute([&] {
+      set_sums(step_);
       parallel_each(rows_->piece_count(), 1, [&](std::size_t p) {
         rows_->for_each_sum(p, step_.data(),
                             [&](std::size_t i, const Point& image) { image_[i] = image; });
@@ -180,6 +183,18 @@ class CpuSolve final : public Solve {
   using Point = PointLanes<Real>;
   using Points = RawVector<Point>;
 
+  // Points, and behind them sums of these.
+  [[nodiscard]] std::size_t source_count() const { return row_count_ + sums_.sizes.size(); }
+  void set_sums(Points& points) const {
+    parallel_each(sums_.sizes.size(), 1, [&](std::size_t row) {
+      glm::dvec3 sum(0.0);
+      const auto first = static_cast<std::size_t>(sums_.offsets[row]);
+      for (std::size_t k = first; k < first + static_cast<std::size_t>(sums_.sizes[row]); ++k)
+        sum += sums_.weights[k] * points[static_cast<std::size_t>(sums_.indices[k])].point();
+      points[row_count_ + row] = Point::of(sum);
+    });
+  }
+
   template <class Body>
   void for_pieces(std::size_t count, const Body& body) const {
     threads_.execute([&] { parallel_each(count, kPieceRows, [&](std::size_t i) { body(i); }); });
@@ -210,6 +225,7 @@ class CpuSolve final : public Solve {
   PieceSums take_step(const StepCoefficients& coefficients) {
     const Real momentum = static_cast<Real>(coefficients.momentum);
     const Real gain = static_cast<Real>(coefficients.gain);
+    set_sums(displacement_);
     // Pointers that stay where they are: what is written might else move the vectors.
     return sum_rows([momentum, gain, initial = initial_residual_.data(),
                      from = displacement_.data(),
@@ -239,6 +255,7 @@ class CpuSolve final : public Solve {
   HostThreads& threads_;
   std::size_t row_count_;
   std::optional<Rows> rows_;
+  StencilView<double> sums_;
   // The other displacement is the last step's, and becomes the next one.
   Points initial_residual_, displacement_, other_displacement_;
   Points step_, residual_, image_;  // of conjugate gradients
@@ -303,7 +320,7 @@ class CpuBackend final : public Backend {
 
   void run_on_host(const std::function<void()>& work) override { threads_.execute(work); }
 
-  [[nodiscard]] std::unique_ptr<Solve> make_solve(const StencilView<double>& masks) override {
+  [[nodiscard]] std::unique_ptr<Solve> make_solve(const SummedView& masks) override {
     if (options_.solve_precision == Precision::Float) {
       return std::make_unique<CpuSolve<float>>(masks, threads_);
     }

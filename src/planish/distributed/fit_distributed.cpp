@@ -121,7 +121,8 @@ class DistributedJob {
       used += fit_.kinds[kind] = sum_over(ranks_, rows.kinds[kind]);
     }
     fit_.unused_vertices = fit_.vertices - used;
-    fit_.entries = sum_over(ranks_, static_cast<std::int64_t>(rows.columns.size()));
+    fit_.entries =
+        sum_over(ranks_, static_cast<std::int64_t>(rows.columns.size() + rows.sums.columns.size()));
     fit_.spectral_bound = rows.spectral_bound;
     fit_.has_boundary = rows.has_boundary;
     note_figures(rows);

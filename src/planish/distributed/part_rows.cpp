@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "planish/core/assert.h"
@@ -38,7 +39,7 @@ class RowMaker {
       }
     }
     if (topology && !sub.faces.empty()) {
-      if (const auto problem = too_large_masks(*topology)) note(begin, end, sub, {*problem});
+      if (const auto problem = too_large_summed_masks(*topology)) note(begin, end, sub, {*problem});
     }
     if (is_sound_) add_rows(begin, end, sub, std::move(topology));
   }
@@ -48,19 +49,23 @@ class RowMaker {
 
   // Columns to ghosts that rows name, and nothing but those.
   PartRows finish() {
-    const std::int32_t owned = part_.owned_count();
-    std::vector<std::int32_t> places(part_.ghosts.size(), -1);
-    for (const std::int32_t column : rows_.columns)
-      if (column >= owned) places[column - owned] = 0;
-    std::int32_t count = 0;
-    for (std::size_t g = 0; g < places.size(); ++g) {
-      if (places[g] < 0) continue;
-      places[g] = count++;
-      rows_.ghosts.push_back(part_.ghosts[g]);
-      rows_.ghost_points.push_back(part_.positions[owned + static_cast<std::int32_t>(g)]);
+    const std::int32_t owned = part_.owned_count(), count = part_.vertex_count();
+    // By local vertex, then by sum.
+    std::vector<std::int32_t> places(part_.file_ids.size(), -1);
+    for (const RowEntries* table : std::initializer_list<const RowEntries*>{&rows_, &rows_.sums})
+      for (const std::int32_t column : table->columns)
+        if (column < count) places[column] = 0;
+    for (std::int32_t v = 0; v < count; ++v) {
+      if (v >= owned && places[v] < 0) continue;
+      places[v] = v < owned ? v : owned + static_cast<std::int32_t>(rows_.ghosts.size());
+      if (v < owned) continue;
+      rows_.ghosts.push_back(part_.ghosts[v - owned]);
+      rows_.ghost_points.push_back(part_.positions[v]);
     }
-    for (std::int32_t& column : rows_.columns)
-      if (column >= owned) column = owned + places[column - owned];
+    const std::int32_t first_sum = rows_.first_sum();
+    for (RowEntries* table : std::initializer_list<RowEntries*>{&rows_, &rows_.sums})
+      for (std::int32_t& column : table->columns)
+        column = column < count ? places[column] : first_sum + (column - count);
     return std::move(rows_);
   }
 
@@ -81,7 +86,13 @@ class RowMaker {
     const SharpFeatures features =
         find_sharp_features(sub.mesh, *topology, sub.mesh.positions, options_.sharp);
     const Subdivision subdivision(*topology, features, options_.weights);
-    const StencilTable masks = limit_masks(subdivision);
+    const SummedTable table = summed_limit_masks(subdivision);
+    const StencilTable& masks = table.rows;
+    const auto vertex_count = static_cast<std::int32_t>(sub.vertices.size());
+    const std::int32_t per_face = face_sum_rule(options_.weights).sum_count();
+    std::vector<std::int32_t> large;
+    for (std::int32_t f = 0; f < topology->face_count(); ++f)
+      if (topology->face_size(f) >= kSummedRing) large.push_back(f);
     rows_.spectral_bound =
         std::min(rows_.spectral_bound, spectral_bound(sub.mesh, options_.weights));
     row_of_.assign(static_cast<std::size_t>(end - begin), -1);
@@ -93,7 +104,11 @@ class RowMaker {
         rows_.has_boundary |= topology->is_boundary_vertex(row);
         ++rows_.kinds[static_cast<std::size_t>(features.vertex_kinds[row])];
         for (std::int32_t k = masks.offsets[row]; k < masks.offsets[row] + masks.sizes[row]; ++k) {
-          rows_.columns.push_back(sub.vertices[masks.indices[k]]);
+          const std::int32_t source = masks.indices[k];
+          const std::int32_t sum = source - vertex_count;
+          rows_.columns.push_back(
+              sum < 0 ? sub.vertices[source]
+                      : column_of_sum(sub, large[sum / per_face], table.sums, sum, per_face));
           rows_.weights.push_back(masks.weights[k]);
         }
       }
@@ -101,9 +116,27 @@ class RowMaker {
     }
   }
 
+  // The column of a sum of a block's face; those of a face are the same for all blocks, and made
+  // once.
+  std::int32_t column_of_sum(const SubMesh& sub, std::int32_t face, const StencilTable& sums,
+                             std::int32_t sum, std::int32_t per_face) {
+    const std::int32_t first = sum / per_face * per_face;
+    const auto [at, is_new] =
+        sums_of_face_.try_emplace(sub.faces[face], part_.vertex_count() + rows_.sums.row_count());
+    for (std::int32_t s = first; is_new && s < first + per_face; ++s) {
+      for (std::int32_t k = sums.offsets[s]; k < sums.offsets[s] + sums.sizes[s]; ++k) {
+        rows_.sums.columns.push_back(sub.vertices[sums.indices[k]]);
+        rows_.sums.weights.push_back(sums.weights[k]);
+      }
+      rows_.sums.offsets.push_back(static_cast<std::int64_t>(rows_.sums.columns.size()));
+    }
+    return at->second + sum - first;
+  }
+
   const MeshPart& part_;
   const RowOptions& options_;
   SubMeshMaker maker_;
+  std::map<std::int32_t, std::int32_t> sums_of_face_;  // of the part: its first sum's column
   PartRows rows_;
   std::vector<FoundProblem> found_;
   std::vector<std::int32_t> row_of_;

@@ -22,21 +22,32 @@ struct RowOptions {
   std::function<void()> after_block;  ///< a sign of life
 };
 
-/// The rows of B of a rank's vertices. Columns below the row count are owned vertices, the others
-/// places in `ghosts`. Entries of a row ascend by number in the file, so that products have the
-/// same bits for every rank count. Vertices that no face names have no entries.
-struct PartRows {
+/// Rows of entries, one after another.
+struct RowEntries {
   std::vector<std::int64_t> offsets{0};
   RawVector<std::int32_t> columns;
   RawVector<double> weights;
+
+  [[nodiscard]] std::int32_t row_count() const {
+    return static_cast<std::int32_t>(offsets.size()) - 1;
+  }
+};
+
+/// The rows of B of a rank's vertices, as summed_limit_masks() has them. Columns below the row
+/// count are owned vertices, then places in `ghosts`, then sums, whose own columns are the first
+/// two. Entries of a row ascend by number in the file, sums last, and those of a sum go around its
+/// face, so that products have the same bits for every rank count. Vertices that no face names have
+/// no entries.
+struct PartRows : RowEntries {
+  RowEntries sums;                       ///< of faces that rows name
   std::vector<std::int64_t> ghosts;      ///< numbers of other ranks' vertices, ascending
   std::vector<glm::dvec3> ghost_points;  ///< where they are
   double spectral_bound = 1;             ///< of all ranks
   std::array<std::int64_t, 4> kinds{};   ///< owned vertices by VertexKind
   bool has_boundary = false;             ///< any rank's
 
-  [[nodiscard]] std::int32_t row_count() const {
-    return static_cast<std::int32_t>(offsets.size()) - 1;
+  [[nodiscard]] std::int32_t first_sum() const {
+    return row_count() + static_cast<std::int32_t>(ghosts.size());
   }
 };
 

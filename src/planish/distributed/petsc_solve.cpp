@@ -63,8 +63,9 @@ class Triple {
 class Kernel {
  public:
   Kernel(const Ranks& ranks, const Layout& layout, const PartRows& rows)
-      : rows_(rows), ghosts_(3 * rows.ghosts.size()) {
+      : rows_(rows), ghosts_(3 * rows.ghosts.size()), sums_(3 * rows.sums.row_count()) {
     const std::int32_t owned = rows.row_count();
+    for (std::int32_t row = 0; row < rows.sums.row_count(); ++row) all_sums_.push_back(row);
     std::vector<PetscSFNode> remote(rows.ghosts.size());
     for (std::size_t g = 0; g < remote.size(); ++g) {
       const int owner = owner_of(layout, rows.ghosts[g]);
@@ -87,26 +88,35 @@ class Kernel {
 
   [[nodiscard]] PetscErrorCode apply(const double* x, double* y) {
     PetscCall(PetscSFBcastBegin(halo_, triple_, x, ghosts_.data(), MPI_REPLACE));
-    multiply<false>(inner_, x, y);
+    multiply<Sources::Owned>(rows_, inner_, x, y);
     PetscCall(PetscSFBcastEnd(halo_, triple_, x, ghosts_.data(), MPI_REPLACE));
-    multiply<true>(outer_, x, y);
+    multiply<Sources::Halo>(rows_.sums, all_sums_, x, sums_.data());
+    multiply<Sources::All>(rows_, outer_, x, y);
     return 0;
   }
 
  private:
-  template <bool kGhosts>
-  void multiply(const std::vector<std::int32_t>& list, const double* x, double* y) const {
-    const std::int32_t owned = rows_.row_count();
+  enum class Sources { Owned, Halo, All };  // owned vertices; ghosts, too; and sums
+
+  template <Sources kSources>
+  [[nodiscard]] const double* source(std::int32_t column, const double* x) const {
+    if (kSources == Sources::Owned || column < rows_.row_count())
+      return x + 3 * static_cast<std::size_t>(column);
+    if (kSources == Sources::Halo || column < rows_.first_sum())
+      return ghosts_.data() + 3 * static_cast<std::size_t>(column - rows_.row_count());
+    return sums_.data() + 3 * static_cast<std::size_t>(column - rows_.first_sum());
+  }
+
+  template <Sources kSources>
+  void multiply(const RowEntries& rows, const std::vector<std::int32_t>& list, const double* x,
+                double* y) const {
     parallel_for(list.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::int32_t row = list[i];
         double sum0 = 0, sum1 = 0, sum2 = 0;
-        for (std::int64_t k = rows_.offsets[row]; k < rows_.offsets[row + 1]; ++k) {
-          const std::int32_t column = rows_.columns[k];
-          const double weight = rows_.weights[k];
-          const double* point = !kGhosts || column < owned
-                                    ? x + 3 * static_cast<std::size_t>(column)
-                                    : ghosts_.data() + 3 * static_cast<std::size_t>(column - owned);
+        for (std::int64_t k = rows.offsets[row]; k < rows.offsets[row + 1]; ++k) {
+          const double weight = rows.weights[k];
+          const double* point = source<kSources>(rows.columns[k], x);
           sum0 += weight * point[0];
           sum1 += weight * point[1];
           sum2 += weight * point[2];
@@ -122,8 +132,8 @@ class Kernel {
   const PartRows& rows_;
   Owned<PetscSF, PetscSFDestroy> halo_;
   Triple triple_;
-  std::vector<double> ghosts_;
-  std::vector<std::int32_t> inner_, outer_;
+  std::vector<double> ghosts_, sums_;
+  std::vector<std::int32_t> inner_, outer_, all_sums_;
   std::int32_t peers_ = 0;
 };
 
@@ -145,15 +155,33 @@ void set_right_hand_side(Vec b, const PartRows& rows, std::span<const glm::dvec3
                          std::span<const glm::dvec3> ghosts) {
   double* out = nullptr;
   require(VecGetArrayWrite(b, &out));
-  const std::int32_t owned = rows.row_count();
+  const std::int32_t owned = rows.row_count(), first_sum = rows.first_sum();
+  const auto point = [&](std::int32_t column) {
+    return column < owned ? given[column] : ghosts[column - owned];
+  };
+  // About a point of each: far from the origin sums would lose digits.
+  struct Sum {
+    glm::dvec3 origin{}, sum{0.0};
+    double weight = 0;
+  };
+  std::vector<Sum> sums(static_cast<std::size_t>(rows.sums.row_count()));
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    sums[s].origin = point(rows.sums.columns[rows.sums.offsets[s]]);
+    for (std::int64_t k = rows.sums.offsets[s]; k < rows.sums.offsets[s + 1]; ++k) {
+      sums[s].sum += rows.sums.weights[k] * (point(rows.sums.columns[k]) - sums[s].origin);
+      sums[s].weight += rows.sums.weights[k];
+    }
+  }
+  const auto way_from = [&](std::size_t row, std::int32_t column) {
+    if (column < first_sum) return given[row] - point(column);
+    const Sum& sum = sums[column - first_sum];
+    return sum.weight * (given[row] - sum.origin) - sum.sum;
+  };
   parallel_for(given.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
       glm::dvec3 sum(0.0);
-      for (std::int64_t k = rows.offsets[row]; k < rows.offsets[row + 1]; ++k) {
-        const std::int32_t column = rows.columns[k];
-        const glm::dvec3& other = column < owned ? given[column] : ghosts[column - owned];
-        sum += rows.weights[k] * (given[row] - other);
-      }
+      for (std::int64_t k = rows.offsets[row]; k < rows.offsets[row + 1]; ++k)
+        sum += rows.weights[k] * way_from(row, rows.columns[k]);
       for (int c = 0; c < 3; ++c) out[3 * row + c] = sum[c];
     }
   });

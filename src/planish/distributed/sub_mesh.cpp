@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "planish/distributed/part_attributes.h"
+#include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/sound_topology.h"
 
 namespace planish {
@@ -38,13 +39,13 @@ void SubMeshMaker::take_vertices(std::span<const std::int32_t> faces,
 
 // The faces whose first vertex is in the run.
 void SubMeshMaker::take_own(std::int32_t begin, std::int32_t end) {
-  const auto is_first_in_run = [&](std::int32_t face) {
-    const std::int32_t first = part_.first_vertex(face);
-    return first >= begin && first < end;
-  };
+  if (first_vertices_.empty()) {
+    for (std::int32_t f = 0; f < part_.face_count(); ++f)
+      first_vertices_.push_back(part_.first_vertex(f));
+  }
   for (std::int32_t v = begin; v < end; ++v)
     for (const std::int32_t face : part_.around(v))
-      if (is_first_in_run(face) && std::exchange(face_stamps_[face], stamp_) != stamp_)
+      if (first_vertices_[face] == v && std::exchange(face_stamps_[face], stamp_) != stamp_)
         faces_.push_back(face);
   own_ = faces_;
   std::ranges::sort(own_);
@@ -71,52 +72,51 @@ void SubMeshMaker::choose_faces(std::int32_t begin, std::int32_t end, Rings ring
   std::ranges::sort(vertices_, {}, [&](std::int32_t v) { return part_.file_ids[v]; });
 }
 
-// One number a fan of the vertex's faces here.
-void SubMeshMaker::split_fans(std::int32_t vertex, SubMesh& sub) {
-  struct Use {
-    std::int32_t corner, next, last;
-    std::size_t fan;
-  };
-  std::vector<Use> uses;
-  for (const std::int32_t face : part_.around(vertex)) {
-    if (face_stamps_[face] != stamp_) continue;
-    const auto named = part_.face(face);
-    const std::size_t size = named.size();
-    for (std::size_t i = 0; i < size; ++i) {
-      if (named[i] != vertex) continue;
-      const std::int32_t corner = part_.face_offsets[face] + static_cast<std::int32_t>(i);
-      // A face that names the vertex twice is listed twice around it.
-      if (std::ranges::find(uses, corner, &Use::corner) == uses.end())
-        uses.push_back({corner, named[(i + 1) % size], named[(i + size - 1) % size], uses.size()});
+// Corners at vertices of which some faces are missing, by vertex: each face is walked once.
+void SubMeshMaker::list_rim() {
+  rim_.clear();
+  for (const std::int32_t face : faces_) {
+    const std::int32_t first = part_.face_offsets[face], end = part_.face_offsets[face + 1];
+    for (std::int32_t c = first; c < end; ++c) {
+      const std::int32_t vertex = part_.face_vertices[c];
+      if (whole_stamps_[vertex] == stamp_) continue;
+      const std::int32_t next = c + 1 < end ? c + 1 : first, last = c > first ? c - 1 : end - 1;
+      rim_.push_back({vertex, c, part_.face_vertices[next], part_.face_vertices[last]});
     }
   }
-  const auto meet = [](const Use& a, const Use& b) {
-    return a.next == b.last || a.last == b.next || a.next == b.next || a.last == b.last;
-  };
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (Use& a : uses)
-      for (Use& b : uses)
-        if (a.fan != b.fan && meet(a, b)) {
-          a.fan = b.fan = std::min(a.fan, b.fan);
-          changed = true;
-        }
+  std::ranges::stable_sort(rim_, {}, &RimCorner::vertex);
+}
+
+// One number a fan of the vertex's faces here: corners whose faces share a neighbour of it.
+void SubMeshMaker::split_fans(std::int32_t vertex, SubMesh& sub) {
+  const auto uses = std::ranges::equal_range(rim_, vertex, {}, &RimCorner::vertex);
+  DisjointSets fans(uses.size());
+  std::vector<std::pair<std::int32_t, std::int32_t>> neighbours;  // with their use
+  for (std::int32_t i = 0; i < std::ssize(uses); ++i) {
+    neighbours.emplace_back(uses[i].next, i);
+    neighbours.emplace_back(uses[i].last, i);
   }
+  std::ranges::sort(neighbours);
+  for (std::size_t k = 1; k < neighbours.size(); ++k)
+    if (neighbours[k].first == neighbours[k - 1].first)
+      fans.unite(neighbours[k].second, neighbours[k - 1].second);
   numbers_[vertex] = static_cast<std::int32_t>(sub.vertices.size());
   std::vector<std::int32_t> of_fan(uses.size(), -1);
-  for (const Use& use : uses) {
-    if (of_fan[use.fan] < 0) {
-      of_fan[use.fan] = static_cast<std::int32_t>(sub.vertices.size());
+  for (std::int32_t i = 0; i < std::ssize(uses); ++i) {
+    std::int32_t& number = of_fan[fans.find(i)];
+    if (number < 0) {
+      number = static_cast<std::int32_t>(sub.vertices.size());
       sub.vertices.push_back(vertex);
     }
-    corner_numbers_.push_back(use.corner);
-    corner_numbers_.push_back(of_fan[use.fan]);
+    corner_numbers_.push_back(uses[i].corner);
+    corner_numbers_.push_back(number);
   }
   sub.copy_count += static_cast<std::int32_t>(sub.vertices.size()) - numbers_[vertex] - 1;
 }
 
 void SubMeshMaker::number_vertices(SubMesh& sub) {
   corner_numbers_.clear();
+  list_rim();
   for (const std::int32_t vertex : vertices_) {
     if (whole_stamps_[vertex] == stamp_) {
       numbers_[vertex] = static_cast<std::int32_t>(sub.vertices.size());

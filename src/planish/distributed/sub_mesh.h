@@ -51,18 +51,25 @@ class SubMeshMaker {
   void choose_faces(std::int32_t begin, std::int32_t end, Rings rings);
   void take_own(std::int32_t begin, std::int32_t end);
   void number_vertices(SubMesh& sub);
+  void list_rim();
   void split_fans(std::int32_t vertex, SubMesh& sub);
   void add_tags(std::int32_t begin, std::int32_t end, SubMesh& sub);
   void add_whole(SubMesh& sub);
   void add_all_tags(SubMesh& sub);
   [[nodiscard]] bool is_edge(std::int32_t v0, std::int32_t v1) const;
 
+  struct RimCorner {
+    std::int32_t vertex, corner, next, last;  // by local numbers
+  };
+
   const MeshPart& part_;
   std::int32_t stamp_ = 0;  // of the sub mesh in the making
   std::vector<std::int32_t> face_stamps_, vertex_stamps_, whole_stamps_;  // in it; all around too
   std::vector<std::int32_t> faces_, vertices_;  // of the part, in the making
+  std::vector<std::int32_t> first_vertices_;    // of each face, once one is asked for
   std::vector<std::int32_t> own_;               // of the faces those of the run, ascending
   std::vector<std::int32_t> numbers_;           // by vertex of the part: that in the sub mesh
+  std::vector<RimCorner> rim_;                  // of the sub mesh in the making, by vertex
   std::vector<std::int32_t> corner_numbers_;    // by corner of the part, of vertices with copies
 };
 

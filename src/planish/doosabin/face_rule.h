@@ -29,11 +29,18 @@ enum class Weights {
 /// for any m >= 3. A derivation of our own.
 struct FaceSumRule {
   double own, beside, mean, turn;
+
+  /// M alone, or all three.
+  [[nodiscard]] constexpr std::int32_t sum_count() const { return turn == 0 ? 1 : 3; }
 };
 [[nodiscard]] constexpr FaceSumRule face_sum_rule(Weights weights) {
   return weights == Weights::Averaged ? FaceSumRule{0.5, 0.125, 0.25, 0}
                                       : FaceSumRule{0.25, 0, 0.75, 0.25};
 }
+
+/// Faces of this many corners or more go by those sums, as large rings do. Smaller ones have hardly
+/// more corners than sums take columns.
+inline constexpr std::int32_t kSummedRing = 32;
 
 /// c_m of all sizes, those that meshes have many of made once.
 class FaceWeights {

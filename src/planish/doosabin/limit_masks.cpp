@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -21,9 +23,65 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
+// Where the sums of faces stand as sources: none, or behind the vertices in the order of the faces.
+class FaceSums {
+ public:
+  FaceSums() = default;
+  FaceSums(const MeshTopology& topology, Weights weights)
+      : rule_(face_sum_rule(weights)), per_face_(rule_.sum_count()) {
+    for (std::int32_t f = 0; f < topology.face_count(); ++f)
+      if (topology.face_size(f) >= kSummedRing) faces_.push_back(f);
+    first_ = topology.vertex_count();
+  }
+
+  [[nodiscard]] bool is_summed(std::size_t size) const {
+    return !faces_.empty() && size >= static_cast<std::size_t>(kSummedRing);
+  }
+  [[nodiscard]] const FaceSumRule& rule() const { return rule_; }
+  [[nodiscard]] std::int32_t per_face() const { return per_face_; }
+  [[nodiscard]] std::int32_t count() const {
+    return per_face_ * static_cast<std::int32_t>(faces_.size());
+  }
+  /// Of a large face, its mean; behind it, where the rule turns, its Fourier pair.
+  [[nodiscard]] std::int32_t source_of(std::int32_t face) const {
+    return first_ + per_face_ * static_cast<std::int32_t>(std::ranges::lower_bound(faces_, face) -
+                                                          faces_.begin());
+  }
+  [[nodiscard]] StencilTable table(const MeshTopology& topology) const;
+
+ private:
+  FaceSumRule rule_{};
+  std::int32_t per_face_ = 0, first_ = 0;
+  std::vector<std::int32_t> faces_;
+};
+
+double angle_of(std::size_t place, std::size_t size) {
+  return 2 * std::numbers::pi * static_cast<double>(place) / static_cast<double>(size);
+}
+
+StencilTable FaceSums::table(const MeshTopology& topology) const {
+  StencilTable sums;
+  for (const std::int32_t f : faces_) {
+    const auto vertices = topology.face(f);
+    const double share = 1 / static_cast<double>(vertices.size());
+    for (std::int32_t which = 0; which < per_face_; ++which) {
+      sums.sizes.push_back(static_cast<std::int32_t>(vertices.size()));
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        const double angle = angle_of(i, vertices.size());
+        sums.indices.push_back(vertices[i]);
+        sums.weights.push_back(
+            which == 0 ? share : 2 * share * (which == 1 ? std::cos(angle) : std::sin(angle)));
+      }
+    }
+  }
+  sums.close(topology.vertex_count());
+  return sums;
+}
+
 struct MaskEmitter {
   const MeshTopology& topology;
   const Subdivision& subdivision;
+  const FaceSums& sums;
   std::vector<double> scratch{}, beside{};
 
   // Entries of a row, but for vertices that several faces have besides the edges they share.
@@ -38,8 +96,10 @@ struct MaskEmitter {
         break;
     }
     std::int32_t size = 1;
-    for (const std::int32_t corner : topology.corners_at(vertex))
-      size += topology.face_size(topology.face_of(corner)) - 2;
+    for (const std::int32_t corner : topology.corners_at(vertex)) {
+      const std::int32_t m = topology.face_size(topology.face_of(corner));
+      size += sums.is_summed(static_cast<std::size_t>(m)) ? 1 + sums.per_face() : m - 2;
+    }
     return size;
   }
 
@@ -53,17 +113,32 @@ struct MaskEmitter {
       const std::int32_t face = topology.face_of(corners[k]);
       const auto vertices = topology.face(face);
       const std::size_t m = vertices.size();
-      const auto c = subdivision.face_weights().of(static_cast<std::int32_t>(m), scratch);
-      own += share * c[0];
-      beside[k] += share * c[1];
-      beside[k + 1 == n ? 0 : k + 1] += share * c[m - 1];
-      auto place = static_cast<std::size_t>(corners[k] - topology.first_corner(face)) + 2;
+      auto place = static_cast<std::size_t>(corners[k] - topology.first_corner(face));
+      const bool is_summed = sums.is_summed(m);
+      std::span<const double> c;
+      if (!is_summed) c = subdivision.face_weights().of(static_cast<std::int32_t>(m), scratch);
+      own += share * (is_summed ? sums.rule().own : c[0]);
+      beside[k] += share * (is_summed ? sums.rule().beside : c[1]);
+      beside[k + 1 == n ? 0 : k + 1] += share * (is_summed ? sums.rule().beside : c[m - 1]);
+      if (is_summed) {
+        add_sums(face, angle_of(place, m), share, row);
+        continue;
+      }
+      place += 2;
       for (std::size_t j = 2; j + 1 < m; ++j, ++place)
         row.add(vertices[place < m ? place : place - m], share * c[j]);
     }
     for (std::size_t k = 0; k < n; ++k)
       row.add(topology.vertex_of(topology.next(corners[k])), beside[k]);
     row.add(vertex, own);
+  }
+
+  void add_sums(std::int32_t face, double angle, double share, StencilRow& row) const {
+    const std::int32_t source = sums.source_of(face);
+    row.add(source, share * sums.rule().mean);
+    if (sums.per_face() == 1) return;
+    row.add(source + 1, share * sums.rule().turn * std::cos(angle));
+    row.add(source + 2, share * sums.rule().turn * std::sin(angle));
   }
 
   void crease(std::int32_t vertex, StencilRow& row) const {
@@ -110,14 +185,17 @@ void close_gaps(StencilTable& masks) {
 
 }  // namespace
 
-std::optional<MeshProblem> too_large_masks(const MeshTopology& topology) {
+namespace {
+
+// The problem where as many entries as `of_face(size)` says are too many.
+template <class OfFace>
+std::optional<MeshProblem> too_many_entries(const MeshTopology& topology, const OfFace& of_face) {
   constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
   std::int64_t count = topology.vertex_count();
   std::int32_t largest = 0;
   for (std::int32_t f = 0; f < topology.face_count(); ++f) {
-    const std::int64_t size = topology.face_size(f);
-    count += size * (size - 2);
-    if (size > topology.face_size(largest)) largest = f;
+    count += of_face(std::int64_t{topology.face_size(f)});
+    if (topology.face_size(f) > topology.face_size(largest)) largest = f;
   }
   if (count <= kMost) return std::nullopt;
   return MeshProblem{MeshProblemKind::TooLarge, largest,
@@ -128,17 +206,15 @@ std::optional<MeshProblem> too_large_masks(const MeshTopology& topology) {
                          " corners; the fair method needs none"};
 }
 
-StencilTable limit_masks(const Subdivision& subdivision) {
+StencilTable mask_rows(const Subdivision& subdivision, const FaceSums& sums) {
   const MeshTopology& topology = subdivision.topology();
   const auto count = static_cast<std::size_t>(topology.vertex_count());
-  if (const auto problem = too_large_masks(topology))
-    throw Error(ErrorCode::UnusableMesh, problem->message, problem->element);
   StencilTable masks;
-  masks.source_count = topology.vertex_count();
+  masks.source_count = topology.vertex_count() + sums.count();
   masks.sizes.resize(count);
   masks.offsets.resize(count);
   parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    const MaskEmitter emitter{topology, subdivision};
+    const MaskEmitter emitter{topology, subdivision, sums};
     for (std::size_t v = begin; v < end; ++v)
       masks.offsets[v] = emitter.size_of(static_cast<std::int32_t>(v));
   });
@@ -147,7 +223,7 @@ StencilTable limit_masks(const Subdivision& subdivision) {
   masks.weights.resize(entry_count);
   std::atomic<bool> has_gaps{false};
   parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    MaskEmitter emitter{topology, subdivision};
+    MaskEmitter emitter{topology, subdivision, sums};
     StencilRow row;
     for (std::size_t v = begin; v < end; ++v) {
       row.clear();
@@ -165,6 +241,35 @@ StencilTable limit_masks(const Subdivision& subdivision) {
   });
   if (has_gaps.load()) close_gaps(masks);
   return masks;
+}
+
+void require_not(const std::optional<MeshProblem>& problem) {
+  if (problem) throw Error(ErrorCode::UnusableMesh, problem->message, problem->element);
+}
+
+}  // namespace
+
+std::optional<MeshProblem> too_large_masks(const MeshTopology& topology) {
+  return too_many_entries(topology, [](std::int64_t size) { return size * (size - 2); });
+}
+
+std::optional<MeshProblem> too_large_summed_masks(const MeshTopology& topology) {
+  // A corner of a large face takes a neighbour, three sums and a place in each of these.
+  return too_many_entries(topology, [](std::int64_t size) {
+    return size >= kSummedRing ? 7 * size : size * (size - 2);
+  });
+}
+
+StencilTable limit_masks(const Subdivision& subdivision) {
+  require_not(too_large_masks(subdivision.topology()));
+  return mask_rows(subdivision, {});
+}
+
+SummedTable summed_limit_masks(const Subdivision& subdivision) {
+  const MeshTopology& topology = subdivision.topology();
+  require_not(too_large_summed_masks(topology));
+  const FaceSums sums(topology, subdivision.face_weights().weights());
+  return {mask_rows(subdivision, sums), sums.table(topology)};
 }
 
 double spectral_bound(const PolygonMesh& mesh, Weights weights) {

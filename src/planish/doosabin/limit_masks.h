@@ -22,6 +22,13 @@ namespace planish {
 /// needs no masks.
 [[nodiscard]] std::optional<MeshProblem> too_large_masks(const MeshTopology& topology);
 
+/// B with the sums of large faces (FaceSumRule) apart, so that these take entries in proportion to
+/// their corners; its products differ from those of limit_masks() by rounding. Throws as that.
+[[nodiscard]] SummedTable summed_limit_masks(const Subdivision& subdivision);
+
+/// Of those the problem.
+[[nodiscard]] std::optional<MeshProblem> too_large_summed_masks(const MeshTopology& topology);
+
 /// Lower bound of B's spectrum, from the face sizes alone.
 [[nodiscard]] double spectral_bound(const PolygonMesh& mesh, Weights weights);
 

@@ -43,14 +43,18 @@ constexpr double kSolveBegins = 0.35, kSolveEnds = 0.9;
 constexpr std::size_t kPieceRows = 4096;
 
 // The true residual in double, whatever the device computed in.
-RawVector<glm::dvec3> residual_of(const StencilView<double>& masks,
-                                  std::span<const glm::dvec3> initial,
+RawVector<glm::dvec3> residual_of(const SummedView& table, std::span<const glm::dvec3> initial,
                                   std::span<const glm::dvec3> displacement) {
+  const StencilView<double>& masks = table.rows;
+  const RawVector<glm::dvec3> sums = sums_of(table, displacement);
   RawVector<glm::dvec3> result(initial.size());
   parallel_each(initial.size(), kPieceRows, [&](std::size_t i) {
     glm::dvec3 residual = initial[i];
     for (std::int32_t k = masks.offsets[i]; k < masks.offsets[i] + masks.sizes[i]; ++k) {
-      residual -= masks.weights[k] * displacement[masks.indices[k]];
+      const auto source = static_cast<std::size_t>(masks.indices[k]);
+      residual -=
+          masks.weights[k] * (source < displacement.size() ? displacement[source]
+                                                           : sums[source - displacement.size()]);
     }
     result[i] = residual;
   });
@@ -206,9 +210,9 @@ void run_conjugate_gradients(Solve& solve, std::span<const glm::dvec3> initial,
   }
 }
 
-void check_options(const StencilView<double>& masks, std::span<const glm::dvec3> given,
+void check_options(const SummedView& masks, std::span<const glm::dvec3> given,
                    const InterpolationOptions& options) {
-  PLANISH_ASSERT(masks.row_count() == static_cast<std::int32_t>(given.size()));
+  PLANISH_ASSERT(masks.rows.row_count() == static_cast<std::int32_t>(given.size()));
   PLANISH_ASSERT(options.spectral_bound > 0 && options.spectral_bound < 1);
   if (!(options.tolerance > 0)) {
     throw Error(ErrorCode::InvalidArgument,
@@ -247,7 +251,7 @@ void conclude(const InterpolationOptions& options, Interpolation& result) {
 
 namespace {
 
-Interpolation solved(Backend& backend, const StencilView<double>& limit_masks,
+Interpolation solved(Backend& backend, const SummedView& limit_masks,
                      std::span<const glm::dvec3> given, const InterpolationOptions& options) {
   const RawVector<glm::dvec3> initial = initial_residual(limit_masks, given);
   Interpolation result;
@@ -279,7 +283,7 @@ Interpolation solved(Backend& backend, const StencilView<double>& limit_masks,
 
 }  // namespace
 
-Interpolation interpolate(Backend& backend, const StencilView<double>& limit_masks,
+Interpolation interpolate(Backend& backend, const SummedView& limit_masks,
                           std::span<const glm::dvec3> given, const InterpolationOptions& options) {
   check_options(limit_masks, given, options);
   const HostScope host(options.callbacks);

@@ -61,7 +61,7 @@ void conclude(const InterpolationOptions& options, Interpolation& result);
 /// (Placement), one per row of `limit_masks`; rows of unused vertices are identities.
 /// Throws Error{InvalidArgument} for options out of range and Error{Cancelled}.
 /// Source: the paper, section 3.2; Golub & Varga 1961 for the Chebyshev semi-iteration.
-[[nodiscard]] Interpolation interpolate(Backend& backend, const StencilView<double>& limit_masks,
+[[nodiscard]] Interpolation interpolate(Backend& backend, const SummedView& limit_masks,
                                         std::span<const glm::dvec3> given,
                                         const InterpolationOptions& options);
 

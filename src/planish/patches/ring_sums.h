@@ -10,12 +10,8 @@
 
 namespace planish {
 
-/// Rings and sectors of this many faces or more, and faces of as many corners, may go by sums.
-/// Smaller ones have hardly more points than a patch has columns by sums.
-inline constexpr std::int32_t kSummedRing = 32;
-
-/// How patches take large rings: by each of their points, or by sums, which Doo and Sabin's weights
-/// allow.
+/// How patches take rings, sectors and faces from kSummedRing on: by each of their points, or by
+/// sums, which Doo and Sabin's weights allow.
 enum class RingColumns { Points, Sums };
 [[nodiscard]] constexpr RingColumns ring_columns(Weights weights) {
   return weights == Weights::DooSabin ? RingColumns::Sums : RingColumns::Points;

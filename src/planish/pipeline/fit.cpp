@@ -83,7 +83,7 @@ void explain_stagnation(const LimitSystem& system, Interpolation& interpolation)
 void solve_progressive(Fit& result, const LimitSystem& system, std::span<const glm::dvec3> given,
                        Backend& backend, const FitOptions& options, Stopwatch& watch) {
   result.spectral_bound = system.spectral_bound;
-  result.stencil_entries = static_cast<std::int64_t>(system.masks.weights.size());
+  result.stencil_entries = system.masks.entry_count();
   result.timing.stencils = watch.lap();
 
   InterpolationOptions interpolation;

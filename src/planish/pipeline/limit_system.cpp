@@ -36,7 +36,7 @@ LimitSystem doo_sabin_system(const PolygonMesh& mesh, const Subdivision& subdivi
   const SharpFeatures& features = subdivision.features();
   require_solver_fits(options, is_self_adjoint(features), features.sharp_edge_count,
                       features.corner_count);
-  LimitSystem system{limit_masks(subdivision)};
+  LimitSystem system{summed_limit_masks(subdivision)};
   system.spectral_bound = spectral_bound(mesh, options.weights);
   system.smallest_eigenvalue = system.spectral_bound;
   if (options.solver == Solver::ConjugateGradients) {
@@ -46,8 +46,8 @@ LimitSystem doo_sabin_system(const PolygonMesh& mesh, const Subdivision& subdivi
 }
 
 LimitSystem primal_system(const PrimalSplit& split, const FitOptions& options) {
-  LimitSystem system{primal_limit_masks(split)};
-  const Spectrum spectrum = primal_spectrum(split, system.masks.view());
+  LimitSystem system{{primal_limit_masks(split), {}}};
+  const Spectrum spectrum = primal_spectrum(split, system.masks.rows.view());
   require_solver_fits(options, spectrum.self_adjoint, split.sharp_edge_count(),
                       split.corner_count());
   const double smallest = spectrum.smallest * (spectrum.proven ? 1.0 : kEstimateMargin);

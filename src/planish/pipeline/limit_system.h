@@ -12,7 +12,7 @@ namespace planish {
 
 /// The linear system of the interpolation, B P = V0, and what is known of it.
 struct LimitSystem {
-  StencilTable masks;         ///< B
+  SummedTable masks;          ///< B
   double spectral_bound = 0;  ///< above 0 and below 1; what the Chebyshev semi-iteration takes
   /// Estimate of B's smallest eigenvalue; at or near 0 B is singular, below it no iteration
   /// converges.

@@ -100,4 +100,22 @@ StencilTable concatenate(std::int32_t source_count, std::vector<StencilTable>&& 
   return table;
 }
 
+StencilTable expanded(const SummedView& table) {
+  const StencilView<double>&rows = table.rows, &sums = table.sums;
+  const std::int32_t points = table.point_count();
+  return build_rows(points, {0, rows.row_count()}, Derivatives::No, [&] {
+    return [&](std::int32_t i, StencilRow& row) {
+      for (std::int32_t k = rows.offsets[i]; k < rows.offsets[i] + rows.sizes[i]; ++k) {
+        if (rows.indices[k] < points) {
+          row.add(rows.indices[k], rows.weights[k]);
+          continue;
+        }
+        const std::int32_t sum = rows.indices[k] - points;
+        for (std::int32_t j = sums.offsets[sum]; j < sums.offsets[sum] + sums.sizes[sum]; ++j)
+          row.add(sums.indices[j], rows.weights[k] * sums.weights[j]);
+      }
+    };
+  });
+}
+
 }  // namespace planish

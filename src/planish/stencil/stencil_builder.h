@@ -53,6 +53,9 @@ template <class MakeEmitter>
 /// Throws Error{OutOfMemory} where 32-bit offsets do not address so many entries.
 void require_entries_fit(std::int64_t entry_count);
 
+/// The rows over points alone, their entries by index. Throws as build_rows.
+[[nodiscard]] StencilTable expanded(const SummedView& table);
+
 void reserve(StencilTable& rows, std::size_t row_count, std::size_t entry_count,
              Derivatives derivatives);
 void append(StencilTable& rows, const StencilRow& row, Derivatives derivatives);

@@ -40,4 +40,24 @@ struct StencilTable {
   }
 };
 
+/// Rows over points and, behind them, over sums of these: source i of `rows` is point i, or the sum
+/// i - point_count(). What each corner of a large face takes of all the others stands there once.
+struct SummedView {
+  StencilView<double> rows, sums;
+
+  SummedView(const StencilView<double>& all_rows, const StencilView<double>& all_sums = {})
+      : rows(all_rows), sums(all_sums) {}
+  [[nodiscard]] std::int32_t sum_count() const { return sums.row_count(); }
+  [[nodiscard]] std::int32_t point_count() const { return rows.source_count - sum_count(); }
+};
+
+struct SummedTable {
+  StencilTable rows, sums;
+
+  [[nodiscard]] SummedView view() const { return {rows.view(), sums.view()}; }
+  [[nodiscard]] std::int64_t entry_count() const {
+    return static_cast<std::int64_t>(rows.weights.size() + sums.weights.size());
+  }
+};
+
 }  // namespace planish

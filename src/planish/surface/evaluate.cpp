@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "planish/backend/initial_residual.h"
 #include "planish/core/assert.h"
 #include "planish/core/host_scope.h"
 #include "planish/doosabin/limit_masks.h"
@@ -176,17 +177,17 @@ SurfaceMesh evaluated(Backend& backend, const EvaluateOptions& options, const Ma
   return surface;
 }
 
-StencilTable primal_masks(const UsedPart& used, PrimalScheme scheme, const LimitOptions& options) {
+SummedTable primal_masks(const UsedPart& used, PrimalScheme scheme, const LimitOptions& options) {
   PrimalSplit split(used.mesh, {scheme, options.sharp, used.prepared->topology.get()});
   split.refine(1);
-  return primal_limit_masks(split);
+  return {primal_limit_masks(split), {}};
 }
 
-StencilTable doo_sabin_masks(const UsedPart& used, const LimitOptions& options) {
+SummedTable doo_sabin_masks(const UsedPart& used, const LimitOptions& options) {
   const MeshTopology& topology = *used.prepared->topology;
   const SharpFeatures features =
       find_sharp_features(used.mesh, topology, used.mesh.positions, options.sharp);
-  return limit_masks(Subdivision(topology, features, options.weights));
+  return summed_limit_masks(Subdivision(topology, features, options.weights));
 }
 
 }  // namespace
@@ -219,19 +220,12 @@ SurfaceMesh evaluate(const PolygonMesh& mesh, const LevelOne& level_one, Backend
 std::vector<glm::dvec3> limit_positions(const PolygonMesh& cage, const LimitOptions& options) {
   const UsedPart used = usable_part(cage);
   const auto scheme = primal_scheme(options.scheme);
-  const StencilTable masks =
+  const SummedTable masks =
       scheme ? primal_masks(used, *scheme, options) : doo_sabin_masks(used, options);
-  const StencilView<double> view = masks.view();
+  const RawVector<glm::dvec3> residual = initial_residual(masks.view(), used.mesh.positions);
   std::vector<glm::dvec3> limits = cage.positions;
-  for (std::int32_t i = 0; i < view.row_count(); ++i) {
-    // About the vertex itself: far from the origin the sum would lose digits.
-    const glm::dvec3 centre = used.mesh.positions[i];
-    glm::dvec3 sum(0.0);
-    for (std::int32_t k = view.offsets[i]; k < view.offsets[i] + view.sizes[i]; ++k) {
-      sum += view.weights[k] * (used.mesh.positions[view.indices[k]] - centre);
-    }
-    limits[used.vertices[i]] = centre + sum;
-  }
+  for (std::size_t i = 0; i < residual.size(); ++i)
+    limits[used.vertices[i]] = used.mesh.positions[i] - residual[i];
   return limits;
 }
 

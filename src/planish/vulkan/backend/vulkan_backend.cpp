@@ -6,6 +6,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/core/error.h"
+#include "planish/stencil/stencil_builder.h"
 #include "planish/vulkan/backend/vulkan_fair.h"
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/backend/vulkan_patches.h"
@@ -61,9 +62,10 @@ class VulkanBackend final : public Backend, public FairBuilder, public PatchEval
   [[nodiscard]] DeviceDescription description() const override {
     return describe(machine_->device.capabilities());
   }
-  [[nodiscard]] std::unique_ptr<planish::Solve> make_solve(
-      const StencilView<double>& masks) override {
-    return std::make_unique<VulkanSolve>(machine_, masks);
+  [[nodiscard]] std::unique_ptr<planish::Solve> make_solve(const SummedView& masks) override {
+    if (masks.sum_count() == 0) return std::make_unique<VulkanSolve>(machine_, masks.rows);
+    // Kernels have no sums between steps.
+    return std::make_unique<VulkanSolve>(machine_, expanded(masks).view());
   }
   [[nodiscard]] std::unique_ptr<DevicePoints> upload(std::span<const glm::dvec3> points) override {
     auto result =
