@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -34,21 +33,6 @@ struct Candidate {
   [[nodiscard]] bool folds() const { return quality.folded_area_elsewhere >= kSoundFoldedArea; }
   [[nodiscard]] bool is_sound() const { return fit.interpolation.converged && !folds(); }
 };
-
-// Entries of the limit masks, one for each corner of each face around a vertex, over the corners of
-// the mesh. Beyond, in faces of a thousand corners and more, they grow as the square. And no more
-// of them can be addressed at all.
-constexpr double kMostEntries = 300, kMostOfAll = std::numeric_limits<std::int32_t>::max();
-
-bool has_dense_masks(const PolygonMesh& mesh) {
-  double entries = 0, corners = 0;
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const double size = mesh.face_size(f);
-    entries += size * size;
-    corners += size;
-  }
-  return entries > kMostEntries * corners || entries > kMostOfAll;
-}
 
 // Of the time of a candidate, that of its fit.
 constexpr double kCandidateFitted = 0.75;
@@ -193,30 +177,8 @@ FairMesh fair_mesh_of(const PolygonMesh& mesh, const std::function<FairMesh()>& 
   return make ? make() : FairMesh{with_cusp_corners(with_convex_faces(mesh).mesh), nullptr, {}};
 }
 
-// Where progressive is not tried.
-BestFit fair_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
-                const std::function<FairMesh()>& make_fair_mesh, bool tries_creases) {
-  BestFit best;
-  best.method = InterpolationMethod::Fair;
-  FairMesh made = fair_mesh_of(mesh, make_fair_mesh);
-  FitOptions of_candidate = options;
-  of_candidate.callbacks = share_of(options.callbacks, 0, kFirstMeasured);
-  Candidate taken = fair_candidate(made, backend, of_candidate, best);
-  best.fair = taken.quality;
-  best.reason = "fair: faces of so many corners make progressive's equations too many";
-  of_candidate.callbacks = share_of(options.callbacks, kFirstMeasured, 1);
-  if (tries_creases && !made.found && has_clear_creases(made.mesh, taken.fit)) {
-    if (auto creased = with_clear_creases(made, backend, of_candidate, taken, best))
-      taken = std::move(*creased);
-  }
-  best.fair_mesh = std::move(made.mesh);
-  give_out(std::move(taken), best, options.callbacks);
-  return best;
-}
-
 BestFit best_of(const PolygonMesh& mesh, Backend& backend, const FitOptions& options,
                 const std::function<FairMesh()>& make_fair_mesh, bool tries_creases) {
-  if (has_dense_masks(mesh)) return fair_of(mesh, backend, options, make_fair_mesh, tries_creases);
   BestFit best;
   FitOptions of_candidate = options;
   of_candidate.callbacks = share_of(options.callbacks, 0, kFirstMeasured);
