@@ -110,7 +110,7 @@ MeshFile with_properties(const std::string& properties, const std::string& value
 
 std::vector<std::string> names_of(const MeshFile& file) {
   std::vector<std::string> names;
-  for (const VertexProperty& property : file.properties) names.push_back(property.name);
+  for (const VertexAttribute& property : file.mesh.attributes) names.push_back(property.name);
   return names;
 }
 
@@ -121,8 +121,8 @@ TEST(ReadPly, KeepsFurtherPropertiesOfVertices) {
       "property double Intensity\nproperty int red\n",
       "0 200 1 7 -0.25 9");
   EXPECT_THAT(names_of(file), ElementsAre("quality", "Intensity"));
-  EXPECT_THAT(file.properties[0].values, ElementsAre(200, 200, 200));
-  EXPECT_THAT(file.properties[1].values, ElementsAre(-0.25f, -0.25f, -0.25f));
+  EXPECT_THAT(file.mesh.attributes[0].values, ElementsAre(200, 200, 200));
+  EXPECT_THAT(file.mesh.attributes[1].values, ElementsAre(-0.25f, -0.25f, -0.25f));
   EXPECT_THAT(file.warnings, IsEmpty());
 }
 
@@ -146,8 +146,8 @@ TEST(ReadPly, TooManyPropertiesAreLeftOut) {
     values += std::to_string(i % 256) + " ";
   }
   const MeshFile file = with_properties(properties, values);
-  ASSERT_EQ(file.properties.size(), 32u);
-  EXPECT_THAT(file.properties[31].values, ElementsAre(31, 31, 31));
+  ASSERT_EQ(file.mesh.attributes.size(), 32u);
+  EXPECT_THAT(file.mesh.attributes[31].values, ElementsAre(31, 31, 31));
   ASSERT_EQ(file.warnings.size(), 1u);
   EXPECT_EQ(file.warnings[0].count, 268);
 }
@@ -157,8 +157,9 @@ TEST(ReadPly, PropertiesThatAreNoNumbersAreZero) {
   const MeshFile file =
       with_properties("property double a\nproperty float b\nproperty float c\nproperty float d\n",
                       "1e300 nan word 4");
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_THAT(file.properties[k].values, ElementsAre(0, 0, 0));
-  EXPECT_THAT(file.properties[3].values, ElementsAre(4, 4, 4));
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_THAT(file.mesh.attributes[k].values, ElementsAre(0, 0, 0));
+  EXPECT_THAT(file.mesh.attributes[3].values, ElementsAre(4, 4, 4));
   ASSERT_EQ(file.warnings.size(), 1u);
   EXPECT_EQ(file.warnings[0].code, "missing-properties");
   EXPECT_EQ(file.warnings[0].count, 3);

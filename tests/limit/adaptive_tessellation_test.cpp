@@ -14,6 +14,7 @@
 #include "planish/files/mesh_file.h"
 #include "planish/limit/cell_bound.h"
 #include "planish/limit/fewest_cells.h"
+#include "planish/limit/limit_attributes.h"
 #include "support/expect_error.h"
 
 namespace planish::test {
@@ -316,6 +317,49 @@ TEST(AdaptiveTessellation, TooManyTrianglesAreForeseen) {
                 static_cast<double>(made.mesh.face_count()))
           << error;
     }
+  }
+}
+
+// As levels do, and as places that are asked for do.
+TEST(AdaptiveTessellation, CarriesNumbersOfVertices) {
+  PolygonMesh mesh = jittered(torus(7, 5, 2, 1), 0.1, 3);
+  mesh.hole_faces = {3};
+  VertexAttribute five{"five", {}, 5};
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const auto x = static_cast<float>(v);
+    mesh.colors.emplace_back(std::sin(x), std::cos(x), x / 40, std::sin(3 * x));
+    for (int k = 0; k < 4; ++k) five.values.push_back(mesh.colors.back()[k]);
+    five.values.push_back(2 * mesh.colors.back()[0]);
+  }
+  mesh.attributes = {five};
+  const LimitCase c(mesh);
+  const AdaptiveSurface surface = tessellated(c, 1e-3);
+  ASSERT_EQ(surface.mesh.attributes.size(), 1u);
+  const VertexAttribute& made = surface.mesh.attributes[0];
+  ASSERT_EQ(made.count(), surface.mesh.positions.size());
+  for (std::size_t row = 0; row < made.count(); ++row) {
+    EXPECT_EQ(made.four(row, 0), surface.mesh.colors[row]) << row;
+    EXPECT_EQ(made.four(row, 4)[0], 2 * surface.mesh.colors[row][0]) << row;
+  }
+  // Level 1 has the corners of each square: the places of parameters 0, 1/2 and 1.
+  const SurfaceMesh level = c.tessellated(1);
+  for (std::int64_t f = 0; f < level.face_count(); ++f) {
+    const auto corner = static_cast<std::int32_t>(f < 12 ? f : f + 4);  // without the hole's
+    const auto rows = level.face(f);
+    const std::array square{surface_parameter(c.limit.topology(), corner, 0, 0),
+                            surface_parameter(c.limit.topology(), corner, 1, 0),
+                            surface_parameter(c.limit.topology(), corner, 1, 1),
+                            surface_parameter(c.limit.topology(), corner, 0, 1)};
+    const std::vector<float> values = attribute_at(c.limit, 0, square);
+    // A corner keeps the place that it has in its face.
+    const auto first = static_cast<std::size_t>(corner % 4);
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t k = 0; k < 5; ++k)
+        EXPECT_NEAR(
+            values[5 * i + k],
+            level.attributes[0].values[5 * static_cast<std::size_t>(rows[(first + i) % 4]) + k],
+            1e-6)
+            << f << " " << i;
   }
 }
 

@@ -174,6 +174,7 @@ TEST(Repair, KeepsAttributesWithTheirCornersFacesAndVertices) {
     mesh.face_uvs.push_back(c);
   }
   for (int v = 0; v < 6; ++v) mesh.colors.emplace_back(0.1 * v, 0, 0, 1);
+  mesh.attributes = {{"pair", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, 2}};
   mesh.groups = {{"a", ""}, {"b", ""}, {"c", ""}, {"d", ""}};
   mesh.face_groups = {0, 1, 2, 3};
   mesh.hole_faces = {2};
@@ -187,7 +188,9 @@ TEST(Repair, KeepsAttributesWithTheirCornersFacesAndVertices) {
     EXPECT_EQ(mesh.face_vertices[source], repaired.source_vertices[repaired.mesh.face_vertices[c]]);
   }
   for (std::size_t v = 0; v < repaired.mesh.colors.size(); ++v) {
-    EXPECT_EQ(repaired.mesh.colors[v], mesh.colors[repaired.source_vertices[v]]);
+    const std::int32_t source = repaired.source_vertices[v];
+    EXPECT_EQ(repaired.mesh.colors[v], mesh.colors[source]);
+    EXPECT_EQ(repaired.mesh.attributes[0].four(v, 0), glm::vec4(2 * source, 2 * source + 1, 0, 0));
   }
   EXPECT_EQ(repaired.mesh.vertex_count(), 7);
 }

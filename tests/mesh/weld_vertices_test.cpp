@@ -107,6 +107,7 @@ TEST(WeldVertices, CarriesTagsAndColoursAndLeavesDegenerateFacesToRepair) {
   mesh.add_face(std::array{4, 3, 2});
   mesh.add_face(std::array{1, 2, 0});
   for (int v = 0; v < 6; ++v) mesh.colors.emplace_back(0.1 * v, 0, 0, 1);
+  mesh.attributes = {{"pair", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, 2}};
   mesh.creases = {{1, 2, 10}, {4, 3, 10}, {0, 99, 10}};
   mesh.corners = {{3, 10}, {4, 10}};
   const WeldedMesh welded = weld_vertices(std::move(mesh), 1e-4);
@@ -120,6 +121,7 @@ TEST(WeldVertices, CarriesTagsAndColoursAndLeavesDegenerateFacesToRepair) {
   EXPECT_EQ(welded.mesh.corners[0].vertex, 2);
   EXPECT_EQ(welded.mesh.corners[1].vertex, 0);
   EXPECT_EQ(welded.mesh.colors[2], glm::vec4(0.3f, 0, 0, 1));
+  EXPECT_THAT(welded.mesh.attributes[0].values, ElementsAre(0, 1, 2, 3, 6, 7, 10, 11));
   const RepairedMesh repaired = repair(welded.mesh);
   EXPECT_THAT(check(repaired.mesh), IsEmpty());
   EXPECT_EQ(repaired.mesh.face_count(), 1) << "of three one is degenerate and one a duplicate";

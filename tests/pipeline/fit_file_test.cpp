@@ -96,37 +96,42 @@ TEST_F(FitFilePlaces, PropertiesOfVerticesComeOut) {
   const FileFit fit = fit_file(input_, folder_ / "b.ply", options);
   ASSERT_FALSE(fit.fitted.source_vertices.empty());
   const MeshFile level_0 = read_mesh(folder_ / "b.ply");
-  ASSERT_EQ(level_0.properties.size(), 2u);
-  EXPECT_EQ(level_0.properties[0].name, "quality");
-  EXPECT_EQ(level_0.properties[1].name, "error");
+  ASSERT_EQ(level_0.mesh.attributes.size(), 2u);
+  EXPECT_EQ(level_0.mesh.attributes[0].name, "quality");
+  EXPECT_EQ(level_0.mesh.attributes[1].name, "error");
   EXPECT_GE(level_0.mesh.positions.size(), 16u);
   for (std::size_t v = 0; v < level_0.mesh.positions.size(); ++v)
-    EXPECT_NEAR(level_0.properties[0].values[v], value(level_0.mesh.positions[v]), 1e-5) << v;
+    EXPECT_NEAR(level_0.mesh.attributes[0].values[v], value(level_0.mesh.positions[v]), 1e-5) << v;
   options.level = 1;
   (void)fit_file(input_, folder_ / "c.ply", options);
   const MeshFile level_1 = read_mesh(folder_ / "c.ply");
   // A vertex in the middle of a face has the mean of its corners, whose sum is linear in them.
-  const auto& values = level_1.properties[0].values;
+  const auto& values = level_1.mesh.attributes[0].values;
   const auto [least, most] = std::ranges::minmax(values);
   EXPECT_EQ(std::ranges::count(values, 50), 0);
-  EXPECT_GE(least, std::ranges::min(level_0.properties[0].values));
-  EXPECT_LE(most, std::ranges::max(level_0.properties[0].values));
+  EXPECT_GE(least, std::ranges::min(level_0.mesh.attributes[0].values));
+  EXPECT_LE(most, std::ranges::max(level_0.mesh.attributes[0].values));
   const auto face = level_1.mesh.face(0);
   const float middle = values[face[2]], first = values[face[0]];
   EXPECT_NEAR(values[face[1]] + values[face[3]], first + middle, 1e-4);
-  EXPECT_THAT(level_1.properties[1].values, testing::Each(5));
+  EXPECT_THAT(level_1.mesh.attributes[1].values, testing::Each(5));
   (void)fit_file(input_, folder_ / "c.glb", options);
   EXPECT_THAT(bytes_of(folder_ / "c.glb"), HasSubstr("\"_QUALITY\""));
   (void)fit_file(input_, folder_ / "c.usda", options);
   EXPECT_THAT(bytes_of(folder_ / "c.usda"), HasSubstr("float[] primvars:quality = ["));
-  // Other schemes do not know the mesh any more.
-  std::vector<std::string> codes;
+  // Whatever the scheme: a given vertex keeps what it has.
   options.mesh.fit.scheme = Scheme::CatmullClark;
   options.mesh.method = InterpolationMethod::Progressive;
-  options.mesh.fit.callbacks.warning = [&](const Warning& w) { codes.push_back(w.code); };
   (void)fit_file(input_, folder_ / "d.ply", options);
-  EXPECT_THAT(codes, testing::Contains("left-out-properties"));
-  EXPECT_THAT(bytes_of(folder_ / "d.ply"), testing::Not(HasSubstr("quality")));
+  const MeshFile other = read_mesh(folder_ / "d.ply");
+  ASSERT_EQ(other.mesh.attributes.size(), 2u);
+  for (std::size_t v = 0; v < 16; ++v)
+    EXPECT_NEAR(other.mesh.attributes[0].values[v], value(other.mesh.positions[v]), 1e-4) << v;
+  // What the format has no place for is told.
+  std::vector<std::string> codes;
+  options.mesh.fit.callbacks.warning = [&](const Warning& w) { codes.push_back(w.code); };
+  (void)fit_file(input_, folder_ / "d.stl", options);
+  EXPECT_THAT(codes, testing::Contains("lost-attributes"));
 }
 
 // What the surface has and its format has not is told once.

@@ -198,6 +198,12 @@ PolygonMesh laden_mesh(std::uint32_t seed) {
     mesh.uvs[i] = {0.25 * static_cast<double>(i % 7), 0.125 * static_cast<double>(i % 11)};
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
     mesh.colors.emplace_back(0.1f * static_cast<float>(v % 10), 0.5f, 0.25f, 1.0f);
+  mesh.attributes = {{"heat", {}, 1}, {"five", {}, 5}};
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    mesh.attributes[0].values.push_back(0.5f * static_cast<float>(v % 9));
+    for (int k = 0; k < 5; ++k)
+      mesh.attributes[1].values.push_back(0.25f * static_cast<float>(v % (k + 3)));
+  }
   mesh.groups = {{"a", "red"}, {"b", "blue"}};
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     mesh.face_groups.push_back(f % 2);

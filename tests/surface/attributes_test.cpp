@@ -72,6 +72,48 @@ TEST(Attributes, FurtherRowsHaveTheColourOfTheirVertex) {
   }
 }
 
+// Numbers of vertices are as colours, which are tested above, for any width.
+TEST(Attributes, NumbersOfVerticesAreAsColours) {
+  PolygonMesh cube = test::cube();
+  cube.hole_faces = {2};
+  cube.creases = {{0, 1}, {1, 3}};
+  PolygonMesh loop = test::tetrahedron();
+  loop.positions.emplace_back(9, 9, 9);  // which no face names
+  for (PolygonMesh* const given : {&cube, &loop}) {
+    PolygonMesh& mesh = *given;
+    VertexAttribute six{"six", {}, 6};
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const auto x = static_cast<float>(v);
+      mesh.colors.emplace_back(std::sin(x), std::cos(x), x / 8, std::sin(3 * x));
+      six.values.insert(six.values.end(), {0, 1});
+      for (int k = 0; k < 4; ++k) six.values.push_back(mesh.colors.back()[k]);
+    }
+    mesh.attributes = {six};
+  }
+  const auto compare = [](const PolygonMesh& mesh, Scheme scheme, int level) {
+    const SurfaceMesh surface =
+        evaluate(mesh, *make_cpu_backend(), {.level = level, .scheme = scheme});
+    ASSERT_EQ(surface.attributes.size(), 1u);
+    const VertexAttribute& six = surface.attributes[0];
+    EXPECT_EQ(six.name, "six");
+    ASSERT_EQ(six.count(), surface.positions.size());
+    for (std::size_t row = 0; row < six.count(); ++row) {
+      EXPECT_EQ(six.four(row, 0)[0], 0);
+      EXPECT_EQ(six.four(row, 0)[1], 1);
+      for (int k = 0; k < 4; ++k)
+        EXPECT_NEAR(six.values[6 * row + 2 + static_cast<std::size_t>(k)], surface.colors[row][k],
+                    1e-6)
+            << level << " " << row;
+    }
+  };
+  for (int level = 0; level <= 3; ++level) {
+    compare(cube, Scheme::DooSabin, level);
+    compare(cube, Scheme::CatmullClark, level);
+    compare(loop, Scheme::Loop, level);
+    compare(loop, Scheme::DooSabin, level);
+  }
+}
+
 TEST(Attributes, AreLinearBetweenTheCornersOfAQuad) {
   // At level 3 a unit quad's texture coordinates are a grid of eighths.
   const SurfaceMesh surface = surface_of(two_charts(), 3);

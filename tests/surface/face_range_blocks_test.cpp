@@ -24,6 +24,9 @@ void expect_part_of(const SurfaceMesh& whole, const SurfaceBlocks& blocks, RowRa
     ASSERT_EQ(made.normals[i], whole.normals[rows[i]]);
     ASSERT_EQ(made.colors[i], whole.colors[rows[i]]);
     const auto row = static_cast<std::size_t>(rows[i]);
+    for (std::size_t k = 0; k < 2; ++k)
+      for (const int first : {0, 4})
+        ASSERT_EQ(made.attributes[k].four(i, first), whole.attributes[k].four(row, first));
     ASSERT_EQ(i < made.base_vertices.size(), row < whole.base_vertices.size());
     if (i < made.base_vertices.size()) {
       ASSERT_EQ(made.base_vertices[i], whole.base_vertices[row]);

@@ -72,13 +72,18 @@ TEST(LevelOneMesh, CarriesColoursAndGroups) {
   mesh.groups = {{"left", "red"}, {"right", "blue"}};
   mesh.face_groups = {0, 1};
   for (const glm::dvec3& p : mesh.positions) mesh.colors.emplace_back(p.x / 2, p.y, 0, 1);
+  mesh.attributes = {{"x", {}, 1}};
+  for (const glm::dvec3& p : mesh.positions)
+    mesh.attributes[0].values.push_back(static_cast<float>(p.x));
   const LevelOne level_one = test::first_step(mesh);
   const PolygonMesh net = level_one_mesh(mesh, level_one, {});
   ASSERT_EQ(net.colors.size(), net.positions.size());
+  ASSERT_EQ(net.attributes[0].count(), net.positions.size());
   // Quads of a grid: colours are linear in the position, as the control points are.
   for (std::size_t i = 0; i < net.positions.size(); ++i) {
     EXPECT_NEAR(net.colors[i].r, net.positions[i].x / 2, 1e-6) << i;
     EXPECT_NEAR(net.colors[i].g, net.positions[i].y, 1e-6) << i;
+    EXPECT_NEAR(net.attributes[0].values[i], net.positions[i].x, 1e-6) << i;
   }
   ASSERT_EQ(net.face_groups.size(), static_cast<std::size_t>(net.face_count()));
   for (std::int32_t f = 0; f < net.face_count(); ++f) {

@@ -148,7 +148,7 @@ std::string in_words(const std::vector<std::string>& names, const std::string& l
 
 bool holds(const FormatInfo& info, const CarriedAttributes& given) {
   return (info.keeps_uvs || !given.uvs) && (info.keeps_colors || !given.colors) &&
-         (info.keeps_groups || !given.groups);
+         (info.keeps_groups || !given.groups) && (info.keeps_fields || !given.fields);
 }
 
 }  // namespace
@@ -222,6 +222,7 @@ std::string lost_attributes(FileFormat format, const CarriedAttributes& given) {
   if (given.uvs && !info.keeps_uvs) lost.emplace_back("texture coordinates");
   if (given.colors && !info.keeps_colors) lost.emplace_back("colours");
   if (given.groups && !info.keeps_groups) lost.emplace_back("groups");
+  if (given.fields && !info.keeps_fields) lost.emplace_back("properties of vertices");
   const auto better = dotted_names_where([&](const FormatInfo& other) {
     return serves(other.format, FormatUse::WriteSurface) && holds(other, given);
   });

@@ -78,7 +78,7 @@ enum class FormatUse : std::uint8_t { Read, ReadMesh, ReadPoints, WriteSurface, 
 
 /// What a surface has besides its shape.
 struct CarriedAttributes {
-  bool uvs = false, colors = false, groups = false;
+  bool uvs = false, colors = false, groups = false, fields = false;
 };
 
 /// Says which of these the format does not hold, and which formats do; empty: it holds all.

@@ -46,6 +46,9 @@ MeshFile read_mesh(const std::filesystem::path& path, const MeshReadOptions& opt
 
 void write_mesh(const std::filesystem::path& path, FileFormat format, const PolygonMesh& mesh,
                 const MeshWriteOptions& options) {
+  std::vector<NamedField> fields;
+  for (const VertexAttribute& attribute : mesh.attributes)
+    fields.push_back({attribute.name, attribute.values, attribute.width});
   write_polygons(path, format,
                  {.positions = mesh.positions,
                   .normals = {},
@@ -59,6 +62,7 @@ void write_mesh(const std::filesystem::path& path, FileFormat format, const Poly
                   .groups = mesh.groups,
                   .face_groups = mesh.face_groups,
                   .hole_faces = mesh.hole_faces,
+                  .fields = fields,
                   .subdivision = options.subdivision,
                   .is_z_up = options.is_z_up,
                   .header = options.header});

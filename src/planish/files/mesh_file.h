@@ -17,12 +17,6 @@
 
 namespace planish {
 
-/// A number that each vertex of a file has besides, as PLY's `quality`.
-struct VertexProperty {
-  std::string name;  ///< letters, digits and '_', no digit first; no two differ by case alone
-  std::vector<float> values;  ///< finite, one per vertex
-};
-
 /// A mesh as read, with what the reader had to do.
 struct MeshFile {
   PolygonMesh mesh;
@@ -32,7 +26,6 @@ struct MeshFile {
   std::vector<Warning> warnings;
   std::vector<glm::vec3> normals;   ///< one per vertex, of files without faces that have them
   std::vector<std::string> header;  ///< `# planish key=value` comment lines of a cage
-  std::vector<VertexProperty> properties;  ///< of PLY with faces
 };
 
 /// Reads a mesh from memory; `name` stands in messages, and files that a glTF names are refused.
@@ -67,9 +60,9 @@ struct MeshWriteOptions {
 };
 
 /// Writes OBJ, PLY (binary little endian, double), OFF or USD text through OutputFile; n-gons are
-/// kept. OBJ holds all that a mesh has, so that reading it gives the same mesh; PLY holds its
-/// colours too (8 bits), OFF positions and faces only. Text numbers are shortest round-trip
-/// doubles. Throws Error{UnwritableOutput}, Error{InvalidArgument} for other formats.
+/// kept. OBJ holds all that a mesh has but attributes, so that reading it gives the same mesh; PLY
+/// holds colours (8 bits) and attributes, OFF positions and faces only. Text numbers are shortest
+/// round-trip doubles. Throws Error{UnwritableOutput}, Error{InvalidArgument} for other formats.
 void write_mesh(const std::filesystem::path& path, FileFormat format, const PolygonMesh& mesh,
                 const MeshWriteOptions& options = {});
 

@@ -53,10 +53,10 @@ bool is_finite_piece(const PolygonView& view) {
 
 template <class Vector>
 void require_finite(std::span<const Vector> values, std::int64_t first, const std::string& what,
-                    const std::string& name) {
+                    const std::string& name, std::size_t width = 1) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (finite(values[i])) continue;
-    const std::int64_t element = first + static_cast<std::int64_t>(i);
+    const std::int64_t element = first + static_cast<std::int64_t>(i / width);
     std::string message = name + ": ";
     message.append(what).append(" ").append(std::to_string(element)).append(" is not finite");
     throw Error(ErrorCode::InvalidArgument, message, element);
@@ -69,7 +69,8 @@ void require_finite(const PolygonView& view, std::int64_t first, const std::stri
   require_finite(view.colors, first, "the colour of vertex", name);
   require_finite(view.normals, first, "the normal of vertex", name);
   for (const NamedField& field : view.fields)
-    require_finite(field.values, first, std::string(field.name) + " of vertex", name);
+    require_finite(field.values, first, field.name + " of vertex", name,
+                   static_cast<std::size_t>(field.width));
 }
 
 template <class Vector>
@@ -170,8 +171,7 @@ class ViewSource final : public PolygonSource {
         break;
       case PolygonPart::Vertices:
       case PolygonPart::Fields:
-        for (const NamedField& field : view_.fields)
-          fields.push_back({field.name, some(field.values)});
+        for (const NamedField& field : view_.fields) fields.push_back(field.part(range));
         view.fields = fields;
         if (part == PolygonPart::Fields) break;
         [[fallthrough]];

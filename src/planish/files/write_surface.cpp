@@ -150,9 +150,7 @@ void BlockSource::visit_rows(RowRange range, PolygonPiece& piece,
     const std::lock_guard lock(mutex_);
     degenerate_.add(found);
   }
-  for (const NamedField& field : fields_)
-    fields.push_back(
-        {field.name, field.values.subspan(static_cast<std::size_t>(range.first), count)});
+  for (const NamedField& field : fields_) fields.push_back(field.part(range));
   piece.view.positions = positions;
   piece.view.normals = normals;
   piece.view.colors = colors;
@@ -261,8 +259,9 @@ std::uint64_t write_surface(const std::filesystem::path& path, FileFormat format
       write_polygons(path, format, source, options.header, options.observe, materials);
   warn_of(source.degenerate(), options.callbacks);
   const PolygonTotals& totals = source.totals();
-  const std::string lost = lost_attributes(
-      format, {totals.has_uvs, totals.has_colors, surface.info().groups.size() > 1});
+  const std::string lost =
+      lost_attributes(format, {totals.has_uvs, totals.has_colors, surface.info().groups.size() > 1,
+                               !surface.info().attributes.empty()});
   if (!lost.empty()) options.callbacks.warn({"lost-attributes", lost});
   options.callbacks.report("write", 1);
   return byte_count;

@@ -23,6 +23,7 @@
 #include "planish/surface/doo_sabin_blocks.h"
 #include "planish/surface/memory_need.h"
 #include "planish/surface/mesh_blocks.h"
+#include "planish/surface/patch_attributes.h"
 
 namespace planish {
 namespace {
@@ -41,12 +42,6 @@ void require_options(const AdaptiveOptions& options) {
     refuse("neither a chord error nor an angle is given");
   if (!(options.diagonal > 0) || !std::isfinite(options.diagonal))
     refuse("a diagonal of " + shortest(options.diagonal) + " is none");
-}
-
-// Bilinear in a corner's square, from V, E1, F and E2.
-template <class Vector>
-Vector bilinear(const std::array<Vector, 4>& ends, double u, double v) {
-  return (1 - v) * ((1 - u) * ends[0] + u * ends[1]) + v * ((1 - u) * ends[3] + u * ends[2]);
 }
 
 class Tessellation {
@@ -79,6 +74,7 @@ class Tessellation {
     AdaptiveSurface surface{collect(*base_.level(1, options_.memory_limit_bytes), of_level), {}};
     SurfaceMesh& result = surface.mesh;
     fill_rows(rows, result);
+    for (std::size_t k = 0; k < result.attributes.size(); ++k) fill_attribute(k, rows, result);
     std::optional<AdaptiveRows> uv_rows;
     if (uv_numbering_) {
       uv_rows.emplace(topology_, cells_, sides_, *uv_numbering_, inside_);
@@ -124,19 +120,9 @@ class Tessellation {
   void fill_corner(std::int32_t corner, const AdaptiveRows& rows, Worker& worker,
                    SurfaceMesh& result) const;
   void fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const;
+  void fill_attribute(std::size_t index, const AdaptiveRows& rows, SurfaceMesh& result) const;
   void fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows, SurfaceMesh& result) const;
   void drop_unused(SurfaceMesh& result) const;
-  // A value at V, E1, F and E2 from those at the corners of the mesh.
-  template <class At>
-  [[nodiscard]] auto ends_of(std::int32_t corner, const At& at) const {
-    const std::int32_t first = topology_.first_corner(topology_.face_of(corner));
-    const std::int32_t m = topology_.face_size(topology_.face_of(corner));
-    auto sum = at(first);
-    for (std::int32_t i = 1; i < m; ++i) sum += at(first + i);
-    const auto own = at(corner);
-    return std::array{own, 0.5 * (own + at(topology_.next(corner))), sum / static_cast<double>(m),
-                      0.5 * (own + at(topology_.prev(corner)))};
-  }
   void finish(AdaptiveSurface& surface) const;
   void warn_of_turns(const SurfaceMesh& result) const;
   template <class Place>
@@ -179,9 +165,9 @@ void Tessellation::require_counts(const AdaptiveRows& rows) const {
   const bool has_uvs = !mesh.face_uvs.empty();
   const auto vertices = static_cast<std::uint64_t>(rows.count());
   const auto triangles = static_cast<std::uint64_t>(triangle_count());
-  const std::uint64_t bytes =
-      vertices * (36 + (mesh.colors.empty() ? 0 : 16) + (has_uvs ? 16 : 0)) +
-      triangles * (12 + 4 + 4 + (has_uvs ? 12 : 0) + 4);
+  const std::uint64_t bytes = vertices * (36 + (mesh.colors.empty() ? 0 : 16) + (has_uvs ? 16 : 0) +
+                                          4 * numbers_of(mesh.attributes)) +
+                              triangles * (12 + 4 + 4 + (has_uvs ? 12 : 0) + 4);
   const std::string what = "the tessellation has " + std::to_string(vertices) + " vertices and " +
                            std::to_string(triangles) + " triangles";
   if (3 * triangles > std::numeric_limits<std::int32_t>::max()) {
@@ -246,7 +232,7 @@ void Tessellation::fill_corner(std::int32_t corner, const AdaptiveRows& rows, Wo
     result.positions[row] = base_.placement().to_model(position);
     result.normals[row] = glm::vec3(normal);
     if (!mesh.colors.empty()) {
-      if (colors_of != at) colors = ends_of(at, color_at);
+      if (colors_of != at) colors = square_values(topology_, at, color_at);
       colors_of = at;
       result.colors[row] = glm::vec4(bilinear(colors, u, v));
     }
@@ -274,15 +260,38 @@ void Tessellation::fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const
       return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
     };
     std::int32_t ends_at = corner;
-    std::array<glm::dvec2, 4> ends = ends_of(corner, uv_at);
+    std::array<glm::dvec2, 4> ends = square_values(topology_, corner, uv_at);
     auto row = static_cast<std::size_t>(rows.first_of(corner));
     own_places(corner, worker.grid, rows.owns_trailing(corner),
                [&](std::int32_t at, double u, double v, bool) {
-                 if (ends_at != at) ends = ends_of(at, uv_at);
+                 if (ends_at != at) ends = square_values(topology_, at, uv_at);
                  ends_at = at;
                  result.uvs[row++] = bilinear(ends, u, v);
                });
   });
+}
+
+void Tessellation::fill_attribute(std::size_t index, const AdaptiveRows& rows,
+                                  SurfaceMesh& result) const {
+  const VertexAttribute& given = base_.mesh().attributes[index];
+  VertexAttribute& made = result.attributes[index];
+  made.values.resize(static_cast<std::size_t>(given.width * rows.count()));
+  for (int first = 0; first < given.width; first += 4) {
+    const auto at_corner = [&](std::int32_t c) {
+      return glm::dvec4(given.four(static_cast<std::size_t>(topology_.vertex_of(c)), first));
+    };
+    for_corners(0.8, 0.8, [&](std::int32_t corner, Worker& worker) {
+      std::int32_t square_of = -1;
+      std::array<glm::dvec4, 4> square{};
+      auto row = static_cast<std::size_t>(rows.first_of(corner));
+      own_places(corner, worker.grid, rows.owns_trailing(corner),
+                 [&](std::int32_t at, double u, double v, bool) {
+                   if (square_of != at) square = square_values(topology_, at, at_corner);
+                   square_of = at;
+                   made.set_four(row++, first, glm::vec4(bilinear(square, u, v)));
+                 });
+    });
+  }
 }
 
 void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows,
@@ -311,6 +320,8 @@ void Tessellation::drop_unused(SurfaceMesh& result) const {
   keep_only(result.positions, rows);
   keep_only(result.normals, rows);
   if (!result.colors.empty()) keep_only(result.colors, rows);
+  for (VertexAttribute& attribute : result.attributes)
+    attribute = std::move(attributes_of({&attribute, 1}, rows).front());
   if (!uv_numbering_) return;
   keep_only(result.uvs, rename_used(result.face_uvs, uv_numbering_->end_row(kVertices),
                                     static_cast<std::int64_t>(result.uvs.size())));

@@ -2,6 +2,7 @@
 // are three ways to visit the rules.
 #include "planish/mesh/mesh_arrays.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -36,6 +37,14 @@ std::vector<MeshProblem> wrong_counts(const MeshArrays& arrays) {
   };
   require(arrays.face_uvs.size(), arrays.face_vertices.size(), "corners of the texture");
   require(arrays.color_count, arrays.vertex_count, "colours");
+  for (const VertexAttribute& attribute : arrays.attributes) {
+    const auto width = static_cast<std::size_t>(std::max(attribute.width, 0));
+    if (width == 0 || attribute.values.size() != width * arrays.vertex_count)
+      problems.push_back({Kind::WrongAttributeCount, -1,
+                          std::to_string(attribute.values.size()) + " values of " + attribute.name +
+                              " where " + std::to_string(width) + " of each of " +
+                              std::to_string(arrays.vertex_count) + " vertices are needed"});
+  }
   require(arrays.face_groups.size(), arrays.face_count(), "groups of faces");
   return problems;
 }
@@ -155,6 +164,7 @@ MeshArrays arrays_of(const PolygonMesh& mesh) {
           .uv_count = mesh.uvs.size(),
           .face_uvs = mesh.face_uvs,
           .color_count = mesh.colors.size(),
+          .attributes = mesh.attributes,
           .group_count = mesh.groups.size(),
           .face_groups = mesh.face_groups,
           .hole_faces = mesh.hole_faces,

@@ -22,6 +22,7 @@ struct MeshArrays {
   std::size_t uv_count = 0;
   std::span<const std::int32_t> face_uvs;
   std::size_t color_count = 0;
+  std::span<const VertexAttribute> attributes;
   std::size_t group_count = 0;
   std::span<const std::int32_t> face_groups;
   std::span<const std::int32_t> hole_faces;

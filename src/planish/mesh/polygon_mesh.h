@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "planish/mesh/vertex_attribute.h"
+
 namespace planish {
 
 /// Sharpness at and above which an edge or vertex is infinitely sharp, as in OpenSubdiv.
@@ -44,6 +46,7 @@ struct PolygonMesh {
   std::vector<glm::dvec2> uvs;         ///< texture coordinates, which face_uvs names
   std::vector<std::int32_t> face_uvs;  ///< one per corner, as face_vertices; -1: none there
   std::vector<glm::vec4> colors;       ///< linear RGBA, 0 to 1, one per vertex
+  std::vector<VertexAttribute> attributes;
   std::vector<FaceGroup> groups;
   std::vector<std::int32_t> face_groups;  ///< one per face: its group
   std::vector<std::int32_t> hole_faces;   ///< faces that shape the surface but are no part of it

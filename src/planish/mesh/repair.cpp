@@ -292,6 +292,7 @@ void Repair::carry_attributes() {
   if (!input_.colors.empty()) {
     for (const std::int32_t v : result_.source_vertices) mesh_.colors.push_back(input_.colors[v]);
   }
+  mesh_.attributes = attributes_of(input_.attributes, result_.source_vertices);
   const std::set<std::int32_t> holes(input_.hole_faces.begin(), input_.hole_faces.end());
   for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
     const std::int32_t source = result_.source_faces[f];

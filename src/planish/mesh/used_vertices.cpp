@@ -53,6 +53,7 @@ UsedMesh without_unused_vertices(const PolygonMesh& mesh) {
     used.mesh.positions[v] = mesh.positions[used.vertices[v]];
     if (!mesh.colors.empty()) used.mesh.colors[v] = mesh.colors[used.vertices[v]];
   });
+  used.mesh.attributes = attributes_of(mesh.attributes, used.vertices);
   used.mesh.face_vertices.resize(mesh.face_vertices.size());
   for_each(mesh.face_vertices.size(),
            [&](std::size_t c) { used.mesh.face_vertices[c] = new_index[mesh.face_vertices[c]]; });

@@ -103,6 +103,10 @@ bool can_be_welded(const PolygonMesh& mesh) {
   return mesh.positions.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max()) &&
          positions_are_finite(mesh) &&
          (mesh.colors.empty() || mesh.colors.size() == mesh.positions.size()) &&
+         std::ranges::all_of(mesh.attributes,
+                             [&](const VertexAttribute& attribute) {
+                               return attribute.count() == mesh.positions.size();
+                             }) &&
          std::ranges::all_of(
              mesh.face_vertices,
              [&](std::int32_t vertex) { return vertex >= 0 && vertex < mesh.vertex_count(); }) &&
@@ -174,6 +178,7 @@ WeldedMesh weld_vertices(PolygonMesh&& mesh, double fraction) {
     welded.positions[v] = welded.positions[source];
     if (!welded.colors.empty()) welded.colors[v] = welded.colors[source];
   }
+  welded.attributes = attributes_of(welded.attributes, result.source_vertices);
   welded.positions.resize(result.source_vertices.size());
   if (!welded.colors.empty()) welded.colors.resize(result.source_vertices.size());
   return result;

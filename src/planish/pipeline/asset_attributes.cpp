@@ -11,8 +11,8 @@
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
 #include "planish/files/gltf/gltf_tangents.h"
+#include "planish/pipeline/attribute_fields.h"
 #include "planish/pipeline/linear_surface.h"
-#include "planish/pipeline/vertex_properties.h"
 
 namespace planish {
 namespace {

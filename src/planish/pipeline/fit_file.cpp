@@ -19,8 +19,8 @@
 #include "planish/mesh/statistics.h"
 #include "planish/patches/patch_evaluator.h"
 #include "planish/pipeline/asset_attributes.h"
+#include "planish/pipeline/attribute_fields.h"
 #include "planish/pipeline/make_ready.h"
-#include "planish/pipeline/vertex_properties.h"
 #include "planish/surface/doo_sabin_surface.h"
 
 namespace planish {
@@ -120,9 +120,8 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
                           const SurfaceFileOptions& options) {
   const FileFormat format = output_format(path, FormatUse::WriteSurface);
   std::vector<NamedField> fields;
-  std::vector<VertexProperty> properties;
-  if (info_of(format).keeps_fields)
-    properties = add_properties(options.properties, fitted, surface, fields, options.callbacks);
+  std::vector<VertexAttribute> attributes;
+  if (info_of(format).keeps_fields) attributes = add_attributes(surface, fields, options.callbacks);
   if (info_of(format).is_gltf) {
     GltfOptions gltf = gltf_options(fitted, name, options);
     gltf.fields = fields;
@@ -259,7 +258,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
                      to.format == FileFormat::Obj, to_gltf);
   for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
   const SurfaceShares shares(
-      {options.level, options.z_up, share_of(callbacks, fit, 1), &materials, file.properties});
+      {options.level, options.z_up, share_of(callbacks, fit, 1), &materials});
   const SurfaceLevel made = surface_level(result.fitted, backend, shares.making);
   result.vertex_count = made.blocks->info().row_count;
   result.face_count = made.blocks->info().face_count;

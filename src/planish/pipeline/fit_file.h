@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <vector>
 
 #include "planish/backend/backend.h"
@@ -44,14 +43,12 @@ FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path
                  const FitFileOptions& options = {});
 
 struct FileMaterials;
-struct VertexProperty;
 
 struct SurfaceFileOptions {
   int level = 2;
   bool z_up = false;
   Callbacks callbacks{};
-  const FileMaterials* materials = nullptr;      ///< of the file that was read; null: plain ones
-  std::span<const VertexProperty> properties{};  ///< the same, of the given mesh
+  const FileMaterials* materials = nullptr;  ///< of the file that was read; null: plain ones
 };
 
 /// Writes the surface of a fitted mesh. `name`: of mesh and node in a glTF. Returns the number of

@@ -45,20 +45,40 @@ void carry_uvs(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
   }
 }
 
-void carry_colors(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
-                  const SectorRows& rows, SurfaceMesh& surface) {
-  std::vector<Primvar<glm::dvec4>> values(mesh.colors.size());
-  for (std::size_t i = 0; i < values.size(); ++i) values[i].value = glm::dvec4(mesh.colors[i]);
+// of(vertex) of all vertices of the mesh, four numbers each, linearly: put(row, value).
+template <class Of, class Put>
+void carry_linear(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
+                  const SectorRows& rows, int level, const Of& of, const Put& put) {
+  std::vector<Primvar<glm::dvec4>> values(mesh.positions.size());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i].value = glm::dvec4(of(i));
   const OpenSubdiv::Far::PrimvarRefinerReal<float> refiner(topology);
-  for (int l = 1; l <= surface.level; ++l) {
+  for (int l = 1; l <= level; ++l) {
     std::vector<Primvar<glm::dvec4>> finer(
         static_cast<std::size_t>(topology.GetLevel(l).GetNumVertices()));
     refiner.InterpolateVarying(l, values, finer);
     values = std::move(finer);
   }
-  surface.colors.reserve(surface.positions.size());
-  for (std::int64_t row = 0; row < rows.count(); ++row) {
-    surface.colors.emplace_back(values[rows.place(row).vertex].value);
+  for (std::int64_t row = 0; row < rows.count(); ++row)
+    put(static_cast<std::size_t>(row), glm::vec4(values[rows.place(row).vertex].value));
+}
+
+void carry_colors(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
+                  const SectorRows& rows, SurfaceMesh& surface) {
+  surface.colors.resize(surface.positions.size());
+  carry_linear(
+      mesh, topology, rows, surface.level, [&](std::size_t v) { return mesh.colors[v]; },
+      [&](std::size_t row, const glm::vec4& color) { surface.colors[row] = color; });
+}
+
+void carry_numbers(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
+                   const SectorRows& rows, SurfaceMesh& surface) {
+  for (const VertexAttribute& given : mesh.attributes) {
+    VertexAttribute& made = surface.attributes.emplace_back(
+        attribute_of_size(given.name, given.width, surface.positions.size()));
+    for (int first = 0; first < given.width; first += 4)
+      carry_linear(
+          mesh, topology, rows, surface.level, [&](std::size_t v) { return given.four(v, first); },
+          [&](std::size_t row, const glm::vec4& four) { made.set_four(row, first, four); });
   }
 }
 
@@ -66,15 +86,17 @@ void carry_colors(const PolygonMesh& mesh, const Far::TopologyRefiner& topology,
 void keep_named_rows(const SurfaceMesh& whole, SurfaceMesh& surface) {
   std::vector<std::int32_t> row(whole.positions.size(), -1);
   for (const std::int32_t v : surface.face_vertices) row[v] = 0;
-  std::int32_t count = 0;
+  std::vector<std::int32_t> kept;
   for (std::size_t v = 0; v < row.size(); ++v) {
     if (row[v] < 0) continue;
-    row[v] = count++;
+    row[v] = static_cast<std::int32_t>(kept.size());
+    kept.push_back(static_cast<std::int32_t>(v));
     surface.positions.push_back(whole.positions[v]);
     surface.normals.push_back(whole.normals[v]);
     if (!whole.colors.empty()) surface.colors.push_back(whole.colors[v]);
     if (v < whole.base_vertices.size()) surface.base_vertices.push_back(whole.base_vertices[v]);
   }
+  surface.attributes = attributes_of(whole.attributes, kept);
   for (std::int32_t& v : surface.face_vertices) v = row[v];
 }
 
@@ -90,6 +112,7 @@ void carry_attributes(const PolygonMesh& mesh, const Far::TopologyRefiner& topol
                       const SectorRows& rows, SurfaceMesh& surface) {
   if (!mesh.face_uvs.empty()) carry_uvs(mesh, topology, surface);
   if (!mesh.colors.empty()) carry_colors(mesh, topology, rows, surface);
+  carry_numbers(mesh, topology, rows, surface);
   if (mesh.face_groups.empty()) return;
   surface.groups = mesh.groups;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {

@@ -96,6 +96,22 @@ bool DooSabinBlocks::rows_of(std::span<const glm::vec4> given, RowRange range,
   return true;
 }
 
+void DooSabinBlocks::attribute(std::size_t index, RowRange range, std::span<float> values) const {
+  const VertexAttribute& given = base_.mesh().attributes[index];
+  const auto count = static_cast<std::size_t>(range.count);
+  std::vector<glm::vec4> four(count);
+  for (int first = 0; first < given.width; first += 4) {
+    linear_rows(range, four, [&](std::int32_t vertex) {
+      return given.four(static_cast<std::size_t>(vertex), first);
+    });
+    const int columns = std::min(given.width - first, 4);
+    for (std::size_t i = 0; i < count; ++i)
+      for (int k = 0; k < columns; ++k)
+        values[static_cast<std::size_t>(given.width) * i + static_cast<std::size_t>(first + k)] =
+            four[i][k];
+  }
+}
+
 template <class OfVertex>
 void DooSabinBlocks::linear_rows(RowRange range, std::span<glm::vec4> values,
                                  const OfVertex& of_vertex) const {

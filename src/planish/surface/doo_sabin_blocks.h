@@ -45,6 +45,8 @@ class DooSabinBlocks final : public SurfaceBlocks {
     info_.level = level;
     info_.row_count = surface_.numbering().row_count();
     info_.has_colors = !mesh.colors.empty();
+    for (const VertexAttribute& attribute : mesh.attributes)
+      info_.attributes.push_back({attribute.name, attribute.width});
     info_.has_groups = !mesh.face_groups.empty();
     if (info_.has_groups) info_.groups = mesh.groups;
     take_base_vertices();
@@ -86,6 +88,7 @@ class DooSabinBlocks final : public SurfaceBlocks {
   void ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const override {
     for (std::int64_t i = 0; i < faces.count; ++i) mesh_faces[i] = mesh_face(faces.first + i);
   }
+  void attribute(std::size_t index, RowRange rows, std::span<float> values) const override;
   void uvs(RowRange range, std::span<glm::dvec2> values) const override {
     (void)uvs_of(base_.mesh().uvs, range, values);
   }

@@ -13,6 +13,17 @@ namespace {
 constexpr std::int64_t kMarkedFaces = std::int64_t{1} << 14;
 constexpr std::int32_t kWordBits = 64;
 
+// of(range, place) for numbers that follow one another, from that place of `wanted` on.
+template <class Of>
+void for_runs(std::span<const std::int32_t> wanted, const Of& of) {
+  for (std::size_t i = 0; i < wanted.size();) {
+    std::size_t count = 1;
+    while (i + count < wanted.size() && wanted[i + count] == wanted[i + count - 1] + 1) ++count;
+    of(RowRange{wanted[i], static_cast<std::int64_t>(count)}, i);
+    i += count;
+  }
+}
+
 }  // namespace
 
 SubsetNumbers::SubsetNumbers(std::int64_t limit)
@@ -55,6 +66,7 @@ FaceRangeBlocks::FaceRangeBlocks(const SurfaceBlocks& surface, RowRange faces)
   info_.corner_count = all.first_corner(faces.first + faces.count) - all.first_corner(faces.first);
   info_.has_colors = all.has_colors;
   info_.has_groups = all.has_groups;
+  info_.attributes = all.attributes;
   info_.groups = all.groups;
   info_.corners_per_face = all.corners_per_face;
   if (!all.face_offsets.empty()) {
@@ -126,13 +138,17 @@ void FaceRangeBlocks::face_uvs(RowRange faces, std::span<std::int32_t> uvs) cons
 }
 
 void FaceRangeBlocks::uvs(RowRange uvs, std::span<glm::dvec2> values) const {
-  const std::span<const std::int32_t> wanted = part(uvs_, uvs);
-  for (std::size_t i = 0; i < wanted.size();) {
-    std::size_t count = 1;
-    while (i + count < wanted.size() && wanted[i + count] == wanted[i + count - 1] + 1) ++count;
-    surface_.uvs({wanted[i], static_cast<std::int64_t>(count)}, values.subspan(i, count));
-    i += count;
-  }
+  for_runs(part(uvs_, uvs), [&](RowRange there, std::size_t i) {
+    surface_.uvs(there, values.subspan(i, static_cast<std::size_t>(there.count)));
+  });
+}
+
+void FaceRangeBlocks::attribute(std::size_t index, RowRange rows, std::span<float> values) const {
+  const auto width = static_cast<std::size_t>(info_.attributes[index].width);
+  for_runs(part(rows_, rows), [&](RowRange there, std::size_t i) {
+    surface_.attribute(index, there,
+                       values.subspan(width * i, width * static_cast<std::size_t>(there.count)));
+  });
 }
 
 }  // namespace planish

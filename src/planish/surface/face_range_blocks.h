@@ -53,6 +53,7 @@ class FaceRangeBlocks final : public SurfaceBlocks {
   void ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const override {
     surface_.ancestors(there(faces), mesh_faces);
   }
+  void attribute(std::size_t index, RowRange rows, std::span<float> values) const override;
   void uvs(RowRange uvs, std::span<glm::dvec2> values) const override;
   void corners(RowRange faces, std::span<glm::dvec3> positions,
                std::span<glm::vec3> normals) const override {

@@ -106,6 +106,9 @@ class KeptRows final : public SurfaceBlocks {
     surface_.ancestors(faces, mesh_faces);
   }
   void uvs(RowRange uvs, std::span<glm::dvec2> values) const override { surface_.uvs(uvs, values); }
+  void attribute(std::size_t index, RowRange rows, std::span<float> values) const override {
+    surface_.attribute(index, rows, values);
+  }
   bool uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
               std::span<glm::dvec2> values) const override {
     return surface_.uvs_of(given, uvs, values);

@@ -190,6 +190,15 @@ class MeshBuilder {
     const auto count = static_cast<double>(vertices.size());
     net_.positions.push_back(origin + sum / count);
     if (!net_.colors.empty()) net_.colors.push_back(color / static_cast<float>(count));
+    for (VertexAttribute& attribute : net_.attributes) {
+      const auto width = static_cast<std::size_t>(attribute.width);
+      for (std::size_t k = 0; k < width; ++k) {
+        double of_all = 0;
+        for (const std::int32_t v : vertices)
+          of_all += attribute.values[width * static_cast<std::size_t>(v) + k];
+        attribute.values.push_back(static_cast<float>(of_all / count));
+      }
+    }
     return net_.vertex_count() - 1;
   }
   std::int32_t middle(std::size_t place_a, std::size_t place_b) {
@@ -240,30 +249,45 @@ class MeshBuilder {
   std::vector<std::int32_t> vertices_;
 };
 
-// A face's control point takes the mean of the colours at the corners of its face of Q_1.
-void carry_colors_once(const SubdividedMesh& base, PolygonMesh& result) {
+// A face's control point takes the mean of what is given at the corners of its face of Q_1:
+// put(value) of each in order.
+template <class Of, class Put>
+void carry_once(const SubdividedMesh& base, const Of& of, const Put& put) {
   const PolygonMesh& mesh = base.used.mesh;
-  if (mesh.colors.empty()) return;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     const auto vertices = mesh.face(f);
     const std::size_t m = vertices.size();
     glm::vec4 centre(0.0f);
-    for (const std::int32_t v : vertices) centre += mesh.colors[v] / static_cast<float>(m);
-    for (std::size_t i = 0; i < m; ++i) {
-      result.colors.push_back(0.25f * centre + 0.5f * mesh.colors[vertices[i]] +
-                              0.125f * mesh.colors[vertices[(i + 1) % m]] +
-                              0.125f * mesh.colors[vertices[(i + m - 1) % m]]);
-    }
+    for (const std::int32_t v : vertices) centre += of(v) / static_cast<float>(m);
+    for (std::size_t i = 0; i < m; ++i)
+      put(0.25f * centre + 0.5f * of(vertices[i]) + 0.125f * of(vertices[(i + 1) % m]) +
+          0.125f * of(vertices[(i + m - 1) % m]));
   }
   for (std::int32_t s = 0; s < base.features.sharp_edge_count; ++s) {
     const auto [v0, v1] =
         base.subdivision.topology().edge_vertices(base.subdivision.edge_of_sharp(s));
-    const glm::vec4 a = mesh.colors[v0], b = mesh.colors[v1];
-    result.colors.push_back(0.75f * a + 0.25f * b);
-    result.colors.push_back(0.75f * b + 0.25f * a);
+    const glm::vec4 a = of(v0), b = of(v1);
+    put(0.75f * a + 0.25f * b);
+    put(0.75f * b + 0.25f * a);
   }
-  for (const std::int32_t v : base.features.corner_vertices) {
-    result.colors.push_back(mesh.colors[v]);
+  for (const std::int32_t v : base.features.corner_vertices) put(of(v));
+}
+
+void carry_attributes_once(const SubdividedMesh& base, PolygonMesh& result) {
+  const PolygonMesh& mesh = base.used.mesh;
+  if (!mesh.colors.empty())
+    carry_once(
+        base, [&](std::int32_t v) { return mesh.colors[v]; },
+        [&](const glm::vec4& color) { result.colors.push_back(color); });
+  for (const VertexAttribute& given : mesh.attributes) {
+    VertexAttribute& made = result.attributes.emplace_back(
+        attribute_of_size(given.name, given.width, result.positions.size()));
+    for (int first = 0; first < given.width; first += 4) {
+      std::size_t point = 0;
+      carry_once(
+          base, [&](std::int32_t v) { return given.four(static_cast<std::size_t>(v), first); },
+          [&](const glm::vec4& four) { made.set_four(point++, first, four); });
+    }
   }
 }
 
@@ -274,7 +298,7 @@ PolygonMesh net_of(const SubdividedMesh& base, const LevelOne& level_one,
   for (const glm::dvec3& point : level_one.state) {
     net.positions.push_back(level_one.placement.to_model(point));
   }
-  carry_colors_once(base, net);
+  carry_attributes_once(base, net);
   if (!base.used.mesh.face_groups.empty()) net.groups = base.used.mesh.groups;
   MeshBuilder(base, net, rings).add_polygons();
   for (std::int32_t c = 0; c < base.features.corner_count; ++c) {

@@ -35,6 +35,8 @@ constexpr std::uint64_t kGroupFaceBytes = 4;
 // Values of a surface alone.
 constexpr std::uint64_t kPatchUvBytes = 16;
 constexpr std::uint64_t kPatchColorBytes = 16;
+// Of a number of an attribute; the primal schemes carry four at a time in double, besides.
+constexpr std::uint64_t kNumberBytes = 4;
 // Position and normal in float, beside the surface's own.
 constexpr std::uint64_t kDeviceRowBytes = 24;
 // Stencil slices on their way.
@@ -77,6 +79,7 @@ std::uint64_t patch_bytes(std::span<const LevelCounts> levels, LastLevel last,
   const auto vertices = static_cast<std::uint64_t>(levels.back().vertices);
   std::uint64_t bytes = kPatchFixedBytes + kPatchCornerBytes * corners;
   if (attributes.device_rows) bytes += kDeviceRowBytes * vertices;
+  bytes += kNumberBytes * attributes.numbers * vertices;
   if (last == LastLevel::Blocks) {
     bytes += std::min(kKeptRowBytes * vertices, kMostKeptBytes) + kCutBytes * faces;
     if (attributes.uvs || attributes.groups)
@@ -108,6 +111,7 @@ RefinedAttributes RefinedAttributes::of(const PolygonMesh& mesh) {
   return {.uvs = !mesh.face_uvs.empty(),
           .colors = !mesh.colors.empty(),
           .groups = !mesh.face_groups.empty(),
+          .numbers = numbers_of(mesh.attributes),
           .holes = !mesh.hole_faces.empty()};
 }
 
@@ -129,6 +133,7 @@ std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel 
     }
   }
   if (attributes.colors) surface += kColorBytes * vertices;
+  surface += kNumberBytes * attributes.numbers * vertices;
   if (attributes.groups) surface += kGroupFaceBytes * faces;
   return bytes + (attributes.holes ? 2 : 1) * surface;
 }

@@ -18,8 +18,9 @@ enum class LastLevel {
 /// What of a mesh is refined with it, besides points and normals.
 struct RefinedAttributes {
   bool uvs = false, colors = false, groups = false;
-  bool holes = false;        ///< the surface without them is a copy
-  bool device_rows = false;  ///< patches leave their rows as a device made them
+  std::uint64_t numbers = 0;  ///< of each vertex, of all its attributes
+  bool holes = false;         ///< the surface without them is a copy
+  bool device_rows = false;   ///< patches leave their rows as a device made them
 
   static RefinedAttributes of(const PolygonMesh& mesh);
 };

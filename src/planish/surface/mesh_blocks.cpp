@@ -15,6 +15,8 @@ MeshBlocks::MeshBlocks(const SurfaceMesh& surface) : surface_(surface) {
   info_.uv_count = static_cast<std::int64_t>(surface.uvs.size());
   info_.has_colors = !surface.colors.empty();
   info_.has_groups = !surface.face_groups.empty();
+  for (const VertexAttribute& attribute : surface.attributes)
+    info_.attributes.push_back({attribute.name, attribute.width});
   info_.groups = surface.groups;
   info_.base_vertices = surface.base_vertices;
   info_.face_offsets = surface.face_offsets;
@@ -43,6 +45,12 @@ DegenerateRows MeshBlocks::rows(RowRange rows, const RowTarget& target) const {
     target.stored[i] = glm::vec3(surface_.positions[rows.first + i] - target.origin);
   }
   return {};  // whoever made the surface has told
+}
+
+void MeshBlocks::attribute(std::size_t index, RowRange rows, std::span<float> values) const {
+  const VertexAttribute& from = surface_.attributes[index];
+  std::copy_n(from.values.begin() + from.width * rows.first, from.width * rows.count,
+              values.begin());
 }
 
 void MeshBlocks::ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const {

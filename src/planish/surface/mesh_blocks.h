@@ -30,6 +30,7 @@ class MeshBlocks final : public SurfaceBlocks {
     copy(surface_.face_groups, faces, groups);
   }
   void ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const override;
+  void attribute(std::size_t index, RowRange rows, std::span<float> values) const override;
   void uvs(RowRange uvs, std::span<glm::dvec2> values) const override {
     copy(surface_.uvs, uvs, values);
   }

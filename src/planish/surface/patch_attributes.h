@@ -1,12 +1,32 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 #include "planish/core/range.h"
 #include "planish/patches/patch_numbering.h"
 
 namespace planish {
+
+/// Values at V, E1, F and E2 of a corner's square, from those at the corners of the mesh.
+template <class At>
+[[nodiscard]] auto square_values(const MeshTopology& topology, std::int32_t corner, const At& at) {
+  const std::int32_t first = topology.first_corner(topology.face_of(corner));
+  const std::int32_t m = topology.face_size(topology.face_of(corner));
+  auto sum = at(first);
+  for (std::int32_t i = 1; i < m; ++i) sum += at(first + i);
+  const auto own = at(corner);
+  return std::array{own, 0.5 * (own + at(topology.next(corner))), sum / static_cast<double>(m),
+                    0.5 * (own + at(topology.prev(corner)))};
+}
+
+/// Bilinear between them.
+template <class Vector>
+[[nodiscard]] Vector bilinear(const std::array<Vector, 4>& square, double u, double v) {
+  return (1 - v) * ((1 - u) * square[0] + u * square[1]) +
+         v * ((1 - u) * square[3] + u * square[2]);
+}
 
 /// Rows of something that is given at the corners of a mesh and linear between them: at centres of
 /// faces the mean, at midpoints of edges the mean of two, within each quad of Q_1 bilinear.

@@ -117,6 +117,21 @@ DegenerateRows make_all_rows(const SurfaceBlocks& blocks, const RowTarget& all,
   return degenerate;
 }
 
+VertexAttribute all_rows(const SurfaceBlocks& blocks, std::size_t attribute) {
+  const auto& [name, width] = blocks.info().attributes[attribute];
+  VertexAttribute made =
+      attribute_of_size(name, width, static_cast<std::size_t>(blocks.info().row_count));
+  const std::vector<RowRange> ranges = ranges_of(blocks.info().row_count, kPieceRows);
+  parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      blocks.attribute(attribute, ranges[i],
+                       std::span(made.values)
+                           .subspan(static_cast<std::size_t>(width * ranges[i].first),
+                                    static_cast<std::size_t>(width * ranges[i].count)));
+  });
+  return made;
+}
+
 SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
   const HostScope host(callbacks);
   const SurfaceInfo& info = blocks.info();
@@ -134,6 +149,8 @@ SurfaceMesh collect(const SurfaceBlocks& blocks, const Callbacks& callbacks) {
   all.normals = surface.normals;
   all.colors = surface.colors;
   const DegenerateRows degenerate = make_all_rows(blocks, all, callbacks);
+  for (std::size_t k = 0; k < info.attributes.size(); ++k)
+    surface.attributes.push_back(all_rows(blocks, k));
 
   surface.face_vertices.resize(static_cast<std::size_t>(info.corner_count));
   if (info.uv_count > 0) surface.face_uvs.resize(surface.face_vertices.size());

@@ -30,6 +30,7 @@ struct SurfaceInfo {
   std::int64_t uv_count = 0;      ///< 0: no texture coordinates
   bool has_colors = false;
   bool has_groups = false;  ///< each face has one of `groups`
+  std::vector<AttributeName> attributes;
   std::vector<FaceGroup> groups;
   std::vector<std::int32_t> base_vertices;  ///< as SurfaceMesh has them
   /// face_count + 1, where each face's corners begin; empty where all faces are alike.
@@ -85,8 +86,10 @@ class SurfaceBlocks {
   /// The face of the mesh that each one descends from.
   virtual void ancestors(RowRange faces, std::span<std::int32_t> mesh_faces) const = 0;
   virtual void uvs(RowRange uvs, std::span<glm::dvec2> values) const = 0;
-  /// The same of other values in the place of the mesh's texture coordinates, as many. False, and
-  /// nothing is written, where nobody knows the mesh any more.
+  /// Numbers of rows of the attribute of that index, one row after another.
+  virtual void attribute(std::size_t index, RowRange rows, std::span<float> values) const = 0;
+  /// Texture coordinates of other values in the place of the mesh's texture coordinates, as many.
+  /// False, and nothing is written, where nobody knows the mesh any more.
   virtual bool uvs_of([[maybe_unused]] std::span<const glm::dvec2> given,
                       [[maybe_unused]] RowRange uvs,
                       [[maybe_unused]] std::span<glm::dvec2> values) const {
@@ -137,6 +140,9 @@ class SurfaceBlocks {
 /// from.
 [[nodiscard]] std::unique_ptr<SurfaceBlocks> blocks_of(const SurfaceMesh& surface,
                                                        const PolygonMesh& mesh);
+
+/// All rows of an attribute, made on all threads.
+[[nodiscard]] VertexAttribute all_rows(const SurfaceBlocks& blocks, std::size_t attribute);
 
 /// All rows of a surface, into arrays of all of them. Callbacks: step "evaluate" to 0.8, but for no
 /// warning. Throws Error{Cancelled}.

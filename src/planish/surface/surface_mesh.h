@@ -31,6 +31,7 @@ struct SurfaceMesh {
   RawVector<glm::dvec2> uvs;         ///< texture coordinates, which face_uvs names
   RawVector<std::int32_t> face_uvs;  ///< one per corner, as face_vertices
   RawVector<glm::vec4> colors;       ///< linear RGBA, one per position
+  std::vector<VertexAttribute> attributes;
   std::vector<FaceGroup> groups;
   RawVector<std::int32_t> face_groups;  ///< one per face: its group
 

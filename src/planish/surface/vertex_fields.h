@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planish/core/range.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/surface/normal_curvatures.h"
 #include "planish/surface/surface_mesh.h"
@@ -44,10 +45,19 @@ struct VertexFields {
 [[nodiscard]] VertexFields vertex_fields(const SurfaceMesh& surface, const PolygonMesh& mesh,
                                          double diagonal, const DooSabinSurface* exact = nullptr);
 
-/// A field as files take it: a name of lower-case letters and '_', and a value for each position.
+/// A field as files take it: a name of letters, digits and '_', and `width` values for each
+/// position, one position after another.
 struct NamedField {
   std::string name;
   std::span<const float> values;
+  int width = 1;
+
+  [[nodiscard]] NamedField part(RowRange rows) const {
+    return {name,
+            values.subspan(static_cast<std::size_t>(width * rows.first),
+                           static_cast<std::size_t>(width * rows.count)),
+            width};
+  }
 };
 
 /// Which fields are wanted.

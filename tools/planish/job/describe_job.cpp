@@ -121,12 +121,11 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   const std::string name = input.name;
   const std::int64_t vertices = input.file.mesh.vertex_count();
   const std::int64_t faces = input.file.mesh.face_count();
-  const std::size_t properties = input.file.properties.size();
   const ReadyFit ready = expected_ready(planned, std::move(input));
   const FittedMesh& fitted = expected_fit(ready).fitted;
   const PolygonMesh& mesh = fitted.mesh;
-  const Forecast forecast = forecast_of(ready, settings, planned.outputs, page_bytes, properties);
-  require_memory_for(ready, settings, planned.outputs, properties);
+  const Forecast forecast = forecast_of(ready, settings, planned.outputs, page_bytes);
+  require_memory_for(ready, settings, planned.outputs);
   std::string text =
       "would fit " + name + ": " +
       counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count) +

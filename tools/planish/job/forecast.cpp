@@ -99,11 +99,6 @@ std::uint64_t held_bytes(const RefinedAttributes& attributes,
   return std::max(solve, surface + solve / 4);
 }
 
-// Properties of vertices are held at all rows of a level while its files are written.
-std::uint64_t property_bytes(std::size_t count, const std::vector<LevelCounts>& levels) {
-  return std::uint64_t{sizeof(float)} * count * static_cast<std::uint64_t>(levels.back().vertices);
-}
-
 int highest_level(const std::vector<PlannedOutput>& outputs) {
   int level = 1;  // where the surface is measured
   for (const PlannedOutput& output : outputs) {
@@ -182,8 +177,7 @@ const ReadyFit& expected_fit(const ReadyFit& ready) {
 }
 
 Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
-                     const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes,
-                     std::size_t properties) {
+                     const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
   const FittedMesh& expected = expected_fit(ready).fitted;
   const PolygonMesh& mesh = expected.mesh;
   const PreparedMesh& prepared = *expected.options.prepared;
@@ -192,7 +186,7 @@ Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
       forecast_by_counts(mesh_counts_of(prepared), attributes, solve_bytes(ready, settings),
                          settings, outputs, page_bytes);
   WrittenShape shape = written_shape(mesh, prepared);
-  shape.property_count = properties;
+  shape.property_count = static_cast<std::size_t>(attributes.numbers);
   const bool triangles = settings.scheme == Scheme::Loop;
   double most = 0, bends = 0;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -208,8 +202,6 @@ Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
       file.vertices = written_vertices(shape, written, outputs[i].kind);
     }
   }
-  forecast.peak_bytes += property_bytes(
-      properties, levels_to(mesh_counts_of(prepared), settings.scheme, highest_level(outputs)));
   const std::uint64_t triangle_bytes = attributes.uvs ? kBendUvBytes : kBendBytes;
   forecast.peak_bytes += triangle_bytes * static_cast<std::uint64_t>(most);
   forecast.seconds = (forecast.seconds + 1e-6 * kBendSeconds * bends) / thread_count();
@@ -234,7 +226,7 @@ Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
 }
 
 void require_memory_for(const ReadyFit& ready, const Settings& settings,
-                        const std::vector<PlannedOutput>& outputs, std::size_t properties) {
+                        const std::vector<PlannedOutput>& outputs) {
   const int wanted = highest_level(outputs);
   const FittedMesh& expected = expected_fit(ready).fitted;
   const MeshCounts counts = mesh_counts_of(*expected.options.prepared);
@@ -243,8 +235,7 @@ void require_memory_for(const ReadyFit& ready, const Settings& settings,
   const auto need = [&](int level) {
     const std::vector<LevelCounts> levels = levels_to(counts, settings.scheme, level);
     return held_bytes(RefinedAttributes::of(expected.mesh), levels, solve_bytes(ready, settings),
-                      settings) +
-           property_bytes(properties, levels);
+                      settings);
   };
   const std::uint64_t needed = need(wanted);
   if (needed <= free) return;

@@ -27,11 +27,10 @@ struct Forecast {
 /// where measurement will tell, with all of them, of which there are more.
 [[nodiscard]] const ReadyFit& expected_fit(const ReadyFit& ready);
 
-/// `page_bytes` is the limit of a page's size, 0 where no page is made. `ready` can be fitted, and
-/// its vertices have `properties` of MeshFile::properties.
+/// `page_bytes` is the limit of a page's size, 0 where no page is made. `ready` can be fitted.
 [[nodiscard]] Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
                                    const std::vector<PlannedOutput>& outputs,
-                                   std::uint64_t page_bytes, std::size_t properties = 0);
+                                   std::uint64_t page_bytes);
 
 /// Of a job on so many points: what it would take if their mesh went through all of them; nothing
 /// of the files. Without a peak where an output's fineness asks for the mesh.
@@ -42,6 +41,6 @@ struct Forecast {
 /// Throws Error{OutOfMemory} where the levels asked for need more than the machine has free, naming
 /// the need and the highest level that fits.
 void require_memory_for(const ReadyFit& ready, const Settings& settings,
-                        const std::vector<PlannedOutput>& outputs, std::size_t properties = 0);
+                        const std::vector<PlannedOutput>& outputs);
 
 }  // namespace planish::command

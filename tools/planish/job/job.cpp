@@ -112,7 +112,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     ReadyFit ready = timed(report.timing.check, [&] {
       ReadyFit prepared = prepare_input(made, outputs, report, context);
       if (!prepared.chooses_method) warn_of_unused_settings(job, made, report, context.console);
-      require_memory_for(prepared, job.settings, outputs, made.input.file.properties.size());
+      require_memory_for(prepared, job.settings, outputs);
       return prepared;
     });
     const bool was_open = ready.chooses_method;

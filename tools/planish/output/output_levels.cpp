@@ -6,8 +6,8 @@
 #include "job/measure_surface.h"
 #include "job/timed.h"
 #include "planish/files/formats.h"
+#include "planish/pipeline/attribute_fields.h"
 #include "planish/pipeline/fit_mesh.h"
-#include "planish/pipeline/vertex_properties.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -100,9 +100,8 @@ JobLevel surface_of(const FittedJob& work, JobSurface& all, const Fineness& fine
         return planned.kind == OutputKind::Surface && planned.fineness == fineness &&
                info_of(planned.format).keeps_fields;
       }))
-    fields.properties =
-        add_properties(work.made.input.file.properties, work.made.fitted, surface.blocks(),
-                       options.gltf.fields, options.gltf.callbacks);
+    fields.attributes =
+        add_attributes(surface.blocks(), options.gltf.fields, options.gltf.callbacks);
   if (!fineness.is_adaptive())
     options.gltf.extras.emplace_back("level", std::int64_t{fineness.level});
   if (fineness.chord_error > 0)

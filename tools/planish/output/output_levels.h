@@ -5,7 +5,6 @@
 #include "job/job_surface.h"
 #include "output/job_outputs.h"
 #include "output/surface_output.h"
-#include "planish/files/mesh_file.h"
 #include "planish/surface/vertex_fields.h"
 
 namespace planish::command {
@@ -22,8 +21,8 @@ namespace planish::command {
 
 /// What the fields of a surface's files are held by.
 struct LevelFields {
-  VertexFields figures;                    ///< that the job wants as data
-  std::vector<VertexProperty> properties;  ///< of the input's vertices
+  VertexFields figures;                     ///< that the job wants as data
+  std::vector<VertexAttribute> attributes;  ///< that the mesh has
 };
 
 /// The surface of that fineness, measured where it is a level. The options get what its files say

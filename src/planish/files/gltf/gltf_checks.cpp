@@ -65,8 +65,11 @@ void require_fields(std::int64_t row_count, const GltfOptions& options) {
     const std::size_t wild = first_where(
         field.values.size(), [&](std::size_t i) { return !std::isfinite(field.values[i]); });
     if (wild < field.values.size())
-      refuse_to_write(options, field.name + " of vertex " + std::to_string(wild) + " is not finite",
-                      static_cast<std::int64_t>(wild));
+      refuse_to_write(options,
+                      field.name + " of vertex " +
+                          std::to_string(wild / static_cast<std::size_t>(field.width)) +
+                          " is not finite",
+                      static_cast<std::int64_t>(wild) / field.width);
   }
 }
 

@@ -64,7 +64,7 @@ std::string own_name(const std::string& field) {
 std::vector<GltfAttribute> row_attributes(const GltfOptions& options) {
   std::vector<GltfAttribute> all;
   for (const NamedField& field : options.fields)
-    all.push_back({.name = own_name(field.name), .values = field.values});
+    all.push_back({.name = own_name(field.name), .width = field.width, .values = field.values});
   all.insert(all.end(), options.attributes.begin(), options.attributes.end());
   return all;
 }

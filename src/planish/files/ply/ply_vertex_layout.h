@@ -19,7 +19,7 @@ struct PlyVertexLayout {
   std::vector<int> slots;
   bool has_uvs = false, has_colors = false, has_normals = false;
   char missing_axis = 0;                ///< a coordinate that the element lacks, as x
-  std::vector<std::string> properties;  ///< names of the further ones, as VertexProperty has them
+  std::vector<std::string> properties;  ///< names of the further ones, as VertexAttribute has them
   std::int64_t left_out_count = 0;      ///< of further ones that have no slot
   std::string left_out;                 ///< the first of them
 };

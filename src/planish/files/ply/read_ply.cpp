@@ -153,7 +153,7 @@ void PlyReader<Body>::make_room(const PlyVertexLayout& layout, std::int64_t coun
   file_.mesh.colors.resize(layout.has_colors ? vertices : 0);
   file_.normals.resize(layout.has_normals ? vertices : 0);
   for (const std::string& name : layout.properties)
-    file_.properties.push_back({name, std::vector<float>(vertices)});
+    file_.mesh.attributes.push_back(attribute_of_size(name, 1, vertices));
   if (layout.left_out_count == 0) return;
   file_.warnings.push_back(
       {.code = "left-out-properties",
@@ -191,7 +191,7 @@ void PlyReader<Body>::read_vertex(Cursor& cursor, const PlyElement& element,
   if (layout.has_normals) file_.normals[vertex] = found.normal();
   if (layout.has_colors) mesh.colors[vertex] = found.color();
   for (std::size_t k = 0; k < layout.properties.size(); ++k)
-    file_.properties[k].values[vertex] = found.property(k);
+    mesh.attributes[k].values[vertex] = found.property(k);
 }
 
 template <class Body>

@@ -96,7 +96,11 @@ void write_ply_header(FileBuffer& out, const PolygonPiece& piece, const PlyUvs& 
         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n");
   if (uvs.are_of_vertices()) out.text("property float s\nproperty float t\n");
   for (const NamedField& field : piece.view.fields)
-    out.text("property float ").text(field.name).text("\n");
+    for (int k = 0; k < field.width; ++k) {
+      out.text("property float ").text(field.name);
+      if (field.width > 1) out.text("_").number(k);
+      out.text("\n");
+    }
   out.text("element face ").number(totals.face_count);
   out.text(has_short_counts(totals) ? "\nproperty list uchar" : "\nproperty list int");
   out.text(" int vertex_indices\n");
@@ -123,7 +127,10 @@ void write_ply_vertices(FileBuffer& out, const PolygonView& view, std::int64_t f
         out.binary(static_cast<std::uint8_t>(std::lround(255 * encoded[k])));
     }
     if (uvs.are_of_vertices()) write_uv(out, uvs.of_vertex(first + static_cast<std::int64_t>(i)));
-    for (const NamedField& field : view.fields) out.binary(field.values[i]);
+    for (const NamedField& field : view.fields) {
+      const auto width = static_cast<std::size_t>(field.width);
+      for (std::size_t k = 0; k < width; ++k) out.binary(field.values[width * i + k]);
+    }
   }
 }
 

@@ -110,7 +110,7 @@ void weld_repeated_vertices(MeshFile& file) {
     values = std::move(kept);
   };
   gather(mesh.colors);
-  for (VertexProperty& property : file.properties) gather(property.values);
+  for (VertexAttribute& attribute : mesh.attributes) gather(attribute.values);
   mesh.positions = std::move(welded.positions);
 }
 

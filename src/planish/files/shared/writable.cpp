@@ -8,10 +8,10 @@ namespace planish {
 void require_field_sizes(std::span<const NamedField> fields, std::int64_t row_count,
                          const std::string& name) {
   for (const NamedField& field : fields)
-    if (field.values.size() != static_cast<std::size_t>(row_count))
-      throw Error(ErrorCode::InvalidArgument,
-                  name + ": " + std::to_string(field.values.size()) + " values of " +
-                      std::string(field.name) + " for " + std::to_string(row_count) + " positions");
+    if (field.values.size() != static_cast<std::size_t>(field.width * row_count))
+      throw Error(ErrorCode::InvalidArgument, name + ": " + std::to_string(field.values.size()) +
+                                                  " values of " + field.name + " for " +
+                                                  std::to_string(row_count) + " positions");
 }
 
 void require_writable(const PolygonView& view, const std::string& name) {

@@ -43,8 +43,10 @@ void stream_list(const PolygonStream& stream, const std::string& name, PolygonPa
   stream.text("]");
 }
 
-std::string interpolation(const char* name) {
-  return std::string(" (\n        interpolation = \"") + name + "\"\n    )\n";
+std::string interpolation(const char* name, int element_size = 1) {
+  const std::string size =
+      element_size > 1 ? "        elementSize = " + std::to_string(element_size) + "\n" : "";
+  return " (\n" + size + "        interpolation = \"" + name + "\"\n    )\n";
 }
 
 void write_triple(FileBuffer& out, const glm::vec3& v) {
@@ -129,15 +131,15 @@ void write_texture_coordinates(const PolygonStream& stream) {
 }
 
 void write_fields(const PolygonStream& stream) {
-  std::vector<std::string> names;
+  std::vector<AttributeName> names;
   stream.look(PolygonPart::Head, [&](const PolygonPiece& piece, RowRange) {
-    for (const NamedField& field : piece.view.fields) names.emplace_back(field.name);
+    for (const NamedField& field : piece.view.fields) names.push_back({field.name, field.width});
   });
   for (std::size_t k = 0; k < names.size(); ++k) {
     stream_list(
-        stream, "float[] primvars:" + names[k], PolygonPart::Fields,
+        stream, "float[] primvars:" + names[k].name, PolygonPart::Fields,
         [k](const PolygonView& view) { return view.fields[k].values; }, write_number);
-    stream.text(interpolation("vertex"));
+    stream.text(interpolation("vertex", names[k].width));
   }
 }
 

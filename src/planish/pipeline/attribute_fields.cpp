@@ -1,7 +1,6 @@
-#include "planish/pipeline/vertex_properties.h"
+#include "planish/pipeline/attribute_fields.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cstddef>
 #include <cstdint>
@@ -21,21 +20,24 @@ bool is_same_name(const std::string& a, const std::string& b) {
       a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
-bool knows_its_mesh(const SurfaceBlocks& surface, const FittedMesh& fitted) {
-  const std::vector<glm::vec4> nothing(fitted.mesh.positions.size());
-  std::array<glm::vec4, 1> one;
-  return surface.info().row_count > 0 && surface.rows_of(nothing, {0, 1}, one);
-}
-
-void require_memory_of(std::size_t count, std::int64_t rows) {
-  const std::uint64_t needed =
-                          std::uint64_t{sizeof(float)} * count * static_cast<std::uint64_t>(rows),
+void require_memory_of(std::uint64_t count, std::int64_t rows) {
+  const std::uint64_t needed = sizeof(float) * count * static_cast<std::uint64_t>(rows),
                       free = available_memory_bytes();
   if (needed > free)
     throw Error(ErrorCode::OutOfMemory,
-                std::to_string(count) + " properties of vertices at " + std::to_string(rows) +
+                std::to_string(count) + " numbers of vertices at " + std::to_string(rows) +
                     " rows need " + std::to_string(needed >> 20) + " MiB of memory where " +
                     std::to_string(free >> 20) + " are free; take a lower level");
+}
+
+constexpr int kWidestField = 4;  // glTF's VEC4
+
+VertexAttribute column_of(const VertexAttribute& of, int column) {
+  VertexAttribute made = attribute_of_size(of.name + "_" + std::to_string(column), 1, of.count());
+  for (std::size_t i = 0; i < made.values.size(); ++i)
+    made.values[i] =
+        of.values[static_cast<std::size_t>(of.width) * i + static_cast<std::size_t>(column)];
+  return made;
 }
 
 }  // namespace
@@ -67,34 +69,40 @@ std::vector<float> rows_of_vertices(std::span<const float> given, int width,
   return values;
 }
 
-std::vector<VertexProperty> add_properties(std::span<const VertexProperty> given,
-                                           const FittedMesh& fitted, const SurfaceBlocks& surface,
-                                           std::vector<NamedField>& fields,
-                                           const Callbacks& callbacks) {
-  std::vector<VertexProperty> made;
-  if (given.empty()) return made;
-  const bool has_rows = knows_its_mesh(surface, fitted);
-  std::vector<const VertexProperty*> wanted;
+std::vector<VertexAttribute> add_attributes(const SurfaceBlocks& surface,
+                                            std::vector<NamedField>& fields,
+                                            const Callbacks& callbacks) {
+  const std::vector<AttributeName>& given = surface.info().attributes;
+  std::vector<std::size_t> wanted;
+  std::uint64_t numbers = 0;
   std::string left_out;
-  for (const VertexProperty& property : given) {
+  for (std::size_t k = 0; k < given.size(); ++k) {
     const bool is_taken = std::ranges::any_of(
-        fields, [&](const NamedField& field) { return is_same_name(field.name, property.name); });
-    if (has_rows && !is_taken) {
-      wanted.push_back(&property);
+        fields, [&](const NamedField& field) { return is_same_name(field.name, given[k].name); });
+    if (is_taken) {
+      left_out += (left_out.empty() ? "" : ", ") + given[k].name;
     } else {
-      left_out += (left_out.empty() ? "" : ", ") + property.name;
+      wanted.push_back(k);
+      numbers += static_cast<std::uint64_t>(given[k].width);
     }
   }
   if (!left_out.empty())
     callbacks.warn({"left-out-properties",
                     "properties of the vertices are left out: " + left_out +
-                        (has_rows ? "; fields of the surface have these names"
-                                  : "; they need levels of Doo-Sabin surfaces"),
+                        "; fields of the surface have these names",
                     static_cast<std::int64_t>(given.size() - wanted.size())});
-  require_memory_of(wanted.size(), surface.info().row_count);
-  for (const VertexProperty* property : wanted)
-    made.push_back({property->name, rows_of_vertices(property->values, 1, fitted, surface)});
-  for (const VertexProperty& property : made) fields.push_back({property.name, property.values});
+  require_memory_of(numbers, surface.info().row_count);
+  std::vector<VertexAttribute> made;
+  for (const std::size_t k : wanted) {
+    VertexAttribute all = all_rows(surface, k);
+    if (all.width <= kWidestField) {
+      made.push_back(std::move(all));
+    } else {
+      for (int column = 0; column < all.width; ++column) made.push_back(column_of(all, column));
+    }
+  }
+  for (const VertexAttribute& attribute : made)
+    fields.push_back({attribute.name, attribute.values, attribute.width});
   return made;
 }
 

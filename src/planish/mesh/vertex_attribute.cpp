@@ -1,0 +1,73 @@
+#include "planish/mesh/vertex_attribute.h"
+
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include "planish/core/error.h"
+#include "planish/core/first_where.h"
+#include "planish/core/number_text.h"
+#include "planish/core/visible_text.h"
+
+namespace planish {
+namespace {
+
+[[noreturn]] void refuse(const std::string& name, const std::string& what) {
+  throw Error(ErrorCode::InvalidArgument, "attribute \"" + visible(name) + "\": " + what);
+}
+
+bool is_name(const std::string& name) {
+  const auto is_of_name = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  return !name.empty() && std::ranges::all_of(name, is_of_name) &&
+         std::isdigit(static_cast<unsigned char>(name[0])) == 0;
+}
+
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+}  // namespace
+
+VertexAttribute attribute_of_size(const std::string& name, int width, std::size_t count) {
+  return {name, std::vector<float>(static_cast<std::size_t>(width) * count), width};
+}
+
+std::uint64_t numbers_of(std::span<const VertexAttribute> attributes) {
+  std::uint64_t sum = 0;
+  for (const VertexAttribute& attribute : attributes)
+    sum += static_cast<std::uint64_t>(attribute.width);
+  return sum;
+}
+
+std::vector<VertexAttribute> attributes_of(std::span<const VertexAttribute> given,
+                                           std::span<const std::int32_t> vertices) {
+  std::vector<VertexAttribute> result;
+  for (const VertexAttribute& from : given) {
+    VertexAttribute& to =
+        result.emplace_back(attribute_of_size(from.name, from.width, vertices.size()));
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      std::copy_n(from.values.begin() + std::ptrdiff_t{from.width} * vertices[i], from.width,
+                  to.values.begin() + static_cast<std::ptrdiff_t>(i) * from.width);
+  }
+  return result;
+}
+
+void require_attributes(std::span<const VertexAttribute> attributes) {
+  std::set<std::string> names;
+  for (const VertexAttribute& attribute : attributes) {
+    const std::string& name = attribute.name;
+    if (!is_name(name))
+      refuse(name, "is no name that files hold; letters, digits and '_' are, no digit first");
+    if (!names.insert(lower_case(name)).second)
+      refuse(name, "is there twice; names differ by more than case");
+    const std::vector<float>& values = attribute.values;
+    const std::size_t wild =
+        first_where(values.size(), [&](std::size_t i) { return !std::isfinite(values[i]); });
+    if (wild < values.size())
+      refuse(name, "of vertex " + std::to_string(wild / static_cast<std::size_t>(attribute.width)) +
+                       " is " + shortest(values[wild]) + "; finite numbers are wanted");
+  }
+}
+
+}  // namespace planish
