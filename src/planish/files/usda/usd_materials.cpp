@@ -1,10 +1,8 @@
 #include "planish/files/usda/usd_materials.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <set>
 #include <system_error>
 
@@ -32,18 +30,18 @@ const json& at(const json& in, const char* list, const json& index) {
   return all[index.get<std::size_t>()];
 }
 
-double number_of(const json& value, double otherwise) {
+double number_at(const json& value, double otherwise) {
   return value.is_number() && std::isfinite(value.get<double>()) ? value.get<double>() : otherwise;
 }
 
-Numbers numbers_of(const json& values, Numbers otherwise) {
+Numbers values_of(const json& values, Numbers otherwise) {
   if (!values.is_array() || values.size() < otherwise.size()) return otherwise;
   for (std::size_t i = 0; i < otherwise.size(); ++i)
-    otherwise[i] = number_of(values[i], otherwise[i]);
+    otherwise[i] = number_at(values[i], otherwise[i]);
   return otherwise;
 }
 
-std::string text_of(const Numbers& values) {
+std::string tuple_text(const Numbers& values) {
   std::string text;
   for (const double value : values) text += (text.empty() ? "(" : ", ") + shortest(value);
   return text + ")";
@@ -76,9 +74,9 @@ struct TextureUse {
   Numbers scale, bias{0, 0, 0, 0};
 };
 
-class Converter {
+class UsdConverter {
  public:
-  Converter(const GltfMaterials& given, const std::filesystem::path& folder)
+  UsdConverter(const GltfMaterials& given, const std::filesystem::path& folder)
       : given_(given), folder_(folder) {}
 
   UsdMaterials convert(std::span<const std::string> names) {
@@ -159,7 +157,7 @@ class Converter {
 
   void add_base(const json& material) {
     const json& pbr = at(material, "pbrMetallicRoughness");
-    const Numbers color = numbers_of(at(pbr, "baseColorFactor"), {1, 1, 1, 1});
+    const Numbers color = values_of(at(pbr, "baseColorFactor"), {1, 1, 1, 1});
     const json& mode = at(material, "alphaMode");
     const bool is_opaque = mode != "BLEND" && mode != "MASK";
     if (takes(at(pbr, "baseColorTexture"),
@@ -167,18 +165,18 @@ class Converter {
       line("color3f inputs:diffuseColor.connect = " + connected("baseColor.outputs:rgb"));
       if (!is_opaque) line("float inputs:opacity.connect = " + connected("baseColor.outputs:a"));
     } else {
-      input("color3f inputs:diffuseColor", text_of({color[0], color[1], color[2]}));
+      input("color3f inputs:diffuseColor", tuple_text({color[0], color[1], color[2]}));
       if (!is_opaque) input("float inputs:opacity", shortest(color[3]));
     }
     constexpr double kUsualCutoff = 0.5;
     if (mode == "MASK")
       input("float inputs:opacityThreshold",
-            shortest(number_of(at(material, "alphaCutoff"), kUsualCutoff)));
+            shortest(number_at(at(material, "alphaCutoff"), kUsualCutoff)));
   }
 
   void add_metal(const json& pbr) {
-    const double metallic = number_of(at(pbr, "metallicFactor"), 1),
-                 roughness = number_of(at(pbr, "roughnessFactor"), 1);
+    const double metallic = number_at(at(pbr, "metallicFactor"), 1),
+                 roughness = number_at(at(pbr, "roughnessFactor"), 1);
     if (takes(at(pbr, "metallicRoughnessTexture"),
               {.shader = "metallicRoughness", .scale = {1, roughness, metallic, 1}})) {
       line("float inputs:metallic.connect = " + connected("metallicRoughness.outputs:b"));
@@ -190,22 +188,22 @@ class Converter {
   }
 
   void add_rest(const json& material) {
-    Numbers glow = numbers_of(at(material, "emissiveFactor"), {0, 0, 0});
+    Numbers glow = values_of(at(material, "emissiveFactor"), {0, 0, 0});
     const json& strength =
         at(at(at(material, "extensions"), "KHR_materials_emissive_strength"), "emissiveStrength");
-    for (double& part : glow) part *= number_of(strength, 1);
+    for (double& part : glow) part *= number_at(strength, 1);
     if (takes(at(material, "emissiveTexture"),
               {.shader = "emissive", .is_color = true, .scale = {glow[0], glow[1], glow[2], 1}})) {
       line("color3f inputs:emissiveColor.connect = " + connected("emissive.outputs:rgb"));
     } else if (glow != Numbers{0, 0, 0}) {
-      input("color3f inputs:emissiveColor", text_of(glow));
+      input("color3f inputs:emissiveColor", tuple_text(glow));
     }
     const json& bumps = at(material, "normalTexture");
-    const double s = number_of(at(bumps, "scale"), 1);
+    const double s = number_at(at(bumps, "scale"), 1);
     if (takes(bumps, {.shader = "normal", .scale = {2 * s, 2 * s, 2, 1}, .bias = {-s, -s, -1, 0}}))
       line("normal3f inputs:normal.connect = " + connected("normal.outputs:rgb"));
     const json& shade = at(material, "occlusionTexture");
-    const double o = number_of(at(shade, "strength"), 1);
+    const double o = number_at(at(shade, "strength"), 1);
     if (takes(shade,
               {.shader = "occlusion", .scale = {o, o, o, 1}, .bias = {1 - o, 1 - o, 1 - o, 0}}))
       line("float inputs:occlusion.connect = " + connected("occlusion.outputs:r"));
@@ -225,23 +223,23 @@ class Converter {
     input("token inputs:wrapS", std::string("\"") + wrap_of(sampler, "wrapS") + "\"");
     input("token inputs:wrapT", std::string("\"") + wrap_of(sampler, "wrapT") + "\"");
     input("token inputs:sourceColorSpace", use.is_color ? "\"sRGB\"" : "\"raw\"");
-    input("float4 inputs:scale", text_of(use.scale));
-    input("float4 inputs:bias", text_of(use.bias));
+    input("float4 inputs:scale", tuple_text(use.scale));
+    input("float4 inputs:bias", tuple_text(use.bias));
     for (const char* output : {"float3 outputs:rgb", "float outputs:r", "float outputs:g",
                                "float outputs:b", "float outputs:a"})
       line(output);
     end_shader();
     if (!place.is_object()) return;
     // glTF's v runs down, ours and USD's up.
-    const Numbers scale = numbers_of(at(place, "scale"), {1, 1}),
-                  offset = numbers_of(at(place, "offset"), {0, 0});
-    const double turn = number_of(at(place, "rotation"), 0);
+    const Numbers scale = values_of(at(place, "scale"), {1, 1}),
+                  offset = values_of(at(place, "offset"), {0, 0});
+    const double turn = number_at(at(place, "rotation"), 0);
     begin_shader(name + "_place", "UsdTransform2d");
     line("float2 inputs:in.connect = " + connected("st.outputs:result"));
-    input("float2 inputs:scale", text_of(scale));
+    input("float2 inputs:scale", tuple_text(scale));
     input("float inputs:rotation", shortest(turn * 180 / std::numbers::pi));
-    input("float2 inputs:translation", text_of({offset[0] + scale[1] * std::sin(turn),
-                                                1 - offset[1] - scale[1] * std::cos(turn)}));
+    input("float2 inputs:translation", tuple_text({offset[0] + scale[1] * std::sin(turn),
+                                                   1 - offset[1] - scale[1] * std::cos(turn)}));
     line("float2 outputs:result");
     end_shader();
   }
@@ -258,7 +256,7 @@ class Converter {
 
 UsdMaterials usd_materials(const GltfMaterials& given, std::span<const std::string> names,
                            const std::filesystem::path& folder) {
-  return Converter(given, folder).convert(names);
+  return UsdConverter(given, folder).convert(names);
 }
 
 }  // namespace planish
