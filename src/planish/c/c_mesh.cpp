@@ -68,6 +68,63 @@ void add_faces(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
   mesh.face_vertices.assign(arrays.face_vertices, arrays.face_vertices + arrays.corner_count);
 }
 
+void require_numbers(const std::int32_t* numbers, std::size_t length, std::size_t count,
+                     std::int32_t least, const char* name) {
+  for (std::size_t i = 0; i < length; ++i)
+    if (numbers[i] < least || numbers[i] >= static_cast<std::int64_t>(count))
+      refuse(std::string(name) + "[" + std::to_string(i) + "] is " + std::to_string(numbers[i]) +
+             " of " + std::to_string(count));
+}
+
+void add_groups(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
+  require_count(arrays.group_count, arrays.group_names, "group_names");
+  if (arrays.group_count == 0) return;
+  require_count(arrays.face_count, arrays.face_groups, "face_groups");
+  require_numbers(arrays.face_groups, arrays.face_count, arrays.group_count, 0, "face_groups");
+  for (std::size_t i = 0; i < arrays.group_count; ++i) {
+    require(arrays.group_names[i], "a name in group_names");
+    const char* const material =
+        arrays.group_materials != nullptr ? arrays.group_materials[i] : nullptr;
+    mesh.groups.push_back({arrays.group_names[i], material != nullptr ? material : ""});
+  }
+  mesh.face_groups.assign(arrays.face_groups, arrays.face_groups + arrays.face_count);
+}
+
+void add_attributes(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
+  constexpr std::int32_t kWidest = 1024;
+  require_count(arrays.attribute_count, arrays.attributes, "attributes");
+  for (std::size_t i = 0; i < arrays.attribute_count; ++i) {
+    const planish_attribute& given = arrays.attributes[i];
+    require(given.name, "the name of an attribute");
+    if (given.width < 1 || given.width > kWidest)
+      refuse("attribute \"" + visible(std::string_view(given.name)) + "\" has a width of " +
+             std::to_string(given.width) + "; 1 to 1024 is wanted");
+    require_count(arrays.vertex_count, given.values, "the values of an attribute");
+    const std::size_t count = static_cast<std::size_t>(given.width) * arrays.vertex_count;
+    mesh.attributes.push_back({given.name, {given.values, given.values + count}, given.width});
+  }
+  require_attributes(mesh.attributes);
+}
+
+void add_riders(const planish_mesh_arrays& arrays, PolygonMesh& mesh) {
+  require_count(arrays.uv_count, arrays.uvs, "uvs");
+  if (arrays.face_uvs != nullptr) {
+    require_numbers(arrays.face_uvs, arrays.corner_count, arrays.uv_count, -1, "face_uvs");
+    for (std::size_t i = 0; i < arrays.uv_count; ++i)
+      mesh.uvs.emplace_back(arrays.uvs[2 * i], arrays.uvs[2 * i + 1]);
+    mesh.face_uvs.assign(arrays.face_uvs, arrays.face_uvs + arrays.corner_count);
+  } else if (arrays.uv_count > 0) {
+    refuse("face_uvs is NULL, with " + std::to_string(arrays.uv_count) + " texture coordinates");
+  }
+  if (arrays.colors != nullptr)
+    for (std::size_t v = 0; v < arrays.vertex_count; ++v) {
+      const float* c = arrays.colors + 4 * v;
+      mesh.colors.emplace_back(c[0], c[1], c[2], c[3]);
+    }
+  add_groups(arrays, mesh);
+  add_attributes(arrays, mesh);
+}
+
 PolygonMesh mesh_of(const planish_mesh_arrays& arrays) {
   require_counts(arrays);
   require_faces(arrays);
@@ -88,6 +145,7 @@ PolygonMesh mesh_of(const planish_mesh_arrays& arrays) {
     require_vertex(arrays.corner_vertices[i], arrays.vertex_count, "corner", i);
     mesh.corners.push_back({arrays.corner_vertices[i]});
   }
+  add_riders(arrays, mesh);
   return mesh;
 }
 
@@ -99,6 +157,7 @@ planish_mesh* new_mesh(PolygonMesh&& mesh) {
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     handle->face_sizes.push_back(mesh.face_size(f));
   handle->mesh = std::move(mesh);
+  handle->riders.take(handle->mesh);
   return handle.release();
 }
 
@@ -172,6 +231,7 @@ planish_status planish_mesh_view(const planish_mesh* mesh, planish_mesh_arrays* 
     own.face_count = mesh->face_sizes.size();
     own.face_vertices = mesh->mesh.face_vertices.data();
     own.corner_count = mesh->mesh.face_vertices.size();
+    mesh->riders.give(mesh->mesh, own);
     give(own, arrays, "arrays");
     return PLANISH_OK;
   });

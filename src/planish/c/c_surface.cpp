@@ -25,6 +25,7 @@ planish_status planish_fit_evaluate(const planish_fit* fit, int32_t level,
     auto made = std::make_unique<planish_surface>();
     made->surface =
         planish::evaluate(fitted.mesh, fitted.fit, *backend, fitted.evaluate_options(level));
+    made->riders.take(made->surface);
     *surface = made.release();
     return PLANISH_OK;
   });
@@ -40,6 +41,7 @@ planish_status planish_fit_tessellate(const planish_fit* fit, double chord_error
       made->surface =
           planish::tessellate(fit->fitted, {.chord_error = chord_error, .angle = angle});
     });
+    made->riders.take(made->surface);
     *surface = made.release();
     return PLANISH_OK;
   });
@@ -63,6 +65,7 @@ planish_status planish_surface_view(const planish_surface* surface,
     own.face_count = static_cast<std::size_t>(from.face_count());
     own.base_vertices = from.base_vertices.data();
     own.base_count = from.base_vertices.size();
+    surface->riders.give(from, own);
     give(own, arrays, "arrays");
     return PLANISH_OK;
   });

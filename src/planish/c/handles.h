@@ -14,8 +14,42 @@
 
 // What the handles of planish.h hold. Names are C's, so they stand in no namespace.
 
+namespace planish::c {
+
+/// Views of what rides on a mesh or a surface, as C has them. Both must stay where they are.
+struct RiderViews {
+  std::vector<const char*> group_names, group_materials;
+  std::vector<planish_attribute> attributes;
+
+  template <class Mesh>
+  void take(const Mesh& mesh) {
+    for (const FaceGroup& group : mesh.groups) {
+      group_names.push_back(group.name.c_str());
+      group_materials.push_back(group.material.c_str());
+    }
+    for (const VertexAttribute& attribute : mesh.attributes)
+      attributes.push_back({attribute.name.c_str(), attribute.width, attribute.values.data()});
+  }
+  template <class Mesh, class Arrays>
+  void give(const Mesh& mesh, Arrays& arrays) const {
+    if (!mesh.uvs.empty()) arrays.uvs = &mesh.uvs[0].x;
+    arrays.uv_count = mesh.uvs.size();
+    if (!mesh.face_uvs.empty()) arrays.face_uvs = mesh.face_uvs.data();
+    if (!mesh.colors.empty()) arrays.colors = &mesh.colors[0].x;
+    arrays.group_names = group_names.data();
+    arrays.group_materials = group_materials.data();
+    arrays.group_count = group_names.size();
+    if (!mesh.face_groups.empty()) arrays.face_groups = mesh.face_groups.data();
+    arrays.attributes = attributes.data();
+    arrays.attribute_count = attributes.size();
+  }
+};
+
+}  // namespace planish::c
+
 struct planish_mesh {
   planish::PolygonMesh mesh;
+  planish::c::RiderViews riders;
   std::vector<std::int32_t> face_sizes;    ///< for views
   std::vector<planish::Warning> warnings;  ///< of the reader
 };
@@ -31,6 +65,7 @@ struct planish_fit {
 
 struct planish_surface {
   planish::SurfaceMesh surface;
+  planish::c::RiderViews riders;
 };
 
 struct planish_queries {

@@ -94,6 +94,13 @@ int64_t planish_last_error_element(void);
 
 /* -- Meshes ---------------------------------------------------------------------------------- */
 
+/** Numbers that each vertex has besides: linear on the surface. */
+typedef struct planish_attribute {
+  const char* name;    /**< letters, digits and '_', no digit first */
+  int32_t width;       /**< numbers of each vertex: 1 to 1024 */
+  const float* values; /**< `width` for each vertex, one vertex after another; finite */
+} planish_attribute;
+
 /** Polygons of any size, counter-clockwise seen from outside. */
 typedef struct planish_mesh_arrays {
   size_t struct_size;
@@ -108,6 +115,20 @@ typedef struct planish_mesh_arrays {
   size_t crease_count;
   const int32_t* corner_vertices; /**< vertices that stay sharp; may be NULL */
   size_t sharp_corner_count;
+  /** Texture coordinates, uv_count u, v; face_uvs has the number of one for each corner of the
+   * faces, -1: none there. Both NULL: none. */
+  const double* uvs;
+  size_t uv_count;
+  const int32_t* face_uvs;
+  const float* colors; /**< vertex_count linear R, G, B, A; NULL: none */
+  /** Texts of group_count groups; a material may be "", and of a mesh that is created NULL; the
+   * group of each face. */
+  const char* const* group_names;
+  const char* const* group_materials;
+  size_t group_count;
+  const int32_t* face_groups;
+  const planish_attribute* attributes; /**< further numbers of the vertices */
+  size_t attribute_count;
 } planish_mesh_arrays;
 
 void planish_mesh_arrays_init(planish_mesh_arrays* arrays, size_t struct_size);
@@ -225,6 +246,19 @@ typedef struct planish_surface_arrays {
    * numbers. */
   const int32_t* base_vertices;
   size_t base_count;
+  /** Texture coordinates, uv_count u, v; face_uvs has the number of one for each corner of the
+   * faces, -1: none there. Both NULL: none. */
+  const double* uvs;
+  size_t uv_count;
+  const int32_t* face_uvs;
+  const float* colors; /**< vertex_count linear R, G, B, A; NULL: none */
+  /** Texts of group_count groups, each may be ""; the group of each face. */
+  const char* const* group_names;
+  const char* const* group_materials;
+  size_t group_count;
+  const int32_t* face_groups;
+  const planish_attribute* attributes; /**< further numbers of the vertices */
+  size_t attribute_count;
 } planish_surface_arrays;
 
 void planish_surface_arrays_init(planish_surface_arrays* arrays, size_t struct_size);
