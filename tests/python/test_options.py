@@ -214,7 +214,8 @@ def test_no_option_is_forgotten():
     text = inspect.getdoc(planish.fit)
     keywords = [line.split(":")[0].strip() for line in text.splitlines()
                 if line.startswith("    ") and ":" in line and line[4] != " "]
-    others = {"vertices", "crease_edges", "threads", "progress", "cancelled"}
+    others = {"vertices", "crease_edges", "uvs", "colors", "groups", "attributes", "threads",
+              "progress", "cancelled"}
     assert {"interpolation" if name == "method" else name for name in keywords} - others == set(VALUES)
 
 

@@ -24,3 +24,6 @@ try:
 except planish.UnusableMesh as error:
     assert_type(error.element, int)
 planish.fit(mesh, method="best")  # type: ignore[call-overload]
+riding = planish.Mesh(vertices, [[0, 1, 2, 3]], attributes={"heat": np.zeros(8)}, groups=["a", ("b", "c")])
+assert_type(planish.fit(riding, colors=np.zeros((8, 3))).evaluate().attributes["heat"], NDArray[np.float32])
+assert_type(planish.LimitSurface(fit).attributes([0], [0.5], [0.5]), dict[str, NDArray[np.float32]])

@@ -29,13 +29,14 @@ void require_count(const py::array& array, py::ssize_t columns, const char* name
 }
 
 // Any numbers as an array of float64. A complex or text array is none.
-Doubles as_doubles(const py::object& values, const char* name, const char* wanted) {
+Doubles as_doubles(const py::object& values, const char* name, const char* wanted,
+                   py::ssize_t columns = 3) {
   const py::array array = py::array::ensure(values);
   if (!array) {
     PyErr_Clear();
     refuse(std::string(name) + ": no array; " + wanted);
   }
-  require_count(array, 3, name);
+  require_count(array, columns, name);
   const char kind = array.dtype().kind();
   if (kind != 'f' && kind != 'i' && kind != 'u') {
     refuse(std::string(name) + ": an array of " + py::str(array.dtype()).cast<std::string>() +
@@ -130,6 +131,22 @@ Doubles as_numbers(const py::object& values, const char* name) {
   if (numbers.ndim() != 1)
     refuse(std::string(name) + ": shape " + shape_text(numbers) + "; " + kWanted);
   return numbers;
+}
+
+Doubles as_rows(const py::object& values, const char* name, py::ssize_t least, py::ssize_t most) {
+  const std::string columns = least == most ? std::to_string(most)
+                              : least == 0  ? "k"
+                                            : std::to_string(least) + " or " + std::to_string(most);
+  const std::string wanted = "numbers of shape " + std::string(least == 0 ? "(n,) or " : "") +
+                             "(n, " + columns + ") are wanted" +
+                             (least == 0 ? ", k up to " + std::to_string(most) : "");
+  Doubles rows = as_doubles(values, name, wanted.c_str(), most);
+  const bool is_list = least == 0 && rows.ndim() == 1;
+  const bool is_table =
+      rows.ndim() == 2 && rows.shape(1) >= std::max<py::ssize_t>(least, 1) && rows.shape(1) <= most;
+  if (!is_list && !is_table)
+    refuse(std::string(name) + ": shape " + shape_text(rows) + "; " + wanted);
+  return rows;
 }
 
 std::span<const glm::dvec3> points_of(const Doubles& values) {

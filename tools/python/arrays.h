@@ -21,6 +21,10 @@ using Integers = pybind11::array_t<std::int32_t, pybind11::array::c_style>;
 [[nodiscard]] Doubles as_points(const pybind11::object& values, const char* name);
 /// Numbers (n,) of float64.
 [[nodiscard]] Doubles as_numbers(const pybind11::object& values, const char* name);
+/// Numbers (n, k) with k from `least` to `most`; where `least` is 0 also (n,). float64. Throws as
+/// above, before a copy is made.
+[[nodiscard]] Doubles as_rows(const pybind11::object& values, const char* name,
+                              pybind11::ssize_t least, pybind11::ssize_t most);
 [[nodiscard]] std::span<const glm::dvec3> points_of(const Doubles& values);
 /// Integers of any shape. Throws Error{InvalidArgument} for numbers that are none or need more than
 /// 32 bits.

@@ -1,6 +1,8 @@
 #include <chrono>
 
+#include "archive.h"
 #include "arrays.h"
+#include "attributes.h"
 #include "bindings.h"
 #include "errors.h"
 #include "planish/core/counted.h"
@@ -33,7 +35,7 @@ FitHandle fit_arrays(const py::object& vertices, const py::object& faces,
   } else {
     mesh = mesh_of(vertices, faces);
   }
-  add_tags(arguments, mesh);
+  arguments.mesh.add_to(mesh);
   FitHandle made = new_fit(arguments);
   const auto backend = arguments.make_backend();
   run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
@@ -48,9 +50,10 @@ FitHandle fit_arrays(const py::object& vertices, const py::object& faces,
 FitHandle fit_files(const py::object& input, const py::object& output, int level,
                     const py::object& cage, const py::kwargs& keywords) {
   const auto start = std::chrono::steady_clock::now();
-  const FitArguments arguments = fit_arguments(keywords, "fit_file");
-  if (!arguments.crease_edges.is_none() || !arguments.corner_vertices.is_none())
-    refuse("crease_edges: belong to fit(); a file has its own tags");
+  FitArguments arguments = fit_arguments(keywords, "fit_file");
+  arguments.mesh.visit([](const char* name, const py::object& value) {
+    if (!value.is_none()) refuse(std::string(name) + ": belongs to fit(); a file has its own");
+  });
   const std::filesystem::path from = path_of(input), to = path_of(output);
   FitFileOptions options;
   options.level = level;
@@ -126,9 +129,9 @@ py::object rows_view(const RawVector<Value>& rows, const py::object& self) {
 }
 
 void add_surface_class(py::module_& module) {
-  py::class_<PythonSurface, SurfaceHandle>(
-      module, "Surface", "A tessellation whose every vertex lies on the limit surface.")
-      .def_property_readonly(
+  py::class_<PythonSurface, SurfaceHandle> type(
+      module, "Surface", "A tessellation whose every vertex lies on the limit surface.");
+  type.def_property_readonly(
           "positions",
           [](const py::object& self) {
             return rows_view(self.cast<PythonSurface&>().surface.positions, self);
@@ -159,12 +162,16 @@ void add_surface_class(py::module_& module) {
                counted(std::ssize(self.surface.positions), "vertex") + ", " +
                counted(self.surface.face_count(), "face") + ">";
       });
+  add_riders(type, [](const py::object& self) -> const SurfaceMesh& {
+    return self.cast<PythonSurface&>().surface;
+  });
+  add_pickle<PythonSurface>(type, &packed, &unpack);
 }
 
 void add_fit_class(py::module_& module) {
-  py::class_<PythonFit, FitHandle>(module, "Fit",
-                                   "The smooth surface through the vertices of a mesh.")
-      .def_property_readonly("cage", &cage_of,
+  py::class_<PythonFit, FitHandle> type(module, "Fit",
+                                        "The smooth surface through the vertices of a mesh.");
+  type.def_property_readonly("cage", &cage_of,
                              "The control mesh; of the fair method that of the next level.")
       .def_property_readonly(
           "mesh",
@@ -216,6 +223,7 @@ void add_fit_class(py::module_& module) {
         return "<planish.Fit: " + counted(self.fitted.mesh.vertex_count(), "vertex") + ", " +
                (self.fitted.fit.interpolation.converged ? "converged>" : "not converged>");
       });
+  add_pickle<PythonFit>(type, &packed, &unpack);
 }
 
 }  // namespace
@@ -228,8 +236,8 @@ void add_fit(py::module_& module) {
           "The smooth surface through the vertices of a mesh.\n\n"
           "fit(vertices, faces, **options) or fit(mesh, **options) -> Fit\n\n"
           "    vertices: numbers (n, 3). faces: integers (m, k); or a tuple (sizes, "
-          "indices);\n        or a list of faces.") +
-      fit_keywords() +
+          "indices);\n        or a list of faces.\n") +
+      mesh_keywords() + fit_keywords().substr(1) +
       "\n\nNot reaching the tolerance is a result: see Fit.converged. Raises UnusableMesh,\n"
       "InvalidArgument, OutOfMemory, Cancelled. The same as `planish fit --device cpu`, to the "
       "last "

@@ -5,6 +5,7 @@
 #include "bindings.h"
 #include "errors.h"
 #include "planish/core/parallel.h"
+#include "planish/limit/limit_attributes.h"
 #include "planish/limit/surface_queries.h"
 
 namespace py = pybind11;
@@ -66,8 +67,8 @@ void add_places(py::dict& result, const std::vector<Answer>& answers) {
   result["v"] = numbers_by<double>(answers, [](A a) { return a.at.v; });
 }
 
-py::dict evaluate_limit(const PythonLimit& limit, const py::object& faces, const py::object& u,
-                        const py::object& v) {
+std::vector<SurfaceParameter> places_of(const py::object& faces, const py::object& u,
+                                        const py::object& v) {
   const Integers face = as_integers(faces, "faces");
   const Doubles us = as_numbers(u, "u"), vs = as_numbers(v, "v");
   if (face.ndim() != 1 || face.size() != us.size() || us.size() != vs.size())
@@ -75,6 +76,33 @@ py::dict evaluate_limit(const PythonLimit& limit, const py::object& faces, const
   std::vector<SurfaceParameter> places(static_cast<std::size_t>(face.size()));
   for (std::size_t i = 0; i < places.size(); ++i)
     places[i] = {face.data()[i], us.data()[i], vs.data()[i]};
+  return places;
+}
+
+py::dict attributes_at(const PythonLimit& limit, const py::object& faces, const py::object& u,
+                       const py::object& v) {
+  const std::vector<SurfaceParameter> places = places_of(faces, u, v);
+  const std::vector<VertexAttribute>& given = limit.surface->surface().mesh().attributes;
+  std::vector<std::vector<float>> values(given.size());
+  run_released(
+      {},
+      [&](const Callbacks&) {
+        for (std::size_t k = 0; k < given.size(); ++k)
+          values[k] = attribute_at(*limit.surface, k, places);
+      },
+      limit.fit->threads);
+  py::dict result;
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(places.size())};
+    if (given[k].width > 1) shape.push_back(given[k].width);
+    result[py::str(given[k].name)] = take_over(std::move(values[k]), shape);
+  }
+  return result;
+}
+
+py::dict evaluate_limit(const PythonLimit& limit, const py::object& faces, const py::object& u,
+                        const py::object& v) {
+  const std::vector<SurfaceParameter> places = places_of(faces, u, v);
   std::vector<SurfacePoint> points(places.size());
   run_released(
       {}, [&](const Callbacks&) { limit.surface->evaluate(places, points); }, limit.fit->threads);
@@ -149,6 +177,9 @@ void add_limit(py::module_& module) {
            "Arrays by name for n places: position, normal, du, dv (n, 3); mean_curvature, "
            "gaussian_curvature (n,), NaN where there is none. Raises InvalidArgument for places "
            "outside.")
+      .def("attributes", &attributes_at, py::arg("faces"), py::arg("u"), py::arg("v"),
+           "The attributes of fit.mesh at n places: {name: float32 (n,) or (n, k)}. Raises "
+           "InvalidArgument for places outside.")
       .def("closest_point", &closest_points, py::arg("points"),
            "Arrays by name for points (n, 3): position, normal (n, 3); face, u, v, distance (n,).")
       .def("rays", &first_hits, py::arg("origins"), py::arg("directions"),

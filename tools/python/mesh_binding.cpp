@@ -1,6 +1,8 @@
 #include <pybind11/stl.h>
 
+#include "archive.h"
 #include "arrays.h"
+#include "attributes.h"
 #include "bindings.h"
 #include "errors.h"
 #include "planish/core/counted.h"
@@ -9,6 +11,7 @@
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_points.h"
 #include "planish/files/write_surface.h"
+#include "planish/pipeline/attribute_fields.h"
 #include "planish/pipeline/fit_file.h"
 #include "planish/pipeline/verify_cage.h"
 #include "planish/reconstruct/mesher_process.h"
@@ -32,10 +35,12 @@ void write_the_mesh(const std::string& path, const PolygonMesh& mesh) {
 
 void write_the_surface(const std::string& path, const SurfaceMesh& surface) {
   const FileFormat format = require_format(path, FormatUse::WriteSurface);
+  GltfOptions options;
+  const auto attributes = add_attributes(*blocks_of(surface, {}), options.fields, {});
   if (info_of(format).is_gltf) {
-    write_gltf(path, surface, {});
+    write_gltf(path, surface, options);
   } else {
-    write_surface(path, format, surface);
+    write_surface(path, format, surface, {}, options.fields);
   }
 }
 
@@ -115,24 +120,31 @@ Verification verify_mesh(const MeshHandle& cage, const MeshHandle& given,
 }
 
 void add_mesh_class(py::module_& module) {
-  py::class_<PythonMesh, MeshHandle>(module, "Mesh",
-                                     "Polygons of any size, counter-clockwise seen from outside.")
-      .def(py::init([](const py::object& vertices, const py::object& faces,
-                       const py::object& crease_edges, const py::object& corner_vertices) {
+  py::class_<PythonMesh, MeshHandle> type(
+      module, "Mesh", "Polygons of any size, counter-clockwise seen from outside.");
+  const std::string text =
+      "vertices: numbers (n, 3). faces: integers (m, k); or a tuple (sizes, indices); or a list of "
+      "faces. Raises InvalidArgument for shapes, UnusableMesh for an index that names no "
+      "vertex.\n" +
+      std::string(mesh_keywords());
+  const py::none none;
+  type.def(py::init([](const py::object& vertices, const py::object& faces,
+                       const py::object& crease_edges, const py::object& corner_vertices,
+                       const py::object& uvs, const py::object& face_uvs, const py::object& colors,
+                       const py::object& groups, const py::object& face_groups,
+                       const py::object& attributes) {
              auto made = std::make_shared<PythonMesh>();
              made->mesh = mesh_of(vertices, faces);
              require_indices(made->mesh);
-             FitArguments tags;
-             tags.crease_edges = crease_edges;
-             tags.corner_vertices = corner_vertices;
-             add_tags(tags, made->mesh);
+             MeshArguments{crease_edges, corner_vertices, uvs,         face_uvs,
+                           colors,       groups,          face_groups, attributes}
+                 .add_to(made->mesh);
              return made;
            }),
-           py::arg("vertices"), py::arg("faces"), py::kw_only(),
-           py::arg("crease_edges") = py::none(), py::arg("corner_vertices") = py::none(),
-           "vertices: numbers (n, 3). faces: integers (m, k); or a tuple (sizes, indices); or a "
-           "list of faces. Raises InvalidArgument for shapes, UnusableMesh for an index that names "
-           "no vertex.")
+           py::arg("vertices"), py::arg("faces"), py::kw_only(), py::arg("crease_edges") = none,
+           py::arg("corner_vertices") = none, py::arg("uvs") = none, py::arg("face_uvs") = none,
+           py::arg("colors") = none, py::arg("groups") = none, py::arg("face_groups") = none,
+           py::arg("attributes") = none, text.c_str())
       .def_property_readonly(
           "vertices",
           [](const py::object& self) {
@@ -177,6 +189,10 @@ void add_mesh_class(py::module_& module) {
         return "<planish.Mesh: " + counted(self.mesh.vertex_count(), "vertex") + ", " +
                counted(self.mesh.face_count(), "face") + ">";
       });
+  add_riders(type, [](const py::object& self) -> const PolygonMesh& {
+    return self.cast<PythonMesh&>().mesh;
+  });
+  add_pickle<PythonMesh>(type, &packed, &unpack);
 }
 
 void add_verification(py::module_& module) {

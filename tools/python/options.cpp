@@ -106,8 +106,7 @@ FitArguments fit_arguments(py::kwargs given, const char* function) {
     refuse("threads: " + std::to_string(result.threads) + " is out of range; 0 to 4096 is wanted");
   result.callbacks.progress = keywords.take("progress");
   result.callbacks.cancelled = keywords.take("cancelled");
-  result.crease_edges = keywords.take("crease_edges");
-  result.corner_vertices = keywords.take("corner_vertices");
+  result.mesh.visit([&](const char* name, py::object& value) { value = keywords.take(name); });
   keywords.require_none_left();
   return result;
 }
@@ -120,26 +119,11 @@ std::string fit_keywords() {
     text += "    " + keyword_of(option) + ": " + values + help_of(option) + "\n";
   }
   return text +
-         R"(    crease_edges: integers (m, 2), edges that stay sharp; corner_vertices: integers (n,).
-    threads: 0 takes all cores. Results are the same bits for any number.
+         R"(    threads: 0 takes all cores. Results are the same bits for any number.
     progress: progress(step, fraction) is called on this thread while work goes on: what is being
         done, and the fraction of the whole call that is done, which never falls and ends at 1.
     cancelled: cancelled() -> bool is asked every 20 ms; planish.Cancelled follows. Ctrl-C stops
         work as soon.)";
-}
-
-void add_tags(const FitArguments& arguments, PolygonMesh& mesh) {
-  if (!arguments.crease_edges.is_none()) {
-    const Integers edges = as_integers(arguments.crease_edges, "crease_edges");
-    if (edges.size() > 0 && (edges.ndim() != 2 || edges.shape(1) != 2))
-      refuse("crease_edges: integers of shape (m, 2) are wanted");
-    for (py::ssize_t i = 0; i + 1 < edges.size(); i += 2)
-      mesh.creases.push_back({edges.data()[i], edges.data()[i + 1]});
-  }
-  if (arguments.corner_vertices.is_none()) return;
-  const Integers corners = as_integers(arguments.corner_vertices, "corner_vertices");
-  if (corners.ndim() != 1) refuse("corner_vertices: integers of shape (n,) are wanted");
-  for (py::ssize_t i = 0; i < corners.size(); ++i) mesh.corners.push_back({corners.data()[i]});
 }
 
 }  // namespace planish::python

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "attributes.h"
 #include "planish/backend/backend.h"
 #include "planish/pipeline/settings.h"
 #include "work.h"
@@ -16,7 +17,7 @@ struct FitArguments {
   FitSettings settings;
   int threads = 0;
   PythonCallbacks callbacks;
-  pybind11::object crease_edges = pybind11::none(), corner_vertices = pybind11::none();
+  MeshArguments mesh;
 
   [[nodiscard]] std::unique_ptr<Backend> make_backend() const;
 };
@@ -24,9 +25,6 @@ struct FitArguments {
 /// Takes what it knows out of the keywords. Throws Error{InvalidArgument} for values, and TypeError
 /// for keywords that remain.
 [[nodiscard]] FitArguments fit_arguments(pybind11::kwargs keywords, const char* function);
-
-/// Adds the tagged edges (m, 2) and vertices (n,). Throws Error{InvalidArgument}.
-void add_tags(const FitArguments& arguments, PolygonMesh& mesh);
 
 /// What the fit's keywords mean, for docstrings.
 [[nodiscard]] std::string fit_keywords();
