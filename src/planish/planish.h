@@ -6,6 +6,7 @@
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
+#include "planish/edit/editor.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_points.h"

@@ -87,6 +87,32 @@ void refine_curve(const PatchMesh& mesh, std::int32_t edge, std::span<const glm:
   }
 }
 
+// Refines one face after another.
+struct FaceStep {
+  const MeshTopology& topology;
+  const FaceWeights& weights;
+  std::span<const glm::dvec3> points;
+  std::vector<double> scratch{};
+  std::int64_t pairs = 0;
+
+  void operator()(std::int32_t face, std::span<glm::dvec3> state) {
+    const auto vertices = topology.face(face);
+    const auto size = static_cast<std::int32_t>(vertices.size());
+    glm::dvec3* result = state.data() + topology.first_corner(face);
+    if (size >= kSummedRing) {
+      refine_large_face(vertices, face_sum_rule(weights.weights()), points, result);
+      return;
+    }
+    pairs += std::int64_t{size} * size;
+    const auto c = weights.of(size, scratch);
+    if (size == 4) {
+      refine_quad(vertices, c, points, result);
+    } else {
+      refine_face(vertices, c, points, result);
+    }
+  }
+};
+
 }  // namespace
 
 RawVector<glm::dvec3> first_step(const PatchMesh& mesh, Weights weights,
@@ -96,26 +122,10 @@ RawVector<glm::dvec3> first_step(const PatchMesh& mesh, Weights weights,
   RawVector<glm::dvec3> state(static_cast<std::size_t>(mesh.point_count()));
   parallel_for(static_cast<std::size_t>(topology.face_count()), 4096,
                [&](std::size_t begin, std::size_t end) {
-                 std::vector<double> scratch;
-                 std::int64_t pairs = 0;
-                 for (auto f = static_cast<std::int32_t>(begin); f < static_cast<std::int32_t>(end);
-                      ++f) {
-                   const auto vertices = topology.face(f);
-                   const auto size = static_cast<std::int32_t>(vertices.size());
-                   glm::dvec3* result = state.data() + topology.first_corner(f);
-                   if (size >= kSummedRing) {
-                     refine_large_face(vertices, face_sum_rule(weights), points, result);
-                     continue;
-                   }
-                   pairs += std::int64_t{size} * size;
-                   const auto c = face_weights.of(size, scratch);
-                   if (size == 4) {
-                     refine_quad(vertices, c, points, result);
-                   } else {
-                     refine_face(vertices, c, points, result);
-                   }
-                 }
-                 count_work(Work::Pairs, pairs);
+                 FaceStep step{topology, face_weights, points};
+                 for (std::size_t f = begin; f < end; ++f)
+                   step(static_cast<std::int32_t>(f), state);
+                 count_work(Work::Pairs, step.pairs);
                });
   const SharpFeatures& features = mesh.features();
   if (features.sharp_edge_count > 0) {
@@ -130,6 +140,27 @@ RawVector<glm::dvec3> first_step(const PatchMesh& mesh, Weights weights,
   }
   mesh.update_sums(state);
   return state;
+}
+
+void update_first_step(const PatchMesh& mesh, const FaceWeights& weights,
+                       std::span<const glm::dvec3> points, std::span<const std::int32_t> faces,
+                       std::span<glm::dvec3> state) {
+  const MeshTopology& topology = mesh.topology();
+  const SharpFeatures& features = mesh.features();
+  FaceStep step{topology, weights, points};
+  for (const std::int32_t face : faces) step(face, state);
+  if (features.sharp_edge_count == 0 && features.corner_count == 0) return;
+  for (const std::int32_t face : faces) {
+    for (std::int32_t c = topology.first_corner(face); c < topology.first_corner(face + 1); ++c) {
+      const std::int32_t vertex = topology.vertex_of(c);
+      if (features.corner_count > 0 && features.corner_of_vertex[vertex] >= 0)
+        state[mesh.first_corner_vertex() + features.corner_of_vertex[vertex]] = points[vertex];
+      if (!mesh.is_sharp(c)) continue;
+      const std::int32_t edge = topology.edge_of(c);
+      refine_curve(mesh, edge, points, state,
+                   state.data() + mesh.first_sharp() + 2 * features.sharp_of_edge[edge]);
+    }
+  }
 }
 
 }  // namespace planish

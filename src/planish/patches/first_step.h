@@ -14,4 +14,10 @@ namespace planish {
 [[nodiscard]] RawVector<glm::dvec3> first_step(const PatchMesh& mesh, Weights weights,
                                                std::span<const glm::dvec3> points);
 
+/// The same, to the bit, of the points that some faces have: their corners and the ends of their
+/// sharp edges. `state` holds all of it; sums of large rings stay, see update_sums_at().
+void update_first_step(const PatchMesh& mesh, const FaceWeights& weights,
+                       std::span<const glm::dvec3> points, std::span<const std::int32_t> faces,
+                       std::span<glm::dvec3> state);
+
 }  // namespace planish

@@ -110,18 +110,31 @@ RawVector<glm::dvec3> PatchMesh::with_sums(std::span<const glm::dvec3> state) co
   return points;
 }
 
+void PatchMesh::update_ring(const LargeRing& ring, std::span<glm::dvec3> points) const {
+  std::vector<std::int32_t> indices;
+  ring_points(ring, indices);
+  count_work(Work::Products, 3 * std::ssize(indices));
+  std::vector<glm::dvec3> of_ring;
+  of_ring.reserve(indices.size());
+  for (const std::int32_t i : indices) of_ring.push_back(points[i]);
+  write_ring_sums(ring, of_ring, points.data() + ring.first_sum);
+}
+
 void PatchMesh::update_sums(std::span<glm::dvec3> points) const {
-  parallel_for(rings_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::int32_t> indices;
-    std::vector<glm::dvec3> of_ring;
-    for (std::size_t r = begin; r < end; ++r) {
-      ring_points(rings_[r], indices);
-      count_work(Work::Products, 3 * std::ssize(indices));
-      of_ring.clear();
-      for (const std::int32_t i : indices) of_ring.push_back(points[i]);
-      write_ring_sums(rings_[r], of_ring, points.data() + rings_[r].first_sum);
-    }
-  });
+  parallel_each(rings_.size(), 1, [&](std::size_t r) { update_ring(rings_[r], points); });
+}
+
+void PatchMesh::update_sums_at(std::span<const std::int32_t> corners,
+                               std::span<glm::dvec3> points) const {
+  if (!has_sums()) return;
+  std::vector<const LargeRing*> rings;
+  for (const std::int32_t corner : corners) {
+    for (const LargeRing* ring : {ring_around_vertex(corner).ring, ring_of_face(corner).ring})
+      if (ring != nullptr) rings.push_back(ring);
+  }
+  std::ranges::sort(rings);
+  rings.erase(std::ranges::unique(rings).begin(), rings.end());
+  for (const LargeRing* ring : rings) update_ring(*ring, points);
 }
 
 std::int32_t PatchMesh::curve_at_tail(std::int32_t corner) const {

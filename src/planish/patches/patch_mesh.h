@@ -49,6 +49,8 @@ class PatchMesh {
   [[nodiscard]] RawVector<glm::dvec3> with_sums(std::span<const glm::dvec3> state) const;
   /// Sets the sums of points (point_count()) whose state is there.
   void update_sums(std::span<glm::dvec3> points) const;
+  /// The same of the rings around some corners' vertices and of their faces.
+  void update_sums_at(std::span<const std::int32_t> corners, std::span<glm::dvec3> points) const;
   [[nodiscard]] std::span<const LargeRing> large_rings() const { return rings_; }
   /// A large ring's points in the order of ring_weights().
   void ring_points(const LargeRing& ring, std::vector<std::int32_t>& points) const;
@@ -91,6 +93,7 @@ class PatchMesh {
     return {&rings_[ring_of_corner_[corner]], place_of_corner_[corner]};
   }
   [[nodiscard]] PlaceInRing ring_of_face(std::int32_t corner) const;
+  void update_ring(const LargeRing& ring, std::span<glm::dvec3> points) const;
   void find_large_rings();
   void add_ring(PatchKind kind, std::int32_t start, std::int32_t size, bool is_face);
   [[nodiscard]] static PatchClass by_sums(const PlaceInRing& at);

@@ -62,6 +62,16 @@ DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const LevelOne& level_
   state_ = patches_.has_sums() ? std::span<const glm::dvec3>(own_state_) : level_one.state;
 }
 
+DooSabinSurface::DooSabinSurface(const PolygonMesh& mesh, const Placement& placement,
+                                 std::span<const glm::dvec3> unit_cage,
+                                 std::span<const glm::dvec3> state, const EvaluateOptions& options)
+    : DooSabinSurface(mesh, options, Begin{}) {
+  placement_ = placement;
+  own_state_ =
+      state.empty() ? first_step(patches_, weights_, unit_cage) : patches_.with_sums(state);
+  state_ = own_state_;
+}
+
 void DooSabinSurface::require(LastLevel what, int level, std::uint64_t limit_bytes,
                               bool has_evaluator) const {
   require_level(level);

@@ -33,6 +33,11 @@ class DooSabinSurface {
   /// state of another size. The state must outlive the surface.
   DooSabinSurface(const PolygonMesh& mesh, const LevelOne& level_one,
                   const EvaluateOptions& options);
+  /// That of a cage's points, or of a state of level 1, in unit coordinates; it keeps its own
+  /// points of level 1, which may be changed (own_state()). Throws Error{UnusableMesh}.
+  DooSabinSurface(const PolygonMesh& mesh, const Placement& placement,
+                  std::span<const glm::dvec3> unit_cage, std::span<const glm::dvec3> state,
+                  const EvaluateOptions& options);
   DooSabinSurface(PolygonMesh&& cage, const EvaluateOptions& options) = delete;
   DooSabinSurface(const DooSabinSurface&) = delete;
   DooSabinSurface& operator=(const DooSabinSurface&) = delete;
@@ -55,6 +60,8 @@ class DooSabinSurface {
   [[nodiscard]] const PatchMesh& patches() const { return patches_; }
   /// The control points of level 1, and behind them the sums of large rings.
   [[nodiscard]] std::span<const glm::dvec3> state() const { return state_; }
+  /// The same where the surface keeps them itself, to be changed while nobody reads.
+  [[nodiscard]] std::span<glm::dvec3> own_state() { return own_state_; }
   [[nodiscard]] const Placement& placement() const { return placement_; }
   [[nodiscard]] Weights weights() const { return weights_; }
   /// One flag a face where the mesh has holes, else nothing.

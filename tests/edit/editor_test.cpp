@@ -1,0 +1,365 @@
+#include "planish/edit/editor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <oneapi/tbb/task_arena.h>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+
+#include "limit/limit_case.h"
+#include "support/expect_error.h"
+
+namespace planish::test {
+namespace {
+
+constexpr double kTolerance = 1e-6;
+
+struct EditCase {
+  explicit EditCase(PolygonMesh given, int level = 2, Weights weights = Weights::DooSabin)
+      : mesh(std::move(given)), backend(make_cpu_backend()) {
+    options.level = level;
+    options.fit.weights = weights;
+    options.fit.tolerance = kTolerance;
+    first = fit(mesh, *backend, options.fit);
+  }
+  // The surface of a fit from scratch, far beyond the tolerance, with the rules of the first pose.
+  [[nodiscard]] std::pair<Fit, SurfaceMesh> from_scratch(const PolygonMesh& moved) const {
+    FitOptions tight = options.fit;
+    tight.tolerance = 1e-12;
+    Fit result = fit(moved, *backend, tight);
+    return {result, surface_of(moved, result)};
+  }
+  [[nodiscard]] SurfaceMesh surface_of(const PolygonMesh& moved, const Fit& of) const {
+    EvaluateOptions evaluate;
+    evaluate.level = options.level;
+    evaluate.weights = options.fit.weights;
+    evaluate.rest_positions = mesh.positions;
+    return planish::evaluate(moved, of, *backend, evaluate);
+  }
+
+  PolygonMesh mesh;
+  std::unique_ptr<Backend> backend;
+  EditorOptions options;
+  Fit first;
+};
+
+double farthest(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
+  EXPECT_EQ(a.size(), b.size());
+  double result = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    result = std::max(result, glm::length(a[i] - b[i]));
+  return result;
+}
+
+class Mover {
+ public:
+  explicit Mover(std::uint32_t seed) : random_(seed) {}
+  // Vertices that faces name, by up to a part of the diagonal.
+  void choose(const Editor& editor, const EditCase& c, std::size_t count, double part) {
+    vertices.clear();
+    positions.clear();
+    const auto used = c.first.prepared->vertices;
+    std::uniform_int_distribution<std::size_t> any(0, used.size() - 1);
+    std::uniform_real_distribution<double> way(-part, part);
+    for (std::size_t i = 0; i < count; ++i) {
+      vertices.push_back(used[any(random_)]);
+      positions.push_back(editor.points()[vertices.back()] +
+                          c.first.placement.diagonal *
+                              glm::dvec3(way(random_), way(random_), way(random_)));
+    }
+  }
+  std::vector<std::int32_t> vertices;
+  std::vector<glm::dvec3> positions;
+
+ private:
+  std::mt19937 random_;
+};
+
+template <class Action>
+void expect_refusal(const std::string& part, const Action& action) {
+  EXPECT_THAT(message_of(ErrorCode::InvalidArgument, action), testing::HasSubstr(part));
+}
+
+template <class Action>
+void expect_cancelled(const Action& action) {
+  EXPECT_NE(message_of(ErrorCode::Cancelled, action), "no error");
+}
+
+std::vector<NamedMesh> edited_meshes() {
+  std::vector<NamedMesh> meshes = limit_meshes();
+  meshes.push_back({"torus", torus(30, 20, 1, 0.4)});
+  meshes.push_back({"sphere", jittered(icosphere(3), 0.2, 4)});
+  meshes.push_back({"large faces", prism(45)});
+  meshes.push_back({"hubs", bipyramid(50)});
+  meshes.push_back({"large open face", single_polygon(40)});
+  return meshes;
+}
+
+TEST(Editor, AgreesWithAFitFromScratch) {
+  for (const auto& [name, mesh] : edited_meshes()) {
+    for (const Weights weights : {Weights::DooSabin, Weights::Averaged}) {
+      SCOPED_TRACE(name);
+      const EditCase c(mesh, 2, weights);
+      if (!c.first.interpolation.converged) continue;
+      Editor editor(c.mesh, c.first, c.options);
+      Mover mover(3);
+      for (int i = 0; i < 12; ++i) {
+        mover.choose(editor, c, i % 3 == 2 ? 3 : 1, i % 2 == 0 ? 0.01 : 0.1);
+        editor.move(mover.vertices, mover.positions);
+        ASSERT_LE(editor.measured_error(), editor.error_bound() * (1 + 1e-9));
+        ASSERT_LE(editor.error_bound(), kTolerance);
+      }
+      const double diagonal = c.first.placement.diagonal;
+      const PolygonMesh moved = editor.mesh();
+      const auto [scratch, surface] = c.from_scratch(moved);
+      EXPECT_LT(farthest(editor.fit().cage.positions, scratch.cage.positions),
+                2 * kTolerance * diagonal);
+      EXPECT_LT(farthest(editor.positions(), surface.positions), 2 * kTolerance * diagonal);
+      // Its rows are those of its own control points.
+      const SurfaceMesh own = c.surface_of(moved, editor.fit());
+      EXPECT_LT(farthest(editor.positions(), own.positions), 1e-13 * diagonal);
+      for (std::size_t i = 0; i < own.normals.size(); ++i)
+        ASSERT_LT(glm::length(editor.normals()[i] - own.normals[i]), 1e-5f) << i;
+    }
+  }
+}
+
+TEST(Editor, OtherRowsKeepTheirBits) {
+  for (const int level : {0, 1, 2, 3}) {
+    for (const auto& [name, mesh] : edited_meshes()) {
+      SCOPED_TRACE(name + " level " + std::to_string(level));
+      const EditCase c(mesh, level);
+      if (!c.first.interpolation.converged) continue;
+      Editor editor(c.mesh, c.first, c.options);
+      Mover mover(5);
+      for (int i = 0; i < 3; ++i) {
+        mover.choose(editor, c, 1, 0.02);
+        const std::vector<glm::dvec3> positions(editor.positions().begin(),
+                                                editor.positions().end());
+        const std::vector<glm::vec3> normals(editor.normals().begin(), editor.normals().end());
+        const EditChange change = editor.move(mover.vertices, mover.positions);
+        std::vector<bool> is_named(positions.size(), false);
+        std::int64_t end = 0;
+        for (const RowRange& range : change.rows) {
+          ASSERT_GE(range.first, end);
+          ASSERT_GT(range.count, 0);
+          end = range.first + range.count;
+          for (std::int64_t r = range.first; r < end; ++r) is_named[r] = true;
+        }
+        ASSERT_LE(end, static_cast<std::int64_t>(positions.size()));
+        for (std::size_t r = 0; r < positions.size(); ++r) {
+          if (is_named[r]) continue;
+          ASSERT_EQ(editor.positions()[r], positions[r]) << r;
+          ASSERT_EQ(editor.normals()[r], normals[r]) << r;
+        }
+        // All rows are those of the editor's own control points, so that none was left out.
+        const SurfaceMesh own = c.surface_of(editor.mesh(), editor.fit());
+        ASSERT_LT(farthest(editor.positions(), own.positions), 1e-13 * c.first.placement.diagonal);
+      }
+    }
+  }
+}
+
+// At a tolerance so small that nothing else is left, rows are linear in the moves.
+TEST(Editor, IsTheDerivativeOfAFit) {
+  EditCase c(jittered(icosphere(3), 0.2, 1));
+  c.options.fit.tolerance = 1e-11;
+  c.first = fit(c.mesh, *c.backend, c.options.fit);
+  Editor editor(c.mesh, c.first, c.options);
+  const std::vector<glm::dvec3> before(editor.positions().begin(), editor.positions().end());
+  const double h = 1e-3;
+  const std::int32_t vertex = 17;
+  const glm::dvec3 to = editor.points()[17] + glm::dvec3(0, h, 0);
+  editor.move(std::span(&vertex, 1), std::span(&to, 1));
+  PolygonMesh other = c.mesh;
+  other.positions[17].y -= 2 * h;  // another step, the other way
+  const auto [scratch, surface] = c.from_scratch(other);
+  for (std::size_t r = 0; r < before.size(); ++r) {
+    const glm::dvec3 edited = (editor.positions()[r] - before[r]) / h;
+    const glm::dvec3 fitted = (surface.positions[r] - before[r]) / (-2 * h);
+    ASSERT_LT(glm::length(edited - fitted), 1e-6) << r;
+  }
+}
+
+TEST(Editor, KeepsItsBoundOverManyEdits) {
+  const EditCase c(torus(40, 30, 1, 0.4));
+  Editor editor(c.mesh, c.first, c.options);
+  Mover mover(7);
+  for (int i = 0; i < 1500; ++i) {
+    mover.choose(editor, c, 1, 0.01);
+    // Around where it was, so that the torus stays one.
+    mover.positions[0] += c.mesh.positions[mover.vertices[0]] - editor.points()[mover.vertices[0]];
+    const EditChange change = editor.move(mover.vertices, mover.positions);
+    ASSERT_FALSE(change.is_whole);
+    ASSERT_LT(change.control_points.size(), 700u);
+  }
+  EXPECT_LE(editor.measured_error(), editor.error_bound() * (1 + 1e-9));
+  EXPECT_LE(editor.error_bound(), kTolerance);
+  const auto [scratch, surface] = c.from_scratch(editor.mesh());
+  EXPECT_LT(farthest(editor.fit().cage.positions, scratch.cage.positions),
+            2 * kTolerance * c.first.placement.diagonal);
+  const EditChange change = editor.settle();
+  EXPECT_TRUE(change.is_whole);
+  EXPECT_LE(editor.measured_error(), kTolerance / 8);
+  std::vector<std::int32_t> all(c.mesh.positions.size());
+  for (std::size_t v = 0; v < all.size(); ++v) all[v] = static_cast<std::int32_t>(v);
+  EXPECT_TRUE(editor.move(all, c.mesh.positions).is_whole);
+  EXPECT_LT(farthest(editor.fit().cage.positions, c.first.cage.positions),
+            2 * kTolerance * c.first.placement.diagonal);
+}
+
+TEST(Editor, CostsWhatItMoves) {
+  std::vector<std::int64_t> rows, points;
+  for (const int size : {60, 240}) {
+    const EditCase c(torus(size, size, 1, 0.4));
+    Editor editor(c.mesh, c.first, c.options);
+    const std::int32_t vertex = size * size / 2 + size / 2;
+    // As many edges on either mesh.
+    const glm::dvec3 to = editor.points()[vertex] + glm::dvec3(0, 0, 6.0 / size);
+    const EditChange change = editor.move(std::span(&vertex, 1), std::span(&to, 1));
+    rows.push_back(change.row_count);
+    points.push_back(std::ssize(change.control_points));
+  }
+  EXPECT_LE(rows[1], rows[0]);  // less: the tolerance is a part of the diagonal
+  EXPECT_LE(points[1], points[0]);
+  EXPECT_LT(points[0], 600);
+}
+
+TEST(Editor, TakesBackAndDoesAgain) {
+  const EditCase c(with_random_creases(random_open_mesh(2), 0.15, 2));
+  Editor editor(c.mesh, c.first, c.options);
+  const std::vector<glm::dvec3> rest(editor.positions().begin(), editor.positions().end());
+  EXPECT_FALSE(editor.can_undo());
+  EXPECT_EQ(editor.undo().row_count, 0);
+  Mover mover(9);
+  for (int i = 0; i < 5; ++i) {
+    mover.choose(editor, c, 2, 0.1);
+    editor.move(mover.vertices, mover.positions);
+  }
+  const std::vector<glm::dvec3> last(editor.points().begin(), editor.points().end());
+  const std::vector<glm::dvec3> rows(editor.positions().begin(), editor.positions().end());
+  for (int i = 0; i < 5; ++i) editor.undo();
+  EXPECT_FALSE(editor.can_undo());
+  EXPECT_TRUE(std::ranges::equal(editor.points(), c.mesh.positions));
+  EXPECT_LT(farthest(editor.positions(), rest), kTolerance * c.first.placement.diagonal);
+  while (editor.can_redo()) editor.redo();
+  EXPECT_TRUE(std::ranges::equal(editor.points(), last));
+  EXPECT_LT(farthest(editor.positions(), rows), kTolerance * c.first.placement.diagonal);
+  editor.undo();
+  editor.move(mover.vertices, mover.positions);
+  EXPECT_FALSE(editor.can_redo());
+}
+
+TEST(Editor, MovesASelectionByAMap) {
+  const EditCase c(flat_grid(20, 20));
+  Editor editor(c.mesh, c.first, c.options);
+  const std::int32_t middle = 10 * 21 + 10;
+  const glm::dvec3 at = c.mesh.positions[middle];
+  const double edge = glm::length(c.mesh.positions[middle + 1] - at);
+  const Selection near = editor.select(std::span(&middle, 1), 2.5 * edge);
+  // By edges' lengths: 1 + 4 + 8 vertices of a grid, all ways along edges.
+  ASSERT_EQ(near.vertices.size(), 13u);
+  for (std::size_t i = 0; i < near.vertices.size(); ++i) {
+    const glm::dvec3 off = glm::abs(c.mesh.positions[near.vertices[i]] - at);
+    const double part = (off.x + off.y + off.z) / (2.5 * edge);
+    EXPECT_NEAR(near.weights[i], (1 - part * part) * (1 - part * part), 1e-12);
+  }
+  editor.transform(near, glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, 2)));
+  for (std::size_t i = 0; i < near.vertices.size(); ++i) {
+    EXPECT_NEAR(editor.points()[near.vertices[i]].z - c.mesh.positions[near.vertices[i]].z,
+                2 * near.weights[i], 1e-12);
+  }
+}
+
+TEST(Editor, GivesTheSameBitsOnAnyNumberOfThreads) {
+  const EditCase c(jittered(icosphere(4), 0.2, 8));
+  const auto rows_on = [&](int threads) {
+    std::vector<glm::dvec3> rows;
+    oneapi::tbb::task_arena arena(threads);
+    arena.execute([&] {
+      Editor editor(c.mesh, c.first, c.options);
+      Mover mover(1);
+      for (int i = 0; i < 10; ++i) {
+        mover.choose(editor, c, 40, 0.02);
+        editor.move(mover.vertices, mover.positions);
+      }
+      rows.assign(editor.positions().begin(), editor.positions().end());
+    });
+    return rows;
+  };
+  EXPECT_EQ(rows_on(1), rows_on(4));
+}
+
+TEST(Editor, WhatIsCancelledHasNotHappened) {
+  const EditCase c(torus(120, 100, 1, 0.4));
+  Editor editor(c.mesh, c.first, c.options);
+  const std::vector<glm::dvec3> rows(editor.positions().begin(), editor.positions().end());
+  const std::vector<glm::dvec3> cage = editor.fit().cage.positions;
+  Mover mover(1);
+  mover.choose(editor, c, 500, 0.05);
+  Callbacks stop;
+  stop.cancelled = [] { return true; };
+  expect_cancelled([&] { editor.move(mover.vertices, mover.positions, stop); });
+  expect_cancelled([&] { editor.settle(stop); });
+  EXPECT_TRUE(std::ranges::equal(editor.points(), c.mesh.positions));
+  EXPECT_TRUE(std::ranges::equal(editor.positions(), rows));
+  EXPECT_EQ(editor.fit().cage.positions, cage);
+  EXPECT_FALSE(editor.can_undo());
+  editor.move(mover.vertices, mover.positions);
+  EXPECT_LE(editor.measured_error(), kTolerance);
+}
+
+TEST(Editor, KnowsVerticesThatNoFaceNames) {
+  PolygonMesh mesh = icosphere(2);
+  mesh.positions.insert(mesh.positions.begin() + 5, glm::dvec3(9, 9, 9));
+  for (std::int32_t& v : mesh.face_vertices) v += v >= 5 ? 1 : 0;
+  const EditCase c(mesh);
+  Editor editor(c.mesh, c.first, c.options);
+  const std::vector<std::int32_t> vertices{5, 8, 8};
+  const std::vector<glm::dvec3> to{
+      {7, 7, 7}, {0, 0, 0}, c.mesh.positions[8] + glm::dvec3(0.1, 0, 0)};
+  const EditChange change = editor.move(vertices, to);
+  EXPECT_THAT(std::vector<std::int32_t>(change.vertices.begin(), change.vertices.end()),
+              testing::ElementsAre(5, 8));
+  EXPECT_EQ(editor.points()[5], to[0]);
+  EXPECT_EQ(editor.points()[8], to[2]);  // the last one counts
+  const auto [scratch, surface] = c.from_scratch(editor.mesh());
+  EXPECT_LT(farthest(editor.positions(), surface.positions),
+            2 * kTolerance * c.first.placement.diagonal);
+}
+
+TEST(Editor, RefusesWithTheReason) {
+  const EditCase c(icosphere(1));
+  Editor editor(c.mesh, c.first, c.options);
+  const auto move = [&](std::int32_t vertex, const glm::dvec3& to) {
+    editor.move(std::span(&vertex, 1), std::span(&to, 1));
+  };
+  expect_refusal("no vertex 42", [&] { move(42, {}); });
+  expect_refusal("no vertex -1", [&] { move(-1, {}); });
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  expect_refusal("vertex 3", [&] { move(3, {0, kNan, 0}); });
+  expect_refusal("vertex 3", [&] { move(3, {1e300, 0, 0}); });
+  expect_refusal("vertices", [&] { editor.move({}, c.mesh.positions); });
+  const std::int32_t vertex = 3, absent = 99;
+  expect_refusal("radius", [&] { (void)editor.select(std::span(&vertex, 1), 0); });
+  expect_refusal("99", [&] { (void)editor.select(std::span(&absent, 1), 1); });
+  expect_refusal("weights", [&] { editor.transform({{3}, {}}, glm::dmat4(1.0)); });
+  EXPECT_TRUE(std::ranges::equal(editor.points(), c.mesh.positions));
+
+  FitOptions few = c.options.fit;
+  few.max_iterations = 1;
+  few.tolerance = 1e-9;
+  const Fit unready = fit(c.mesh, *c.backend, few);
+  expect_refusal("iteration-limit", [&] { Editor refused(c.mesh, unready, c.options); });
+  FitOptions loose = c.options.fit;
+  loose.within = 0.01;
+  const Fit left = fit(c.mesh, *c.backend, loose);
+  EditorOptions with_it = c.options;
+  with_it.fit = loose;
+  expect_refusal("within", [&] { Editor refused(c.mesh, left, with_it); });
+}
+
+}  // namespace
+}  // namespace planish::test
