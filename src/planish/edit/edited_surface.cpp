@@ -143,19 +143,14 @@ void EditedSurface::update_all(std::span<const glm::dvec3> cage) {
   make_all_rows();
 }
 
-void EditedSurface::set_state(std::span<const std::int32_t> places,
-                              std::span<const glm::dvec3> points) {
+void EditedSurface::add_to_state(std::span<const std::int32_t> places,
+                                 std::span<const glm::dvec3> differences) {
   const MeshTopology& topology = surface_->topology();
-  const PatchMesh& mesh = surface_->patches();
+  const std::int32_t corner_count = surface_->patches().first_sharp();
   touched_.clear();
   for (std::size_t i = 0; i < places.size(); ++i) {
-    surface_->own_state()[static_cast<std::size_t>(places[i])] = points[i];
-    if (places[i] < mesh.first_sharp()) {
-      touched_.add(topology.face_of(places[i]));
-    } else if (places[i] >= mesh.first_corner_vertex()) {
-      touch_faces_at(mesh.features().corner_vertices[places[i] - mesh.first_corner_vertex()]);
-    }
-    // Beside a curve point there are faces of its vertex, whose points change as well.
+    surface_->own_state()[static_cast<std::size_t>(places[i])] += differences[i];
+    if (places[i] < corner_count) touched_.add(topology.face_of(places[i]));
   }
   list_faces_around();
   surface_->patches().update_sums_at(corners_, surface_->own_state());

@@ -33,9 +33,9 @@ class EditedSurface {
   void update(std::span<const std::int32_t> vertices, std::span<const glm::dvec3> cage);
   /// After they have changed anywhere.
   void update_all(std::span<const glm::dvec3> cage);
-  /// Points of level 1 have new values: those of some corners' faces, curves and corner vertices,
-  /// by their places in the state.
-  void set_state(std::span<const std::int32_t> places, std::span<const glm::dvec3> points);
+  /// Moves points of level 1, by their places in the state. Where one on a curve moves, or a corner
+  /// vertex, those of the faces around its vertex do, too.
+  void add_to_state(std::span<const std::int32_t> places, std::span<const glm::dvec3> differences);
   void set_state_all(std::span<const glm::dvec3> state);
 
   /// What the last update has changed: rows ascending, and corners whose patches are others.

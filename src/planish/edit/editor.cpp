@@ -12,7 +12,9 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/edit/edited_surface.h"
+#include "planish/edit/local_fair.h"
 #include "planish/edit/local_solve.h"
+#include "planish/edit/require_editable.h"
 #include "planish/pipeline/limit_system.h"
 
 namespace planish {
@@ -22,34 +24,11 @@ namespace {
 // Farther off, coordinates of unit diagonal lose what the tolerance asks for.
 constexpr double kFarthestMove = 1e6;
 
+// What a centroid of a dozen points may be off by after differences have been added to these.
+constexpr double kFairRounding = 4e-16;
+
 // Meshes whose positions undo and redo keep each.
 constexpr std::size_t kMostPast = 4;
-
-void require_editable(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options) {
-  require_level(options.level);
-  if (fit.within && fit.within->bound(options.fit.tolerance) > 0) {
-    throw Error(ErrorCode::InvalidArgument,
-                "the fit leaves the vertices within a bound, so that moving one has no place to "
-                "go to; edit a fit with within = 0");
-  }
-  if (!fit.interpolation.converged) {
-    throw Error(ErrorCode::InvalidArgument,
-                "the fit has not reached its tolerance (" +
-                    std::string(name_of(fit.interpolation.stop_reason)) +
-                    "); edit one that has, or take fair interpolation");
-  }
-  if (fit.prepared == nullptr || fit.prepared->given_vertex_count != mesh.vertex_count()) {
-    throw Error(ErrorCode::InvalidArgument,
-                "the fit is of " +
-                    std::to_string(fit.prepared ? fit.prepared->given_vertex_count : 0) +
-                    " vertices, the mesh has " + std::to_string(mesh.vertex_count()));
-  }
-  if (options.fit.scheme != Scheme::DooSabin || fit.fair) {
-    throw Error(ErrorCode::InvalidArgument,
-                "fits of another scheme than Doo-Sabin, and fair ones, cannot be edited; fit again "
-                "with scheme doo-sabin and progressive interpolation");
-  }
-}
 
 // Vertices and where they were before a move.
 struct PastMove {
@@ -77,17 +56,29 @@ class Editor::Impl {
     };
     features_ = find_sharp_features(used_.mesh, *fit.prepared->topology, used_.mesh.positions,
                                     options.fit.sharp);
-    const Subdivision subdivision(*fit.prepared->topology, features_, options.fit.weights);
-    solve_.emplace(doo_sabin_system(used_.mesh, subdivision, options_.fit), fit.prepared->topology,
-                   unit(mesh.positions), unit(fit.cage.positions), options.fit.tolerance);
+    // A fair net's first step takes the weights of 1978 whatever the later levels take.
+    subdivision_.emplace(*fit.prepared->topology, features_,
+                         fit.fair ? Weights::DooSabin : options.fit.weights);
+    if (fit.fair) {
+      fair_.emplace(used_.mesh, *subdivision_, fit.fair->decisions, options.fit.polish_steps,
+                    options.fit.cures_folds, unit(mesh.positions));
+    } else {
+      solve_.emplace(doo_sabin_system(used_.mesh, *subdivision_, options_.fit),
+                     fit.prepared->topology, unit(mesh.positions), unit(fit.cage.positions),
+                     options.fit.tolerance);
+    }
     EvaluateOptions evaluate;
     evaluate.level = options.level;
     evaluate.weights = options.fit.weights;
     evaluate.sharp = options.fit.sharp;
     evaluate.rest_positions = mesh.positions;
     evaluate.prepared = fit.prepared;
-    surface_.emplace(mesh, fit_.placement, solve_->control(), std::span<const glm::dvec3>{},
+    surface_.emplace(mesh, fit_.placement,
+                     solve_ ? solve_->control() : std::span<const glm::dvec3>{},
+                     fit.fair ? std::span<const glm::dvec3>(fit.fair->level_one.state)
+                              : std::span<const glm::dvec3>{},
                      evaluate);
+    bound_ = fit.interpolation.error.max;
   }
 
   EditChange move(std::span<const std::int32_t> vertices, std::span<const glm::dvec3> positions,
@@ -113,9 +104,11 @@ class Editor::Impl {
 
   EditChange settle(const Callbacks& callbacks) {
     const HostScope host(callbacks);
-    solve_->settle(callbacks);
+    if (solve_) solve_->settle(callbacks);
+    EditChange change = whole_change(callbacks);
     moved_.clear();
-    return whole_change();
+    change.vertices = {};
+    return change;
   }
 
   [[nodiscard]] Selection select(std::span<const std::int32_t> vertices, double radius) const {
@@ -137,6 +130,15 @@ class Editor::Impl {
 
   [[nodiscard]] Fit fit() const {
     Fit result = fit_;
+    if (fair_) {
+      result.fair.emplace();
+      const auto state =
+          surface_->surface()->state().first(static_cast<std::size_t>(subdivision_->state_size()));
+      result.fair->level_one = {{state.begin(), state.end()}, fit_.placement};
+      result.fair->decisions = fair_->decisions();
+      result.interpolation.error.max = measured_error();
+      return result;
+    }
     result.cage = mesh();
     const auto control = solve_->control();
     result.interpolation.displacement.resize(control.size());
@@ -149,13 +151,20 @@ class Editor::Impl {
     return result;
   }
 
+  [[nodiscard]] double error_bound() const { return solve_ ? solve_->bound() : bound_; }
+  [[nodiscard]] double measured_error() const {
+    return solve_ ? solve_->measured() : fair_->measured(surface_->surface()->state());
+  }
+
   const PolygonMesh& mesh_;
   EditorOptions options_;
   Fit fit_;  // without its arrays
   std::vector<glm::dvec3> points_;
   UsedPart used_;
   SharpFeatures features_;
-  std::optional<LocalSolve> solve_;
+  std::optional<Subdivision> subdivision_;
+  std::optional<LocalSolve> solve_;  // of the progressive method
+  std::optional<LocalFair> fair_;    // of the other
   std::optional<EditedSurface> surface_;
   std::deque<PastMove> past_, future_;
 
@@ -250,19 +259,50 @@ class Editor::Impl {
       local_.push_back(vertex);
       unit_.push_back(fit_.placement.to_unit(targets_[i]));
     }
-    solve_->move(local_, unit_);
+    if (solve_) {
+      solve_->move(local_, unit_);
+    } else {
+      move_fair(callbacks);
+    }
     for (std::size_t i = 0; i < moved_.size(); ++i)
       points_[static_cast<std::size_t>(moved_[i])] = targets_[i];
-    if (solve_->changed_all()) return whole_change();
-    surface_->update(solve_->changed(), solve_->control());
+    if (solve_ ? solve_->changed_all() : fair_->is_whole()) return whole_change();
+    if (solve_) {
+      surface_->update(solve_->changed(), solve_->control());
+    } else {
+      surface_->add_to_state(fair_->places(), fair_->differences());
+      bound_ += kFairRounding;
+    }
     control_points_.clear();
-    for (const std::int32_t v : solve_->changed())
+    for (const std::int32_t v : solve_ ? solve_->changed() : fair_->vertices())
       control_points_.push_back(used_.vertices[static_cast<std::size_t>(v)]);
     return change_of(false);
   }
 
-  EditChange whole_change() {
-    surface_->update_all(solve_->control());
+  // A whole net that is cancelled leaves the points where they were.
+  void move_fair(const Callbacks& callbacks) {
+    fair_->move(local_, unit_);
+    if (!fair_->is_whole()) return;
+    try {
+      whole_ = fair_->whole_state(callbacks);
+    } catch (...) {
+      for (std::size_t i = 0; i < local_.size(); ++i)
+        unit_[i] = fit_.placement.to_unit(
+            points_[static_cast<std::size_t>(used_.vertices[static_cast<std::size_t>(local_[i])])]);
+      fair_->put(local_, unit_);
+      throw;
+    }
+  }
+
+  EditChange whole_change(const Callbacks& callbacks = {}) {
+    if (solve_) {
+      surface_->update_all(solve_->control());
+    } else {
+      if (whole_.empty()) whole_ = fair_->whole_state(callbacks);
+      surface_->set_state_all(whole_);
+      whole_ = {};
+      bound_ = measured_error();
+    }
     control_points_.assign(used_.vertices.begin(), used_.vertices.end());
     return change_of(true);
   }
@@ -277,6 +317,8 @@ class Editor::Impl {
     return change;
   }
 
+  double bound_ = 0;  // of the fair method
+  std::vector<glm::dvec3> whole_;
   std::vector<std::int32_t> moved_, local_, control_points_, order_;
   std::vector<glm::dvec3> targets_, unit_;
 };
@@ -330,8 +372,8 @@ bool Editor::can_redo() const { return !impl_->future_.empty(); }
 EditChange Editor::settle(const Callbacks& callbacks) { return impl_->settle(callbacks); }
 
 std::span<const glm::dvec3> Editor::points() const { return impl_->points_; }
-double Editor::error_bound() const { return impl_->solve_->bound(); }
-double Editor::measured_error() const { return impl_->solve_->measured(); }
+double Editor::error_bound() const { return impl_->error_bound(); }
+double Editor::measured_error() const { return impl_->measured_error(); }
 std::span<const glm::dvec3> Editor::positions() const { return impl_->surface_->positions(); }
 std::span<const glm::vec3> Editor::normals() const { return impl_->surface_->normals(); }
 PolygonMesh Editor::mesh() const { return impl_->mesh(); }

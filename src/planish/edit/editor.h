@@ -35,8 +35,9 @@ struct EditChange {
 
 /// A fitted mesh whose vertices move: only what they reach is solved and evaluated again, so that a
 /// move costs what it moves, not the size of the mesh. The surface passes through all vertices
-/// within the fit's tolerance after any number of moves; control points are within a small factor
-/// of it of those of a fit from scratch (edit/README.md). What is sharp, corner sectors and the
+/// within the fit's tolerance after any number of moves. Control points of a progressive fit are
+/// within a small factor of it of those of a fit from scratch; those of a fair one differ by what
+/// its polish does far off, until settle() (edit/README.md). What is sharp, corner sectors and the
 /// fair method's decisions are those of the fit.
 ///
 /// One thread at a time changes it. Constant functions, and what they return, may be used from many
@@ -44,8 +45,8 @@ struct EditChange {
 class Editor {
  public:
   /// `fit` is of `mesh`, which must outlive the editor; its positions are copied. Throws
-  /// Error{InvalidArgument} for a fit that has not reached its tolerance or was allowed to leave
-  /// the vertices (`within`), Error{OutOfMemory}.
+  /// Error{InvalidArgument} for a fit that has not reached its tolerance, was allowed to leave the
+  /// vertices (`within`) or is of another scheme than Doo-Sabin, Error{OutOfMemory}.
   Editor(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options = {});
   /// The same of all that fit_mesh() made.
   explicit Editor(const FittedMesh& fitted, int level = 2);

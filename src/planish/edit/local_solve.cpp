@@ -29,8 +29,9 @@ constexpr double kLocalShare = 0.125, kSettledShare = 0.0625;
 // number of rows looked at differs by less than a tenth on quads and triangles.
 constexpr double kRelaxation = 1.15;
 
-// From that part of all vertices on a solve of all rows is cheaper.
-constexpr std::size_t kWholeShare = 16;
+// Once a move has touched that part of all vertices, and so many, all rows are solved and evaluated
+// at less cost.
+constexpr std::size_t kWholeShare = 12, kFewVertices = 1024;
 
 // A move that looks at so many rows for each vertex of the mesh does not converge by itself.
 constexpr std::int64_t kMostLooks = 64;
@@ -124,7 +125,11 @@ void LocalSolve::shift(std::int32_t vertex, const glm::dvec3& step) {
   }
 }
 
-// False where it does not come to an end.
+bool LocalSolve::touches_many() const {
+  return touched_.members().size() > std::max(kFewVertices, control_.size() / kWholeShare);
+}
+
+// False where it does not come to an end, or all rows are better solved.
 bool LocalSolve::relax() {
   const double least = bound_ * bound_;
   const std::int64_t most = kMostLooks * static_cast<std::int64_t>(control_.size());
@@ -133,7 +138,7 @@ bool LocalSolve::relax() {
   std::size_t next = 0;
   while (next < queue_.size()) {
     stop.step();
-    if (++row_count_ > most) return false;
+    if (++row_count_ > most || touches_many()) return false;
     const std::int32_t row = queue_[next++];
     is_queued_[static_cast<std::size_t>(row)] = 0;
     // What has been looked at is dropped, at less cost than that of the looks.
@@ -185,7 +190,7 @@ void LocalSolve::move(std::span<const std::int32_t> vertices, std::span<const gl
     shift(vertices[i], way);
   }
   try {
-    if (vertices.size() * kWholeShare >= given_.size() || !relax()) {
+    if (!relax()) {
       for (const std::int32_t row : queue_) is_queued_[static_cast<std::size_t>(row)] = 0;
       queue_.clear();
       settle();

@@ -54,6 +54,7 @@ class LocalSolve {
   void shift(std::int32_t vertex, const glm::dvec3& step);
   void refresh_sums_at(std::int32_t vertex);
   [[nodiscard]] std::int32_t first_sum_of(std::int32_t face) const;
+  [[nodiscard]] bool touches_many() const;
   bool relax();
   void take_back();
 
