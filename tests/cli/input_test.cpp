@@ -58,16 +58,21 @@ TEST_F(Inputs, AMissingFileNamesItsNearest) {
 TEST_F(Inputs, FormatsOfOthersAreToldHowToGetHere) {
   write("part.STEP", "ISO-10303-21;");
   expect_error("part.STEP", 2,
-               "STEP is not read (glb, gltf, obj, ply, off, stl, xyz, pts, pcd "
+               "STEP is not read (glb, gltf, obj, ply, off, stl, xyz, pts, pcd, las, ptx "
                "are); FreeCAD or gmsh converts it");
   write("part.fbx", "Kaydara");
   expect_error("part.fbx", 2, "\"assimp export part.fbx part.glb\" converts it");
+  write("hill.laz", "LASF");
+  expect_error("hill.laz", 2, "\"pdal translate hill.laz hill.las\" converts it");
+  write("room.e57", "ASTM-E57");
+  expect_error("room.e57", 2,
+               "\"CloudCompare -SILENT -O room.e57 -C_EXPORT_FMT PLY -SAVE_CLOUDS\" converts it");
 }
 
 TEST_F(Inputs, AFolderWithoutMeshesSaysWhatIsRead) {
   expect_error(".", 3,
                "this folder holds no file that is read (.glb .gltf .obj .ply .off .stl .xyz "
-               ".pts .pcd)");
+               ".pts .pcd .las .ptx)");
 }
 
 TEST_F(Inputs, RandomBytesAreNoJson) {

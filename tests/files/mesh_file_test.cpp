@@ -341,7 +341,7 @@ TEST(Formats, StandAtTheirPlaceWithNamesOfTheirOwn) {
 
 TEST(Formats, AreListedByUse) {
   EXPECT_EQ(names_of(FormatUse::ReadMesh), "glb, gltf, obj, ply, off, stl");
-  EXPECT_EQ(names_of(FormatUse::ReadPoints), "glb, gltf, obj, ply, off, xyz, pts, pcd");
+  EXPECT_EQ(names_of(FormatUse::ReadPoints), "glb, gltf, obj, ply, off, xyz, pts, pcd, las, ptx");
   EXPECT_EQ(extensions_of(FormatUse::WriteSurface), ".glb .gltf .obj .ply .off .stl .usda .json");
   EXPECT_EQ(extensions_in_words(FormatUse::WriteCage), ".obj, .ply, .off or .usda");
   EXPECT_TRUE(holds_points_only(FileFormat::Pcd));

@@ -121,6 +121,10 @@ std::vector<ProgressFile> progress_files() {
           {"a.glb", glb()},
           {"a.xyz", lines(kCount, point), true},
           {"a.pts", count + "\n" + lines(kCount, point), true},
+          {"a.ptx",
+           "1\n" + count + "\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n" +
+               "0 0 0 1\n" + lines(kCount, point),
+           true},
           {"text.pcd", pcd("ascii"), true},
           {"binary.pcd", pcd("binary"), true}};
 }

@@ -24,7 +24,10 @@ TEST(SniffFormat, KnowsEveryFormatByItsFirstLines) {
       {"COFF 3 1 0\n", FileFormat::Off},
       {"solid part\n facet normal", FileFormat::Stl},
       {"# .PCD v0.7 - Point Cloud Data\nVERSION 0.7\n", FileFormat::Pcd},
+      {"LASF\1\2", FileFormat::Las},
       {"1204\n0 0 0 1 2 3\n", FileFormat::Pts},
+      {"0\n2\n0 0 0\n", FileFormat::Pts},
+      {"200\n100\n0 0 0\n", FileFormat::Ptx},
       {"# x y z\n0.5 -1e3 2\n", FileFormat::Xyz},
       {"0.5,1,2,255\n", FileFormat::Xyz}};
   for (const auto& [content, format] : files) EXPECT_EQ(sniff(content), format) << content;

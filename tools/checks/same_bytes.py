@@ -23,7 +23,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # What two runs of the same program need not have in common.
 VARYING = {"argv", "git", "memory", "timing_ms"}
-POINTS = {".xyz", ".pts", ".pcd"}
+POINTS = {".xyz", ".pts", ".pcd", ".las", ".ptx"}
 
 MESH_CALLS = {
     "glb": "-o o.glb --report o.json",

@@ -256,7 +256,8 @@ void add_mesh(py::module_& module) {
         return points_array(std::move(cloud));
       },
       py::arg("path"),
-      "The points in a PLY, XYZ, PTS or PCD file: float64 (n, 3). UserWarning where something was "
+      "The points in a PLY, XYZ, PTS, PCD, LAS or PTX file: float64 (n, 3). UserWarning where "
+      "something was "
       "passed over.");
   module.def(
       "write",

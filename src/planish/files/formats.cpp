@@ -7,6 +7,7 @@
 
 #include "planish/core/assert.h"
 #include "planish/files/gltf/read_gltf.h"
+#include "planish/files/las/read_las.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/obj/read_obj.h"
 #include "planish/files/obj/write_obj.h"
@@ -15,6 +16,7 @@
 #include "planish/files/pcd/read_pcd.h"
 #include "planish/files/ply/read_ply.h"
 #include "planish/files/ply/write_ply.h"
+#include "planish/files/ptx/read_ptx.h"
 #include "planish/files/read_points.h"
 #include "planish/files/stl/read_stl.h"
 #include "planish/files/stl/write_stl.h"
@@ -110,6 +112,16 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .name = "pcd",
                                          .title = "Point Cloud Library",
                                          .read_points = in_parts<read_pcd>},
+                              FormatInfo{.format = FileFormat::Las,
+                                         .name = "las",
+                                         .title = "ASPRS LAS 1.0 to 1.4",
+                                         .read_points = read_las,
+                                         .scan_contents = las_contents},
+                              FormatInfo{.format = FileFormat::Ptx,
+                                         .name = "ptx",
+                                         .title = "scans as text, with their poses",
+                                         .read_points = in_parts<read_ptx>,
+                                         .scan_contents = ptx_contents},
                               FormatInfo{.format = FileFormat::Usda,
                                          .name = "usda",
                                          .title = "USD as text",

@@ -13,12 +13,27 @@ namespace planish {
 class FileBuffer;
 struct MeshFile;
 struct PointCloud;
+struct ScanContents;
 enum class PolygonPart : std::uint8_t;
 class PolygonStream;
 class ReadProgress;
 
 /// A format's place in formats().
-enum class FileFormat : std::uint8_t { Glb, Gltf, Obj, Ply, Off, Stl, Xyz, Pts, Pcd, Usda, Tiles };
+enum class FileFormat : std::uint8_t {
+  Glb,
+  Gltf,
+  Obj,
+  Ply,
+  Off,
+  Stl,
+  Xyz,
+  Pts,
+  Pcd,
+  Las,
+  Ptx,
+  Usda,
+  Tiles
+};
 
 /// A file in memory.
 struct FileBytes {
@@ -42,6 +57,8 @@ struct FormatInfo {
   std::string_view title;  ///< "Wavefront OBJ"
   MeshFile (*read_mesh)(const FileBytes&) = nullptr;
   PointCloud (*read_points)(const FileBytes&) = nullptr;
+  /// Of a scanner's format: what it says besides its points.
+  ScanContents (*scan_contents)(const FileBytes&) = nullptr;
   void (*write_polygons)(const PolygonStream&) = nullptr;
   /// That write_polygons() writes one after another; empty: it has an order of its own.
   std::span<const PolygonPart> parts = {};

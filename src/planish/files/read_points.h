@@ -12,7 +12,8 @@
 namespace planish {
 
 /// Reads points from memory; `name` stands in messages. Positions are finite and at most
-/// kMaxCoordinate in what is returned; colours and normals come along from glTF, OBJ, PLY and PCD.
+/// kMaxCoordinate in what is returned; colours and normals come along from glTF, OBJ, PLY and PCD,
+/// colours from LAS and PTX.
 /// Of formats that hold meshes too, these are the vertices, of glTF those of its primitives
 /// of points where it has no triangles. Throws Error{UnreadableInput}: `name:line: what, value` or
 /// `name: point 12 of 345: ...`; Error{InvalidArgument} for a format without points.

@@ -35,6 +35,11 @@ std::string_view first_line(std::string_view text) {
   return {};
 }
 
+bool starts_with(std::span<const std::byte> bytes, std::string_view start) {
+  return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())
+      .starts_with(start);
+}
+
 // OFF and its kin: COFF, NOFF, STOFF, 4OFF...
 bool is_off_word(std::string_view word) { return word.size() <= 8 && word.ends_with("OFF"); }
 
@@ -44,8 +49,8 @@ bool is_obj_word(std::string_view word) {
   return std::ranges::find(kWords, word) != kWords.end();
 }
 
-// A count alone begins a PTS, at least three numbers in a line are a point.
-std::optional<FileFormat> numbers_format(std::string_view line) {
+// A count alone begins a PTS, two of them a PTX; at least three numbers in a line are a point.
+std::optional<FileFormat> numbers_format(std::string_view line, std::string_view second) {
   std::size_t count = 0;
   std::int64_t integer = 0;
   double number = 0;
@@ -57,7 +62,8 @@ std::optional<FileFormat> numbers_format(std::string_view line) {
     line.remove_prefix(end);
     line.remove_prefix(std::min(line.find_first_not_of(" \t,;"), line.size()));
   }
-  if (count == 1 && is_count) return FileFormat::Pts;
+  if (count == 1 && is_count)
+    return integer > 0 && parse_integer(second, integer) ? FileFormat::Ptx : FileFormat::Pts;
   return count >= 3 ? std::optional(FileFormat::Xyz) : std::nullopt;
 }
 
@@ -65,8 +71,9 @@ std::optional<FileFormat> numbers_format(std::string_view line) {
 
 std::optional<FileFormat> sniff_format(std::span<const std::byte> bytes) {
   constexpr std::size_t kLooked = 1 << 16;
-  if (is_binary_stl(bytes)) return FileFormat::Stl;
   std::span<const std::byte> head = bytes.first(std::min(bytes.size(), kLooked));
+  if (starts_with(head, "LASF")) return FileFormat::Las;
+  if (is_binary_stl(bytes)) return FileFormat::Stl;
   DecodedText decoded;
   if (is_utf16(head)) {
     decoded = decode_utf16(head);
@@ -84,7 +91,8 @@ std::optional<FileFormat> sniff_format(std::span<const std::byte> bytes) {
   if (line.front() == '{') return FileFormat::Gltf;
   if (is_off_word(word)) return FileFormat::Off;
   if (is_obj_word(word)) return FileFormat::Obj;
-  return numbers_format(line);
+  const auto behind = static_cast<std::size_t>(line.data() + line.size() - text.data());
+  return numbers_format(line, first_line(text.substr(behind)));
 }
 
 }  // namespace planish

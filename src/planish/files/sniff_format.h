@@ -8,9 +8,9 @@
 
 namespace planish {
 
-/// The format that a file's first bytes speak for: the magic of GLB, PLY, OFF and PCD, the size of
-/// a binary STL, else what the first lines look like (JSON, `solid`, OBJ's keywords, numbers).
-/// Empty where nothing is recognised. `bytes` is the whole file.
+/// The format that a file's first bytes speak for: the magic of GLB, LAS, PLY, OFF and PCD, the
+/// size of a binary STL, else what the first lines look like (JSON, `solid`, OBJ's keywords,
+/// numbers). Empty where nothing is recognised. `bytes` is the whole file.
 [[nodiscard]] std::optional<FileFormat> sniff_format(std::span<const std::byte> bytes);
 
 }  // namespace planish

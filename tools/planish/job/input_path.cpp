@@ -22,9 +22,11 @@ namespace fs = std::filesystem;
 // Formats that people have meshes in and planish does not read, and what converts each.
 struct ForeignFormat {
   std::string_view extension, title, converter;
+  std::string_view target = ".glb";  // what is read of what it writes
 };
 
-constexpr std::string_view kAssimp = "assimp export";
+constexpr std::string_view kAssimp = "assimp export", kPdal = "pdal translate",
+                           kCloudCompare = "CloudCompare";
 constexpr std::array kForeign{ForeignFormat{"step", "STEP", "FreeCAD or gmsh"},
                               ForeignFormat{"stp", "STEP", "FreeCAD or gmsh"},
                               ForeignFormat{"iges", "IGES", "FreeCAD or gmsh"},
@@ -38,9 +40,8 @@ constexpr std::array kForeign{ForeignFormat{"step", "STEP", "FreeCAD or gmsh"},
                               ForeignFormat{"stl", "STL", kAssimp},
                               ForeignFormat{"amf", "AMF", "MeshLab"},
                               ForeignFormat{"vtk", "VTK", "MeshLab"},
-                              ForeignFormat{"las", "LAS", "CloudCompare"},
-                              ForeignFormat{"laz", "LAZ", "CloudCompare"},
-                              ForeignFormat{"e57", "E57", "CloudCompare"},
+                              ForeignFormat{"laz", "LAZ", kPdal, ".las"},
+                              ForeignFormat{"e57", "E57", kCloudCompare, ".ply"},
                               ForeignFormat{"usd", "USD", "Blender"},
                               ForeignFormat{"usda", "USD", "Blender"},
                               ForeignFormat{"usdc", "USD", "Blender"},
@@ -59,8 +60,13 @@ const ForeignFormat* foreign_format(const fs::path& path) {
 }
 
 std::string conversion(const ForeignFormat& format, const fs::path& from, const fs::path& to) {
-  if (format.converter != kAssimp) return std::string(format.converter) + " converts it";
-  return "\"assimp export " + visible(from) + " " + visible(to) + "\" converts it";
+  if (format.converter == kCloudCompare)
+    return "\"CloudCompare -SILENT -O " + visible(from) +
+           " -C_EXPORT_FMT PLY -SAVE_CLOUDS\" converts it";
+  if (format.converter != kAssimp && format.converter != kPdal)
+    return std::string(format.converter) + " converts it";
+  return "\"" + std::string(format.converter) + " " + visible(from) + " " + visible(to) +
+         "\" converts it";
 }
 
 std::string case_folded(std::string text) {
@@ -107,12 +113,12 @@ std::string conversion_to_readable(const fs::path& path) {
   const ForeignFormat* format = foreign_format(path);
   if (format == nullptr) return {};
   fs::path to = path.filename();
-  return conversion(*format, path, to.replace_extension(".glb"));
+  return conversion(*format, path, to.replace_extension(format->target));
 }
 
 std::string conversion_from_glb(const fs::path& path) {
   const ForeignFormat* format = foreign_format(path);
-  if (format == nullptr) return {};
+  if (format == nullptr || format->target != ".glb") return {};
   fs::path from = path;
   return "from a .glb " + conversion(*format, from.replace_extension(".glb"), path);
 }

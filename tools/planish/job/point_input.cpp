@@ -67,8 +67,10 @@ Reconstruction reconstruct_input(const PointInput& input, const ReconstructOptio
     options.callbacks.warn(
         {.code = "missing-points",
          .message = input.name + ": " + counted(input.cloud.missing_count, "point") +
-                    (input.cloud.missing_count == 1 ? " is not a number and left out"
-                                                    : " are not numbers and left out"),
+                    (input.format == FileFormat::Ptx  ? " lie at their scanner, which saw "
+                                                        "nothing there, and are left out"
+                     : input.cloud.missing_count == 1 ? " is not a number and left out"
+                                                      : " are not numbers and left out"),
          .count = input.cloud.missing_count});
   try {
     return reconstruct(input.cloud, mesher, options);

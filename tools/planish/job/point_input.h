@@ -18,7 +18,7 @@ struct PointInput {
 };
 
 /// Whether the format, or the extension where none is given, is one that only points have: xyz,
-/// pts, pcd.
+/// pts, pcd, las, ptx.
 [[nodiscard]] bool is_point_path(const std::string& path, std::optional<FileFormat> format);
 
 /// Throws what the path alone says is wrong (require_input()), and Error{NoDevice} for points

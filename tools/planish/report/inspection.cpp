@@ -6,6 +6,7 @@
 #include <span>
 
 #include "planish/core/error.h"
+#include "planish/core/number_text.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/write_polygons.h"
 #include "planish/mesh/placement.h"
@@ -65,10 +66,17 @@ std::string vector_text(const glm::dvec3& v) {
   return "(" + short_number(v.x) + ", " + short_number(v.y) + ", " + short_number(v.z) + ")";
 }
 
+std::string exact_text(const glm::dvec3& v) {
+  return "(" + shortest(v.x) + ", " + shortest(v.y) + ", " + shortest(v.z) + ")";
+}
+
+// Of points far from 0 with all digits: three would say the same of both.
 std::string box_line(const Inspection& inspection) {
   if (!inspection.box) return "";
-  return inspection_line("bounds", vector_text(inspection.box->front()) + " to " +
-                                       vector_text(inspection.box->back()));
+  const bool is_far = inspection.points && inspection.points->cloud.origin != glm::dvec3(0.0);
+  const auto text = is_far ? exact_text : vector_text;
+  return inspection_line("bounds",
+                         text(inspection.box->front()) + " to " + text(inspection.box->back()));
 }
 
 // "3: 20, 4: 1"
@@ -81,10 +89,32 @@ std::string histogram_text(const std::vector<std::int64_t>& counts) {
   return text.empty() ? "none" : text;
 }
 
+// "ground 12, water 3"; of many the first ones.
+std::string counts_text(const ScanContents::Counts& counts) {
+  constexpr std::size_t kShown = 20;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, counts.size()); ++i)
+    text += (i > 0 ? ", " : "") + counts[i].first + ": " + with_separators(counts[i].second);
+  return counts.size() > kShown ? text + " and more; --json lists all" : text;
+}
+
+std::string scan_text(const ScanContents& scan) {
+  const auto line = [](const std::string& label, const std::string& value) {
+    return value.empty() ? std::string() : inspection_line(label, visible(value));
+  };
+  return line("version", scan.version) + line("software", scan.software) +
+         line("coordinates", scan.coordinate_system) +
+         inspection_line("scans", with_separators(std::ssize(scan.scans)) + " (" +
+                                      counts_text(scan.scans) + ")") +
+         line("classes", counts_text(scan.classes));
+}
+
 std::string points_text(const Inspection& inspection) {
   const PointCloud& cloud = inspection.points->cloud;
   std::string text = inspection_line("points", with_separators(point_count(inspection)));
-  text += line_if_any("not numbers", cloud.missing_count);
+  text += line_if_any(inspection.format == FileFormat::Ptx ? "nothing seen" : "not numbers",
+                      cloud.missing_count);
+  if (inspection.scan) text += scan_text(*inspection.scan);
   text += line_if_any("normals", std::ssize(cloud.normals));
   text += line_if_any("colours", std::ssize(cloud.colors));
   text += box_line(inspection);
@@ -243,6 +273,17 @@ void add_points(const Inspection& inspection, nlohmann::ordered_json& json) {
   json["colors"] = inspection.points->cloud.colors.size();
   json["diagonal"] = inspection.diagonal;
   json["spacing"] = inspection.spacing;
+  if (!inspection.scan) return;
+  nlohmann::ordered_json& scan = json["scan"];
+  scan["version"] = inspection.scan->version;
+  scan["software"] = inspection.scan->software;
+  scan["coordinate_system"] = inspection.scan->coordinate_system;
+  for (const auto& [key, counts] : {std::pair("scans", &inspection.scan->scans),
+                                    std::pair("classes", &inspection.scan->classes)}) {
+    scan[key] = nlohmann::ordered_json::array();
+    for (const auto& [name, points] : *counts)
+      scan[key].push_back({{"name", name}, {"points", points}});
+  }
 }
 
 }  // namespace
@@ -255,6 +296,8 @@ Inspection inspect(const std::string& path, std::optional<FileFormat> requested)
     inspection.input.name = file.name;
     inspection.input.sha256 = file.sha256();
     inspection.points = points_of(file);
+    if (const auto contents = info_of(file.format).scan_contents)
+      inspection.scan = contents(file.for_reader());
   } else {
     inspection.input = mesh_of(file);
     inspection.format = inspection.input.file.format;

@@ -10,6 +10,7 @@
 #include "job/point_input.h"
 #include "job/torn_vertices.h"
 #include "planish/files/gltf/asset/asset_contents.h"
+#include "planish/files/scan_contents.h"
 #include "planish/mesh/check.h"
 #include "planish/mesh/folded_edges.h"
 #include "planish/mesh/statistics.h"
@@ -28,6 +29,7 @@ struct Inspection {
   std::optional<AssetContents> asset;            ///< of a glTF with triangles
   std::string asset_problem;                     ///< why it cannot stay one; empty: it can
   std::optional<PointInput> points;              ///< of a file without faces
+  std::optional<ScanContents> scan;              ///< of a scanner's format
   std::optional<std::array<glm::dvec3, 2>> box;  ///< least and largest coordinates, where any are
   double diagonal = 0;
   double spacing = 0;  ///< median distance of a point to its nearest neighbour

@@ -46,6 +46,8 @@ bool ends_in_binary(std::string_view text, FileFormat format) {
     case FileFormat::Glb:
     case FileFormat::Gltf:
       return text.starts_with("glTF");
+    case FileFormat::Las:
+      return true;
     case FileFormat::Ply:
       return !has_line("format ascii");
     case FileFormat::Pcd:

@@ -1,0 +1,181 @@
+#include "planish/files/las/read_las.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "planish/core/counted.h"
+#include "planish/core/error.h"
+#include "planish/core/parallel.h"
+#include "planish/core/stop.h"
+#include "planish/files/las/las_header.h"
+#include "planish/files/shared/read_progress.h"
+#include "planish/files/shared/srgb.h"
+
+namespace planish {
+namespace {
+
+constexpr std::size_t kPiecePoints = 1 << 16;
+
+// ASPRS' names, by number.
+constexpr std::array<std::string_view, 23> kClassNames{"never classified",
+                                                       "unclassified",
+                                                       "ground",
+                                                       "low vegetation",
+                                                       "medium vegetation",
+                                                       "high vegetation",
+                                                       "building",
+                                                       "low noise",
+                                                       "model key point",
+                                                       "water",
+                                                       "rail",
+                                                       "road",
+                                                       "overlap",
+                                                       "wire guard",
+                                                       "wire conductor",
+                                                       "transmission tower",
+                                                       "wire connector",
+                                                       "bridge deck",
+                                                       "high noise",
+                                                       "overhead structure",
+                                                       "ignored ground",
+                                                       "snow",
+                                                       "temporal exclusion"};
+
+std::string class_name(int number) {
+  const std::string text = std::to_string(number);
+  if (static_cast<std::size_t>(number) >= kClassNames.size()) return text;
+  return text + " " + std::string(kClassNames[static_cast<std::size_t>(number)]);
+}
+
+// What is to be known before points are placed.
+struct Survey {
+  std::int64_t kept = 0;
+  std::uint16_t brightest = 0;  // of all channels
+};
+
+class LasReader {
+ public:
+  explicit LasReader(const FileBytes& file)
+      : file_(file),
+        header_(read_las_header(file)),
+        pieces_((count() + kPiecePoints - 1) / kPiecePoints) {}
+
+  PointCloud read() {
+    expect_passes(file_, 2);
+    note_damage();
+    look_at_pieces();
+    std::vector<std::int64_t> first(pieces_.size() + 1, 0);
+    std::uint16_t brightest = 0;
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      first[p + 1] = first[p] + pieces_[p].kept;
+      brightest = std::max(brightest, pieces_[p].brightest);
+    }
+    cloud_.points.resize(static_cast<std::size_t>(first.back()));
+    if (brightest > 0) cloud_.colors.resize(cloud_.points.size());
+    const double white = brightest > 255 ? 65535 : 255;
+    for_pieces([&](std::size_t piece, std::size_t begin, std::size_t end) {
+      auto to = static_cast<std::size_t>(first[piece]);
+      for (std::size_t i = begin; i < end; ++i) {
+        const LasRecord record = las_record(header_, file_.bytes, i);
+        if (record.is_left_out()) continue;
+        cloud_.points[to] = record.position();
+        if (brightest > 0) cloud_.colors[to] = color_of(record, white);
+        ++to;
+      }
+    });
+    warn_of_left_out();
+    return std::move(cloud_);
+  }
+
+ private:
+  [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(header_.point_count); }
+
+  template <class Body>
+  void for_pieces(const Body& body) const {
+    parallel_for(pieces_.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        const std::size_t last = std::min(count(), (p + 1) * kPiecePoints);
+        body(p, p * kPiecePoints, last);
+        count_read(file_.progress, (last - p * kPiecePoints) * header_.record_bytes);
+      }
+    });
+  }
+
+  void look_at_pieces() {
+    for_pieces([&](std::size_t piece, std::size_t begin, std::size_t end) {
+      Survey survey;
+      for (std::size_t i = begin; i < end; ++i) {
+        const LasRecord record = las_record(header_, file_.bytes, i);
+        if (record.is_left_out()) continue;
+        ++survey.kept;
+        if (header_.color_begin == 0) continue;
+        for (int channel = 0; channel < 3; ++channel)
+          survey.brightest = std::max(survey.brightest, record.color(channel));
+      }
+      pieces_[piece] = survey;
+    });
+  }
+
+  static glm::vec4 color_of(const LasRecord& record, double white) {
+    return linear_of_srgb(
+        glm::dvec4(record.color(0) / white, record.color(1) / white, record.color(2) / white, 1.0));
+  }
+
+  void note_damage() {
+    if (header_.record_damage.empty()) return;
+    const std::string what = std::string(file_.name) + ": " + header_.record_damage;
+    if (file_.is_strict) throw Error(ErrorCode::UnreadableInput, what);
+    cloud_.warnings.push_back(
+        {.code = "damaged-record",
+         .message = what + "; those from there on are passed over, points are read"});
+  }
+
+  void warn_of_left_out() {
+    const std::int64_t left_out = header_.point_count - std::ssize(cloud_.points);
+    if (left_out == 0) return;
+    cloud_.warnings.push_back(
+        {.code = "noise-points",
+         .message = std::string(file_.name) + ": " + counted(left_out, "point") +
+                    (left_out == 1 ? " is" : " are") +
+                    " classified as noise or withheld in the file, and left out",
+         .count = left_out});
+  }
+
+  FileBytes file_;
+  LasHeader header_;
+  std::vector<Survey> pieces_;
+  PointCloud cloud_;
+};
+
+}  // namespace
+
+PointCloud read_las(const FileBytes& file) { return LasReader(file).read(); }
+
+ScanContents las_contents(const FileBytes& file) {
+  const LasHeader header = read_las_header(file);
+  std::map<int, std::int64_t> classes, sources;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(header.point_count); ++i) {
+    if (i % kPiecePoints == 0) check_stop();
+    const LasRecord record = las_record(header, file.bytes, i);
+    ++classes[record.classification()];
+    ++sources[record.source()];
+  }
+  ScanContents contents{.version = "LAS 1." + std::to_string(header.minor_version) +
+                                   ", point format " + std::to_string(header.point_format) + ", " +
+                                   std::to_string(header.record_bytes) + " bytes a point",
+                        .software = header.software,
+                        .coordinate_system = header.coordinate_system,
+                        .scans = {},
+                        .classes = {}};
+  for (const auto& [number, points] : classes)
+    contents.classes.emplace_back(class_name(number), points);
+  for (const auto& [number, points] : sources)
+    contents.scans.emplace_back("source " + std::to_string(number), points);
+  return contents;
+}
+
+}  // namespace planish
