@@ -52,7 +52,7 @@ std::string class_name(int number) {
 }
 
 // What is to be known before points are placed.
-struct Survey {
+struct PieceSurvey {
   std::int64_t kept = 0;
   std::uint16_t brightest = 0;  // of all channels
 };
@@ -107,7 +107,7 @@ class LasReader {
 
   void look_at_pieces() {
     for_pieces([&](std::size_t piece, std::size_t begin, std::size_t end) {
-      Survey survey;
+      PieceSurvey survey;
       for (std::size_t i = begin; i < end; ++i) {
         const LasRecord record = las_record(header_, file_.bytes, i);
         if (record.is_left_out()) continue;
@@ -147,7 +147,7 @@ class LasReader {
 
   FileBytes file_;
   LasHeader header_;
-  std::vector<Survey> pieces_;
+  std::vector<PieceSurvey> pieces_;
   PointCloud cloud_;
 };
 

@@ -32,7 +32,7 @@ struct PtxScan {
 
 // Exactly `numbers` of a line.
 template <std::size_t n>
-std::array<double, n> numbers_of(const TextLines& lines, const std::string& what) {
+std::array<double, n> scan_numbers(const TextLines& lines, const std::string& what) {
   std::array<double, n> numbers{};
   Words words(lines.line());
   for (double& number : numbers) {
