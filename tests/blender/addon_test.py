@@ -126,6 +126,29 @@ def test_all_selected():
     assert len(bpy.data.objects) == count + 1
 
 
+def test_colors():
+    """Given colours at given vertices, between them what lies between; of corners' colours the mean."""
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    given = coordinates(cube.data).copy()
+    wanted = 0.25 + 0.5 * (given + 1) / 2
+    for domain, kind in (("POINT", "FLOAT_COLOR"), ("CORNER", "FLOAT_COLOR")):
+        layer = cube.data.color_attributes.new("tint", kind, domain)
+        places = range(8) if domain == "POINT" else [loop.vertex_index for loop in cube.data.loops]
+        for place, vertex in zip(layer.data, places):
+            place.color = (*wanted[vertex], 1)
+        cube.data.color_attributes.active_color = layer
+        result = fit_of(cube)
+        made = np.empty(4 * len(result.data.vertices), np.float32)
+        result.data.color_attributes.active_color.data.foreach_get("color", made)
+        made, vertices = made.reshape(-1, 4), coordinates(result.data)
+        for point, color in zip(given, wanted):
+            nearest = np.linalg.norm(vertices - point, axis=1).argmin()
+            assert np.abs(made[nearest, :3] - color).max() < 1e-5, (domain, made[nearest], color)
+        assert made[:, :3].min() > 0.2499 and made[:, :3].max() < 0.7501 and (made[:, 3] == 1).all()
+        cube.data.color_attributes.remove(layer)
+
+
 def test_names_do_not_grow():
     bpy.ops.mesh.primitive_cube_add()
     cube = bpy.context.object
@@ -200,6 +223,7 @@ def main():
     test_cube()
     test_sharp_edges_and_materials()
     test_all_selected()
+    test_colors()
     test_names_do_not_grow()
     test_settings()
     test_errors(addon)

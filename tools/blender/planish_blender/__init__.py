@@ -3,7 +3,7 @@
 A zip of this folder is installed under Edit > Preferences > Add-ons; the panel stands in the sidebar
 of the 3-D view (N), under planish. The command `planish` does the work: it gets a mesh as OBJ and
 gives the surface as GLB, both through pipes. Edges that are marked sharp or creased stay sharp;
-texture coordinates and materials come along.
+texture coordinates, the active colours and materials come along.
 """
 
 import re

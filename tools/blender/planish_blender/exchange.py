@@ -9,11 +9,38 @@ import numpy as np
 INFINITE_SHARPNESS = 10
 
 
+def vertex_colors(mesh):
+    """Red, green, blue of each vertex by the active colours, linear; the mean of its corners' own. None: no colours."""
+    layer = mesh.color_attributes.active_color
+    if layer is None:
+        return None
+    values = np.empty(4 * len(layer.data), np.float32)
+    layer.data.foreach_get("color", values)
+    values = values.reshape(-1, 4)[:, :3]
+    if layer.domain == "POINT":
+        return values
+    vertices = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    sums = np.zeros((len(mesh.vertices), 3))
+    np.add.at(sums, vertices, values)
+    return sums / np.maximum(1, np.bincount(vertices, minlength=len(sums)))[:, None]
+
+
+def srgb(linear):
+    """What OBJ has, of what Blender and glTF have."""
+    above = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, 12.92 * linear, above)
+
+
 def obj_text(mesh):
     """A Blender mesh as OBJ with OpenSubdiv's tags. Materials are called after their slots."""
     positions = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", positions)
-    lines = ["v %.9g %.9g %.9g" % tuple(p) for p in positions.reshape(-1, 3)]
+    rows, colors = positions.reshape(-1, 3), vertex_colors(mesh)
+    if colors is not None:
+        rows = np.hstack([rows, srgb(colors)])
+    form = "v" + " %.9g" * rows.shape[1]
+    lines = [form % tuple(row) for row in rows]
     layer = mesh.uv_layers.active
     if layer:
         uvs = np.empty(2 * len(mesh.loops), np.float32)
@@ -44,7 +71,7 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 
 def read_glb(data):
-    """Positions, normals, texture coordinates or None, triangles and their materials' names."""
+    """Positions, normals, texture coordinates and colours or None, triangles and their materials' names."""
     if data[:4] != b"glTF":
         raise RuntimeError("the command gave no GLB")
     length = struct.unpack_from("<I", data, 12)[0]
@@ -68,8 +95,9 @@ def read_glb(data):
         triangles = values(primitive["indices"]).reshape(-1, 3).astype(np.int64) + first
         uvs = values(attributes["TEXCOORD_0"]) if "TEXCOORD_0" in attributes else None
         name = names[primitive["material"]] if "material" in primitive else ""
+        colors = values(attributes["COLOR_0"]) if "COLOR_0" in attributes else None
         parts.append((positions, values(attributes["NORMAL"]), uvs, triangles,
-                      [name] * len(triangles)))
+                      [name] * len(triangles), colors))
         first += len(positions)
     offset = document["nodes"][0].get("translation", (0, 0, 0))
     all_uvs = None
@@ -79,6 +107,8 @@ def read_glb(data):
         "positions": np.concatenate([part[0] for part in parts]) + np.array(offset),
         "normals": np.concatenate([part[1] for part in parts]),
         "uvs": all_uvs,
+        "colors": np.concatenate([part[5][:, :3] for part in parts])
+                  if all(part[5] is not None for part in parts) else None,
         "triangles": np.concatenate([part[3] for part in parts]),
         "materials": sum((part[4] for part in parts), []),
         "extras": document["asset"].get("extras", {}),
@@ -119,6 +149,10 @@ def build_mesh(name, surface):
     if surface["uvs"] is not None:
         layer = mesh.uv_layers.new(name="UVMap")
         layer.data.foreach_set("uv", surface["uvs"][corners].astype(np.float32).ravel())
+    if surface["colors"] is not None:
+        rows = np.ones((len(firsts), 4), np.float32)
+        rows[:, :3] = surface["colors"][firsts]
+        mesh.color_attributes.new("Color", "FLOAT_COLOR", "POINT").data.foreach_set("color", rows.ravel())
     mesh.update()
     mesh.use_auto_smooth = True  # or Blender leaves custom normals out
     mesh.normals_split_custom_set(surface["normals"][corners].tolist())
