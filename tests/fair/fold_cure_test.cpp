@@ -10,6 +10,7 @@
 
 #include "fair/cure_meshes.h"
 #include "fair/fair_case.h"
+#include "planish/fair/cured_nets.h"
 #include "planish/fair/net_samples.h"
 #include "planish/fair/vertex_frame.h"
 #include "planish/mesh/check.h"
@@ -131,6 +132,26 @@ TEST(FoldCure, RepeatsItsDecisions) {
       fair_net(c.mesh, c.subdivision, c.given, {.polish_steps = 8, .decisions = &net.decisions});
   EXPECT_EQ(net.state, again.state);
   EXPECT_EQ(net.cured_vertices, again.cured_vertices);
+}
+
+// What comes before the cure is made once: each net is that of its decisions, not of the last ones.
+TEST(FoldCure, RepeatsWithOtherCures) {
+  const FairCase c(needle_rod(72, 30));
+  FairDecisions decisions = c.net(8).decisions;
+  CuredNets nets(c.mesh, c.subdivision, c.given, {.polish_steps = 8});
+  const FairDecisions first = decisions;
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t v = static_cast<std::size_t>(round); v < decisions.cures.size(); v += 3)
+      ++decisions.cures[v];
+    const FairNet expected =
+        fair_net(c.mesh, c.subdivision, c.given, {.polish_steps = 8, .decisions = &decisions});
+    const FairNet net = nets.net(decisions);
+    EXPECT_EQ(net.state, expected.state) << round;
+    EXPECT_EQ(net.decisions.leans, expected.decisions.leans) << round;
+    EXPECT_EQ(net.flagged_edges, expected.flagged_edges) << round;
+    EXPECT_EQ(net.flagged_faces, expected.flagged_faces) << round;
+  }
+  EXPECT_EQ(nets.net(first).state, c.net(8).state);
 }
 
 // Control points of a mesh that bends, twists and shears, with the decisions of its rest pose.

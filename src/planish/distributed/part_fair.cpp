@@ -12,6 +12,7 @@
 #include "planish/core/parallel.h"
 #include "planish/doosabin/sharp_features.h"
 #include "planish/doosabin/subdivision.h"
+#include "planish/fair/cured_nets.h"
 #include "planish/fair/fair_net.h"
 #include "planish/fair/hub_ellipse.h"
 #include "planish/mesh/convex_faces.h"
@@ -76,9 +77,12 @@ std::int64_t count_concave(const SubMesh& sub, PartHalo& halo) {
 }
 
 FairNet make_net(const PartMesh& mesh, PartHalo& halo, const PartFairOptions& options) {
+  const FairOptions fair{options.fit.polish_steps, {}, nullptr, options.fit.cures_folds, &halo};
+  std::optional<CuredNets> nets;
   const auto net_of = [&](const FairDecisions* decisions) {
-    return fair_net(mesh.sub.mesh, mesh.subdivision, mesh.given,
-                    {options.fit.polish_steps, {}, decisions, options.fit.cures_folds, &halo});
+    if (!decisions) return fair_net(mesh.sub.mesh, mesh.subdivision, mesh.given, fair);
+    if (!nets) nets.emplace(mesh.sub.mesh, mesh.subdivision, mesh.given, fair);
+    return nets->net(*decisions);
   };
   if (!options.fit.cures_folds) return net_of(nullptr);
   std::optional<DeepLook> look;

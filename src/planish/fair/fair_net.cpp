@@ -5,7 +5,10 @@
 #include "planish/fair/fair_net.h"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "planish/core/assert.h"
 #include "planish/core/host_scope.h"
@@ -13,6 +16,7 @@
 #include "planish/fair/corner_offsets.h"
 #include "planish/fair/crease_handle.h"
 #include "planish/fair/crease_sector.h"
+#include "planish/fair/cured_nets.h"
 #include "planish/fair/fair_topology.h"
 #include "planish/fair/fold_cure.h"
 #include "planish/fair/fold_repair.h"
@@ -210,27 +214,22 @@ void require_valid(const FairOptions& options) {
                                               std::to_string(kMostPolishSteps));
 }
 
-FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
-                 std::span<const dvec3> given, const FairOptions& options) {
-  require_valid(options);
-  PLANISH_ASSERT(given.size() == mesh.positions.size());
-  if (const FairDecisions* decisions = options.decisions) {
-    PLANISH_ASSERT(decisions->reversed.size() == given.size());
-    PLANISH_ASSERT(decisions->halvings.size() == given.size());
-    PLANISH_ASSERT(decisions->late_halvings.size() == given.size());
-    PLANISH_ASSERT(decisions->cures.size() == given.size());
-    PLANISH_ASSERT(decisions->leans.empty() || decisions->leans.size() == given.size());
-    PLANISH_ASSERT(decisions->ellipses.empty() || decisions->ellipses.size() == given.size());
-  }
-  const HostScope host(options.callbacks);
-  options.callbacks.report("solve", 0);
-  const FairTopology topology = make_fair_topology(mesh, subdivision, options.halo);
+namespace {
 
-  FairNet net;
-  FairDecisions& decisions = net.decisions;
+void require_sizes(const FairDecisions& decisions, std::size_t vertices) {
+  PLANISH_ASSERT(decisions.reversed.size() == vertices);
+  PLANISH_ASSERT(decisions.halvings.size() == vertices);
+  PLANISH_ASSERT(decisions.late_halvings.size() == vertices);
+  PLANISH_ASSERT(decisions.cures.size() == vertices);
+  PLANISH_ASSERT(decisions.leans.empty() || decisions.leans.size() == vertices);
+  PLANISH_ASSERT(decisions.ellipses.empty() || decisions.ellipses.size() == vertices);
+}
+
+// All but the cure. Returns the rounds of repair.
+std::int32_t build_uncured(NetBuilder& builder, const FairOptions& options,
+                           FairDecisions& decisions) {
+  const FairTopology& topology = builder.topology;
   const bool decided = options.decisions != nullptr;
-  if (decided) decisions = *options.decisions;
-  NetBuilder builder{topology, given, options.halo};
   options.callbacks.report("solve", 0.1);
   builder.prepare();
   builder.build_polygons(decisions.reversed, share_of(options.callbacks, 0.3, 0.6));
@@ -244,29 +243,94 @@ FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
     const std::vector<dvec3> directions =
         polish_directions(topology, builder.normals, builder.shares);
     BendingRows bending =
-        make_bending_rows(topology, given, directions, builder.offsets, options.halo);
+        make_bending_rows(topology, builder.given, directions, builder.offsets, options.halo);
     apply_heights(topology, directions,
                   polish_heights(topology, std::move(bending), options.polish_steps, options.halo),
                   builder.offsets);
     builder.exchange_state();
     repairs += settle_folds(builder, decided, decisions.late_halvings);
   } else if (!decided) {
-    decisions.late_halvings.assign(given.size(), 0);
+    decisions.late_halvings.assign(builder.given.size(), 0);
   }
   options.callbacks.report("solve", 0.9);
   builder.build_curve_points();
-  const FoldCount folds = settle_cure(builder, options, decisions);
+  return repairs;
+}
+
+// Takes the builder's offsets.
+FairNet cured(NetBuilder& builder, const FairOptions& options, FairDecisions decisions) {
+  FairNet net;
+  net.decisions = std::move(decisions);
+  const FoldCount folds = settle_cure(builder, options, net.decisions);
   builder.build_dart_points();
   builder.exchange_state();
-  net.rounds.repair = repairs;
+  net.rounds.repair = 0;
   net.rounds.cure = folds.rounds;
   net.flagged_edges = folds.edges;
   net.flagged_faces = folds.faces;
   count_decisions(net, options.halo);
   net.state = std::move(builder.offsets);
-  add_given_points(topology, given, net.state);
+  add_given_points(builder.topology, builder.given, net.state);
   options.callbacks.report("solve", 1);
   return net;
+}
+
+}  // namespace
+
+FairNet fair_net(const PolygonMesh& mesh, const Subdivision& subdivision,
+                 std::span<const dvec3> given, const FairOptions& options) {
+  require_valid(options);
+  PLANISH_ASSERT(given.size() == mesh.positions.size());
+  if (options.decisions) require_sizes(*options.decisions, given.size());
+  const HostScope host(options.callbacks);
+  options.callbacks.report("solve", 0);
+  const FairTopology topology = make_fair_topology(mesh, subdivision, options.halo);
+  NetBuilder builder{topology, given, options.halo};
+  FairDecisions decisions = options.decisions ? *options.decisions : FairDecisions{};
+  const std::int32_t repairs = build_uncured(builder, options, decisions);
+  FairNet net = cured(builder, options, std::move(decisions));
+  net.rounds.repair = repairs;
+  return net;
+}
+
+struct CuredNets::Parts {
+  Parts(const PolygonMesh& mesh, const Subdivision& subdivision, std::span<const dvec3> given,
+        const FairOptions& of)
+      : options(of),
+        topology(make_fair_topology(mesh, subdivision, of.halo)),
+        builder{topology, given, of.halo} {}
+
+  FairOptions options;
+  FairTopology topology;
+  NetBuilder builder;
+  std::optional<std::vector<dvec3>> uncured;  // a part of a mesh may have none
+};
+
+CuredNets::CuredNets(const PolygonMesh& mesh, const Subdivision& subdivision,
+                     std::span<const dvec3> given, const FairOptions& options) {
+  require_valid(options);
+  PLANISH_ASSERT(given.size() == mesh.positions.size());
+  parts_ = std::make_unique<Parts>(mesh, subdivision, given, options);
+}
+CuredNets::~CuredNets() = default;
+
+FairNet CuredNets::net(const FairDecisions& decisions, const Callbacks& callbacks) {
+  Parts& parts = *parts_;
+  require_sizes(decisions, parts.builder.given.size());
+  const HostScope host(callbacks);
+  FairOptions options = parts.options;
+  options.callbacks = callbacks;
+  options.decisions = &decisions;
+  FairDecisions own = decisions;
+  if (parts.uncured) {
+    parts.builder.offsets = *parts.uncured;
+  } else {
+    build_uncured(parts.builder, options, own);
+    parts.uncured = parts.builder.offsets;
+    parts.builder.shares = {};
+    parts.builder.points = {};
+  }
+  return cured(parts.builder, options, std::move(own));
 }
 
 }  // namespace planish

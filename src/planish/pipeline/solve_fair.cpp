@@ -10,6 +10,7 @@
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
+#include "planish/fair/cured_nets.h"
 #include "planish/fair/fair_builder.h"
 #include "planish/fair/hub_ellipse.h"
 #include "planish/mesh/convex_faces.h"
@@ -83,12 +84,19 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
   RoundParts rounds(options.callbacks, 0.75);
   Callbacks round;
   std::optional<DeepLook> look;
+  std::optional<CuredNets> nets;  // a device makes each net whole
+  const bool on_device = dynamic_cast<FairBuilder*>(&backend) != nullptr;
   return deeply_cured_net(
       {.make_net =
            [&](const FairDecisions* decisions) {
              round = rounds.next();
-             return make_net(mesh, subdivision, given, backend, options,
-                             share_of(round, 0, kNetMade), decisions);
+             const Callbacks callbacks = share_of(round, 0, kNetMade);
+             if (!decisions || on_device)
+               return make_net(mesh, subdivision, given, backend, options, callbacks, decisions);
+             if (!nets)
+               nets.emplace(mesh, subdivision, given,
+                            FairOptions{.polish_steps = options.polish_steps});
+             return nets->net(*decisions, callbacks);
            },
        .folds_of = [&](FairNet& net) -> DeepFolds {
          if (net.decisions.cures.size() != given.size()) return {};
