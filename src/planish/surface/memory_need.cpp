@@ -2,6 +2,10 @@
 
 #include <sys/resource.h>
 #include <unistd.h>
+#ifdef __EMSCRIPTEN__
+#include <emscripten/heap.h>
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <fstream>
@@ -139,6 +143,9 @@ std::uint64_t tessellation_bytes(std::span<const LevelCounts> levels, LastLevel 
 }
 
 std::uint64_t available_memory_bytes() {
+#ifdef __EMSCRIPTEN__
+  return ::emscripten_get_heap_max() - ::mallinfo().uordblks;
+#endif
   std::uint64_t available = address_space_left();
   std::ifstream file("/proc/meminfo");
   std::string key, unit;

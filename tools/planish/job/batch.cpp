@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "build_info.h"
+#include "job/threads.h"
 #include "output/staged_files.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"
@@ -158,7 +159,8 @@ std::vector<JobOutcome> run_batch(const std::vector<PlannedJob>& jobs, const Dev
     }
   };
   const auto workers =
-      std::min<std::size_t>(static_cast<std::size_t>(options.workers), jobs.size());
+      kHasThreads ? std::min<std::size_t>(static_cast<std::size_t>(options.workers), jobs.size())
+                  : 1;
   {
     std::vector<std::jthread> threads;
     for (std::size_t i = 1; i < workers; ++i) threads.emplace_back(work);

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "job/threads.h"
 #include "output/digest.h"
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
@@ -66,11 +67,12 @@ InputFile load_input(const std::string& path, std::optional<FileFormat> format,
   }
   file.format = settled_format(file, format);
   // The digest takes as long as a reader: beside it. Moving the file leaves its bytes in place.
-  file.digest = std::async(std::launch::async, [bytes = std::span<const std::byte>(file.bytes),
-                                                stop = AdoptedStop::current()] {
-    const AdoptedStop adopted(stop);
-    return sha256(bytes);
-  });
+  file.digest =
+      std::async(kHasThreads ? std::launch::async : std::launch::deferred,
+                 [bytes = std::span<const std::byte>(file.bytes), stop = AdoptedStop::current()] {
+                   const AdoptedStop adopted(stop);
+                   return sha256(bytes);
+                 });
   return file;
 }
 

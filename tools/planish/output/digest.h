@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -14,7 +16,8 @@ class Sha256 {
   Sha256();
   ~Sha256();
   void add(std::span<const std::byte> bytes);
-  /// In lower-case hexadecimal; the last call.
+  /// Either is the last call; text is in lower-case hexadecimal.
+  [[nodiscard]] std::array<std::uint8_t, 32> finish_bytes();
   [[nodiscard]] std::string finish();
 
  private:
@@ -22,7 +25,10 @@ class Sha256 {
   std::unique_ptr<Context> context_;
 };
 
-/// SHA-256 in lower-case hexadecimal.
+/// The same of bytes at hand.
+[[nodiscard]] std::array<std::uint8_t, 32> sha256_bytes(std::span<const std::byte> bytes);
+
+/// In lower-case hexadecimal.
 [[nodiscard]] std::string sha256(std::span<const std::byte> bytes);
 
 /// The same of a whole file, and its length. Throws Error{UnreadableInput}.

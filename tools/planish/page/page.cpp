@@ -1,11 +1,10 @@
 #include "page/page.h"
 
-#include <openssl/evp.h>
-
 #include <algorithm>
-#include <array>
 #include <map>
+#include <span>
 
+#include "output/digest.h"
 #include "page/page_coding.h"
 #include "page/page_section.h"
 #include "page/page_text.h"
@@ -21,11 +20,7 @@ using Json = nlohmann::ordered_json;
 
 // What a browser compares an inline script or style with before it takes it.
 std::string csp_hash(std::string_view text) {
-  std::array<std::uint8_t, 32> digest{};
-  unsigned int length = 0;
-  PLANISH_ASSERT(
-      EVP_Digest(text.data(), text.size(), digest.data(), &length, EVP_sha256(), nullptr) == 1);
-  return "'sha256-" + base64_text(digest) + "'";
+  return "'sha256-" + base64_text(sha256_bytes(std::as_bytes(std::span(text)))) + "'";
 }
 
 std::string content_security() {

@@ -10,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include "job/threads.h"
 #include "planish/core/error.h"
 #include "terminal/console.h"
 #include "terminal/exit_codes.h"
@@ -69,6 +70,7 @@ void install_signal_handlers(MessageStyle style) {
   ending_style = style;
   sem_init(&signalled, 0, 0);
   (void)watch();
+  if constexpr (!kHasThreads) return;  // the engine's own end of a script
   std::thread(wait_for_signal).detach();
   struct sigaction action {};
   action.sa_handler = note_signal;
