@@ -28,3 +28,8 @@ docs_packages="doxygen graphviz"
 
 # To check format and faults.
 check_packages="clang-format clang-tidy"
+
+# To compile to WebAssembly, beside what tools/wasm/setup.sh fetches; and the packages whose sources are compiled so.
+wasm_packages="clang-19 lld-19 llvm-19 dpkg-dev cmake ninja-build python3 libosd-dev libglm-dev libtinygltf-dev
+  libmeshoptimizer-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libstb-dev"
+wasm_sources="libosd-dev libmeshoptimizer-dev zlib1g-dev"

@@ -133,7 +133,8 @@ def dead_headers(texts):
     used = {pathlib.PurePath(path).name for text in texts.values() for path in included(text)}
     for name in texts:
         if name.endswith(".h") and pathlib.PurePath(name).name not in used:
-            if name != "src/planish/planish.h":
+            # The toolchain of WebAssembly includes these, and they are included by <>.
+            if name != "src/planish/planish.h" and not name.startswith("tools/wasm/"):
                 yield f"{name}: nobody includes it"
 
 

@@ -1,0 +1,95 @@
+"""check_page.py PAGE [PICTURES]: the page, opened from disk in a browser without a network: fits its goblet and files
+that are given to it, says what is wrong with others, stops; desktop, phone, dark. PICTURES: a folder for pictures."""
+import base64
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
+import browser as browsers  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+READY = "!document.getElementById('result').hidden && document.getElementById('stop').hidden"
+ERROR = "!document.getElementById('error').hidden && document.getElementById('error').textContent"
+
+
+def check(true, words):
+    if not true:
+        sys.exit(f"failed: {words}")
+
+
+def give(tab, *files):
+    """Pastes files: (name, bytes)."""
+    made = ",".join(f"new File([Uint8Array.from(atob('{base64.b64encode(data).decode()}'),"
+                    f"c=>c.charCodeAt(0))],'{name}')" for name, data in files)
+    tab.evaluate(f"(()=>{{const t=new DataTransfer();for(const f of [{made}])t.items.add(f);"
+                 "document.getElementById('files').files=t.files;"
+                 "document.getElementById('files').dispatchEvent(new Event('change'));})()")
+    tab.wait("!document.getElementById('fit').disabled || !document.getElementById('error').hidden")
+
+
+def picture(tab, folder, name):
+    if folder:
+        data = tab.call("Page.captureScreenshot", format="png")["data"]
+        (folder / name).write_bytes(base64.b64decode(data))
+
+
+def problems(browser):
+    return [event for event in browser.events
+            if event.get("method") == "Runtime.exceptionThrown"
+            or event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] == "error"]
+
+
+def main():
+    page = pathlib.Path(sys.argv[1])
+    folder = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
+    if not browsers.find():
+        print("skipped: no browser is installed")
+        return
+    with browsers.Browser(browsers.SOFTWARE_GL, seconds=120) as browser:
+        for name, options in [("desktop", {}), ("phone", {"size": (390, 800)}), ("dark", {"scheme": "dark"})]:
+            tab = browser.open(page, **options)
+            tab.wait("location.protocol === 'file:' && document.readyState === 'complete'")
+            tab.call("Network.emulateNetworkConditions", offline=True, latency=0, downloadThroughput=-1,
+                     uploadThroughput=-1)
+            picture(tab, folder, f"{name}_start.png")
+            check(tab.evaluate("document.documentElement.scrollWidth <= innerWidth"), f"{name}: wider than the window")
+            tab.evaluate("document.getElementById('example').click()")
+            tab.wait(READY, seconds=120)
+            links = tab.evaluate("[...document.querySelectorAll('#downloads a')].map(a=>a.download).join()")
+            check(links == "goblet.glb,report.json,goblet.html", f"links: {links}")
+            check(tab.evaluate("document.querySelector('#downloads a').textContent.includes('MB')"), "its size")
+            glb = tab.evaluate("fetch(document.querySelector('#downloads a').href).then(r=>r.text(),e=>'refused')")
+            check(glb == "refused", "the policy lets a page fetch")
+            tab.wait("true")
+            picture(tab, folder, f"{name}_result.png")
+            tab.close()
+
+        tab = browser.open(page)
+        tab.wait("location.protocol === 'file:' && document.readyState === 'complete'")
+        for bad, words in [(("bad.obj", b"v 0 0 0\nf 1 2 3\n"), "bad.obj:2: face names vertex 3 of 1"),
+                           (("cloud.xyz", b"0 0 0\n"), "planish fit cloud.xyz"),
+                           (("picture.bmp", b"BM"), "no format")]:
+            give(tab, bad)
+            tab.evaluate("document.getElementById('fit').click()")
+            said = tab.wait(ERROR)
+            check(words in said, said)
+        # Several at once, with a cage; each is in the one report page.
+        obj = (ROOT / "scenes/goblet.obj").read_bytes()
+        give(tab, ("a.obj", obj), ("b c.obj", obj))
+        tab.evaluate("document.getElementById('cage').click();document.getElementById('levels').value='0';"
+                     "document.getElementById('fit').click()")
+        tab.wait(READY, seconds=120)
+        links = tab.evaluate("[...document.querySelectorAll('#downloads a')].map(a=>a.download).sort().join()")
+        check("a.glb" in links and "b c.glb" in links and "cage" in links, f"links: {links}")
+        # Stop ends it at once.
+        give(tab, ("goblet.obj", obj))
+        tab.evaluate("document.getElementById('levels').value='4';document.getElementById('fit').click()")
+        tab.wait("!document.getElementById('stop').hidden")
+        tab.evaluate("document.getElementById('stop').click()")
+        check("Stopped" in tab.wait(ERROR), "stop")
+        bad = [event for event in problems(browser) if "Fetch API cannot load" not in str(event)]  # asked for above
+        check(not bad, f"the console says {bad}")
+    print("the page fits, refuses, stops")
+
+
+main()

@@ -1,0 +1,226 @@
+// The npm package as its users have it: packed, installed into an empty folder, imported by name.
+// PLANISH_NPM: the folder that tools/wasm makes.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { cpSync, existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { fileURLToPath, pathToFileURL } from 'node:url';
+
+const root = fileURLToPath(new URL('../../', import.meta.url));
+const modules = join(root, 'tests/files/gltf/node_modules');
+const folder = mkdtempSync(join(tmpdir(), 'planish-npm-'));
+const installed = (name) => import(pathToFileURL(join(folder, 'node_modules/planish', name)));
+const scene = (name) => new Uint8Array(readFileSync(join(root, 'scenes', name)));
+const cube = {
+  positions: [-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1],
+  faces: [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+};
+const diagonal = 2 * Math.sqrt(3);
+let library, planish;
+
+before(async () => {
+  const packed = execFileSync('npm', ['pack', '--silent', '--pack-destination', folder, process.env.PLANISH_NPM],
+    { encoding: 'utf8' }).trim();
+  writeFileSync(join(folder, 'package.json'), '{"type": "module", "private": true}');
+  execFileSync('npm', ['install', '--silent', '--offline', '--no-audit', '--no-fund', join(folder, packed)], { cwd: folder });
+  if (existsSync(join(modules, 'three'))) cpSync(join(modules, 'three'), join(folder, 'node_modules/three'), { recursive: true });
+  library = await installed('index.js');
+  planish = await library.load();
+});
+after(() => rmSync(folder, { recursive: true, force: true }));
+
+function refused(call, code, words) {
+  assert.throws(call, (error) => error instanceof library.PlanishError && error.code === code && words.test(error.message) ||
+    assert.fail(`${error.code}: ${error.message}`));
+}
+
+test('the surface passes through the vertices', () => {
+  for (const method of ['progressive', 'fair']) {
+    const fit = planish.fit(cube, { method });
+    assert.equal(fit.info.method, method);
+    const surface = fit.evaluate(2);
+    assert.equal(surface.indices.length, 6 * 6 * 16);
+    surface.baseVertices.forEach((vertex, i) => {
+      for (let d = 0; d < 3; ++d)
+        assert.ok(Math.abs(surface.positions[3 * i + d] - cube.positions[3 * vertex + d]) < 2e-6 * diagonal);
+    });
+    for (let i = 0; i < surface.normals.length; i += 3)
+      assert.ok(Math.abs(Math.hypot(...surface.normals.subarray(i, i + 3)) - 1) < 1e-6);
+    fit.dispose();
+    refused(() => fit.evaluate(1), 'INVALID_ARGUMENT', /disposed/);
+  }
+});
+
+test('triangles are closed and turned outwards', () => {
+  const fit = planish.fit(cube);
+  for (const surface of [fit.evaluate(2), fit.tessellate({ chordError: 1e-3 })]) {
+    const edges = new Map();
+    let volume = 0;
+    const at = (i) => surface.positions.subarray(3 * i, 3 * i + 3);
+    for (let t = 0; t < surface.indices.length; t += 3) {
+      const [a, b, c] = surface.indices.subarray(t, t + 3);
+      for (const [from, to] of [[a, b], [b, c], [c, a]]) edges.set(`${from} ${to}`, (edges.get(`${from} ${to}`) ?? 0) + 1);
+      const [p, q, r] = [at(a), at(b), at(c)];
+      volume += (p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2]) + p[2] * (q[0] * r[1] - q[1] * r[0])) / 6;
+    }
+    for (const [edge, count] of edges) {
+      assert.equal(count, 1);
+      assert.ok(edges.has(edge.split(' ').reverse().join(' ')));
+    }
+    assert.ok(volume > 8, 'more than the cube inside');
+  }
+});
+
+test('far from the origin nothing is lost', () => {
+  const far = { ...cube, positions: cube.positions.map((x) => x + 1e8) };
+  const near = planish.fit(cube).evaluate(1), moved = planish.fit(far).evaluate(1, { origin: 'center' });
+  near.positions.forEach((x, i) => assert.ok(Math.abs(x - (moved.positions[i] + moved.origin[i % 3] - 1e8)) < 1e-5));
+});
+
+test('closest points and rays', () => {
+  const fit = planish.fit(cube);
+  const closest = fit.closest([...cube.positions, 0, 0, 9]);
+  for (let i = 0; i < 8; ++i) assert.ok(closest.distances[i] < 2e-6 * diagonal);
+  assert.ok(Math.abs(closest.positions[26] + closest.distances[8] - 9) < 1e-9);
+  const rays = fit.rays([0, 0, 9, 0, 50, 9], [0, 0, -2, 0, 0, -1]);
+  assert.ok(Math.abs(2 * rays.t[0] - closest.distances[8]) < 1e-9);
+  assert.equal(rays.faces[1], -1);
+});
+
+test('a cage is fitted to its own surface', () => {
+  const cage = planish.fit(cube, { method: 'progressive' }).cage();
+  const arrays = cage.arrays();
+  assert.equal(arrays.faceSizes.length, 6);
+  assert.ok(arrays.positions[0] < -1.2, 'outside of the cube');
+});
+
+test('what rides along', () => {
+  const fit = planish.fit({
+    ...cube, uvs: [0, 0, 1, 0, 1, 1, 0, 1], faceUvs: cube.faces.flatMap(() => [0, 1, 2, 3]),
+    colors: cube.positions.flatMap((x, i) => (i % 3 ? [] : [1, 0, 0.5, 1])),
+    groups: [{ name: 'low', material: 'clay' }, { name: 'rest' }], faceGroups: [0, 1, 1, 1, 1, 1],
+  });
+  const surface = fit.evaluate(2);
+  assert.deepEqual(surface.groups[0], { name: 'low', material: 'clay' });
+  assert.equal(surface.faceGroups.filter((group) => group === 0).length, 16);
+  assert.equal(surface.faceUvs.length, surface.faceVertices.length);
+  assert.ok(surface.uvs.every((x) => x >= -1e-9 && x <= 1 + 1e-9));
+  assert.ok(surface.colors.every((x, i) => Math.abs(x - [1, 0, 0.5, 1][i % 4]) < 1e-6));
+});
+
+test('files', () => {
+  const mesh = planish.read(scene('goblet.obj'), 'goblet.obj');
+  const fit = planish.fit(mesh);
+  assert.equal(fit.info.vertexCount, 8194);
+  const glb = fit.glb(1);
+  assert.equal(new TextDecoder().decode(glb.subarray(0, 4)), 'glTF');
+  assert.ok(planish.read(glb, 'again.glb').arrays().positions.length >= 3 * 8194);
+  assert.match(new TextDecoder().decode(fit.write('x.obj', 0)), /^v /m);
+});
+
+test('errors say what, where and which', () => {
+  const bytes = (text) => new TextEncoder().encode(text);
+  refused(() => planish.fit({ positions: [0, 0, 0, 1, 0, 0], faces: [[0, 1, 7]] }), 'UNUSABLE_MESH', /face 0 names vertex 7 of 2/);
+  refused(() => planish.fit(cube, { tolerance: -1 }), 'INVALID_ARGUMENT', /tolerance.*1e-6/);
+  refused(() => planish.fit(cube, { method: 'best' }), 'INVALID_ARGUMENT', /"best" is none of auto/);
+  refused(() => planish.fit(cube, { speed: 1 }), 'INVALID_ARGUMENT', /"speed" is no option/);
+  refused(() => planish.fit({ ...cube, faces: [[0, 1, 2.5]] }), 'INVALID_ARGUMENT', /2.5/);
+  refused(() => planish.fit({ positions: [1, 2] }), 'INVALID_ARGUMENT', /multiple of 3/);
+  refused(() => planish.fit(cube).evaluate(9), 'INVALID_ARGUMENT', /0 to 6/);
+  refused(() => planish.read(bytes('v 1 2\n'), 'bad.obj'), 'UNREADABLE_INPUT', /^bad.obj:1: vertex has 2/);
+  refused(() => planish.fit(cube).write('x.step'), 'INVALID_ARGUMENT', /x.step/);
+});
+
+test('headers that promise more than there can be take no memory', () => {
+  const bytes = (text) => new TextEncoder().encode(text);
+  const count = 2 ** 33;
+  const ply = (vertices, faces) => bytes(`ply\nformat binary_little_endian 1.0\nelement vertex ${vertices}\nproperty double x\n` +
+    `property double y\nproperty double z\nelement face ${faces}\nproperty list uchar int vertex_indices\nend_header\n`);
+  for (const file of [ply(count, 1), ply(3, count), ply(count + 3, 1)])
+    refused(() => planish.read(file, 'large.ply'), 'UNREADABLE_INPUT', /large.ply/);
+  refused(() => planish.read(bytes(`OFF\n${count} 1 0\n0 0 0\n`), 'large.off'), 'UNREADABLE_INPUT', /large.off/);
+  const stl = new Uint8Array(84);
+  new DataView(stl.buffer).setUint32(80, 0xffffffff, true);
+  refused(() => planish.read(stl, 'large.stl'), 'UNREADABLE_INPUT', /large.stl/);
+});
+
+test('progress rises to 1 and cancels', () => {
+  const parts = [];
+  planish.fit(cube, { progress: (step, part) => void parts.push(part) });
+  assert.ok(parts.every((part, i) => i === 0 || part >= parts[i - 1]));
+  assert.equal(parts.at(-1), 1);
+  refused(() => planish.fit(cube, { progress: () => false }), 'CANCELLED', /cancelled/);
+  assert.throws(() => planish.fit(cube, { progress: () => { throw new Error('of the caller'); } }), /of the caller/);
+});
+
+test('memory comes back', () => {
+  const mesh = planish.read(scene('goblet.obj'), 'goblet.obj');
+  const glb = () => {
+    const fit = planish.fit(mesh);
+    const bytes = fit.glb(2);
+    fit.dispose();
+    return bytes;
+  };
+  const first = glb();
+  for (let i = 0; i < 5; ++i) assert.deepEqual(glb(), first);
+});
+
+test('a worker works and stops', async () => {
+  const { PlanishWorker } = await installed('worker.js');
+  const worker = await PlanishWorker.create();
+  const bytes = scene('goblet.obj');
+  let calls = 0;
+  const fit = await worker.fit({ bytes, name: 'goblet.obj' }, { progress: () => void ++calls });
+  assert.ok(calls > 0);
+  assert.deepEqual((await fit.evaluate(1)).positions, planish.fit(planish.read(bytes, 'goblet.obj')).evaluate(1).positions);
+  await assert.rejects(fit.evaluate(11), (error) => error.code === 'INVALID_ARGUMENT');
+  const stopped = worker.fit({ bytes, name: 'goblet.obj' });
+  setTimeout(() => worker.stop(), 20);
+  await assert.rejects(stopped, (error) => error.code === 'CANCELLED');
+  await assert.rejects(worker.fit(cube), (error) => error.code === 'CANCELLED');
+});
+
+test('three.js geometries', { skip: !existsSync(join(modules, 'three')) && 'three is not installed' }, async () => {
+  const { BoxGeometry } = await import(pathToFileURL(join(folder, 'node_modules/three/build/three.module.js')));
+  const { fromGeometry, toGeometry } = await installed('three.js');
+  const box = new BoxGeometry(2, 2, 2);
+  const mesh = fromGeometry(box);
+  assert.equal(mesh.positions.length, 3 * 8, 'the 24 that it has are one again');
+  const fit = planish.fit(mesh);
+  const surface = fit.evaluate(2);
+  const geometry = toGeometry(surface);
+  assert.deepEqual(geometry.groups.map((group) => group.materialIndex), [0, 1, 2, 3, 4, 5]);
+  assert.equal(geometry.groups.reduce((sum, group) => sum + group.count, 0), geometry.getIndex().count);
+  // Each side's own texture: 0 to 1, and positions as the surface has them.
+  const uv = geometry.getAttribute('uv');
+  for (let i = 0; i < uv.count; ++i) assert.ok(uv.getX(i) > -1e-6 && uv.getX(i) < 1 + 1e-6);
+  geometry.computeBoundingSphere();
+  assert.ok(geometry.boundingSphere.radius < 2);
+});
+
+test("the README's first example runs as it stands", () => {
+  const text = readFileSync(join(folder, 'node_modules/planish/README.md'), 'utf8').match(/```js\n([^]*?)```/)[1];
+  writeFileSync(join(folder, 'example.js'), `${text}\nconsole.log(positions.length, file.length, nearest[2]);\n`);
+  const [positions, file, top] = execFileSync('node', ['example.js'], { cwd: folder, encoding: 'utf8' }).split(' ');
+  assert.equal(Number(positions), 3 * 98);
+  assert.ok(Number(file) > 1000 && Number(top) > 1);
+});
+
+test('npx planish is the command', () => {
+  const run = (...given) => execFileSync('npx', ['--no-install', 'planish', ...given], { cwd: folder, encoding: 'utf8', stdio: 'pipe' });
+  writeFileSync(join(folder, 'g.obj'), scene('goblet.obj'));
+  run('fit', 'g.obj', '-o', 'out.glb', '--page', 'p.html', '--report', 'r.json');
+  for (const file of ['out.glb', 'p.html']) assert.ok(existsSync(join(folder, file)));
+  assert.equal(JSON.parse(readFileSync(join(folder, 'r.json'))).jobs?.length ?? 1, 1);
+  assert.throws(() => run('fit', 'g.obj', '-o', 'out.glb'), (error) => error.status === 7 && /--force/.test(error.stderr));
+  writeFileSync(join(folder, 'points.xyz'), '0 0 0\n1 0 0\n0 1 0\n0 0 1\n');
+  assert.throws(() => run('fit', 'points.xyz', '-o', 'points.glb'), (error) => /planish-reconstruct/.test(error.stderr));
+});
+
+test('what is compiled in has its notices', () => {
+  const notices = readFileSync(join(folder, 'node_modules/planish/NOTICES.txt'), 'utf8');
+  for (const name of ['planish', 'libosd-dev', 'libglm-dev', 'nlohmann', 'tinygltf', 'meshoptimizer', 'zlib', 'cli11', 'stb', 'emscripten', 'musl'])
+    assert.match(notices, new RegExp(name, 'i'));
+});

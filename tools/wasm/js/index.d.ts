@@ -1,0 +1,140 @@
+/** Codes of the C header's statuses. */
+export type PlanishCode = 'INTERNAL_ERROR' | 'INVALID_ARGUMENT' | 'UNREADABLE_INPUT' | 'UNUSABLE_MESH' | 'NO_MEMORY' |
+  'UNWRITABLE_OUTPUT' | 'CANCELLED';
+
+/** `message` says what, where, the value and the remedy; `element` is the face, vertex or byte, or -1. */
+export class PlanishError extends Error {
+  constructor(message: string, code: PlanishCode, element?: number);
+  code: PlanishCode;
+  element: number;
+}
+
+/** What rides on a mesh or surface. */
+export interface Riders {
+  /** u, v of each texture coordinate; faceUvs: the number of one for each corner of the faces, -1: none. */
+  uvs?: ArrayLike<number>;
+  faceUvs?: ArrayLike<number>;
+  /** Linear R, G, B, A of each vertex. */
+  colors?: ArrayLike<number>;
+  groups?: { name: string; material?: string }[];
+  /** The group of each face. */
+  faceGroups?: ArrayLike<number>;
+}
+
+/** Polygons, counter-clockwise seen from outside. One of faces, indices (triangles), faceSizes with faceVertices. */
+export interface MeshArrays extends Riders {
+  /** x, y, z of each vertex. */
+  positions: ArrayLike<number>;
+  faces?: ArrayLike<number>[];
+  indices?: ArrayLike<number>;
+  faceSizes?: ArrayLike<number>;
+  faceVertices?: ArrayLike<number>;
+  /** Pairs of vertices whose edge stays sharp. */
+  creases?: ArrayLike<number> | [number, number][];
+  /** Vertices that stay sharp. */
+  corners?: ArrayLike<number>;
+}
+
+/** Those of `planish fit`; defaults are the same. */
+export interface FitOptions {
+  method?: 'auto' | 'progressive' | 'fair';
+  scheme?: 'doo-sabin' | 'catmull-clark' | 'loop';
+  /** Largest error, of the bounding box's diagonal: 1e-6. */
+  tolerance?: number;
+  maxIterations?: number;
+  repairs?: boolean;
+  weld?: number;
+  weights?: 'doo-sabin' | 'averaged';
+  solver?: 'chebyshev' | 'plain' | 'cg';
+  boundary?: 'edge' | 'edge-and-corner';
+  precision?: 'auto' | 'float' | 'double';
+  polish?: number;
+  /** "choose", "use", "ignore", "auto" or "auto:40". */
+  creases?: string;
+  within?: number | 'auto';
+  quads?: 'auto' | 'on' | 'off';
+  /** Returning false cancels. */
+  progress?: (step: string, fraction: number) => boolean | void;
+  warning?: (code: string, message: string) => void;
+}
+
+export interface FitInfo {
+  converged: boolean;
+  iterations: number;
+  method: 'auto' | 'progressive' | 'fair';
+  /** Of a vertex from the surface, of the diagonal. */
+  maxError: number;
+  rmsError: number;
+  diagonal: number;
+  vertexCount: number;
+  faceCount: number;
+  creaseDegrees: number;
+  within: number;
+}
+
+export interface Placing {
+  /** Taken from positions before they become float32; "center": the middle of the box. */
+  origin?: [number, number, number] | 'center';
+}
+
+export interface Surface {
+  positions: Float32Array;
+  origin: [number, number, number];
+  normals: Float32Array;
+  /** Triangles. */
+  indices: Uint32Array;
+  /** The corner of the faces that each index is. */
+  triangleCorners: Uint32Array;
+  faceVertices: Uint32Array;
+  faceOffsets: Uint32Array;
+  /** The first vertices are the limit points of the mesh's vertices of these numbers. */
+  baseVertices: Int32Array;
+  uvs?: Float64Array;
+  faceUvs?: Int32Array;
+  colors?: Float32Array;
+  groups?: { name: string; material: string }[];
+  faceGroups?: Int32Array;
+}
+
+export interface MeshCopy extends Riders {
+  positions: Float64Array;
+  faceSizes: Int32Array;
+  faceVertices: Int32Array;
+}
+
+export interface Answers {
+  /** Faces of the mesh as it was fitted, -1: none; places: u, v on each. */
+  faces: Int32Array;
+  places: Float64Array;
+  positions: Float64Array;
+  normals: Float64Array;
+}
+
+export interface Mesh {
+  arrays(): MeshCopy;
+  dispose(): void;
+}
+
+export interface Fit {
+  readonly info: FitInfo;
+  readonly warnings: { code: string; message: string }[];
+  evaluate(level?: number, placing?: Placing): Surface;
+  tessellate(options: { chordError?: number; angle?: number } & Placing): Surface;
+  /** glb, gltf, obj, ply, off, stl or usda, by the name's ending. */
+  write(name: string, level?: number): Uint8Array;
+  glb(level?: number): Uint8Array;
+  cage(): Mesh;
+  closest(points: ArrayLike<number>): Answers & { distances: Float64Array };
+  rays(origins: ArrayLike<number>, directions: ArrayLike<number>, range?: { tMin?: number; tMax?: number }):
+    Answers & { t: Float64Array };
+  dispose(): void;
+}
+
+export interface Planish {
+  readonly version: string;
+  mesh(arrays: MeshArrays): Mesh;
+  read(bytes: Uint8Array, name: string): Mesh;
+  fit(mesh: Mesh | MeshArrays, options?: FitOptions): Fit;
+}
+
+export function load(options?: { wasm?: ArrayBuffer | Uint8Array | WebAssembly.Module }): Promise<Planish>;

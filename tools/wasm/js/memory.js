@@ -1,0 +1,130 @@
+// The library's memory, written to and read by the layout that it tells itself. What a Memory has taken is freed at
+// the end of use().
+import { PlanishError } from './error.js';
+
+const layouts = new WeakMap();
+
+function layoutOf(module) {
+  if (!layouts.has(module)) {
+    const layout = {};
+    let struct;
+    for (const line of module.UTF8ToString(module._planish_wasm_layout()).trim().split('\n')) {
+      const [first, second, third] = line.split(' ');
+      if (first === 'struct') {
+        struct = layout[second.slice('planish_'.length)] = { size: Number(third), members: {} };
+      } else {
+        struct.members[first] = { type: second, offset: Number(third) };
+      }
+    }
+    layouts.set(module, layout);
+  }
+  return layouts.get(module);
+}
+
+const SETTERS = { f64: 'setFloat64', i32: 'setInt32', u32: 'setUint32', ptr: 'setUint32' };
+const GETTERS = { f64: 'getFloat64', i32: 'getInt32', u32: 'getUint32', ptr: 'getUint32' };
+
+export class Memory {
+  #taken = [];
+  #callbacks = [];
+  constructor(module) {
+    this.module = module;
+    this.layout = layoutOf(module);
+  }
+
+  use(work) {
+    try {
+      return work(this);
+    } finally {
+      for (const pointer of this.#taken) this.module._free(pointer);
+      for (const callback of this.#callbacks) this.module.removeFunction(callback);
+    }
+  }
+
+  // Anew each time: the heap may have grown since.
+  get #buffer() {
+    return this.module.HEAPU8.buffer;
+  }
+
+  take(bytes) {
+    const pointer = this.module._malloc(Math.max(bytes, 8)) >>> 0;
+    if (!pointer) {
+      throw new PlanishError(`${bytes} bytes are more than WebAssembly has left`, 'NO_MEMORY');
+    }
+    this.#taken.push(pointer);
+    return pointer;
+  }
+
+  #put(Type, values) {
+    const pointer = this.take(values.length * Type.BYTES_PER_ELEMENT);
+    new Type(this.#buffer, pointer, values.length).set(values);
+    return pointer;
+  }
+
+  f64(values) {
+    return this.#put(Float64Array, values);
+  }
+
+  f32(values) {
+    return this.#put(Float32Array, values);
+  }
+
+  i32(values) {
+    return this.#put(Int32Array, values);
+  }
+
+  text(value) {
+    const size = this.module.lengthBytesUTF8(value) + 1;
+    const pointer = this.take(size);
+    this.module.stringToUTF8(value, pointer, size);
+    return pointer;
+  }
+
+  texts(values) {
+    return this.#put(Uint32Array, values.map((value) => this.text(value)));
+  }
+
+  readTexts(pointer, count) {
+    return Array.from(this.copy(Uint32Array, pointer, count), (text) => this.module.UTF8ToString(text));
+  }
+
+  callback(signature, call) {
+    const pointer = this.module.addFunction(call, signature);
+    this.#callbacks.push(pointer);
+    return pointer;
+  }
+
+  /** Room for a pointer that a function sets. */
+  out() {
+    const pointer = this.take(4);
+    new DataView(this.#buffer).setUint32(pointer, 0, true);
+    return pointer;
+  }
+
+  pointer(at) {
+    return new DataView(this.#buffer).getUint32(at, true);
+  }
+
+  /** A struct with the library's defaults, but for the values. */
+  struct(name, values) {
+    const { size, members } = this.layout[name];
+    const pointer = this.take(size);
+    this.module[`_planish_${name}_init`](pointer, size);
+    const view = new DataView(this.#buffer);
+    for (const [member, value] of Object.entries(values))
+      view[SETTERS[members[member].type]](pointer + members[member].offset, value, true);
+    return pointer;
+  }
+
+  read(name, pointer) {
+    const view = new DataView(this.#buffer);
+    const result = {};
+    for (const [member, { type, offset }] of Object.entries(this.layout[name].members))
+      result[member] = view[GETTERS[type]](pointer + offset, true);
+    return result;
+  }
+
+  copy(Type, pointer, length) {
+    return pointer ? new Type(this.#buffer, pointer, length).slice() : new Type(0);
+  }
+}

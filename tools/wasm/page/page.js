@@ -1,0 +1,197 @@
+'use strict';
+(() => {
+const $ = (id) => document.getElementById(id);
+const MESHES = ['obj', 'ply', 'off', 'stl', 'glb', 'gltf'];
+const POINTS = ['xyz', 'pts', 'pcd', 'las', 'ptx'];
+const MOST_BYTES = 200e6;
+const endingOf = (name) => name.split('.').pop().toLowerCase();
+const stemOf = (name) => name.replace(/\.[^.]*$/, '');
+// As a shell takes it.
+const quoted = (word) => (/^[\w.,:=/+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
+
+let chosen = []; // {name, bytes}
+let worker, links = [];
+
+async function unpack(id) {
+  const packed = Uint8Array.from(atob($(id).textContent), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return new Response(stream).arrayBuffer();
+}
+
+// Compiled once, at the first fit; a job's worker takes it as it is.
+let program;
+function compiled() {
+  program ??= Promise.all([unpack('wasm').then((bytes) => WebAssembly.compile(bytes)), unpack('worker')])
+    .then(([module, script]) => ({ module, script: URL.createObjectURL(new Blob([script], { type: 'text/javascript' })) }));
+  return program;
+}
+
+function fail(text) {
+  $('error').textContent = text;
+  $('error').hidden = !text;
+}
+
+function mains() {
+  return chosen.map((file) => file.name).filter((name) => MESHES.includes(endingOf(name)));
+}
+
+async function take(files) {
+  files = [...files];
+  if (files.length === 0) return;
+  fail('');
+  chosen = [];
+  show();
+  const points = files.find((file) => POINTS.includes(endingOf(file.name)));
+  if (points) return fail(`${points.name}: points become a mesh by CGAL's surface reconstruction, which is not in this page. ` +
+    `On your machine: planish fit ${quoted(points.name)} -o ${quoted(stemOf(points.name))}.glb`);
+  if (!files.some((file) => MESHES.includes(endingOf(file.name))))
+    return fail(`${files[0].name}: no format that is read here (OBJ, PLY, OFF, STL, glTF, GLB).`);
+  const size = files.reduce((sum, file) => sum + file.size, 0);
+  if (size > MOST_BYTES)
+    return fail(`${Math.round(size / 1e6)} MB are more than this page takes (${MOST_BYTES / 1e6} MB). ` +
+      `On your machine: planish fit ${quoted(files[0].name)} -o ${quoted(stemOf(files[0].name))}.glb`);
+  chosen = await Promise.all(files.map(async (file) => ({ name: file.name, bytes: new Uint8Array(await file.arrayBuffer()) })));
+  show();
+}
+
+function show() {
+  $('chosen').textContent = chosen.map((file) => file.name).join(', ');
+  $('fit').disabled = chosen.length === 0;
+}
+
+// The runs of the command that make what the form asks for.
+function runs() {
+  const inputs = mains();
+  const flags = ['--interpolation', $('method').value, '--creases', $('creases').value];
+  if ($('chord').value.trim()) flags.push('--chord-error', $('chord').value.trim());
+  else flags.push('--levels', $('levels').value);
+  if ($('within').value.trim()) flags.push('--within', $('within').value.trim());
+  flags.push(...($('flags').value.match(/\S+/g) ?? []));
+  const format = $('format').value;
+  const outputs = inputs.length === 1 ? ['-o', `/out/${stemOf(inputs[0])}.${format}`] : ['-o', '/out/', '--output-format', format];
+  if ($('cage').checked) outputs.push('--cage', inputs.length === 1 ? `/out/${stemOf(inputs[0])}_cage.obj` : '/out/cages/');
+  outputs.push('--report', '/out/report.json');
+  const page = ['--page', '/page.html'];
+  const say = ['--progress', 'json'];
+  // A page shows one mesh, and the file keeps all of them with materials and nodes.
+  if (inputs.some((name) => ['glb', 'gltf'].includes(endingOf(name))) && ['glb', 'gltf'].includes(format))
+    return [['fit', ...inputs, ...flags, ...outputs, ...say], ['fit', ...inputs, ...flags, ...page, ...say]];
+  return [['fit', ...inputs, ...flags, ...outputs, ...page, ...say]];
+}
+
+function busy(is) {
+  for (const id of ['stop', 'progress']) $(id).hidden = !is;
+  $('fit').disabled = is || chosen.length === 0;
+  if (!is) $('step').textContent = '';
+}
+
+function stop() {
+  worker?.terminate();
+  worker = undefined;
+  busy(false);
+}
+
+async function fit() {
+  if (worker || chosen.length === 0) return;
+  fail('');
+  busy(true);
+  $('progress').value = 0;
+  $('step').textContent = 'starting';
+  let started;
+  try {
+    started = await compiled();
+  } catch (error) {
+    busy(false);
+    return fail(`This browser cannot run it: ${error.message}. Chrome 95, Firefox 113, Safari 16.4 and later can.`);
+  }
+  const said = [];
+  worker = new Worker(started.script);
+  worker.onerror = (event) => {
+    stop();
+    fail(event.message || 'the worker failed');
+  };
+  worker.onmessage = ({ data }) => {
+    if (data.line !== undefined) return hear(data.line, said, data.share);
+    stop();
+    finish(data, said);
+  };
+  worker.postMessage({ module: started.module, files: chosen, runs: runs() });
+}
+
+function hear(line, said, [run, count]) {
+  let message;
+  try {
+    message = JSON.parse(line);
+  } catch {
+    said.push(line);
+    return;
+  }
+  if (message.step !== undefined) {
+    $('progress').value = (run + (message.share ?? 0)) / count;
+    $('step').textContent = `${message.job}: ${message.step}`;
+  } else {
+    // Once, though two runs may say it.
+    const text = message.text ?? message.message ?? line;
+    if (run === 0 || message.level === 'error') said.push(text);
+  }
+}
+
+function finish({ status, files, page, memory }, said) {
+  for (const link of links) URL.revokeObjectURL(link);
+  links = [];
+  const names = mains();
+  // 5: not converged, and written all the same.
+  if (status !== 0 && files.length === 0) {
+    $('result').hidden = true;
+    const words = said.join('\n') || `it ended with status ${status}`;
+    const larger = memory || status === 6 ? `\nWebAssembly has at most 4 GiB; on your machine: planish fit ${quoted(names[0])} -o ${quoted(stemOf(names[0]))}.glb` : '';
+    return fail(words + larger);
+  }
+  $('downloads').replaceChildren(...[...files, ...(page ? [{ name: `${stemOf(names[0])}.html`, bytes: page }] : [])].map(link));
+  $('said').textContent = said.join('\n');
+  $('report').hidden = !page;
+  if (page) {
+    const url = URL.createObjectURL(new Blob([page], { type: 'text/html' }));
+    links.push(url);
+    $('report').src = url;
+  }
+  $('result').hidden = false;
+}
+
+function sizeOf(bytes) {
+  return bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
+}
+
+function link({ name, bytes }) {
+  const url = URL.createObjectURL(new Blob([bytes]));
+  links.push(url);
+  return Object.assign(document.createElement('a'),
+    { href: url, download: name, textContent: `Save ${name} (${sizeOf(bytes.length)})` });
+}
+
+$('files').addEventListener('change', (event) => take(event.target.files));
+$('form').addEventListener('submit', (event) => {
+  event.preventDefault();
+  fit();
+});
+$('stop').addEventListener('click', () => {
+  stop();
+  fail('Stopped; nothing was written.');
+});
+$('example').addEventListener('click', async () => {
+  chosen = [{ name: 'goblet.obj', bytes: new Uint8Array(await unpack('goblet')) }];
+  show();
+  fit();
+});
+for (const kind of ['dragenter', 'dragover']) addEventListener(kind, (event) => {
+  event.preventDefault();
+  document.body.classList.add('over');
+});
+addEventListener('dragleave', () => document.body.classList.remove('over'));
+addEventListener('drop', (event) => {
+  event.preventDefault();
+  document.body.classList.remove('over');
+  take(event.dataTransfer.files).then(() => chosen.length && !worker && fit());
+});
+addEventListener('paste', (event) => take(event.clipboardData.files));
+})();
