@@ -103,6 +103,31 @@ void expect_nearest(const PolygonMesh& mesh, int each, std::mt19937& random) {
   }
 }
 
+// As a damaged file has it: one vertex is so far off that all others are one place beside it, and
+// the faces at it lines.
+TEST(Nearest, SurfacesWithoutWidthAreSearchedToTheirEnd) {
+  for (const double far : {1e12, 1e16, 1e34}) {
+    PolygonMesh mesh = test::icosphere(2);
+    mesh.positions[40] *= far;
+    mesh.positions[90] *= 1e-4 * far;
+    const LimitCase c(mesh);
+    const SurfaceQueries queries(c.limit);
+    const SurfaceMesh places = c.tessellated(2);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 20; ++i) {
+      // Near the crowd, and along the needles.
+      const glm::dvec3 point = glm::dvec3(unit(random), unit(random), unit(random)) +
+                               (i % 2) * std::abs(unit(random)) * mesh.positions[40];
+      const ClosestPoint closest = queries.closest(point);
+      EXPECT_NEAR(glm::length(closest.position - point), closest.distance, 1e-12 * far);
+      double least = 1e300;
+      for (const glm::dvec3& p : places.positions) least = std::min(least, glm::distance(p, point));
+      EXPECT_LE(closest.distance, least + 1e-11 * far);
+    }
+  }
+}
+
 TEST(ClosestPoint, IsTheNearestOfAll) {
   std::mt19937 random(11);
   const std::vector<NamedMesh> meshes = limit_meshes();

@@ -19,6 +19,10 @@ constexpr double kSmallestShare = 1e-7;  // of a step
 constexpr double kBorder = 1e-12;        // of a region: on the border
 // What an answer may be too far by: in unit coordinates, and of the distance.
 constexpr double kAbsolute = 1e-13, kRelative = 2e-15;
+// Regions that are searched before an answer may be too far by ten times as much: hundreds are
+// common. Over faces that are lines but for 1e-12 of their length, whole curves of places are as
+// near as one another, and cutting along u and v would follow them in steps of their width.
+constexpr std::int64_t kPatience = 1 << 17;
 // What a bound may be wrong by, of the largest square distance that it was made of.
 constexpr double kBoundRounding = 2e-15;
 // A bound is made again where it lost so much of that.
@@ -27,6 +31,19 @@ constexpr double kWorn = 1.0 / 8;
 // By how much less the square of a distance does not matter.
 double negligible(double square) {
   return 2 * (kAbsolute * std::sqrt(square) + kRelative * square);
+}
+
+// No place of a piece moves faster along u or v while that goes from 0 to 1.
+double largest_speed(const BezierNet& net, bool along_v) {
+  const std::size_t step = along_v ? 3 : 1, across = along_v ? 1 : 3;
+  double largest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      const glm::dvec3& from = net[k * across + i * step];
+      largest = std::max(largest, glm::length(net[k * across + (i + 1) * step] - from));
+    }
+  }
+  return 2 * largest;
 }
 
 // What a step of Newton's method is made of: the square distance, and half its gradient and
@@ -74,7 +91,14 @@ struct Descent {
 struct NearestSearch::Region {
   DistanceNet net;
   double made_of;  // the largest square distance when the net was made
+  // How far a place moves at most from end to end along u and v.
+  std::array<double, 2> extent;
   std::array<double, 2> low{0, 0}, high{1, 1};
+
+  Region(const BezierNet& of, const glm::dvec3& point)
+      : net(of, point),
+        made_of(net.largest()),
+        extent{largest_speed(of, false), largest_speed(of, true)} {}
 
   [[nodiscard]] bool is_fixed(bool along_v) const { return low[along_v] == high[along_v]; }
   [[nodiscard]] double least() const { return net.least() - kBoundRounding * made_of; }
@@ -90,13 +114,24 @@ struct NearestSearch::Region {
     if (t < low[along_v] + margin) return low[along_v];
     return t > high[along_v] - margin ? high[along_v] : t;
   }
+  // Of the same bounds, nearer to what they are now.
+  void make_again(const BezierNet& of_piece, const glm::dvec3& point) {
+    const Region made(
+        net_between(net_between(of_piece, true, low[1], high[1]), false, low[0], high[0]), point);
+    net = made.net;
+    made_of = made.made_of;
+    extent = made.extent;
+  }
   [[nodiscard]] Region half(bool along_v, bool upper) const {
-    Region part{net.half(along_v, upper), made_of, low, high};
+    Region part = *this;
+    part.net = net.half(along_v, upper);
+    part.extent[along_v] *= 0.5;
     (upper ? part.low : part.high)[along_v] = 0.5 * (low[along_v] + high[along_v]);
     return part;
   }
   void fix(bool along_v, bool upper) {
     net = net.border(along_v, upper);
+    extent[along_v] = 0;
     (upper ? low : high)[along_v] = (upper ? high : low)[along_v];
   }
 };
@@ -154,33 +189,37 @@ bool NearestSearch::descend(const PatchPiece& piece, const Region& region,
 void NearestSearch::take(double square_distance, const glm::dvec2& place) {
   if (!(square_distance < best_.square_distance)) return;
   best_ = {corner_, place.x, place.y, square_distance};
+  want();
+}
+
+void NearestSearch::want() {
+  const double nearer = (1 - kRelative) * std::sqrt(best_.square_distance) - absolute_;
+  wanted_ = nearer > 0 ? nearer * nearer : -1;
 }
 
 // Boxes and planes are exact but for rounding.
 bool NearestSearch::is_near(const PatchBox& box, const glm::dvec3& point) const {
-  return square_distance(box, point) <= best_.square_distance * (1 + 1e-12);
+  return square_distance(box, point) <= wanted_ * (1 + 1e-12);
 }
 
 void NearestSearch::search_piece(const PatchPiece& piece, const glm::dvec3& point) {
   const double least = piece.least_distance(point) - 1e-15;
-  if (least > 0 && least * least > best_.square_distance * (1 + 1e-12)) return;
-  const DistanceNet net(piece.net, point);
-  search_region(piece, {net, net.largest()}, point);
+  if (least > 0 && least * least > wanted_ * (1 + 1e-12)) return;
+  search_region(piece, Region(piece.net, point), point);
 }
 
 // A region has nothing nearer, or is left for its border, or is convex so that a descent ends at
 // its nearest place; else its halves are searched, the nearer one first.
 void NearestSearch::search_region(const PatchPiece& piece, Region region, const glm::dvec3& point) {
-  const auto is_far = [&](const Region& r) {
-    return r.least() >= best_.square_distance - negligible(best_.square_distance);
-  };
+  // Bounds of what lies at the point itself may be below nothing.
+  const auto is_far = [&](const Region& r) { return wanted_ < 0 || r.least() >= wanted_; };
   if (is_far(region)) return;
+  if (++region_count_ % kPatience == 0) {
+    absolute_ *= 10;
+    want();
+  }
   if (region.net.largest() < kWorn * region.made_of) {
-    region.net =
-        DistanceNet(net_between(net_between(piece.net, true, region.low[1], region.high[1]), false,
-                                region.low[0], region.high[0]),
-                    point);
-    region.made_of = region.net.largest();
+    region.make_again(piece.net, point);
     if (is_far(region)) return;
   }
   for (const bool along_v : {false, true}) {
@@ -198,13 +237,13 @@ void NearestSearch::search_region(const PatchPiece& piece, Region region, const 
   const bool is_nearer = region.net.least_at_corners() < best_.square_distance;
   if ((is_convex || is_nearer) && descend(piece, region, point) && is_convex) return;
   if (is_far(region)) return;
-  const bool along_v =
-      region.is_fixed(false) || (!region.is_fixed(true) && region.net.bends_more_along_v());
-  const double size = std::max(region.high[0] - region.low[0], region.high[1] - region.low[1]);
-  if (!(size * piece.reach() > kAbsolute)) {
+  if (!(region.extent[0] + region.extent[1] > kAbsolute)) {  // NaN too
     descend(piece, region, point);
     return;
   }
+  // Not along what has no length: needles would be cut without end.
+  const bool along_v = region.extent[0] <= 0.5 * kAbsolute ||
+                       (region.extent[1] > 0.5 * kAbsolute && region.net.bends_more_along_v());
   Region near = region.half(along_v, false), far = region.half(along_v, true);
   if (far.net.least() < near.net.least()) std::swap(near, far);
   search_region(piece, near, point);
@@ -245,17 +284,20 @@ void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target)
 
 NearestPlace NearestSearch::run(const glm::dvec3& point) {
   best_ = {.corner = -1, .square_distance = std::numeric_limits<double>::infinity()};
+  absolute_ = kAbsolute;
+  region_count_ = 0;
+  want();
   const auto& nodes = tree_.nodes();
   waiting_.assign(1, {0, square_distance(nodes[0].box, point)});
   while (!waiting_.empty()) {
     const Waiting next = waiting_.back();
     waiting_.pop_back();
-    if (next.square_distance >= best_.square_distance) continue;
+    if (next.square_distance >= wanted_) continue;
     const CornerTree::Node& node = nodes[static_cast<std::size_t>(next.node)];
     if (node.count > 0) {
       for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
         const auto at = static_cast<std::size_t>(i);
-        if (square_distance(tree_.boxes()[at], point) < best_.square_distance)
+        if (square_distance(tree_.boxes()[at], point) < wanted_)
           search_corner(tree_.corners()[at], point);
       }
       continue;

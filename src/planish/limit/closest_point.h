@@ -15,7 +15,8 @@ struct NearestPlace {
 };
 
 /// Searches a tree for the place nearest to a point, both in unit coordinates: none is nearer by
-/// more than 1e-13, or 2e-15 of the distance. Used again from point to point; one a thread.
+/// more than 1e-13, or 2e-15 of the distance; where faces are all but lines, and a search would not
+/// end, by ten or a hundred times as much. Used again from point to point; one a thread.
 class NearestSearch {
  public:
   explicit NearestSearch(const CornerTree& tree)
@@ -29,6 +30,7 @@ class NearestSearch {
   struct Region;
   void search_piece(const PatchPiece& piece, const glm::dvec3& point);
   void search_region(const PatchPiece& piece, Region region, const glm::dvec3& point);
+  void want();
   bool descend(const PatchPiece& piece, const Region& region, const glm::dvec3& point);
   void take(double square_distance, const glm::dvec2& place);
   [[nodiscard]] bool is_near(const PatchBox& box, const glm::dvec3& point) const;
@@ -42,6 +44,9 @@ class NearestSearch {
   std::vector<Waiting> waiting_;
   std::int32_t corner_ = -1;  // that is searched
   NearestPlace best_;
+  double absolute_ = 0;  // what it may be too far by
+  std::int64_t region_count_ = 0;
+  double wanted_ = 0;  // the square distance below which a place would be nearer enough to matter
 };
 
 }  // namespace planish

@@ -73,17 +73,6 @@ double PatchPiece::least_distance(const glm::dvec3& point) const {
 
 PatchBox PatchPiece::box() const { return box_of(net); }
 
-double PatchPiece::reach() const {
-  double most = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    for (std::size_t i = 0; i < 2; ++i) {
-      most = std::max(most, glm::length(net[3 * k + i + 1] - net[3 * k + i]));
-      most = std::max(most, glm::length(net[3 * (i + 1) + k] - net[3 * i + k]));
-    }
-  }
-  return 4 * most;  // twice the longest, along u and along v
-}
-
 PatchPiece PatchPiece::half(bool upper_u, bool upper_v) const {
   PatchPiece result{net, frame};
   bezier_quarter(result.net, upper_u, upper_v);

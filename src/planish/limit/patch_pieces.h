@@ -37,8 +37,6 @@ struct PatchPiece {
   /// tells nothing.
   [[nodiscard]] double least_distance(const glm::dvec3& point) const;
   [[nodiscard]] PatchBox box() const;
-  /// How far a place of it moves at most while its parameters change by 1, about.
-  [[nodiscard]] double reach() const;
   /// A quarter, not turned.
   [[nodiscard]] PatchPiece half(bool upper_u, bool upper_v) const;
 };
