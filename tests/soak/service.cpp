@@ -1,0 +1,181 @@
+#include <malloc.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+
+#include "planish/c/planish.h"
+#include "soak/mutated_files.h"
+#include "soak/soak.h"
+#include "support/temporary_folder.h"
+
+namespace planish::test {
+namespace {
+
+constexpr std::uint64_t kMayGrow = 2u << 20;
+constexpr double kSlow = 5;  // seconds, that are worth a word
+
+bool is_result(planish_status status) {
+  return status == PLANISH_OK || status == PLANISH_NOT_CONVERGED;
+}
+
+planish_fit_options options_by_lot(std::mt19937& random) {
+  planish_fit_options options;
+  planish_fit_options_init(&options, sizeof options);
+  constexpr std::array<const char*, 5> kCreases{nullptr, "use", "ignore", "auto", "choose"};
+  options.method = static_cast<std::int32_t>(random() % 3);
+  options.creases = kCreases[random() % kCreases.size()];
+  options.quads = static_cast<std::int32_t>(random() % 3);
+  options.weld = random() % 2 ? 0 : -1;
+  options.repairs = random() % 4 != 0;
+  options.thread_count = static_cast<std::int32_t>(random() % 3);
+  options.weights = random() % 4 == 0;
+  options.within = random() % 8 == 0 ? -1 : 0;
+  if (random() % 8 == 0) options.scheme = PLANISH_SCHEME_CATMULL_CLARK;
+  return options;
+}
+
+class Service {
+ public:
+  void serve(const SeedFile& file, std::mt19937& random) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+      std::filesystem::remove(entry.path());
+    const std::filesystem::path input = folder_.path() / ("input" + file.extension);
+    std::ofstream(input, std::ios::binary) << file.bytes;
+    const planish_fit_options options = options_by_lot(random);
+    fit_file(input, options, random);
+    if (random() % 3 == 0) use_handles(input, options, random);
+  }
+
+  void print() const {
+    for (const auto& [status, count] : counts_) std::printf("status %d: %d\n", status, count);
+  }
+
+ private:
+  // Whether it is a result. Of anything else there are words, and it is no bug.
+  bool check(planish_status status, const std::filesystem::path& input) {
+    ++counts_[status];
+    if (status == PLANISH_OK) return true;
+    const std::string said = planish_last_error();
+    if (said.empty()) complain("status " + std::to_string(status) + " without words");
+    if (status == PLANISH_INTERNAL_ERROR || status == PLANISH_CANCELLED) {
+      const auto kept =
+          std::filesystem::temp_directory_path() /
+          ("planish-soak-" + std::to_string(complaints()) + input.extension().string());
+      std::error_code ignored;
+      std::filesystem::copy_file(input, kept, std::filesystem::copy_options::overwrite_existing,
+                                 ignored);
+      complain("status " + std::to_string(status) + ": " + said + " (" + kept.string() + ")");
+    }
+    return is_result(status);
+  }
+
+  void fit_file(const std::filesystem::path& input, const planish_fit_options& options,
+                std::mt19937& random) {
+    constexpr std::array<const char*, 6> kFormats{".glb", ".obj", ".ply", ".off", ".stl", ".usda"};
+    const std::filesystem::path output =
+        folder_.path() / (std::string("output") + kFormats[random() % kFormats.size()]);
+    const bool has_result =
+        check(planish_fit_file(input.c_str(), output.c_str(),
+                               static_cast<std::int32_t>(random() % 3), &options, nullptr),
+              input);
+    int files = 0;
+    for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+      ++files;
+    if (has_result != std::filesystem::exists(output))
+      complain("the output does not follow the status");
+    const bool may_have_mtl = has_result && output.extension() == ".obj";
+    if (files != 1 + static_cast<int>(has_result) && !(may_have_mtl && files == 3))
+      complain("files are left beside the output");
+    if (!has_result) return;
+    if (const std::string name = output.extension().string(); name != ".usda") {
+      planish_mesh* mesh = nullptr;
+      if (!check(planish_mesh_read(output.c_str(), &mesh), output))
+        complain("cannot read " + name + " back");
+      planish_mesh_free(mesh);
+    }
+  }
+
+  void use_handles(const std::filesystem::path& input, const planish_fit_options& options,
+                   std::mt19937& random) {
+    planish_mesh* mesh = nullptr;
+    planish_fit* fit = nullptr;
+    planish_surface* surface = nullptr;
+    planish_queries* queries = nullptr;
+    if (check(planish_mesh_read(input.c_str(), &mesh), input) &&
+        check(planish_fit_create(mesh, &options, &fit), input)) {
+      planish_mesh_free(mesh);
+      mesh = nullptr;
+      if (random() % 2) {
+        check(planish_fit_evaluate(fit, static_cast<std::int32_t>(random() % 3), &surface), input);
+      } else {
+        check(planish_fit_tessellate(fit, 1e-2, 0, &surface), input);
+      }
+      if (check(planish_queries_create(fit, &queries), input)) ask(queries, input);
+    }
+    planish_queries_free(queries);
+    planish_surface_free(surface);
+    planish_fit_free(fit);
+    planish_mesh_free(mesh);
+  }
+
+  void ask(const planish_queries* queries, const std::filesystem::path& input) {
+    constexpr std::size_t kCount = 8;
+    std::array<double, 3 * kCount> points{}, found{};
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = std::sin(static_cast<double>(i));
+    std::array<double, kCount> distances{};
+    planish_closest_answers answers;
+    planish_closest_answers_init(&answers, sizeof answers);
+    answers.positions = found.data();
+    answers.distances = distances.data();
+    if (!check(planish_queries_closest(queries, points.data(), kCount, &answers), input)) return;
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const double distance =
+          std::hypot(points[3 * i] - found[3 * i], points[3 * i + 1] - found[3 * i + 1],
+                     points[3 * i + 2] - found[3 * i + 2]);
+      if (!(std::abs(distance - std::abs(distances[i])) <= 1e-9 * (1 + distance)))
+        complain("a closest point is not at its distance");
+    }
+  }
+
+  TemporaryFolder folder_;
+  std::map<int, int> counts_;
+};
+
+}  // namespace
+
+void soak_service(std::uint32_t count, std::uint32_t first) {
+  const TemporaryFolder seeds_folder;
+  const std::vector<SeedFile> seeds = seed_files(seeds_folder.path());
+  std::printf("%zu files to begin with\n", seeds.size());
+  Service service;
+  Growth growth;
+  double slowest = 0;
+  std::uint32_t slowest_file = 0;
+  for (std::uint32_t i = first; i - first < count; ++i) {
+    std::mt19937 random(i);
+    const SeedFile file = mutated_file(seeds, random);
+    const auto begin = std::chrono::steady_clock::now();
+    service.serve(file, random);
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (seconds > kSlow)
+      std::printf("file %u%s takes %.1f s\n", i, file.extension.c_str(), seconds);
+    if (seconds > slowest) {
+      slowest = seconds;
+      slowest_file = i;
+    }
+    const struct mallinfo2 info = ::mallinfo2();
+    growth.note(info.uordblks + info.hblkhd);
+  }
+  service.print();
+  std::printf("slowest: %.2f s, file %u; allocated %s\n", slowest, slowest_file,
+              growth.text().c_str());
+  if (growth.bytes() > kMayGrow)
+    complain("memory grows by " + std::to_string(growth.bytes()) + " bytes");
+}
+
+}  // namespace planish::test

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace planish::test {
+
+/// What is allocated after each step. Threads and drivers keep buffers as large as the largest job
+/// that they met, so the least of a quarter is what tells.
+class Growth {
+ public:
+  void note(std::uint64_t bytes) { bytes_.push_back(bytes); }
+  /// Bytes by which the last quarter's least exceeds the second's; 0 where it does not.
+  [[nodiscard]] std::uint64_t bytes() const;
+  /// "first .. last MiB" of the quarters, for people.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  [[nodiscard]] std::uint64_t least(std::size_t quarter) const;
+  std::vector<std::uint64_t> bytes_;
+};
+
+/// Says what went wrong, and counts it.
+void complain(const std::string& what);
+[[nodiscard]] int complaints();
+
+/// Fits `count` files through the C header.
+void soak_service(std::uint32_t count, std::uint32_t first);
+/// Opens `count` sessions of a Vulkan device; false where there is none.
+[[nodiscard]] bool soak_host(std::uint32_t count, std::uint32_t first);
+
+}  // namespace planish::test
