@@ -3,6 +3,8 @@
 /// The way from a polygon mesh to its smooth surface on the CPU: read, fit, evaluate, write.
 /// The Vulkan backend stands in planish/vulkan/vulkan_backend.h.
 #include "planish/backend/cpu_backend.h"
+#include "planish/brep/make_brep.h"
+#include "planish/brep/write_step.h"
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
 #include "planish/core/version.h"

@@ -17,13 +17,14 @@ set(level_files 4)
 set(level_pipeline 5)
 set(level_limit 5)
 set(level_edit 5)
+set(level_brep 5)
 set(level_osd 5)
 set(level_reconstruct 5)
 set(level_distributed 6)
 set(level_c 6)
 # Neighbours on one level that may be used: tables and splits are made of meshes, files of surfaces,
 # kernels repeat the fair construction and number rows as patches do, fits are tessellated.
-set(allowed stencil>mesh files>surface vulkan>fair vulkan>patches pipeline>limit edit>pipeline edit>limit)
+set(allowed stencil>mesh files>surface vulkan>fair vulkan>patches pipeline>limit brep>limit edit>pipeline edit>limit)
 
 set(wrong "")
 file(GLOB_RECURSE files RELATIVE ${SOURCE}/src/planish ${SOURCE}/src/planish/*.h

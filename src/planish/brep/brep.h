@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <vector>
+
+namespace planish {
+
+/// A surface as CAD programs hold it: untrimmed biquadratic B-spline faces that meet along edges.
+/// All points are in model coordinates.
+struct Brep {
+  /// An edge in a face's loop.
+  struct Use {
+    std::int32_t edge = 0;
+    bool is_reversed = false;
+  };
+  struct Face {
+    /// Distinct ones, ascending; the first and the last count three times, all others once. The
+    /// parameters are quads of Q_1.
+    std::vector<double> knots_u, knots_v;
+    /// (i, j) at i + j (knots_u.size() + 1), i along u.
+    std::vector<glm::dvec3> points;
+    std::vector<Use> loop;  ///< counter-clockwise
+  };
+  /// Where an edge lies in a face: its parameter t is at from + t direction.
+  struct Line {
+    std::int32_t face = -1;  ///< -1: none
+    glm::dvec2 from{};
+    int direction = 0;  ///< 0 to 3: along u, v, -u, -v
+  };
+  struct Edge {
+    std::int32_t from = 0, to = 0;  ///< vertices
+    std::vector<double> knots;      ///< as those of faces, from 0 to the number of quads
+    std::vector<glm::dvec3> points;
+    std::array<Line, 2> lines;  ///< the second has no face at a boundary
+  };
+  struct Shell {
+    std::vector<std::int32_t> faces;
+    bool is_closed = false;
+  };
+  std::vector<glm::dvec3> vertices;
+  std::vector<Edge> edges;
+  std::vector<Face> faces;
+  std::vector<Shell> shells;
+
+  std::int64_t extraordinary = 0;  ///< places where the surface is no polynomial, however small
+  int deepest = 0;                 ///< the most halvings towards one
+  double max_angle = 0;            ///< degrees between normals across an edge that is not sharp
+  double max_deviation = 0;        ///< of the innermost cells along the normal, of the diagonal
+};
+
+/// The end of a direction of Brep::Line.
+[[nodiscard]] inline glm::dvec2 unit_direction(int direction) {
+  constexpr std::array<std::array<double, 2>, 4> kUnits{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+  const auto& unit = kUnits[static_cast<std::size_t>(direction)];
+  return {unit[0], unit[1]};
+}
+
+}  // namespace planish

@@ -1,0 +1,149 @@
+#include "planish/brep/make_brep.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "planish/brep/cap_depth.h"
+#include "planish/brep/quad_layout.h"
+#include "planish/brep/spline_face.h"
+#include "planish/core/error.h"
+#include "planish/core/parallel.h"
+
+namespace planish {
+namespace {
+
+// An edge's place in a face.
+struct EdgePlace {
+  std::int32_t edge = 0;
+  int side = 0;
+  std::int32_t first = 0, count = 0;
+};
+
+struct FaceEdges {
+  std::vector<EdgePlace> own;    // which the face makes
+  std::vector<EdgePlace> other;  // which the face across makes
+};
+
+void check(const BrepOptions& options) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(ErrorCode::InvalidArgument, what);
+  };
+  if (!(options.angle > 0 && options.angle <= 90))
+    refuse("the angle at a B-rep's edges is above 0 and at most 90 degrees");
+  if (!(options.deviation > 0 && options.deviation <= 1))
+    refuse("the deviation of a B-rep is above 0 and at most 1 of the diagonal");
+  if (options.face_size < 1 || options.face_size > 4096)
+    refuse("a B-rep's face has 1 to 4096 quads a side");
+}
+
+// Numbers edges and vertices, and sets loops, shells and ends of edges.
+std::vector<FaceEdges> make_topology(const QuadLayout& layout, std::size_t half_edge_count,
+                                     Brep& brep) {
+  std::vector<std::int32_t> edge_at(half_edge_count, -1);  // by its first half edge
+  std::vector<std::int32_t> vertex_of(static_cast<std::size_t>(layout.vertex_count()), -1);
+  std::int32_t vertex_count = 0;
+  const auto vertex = [&](std::int32_t v) {
+    std::int32_t& number = vertex_of[static_cast<std::size_t>(v)];
+    if (number < 0) number = vertex_count++;
+    return number;
+  };
+  const auto& rectangles = layout.rectangles();
+  std::vector<FaceEdges> edges(rectangles.size());
+  brep.faces.resize(rectangles.size());
+  for (std::size_t f = 0; f < rectangles.size(); ++f) {
+    for (int s = 0; s < 4; ++s) {
+      const std::vector<std::int32_t> side = rectangles[f].side(s);
+      for (std::size_t i = 0; i < side.size();) {
+        std::size_t j = i + 1;
+        while (j < side.size() && !layout.is_end(layout.origin(side[j]))) ++j;
+        const auto first = static_cast<std::int32_t>(i), count = static_cast<std::int32_t>(j - i);
+        const std::int32_t back = layout.twin(side[j - 1]);
+        const std::int32_t known = back < 0 ? -1 : edge_at[static_cast<std::size_t>(back)];
+        if (known >= 0) {
+          edges[f].other.push_back({known, s, first, count});
+          brep.faces[f].loop.push_back({known, true});
+        } else {
+          const auto edge = static_cast<std::int32_t>(brep.edges.size());
+          edge_at[static_cast<std::size_t>(side[i])] = edge;
+          edges[f].own.push_back({edge, s, first, count});
+          brep.faces[f].loop.push_back({edge, false});
+          Brep::Edge made;
+          made.from = vertex(layout.origin(side[i]));
+          made.to = vertex(layout.target(side[j - 1]));
+          brep.edges.push_back(std::move(made));
+        }
+        i = j;
+      }
+    }
+  }
+  brep.vertices.resize(static_cast<std::size_t>(vertex_count));
+  return edges;
+}
+
+void make_shells(Brep& brep) {
+  std::vector<std::int32_t> parent(brep.faces.size());
+  for (std::size_t f = 0; f < parent.size(); ++f) parent[f] = static_cast<std::int32_t>(f);
+  const auto root = [&](std::int32_t f) {
+    while (parent[static_cast<std::size_t>(f)] != f) {
+      auto& up = parent[static_cast<std::size_t>(f)];
+      up = parent[static_cast<std::size_t>(up)];
+      f = up;
+    }
+    return f;
+  };
+  for (const Brep::Edge& edge : brep.edges) {
+    if (edge.lines[1].face < 0) continue;
+    const std::int32_t a = root(edge.lines[0].face), b = root(edge.lines[1].face);
+    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+  std::vector<std::int32_t> shell_of(brep.faces.size(), -1);
+  for (std::size_t f = 0; f < brep.faces.size(); ++f) {
+    std::int32_t& shell = shell_of[static_cast<std::size_t>(root(static_cast<std::int32_t>(f)))];
+    if (shell < 0) {
+      shell = static_cast<std::int32_t>(brep.shells.size());
+      brep.shells.push_back({{}, true});
+    }
+    brep.shells[static_cast<std::size_t>(shell)].faces.push_back(static_cast<std::int32_t>(f));
+  }
+  for (const Brep::Edge& edge : brep.edges) {
+    if (edge.lines[1].face >= 0) continue;
+    const auto face = static_cast<std::size_t>(root(edge.lines[0].face));
+    brep.shells[static_cast<std::size_t>(shell_of[face])].is_closed = false;
+  }
+}
+
+}  // namespace
+
+Brep make_brep(const LimitSurface& surface, const BrepOptions& options) {
+  check(options);
+  const QuadLayout layout(surface, options.face_size);
+  const CapDepths depths = cap_depths(surface, layout, {options.angle, options.deviation});
+  Brep brep;
+  brep.extraordinary = depths.count;
+  brep.deepest = depths.deepest;
+  brep.max_angle = depths.max_angle;
+  brep.max_deviation = depths.max_deviation;
+  const auto half_edges = 4 * static_cast<std::size_t>(surface.topology().corner_count());
+  const std::vector<FaceEdges> edges = make_topology(layout, half_edges, brep);
+  parallel_each(brep.faces.size(), 1, [&](std::size_t f) {
+    const SplineFace spline(surface, layout, depths, static_cast<std::int32_t>(f));
+    spline.fill(brep.faces[f]);
+    for (const EdgePlace& own : edges[f].own) {
+      Brep::Edge& edge = brep.edges[static_cast<std::size_t>(own.edge)];
+      spline.fill(edge, own.side, own.first, own.count);
+      edge.lines[0] = spline.line(own.side, own.first, own.count, false);
+    }
+    for (const EdgePlace& other : edges[f].other) {
+      brep.edges[static_cast<std::size_t>(other.edge)].lines[1] =
+          spline.line(other.side, other.first, other.count, true);
+    }
+  });
+  for (const Brep::Edge& edge : brep.edges) {
+    brep.vertices[static_cast<std::size_t>(edge.from)] = edge.points.front();
+    brep.vertices[static_cast<std::size_t>(edge.to)] = edge.points.back();
+  }
+  make_shells(brep);
+  return brep;
+}
+
+}  // namespace planish

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "planish/brep/brep.h"
+#include "planish/limit/limit_surface.h"
+
+namespace planish {
+
+struct BrepOptions {
+  double angle = 0.25;          ///< degrees that normals may jump by at edges
+  double deviation = 1e-6;      ///< from the surface along its normals, of the diagonal
+  std::int32_t face_size = 16;  ///< quads of Q_1 on a face's side, of which a mesh's quad has two
+};
+
+/// The surface as B-spline faces without holes between them: exact but in squares of 2^-m of a quad
+/// at extraordinary points, which are halved until the options' limits are kept (m at most 12: see
+/// Brep::max_angle). Borders of neighbours are equal. Hidden faces are left out. The same bits for
+/// every number of threads. Throws Error{InvalidArgument} for options out of range,
+/// Error{Cancelled}.
+[[nodiscard]] Brep make_brep(const LimitSurface& surface, const BrepOptions& options = {});
+
+}  // namespace planish

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace planish {
+
+/// Text of Part 21's entities: #12=NAME(...);
+class StepText {
+ public:
+  explicit StepText(std::int64_t first_id) : id_(first_id) {}
+
+  /// Begins an entity and returns its number.
+  std::int64_t begin(std::string_view keyword) {
+    text_ += '#';
+    integer(id_);
+    text_ += '=';
+    text_ += keyword;
+    return id_++;
+  }
+  void end() { text_ += ";\n"; }
+  /// A whole entity; its text may name others by put-in numbers.
+  template <class... Parts>
+  std::int64_t entity(const Parts&... parts) {
+    const std::int64_t id = begin("");
+    (put(parts), ...);
+    end();
+    return id;
+  }
+  std::int64_t point(const glm::dvec3& p) {
+    return entity("CARTESIAN_POINT('',(", p.x, ",", p.y, ",", p.z, "))");
+  }
+  std::int64_t point(const glm::dvec2& p) {
+    return entity("CARTESIAN_POINT('',(", p.x, ",", p.y, "))");
+  }
+
+  struct Reference {
+    std::int64_t id;
+  };
+  void put(std::string_view text) { text_ += text; }
+  void put(char letter) { text_ += letter; }
+  void put(Reference reference) {
+    text_ += '#';
+    integer(reference.id);
+  }
+  /// 15 digits, with the point that Part 21 asks for.
+  void put(double value) {
+    char buffer[40];
+    const auto [stop, error] =
+        std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 15);
+    const std::string_view text(buffer, static_cast<std::size_t>(stop - buffer));
+    const std::size_t exponent = text.find('e');
+    const std::string_view mantissa = text.substr(0, exponent);
+    text_ += mantissa;
+    if (mantissa.find('.') == std::string_view::npos) text_ += '.';
+    if (exponent == std::string_view::npos) return;
+    text_ += 'E';
+    text_ += text.substr(exponent + 1);
+  }
+  void integer(std::int64_t value) {
+    char buffer[24];
+    text_.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+  }
+  /// (#first,#first+1,...)
+  void references(std::int64_t first, std::int64_t count) {
+    for (std::int64_t i = 0; i < count; ++i) {
+      text_ += i == 0 ? '(' : ',';
+      put(Reference{first + i});
+    }
+    text_ += ')';
+  }
+
+  [[nodiscard]] std::int64_t next_id() const { return id_; }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::int64_t id_;
+  std::string text_;
+};
+
+/// A string as Part 21 has it, in its quotes: ASCII as it is, all else as \X4\.
+[[nodiscard]] std::string step_string(std::string_view utf8);
+
+}  // namespace planish

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "brep/part21.h"
+
+namespace planish::test {
+
+/// Splines of a STEP file by their numbers.
+class StepFile : public Part21File {
+ public:
+  using Part21File::Part21File;
+
+  struct Surface {
+    KnotLine u, v;
+    std::vector<std::vector<glm::dvec3>> rows;  // by u, then v
+    [[nodiscard]] glm::dvec3 at(double s, double t) const {
+      std::vector<glm::dvec3> along;
+      for (const auto& row : rows) along.push_back(v.at(row, t));
+      return u.at(along, s);
+    }
+  };
+  struct Curve {
+    KnotLine t;
+    std::vector<glm::dvec3> points;
+    [[nodiscard]] glm::dvec3 at(double s) const { return t.at(points, s); }
+  };
+  struct PlaneLine {
+    std::int64_t surface = 0;
+    glm::dvec2 from{}, direction{};
+  };
+
+  [[nodiscard]] glm::dvec3 point(const Part21Value& value) const {
+    const auto& xyz = at(value).values[1].items;
+    return {xyz[0].number(), xyz[1].number(), xyz.size() > 2 ? xyz[2].number() : 0};
+  }
+  [[nodiscard]] Surface surface(std::int64_t id) const {
+    const auto& values = at(id).values;
+    Surface result;
+    result.u = line(values[1], values[8], values[10]);
+    result.v = line(values[2], values[9], values[11]);
+    for (const Part21Value& row : values[3].items) {
+      result.rows.emplace_back();
+      for (const Part21Value& p : row.items) result.rows.back().push_back(point(p));
+    }
+    return result;
+  }
+  [[nodiscard]] Curve curve(std::int64_t id) const {
+    const auto& values = at(id).values;
+    Curve result{line(values[1], values[6], values[7]), {}};
+    for (const Part21Value& p : values[2].items) result.points.push_back(point(p));
+    return result;
+  }
+  [[nodiscard]] PlaneLine plane_line(const Part21Value& pcurve) const {
+    const auto& values = at(pcurve).values;
+    const auto& straight = at(at(values[2]).values[1].items[0]).values;
+    const auto& vector = at(straight[2]).values;
+    return {values[1].reference, glm::dvec2(point(straight[1])),
+            vector[2].number() * glm::dvec2(point(vector[1]))};
+  }
+
+ private:
+  static KnotLine line(const Part21Value& degree, const Part21Value& counts,
+                       const Part21Value& values) {
+    KnotLine result{std::stoi(degree.text), {}};
+    for (std::size_t i = 0; i < values.items.size(); ++i)
+      result.knots.insert(result.knots.end(), std::stoul(counts.items[i].text),
+                          values.items[i].number());
+    return result;
+  }
+};
+
+}  // namespace planish::test

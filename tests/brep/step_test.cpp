@@ -1,0 +1,231 @@
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <set>
+
+#include "brep/step_file.h"
+#include "limit/limit_case.h"
+#include "planish/brep/make_brep.h"
+#include "planish/brep/write_step.h"
+#include "planish/limit/surface_queries.h"
+#include "support/expect_error.h"
+
+namespace planish::test {
+namespace {
+
+std::string scratch(const std::string& name) {
+  return (std::filesystem::path(testing::TempDir()) / name).string();
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+StepFile written(const LimitCase& c, const Brep& brep, const std::string& path) {
+  write_step(path, brep, {.name = "part", .diagonal = c.surface->placement().diagonal});
+  return StepFile(path);
+}
+
+double largest_size(const Brep& brep) {
+  double size = 0;
+  for (const glm::dvec3& p : brep.vertices) size = std::max(size, glm::length(p));
+  return size;
+}
+
+// Faces and edges of the mesh that are seen.
+std::int64_t euler_number(const LimitSurface& limit) {
+  const MeshTopology& topology = limit.topology();
+  const auto hidden = limit.surface().hidden();
+  std::set<std::int32_t> vertices, edges;
+  std::int64_t faces = 0;
+  for (std::int32_t f = 0; f < topology.face_count(); ++f) {
+    if (!hidden.empty() && hidden[static_cast<std::size_t>(f)] != 0) continue;
+    ++faces;
+    for (const std::int32_t v : topology.face(f)) vertices.insert(v);
+    for (const std::int32_t e : topology.face_edges(f)) edges.insert(e);
+  }
+  return std::ssize(vertices) - std::ssize(edges) + faces;
+}
+
+// Every edge lies on the surfaces of its faces at the parameters that its lines say, is used once
+// each way, and ends at its vertices.
+void expect_joined(const StepFile& file, double tolerance) {
+  std::map<std::int64_t, int> forwards, backwards;
+  for (const std::int64_t id : file.all("ORIENTED_EDGE"))
+    ++(file.at(id).values[4].text == ".T." ? forwards : backwards)[file.at(id).values[3].reference];
+  for (const std::int64_t id : file.all("EDGE_CURVE")) {
+    const auto& edge = file.at(id).values;
+    const auto& on_surfaces = file.at(edge[3]).values;
+    const StepFile::Curve curve = file.curve(on_surfaces[1].reference);
+    const auto& pcurves = on_surfaces[2].items;
+    ASSERT_EQ(forwards[id], 1);
+    ASSERT_EQ(backwards[id], static_cast<int>(pcurves.size()) - 1);
+    ASSERT_LE(glm::length(file.point(file.at(edge[1]).values[1]) - curve.points.front()),
+              tolerance);
+    ASSERT_LE(glm::length(file.point(file.at(edge[2]).values[1]) - curve.points.back()), tolerance);
+    for (const Part21Value& pcurve : pcurves) {
+      const StepFile::PlaneLine line = file.plane_line(pcurve);
+      const StepFile::Surface surface = file.surface(line.surface);
+      for (int k = 0; k <= 32; ++k) {
+        const double t = curve.t.low() + k / 32.0 * (curve.t.high() - curve.t.low());
+        const glm::dvec2 uv = line.from + t * line.direction;
+        ASSERT_GE(uv.x, surface.u.low());
+        ASSERT_LE(uv.x, surface.u.high());
+        ASSERT_GE(uv.y, surface.v.low());
+        ASSERT_LE(uv.y, surface.v.high());
+        ASSERT_LE(glm::length(surface.at(uv.x, uv.y) - curve.at(t)), tolerance) << "#" << id;
+      }
+    }
+  }
+}
+
+// Loops run around [0, a] x [0, b] without a jump.
+void expect_loops(const StepFile& file) {
+  for (const std::int64_t id : file.all("EDGE_LOOP")) {
+    const auto& uses = file.at(id).values[1].items;
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      const auto end = [&](std::size_t use, bool is_last) {
+        const auto& oriented = file.at(uses[use % uses.size()]).values;
+        const bool is_forward = oriented[4].text == ".T.";
+        return file.at(oriented[3]).values[is_forward == is_last ? 2 : 1].reference;
+      };
+      ASSERT_EQ(end(i, true), end(i + 1, false)) << "#" << id;
+    }
+  }
+}
+
+std::vector<NamedMesh> step_meshes() {
+  std::vector<NamedMesh> meshes = limit_meshes();
+  meshes.push_back({"single triangle", single_polygon(3)});
+  meshes.push_back({"300-gon drum", prism(300)});
+  meshes.push_back({"hub of 100", bipyramid(100)});
+  meshes.push_back({"valence 2", cube_with_split_edges()});
+  meshes.push_back({"torus", torus(12, 8, 3, 1)});
+  meshes.push_back({"small torus", torus(3, 3, 3, 1)});
+  return meshes;
+}
+
+TEST(Step, FacesMeetAlongEdges) {
+  for (const auto& [name, mesh] : step_meshes()) {
+    SCOPED_TRACE(name);
+    const LimitCase c(mesh);
+    const Brep brep = make_brep(c.limit, {.angle = 2, .deviation = 1e-4});
+    const StepFile file = written(c, brep, scratch("joined.step"));
+    // 15 digits of coordinates, which may be larger than the surface.
+    expect_joined(file, 1e-12 * std::max(c.surface->placement().diagonal, largest_size(brep)));
+    expect_loops(file);
+    const auto count = [&](const char* keyword) { return std::ssize(file.all(keyword)); };
+    EXPECT_EQ(count("VERTEX_POINT") - count("EDGE_CURVE") + count("ADVANCED_FACE"),
+              euler_number(c.limit));
+    const bool is_open = std::ranges::any_of(
+        brep.edges, [](const Brep::Edge& edge) { return edge.lines[1].face < 0; });
+    EXPECT_EQ(count("OPEN_SHELL") > 0, is_open);
+    EXPECT_EQ(count("CLOSED_SHELL"), count("MANIFOLD_SOLID_BREP"));
+  }
+}
+
+// Asked of the surface itself, by closest points.
+TEST(Step, LiesOnTheSurfaceAndKeepsTheTolerance) {
+  for (const auto& [name, mesh] : step_meshes()) {
+    SCOPED_TRACE(name);
+    const LimitCase c(mesh);
+    const double diagonal = c.surface->placement().diagonal;
+    const Brep brep = make_brep(c.limit, {.angle = 90, .deviation = 1e-5});
+    const SurfaceQueries queries(c.limit);
+    const StepFile file = written(c, brep, scratch("places.step"));
+    double inner = 0, outer = 0;
+    std::mt19937 random(3);
+    const auto surfaces = file.all("B_SPLINE_SURFACE_WITH_KNOTS");
+    const std::size_t step = std::max<std::size_t>(1, surfaces.size() / 40);
+    for (std::size_t f = 0; f < surfaces.size(); f += step) {
+      const StepFile::Surface surface = file.surface(surfaces[f]);
+      std::uniform_real_distribution<double> x(surface.u.low(), surface.u.high()),
+          y(surface.v.low(), surface.v.high());
+      for (int k = 0; k < 12; ++k) {
+        const double u = x(random), v = y(random);
+        const double off = queries.closest(surface.at(u, v)).distance / diagonal;
+        // Squares at extraordinary points are at most half a quad.
+        const auto is_end = [](const KnotLine& line, double t) {
+          return std::min(t - line.low(), line.high() - t) < 0.5;
+        };
+        double& worst = is_end(surface.u, u) && is_end(surface.v, v) ? inner : outer;
+        worst = std::max(worst, off);
+      }
+    }
+    EXPECT_LE(outer, 1e-12);
+    EXPECT_LE(inner, brep.max_deviation * 1.5 + 1e-11);
+    EXPECT_LE(brep.max_deviation, 1e-5);
+  }
+}
+
+// Of both sides of an edge, crowded at its ends where the kinks are, and measured by finite
+// differences of the file's own surfaces.
+TEST(Step, NormalsAgreeAcrossSmoothEdges) {
+  for (const PolygonMesh& mesh : {cube(), torus(7, 5, 3, 1), icosphere(1), prism(5)}) {
+    const LimitCase c(mesh);
+    const Brep brep = make_brep(c.limit, {});
+    EXPECT_LE(brep.max_angle, 0.25);
+    const StepFile file = written(c, brep, scratch("angles.step"));
+    double worst = 0;
+    for (const std::int64_t id : file.all("SURFACE_CURVE")) {
+      const auto& values = file.at(id).values;
+      const StepFile::Curve curve = file.curve(values[1].reference);
+      for (int k = 1; k < 40; ++k) {
+        const double x = k / 40.0, near = 0.5 * std::pow(2 * std::min(x, 1 - x), 9);
+        const double part = x < 0.5 ? near : 1 - near, t = part * curve.t.high();
+        if (std::min(part, 1 - part) < 1e-6) continue;
+        std::vector<glm::dvec3> normals;
+        for (const Part21Value& pcurve : values[2].items) {
+          const StepFile::PlaneLine line = file.plane_line(pcurve);
+          const StepFile::Surface surface = file.surface(line.surface);
+          const glm::dvec2 uv = line.from + t * line.direction;
+          const double h = 1e-7;
+          const double x0 = std::max(surface.u.low(), uv.x - h),
+                       x1 = std::min(surface.u.high(), uv.x + h);
+          const double y0 = std::max(surface.v.low(), uv.y - h),
+                       y1 = std::min(surface.v.high(), uv.y + h);
+          normals.push_back(glm::normalize(
+              glm::cross((surface.at(x1, uv.y) - surface.at(x0, uv.y)) / (x1 - x0),
+                         (surface.at(uv.x, y1) - surface.at(uv.x, y0)) / (y1 - y0))));
+        }
+        if (normals.size() == 2) worst = std::max(worst, glm::length(normals[0] - normals[1]));
+      }
+    }
+    EXPECT_LE(worst * 180 / std::numbers::pi, 0.26);
+  }
+}
+
+TEST(Step, HasTheSameBytesOnEveryNumberOfThreads) {
+  const LimitCase c(random_closed_mesh(7));
+  std::array<std::string, 2> bytes;
+  for (const std::size_t i : {0u, 1u}) {
+    const oneapi::tbb::global_control threads(oneapi::tbb::global_control::max_allowed_parallelism,
+                                              i == 0 ? 1 : 4);
+    const std::string path = scratch("threads.step");
+    const std::uint64_t size = write_step(path, make_brep(c.limit), {.name = "it's a \xc3\xa4"});
+    bytes[i] = bytes_of(path);
+    EXPECT_EQ(size, bytes[i].size());
+  }
+  EXPECT_EQ(bytes[0], bytes[1]);
+  EXPECT_NE(bytes[0].find("PRODUCT('it''s a \\X4\\000000E4\\X0\\'"), std::string::npos);
+}
+
+TEST(Step, FacesHaveAtMostTheSizeAskedFor) {
+  const LimitCase c(torus(20, 12, 3, 1));
+  for (const std::int32_t size : {1, 5, 16}) {
+    for (const Brep::Face& face : make_brep(c.limit, {.face_size = size}).faces) {
+      EXPECT_LE(face.knots_u.back(), size);
+      EXPECT_LE(face.knots_v.back(), size);
+    }
+  }
+  const std::string message =
+      message_of(ErrorCode::InvalidArgument, [&] { (void)make_brep(c.limit, {.face_size = 0}); });
+  EXPECT_NE(message.find("1 to 4096"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace planish::test
