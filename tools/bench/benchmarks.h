@@ -40,6 +40,8 @@ inline constexpr double kNoStop = -1;
 #endif
 /// Places of a limit surface, closest points and rays; Bfr's Catmull-Clark beside them.
 [[nodiscard]] std::vector<Row> bench_query(const Options& options);
+/// Moves of a few vertices, and of all, of meshes of several sizes.
+[[nodiscard]] std::vector<Row> bench_edit(const Options& options);
 /// From a mesh to a level 2 by default, of hubs and large faces beside a torus of as many corners.
 [[nodiscard]] std::vector<Row> bench_worst(const Options& options);
 /// Catmull-Clark stencils that make a level 2.

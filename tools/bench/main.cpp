@@ -23,7 +23,8 @@ const std::vector<std::pair<std::string, std::vector<Row> (*)(const Options&)>> 
     {"evaluate", bench_evaluate}, {"kernels", bench_kernels}, {"frame", bench_frame},
     {"many", bench_many},
 #endif
-    {"query", bench_query},       {"osd", bench_osd},         {"fair", bench_fair}};
+    {"query", bench_query},       {"edit", bench_edit},       {"osd", bench_osd},
+    {"fair", bench_fair}};
 
 // Google Benchmark takes its --benchmark_* flags and leaves the rest.
 std::vector<Row> rows_or_refusal(const std::string& name, std::vector<Row> (*bench)(const Options&),

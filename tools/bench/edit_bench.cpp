@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/bench_meshes.h"
+#include "bench/benchmarks.h"
+#include "planish/edit/editor.h"
+
+namespace planish::bench {
+
+namespace {
+
+// As many moves as a mesh has time for between two looks at the clock.
+constexpr int kMoves = 64;
+constexpr std::size_t kMany = 1000;
+constexpr double kWay = 0.01;  // of the diagonal
+
+class EditBench {
+ public:
+  // Within `radius` of a vertex there are about kMany others.
+  EditBench(const PolygonMesh& mesh, std::string size, double radius)
+      : mesh_(mesh), size_(std::move(size)), fit_(fit(mesh, *make_cpu_backend())), radius_(radius) {
+    editor_ = std::make_unique<Editor>(mesh_, fit_);
+  }
+
+  std::vector<Row> run(int repetitions) {
+    const Group group{"edit", size_, "whole", {}};
+    std::vector<Row> rows;
+    std::vector<std::int32_t> all(mesh_.positions.size());
+    for (std::size_t v = 0; v < all.size(); ++v) all[v] = static_cast<std::int32_t>(v);
+    const int few = std::clamp(repetitions / 5, 1, 3);
+    rows.push_back(timed(group, "whole", few, 1, [&](int) { return all; }));
+    rows.push_back(timed(group, "one", repetitions, kMoves,
+                         [&](int i) { return std::vector<std::int32_t>{any(i)}; }));
+    rows.push_back(timed(group, "near-1000", few, 4, [&](int i) {
+      Selection near = editor_->select(std::vector<std::int32_t>{any(i)}, radius_);
+      near.vertices.resize(std::min(near.vertices.size(), kMany));
+      return near.vertices;
+    }));
+    rows.push_back(timed(group, "scattered-1000", few, 1, [&](int i) {
+      std::vector<std::int32_t> vertices(kMany);
+      for (std::size_t k = 0; k < kMany; ++k)
+        vertices[k] = any(i * static_cast<int>(kMany) + static_cast<int>(k));
+      return vertices;
+    }));
+    for (Row& row : rows) row.ratio = row.median_ms / rows.front().median_ms;
+    require_exact();
+    return rows;
+  }
+
+ private:
+  // What was timed has kept the fit's tolerance, measured anew in double.
+  void require_exact() const {
+    const double error = editor_->measured_error();
+    if (error <= FitOptions{}.tolerance) return;
+    throw std::runtime_error("after its moves an edited surface is off by " +
+                             std::to_string(error) + " of the diagonal");
+  }
+
+  [[nodiscard]] std::int32_t any(int i) const {
+    std::mt19937 random(static_cast<std::uint32_t>(i));
+    return std::uniform_int_distribution<std::int32_t>(0, mesh_.vertex_count() - 1)(random);
+  }
+
+  // Moves to and fro: a run of them there, the next one back.
+  template <class Choose>
+  Row timed(const Group& group, const std::string& peer, int repetitions, int moves,
+            const Choose& choose) {
+    std::vector<std::vector<std::int32_t>> vertices;
+    for (int i = 0; i < moves; ++i) vertices.push_back(choose(i));
+    std::vector<double> wall, cpu;
+    double row_count = 0, control_count = 0;
+    std::vector<glm::dvec3> to;
+    for (int r = -1; r < repetitions; ++r) {
+      const double cpu_before = process_cpu_ms();
+      const auto before = std::chrono::steady_clock::now();
+      for (const auto& chosen : vertices) {
+        to.clear();
+        const double way = r % 2 == 0 ? 0 : kWay * fit_.placement.diagonal;
+        for (const std::int32_t v : chosen)
+          to.push_back(mesh_.positions[static_cast<std::size_t>(v)] + glm::dvec3(way, 0, 0));
+        const EditChange change = editor_->move(chosen, to);
+        row_count += static_cast<double>(change.row_count);
+        control_count += static_cast<double>(change.control_points.size());
+      }
+      if (r < 0) continue;  // warms up
+      wall.push_back(
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before)
+              .count() /
+          moves);
+      cpu.push_back((process_cpu_ms() - cpu_before) / moves);
+    }
+    Row row = row_of_times(group, peer, wall);
+    row.cpu_ms = median(cpu);
+    const double count = static_cast<double>(moves) * (repetitions + 1);
+    row.figures = {{"rows_per_move", row_count / count},
+                   {"control_points_per_move", control_count / count},
+                   {"error_bound", editor_->error_bound()}};
+    return row;
+  }
+
+  const PolygonMesh& mesh_;
+  std::string size_;
+  Fit fit_;
+  std::unique_ptr<Editor> editor_;
+  double radius_;
+};
+
+}  // namespace
+
+std::vector<Row> bench_edit(const Options& options) {
+  std::vector<Row> rows;
+  std::vector<std::int32_t> counts = options.point_counts;
+  if (options.quad_count >= 1'000'000) counts.push_back(4 * options.quad_count);
+  for (const std::int32_t count : counts) {
+    const PolygonMesh mesh = torus_grid(count);
+    // Edges along are 2 pi / side long, those around the tube 0.4 times that.
+    const double edge = 6.3 / std::sqrt(static_cast<double>(mesh.vertex_count()));
+    EditBench bench(mesh, "torus, " + std::to_string(mesh.vertex_count()) + " vertices", 25 * edge);
+    const std::vector<Row> measured = bench.run(options.repetitions);
+    rows.insert(rows.end(), measured.begin(), measured.end());
+  }
+  return rows;
+}
+
+}  // namespace planish::bench
