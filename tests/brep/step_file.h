@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <glm/geometric.hpp>
 
 #include "brep/part21.h"

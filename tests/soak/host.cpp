@@ -25,7 +25,7 @@ using testing::HostFrame;
 using testing::HostTopology;
 using testing::PretendedDriver;
 
-constexpr std::uint64_t kMayGrow = 16u << 20;
+constexpr std::uint64_t kHostMayGrow = 16u << 20;
 constexpr int kFrames = 12;         // of a topology
 constexpr double kOffGiven = 2e-5;  // of the diagonal, single precision through a solve
 
@@ -153,7 +153,7 @@ bool soak_host(std::uint32_t count, std::uint32_t first) {
   }
   std::printf("%u sessions, %d of them lost their device; resident %s\n", count, lost,
               growth.text().c_str());
-  if (growth.bytes() > kMayGrow)
+  if (growth.bytes() > kHostMayGrow)
     complain("memory grows by " + std::to_string(growth.bytes()) + " bytes");
   return true;
 }

@@ -15,7 +15,7 @@
 namespace planish::test {
 namespace {
 
-constexpr std::uint64_t kMayGrow = 2u << 20;
+constexpr std::uint64_t kServiceMayGrow = 2u << 20;
 constexpr double kSlow = 5;  // seconds, that are worth a word
 
 bool is_result(planish_status status) {
@@ -174,7 +174,7 @@ void soak_service(std::uint32_t count, std::uint32_t first) {
   service.print();
   std::printf("slowest: %.2f s, file %u; allocated %s\n", slowest, slowest_file,
               growth.text().c_str());
-  if (growth.bytes() > kMayGrow)
+  if (growth.bytes() > kServiceMayGrow)
     complain("memory grows by " + std::to_string(growth.bytes()) + " bytes");
 }
 

@@ -5,7 +5,6 @@
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/range.h"

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "planish/mesh/mesh_topology.h"
-#include "planish/mesh/sharpness.h"
 #include "planish/surface/level_one.h"
 
 namespace planish {

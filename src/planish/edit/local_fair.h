@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <memory>
 #include <span>
 #include <vector>
 
