@@ -263,6 +263,10 @@ TEST_F(EmbedRecording, TimestampsGoToTheHostsPool) {
   EXPECT_LE(times[1], times[2]);
   EXPECT_LT(times[2], times[3]);
   destroy(host.device, pool, nullptr);
+  // One at the top of the pipe is held back by no barrier, and counts the end of the work before.
+  const auto stages = PretendedDriver::notes().timestamp_stages;
+  EXPECT_EQ(stages.count(VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT), 1u);
+  EXPECT_EQ(stages.count(VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT), 0u);
 }
 
 }  // namespace

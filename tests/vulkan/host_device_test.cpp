@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <future>
+#include <vector>
+
 #include "planish/vulkan/device/own_device.h"
 #include "planish/vulkan/device/result.h"
 #include "planish/vulkan/device/submitter.h"
@@ -69,7 +73,6 @@ TEST_F(HostDevices, FlushWholeAtomsOfAHostsBlocks) {
   block.offset = 2048;
   block.mapped = static_cast<std::byte*>(mapped) + block.offset;
   block.coherent = false;
-  block.owner = mapped;
   host_.memory.allocate = [&](const MemoryRequest&) { return block; };
   host_.memory.free = [](const MemoryBlock&) {};
   {
@@ -154,6 +157,49 @@ TEST_F(HostDevices, HostsServeEveryAllocation) {
     EXPECT_EQ(living, made);
   }
   EXPECT_EQ(living, 0);
+}
+
+TEST_F(HostDevices, HooksRunWithoutALock) {
+  Context* planish = nullptr;
+  std::vector<std::future<std::uint64_t>> others;  // end after the hook, whatever it finds
+  bool was_free = false;
+  host_.memory.allocate = [&](const MemoryRequest&) -> MemoryBlock {
+    others.push_back(
+        std::async(std::launch::async, [&] { return planish->memory().peak_bytes(); }));
+    was_free = others.back().wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+    throw Error(ErrorCode::OutOfMemory, "no room");
+  };
+  host_.memory.free = [](const MemoryBlock&) {};
+  Context context(host_);
+  planish = &context;
+  EXPECT_THROW(Buffer(context, 64, MemoryUse::Device), Error);
+  EXPECT_TRUE(was_free);
+}
+
+TEST_F(HostDevices, UnmappedBlocksOfAHostAreRefused) {
+  int freed = 0;
+  host_.memory.allocate = [](const MemoryRequest&) { return MemoryBlock{}; };
+  host_.memory.free = [&](const MemoryBlock&) { ++freed; };
+  Context context(host_);
+  const auto message_for = [&](MemoryUse use) {
+    return test::message_of(ErrorCode::InvalidArgument, [&] { Buffer(context, 64, use); });
+  };
+  EXPECT_EQ(message_for(MemoryUse::Upload),
+            "MemoryHooks::allocate returned a block for Upload that is not mapped; set "
+            "MemoryBlock::mapped");
+  EXPECT_THAT(message_for(MemoryUse::Download), ::testing::HasSubstr("for Download"));
+  EXPECT_EQ(freed, 2);
+}
+
+// OpenSubdiv's users bind a patch table's indices as index buffer.
+TEST_F(HostDevices, BuffersCanBeDrawnFrom) {
+  Context context(host_);
+  const Buffer buffer(context, 64, MemoryUse::Device);
+  const auto usages = PretendedDriver::notes().buffer_usages;
+  ASSERT_EQ(usages.size(), 1u);
+  for (const VkBufferUsageFlags usage :
+       {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT})
+    EXPECT_TRUE(*usages.begin() & usage);
 }
 
 TEST_F(HostDevices, TooFewStorageBuffersAreNamed) {

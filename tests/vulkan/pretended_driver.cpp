@@ -44,6 +44,7 @@ struct State {
   VkDevice device = VK_NULL_HANDLE;  // the last one made
   std::array<std::atomic<int>, kSlotCount> counts{};
   std::atomic<int> fallible{0}, illegal_maps{0};
+  NoteTaker notes;
   std::mutex mutex;  // guards what follows
   std::map<std::string, int> alive, uncounted;
   std::set<VkDeviceMemory> device_only;
@@ -288,6 +289,7 @@ struct Thunk<R(VKAPI_PTR*)(A...)> {
   template <Slot slot, Function Real::*member>
   static R VKAPI_CALL call(A... arguments) {
     ++state.counts[slot];
+    state.notes.take(arguments...);
     const Function function = behind<slot>(real.*member);
     if constexpr (std::is_same_v<R, VkResult>) {
       // A name that cannot be set is no error, and destructors wait as well as they can.
@@ -334,6 +336,7 @@ void PretendedDriver::reset() {
   for (std::atomic<int>& count : state.counts) count = 0;
   state.fallible = 0;
   state.illegal_maps = 0;
+  state.notes.reset();
   const std::lock_guard lock(state.mutex);
   state.alive.clear();
   state.uncounted.clear();
@@ -387,6 +390,8 @@ std::vector<VkMappedMemoryRange> PretendedDriver::invalidated() {
   return state.invalidated;
 }
 
+PretendedNotes PretendedDriver::notes() { return state.notes.notes(); }
+void PretendedDriver::forget_notes() { state.notes.reset(); }
 int PretendedDriver::illegal_maps() { return state.illegal_maps; }
 
 }  // namespace planish::testing

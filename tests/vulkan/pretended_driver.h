@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planish/vulkan/device/functions.h"
+#include "vulkan/pretended_notes.h"
 
 namespace planish::testing {
 
@@ -64,6 +65,9 @@ class PretendedDriver {
   /// What was asked to be made visible to the device and to the host.
   static std::vector<VkMappedMemoryRange> flushed();
   static std::vector<VkMappedMemoryRange> invalidated();
+  /// What calls were given.
+  static PretendedNotes notes();
+  static void forget_notes();
   /// Memory of the pretended type 0, which only the device sees, that was mapped.
   static int illegal_maps();
 };

@@ -33,7 +33,8 @@ Buffer::Buffer(Context& context, std::uint64_t size, MemoryUse use, const char* 
   info.size = size_;
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
-               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+               VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+               VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   check(vk.vkCreateBuffer(context.device(), &info, context.callbacks(), &buffer_),
         "vkCreateBuffer");
   try {
@@ -85,13 +86,14 @@ std::span<std::byte> Buffer::mapped() const {
 
 namespace {
 
-VkMappedMemoryRange mapped_range(const MemoryBlock& block, std::uint64_t size, std::uint64_t atom) {
+VkMappedMemoryRange mapped_range(Context& context, const MemoryBlock& block, std::uint64_t size) {
+  const std::uint64_t atom = context.capabilities().non_coherent_atom;
   VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
   range.memory = block.memory;
   range.offset = block.offset;
   // Our own blocks are whole allocations, whose sizes need not be multiples of the atom; a host's
   // start and end at multiples of it.
-  range.size = block.owner ? (size + atom - 1) / atom * atom : VK_WHOLE_SIZE;
+  range.size = context.memory().has_hooks() ? (size + atom - 1) / atom * atom : VK_WHOLE_SIZE;
   return range;
 }
 
@@ -99,14 +101,14 @@ VkMappedMemoryRange mapped_range(const MemoryBlock& block, std::uint64_t size, s
 
 void Buffer::flush() {
   if (block_.coherent) return;
-  const auto range = mapped_range(block_, size_, context_->capabilities().non_coherent_atom);
+  const auto range = mapped_range(*context_, block_, size_);
   check(context_->vk().vkFlushMappedMemoryRanges(context_->device(), 1, &range),
         "vkFlushMappedMemoryRanges");
 }
 
 void Buffer::invalidate() {
   if (block_.coherent) return;
-  const auto range = mapped_range(block_, size_, context_->capabilities().non_coherent_atom);
+  const auto range = mapped_range(*context_, block_, size_);
   check(context_->vk().vkInvalidateMappedMemoryRanges(context_->device(), 1, &range),
         "vkInvalidateMappedMemoryRanges");
 }

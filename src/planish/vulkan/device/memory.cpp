@@ -76,24 +76,46 @@ MemoryBlock MemoryAllocator::allocate_own(const MemoryRequest& request) {
   return block;
 }
 
-MemoryBlock MemoryAllocator::allocate(const MemoryRequest& request) {
-  const std::lock_guard lock(mutex_);
-  const MemoryBlock block = hooks_.allocate ? hooks_.allocate(request) : allocate_own(request);
-  if (!hooks_.allocate) heap_bytes_[block.heap] += request.requirements.size;
-  used_ += request.requirements.size;
+MemoryBlock MemoryAllocator::allocate_by_hook(const MemoryRequest& request) const {
+  const MemoryBlock block = hooks_.allocate(request);
+  if (request.use == MemoryUse::Device || block.mapped) return block;
+  hooks_.free(block);
+  throw Error(ErrorCode::InvalidArgument,
+              "MemoryHooks::allocate returned a block for " +
+                  std::string(request.use == MemoryUse::Upload ? "Upload" : "Download") +
+                  " that is not mapped; set MemoryBlock::mapped");
+}
+
+void MemoryAllocator::count(std::uint64_t size) {
+  used_ += size;
   peak_ = std::max(peak_, used_);
+}
+
+// A hook may take the host's lock, under which the host may make objects of planish's: ours is
+// never held while it runs.
+MemoryBlock MemoryAllocator::allocate(const MemoryRequest& request) {
+  const std::uint64_t size = request.requirements.size;
+  if (has_hooks()) {
+    const MemoryBlock block = allocate_by_hook(request);
+    const std::lock_guard lock(mutex_);
+    count(size);
+    return block;
+  }
+  const std::lock_guard lock(mutex_);
+  const MemoryBlock block = allocate_own(request);
+  heap_bytes_[block.heap] += size;
+  count(size);
   return block;
 }
 
 void MemoryAllocator::free(const MemoryBlock& block, VkDeviceSize size) noexcept {
+  if (has_hooks())
+    hooks_.free(block);
+  else
+    vk_.vkFreeMemory(device_, block.memory, callbacks_);
   const std::lock_guard lock(mutex_);
   used_ -= size;
-  if (hooks_.free) {
-    hooks_.free(block);
-    return;
-  }
-  heap_bytes_[block.heap] -= size;
-  vk_.vkFreeMemory(device_, block.memory, callbacks_);
+  if (!has_hooks()) heap_bytes_[block.heap] -= size;
 }
 
 std::uint64_t MemoryAllocator::peak_bytes() const {

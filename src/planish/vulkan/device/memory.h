@@ -29,13 +29,14 @@ struct MemoryBlock {
   VkDeviceSize offset = 0;
   void* mapped = nullptr;
   bool coherent = true;    ///< false: planish flushes and invalidates [offset, offset + size)
-  void* owner = nullptr;   ///< the host allocator's own handle
+  void* owner = nullptr;   ///< the host allocator's own handle, if any
   std::uint32_t heap = 0;  ///< without hooks: the heap that it is taken from
 };
 
-/// How a host's allocator serves every allocation. Both or neither are set. `allocate` may throw
-/// planish::Error. With non-coherent memory, blocks start and end at multiples of
-/// nonCoherentAtomSize.
+/// How a host's allocator serves every allocation. Both or neither are set. They are called without
+/// a lock of planish's, from any thread that makes or destroys objects. `allocate` may throw
+/// planish::Error; blocks for Upload and Download are mapped. With non-coherent memory, blocks
+/// start and end at multiples of nonCoherentAtomSize.
 struct MemoryHooks {
   std::function<MemoryBlock(const MemoryRequest&)> allocate;
   std::function<void(const MemoryBlock&)> free;
@@ -54,12 +55,17 @@ class MemoryAllocator {
   void free(const MemoryBlock& block, VkDeviceSize size) noexcept;
 
   [[nodiscard]] std::uint64_t peak_bytes() const;
+  /// Whether blocks are the host's, which may lie beside others in one VkDeviceMemory.
+  [[nodiscard]] bool has_hooks() const { return static_cast<bool>(hooks_.allocate); }
 
  private:
   [[nodiscard]] std::uint32_t pick_type(const MemoryRequest& request) const;
   /// Why so many bytes of a type cannot be had; empty if they can.
   [[nodiscard]] std::string lacking_room(std::uint32_t type, std::uint64_t size) const;
   [[nodiscard]] MemoryBlock allocate_own(const MemoryRequest& request);
+  /// Throws Error{InvalidArgument} for a block that cannot serve the request.
+  [[nodiscard]] MemoryBlock allocate_by_hook(const MemoryRequest& request) const;
+  void count(std::uint64_t size);  // under the lock
 
   const DeviceFunctions& vk_;
   VkDevice device_;

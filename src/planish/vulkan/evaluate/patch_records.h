@@ -34,6 +34,7 @@ struct PatchSlice {
 struct PatchLimits {
   std::uint64_t max_range = 0;     ///< bytes that a binding may span
   std::uint64_t max_elements = 0;  ///< points, links or vertices that a binding may have
+  std::uint64_t max_groups = 0;    ///< work groups of one dispatch
   std::uint64_t max_units = 0;     ///< groups times chunks in one dispatch
   std::uint64_t row_stride = 24;   ///< bytes from one row of the output to the next, at most
 

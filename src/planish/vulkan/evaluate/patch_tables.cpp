@@ -34,7 +34,8 @@ PatchLimits patch_limits(const Context& context, std::uint32_t row_stride) {
   PatchLimits limits;
   limits.max_range = context.max_storage_range();
   limits.max_elements = context.max_texel_elements();
-  limits.max_units = std::uint64_t(context.max_group_count()) * context.variant().chunks_per_group;
+  limits.max_groups = context.max_group_count();
+  limits.max_units = limits.max_groups * context.variant().chunks_per_group;
   limits.row_stride = row_stride;
   return limits;
 }

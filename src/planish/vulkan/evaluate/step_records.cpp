@@ -91,8 +91,10 @@ bool slice_fits(const StepSlice& slice, const PatchLimits& limits) {
     const auto count = static_cast<std::uint64_t>(from_a_multiple(window).count);
     if (count * kStepPointBytes > limits.max_range || count > limits.max_elements) return false;
   }
-  return static_cast<std::uint64_t>((slice.points.count + kSliceLanes - 1) / kSliceLanes) <=
-         limits.max_units;
+  // Of large faces a group does one after the other, of all else it does its lanes' points only.
+  return slice.kind == shared::kStepLargeFaces ||
+         static_cast<std::uint64_t>((slice.points.count + kSliceLanes - 1) / kSliceLanes) <=
+             limits.max_groups;
 }
 
 void require_fit(const StepSlice& slice, const PatchLimits& limits) {
@@ -104,8 +106,9 @@ void require_fit(const StepSlice& slice, const PatchLimits& limits) {
                                                            : "a face's points") +
                   " span " + std::to_string(most * static_cast<std::int64_t>(kStepPointBytes)) +
                   " bytes of one binding, but maxStorageBufferRange is " +
-                  std::to_string(limits.max_range) + " and maxTexelBufferElements " +
-                  std::to_string(limits.max_elements) + "; use --device cpu or a smaller mesh");
+                  std::to_string(limits.max_range) + ", maxTexelBufferElements " +
+                  std::to_string(limits.max_elements) + " and maxComputeWorkGroupCount " +
+                  std::to_string(limits.max_groups) + "; use --device cpu or a smaller mesh");
 }
 
 // Of the small faces, or of the large ones, whose words begin at `word`.
