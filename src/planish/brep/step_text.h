@@ -65,7 +65,7 @@ class StepText {
     char buffer[24];
     text_.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
   }
-  /// (#first,#first+1,...)
+  /// In brackets, `count` of them from `first` on.
   void references(std::int64_t first, std::int64_t count) {
     for (std::int64_t i = 0; i < count; ++i) {
       text_ += i == 0 ? '(' : ',';
@@ -82,7 +82,7 @@ class StepText {
   std::string text_;
 };
 
-/// A string as Part 21 has it, in its quotes: ASCII as it is, all else as \X4\.
+/// A string as Part 21 has it, in its quotes: ASCII as it is, all else in four bytes a character.
 [[nodiscard]] std::string step_string(std::string_view utf8);
 
 }  // namespace planish
