@@ -90,7 +90,7 @@ std::string histogram_text(const std::vector<std::int64_t>& counts) {
 }
 
 // "ground 12, water 3"; of many the first ones.
-std::string counts_text(const ScanContents::Counts& counts) {
+std::string named_counts_text(const ScanContents::Counts& counts) {
   constexpr std::size_t kShown = 20;
   std::string text;
   for (std::size_t i = 0; i < std::min(kShown, counts.size()); ++i)
@@ -105,8 +105,8 @@ std::string scan_text(const ScanContents& scan) {
   return line("version", scan.version) + line("software", scan.software) +
          line("coordinates", scan.coordinate_system) +
          inspection_line("scans", with_separators(std::ssize(scan.scans)) + " (" +
-                                      counts_text(scan.scans) + ")") +
-         line("classes", counts_text(scan.classes));
+                                      named_counts_text(scan.scans) + ")") +
+         line("classes", named_counts_text(scan.classes));
 }
 
 std::string points_text(const Inspection& inspection) {
