@@ -126,15 +126,20 @@ void EditedSurface::make_rows() {
   });
 }
 
+// After touched_ has the faces whose points of level 1 are others.
+void EditedSurface::follow_touched() {
+  list_faces_around();
+  surface_->patches().update_sums_at(corners_, surface_->own_state());
+  list_rows();
+  make_rows();
+}
+
 void EditedSurface::update(std::span<const std::int32_t> vertices,
                            std::span<const glm::dvec3> cage) {
   touched_.clear();
   for (const std::int32_t vertex : vertices) touch_faces_at(vertex);
   update_first_step(surface_->patches(), weights_, cage, touched_.members(), surface_->own_state());
-  list_faces_around();
-  surface_->patches().update_sums_at(corners_, surface_->own_state());
-  list_rows();
-  make_rows();
+  follow_touched();
 }
 
 void EditedSurface::update_all(std::span<const glm::dvec3> cage) {
@@ -152,10 +157,7 @@ void EditedSurface::add_to_state(std::span<const std::int32_t> places,
     surface_->own_state()[static_cast<std::size_t>(places[i])] += differences[i];
     if (places[i] < corner_count) touched_.add(topology.face_of(places[i]));
   }
-  list_faces_around();
-  surface_->patches().update_sums_at(corners_, surface_->own_state());
-  list_rows();
-  make_rows();
+  follow_touched();
 }
 
 void EditedSurface::set_state_all(std::span<const glm::dvec3> state) {

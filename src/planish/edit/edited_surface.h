@@ -47,6 +47,7 @@ class EditedSurface {
   void list_faces_around();
   void list_rows();
   void make_rows();
+  void follow_touched();
   void make_all_rows();
 
   std::shared_ptr<DooSabinSurface> surface_;
