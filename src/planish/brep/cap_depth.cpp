@@ -19,10 +19,6 @@ struct CapError {
   }
 };
 
-glm::dvec3 quadratic(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double t) {
-  return (1 - t) * ((1 - t) * a + t * b) + t * ((1 - t) * b + t * c);
-}
-
 // The square at an extraordinary point, turned to have that at (0, 0).
 struct Cap {
   BezierNet net{};
@@ -36,7 +32,7 @@ struct Cap {
       d[k] = net[k * step + across] - a[k];
     }
     const glm::dvec3 along = (1 - t) * (a[1] - a[0]) + t * (a[2] - a[1]);
-    const glm::dvec3 side = quadratic(d[0], d[1], d[2], t);
+    const glm::dvec3 side = quadratic_blossom(d[0], d[1], d[2], t, t);
     return along_v ? glm::cross(side, along) : glm::cross(along, side);
   }
 };

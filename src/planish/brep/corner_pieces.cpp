@@ -29,20 +29,15 @@ SquarePiece in_patch(const PatchFrame& frame, const BezierNet& net, const glm::d
   return piece;
 }
 
-glm::dvec3 blossom_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double s,
-                      double t) {
-  return (1 - t) * ((1 - s) * a + s * b) + t * ((1 - s) * b + s * c);
-}
-
 }  // namespace
 
 glm::dvec3 SquarePiece::blossom(BlossomPair along_u, BlossomPair along_v) const {
   const double s = (along_u.first - u) / size, t = (along_u.second - u) / size;
   std::array<glm::dvec3, 3> row;
   for (std::size_t j = 0; j < 3; ++j)
-    row[j] = blossom_of(net[3 * j], net[3 * j + 1], net[3 * j + 2], s, t);
-  return blossom_of(row[0], row[1], row[2], (along_v.first - v) / size,
-                    (along_v.second - v) / size);
+    row[j] = quadratic_blossom(net[3 * j], net[3 * j + 1], net[3 * j + 2], s, t);
+  return quadratic_blossom(row[0], row[1], row[2], (along_v.first - v) / size,
+                           (along_v.second - v) / size);
 }
 
 CornerPieces::CornerPieces(LimitSurface::Corner& corner, int depth_at_vertex, int depth_at_face)

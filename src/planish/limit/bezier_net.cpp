@@ -32,12 +32,9 @@ BezierNet net_between(const BezierNet& net, bool along_v, double from, double to
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t at = k * across;
     const glm::dvec3 &a = net[at], &b = net[at + step], &c = net[at + 2 * step];
-    const auto blossom = [&](double s, double t) {
-      return (1 - t) * ((1 - s) * a + s * b) + t * ((1 - s) * b + s * c);
-    };
-    result[at] = blossom(from, from);
-    result[at + step] = blossom(from, to);
-    result[at + 2 * step] = blossom(to, to);
+    result[at] = quadratic_blossom(a, b, c, from, from);
+    result[at + step] = quadratic_blossom(a, b, c, from, to);
+    result[at + 2 * step] = quadratic_blossom(a, b, c, to, to);
   }
   return result;
 }

@@ -11,6 +11,12 @@ using BezierNet = std::array<glm::dvec3, 9>;
 /// The net of the same piece as a patch sees it that is turned against it by so many quarters.
 [[nodiscard]] BezierNet turned_net(const BezierNet& net, int turns);
 
+/// The blossom of a quadratic by its Bezier points: at (t, t) its point at t.
+[[nodiscard]] inline glm::dvec3 quadratic_blossom(const glm::dvec3& a, const glm::dvec3& b,
+                                                  const glm::dvec3& c, double s, double t) {
+  return (1 - t) * ((1 - s) * a + s * b) + t * ((1 - s) * b + s * c);
+}
+
 /// The part between two places along u or v, of 0 to 1.
 [[nodiscard]] BezierNet net_between(const BezierNet& net, bool along_v, double from, double to);
 
