@@ -56,25 +56,81 @@ CornerTree::CornerTree(const LimitSurface& surface) : surface_(surface) {
     if (hidden.empty() || hidden[static_cast<std::size_t>(topology.face_of(c))] == 0)
       corners_.push_back(c);
   }
-  if (corners_.empty()) return;
   for (const PatchForm* form : surface.forms()) reaches_.add(*form);
-  RawVector<CornerBox> box_of(static_cast<std::size_t>(topology.corner_count()));
-  parallel_for(corners_.size(), kBoxGrain, [&](std::size_t begin, std::size_t end) {
-    LimitSurface::Corner corner(surface);
+  rebuild();
+}
+
+void CornerTree::make_boxes(std::span<const std::int32_t> corners,
+                            std::span<CornerBox> boxes) const {
+  parallel_for(corners.size(), kBoxGrain, [&](std::size_t begin, std::size_t end) {
+    LimitSurface::Corner corner(surface_);
     for (std::size_t i = begin; i < end; ++i) {
-      corner.move_to(corners_[i]);
-      box_of[static_cast<std::size_t>(corners_[i])] =
-          outward(patch_box(corner.form(), corner.points(), reaches_), corner.own());
+      corner.move_to(corners[i]);
+      boxes[i] = outward(patch_box(corner.form(), corner.points(), reaches_), corner.own());
     }
   });
+}
+
+void CornerTree::rebuild() {
+  place_of_corner_.clear();
+  std::ranges::sort(corners_);
+  if (corners_.empty()) return;
+  RawVector<CornerBox> in_order(corners_.size());
+  make_boxes(corners_, in_order);
+  boxes_.resize(static_cast<std::size_t>(surface_.topology().corner_count()));
+  for (std::size_t i = 0; i < corners_.size(); ++i)  // by corner while the tree is made
+    boxes_[static_cast<std::size_t>(corners_[i])] = in_order[i];
   const auto count = static_cast<std::int32_t>(corners_.size());
   nodes_.resize(static_cast<std::size_t>(node_count(count)));
-  boxes_.swap(box_of);  // by corner while the tree is made
   build(0, 0, count);
-  RawVector<CornerBox> in_order(corners_.size());
   for (std::size_t i = 0; i < corners_.size(); ++i)
     in_order[i] = boxes_[static_cast<std::size_t>(corners_[i])];
   boxes_.swap(in_order);
+}
+
+std::int64_t CornerTree::refit(std::span<const std::int32_t> corners) {
+  if (nodes_.empty() || corners.empty()) return 0;
+  if (place_of_corner_.empty()) number_places();
+  places_.clear();
+  for (const std::int32_t corner : corners)
+    if (const std::int32_t place = place_of_corner_[static_cast<std::size_t>(corner)]; place >= 0)
+      places_.push_back(place);
+  std::ranges::sort(places_);
+  of_places_.clear();
+  for (const std::int32_t place : places_)
+    of_places_.push_back(corners_[static_cast<std::size_t>(place)]);
+  new_boxes_.resize(places_.size());
+  make_boxes(of_places_, new_boxes_);
+  for (std::size_t i = 0; i < places_.size(); ++i)
+    boxes_[static_cast<std::size_t>(places_[i])] = new_boxes_[i];
+  return refit_node(0, 0, static_cast<std::int32_t>(corners_.size()), places_);
+}
+
+void CornerTree::number_places() {
+  place_of_corner_.assign(static_cast<std::size_t>(surface_.topology().corner_count()), -1);
+  for (std::size_t i = 0; i < corners_.size(); ++i)
+    place_of_corner_[static_cast<std::size_t>(corners_[i])] = static_cast<std::int32_t>(i);
+}
+
+// The node over corners_[first] to corners_[last - 1], some of which have other boxes.
+std::int64_t CornerTree::refit_node(std::int32_t index, std::int32_t first, std::int32_t last,
+                                    std::span<const std::int32_t> places) {
+  if (places.empty()) return 0;
+  Node& node = nodes_[static_cast<std::size_t>(index)];
+  if (node.count > 0) {
+    node.box = boxes_[static_cast<std::size_t>(first)];
+    for (std::int32_t i = first + 1; i < last; ++i)
+      node.box = united(node.box, boxes_[static_cast<std::size_t>(i)]);
+    return 1;
+  }
+  const std::int32_t middle = first + (last - first) / 2;
+  const auto split =
+      static_cast<std::size_t>(std::ranges::lower_bound(places, middle) - places.begin());
+  const std::int64_t count = 1 + refit_node(index + 1, first, middle, places.first(split)) +
+                             refit_node(node.right, middle, last, places.subspan(split));
+  node.box = united(nodes_[static_cast<std::size_t>(index + 1)].box,
+                    nodes_[static_cast<std::size_t>(node.right)].box);
+  return count;
 }
 
 void CornerTree::build(std::int32_t index, std::int32_t first, std::int32_t last) {

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
+#include <vector>
 
 #include "planish/core/raw_vector.h"
 #include "planish/limit/limit_surface.h"
@@ -22,6 +24,14 @@ class CornerTree {
   /// The surface must outlive it.
   explicit CornerTree(const LimitSurface& surface);
 
+  /// After the patches of some corners have changed, each named once: their boxes are made anew,
+  /// and the nodes above them. The tree keeps its shape, so that its questions take longer once
+  /// corners have moved far; see rebuild(). Returns how many nodes it has looked at: for each
+  /// corner at most the tree's height. Hole faces' corners are passed by.
+  std::int64_t refit(std::span<const std::int32_t> corners);
+  /// After any have: what the constructor makes.
+  void rebuild();
+
   struct Node {
     CornerBox box;
     std::int32_t first = 0;  ///< of a leaf: its first entry in corners()
@@ -39,12 +49,20 @@ class CornerTree {
 
  private:
   void build(std::int32_t node, std::int32_t first, std::int32_t last);
+  void number_places();
+  void make_boxes(std::span<const std::int32_t> corners, std::span<CornerBox> boxes) const;
+  std::int64_t refit_node(std::int32_t node, std::int32_t first, std::int32_t last,
+                          std::span<const std::int32_t> places);
 
   const LimitSurface& surface_;
   PatchReaches reaches_;
   RawVector<Node> nodes_;
   RawVector<std::int32_t> corners_;
   RawVector<CornerBox> boxes_;
+  // Of refit(): where each corner stands in corners_, -1: nowhere. Made by the first.
+  std::vector<std::int32_t> place_of_corner_;
+  std::vector<std::int32_t> places_, of_places_;
+  RawVector<CornerBox> new_boxes_;
 };
 
 }  // namespace planish

@@ -36,14 +36,20 @@ struct SurfaceHit {
   bool is_tangent = false;
 };
 
-/// Questions to a limit surface from outside, in model coordinates and answered to rounding. Does
-/// not change, and all of it may be asked from several threads at once. The surface must outlive
-/// it. Throws Error{UnusableMesh} where all faces are holes.
+/// Questions to a limit surface from outside, in model coordinates and answered to rounding. All of
+/// it may be asked from several threads at once. The surface must outlive it. Throws
+/// Error{UnusableMesh} where all faces are holes.
 class SurfaceQueries {
  public:
   explicit SurfaceQueries(const LimitSurface& surface);
 
   [[nodiscard]] const LimitSurface& surface() const { return tree_.surface(); }
+
+  /// After a surface that keeps its own control points (DooSabinSurface::own_state()) has other
+  /// patches at some corners, while nobody asks: CornerTree::refit(), whose count it returns.
+  std::int64_t refit(std::span<const std::int32_t> corners) { return tree_.refit(corners); }
+  /// The same after any of them may have changed, as if it were made anew.
+  void rebuild() { tree_.rebuild(); }
 
   /// Throws Error{InvalidArgument} for a point that is not finite.
   [[nodiscard]] ClosestPoint closest(const glm::dvec3& point) const;
