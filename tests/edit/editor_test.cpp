@@ -3,79 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <thread>
 
-#include "limit/limit_case.h"
+#include "edit/edit_case.h"
 #include "support/expect_error.h"
 
 namespace planish::test {
 namespace {
-
-constexpr double kTolerance = 1e-6;
-
-struct EditCase {
-  explicit EditCase(PolygonMesh given, int level = 2, Weights weights = Weights::DooSabin)
-      : mesh(std::move(given)), backend(make_cpu_backend()) {
-    options.level = level;
-    options.fit.weights = weights;
-    options.fit.tolerance = kTolerance;
-    first = fit(mesh, *backend, options.fit);
-  }
-  // The surface of a fit from scratch, far beyond the tolerance, with the rules of the first pose.
-  [[nodiscard]] std::pair<Fit, SurfaceMesh> from_scratch(const PolygonMesh& moved) const {
-    FitOptions tight = options.fit;
-    tight.tolerance = 1e-12;
-    Fit result = fit(moved, *backend, tight);
-    return {result, surface_of(moved, result)};
-  }
-  [[nodiscard]] SurfaceMesh surface_of(const PolygonMesh& moved, const Fit& of) const {
-    EvaluateOptions evaluate;
-    evaluate.level = options.level;
-    evaluate.weights = options.fit.weights;
-    evaluate.rest_positions = mesh.positions;
-    return planish::evaluate(moved, of, *backend, evaluate);
-  }
-
-  PolygonMesh mesh;
-  std::unique_ptr<Backend> backend;
-  EditorOptions options;
-  Fit first;
-};
-
-double farthest(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) {
-  EXPECT_EQ(a.size(), b.size());
-  double result = 0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    result = std::max(result, glm::length(a[i] - b[i]));
-  return result;
-}
-
-class Mover {
- public:
-  explicit Mover(std::uint32_t seed) : random_(seed) {}
-  // Vertices that faces name, by up to a part of the diagonal.
-  void choose(const Editor& editor, const EditCase& c, std::size_t count, double part) {
-    vertices.clear();
-    positions.clear();
-    const auto used = c.first.prepared->vertices;
-    std::uniform_int_distribution<std::size_t> any(0, used.size() - 1);
-    std::uniform_real_distribution<double> way(-part, part);
-    for (std::size_t i = 0; i < count; ++i) {
-      vertices.push_back(used[any(random_)]);
-      positions.push_back(editor.points()[vertices.back()] +
-                          c.first.placement.diagonal *
-                              glm::dvec3(way(random_), way(random_), way(random_)));
-    }
-  }
-  std::vector<std::int32_t> vertices;
-  std::vector<glm::dvec3> positions;
-
- private:
-  std::mt19937 random_;
-};
 
 template <class Action>
 void expect_refusal(const std::string& part, const Action& action) {
@@ -85,16 +25,6 @@ void expect_refusal(const std::string& part, const Action& action) {
 template <class Action>
 void expect_cancelled(const Action& action) {
   EXPECT_NE(message_of(ErrorCode::Cancelled, action), "no error");
-}
-
-std::vector<NamedMesh> edited_meshes() {
-  std::vector<NamedMesh> meshes = limit_meshes();
-  meshes.push_back({"torus", torus(30, 20, 1, 0.4)});
-  meshes.push_back({"sphere", jittered(icosphere(3), 0.2, 4)});
-  meshes.push_back({"large faces", prism(45)});
-  meshes.push_back({"hubs", bipyramid(50)});
-  meshes.push_back({"large open face", single_polygon(40)});
-  return meshes;
 }
 
 TEST(Editor, AgreesWithAFitFromScratch) {
@@ -274,22 +204,56 @@ TEST(Editor, MovesASelectionByAMap) {
 }
 
 TEST(Editor, GivesTheSameBitsOnAnyNumberOfThreads) {
-  const EditCase c(jittered(icosphere(4), 0.2, 8));
+  const oneapi::tbb::global_control allowed(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            4);
+  const EditCase c(torus(240, 200, 1, 0.4));
   const auto rows_on = [&](int threads) {
     std::vector<glm::dvec3> rows;
     oneapi::tbb::task_arena arena(threads);
     arena.execute([&] {
       Editor editor(c.mesh, c.first, c.options);
       Mover mover(1);
-      for (int i = 0; i < 10; ++i) {
-        mover.choose(editor, c, 40, 0.02);
-        editor.move(mover.vertices, mover.positions);
+      for (int i = 0; i < 6; ++i) {
+        mover.choose(editor, c, 20, 0.02);
+        const EditChange change = editor.move(mover.vertices, mover.positions);
+        EXPECT_FALSE(change.is_whole);
+        EXPECT_GT(change.row_count, 32'768);  // so many that several threads share them
       }
+      mover.choose(editor, c, 5000, 0.002);
+      EXPECT_TRUE(editor.move(mover.vertices, mover.positions).is_whole);
       rows.assign(editor.positions().begin(), editor.positions().end());
     });
     return rows;
   };
-  EXPECT_EQ(rows_on(1), rows_on(4));
+  const std::vector<glm::dvec3> alone = rows_on(1);
+  EXPECT_EQ(alone, rows_on(2));
+  EXPECT_EQ(alone, rows_on(4));
+}
+
+// As documented: whatever is constant, from many threads between two changes.
+TEST(Editor, ManyMayReadItBetweenChanges) {
+  const EditCase c(torus(60, 40, 1, 0.4));
+  Editor editor(c.mesh, c.first, c.options);
+  const SurfaceQueries& queries = editor.queries();
+  Mover mover(4);
+  for (int i = 0; i < 4; ++i) {
+    mover.choose(editor, c, 2, 0.05);
+    editor.move(mover.vertices, mover.positions);
+    std::vector<std::thread> readers;
+    std::vector<double> seen(4, -1);
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      readers.emplace_back([&, k] {
+        const std::int32_t vertex = mover.vertices[0];
+        const double distance = queries.closest(editor.points()[vertex]).distance;
+        const std::size_t near = editor.select(std::span(&vertex, 1), 0.2).vertices.size();
+        const PolygonMesh mesh = editor.mesh();
+        seen[k] = distance + editor.measured_error() + editor.fit().interpolation.error.rms +
+                  static_cast<double>(near) + mesh.positions[vertex].x + editor.positions()[3].x;
+      });
+    }
+    for (std::thread& reader : readers) reader.join();
+    EXPECT_THAT(seen, testing::Each(seen[0]));
+  }
 }
 
 TEST(Editor, WhatIsCancelledHasNotHappened) {
@@ -309,6 +273,68 @@ TEST(Editor, WhatIsCancelledHasNotHappened) {
   EXPECT_FALSE(editor.can_undo());
   editor.move(mover.vertices, mover.positions);
   EXPECT_LE(editor.measured_error(), kTolerance);
+}
+
+// Whenever it is asked for: what was moved by then is taken back, or all is done.
+TEST(Editor, CancelledAtAnyTimeItIsDoneOrNot) {
+  EditCase c(torus(240, 200, 1, 0.4));
+  for (const auto method : {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
+    c.options.fit.method = method;
+    c.first = fit(c.mesh, *c.backend, c.options.fit);
+    Editor editor(c.mesh, c.first, c.options);
+    const std::vector<glm::dvec3> rest(editor.positions().begin(), editor.positions().end());
+    Mover mover(1);
+    mover.choose(editor, c, 20'000, 0.001);
+    int cancelled_count = 0;
+    for (int k = 1; k < 200; ++k) {
+      Callbacks stop;
+      int asked = 0;
+      stop.cancelled = [&] { return ++asked == k; };
+      try {
+        EXPECT_TRUE(editor.move(mover.vertices, mover.positions, stop).is_whole);
+        break;
+      } catch (const Error& error) {
+        ASSERT_EQ(error.code(), ErrorCode::Cancelled);
+        ++cancelled_count;
+        ASSERT_TRUE(std::ranges::equal(editor.points(), c.mesh.positions)) << k;
+        ASSERT_TRUE(std::ranges::equal(editor.positions(), rest)) << k;
+        ASSERT_FALSE(editor.can_undo());
+      }
+    }
+    EXPECT_GT(cancelled_count, 0);
+    ASSERT_TRUE(editor.can_undo());
+    EXPECT_LE(editor.measured_error(), kTolerance);
+    const SurfaceMesh own = c.surface_of(editor.mesh(), editor.fit());
+    EXPECT_LT(farthest(editor.positions(), own.positions), 1e-13 * c.first.placement.diagonal);
+  }
+}
+
+TEST(Editor, GivesItsFitWithErrorsMeasuredAnew) {
+  const EditCase c(jittered(icosphere(3), 0.2, 4));
+  Editor editor(c.mesh, c.first, c.options);
+  Mover mover(2);
+  for (int i = 0; i < 5; ++i) {
+    mover.choose(editor, c, 2, 0.05);
+    editor.move(mover.vertices, mover.positions);
+  }
+  const Fit now = editor.fit();
+  const std::vector<glm::dvec3> limits =
+      limit_positions(now.cage, {.weights = c.options.fit.weights});
+  double largest = 0, squares = 0;
+  std::int64_t worst = -1;
+  for (std::size_t v = 0; v < limits.size(); ++v) {
+    const double off = glm::length(limits[v] - editor.points()[v]) / c.first.placement.diagonal;
+    squares += off * off;
+    if (off <= largest) continue;
+    largest = off;
+    worst = static_cast<std::int64_t>(v);
+  }
+  EXPECT_NEAR(now.interpolation.error.max, largest, 1e-13);
+  EXPECT_NEAR(now.interpolation.error.rms, std::sqrt(squares / static_cast<double>(limits.size())),
+              1e-13);
+  EXPECT_EQ(now.interpolation.worst_vertex, worst);
+  EXPECT_TRUE(now.interpolation.converged);
+  EXPECT_LE(largest, kTolerance);
 }
 
 TEST(Editor, KnowsVerticesThatNoFaceNames) {

@@ -107,7 +107,7 @@ void fields(Archive& archive, FittedMesh& fitted) {
           fitted.pairs_triangles, fitted.paired_count, fitted.quad_reason,
           fitted.choose_milliseconds, fitted.welded_count, fitted.source_vertices,
           fitted.source_faces, fitted.changed_faces, fitted.smoothed_vertices,
-          fitted.separated_edges, fitted.warnings);
+          fitted.separated_edges, fitted.warnings, fitted.rest_positions);
 }
 
 template <class Archive>

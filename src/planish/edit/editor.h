@@ -19,6 +19,9 @@ struct EditorOptions {
   int level = 2;        ///< of the rows that are kept, 0 to kMaxLevel
   FitOptions fit;       ///< those of the fit: scheme, weights, tolerance, sharp, polish_steps
   int undo_steps = 64;  ///< moves that can be taken back, 0: none; older ones are forgotten
+  /// Of the fair method: after so many moves the next one makes the whole net, as settle() does, so
+  /// that what the polish of parts leaves does not add up. 0: never.
+  int settle_after = 4096;
 };
 
 /// What a move has changed. Spans hold until the editor's next call.
@@ -29,6 +32,7 @@ struct EditChange {
   std::span<const std::int32_t> control_points;
   std::span<const RowRange> rows;  ///< ascending; no other row has other bits than before
   std::int64_t row_count = 0;      ///< in all ranges
+  std::int64_t tree_nodes = 0;     ///< of queries(), that were looked at
   bool is_whole = false;           ///< the mesh was solved and evaluated whole
 };
 
@@ -36,8 +40,11 @@ struct EditChange {
 /// move costs what it moves, not the size of the mesh. The surface passes through all vertices
 /// within the fit's tolerance after any number of moves. Control points of a progressive fit are
 /// within a small factor of it of those of a fit from scratch; those of a fair one differ by what
-/// its polish does far off, until settle() (edit/README.md). What is sharp, corner sectors and the
-/// fair method's decisions are those of the fit.
+/// its polish does far off, until settle() (edit/README.md) or EditorOptions::settle_after moves.
+/// What is sharp, corner sectors and the fair method's decisions are those of the fit.
+///
+/// Where memory runs out within a call (Error{OutOfMemory}, std::bad_alloc), the vertices may have
+/// moved; the next call makes all rows.
 ///
 /// One thread at a time changes it. Constant functions, and what they return, may be used from many
 /// threads while none does.
@@ -65,6 +72,16 @@ class Editor {
   /// The vertices around some others: see select_around().
   [[nodiscard]] Selection select(std::span<const std::int32_t> vertices, double radius) const;
 
+  /// Tags edges and vertices of the mesh: of kInfiniteSharpness, sharp; of 0, smooth again. That is
+  /// another system with other rows: it is solved from where it is, its rows are made, and all that
+  /// the editor has given before ends, queries() too; sector angles are those of the mesh as it is
+  /// now. The fair method makes its net anew. Takes the time of a whole solve and evaluation. Moves
+  /// can still be taken back, tags are set back by this. Throws Error{InvalidArgument} for an edge
+  /// or vertex that is not there, another sharpness, a fit that does not look at tags, and where
+  /// the new system is not solved; Error{Cancelled}: then nothing has changed.
+  EditChange set_sharp(std::span<const CreaseEdge> edges, std::span<const CornerVertex> corners,
+                       const Callbacks& callbacks = {});
+
   /// Takes back the last move that was not yet taken back, or does it again; nothing where there is
   /// none.
   EditChange undo(const Callbacks& callbacks = {});
@@ -78,6 +95,9 @@ class Editor {
 
   /// The mesh's vertices where they are now.
   [[nodiscard]] std::span<const glm::dvec3> points() const;
+  /// Where they were in the fit, or when set_sharp() was called last: sector angles at corners stay
+  /// those of this pose.
+  [[nodiscard]] std::span<const glm::dvec3> rest_positions() const;
   /// How far the surface is from any of them at most, as a part of the diagonal.
   [[nodiscard]] double error_bound() const;
   /// The same, measured anew from all rows in double.
@@ -88,9 +108,15 @@ class Editor {
   [[nodiscard]] std::span<const glm::dvec3> positions() const;
   [[nodiscard]] std::span<const glm::vec3> normals() const;
 
-  /// The mesh and the fit of it as they are now.
+  /// The mesh and the fit of it as they are now. Its errors are measured anew, and it has converged
+  /// where they are within the tolerance. To evaluate it, give rest_positions().
   [[nodiscard]] PolygonMesh mesh() const;
   [[nodiscard]] Fit fit() const;
+  /// Closest points and rays of the surface as it is now, places and curvature by their surface().
+  /// The first call makes the tree, which takes time for all of the mesh; moves keep it right at
+  /// the cost of what they reach, and settle() makes it anew. Not while another thread asks. Throws
+  /// Error{UnusableMesh} where all faces are holes.
+  [[nodiscard]] const SurfaceQueries& queries();
   /// The surface as it is now, for writers, of any level; the editor must outlive it, and moves
   /// change it.
   [[nodiscard]] std::unique_ptr<SurfaceBlocks> blocks(int level) const;
@@ -99,5 +125,8 @@ class Editor {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// What was fitted, as an editor of it has it now.
+[[nodiscard]] FittedMesh edited(const FittedMesh& first, const Editor& editor);
 
 }  // namespace planish

@@ -211,12 +211,12 @@ void LocalFair::move(std::span<const std::int32_t> vertices, std::span<const glm
       places_.push_back(place);
       differences_.push_back(state[own] - old_state[own]);
     });
+    const auto inner = near_.members().first(inner_count_);
+    changed_.assign(inner.begin(), inner.end());
   } catch (...) {
     put(vertices, before);
     throw;
   }
-  const auto inner = near_.members().first(inner_count_);
-  changed_.assign(inner.begin(), inner.end());
 }
 
 std::vector<glm::dvec3> LocalFair::whole_state(const Callbacks& callbacks) const {
@@ -225,12 +225,9 @@ std::vector<glm::dvec3> LocalFair::whole_state(const Callbacks& callbacks) const
       .state;
 }
 
-double LocalFair::measured(std::span<const glm::dvec3> state) const {
+MeasuredError LocalFair::measured(std::span<const glm::dvec3> state) const {
   const std::vector<glm::dvec3> limits = limit_points(subdivision_, state);
-  double result = 0;
-  for (std::size_t v = 0; v < limits.size(); ++v)
-    result = std::max(result, glm::length(limits[v] - given_[v]));
-  return result;
+  return measure_error(limits.size(), [&](std::size_t v) { return limits[v] - given_[v]; });
 }
 
 }  // namespace planish

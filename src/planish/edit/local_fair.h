@@ -7,6 +7,7 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/doosabin/subdivision.h"
+#include "planish/edit/measured_error.h"
 #include "planish/edit/sparse_set.h"
 #include "planish/fair/fair_net.h"
 #include "planish/mesh/polygon_mesh.h"
@@ -38,8 +39,8 @@ class LocalFair {
 
   [[nodiscard]] std::span<const glm::dvec3> given() const { return given_; }
   [[nodiscard]] const FairDecisions& decisions() const { return decisions_; }
-  /// The longest way from a given point to the surface's, of a state of level 1.
-  [[nodiscard]] double measured(std::span<const glm::dvec3> state) const;
+  /// The ways from given points to the surface's, of a state of level 1.
+  [[nodiscard]] MeasuredError measured(std::span<const glm::dvec3> state) const;
 
  private:
   class Part;

@@ -96,16 +96,17 @@ void LocalSolve::refresh_sums_at(std::int32_t vertex) {
 }
 
 void LocalSolve::touch(std::int32_t vertex) {
-  if (!touched_.add(vertex)) return;
+  if (touched_.contains(vertex)) return;
   const auto at = static_cast<std::size_t>(vertex);
   before_.push_back({given_[at], control_[at]});
+  touched_.add(vertex);
   if (!large_faces_.empty()) refresh_sums_at(vertex);
 }
 
 void LocalSolve::wake(std::int32_t vertex) {
   if (is_queued_[static_cast<std::size_t>(vertex)] != 0) return;
-  is_queued_[static_cast<std::size_t>(vertex)] = 1;
   queue_.push_back(vertex);
+  is_queued_[static_cast<std::size_t>(vertex)] = 1;
 }
 
 // Rows that name a vertex are of vertices of its faces.
@@ -225,7 +226,7 @@ void LocalSolve::settle(const Callbacks& callbacks) {
       const std::vector<glm::dvec3> steps = solve->displacement();
       parallel_each(steps.size(), kSolveGrain, [&](std::size_t v) { control_[v] += steps[v]; });
       sums_ = sums_of(masks, control_);
-      longest = measured();
+      longest = measured().norms.max;
     }
     if (!(longest <= tolerance_)) {
       throw Error(ErrorCode::InvalidArgument,
@@ -243,18 +244,9 @@ void LocalSolve::settle(const Callbacks& callbacks) {
   }
 }
 
-double LocalSolve::measured() const {
-  return std::sqrt(ordered_reduce(
-      control_.size(), kSolveGrain, 0.0,
-      [&](std::size_t begin, std::size_t end) {
-        double largest = 0;
-        for (std::size_t v = begin; v < end; ++v) {
-          const glm::dvec3 r = residual(static_cast<std::int32_t>(v));
-          largest = std::max(largest, glm::dot(r, r));
-        }
-        return largest;
-      },
-      [](double& total, double piece) { total = std::max(total, piece); }));
+MeasuredError LocalSolve::measured() const {
+  return measure_error(control_.size(),
+                       [&](std::size_t v) { return residual(static_cast<std::int32_t>(v)); });
 }
 
 }  // namespace planish

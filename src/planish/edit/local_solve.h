@@ -8,6 +8,7 @@
 
 #include "planish/backend/backend.h"
 #include "planish/core/raw_vector.h"
+#include "planish/edit/measured_error.h"
 #include "planish/edit/sparse_set.h"
 #include "planish/interpolate/progressive.h"
 #include "planish/mesh/mesh_topology.h"
@@ -44,8 +45,8 @@ class LocalSolve {
 
   /// A solve of all rows, from where they are. Throws as the constructor, and all is as it was.
   void settle(const Callbacks& callbacks = {});
-  /// The longest residual of all rows, measured in double.
-  [[nodiscard]] double measured() const;
+  /// The residuals of all rows, measured in double.
+  [[nodiscard]] MeasuredError measured() const;
 
  private:
   [[nodiscard]] glm::dvec3 residual(std::int32_t row) const;

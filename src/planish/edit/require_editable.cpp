@@ -1,11 +1,20 @@
 #include "planish/edit/require_editable.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "planish/core/error.h"
 #include "planish/surface/evaluate.h"
 
 namespace planish {
+
+namespace {
+
+// Farther off, coordinates of unit diagonal lose what the tolerance asks for.
+constexpr double kFarthestMove = 1e6;
+
+}  // namespace
 
 void require_editable(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options) {
   require_level(options.level);
@@ -30,6 +39,31 @@ void require_editable(const PolygonMesh& mesh, const Fit& fit, const EditorOptio
     throw Error(ErrorCode::InvalidArgument,
                 "fits of another scheme than Doo-Sabin cannot be edited; fit again with scheme "
                 "doo-sabin");
+  }
+}
+
+void require_moves(std::span<const std::int32_t> vertices, std::span<const glm::dvec3> positions,
+                   std::int32_t vertex_count, const Placement& placement) {
+  if (vertices.size() != positions.size()) {
+    throw Error(ErrorCode::InvalidArgument, "move: there are " + std::to_string(vertices.size()) +
+                                                " vertices and " +
+                                                std::to_string(positions.size()) + " positions");
+  }
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const auto name = [&] { return "move " + std::to_string(i) + ": "; };
+    if (vertices[i] < 0 || vertices[i] >= vertex_count) {
+      throw Error(ErrorCode::InvalidArgument,
+                  name() + "there is no vertex " + std::to_string(vertices[i]) +
+                      "; the mesh has 0 to " + std::to_string(vertex_count - 1),
+                  vertices[i]);
+    }
+    const glm::dvec3 unit = placement.to_unit(positions[i]);
+    const double far = std::max({std::abs(unit.x), std::abs(unit.y), std::abs(unit.z)});
+    if (far <= kFarthestMove && !std::isnan(unit.x + unit.y + unit.z)) continue;
+    throw Error(ErrorCode::InvalidArgument,
+                name() + "the position of vertex " + std::to_string(vertices[i]) +
+                    " is not finite or farther than 10^6 diagonals off; fit the moved mesh anew",
+                vertices[i]);
   }
 }
 

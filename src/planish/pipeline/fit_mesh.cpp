@@ -113,8 +113,11 @@ void choose_method(ReadyFit& ready, Backend& backend, const WarningList& warning
 }  // namespace
 
 EvaluateOptions FittedMesh::evaluate_options(int level) const {
-  return {
-      .level = level, .scheme = options.scheme, .weights = options.weights, .sharp = options.sharp};
+  return {.level = level,
+          .scheme = options.scheme,
+          .weights = options.weights,
+          .sharp = options.sharp,
+          .rest_positions = rest_positions};
 }
 
 const SurfaceQuality* FittedMesh::chosen_quality() const {

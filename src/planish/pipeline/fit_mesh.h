@@ -63,8 +63,11 @@ struct FittedMesh {
   /// For sheet_gap(): along which repair separated sheets, pairs of vertices of the given mesh.
   std::vector<std::pair<std::int32_t, std::int32_t>> separated_edges;
   std::vector<Warning> warnings;  ///< of repair and of the fit
+  /// Of a mesh whose vertices have moved since (edit/editor.h): where they were, for its rules stay
+  /// those of that pose. Empty: `mesh`'s own.
+  std::vector<glm::dvec3> rest_positions;
 
-  /// How to evaluate the surface of `fit`.
+  /// How to evaluate the surface of `fit`; this must outlive it.
   [[nodiscard]] EvaluateOptions evaluate_options(int level = 2) const;
   /// The points that the surface passes through, one per vertex of `mesh`: its own, but where
   /// FitOptions::within moved them.

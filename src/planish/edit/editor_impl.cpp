@@ -1,0 +1,319 @@
+#include "planish/edit/editor_impl.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/core/error.h"
+#include "planish/core/host_scope.h"
+#include "planish/core/parallel.h"
+#include "planish/core/stop.h"
+#include "planish/edit/require_editable.h"
+#include "planish/edit/tag_sharp.h"
+#include "planish/pipeline/limit_system.h"
+
+namespace planish {
+
+namespace {
+
+// What a centroid of a dozen points may be off by after differences have been added to these.
+constexpr double kFairRounding = 4e-16;
+
+Fit without_arrays(const Fit& fit) {
+  Fit result;
+  result.interpolation.iterations = fit.interpolation.iterations;
+  result.placement = fit.placement;
+  result.prepared = fit.prepared;
+  result.spectral_bound = fit.spectral_bound;
+  result.stencil_entries = fit.stencil_entries;
+  result.sharp_edge_count = fit.sharp_edge_count;
+  result.boundary_edge_count = fit.boundary_edge_count;
+  result.corner_count = fit.corner_count;
+  return result;
+}
+
+}  // namespace
+
+Editor::Impl::Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options)
+    : mesh_(mesh),
+      options_(options),
+      fit_(without_arrays(fit)),
+      points_(mesh.positions),
+      used_(used_part(mesh, fit.prepared)),
+      past_(options.undo_steps, mesh.positions.size()),
+      future_(options.undo_steps, mesh.positions.size()) {
+  options_.fit.callbacks = {};
+  const auto unit = [&](const std::vector<glm::dvec3>& positions) {
+    std::vector<glm::dvec3> result(used_.vertices.size());
+    parallel_each(result.size(), [&](std::size_t v) {
+      result[v] = fit_.placement.to_unit(positions[static_cast<std::size_t>(used_.vertices[v])]);
+    });
+    return result;
+  };
+  features_ = find_sharp_features(used_.mesh, *fit.prepared->topology, used_.mesh.positions,
+                                  options.fit.sharp);
+  // A fair net's first step takes the weights of 1978 whatever the later levels take.
+  subdivision_.emplace(*fit.prepared->topology, features_,
+                       fit.fair ? Weights::DooSabin : options.fit.weights);
+  if (fit.fair) {
+    fair_.emplace(used_.mesh, *subdivision_, fit.fair->decisions, options.fit.polish_steps,
+                  options.fit.cures_folds, unit(mesh.positions));
+  } else {
+    solve_.emplace(doo_sabin_system(used_.mesh, *subdivision_, options_.fit),
+                   fit.prepared->topology, unit(mesh.positions), unit(fit.cage.positions),
+                   options.fit.tolerance);
+  }
+  EvaluateOptions evaluate;
+  evaluate.level = options.level;
+  evaluate.weights = options.fit.weights;
+  evaluate.sharp = options.fit.sharp;
+  evaluate.rest_positions = mesh.positions;
+  evaluate.prepared = fit.prepared;
+  surface_.emplace(mesh, fit_.placement, solve_ ? solve_->control() : std::span<const glm::dvec3>{},
+                   fit.fair ? std::span<const glm::dvec3>(fit.fair->level_one.state)
+                            : std::span<const glm::dvec3>{},
+                   evaluate);
+  bound_ = fit.interpolation.error.max;
+}
+
+Editor::Impl::Impl(std::unique_ptr<const PolygonMesh> mesh, const Fit& fit,
+                   const EditorOptions& options)
+    : Impl(*mesh, fit, options) {
+  own_mesh_ = std::move(mesh);
+}
+
+std::unique_ptr<Editor::Impl> Editor::Impl::with_sharp(std::span<const CreaseEdge> edges,
+                                                       std::span<const CornerVertex> corners,
+                                                       const Callbacks& callbacks) const {
+  const HostScope host(callbacks);
+  if (!options_.fit.sharp.use_tags) {
+    throw Error(ErrorCode::InvalidArgument,
+                "set_sharp: the fit does not look at tags; fit again with sharp.use_tags");
+  }
+  auto mesh = std::make_unique<PolygonMesh>(this->mesh());
+  tag_sharp(*fit_.prepared, edges, corners, *mesh);
+  Fit now;
+  if (fair_) {
+    FitOptions again = options_.fit;
+    again.method = InterpolationMethod::Fair;
+    again.prepared = fit_.prepared;
+    again.callbacks = callbacks;
+    now = planish::fit(*mesh, *make_cpu_backend(), again);
+  } else {
+    now = fit();
+  }
+  auto next =
+      std::make_unique<Impl>(std::unique_ptr<const PolygonMesh>(std::move(mesh)), now, options_);
+  next->past_ = past_;
+  next->future_ = future_;
+  return next;
+}
+
+EditChange Editor::Impl::all_rows() {
+  moved_.clear();
+  control_points_.assign(used_.vertices.begin(), used_.vertices.end());
+  return finish(true, false);
+}
+
+EditChange Editor::Impl::move(std::span<const std::int32_t> vertices,
+                              std::span<const glm::dvec3> positions, const Callbacks& callbacks) {
+  require_moves(vertices, positions, mesh_.vertex_count(), fit_.placement);
+  PastMove before = take_moves(vertices, positions);
+  EditChange change = apply(callbacks);
+  future_.clear();
+  past_.add(std::move(before));
+  return change;
+}
+
+EditChange Editor::Impl::step(MoveHistory& from, MoveHistory& to, const Callbacks& callbacks) {
+  if (from.empty()) return {};
+  PastMove before = take_moves(from.last().vertices, from.last().positions);
+  EditChange change = apply(callbacks);
+  from.drop_last();
+  to.add(std::move(before));
+  return change;
+}
+
+EditChange Editor::Impl::settle(const Callbacks& callbacks) {
+  const HostScope host(callbacks);
+  if (solve_) solve_->settle(callbacks);
+  const std::vector<glm::dvec3> state = take_whole_state(callbacks);
+  const AdoptedStop unstoppable(nullptr);
+  moved_.clear();
+  return make_all(state, true);
+}
+
+const SurfaceQueries& Editor::Impl::queries() {
+  if (!queries_) {
+    limit_ = std::make_unique<const LimitSurface>(surface_->surface());
+    queries_ = std::make_unique<SurfaceQueries>(*limit_);
+  }
+  return *queries_;
+}
+
+Selection Editor::Impl::select(std::span<const std::int32_t> vertices, double radius) const {
+  for (const std::int32_t vertex : vertices) {
+    if (vertex >= 0 && vertex < mesh_.vertex_count()) continue;
+    throw Error(ErrorCode::InvalidArgument,
+                "select: there is no vertex " + std::to_string(vertex) + "; the mesh has 0 to " +
+                    std::to_string(mesh_.vertex_count() - 1),
+                vertex);
+  }
+  return select_around(*fit_.prepared, points_, vertices, radius);
+}
+
+PolygonMesh Editor::Impl::mesh() const {
+  PolygonMesh result = mesh_;
+  result.positions = points_;
+  return result;
+}
+
+MeasuredError Editor::Impl::measured_error() const {
+  return solve_ ? solve_->measured() : fair_->measured(surface_->surface()->state());
+}
+
+Fit Editor::Impl::fit() const {
+  Fit result = fit_;
+  const MeasuredError error = measured_error();
+  result.interpolation.error = error.norms;
+  if (error.worst >= 0)
+    result.interpolation.worst_vertex = used_.vertices[static_cast<std::size_t>(error.worst)];
+  result.interpolation.converged = error.norms.max <= options_.fit.tolerance;
+  if (!result.interpolation.converged) result.interpolation.stop_reason = StopReason::Stagnated;
+  if (fair_) {
+    result.fair.emplace();
+    const auto state =
+        surface_->surface()->state().first(static_cast<std::size_t>(subdivision_->state_size()));
+    result.fair->level_one = {{state.begin(), state.end()}, fit_.placement};
+    result.fair->decisions = fair_->decisions();
+    return result;
+  }
+  result.cage = mesh();
+  const auto control = solve_->control();
+  result.interpolation.displacement.resize(control.size());
+  for (std::size_t v = 0; v < control.size(); ++v) {
+    result.cage.positions[static_cast<std::size_t>(used_.vertices[v])] =
+        fit_.placement.to_model(control[v]);
+    result.interpolation.displacement[v] = control[v] - solve_->given()[v];
+  }
+  return result;
+}
+
+// -1 for a vertex that no face names.
+std::int32_t Editor::Impl::used_index(std::int32_t vertex) const {
+  if (fit_.prepared->uses_all()) return vertex;
+  const auto found = std::ranges::lower_bound(used_.vertices, vertex);
+  if (found == used_.vertices.end() || *found != vertex) return -1;
+  return static_cast<std::int32_t>(found - used_.vertices.begin());
+}
+
+// Lists the moves in moved_, local_, targets_, each vertex once; returns where all have been.
+PastMove Editor::Impl::take_moves(std::span<const std::int32_t> vertices,
+                                  std::span<const glm::dvec3> positions) {
+  PastMove before;
+  moved_.clear();
+  targets_.clear();
+  // Of a vertex that is named twice the last counts.
+  order_.resize(vertices.size());
+  for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<std::int32_t>(i);
+  std::ranges::stable_sort(order_, {}, [&](std::int32_t i) { return vertices[i]; });
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const std::int32_t vertex = vertices[order_[i]];
+    if (i + 1 < order_.size() && vertices[order_[i + 1]] == vertex) continue;
+    moved_.push_back(vertex);
+    targets_.push_back(positions[order_[i]]);
+  }
+  before.vertices = moved_;
+  for (const std::int32_t vertex : moved_) before.positions.push_back(points_[vertex]);
+  return before;
+}
+
+EditChange Editor::Impl::apply(const Callbacks& callbacks) {
+  const HostScope host(callbacks);
+  local_.clear();
+  unit_.clear();
+  for (std::size_t i = 0; i < moved_.size(); ++i) {
+    const std::int32_t vertex = used_index(moved_[i]);
+    if (vertex < 0) continue;
+    local_.push_back(vertex);
+    unit_.push_back(fit_.placement.to_unit(targets_[i]));
+  }
+  if (solve_) {
+    solve_->move(local_, unit_);
+  } else {
+    move_fair(callbacks);
+  }
+  const bool is_whole = is_stale_ || (solve_ ? solve_->changed_all() : !whole_.empty());
+  std::vector<glm::dvec3> state;
+  if (is_whole) state = take_whole_state({});
+  // From here on what is solved becomes the surface, whoever asks to stop.
+  const AdoptedStop unstoppable(nullptr);
+  is_stale_ = true;
+  for (std::size_t i = 0; i < moved_.size(); ++i)
+    points_[static_cast<std::size_t>(moved_[i])] = targets_[i];
+  if (is_whole) return make_all(state, false);
+  if (solve_) {
+    surface_->update(solve_->changed(), solve_->control());
+  } else {
+    surface_->add_to_state(fair_->places(), fair_->differences());
+    bound_ += kFairRounding;
+    ++local_moves_;
+  }
+  control_points_.clear();
+  for (const std::int32_t v : solve_ ? solve_->changed() : fair_->vertices())
+    control_points_.push_back(used_.vertices[static_cast<std::size_t>(v)]);
+  return finish(false, true);
+}
+
+// A whole net that is cancelled leaves the points where they were.
+void Editor::Impl::move_fair(const Callbacks& callbacks) {
+  const bool is_due = options_.settle_after > 0 && local_moves_ >= options_.settle_after;
+  fair_->move(local_, unit_);
+  if (!fair_->is_whole() && !is_stale_ && !is_due) return;
+  try {
+    whole_ = fair_->whole_state(callbacks);
+  } catch (...) {
+    for (std::size_t i = 0; i < local_.size(); ++i)
+      unit_[i] = fit_.placement.to_unit(
+          points_[static_cast<std::size_t>(used_.vertices[static_cast<std::size_t>(local_[i])])]);
+    fair_->put(local_, unit_);
+    throw;
+  }
+}
+
+// Of the fair method, what a move has made, or a net of all points; else nothing.
+std::vector<glm::dvec3> Editor::Impl::take_whole_state(const Callbacks& callbacks) {
+  std::vector<glm::dvec3> state;
+  state.swap(whole_);
+  if (fair_ && state.empty()) state = fair_->whole_state(callbacks);
+  return state;
+}
+
+EditChange Editor::Impl::make_all(std::span<const glm::dvec3> state, bool rebuilds_tree) {
+  is_stale_ = true;
+  if (solve_) {
+    surface_->update_all(solve_->control());
+  } else {
+    surface_->set_state_all(state);
+    bound_ = measured_error().norms.max;
+    local_moves_ = 0;
+  }
+  control_points_.assign(used_.vertices.begin(), used_.vertices.end());
+  if (queries_ && rebuilds_tree) queries_->rebuild();
+  return finish(true, !rebuilds_tree);
+}
+
+EditChange Editor::Impl::finish(bool is_whole, bool refits_tree) {
+  EditChange change;
+  if (queries_ && refits_tree) change.tree_nodes = queries_->refit(surface_->changed_corners());
+  is_stale_ = false;
+  change.vertices = moved_;
+  change.control_points = control_points_;
+  change.rows = surface_->changed_rows();
+  for (const RowRange& range : change.rows) change.row_count += range.count;
+  change.is_whole = is_whole;
+  return change;
+}
+
+}  // namespace planish
