@@ -2,6 +2,7 @@
 // says so by its status, gives no handle, and its next call succeeds.
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
+#include <planish/c/editor.h>
 #include <planish/c/planish.h>
 
 #include <cstdint>
@@ -144,6 +145,73 @@ TEST(CMemory, EveryFunctionSaysThatThereIsNone) {
   planish_fit_free(fit);
   planish_fit_free(of_cage);
   for (planish_mesh* handle : {cage, read, mesh}) planish_mesh_free(handle);
+}
+
+// Whatever was missing, an editor whose call has succeeded has the rows of its own control points.
+void check_rows(const planish_editor* editor) {
+  planish_editor_arrays arrays;
+  planish_editor_arrays_init(&arrays, sizeof arrays);
+  ASSERT_EQ(planish_editor_view(editor, &arrays), PLANISH_OK);
+  planish_fit* fit = nullptr;
+  planish_surface* surface = nullptr;
+  ASSERT_EQ(planish_editor_fit(editor, &fit), PLANISH_OK);
+  ASSERT_EQ(planish_fit_evaluate(fit, 1, &surface), PLANISH_OK);
+  planish_surface_arrays rows;
+  planish_surface_arrays_init(&rows, sizeof rows);
+  ASSERT_EQ(planish_surface_view(surface, &rows), PLANISH_OK);
+  ASSERT_EQ(rows.vertex_count, arrays.row_count);
+  for (std::size_t i = 0; i < 3 * rows.vertex_count; ++i)
+    ASSERT_NEAR(rows.positions[i], arrays.positions[i], 1e-12) << i;
+  planish_surface_free(surface);
+  planish_fit_free(fit);
+}
+
+TEST(CMemory, EditorsGoOnWhereThereWasNone) {
+  const OneThread one_thread;
+  const PolygonMesh torus = test::torus(40, 30, 3, 1);
+  const planish_mesh_arrays arrays = arrays_of(torus);
+  planish_mesh* mesh = nullptr;
+  ASSERT_EQ(planish_mesh_create(&arrays, &mesh), PLANISH_OK);
+  for (const int method : {PLANISH_METHOD_PROGRESSIVE, PLANISH_METHOD_FAIR}) {
+    planish_fit_options options = one_thread_options();
+    options.method = method;
+    planish_fit* fit = nullptr;
+    ASSERT_EQ(planish_fit_create(mesh, &options, &fit), PLANISH_OK);
+    planish_editor* editor = made<planish_editor>(
+        "planish_editor_create", planish_editor_free,
+        [&](planish_editor** handle) { return planish_editor_create(fit, 1, handle); });
+    double place = 0;
+    const auto move = [&] {
+      place += 0.001;
+      const std::int32_t vertices[] = {600, 31, 777};
+      double to[9];
+      for (int i = 0; i < 9; ++i)
+        to[i] = torus.positions[static_cast<std::size_t>(vertices[i / 3])][i % 3] + place;
+      planish_edit_change change;
+      planish_edit_change_init(&change, sizeof change);
+      return planish_editor_move(editor, vertices, to, 3, &change);
+    };
+    expect_no_memory("planish_editor_move", move);
+    check_rows(editor);
+    expect_no_memory("planish_editor_undo", [&] { return planish_editor_undo(editor, nullptr); });
+    check_rows(editor);
+    expect_no_memory("planish_editor_settle",
+                     [&] { return planish_editor_settle(editor, nullptr); });
+    check_rows(editor);
+    const std::int32_t *found = nullptr, vertex = 3;
+    const double* weights = nullptr;
+    std::size_t count = 0;
+    expect_no_memory("planish_editor_select", [&] {
+      return planish_editor_select(editor, &vertex, 1, 0.5, &found, &weights, &count);
+    });
+    planish_fit* now =
+        made<planish_fit>("planish_editor_fit", planish_fit_free,
+                          [&](planish_fit** handle) { return planish_editor_fit(editor, handle); });
+    planish_fit_free(now);
+    planish_editor_free(editor);
+    planish_fit_free(fit);
+  }
+  planish_mesh_free(mesh);
 }
 
 // What a caller counts wrongly is refused by its counts, before memory is taken for so many.

@@ -27,3 +27,7 @@ planish.fit(mesh, method="best")  # type: ignore[call-overload]
 riding = planish.Mesh(vertices, [[0, 1, 2, 3]], attributes={"heat": np.zeros(8)}, groups=["a", ("b", "c")])
 assert_type(planish.fit(riding, colors=np.zeros((8, 3))).evaluate().attributes["heat"], NDArray[np.float32])
 assert_type(planish.LimitSurface(fit).attributes([0], [0.5], [0.5]), dict[str, NDArray[np.float32]])
+edit = fit.edit(level=1)
+assert_type(edit, planish.Editor)
+assert_type(edit.positions[edit.move([3], [[0, 0, 1]]).rows], NDArray[np.float64])
+assert_type(edit.fit(), planish.Fit)

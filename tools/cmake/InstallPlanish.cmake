@@ -9,7 +9,7 @@ install(TARGETS planish planish_reconstruct EXPORT planishTargets
 # What users include: the whole way, hosts in C, the points of surfaces piece by piece, the matrix of
 # the interpolation with OpenSubdiv's form of it, points, Vulkan and OpenSubdiv on it.
 set(public_headers
-  planish.h c/planish.h
+  planish.h c/editor.h c/planish.h
   mesh/statistics.h surface/kept_rows.h surface/quality_sum.h
   doosabin/limit_masks.h stencil/far_tables.h
   reconstruct/reconstruct.h reconstruct/compare_source.h reconstruct/mesher_process.h)

@@ -2,10 +2,14 @@
 
 #include <pybind11/pybind11.h>
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "options.h"
+#include "planish/edit/editor.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/surface/surface_mesh.h"
@@ -31,19 +35,49 @@ struct PythonFit {
   double seconds = 0;  ///< of fit()
 };
 
+/// planish.Editor, with the fit that it reads. Work is done without Python's lock, so that other
+/// threads may come meanwhile, and functions of the caller's that it calls.
+struct PythonEditor {
+  PythonEditor(std::shared_ptr<PythonFit> of, int level)
+      : first(std::move(of)), editor(first->fitted, level) {}
+
+  std::shared_ptr<PythonFit> first;
+  Editor editor;
+  std::atomic<int> users = 0;  ///< that only read; kChanging: one that changes it
+  static constexpr int kChanging = -1;
+};
+
+/// Stands while an editor is used. Throws Error{InvalidArgument} where another use forbids it.
+class EditorUse {
+ public:
+  enum class Kind : std::uint8_t { Reads, Changes };
+  EditorUse(PythonEditor& editor, Kind kind);
+  ~EditorUse();
+  EditorUse(const EditorUse&) = delete;
+  EditorUse& operator=(const EditorUse&) = delete;
+
+ private:
+  PythonEditor& editor_;
+};
+
 using MeshHandle = std::shared_ptr<PythonMesh>;
 using SurfaceHandle = std::shared_ptr<PythonSurface>;
 using FitHandle = std::shared_ptr<PythonFit>;
+using EditorHandle = std::shared_ptr<PythonEditor>;
 
 // Each adds its part to the module.
 void add_mesh(pybind11::module_& module);
 void add_fit(pybind11::module_& module);
 void add_limit(pybind11::module_& module);
+void add_editor(pybind11::module_& module);  ///< after add_fit(): Fit.edit() is its
 
 /// The report of the command on this fit, with its names.
 [[nodiscard]] pybind11::dict report_of(const PythonFit& fit);
 /// What the report has as "surface", of a level of it.
 [[nodiscard]] pybind11::dict quality_of(const PythonFit& fit, int level);
+
+/// planish.LimitSurface of an editor's surface, which follows it.
+[[nodiscard]] pybind11::object limit_surface_of(const EditorHandle& editor);
 
 /// Writes a Fit's surface (`level` splits), a Surface or a Mesh.
 void write(const std::string& path, const pybind11::object& what, int level);

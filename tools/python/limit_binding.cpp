@@ -1,5 +1,7 @@
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -16,8 +18,19 @@ namespace {
 /// planish.LimitSurface: the queries, with all that they read.
 struct PythonLimit {
   FitHandle fit;
-  std::unique_ptr<LimitSurface> surface;
-  std::unique_ptr<SurfaceQueries> queries;
+  EditorHandle editor;  ///< whose surface it is, or null
+  std::unique_ptr<LimitSurface> own_surface;
+  std::unique_ptr<SurfaceQueries> own_queries;
+  const LimitSurface* surface = nullptr;
+  const SurfaceQueries* queries = nullptr;
+
+  /// Runs a question without Python's lock, while an editor must not move.
+  void ask(const std::function<void()>& question) const {
+    std::optional<EditorUse> use;
+    if (editor) use.emplace(*editor, EditorUse::Kind::Reads);
+    run_released(
+        {}, [&](const Callbacks&) { question(); }, fit->threads);
+  }
 };
 
 std::unique_ptr<PythonLimit> limit_of(const FitHandle& fit) {
@@ -29,11 +42,13 @@ std::unique_ptr<PythonLimit> limit_of(const FitHandle& fit) {
       {},
       [&](const Callbacks&) {
         const FittedMesh& fitted = fit->fitted;
-        made->surface = std::make_unique<LimitSurface>(
+        made->own_surface = std::make_unique<LimitSurface>(
             fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
-        made->queries = std::make_unique<SurfaceQueries>(*made->surface);
+        made->own_queries = std::make_unique<SurfaceQueries>(*made->own_surface);
       },
       fit->threads);
+  made->surface = made->own_surface.get();
+  made->queries = made->own_queries.get();
   return made;
 }
 
@@ -84,13 +99,10 @@ py::dict attributes_at(const PythonLimit& limit, const py::object& faces, const 
   const std::vector<SurfaceParameter> places = places_of(faces, u, v);
   const std::vector<VertexAttribute>& given = limit.surface->surface().mesh().attributes;
   std::vector<std::vector<float>> values(given.size());
-  run_released(
-      {},
-      [&](const Callbacks&) {
-        for (std::size_t k = 0; k < given.size(); ++k)
-          values[k] = attribute_at(*limit.surface, k, places);
-      },
-      limit.fit->threads);
+  limit.ask([&] {
+    for (std::size_t k = 0; k < given.size(); ++k)
+      values[k] = attribute_at(*limit.surface, k, places);
+  });
   py::dict result;
   for (std::size_t k = 0; k < given.size(); ++k) {
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(places.size())};
@@ -104,8 +116,7 @@ py::dict evaluate_limit(const PythonLimit& limit, const py::object& faces, const
                         const py::object& v) {
   const std::vector<SurfaceParameter> places = places_of(faces, u, v);
   std::vector<SurfacePoint> points(places.size());
-  run_released(
-      {}, [&](const Callbacks&) { limit.surface->evaluate(places, points); }, limit.fit->threads);
+  limit.ask([&] { limit.surface->evaluate(places, points); });
   using P = const SurfacePoint&;
   py::dict result;
   result["position"] = points_by(points, [](P p) { return p.position; });
@@ -128,8 +139,7 @@ py::dict closest_points(const PythonLimit& limit, const py::object& points) {
   const Doubles values = as_points(points, "points");
   const auto given = points_of(values);
   std::vector<ClosestPoint> found(given.size());
-  run_released(
-      {}, [&](const Callbacks&) { limit.queries->closest(given, found); }, limit.fit->threads);
+  limit.ask([&] { limit.queries->closest(given, found); });
   py::dict result;
   add_places(result, found);
   result["distance"] = numbers_by<double>(found, [](const ClosestPoint& a) { return a.distance; });
@@ -146,19 +156,16 @@ py::dict first_hits(const PythonLimit& limit, const py::object& origins,
            " origins");
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<SurfaceHit> hits(from.size());
-  run_released(
-      {},
-      [&](const Callbacks&) {
-        constexpr std::size_t kGrain = 64;
-        parallel_for(hits.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i) {
-            const glm::dvec3 none(kNone);
-            hits[i] = limit.queries->first_hit({from[i], along[i]})
-                          .value_or(SurfaceHit{{-1, kNone, kNone}, none, none, kNone, false});
-          }
-        });
-      },
-      limit.fit->threads);
+  limit.ask([&] {
+    constexpr std::size_t kGrain = 64;
+    parallel_for(hits.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const glm::dvec3 none(kNone);
+        hits[i] = limit.queries->first_hit({from[i], along[i]})
+                      .value_or(SurfaceHit{{-1, kNone, kNone}, none, none, kNone, false});
+      }
+    });
+  });
   py::dict result;
   add_places(result, hits);
   result["t"] = numbers_by<double>(hits, [](const SurfaceHit& hit) { return hit.t; });
@@ -166,6 +173,17 @@ py::dict first_hits(const PythonLimit& limit, const py::object& origins,
 }
 
 }  // namespace
+
+py::object limit_surface_of(const EditorHandle& editor) {
+  auto made = std::make_unique<PythonLimit>();
+  made->fit = editor->first;
+  made->editor = editor;
+  const EditorUse use(*editor, EditorUse::Kind::Changes);
+  run_released(
+      {}, [&](const Callbacks&) { made->queries = &editor->editor.queries(); }, made->fit->threads);
+  made->surface = &made->queries->surface();
+  return py::cast(std::move(made));
+}
 
 void add_limit(py::module_& module) {
   py::class_<PythonLimit>(module, "LimitSurface",

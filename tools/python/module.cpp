@@ -12,4 +12,5 @@ PYBIND11_MODULE(_planish, module) {
   python::add_mesh(module);
   python::add_fit(module);
   python::add_limit(module);
+  python::add_editor(module);
 }

@@ -84,9 +84,6 @@ void answer(const planish_ray_answers& to, std::size_t i, const std::optional<Su
 
 using namespace planish::c;
 
-planish_queries::planish_queries(const planish_fit& fit)
-    : fitted(fit.whole), limit(limit_of(fit)), queries(limit), thread_count(fit.thread_count) {}
-
 void planish_place_answers_init(planish_place_answers* answers, size_t struct_size) {
   start({}, answers, struct_size);
 }
@@ -103,8 +100,14 @@ planish_status planish_queries_create(const planish_fit* fit, planish_queries** 
   return call([&] {
     require(fit, "fit");
     require(queries, "queries");
-    std::unique_ptr<planish_queries> made;
-    run_on(fit->thread_count, [&] { made = std::make_unique<planish_queries>(*fit); });
+    auto made = std::make_unique<planish_queries>();
+    made->source = fit->whole;
+    made->thread_count = fit->thread_count;
+    run_on(fit->thread_count, [&] {
+      made->own_limit = std::make_unique<const planish::LimitSurface>(limit_of(*fit));
+      made->own = std::make_unique<const planish::SurfaceQueries>(*made->own_limit);
+    });
+    made->queries = made->own.get();
     *queries = made.release();
     return PLANISH_OK;
   });
@@ -122,7 +125,7 @@ planish_status planish_queries_evaluate(const planish_queries* queries, const pl
     for (std::size_t i = 0; i < count; ++i) at[i] = {places[i].face, places[i].u, places[i].v};
     std::vector<planish::SurfacePoint> points(count);
     run_on(queries->thread_count, [&] {
-      queries->limit.evaluate(at, points);
+      queries->queries->surface().evaluate(at, points);
       planish::parallel_for(count, kQueryGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) answer(to, i, points[i]);
       });
@@ -140,7 +143,7 @@ planish_status planish_queries_closest(const planish_queries* queries, const dou
     std::vector<glm::dvec3> from(count);
     for (std::size_t i = 0; i < count; ++i) from[i] = vector_at(points, i);
     std::vector<planish::ClosestPoint> found(count);
-    run_on(queries->thread_count, [&] { queries->queries.closest(from, found); });
+    run_on(queries->thread_count, [&] { queries->queries->closest(from, found); });
     for (std::size_t i = 0; i < count; ++i) {
       put(to.places, i, place_of(found[i].at));
       put(to.positions, i, found[i].position);
@@ -164,7 +167,7 @@ planish_status planish_queries_first_hit(const planish_queries* queries, const d
     run_on(queries->thread_count, [&] {
       planish::parallel_for(count, kQueryGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-          hits[i] = queries->queries.first_hit(
+          hits[i] = queries->queries->first_hit(
               {vector_at(origins, i), vector_at(directions, i), t_min, t_max});
       });
     });

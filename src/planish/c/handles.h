@@ -2,10 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "planish/backend/cpu_backend.h"
+#include "planish/c/editor.h"
 #include "planish/c/planish.h"
+#include "planish/edit/editor.h"
 #include "planish/limit/limit_surface.h"
 #include "planish/limit/surface_queries.h"
 #include "planish/mesh/polygon_mesh.h"
@@ -68,13 +71,34 @@ struct planish_surface {
   planish::c::RiderViews riders;
 };
 
+/// Of a fit, with a surface of its own, or of an editor, whose surface moves.
 struct planish_queries {
-  std::shared_ptr<const planish::FittedMesh> fitted;
-  planish::LimitSurface limit;
-  planish::SurfaceQueries queries;
+  std::shared_ptr<const void> source;
+  std::unique_ptr<const planish::LimitSurface> own_limit;
+  std::unique_ptr<const planish::SurfaceQueries> own;
+  const planish::SurfaceQueries* queries = nullptr;
   int thread_count = 0;
+};
 
-  explicit planish_queries(const planish_fit& fit);
+namespace planish::c {
+
+/// What an editor reads and the editor, for queries may outlive its handle.
+struct EditedFit {
+  std::shared_ptr<const FittedMesh> first;
+  Editor editor;
+
+  EditedFit(std::shared_ptr<const FittedMesh> fitted, int level)
+      : first(std::move(fitted)), editor(*first, level) {}
+};
+
+}  // namespace planish::c
+
+struct planish_editor {
+  std::shared_ptr<planish::c::EditedFit> edited;
+  std::vector<planish_row_range> rows;  ///< of the last change
+  planish::Selection selection;         ///< the last one
+  int thread_count = 0;
+  planish::Precision precision = planish::Precision::Float;
 };
 
 namespace planish::c {

@@ -23,6 +23,8 @@ from ._errors import (
     UnwritableOutput,
 )
 from ._planish import (
+    Change,
+    Editor,
     Fit,
     LimitSurface,
     Mesh,
@@ -40,7 +42,9 @@ from ._planish import (
 
 __all__ = [
     "Cancelled",
+    "Change",
     "DeviceLost",
+    "Editor",
     "Error",
     "Fit",
     "InvalidArgument",

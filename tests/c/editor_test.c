@@ -1,0 +1,224 @@
+/* Vertices of a torus move through the C header: what changes is named, all else keeps its bits, and
+ * the surface is that of a fit of the moved mesh. */
+#include <math.h>
+#include <planish/c/editor.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cube.h"
+
+enum { kAlong = 96, kAround = 72, kCount = kAlong * kAround };
+
+static planish_mesh* torus(void) {
+  static double positions[3 * kCount];
+  static int32_t corners[4 * kCount];
+  planish_mesh_arrays arrays;
+  planish_mesh* mesh = NULL;
+  int i, k;
+  for (i = 0; i < kAlong; ++i) {
+    for (k = 0; k < kAround; ++k) {
+      const double a = 6.283185307179586 * i / kAlong, b = 6.283185307179586 * k / kAround;
+      double* p = positions + 3 * (i * kAround + k);
+      int32_t* f = corners + 4 * (i * kAround + k);
+      p[0] = (1 + 0.4 * cos(b)) * cos(a);
+      p[1] = (1 + 0.4 * cos(b)) * sin(a);
+      p[2] = 0.4 * sin(b);
+      f[0] = i * kAround + k;
+      f[1] = (i + 1) % kAlong * kAround + k;
+      f[2] = (i + 1) % kAlong * kAround + (k + 1) % kAround;
+      f[3] = i * kAround + (k + 1) % kAround;
+    }
+  }
+  planish_mesh_arrays_init(&arrays, sizeof arrays);
+  arrays.positions = positions;
+  arrays.vertex_count = arrays.face_count = kCount;
+  arrays.corners_per_face = 4;
+  arrays.face_vertices = corners;
+  arrays.corner_count = 4 * kCount;
+  EXPECT(planish_mesh_create(&arrays, &mesh) == PLANISH_OK);
+  return mesh;
+}
+
+static planish_fit* fit_of(planish_mesh* mesh, int32_t method) {
+  planish_fit_options options;
+  planish_fit* fit = NULL;
+  planish_fit_options_init(&options, sizeof options);
+  options.method = method;
+  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  planish_mesh_free(mesh);
+  return fit;
+}
+
+static planish_editor_arrays view_of(const planish_editor* editor) {
+  planish_editor_arrays arrays;
+  planish_editor_arrays_init(&arrays, sizeof arrays);
+  EXPECT(planish_editor_view(editor, &arrays) == PLANISH_OK);
+  return arrays;
+}
+
+static double distance(const double* a, const double* b) {
+  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+  return sqrt(x * x + y * y + z * z);
+}
+
+/* The rows of the editor's own fit, evaluated anew, and its errors. */
+static void check_fit(const planish_editor* editor) {
+  const planish_editor_arrays now = view_of(editor);
+  planish_fit* fit = NULL;
+  planish_surface* surface = NULL;
+  planish_surface_arrays arrays;
+  planish_fit_info info;
+  double largest = 0, off = 0;
+  size_t i;
+  planish_surface_arrays_init(&arrays, sizeof arrays);
+  planish_fit_info_init(&info, sizeof info);
+  EXPECT(planish_editor_fit(editor, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_get_info(fit, &info) == PLANISH_OK && info.converged);
+  EXPECT(planish_fit_evaluate(fit, 2, &surface) == PLANISH_OK);
+  EXPECT(planish_surface_view(surface, &arrays) == PLANISH_OK);
+  EXPECT(arrays.vertex_count == now.row_count && arrays.base_count == kCount);
+  for (i = 0; i < now.row_count; ++i)
+    largest = fmax(largest, distance(arrays.positions + 3 * i, now.positions + 3 * i));
+  EXPECT(largest < 1e-12);
+  for (i = 0; i < kCount; ++i)
+    off = fmax(off, distance(arrays.positions + 3 * i, now.points + 3 * arrays.base_vertices[i]));
+  EXPECT(off / info.diagonal <= now.error_bound + 1e-14 && now.error_bound <= 1e-6);
+  EXPECT(fabs(info.max_error - off / info.diagonal) < 1e-13);
+  EXPECT(info.rms_error > 0 && info.rms_error <= info.max_error);
+  planish_surface_free(surface);
+  planish_fit_free(fit);
+}
+
+static void test_moves(int32_t method) {
+  planish_fit* fit = fit_of(torus(), method);
+  planish_editor* editor = NULL;
+  planish_edit_change change;
+  planish_editor_arrays now;
+  const int32_t vertices[] = {700, 5, 700};
+  double to[9], rest, *before;
+  size_t i, r;
+  int64_t named = 0, next = 0;
+  planish_edit_change_init(&change, sizeof change);
+  EXPECT(planish_editor_create(fit, 2, &editor) == PLANISH_OK);
+  planish_fit_free(fit); /* which the editor does not need */
+  now = view_of(editor);
+  EXPECT(now.point_count == kCount && now.row_count == 16 * kCount && !now.can_undo);
+  rest = now.points[3 * 5 + 2];
+  before = malloc(3 * now.row_count * sizeof *before);
+  memcpy(before, now.positions, 3 * now.row_count * sizeof *before);
+  for (i = 0; i < 3; ++i) {
+    memcpy(to + 3 * i, now.points + 3 * vertices[i], 3 * sizeof *to);
+    to[3 * i + 2] += 0.01 * (double)(i + 1);
+  }
+  EXPECT(planish_editor_move(editor, vertices, to, 3, &change) == PLANISH_OK);
+  EXPECT(change.vertex_count == 2 && change.vertices[0] == 5 && change.vertices[1] == 700);
+  EXPECT(change.control_point_count >= 2 && !change.is_whole && change.range_count > 1);
+  EXPECT(now.points[3 * 700 + 2] == to[8] && now.points[3 * 5 + 2] == to[5]); /* in place */
+  for (r = 0; r < change.range_count; ++r) {
+    const planish_row_range range = change.rows[r];
+    EXPECT(range.first >= next && range.count > 0);
+    EXPECT(memcmp(before + 3 * next, now.positions + 3 * next,
+                  3 * (size_t)(range.first - next) * sizeof *before) == 0);
+    next = range.first + range.count;
+    named += range.count;
+  }
+  EXPECT(memcmp(before + 3 * next, now.positions + 3 * next,
+                3 * (now.row_count - (size_t)next) * sizeof *before) == 0);
+  EXPECT(named == change.row_count && named < (int64_t)now.row_count / 2);
+  check_fit(editor);
+
+  EXPECT(view_of(editor).can_undo && !view_of(editor).can_redo);
+  EXPECT(planish_editor_undo(editor, &change) == PLANISH_OK && change.vertex_count == 2);
+  EXPECT(view_of(editor).can_redo && now.points[3 * 5 + 2] == rest);
+  for (i = 0, named = 0; i < now.row_count; ++i)
+    named += distance(before + 3 * i, now.positions + 3 * i) > 1e-5;
+  EXPECT(named == 0);
+  EXPECT(planish_editor_redo(editor, NULL) == PLANISH_OK && now.points[3 * 5 + 2] == to[5]);
+  EXPECT(planish_editor_redo(editor, &change) == PLANISH_OK && change.row_count == 0);
+  EXPECT(planish_editor_settle(editor, &change) == PLANISH_OK && change.is_whole);
+  EXPECT(change.row_count == (int64_t)now.row_count && change.vertex_count == 0);
+  check_fit(editor);
+  free(before);
+  planish_editor_free(editor);
+}
+
+static void test_selection(void) {
+  /* A quarter turn about z and a step along it. */
+  static const double kTurn[12] = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0.5};
+  planish_fit* fit = fit_of(torus(), PLANISH_METHOD_PROGRESSIVE);
+  planish_editor* editor = NULL;
+  const int32_t *found = NULL, centre = 100;
+  const double* weights = NULL;
+  static double before[3 * kCount];
+  planish_editor_arrays now;
+  size_t count = 0, i;
+  int d;
+  EXPECT(planish_editor_create(fit, 1, &editor) == PLANISH_OK);
+  now = view_of(editor);
+  EXPECT(planish_editor_select(editor, &centre, 1, 0.15, &found, &weights, &count) == PLANISH_OK);
+  EXPECT(count > 9 && count < 60 && found[0] == centre && weights[0] == 1);
+  memcpy(before, now.points, sizeof before);
+  EXPECT(planish_editor_transform(editor, found, weights, count, kTurn, NULL) == PLANISH_OK);
+  for (i = 0; i < count; ++i) {
+    const double* p = before + 3 * found[i];
+    const double whole[] = {-p[1], p[0], p[2] + 0.5};
+    for (d = 0; d < 3; ++d)
+      EXPECT(fabs(now.points[3 * found[i] + d] - (p[d] + weights[i] * (whole[d] - p[d]))) < 1e-12);
+  }
+  EXPECT(planish_editor_undo(editor, NULL) == PLANISH_OK);
+  EXPECT(planish_editor_transform(editor, &centre, NULL, 1, kTurn, NULL) == PLANISH_OK);
+  EXPECT(fabs(now.points[3 * centre] + before[3 * centre + 1]) < 1e-12);
+  planish_editor_free(editor);
+  planish_fit_free(fit);
+}
+
+static void test_refusals(void) {
+  planish_fit* fit = fit_of(cube(), PLANISH_METHOD_PROGRESSIVE);
+  planish_fit* loop = NULL;
+  planish_fit_options options;
+  planish_editor *editor = NULL, *none = NULL;
+  const int32_t* found = NULL;
+  const double* weights = NULL;
+  size_t count = 0;
+  const int32_t outside = 8, inside = 3;
+  const double to[3] = {0, NAN, 0};
+  planish_mesh* mesh = cube();
+  EXPECT(planish_editor_create(fit, 7, &none) == PLANISH_INVALID_ARGUMENT);
+  EXPECT(planish_editor_create(NULL, 2, &none) == PLANISH_INVALID_ARGUMENT && none == NULL);
+  EXPECT(strcmp(planish_last_error(), "fit is NULL") == 0);
+  EXPECT(planish_editor_create(fit, 2, &editor) == PLANISH_OK);
+  EXPECT(planish_editor_move(editor, &outside, to, 1, NULL) == PLANISH_INVALID_ARGUMENT);
+  EXPECT(strstr(planish_last_error(), "no vertex 8") && planish_last_error_element() == 8);
+  EXPECT(planish_editor_move(editor, &inside, to, 1, NULL) == PLANISH_INVALID_ARGUMENT);
+  EXPECT(strstr(planish_last_error(), "vertex 3") != NULL);
+  EXPECT(planish_editor_move(editor, NULL, to, 1, NULL) == PLANISH_INVALID_ARGUMENT);
+  EXPECT(planish_editor_move(editor, &inside, NULL, 1, NULL) == PLANISH_INVALID_ARGUMENT);
+  EXPECT(planish_editor_move(editor, &inside, to, (size_t)-1, NULL) == PLANISH_INVALID_ARGUMENT);
+  EXPECT(strstr(planish_last_error(), "count") != NULL);
+  EXPECT(planish_editor_transform(editor, &inside, NULL, 1, NULL, NULL) ==
+         PLANISH_INVALID_ARGUMENT);
+  EXPECT(planish_editor_select(editor, &inside, 1, 0, &found, &weights, &count) ==
+         PLANISH_INVALID_ARGUMENT);
+  EXPECT(found == NULL && !view_of(editor).can_undo);
+  EXPECT(planish_editor_move(NULL, &inside, to, 1, NULL) == PLANISH_INVALID_ARGUMENT);
+  EXPECT(planish_editor_move(editor, NULL, NULL, 0, NULL) == PLANISH_OK);
+  planish_fit_options_init(&options, sizeof options);
+  options.scheme = PLANISH_SCHEME_CATMULL_CLARK;
+  options.max_iterations = 1;
+  options.method = PLANISH_METHOD_PROGRESSIVE;
+  EXPECT(planish_fit_create(mesh, &options, &loop) == PLANISH_NOT_CONVERGED);
+  EXPECT(planish_editor_create(loop, 2, &none) == PLANISH_INVALID_ARGUMENT && none == NULL);
+  planish_editor_free(editor);
+  planish_editor_free(NULL);
+  planish_fit_free(loop);
+  planish_fit_free(fit);
+  planish_mesh_free(mesh);
+}
+
+int main(void) {
+  test_moves(PLANISH_METHOD_PROGRESSIVE);
+  test_moves(PLANISH_METHOD_FAIR);
+  test_selection();
+  test_refusals();
+  return failures == 0 ? 0 : 1;
+}
