@@ -1,5 +1,5 @@
-// planish_soak service|host COUNT [FIRST]: see README.md. Exit codes: 0, 1 for faults, 2 for use,
-// 77 where there is no device.
+// planish_soak service|edit|host COUNT [FIRST]: see README.md. Exit codes: 0, 1 for faults, 2 for
+// use, 77 where there is no device.
 #include "soak/soak.h"
 
 #include <algorithm>
@@ -61,13 +61,16 @@ int main(int argc, char** argv) {
   const std::optional<std::uint32_t> count = argc > 2 ? number(argv[2]) : std::nullopt;
   const std::optional<std::uint32_t> first = argc > 3 ? number(argv[3]) : 1;
   const bool is_service = argc > 1 && std::strcmp(argv[1], "service") == 0;
+  const bool is_edit = argc > 1 && std::strcmp(argv[1], "edit") == 0;
   const bool is_host = argc > 1 && std::strcmp(argv[1], "host") == 0;
-  if (argc > 4 || !count || !first || !(is_service || is_host)) {
-    std::fprintf(stderr, "use: planish_soak service|host COUNT [FIRST]\n");
+  if (argc > 4 || !count || !first || !(is_service || is_edit || is_host)) {
+    std::fprintf(stderr, "use: planish_soak service|edit|host COUNT [FIRST]\n");
     return 2;
   }
   if (is_service) {
     soak_service(*count, *first);
+  } else if (is_edit) {
+    soak_edit(*count, *first);
   } else {
 #ifdef PLANISH_SOAK_HOST
     if (!soak_host(*count, *first)) return 77;

@@ -27,6 +27,8 @@ void complain(const std::string& what);
 
 /// Fits `count` files through the C header.
 void soak_service(std::uint32_t count, std::uint32_t first);
+/// Makes `count` edits, of editors of both methods.
+void soak_edit(std::uint32_t count, std::uint32_t first);
 /// Opens `count` sessions of a Vulkan device; false where there is none.
 [[nodiscard]] bool soak_host(std::uint32_t count, std::uint32_t first);
 
