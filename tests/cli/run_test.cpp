@@ -1,5 +1,9 @@
 #include <gmock/gmock.h>
 
+#include <glm/vec3.hpp>
+#include <sstream>
+#include <utility>
+
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 
@@ -98,6 +102,105 @@ TEST_F(RunCommand, ADryRunWritesNothing) {
   EXPECT_THAT(result.out, HasSubstr("ring_LOD1.glb"));
   EXPECT_THAT(result.err, IsEmpty());
   EXPECT_FALSE(exists("out"));
+}
+
+// An OBJ with some vertices elsewhere.
+std::string moved_obj(const std::string& obj, const std::vector<std::pair<int, glm::dvec3>>& ways) {
+  std::istringstream lines(obj);
+  std::string line, text;
+  for (int vertex = 0; std::getline(lines, line);) {
+    if (!line.starts_with("v ")) {
+      text += line + "\n";
+      continue;
+    }
+    glm::dvec3 p;
+    std::istringstream(line.substr(2)) >> p.x >> p.y >> p.z;
+    for (const auto& [moved, way] : ways)
+      if (moved == vertex) p += way;
+    std::ostringstream out;
+    out.precision(17);
+    out << "v " << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    text += out.str();
+    ++vertex;
+  }
+  return text;
+}
+
+// `planish verify`, which knows nothing of moves, finds the cage's surface through the moved mesh.
+TEST_F(RunCommand, MovesVerticesAfterTheFit) {
+  write("expected.obj", moved_obj(torus_obj(12), {{7, {0, 0, 0.05}}, {40, {0.03, 0, 0}}}));
+  for (const std::string method : {"progressive", "fair"}) {
+    const ProcessResult result = run_planish(
+        {"run",
+         scene(R"({"input":"torus.obj","report":"r.json","creases":"use","interpolation":")" +
+               method +
+               R"(","outputs":[{"path":"cage.obj","what":"cage"},{"path":"a.ply"}],
+            "moves":[{"vertices":[7],"by":[0,0,0.05]},{"vertices":[3,9],"by":[1,0,0],"radius":1},
+                     {"vertices":[40],"matrix":[[1,0,0,0.03],[0,1,0,0],[0,0,1,0]]},
+                     {"vertices":[90],"to":[[0,0,5]]},{"undo":1},{"undo":2},
+                     {"vertices":[40],"by":[0.03,0,0]}]})"),
+         "--force"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json report = read_json("r.json");
+    EXPECT_EQ(report["moved"]["moves"], 7);
+    EXPECT_EQ(report["moved"]["vertices"], 2);
+    EXPECT_GT(report["moved"]["farthest"], 0.01);
+    EXPECT_LE(report["outputs"][1]["as_written_error"], 2e-6);
+    EXPECT_EQ(report["solve"]["converged"], true);
+    const auto verify = [&](const std::string& mesh) {
+      return run_planish(
+          {"verify", path("cage.obj"), mesh, "--interpolation", method, "--creases", "use"});
+    };
+    const ProcessResult verified = verify(path("expected.obj"));
+    EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+    EXPECT_EQ(verify(torus_).exit_code, 5);
+  }
+}
+
+TEST_F(RunCommand, MovesThatCannotBeAreNamedByTheirPlace) {
+  const auto message = [&](const std::string& job) {
+    const ProcessResult result = run_planish({"run", scene(job)});
+    EXPECT_EQ(result.exit_code, 8);
+    return result.err;
+  };
+  EXPECT_THAT(message(R"({"input":"torus.obj","moves":[{"vertices":[3],"by":[0,0,1]},
+                          {"vertices":[144],"by":[0,0,1]}]})"),
+              HasSubstr("jobs[0].moves[1]: there is no vertex 144; the mesh has 0 to 143"));
+  EXPECT_THAT(message(R"({"input":"torus.obj","moves":[{"undo":1}]})"),
+              HasSubstr("jobs[0].moves[0]: there are no 1 moves to take back"));
+  EXPECT_THAT(message(R"({"input":"torus.obj","scheme":"catmull-clark",
+                          "moves":[{"vertices":[3],"by":[0,0,1]}]})"),
+              HasSubstr("jobs[0].moves[0]: "));
+  EXPECT_THAT(message(R"({"input":"torus.obj","moves":[{"vertices":[3],"by":[0,1e300,0]}]})"),
+              HasSubstr("jobs[0].moves[0]: move 0: "));
+}
+
+// Vertices are the file's; where sheets were separated, all that it became move.
+TEST_F(RunCommand, MovesNameVerticesOfTheFile) {
+  std::string two_cubes = cube_obj();
+  std::istringstream lines(cube_obj());
+  std::string faces;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line.substr(1));
+    if (line.starts_with("v ")) {
+      glm::dvec3 p;
+      words >> p.x >> p.y >> p.z;
+      if (p == glm::dvec3(0)) continue;  // the corner that both share: vertex 1
+      two_cubes += "v " + std::to_string(-p.x) + " " + std::to_string(-p.y) + " " +
+                   std::to_string(p.z == 0 ? 0 : -p.z) + "\n";
+    } else if (line.starts_with("f ")) {
+      std::string turned;
+      for (int v = 0; words >> v;)
+        turned = " " + std::to_string(v == 1 ? 1 : v + 7) + turned;  // mirrored: the other way
+      faces += "f" + turned + "\n";
+    }
+  }
+  write("two.obj", two_cubes + faces);
+  const ProcessResult result = run_planish(
+      {"run", scene(R"({"input":"two.obj","report":"r.json","interpolation":"progressive",
+                        "moves":[{"vertices":[0],"by":[0.1,0.1,0.1]}]})")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(read_json("r.json")["moved"]["vertices"], 2);
 }
 
 }  // namespace

@@ -217,6 +217,42 @@ TEST(SceneFile, ReadsASampling) {
               HasSubstr("jobs[0].sample: has no \"points\""));
 }
 
+TEST(SceneFile, ReadsMoves) {
+  const Job job = parse(std::string(R"({"version":1,"jobs":[{"input":"a.obj","moves":[
+        {"vertices":[4,2],"to":[[1,2,3],[4,5,6]]},
+        {"vertices":[7],"by":[0,0.5,0],"radius":2},
+        {"vertices":[],"matrix":[[1,2,3,4],[5,6,7,8],[9,10,11,12]]},
+        {"undo":3}]}]})"))
+                      .at(0);
+  ASSERT_EQ(job.moves.size(), 4u);
+  EXPECT_THAT(job.moves[0].vertices, ElementsAre(4, 2));
+  EXPECT_THAT(job.moves[0].to, ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(4, 5, 6)));
+  EXPECT_EQ(job.moves[1].map * glm::dvec4(1, 1, 1, 1), glm::dvec4(1, 1.5, 1, 1));
+  EXPECT_EQ(job.moves[1].radius, 2);
+  EXPECT_EQ(job.moves[2].map * glm::dvec4(1, 0, 2, 1), glm::dvec4(11, 27, 43, 1));
+  EXPECT_EQ(job.moves[3].undo, 3);
+  EXPECT_EQ(job.moves[3].where, "s.json:5: jobs[0].moves[3]");
+  const std::vector<std::pair<json, std::string>> cases{
+      {{{"by", {0, 0, 1}}}, "moves[0]: has no \"vertices\""},
+      {{{"vertices", {1}}}, "moves[0]: one of \"to\", \"by\""},
+      {{{"vertices", {1}}, {"by", {0, 0, 1}}, {"to", {{0, 0, 1}}}}, "moves[0]: one of \"to\""},
+      {{{"vertices", {1}}, {"to", {{0, 0, 1}, {0, 0, 2}}}}, "moves[0].to: 2 positions stand there"},
+      {{{"vertices", {1}}, {"to", {{0, 0}}}}, "moves[0].to[0]: 3 numbers are wanted"},
+      {{{"vertices", {1}}, {"to", {{0, 0, 1}}}, {"radius", 1}}, "moves[0].radius: goes with"},
+      {{{"vertices", {-1}}, {"by", {0, 0, 1}}}, "moves[0].vertices[0]: -1 is not from 0"},
+      {{{"vertices", {1}}, {"by", {0, 0, 1}}, {"undo", 1}}, "moves[0]: \"undo\" stands by itself"},
+      {{{"vertices", {1}}, {"bye", {0, 0, 1}}}, "did you mean by?"},
+  };
+  for (const auto& [move, expected] : cases)
+    EXPECT_THAT(message_of(scene_with({{"input", "a.obj"}, {"moves", {move}}}).dump()),
+                HasSubstr(expected));
+  EXPECT_THAT(message_of(scene_with({{"input", "a.obj"},
+                                     {"sample", {{"points", 500}}},
+                                     {"moves", {{{"undo", 1}}}}})
+                             .dump()),
+              HasSubstr("jobs[0].moves: are of vertices of a mesh"));
+}
+
 // ---- the published schema against the parser ----
 
 json scene_schema() {
@@ -269,6 +305,13 @@ json scene_holding(SceneObject object, const std::string& key, const json& value
       job["sample"]["points"] = 100;
       job["sample"][key] = value;
       break;
+    case SceneObject::Move: {
+      json& move = job["moves"][0];
+      if (key != "undo") move["vertices"] = {17, 18};
+      if (key == "vertices" || key == "radius") move["by"] = {0, 0, 1};
+      move[key] = value;
+      break;
+    }
   }
   if (value == "cage") job["outputs"][0]["path"] = "a.obj";
   return scene;
@@ -280,7 +323,8 @@ const std::vector<std::pair<SceneObject, std::string>> kSchemaObjects{
     {SceneObject::Job, "/$defs/job"},
     {SceneObject::Solve, "/$defs/solve"},
     {SceneObject::Output, "/$defs/output"},
-    {SceneObject::Sample, "/$defs/sample"}};
+    {SceneObject::Sample, "/$defs/sample"},
+    {SceneObject::Move, "/$defs/move"}};
 
 TEST(SceneSchema, HasTheKeysOfTheParserAndNoOthers) {
   const json document = scene_schema();

@@ -188,7 +188,7 @@ ExitCode run_query(const QueryFlags& flags, const std::vector<std::string>& argu
   ReadyFit ready = prepare_input(made, {}, report, context);
   const auto backend =
       open_backend(list_devices(DeviceScope::CpuOnly).devices.front(), job.settings);
-  fit_input(made, std::move(ready), *backend, report, context);
+  fit_input(made, std::move(ready), *backend, {}, report, context);
   const LimitSurface surface(
       fitted_surface(made.fitted.mesh, made.fitted.fit, made.fitted.evaluate_options()));
   const SurfaceQueries queries(surface);

@@ -58,7 +58,7 @@ void fit_part(const AssetJob& work, AssetPart& part) {
     require_memory_for(prepared, work.job.settings, work.outputs);
     return prepared;
   });
-  fit_input(part.made, std::move(ready), work.backend, part.report, work.context);
+  fit_input(part.made, std::move(ready), work.backend, {}, part.report, work.context);
   // Of several, what has none on one has on another.
   if (work.asset.surfaces().size() == 1)
     warn_of_unused_settings(work.job, part.made, part.report, work.context.console);
@@ -217,6 +217,7 @@ std::optional<std::string> reason_to_merge(const Job& job,
   if (wants_page) return "a page shows one mesh";
   if (!job.source.empty()) return "a source is compared with one mesh";
   if (job.sampling) return "points are sampled from one mesh";
+  if (!job.moves.empty()) return "moves are of one mesh's vertices";
   for (const PlannedOutput& output : outputs)
     if (output.kind == OutputKind::Cage || !info_of(output.format).is_gltf)
       return output_name(output.path.native()) + " holds one mesh";

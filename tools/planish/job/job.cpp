@@ -116,7 +116,7 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
       return prepared;
     });
     const bool was_open = ready.chooses_method;
-    fit_input(made, std::move(ready), backend, report, context);
+    fit_input(made, std::move(ready), backend, job.moves, report, context);
     if (was_open) warn_of_unused_settings(job, made, report, context.console);
     stdout_bytes = staged.naming_targets([&] {
       return write_outputs({job, outputs, backend, context, made, report, staged, page});

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "job/sampling.h"
+#include "job/scene_move.h"
 #include "options/given_setting.h"
 #include "options/settings.h"
 #include "output/output_plan.h"
@@ -25,11 +26,12 @@ struct Job {
   std::optional<FileFormat> input_format;  ///< empty: by extension, else by content
   std::optional<Sampling> sampling;        ///< then the input is only what points are sampled from
   Settings settings;
+  std::vector<SceneMove> moves;  ///< after the fit
   std::vector<OutputRequest> outputs;
   /// Names of the settings that flags gave, for a warning where one has no effect.
   std::vector<std::string> given_settings;
-  /// Settings, "sample", "source" and "page" of a scene file as they stand there, those of the
-  /// defaults first.
+  /// Settings, "sample", "moves", "source" and "page" of a scene file as they stand there, those of
+  /// the defaults first.
   std::vector<GivenSetting> given;
   std::string source;       ///< mesh that the surface is compared with; empty: the input
   std::string report;       ///< path, "-" for stdout, empty for none

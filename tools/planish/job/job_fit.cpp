@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "job/apply_moves.h"
 #include "job/timed.h"
+#include "planish/core/refuse.h"
 #include "planish/pipeline/fit_report.h"
 #include "terminal/text.h"
 
@@ -92,11 +94,17 @@ void warn_of_unused(JobReport& report, const PreparedMesh& mesh, Console& consol
 
 }  // namespace
 
-void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, JobReport& report,
-               const JobContext& context) {
+void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
+               JobReport& report, const JobContext& context) {
   context.progress.update("fit", 0);
   made.fitted = fit_prepared(std::move(ready), backend);
   made.fitted.split_normals = report.settings.creases.split_normals;
+  if (!moves.empty()) {
+    if (!report.reconstruction.is_null())
+      refuse(moves.front().where, "moves are of vertices of a mesh; the input holds points");
+    report.moved =
+        timed(made.fitted.fit.timing.solve, [&] { return apply_moves(made.fitted, moves); });
+  }
   const PreparedMesh& prepared = *made.fitted.fit.prepared;
   timed(report.timing.check, [&] {
     report.input.statistics = statistics(prepared);

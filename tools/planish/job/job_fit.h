@@ -1,14 +1,16 @@
 #pragma once
 
+#include <span>
+
 #include "job/job.h"
 #include "job/job_input.h"
 #include "planish/pipeline/fit_mesh.h"
 
 namespace planish::command {
 
-/// fit_prepared() into `made`, noted in the report: figures, times, and exit code 5 with a warning
-/// where the solve does not converge. Throws as that.
-void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, JobReport& report,
-               const JobContext& context);
+/// fit_prepared() into `made` and the moves of its vertices, noted in the report: figures, times,
+/// and exit code 5 with a warning where the solve does not converge. Throws as that.
+void fit_input(JobInput& made, ReadyFit&& ready, Backend& backend, std::span<const SceneMove> moves,
+               JobReport& report, const JobContext& context);
 
 }  // namespace planish::command

@@ -9,6 +9,7 @@
 #include "job/input.h"
 #include "job/point_input.h"
 #include "options/json_lines.h"
+#include "options/scene_moves.h"
 #include "options/scene_settings.h"
 #include "options/scene_values.h"
 #include "options/strict_json.h"
@@ -56,7 +57,7 @@ class JobParser {
     job.settings = defaults_;
     job.given = given_;
     apply_settings(job.settings, job.given, json, where);
-    for (const char* const key : {"sample", "source", "page"})
+    for (const char* const key : {"sample", "moves", "source", "page"})
       note_given(job.given, json, key, where);
     check_consistent_at(job.settings, where);
     if (!json.contains("input")) refuse(where, "has no \"input\"");
@@ -76,6 +77,12 @@ class JobParser {
       if (is_point_path(job.input, job.input_format))
         refuse(path, "the input holds points already");
       job.sampling = sampling_of(json["sample"], path);
+    }
+    if (json.contains("moves")) {
+      const std::string path = key_path(where, "moves");
+      job.moves = moves_of(json["moves"], path);
+      if (job.sampling || is_point_path(job.input, job.input_format))
+        refuse(path, "are of vertices of a mesh; the input holds points");
     }
     if (json.contains("outputs")) parse_outputs(job, json["outputs"], key_path(where, "outputs"));
     if (json.contains("report")) job.report = path_of(json["report"], key_path(where, "report"));
@@ -211,8 +218,10 @@ std::vector<Job> parse_scene(std::string_view text, const std::string& name,
   const std::map<std::string, int> lines = lines_of_json(text);
   try {
     std::vector<Job> jobs = jobs_of(scene, name, folder);
-    for (Job& job : jobs)
+    for (Job& job : jobs) {
       for (GivenSetting& given : job.given) given.where = with_line(given.where, name, lines);
+      for (SceneMove& move : job.moves) move.where = with_line(move.where, name, lines);
+    }
     return jobs;
   } catch (const Error& error) {
     throw Error(error.code(), with_line(error.what(), name, lines), error.element());

@@ -38,6 +38,9 @@ constexpr const char* kFrame = R"({
     "sample": {"$ref": "#/$defs/sample"},
     "outputs": {"description": "files to write", "type": "array", "items": {"$ref": "#/$defs/output"},
       "examples": [[{"path": "goblet.glb"}]]},
+    "moves": {"description": "vertices that move after the fit, one move after another; only what they reach is solved again, and outputs, report and page are of the moved surface",
+      "type": "array", "minItems": 1, "items": {"$ref": "#/$defs/move"},
+      "examples": [[{"vertices": [17], "by": [0, 0, 0.1]}]]},
     "source": {"description": "mesh that the surface stands for, relative to this file: the report compares with it, not the input",
       "type": "string", "minLength": 1, "examples": ["scan.ply"]},
     "report": {"description": "JSON report, relative to this file",
@@ -49,6 +52,25 @@ constexpr const char* kFrame = R"({
       "examples": ["out/goblet.glb"]},
     "what": {"description": "the surface, or its control cage", "enum": ["surface", "cage"],
       "default": "surface", "examples": ["surface"]}}},
+  "move": {
+    "description": "one of to, by and matrix goes with vertices",
+    "type": "object", "additionalProperties": false,
+    "examples": [{"vertices": [17], "by": [0, 0, 0.1], "radius": 0.5}], "properties": {
+    "vertices": {"description": "of the input, from 0", "type": "array",
+      "items": {"type": "integer", "minimum": 0, "maximum": 2147483647}, "examples": [[17, 18]]},
+    "to": {"description": "a position for each vertex, in the mesh's unit", "type": "array",
+      "items": {"$ref": "#/$defs/point"}, "examples": [[[0, 0, 1], [1, 0, 1]]]},
+    "by": {"$ref": "#/$defs/point"},
+    "matrix": {"description": "an affine map: three rows of four numbers, the fourth of each what is added",
+      "type": "array", "minItems": 3, "maxItems": 3,
+      "items": {"type": "array", "minItems": 4, "maxItems": 4, "items": {"type": "number"}},
+      "examples": [[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.1]]]},
+    "radius": {"description": "with by and matrix: vertices within this length along edges move along, ever less",
+      "type": "number", "exclusiveMinimum": 0, "examples": [0.5]},
+    "undo": {"description": "by itself: takes back so many moves", "type": "integer", "minimum": 1,
+      "maximum": 2147483647, "examples": [1]}}},
+  "point": {"description": "x, y, z in the mesh's unit", "type": "array", "minItems": 3, "maxItems": 3,
+    "items": {"type": "number"}, "examples": [[0, 0, 0.1]]},
   "sample": {
     "description": "points sampled from the surface through the input's vertices stand in for the input",
     "type": "object", "additionalProperties": false, "required": ["points"],
@@ -207,7 +229,7 @@ const Json& scene_schema() {
 std::string scene_schema_text() { return json_text(scene_schema()); }
 
 std::vector<std::string_view> scene_keys(SceneObject object) {
-  const char* const names[] = {"", "settings", "job", "solve", "output", "sample"};
+  const char* const names[] = {"", "settings", "job", "solve", "output", "sample", "move"};
   const Json& schema = scene_schema();
   const Json& described =
       object == SceneObject::Scene ? schema : schema["$defs"][names[static_cast<int>(object)]];

@@ -11,7 +11,7 @@ namespace planish::command {
 [[nodiscard]] std::string scene_schema_text();
 
 /// The keys that each kind of object in a scene file may have.
-enum class SceneObject { Scene, Defaults, Job, Solve, Output, Sample };
+enum class SceneObject { Scene, Defaults, Job, Solve, Output, Sample, Move };
 [[nodiscard]] std::vector<std::string_view> scene_keys(SceneObject object);
 
 }  // namespace planish::command

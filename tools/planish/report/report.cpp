@@ -104,6 +104,11 @@ OrderedJson asset_json(const JobReport& report) {
 // What was fitted, and how good it is.
 void add_fit(const JobReport& report, OrderedJson& json) {
   json["solve"] = report.solve;
+  if (report.moved) {
+    json["moved"] = {{"moves", report.moved->moves},
+                     {"vertices", report.moved->vertices},
+                     {"farthest", report.moved->farthest}};
+  }
   json["surface"] = surface_json(report);
 }
 

@@ -65,6 +65,13 @@ struct FairFigures {
                flagged_faces = 0;
 };
 
+/// What a job's moves did to its mesh.
+struct MovedFigures {
+  std::int64_t moves = 0;
+  std::int64_t vertices = 0;  ///< that are not where they were
+  double farthest = 0;        ///< of their ways, as a fraction of the diagonal
+};
+
 /// How good the surface is, measured on one of its levels.
 struct MeasuredSurface {
   int level = 0;
@@ -101,6 +108,7 @@ struct JobReport {
   bool tried_creases = false;             ///< and found creases
   std::optional<QuadReason> quad_reason;  ///< where they leave open whether triangles are joined
   std::optional<FairFigures> fair;
+  std::optional<MovedFigures> moved;            ///< where the job has moves
   std::optional<WithinFit> within;              ///< where vertices were left to bend less
   nlohmann::ordered_json solve;                 ///< solve_json()
   std::vector<std::int32_t> smoothed_vertices;  ///< see CreasedFit

@@ -141,6 +141,13 @@ std::string surface_line(const JobReport& report) {
   return text + "; " + normals_text(report) + "\n";
 }
 
+std::string moved_line(const JobReport& report) {
+  if (!report.moved) return "";
+  return "  moved       " + counted(report.moved->vertices, "vertex") + " in " +
+         counted(report.moved->moves, "move") + ", by up to " +
+         short_number(report.moved->farthest) + " of the diagonal\n";
+}
+
 std::string within_line(const JobReport& report) {
   return report.within ? "  within      " + within_text(*report.within) + "\n" : "";
 }
@@ -262,6 +269,7 @@ std::string summary(const JobReport& report, bool is_full) {
   if (report.point_distances)
     text += "  points      farthest " + short_number(report.point_distances->max) + ", rms " +
             short_number(report.point_distances->rms) + " of the diagonal from the surface\n";
+  text += moved_line(report);
   text += is_full ? computing_lines(report) : within_line(report) + surface_line(report);
   text += output_lines(report);
   text.pop_back();
