@@ -74,24 +74,6 @@ TEST(CollapseMesh, KeepsTheTopologyOfAnOpenMesh) {
   for (unsigned seed = 0; seed < 5; ++seed) expect_same_topology(grid, seed);
 }
 
-TEST(CollapseMesh, PutsAnUnusedVertexInThePlaceOfAnother) {
-  for (const std::int32_t vertex : {4, 0, 5}) {  // inside, corner, side
-    test::TriangleMesh grid = test::grid_mesh(2, [](int, int) { return 0.0; });
-    grid.positions.push_back(grid.positions[vertex] + glm::dvec3(0.1, 0.1, 0));
-    CollapseMesh mesh(grid.triangles, grid.positions.size());
-    Fan fan;
-    mesh.get_fan(vertex, fan);
-    mesh.replace(vertex, 9, fan);
-    EXPECT_FALSE(mesh.is_used(vertex));
-    Fan after;
-    mesh.get_fan(9, after);
-    EXPECT_EQ(after.ring, fan.ring);
-    const PolygonMesh now = polygons(mesh, grid.positions);
-    EXPECT_TRUE(check(now).empty());
-    expect_true_valences(mesh, now);
-  }
-}
-
 TEST(CollapseMesh, GoesRoundAFanInOrder) {
   const test::TriangleMesh grid = test::grid_mesh(2, [](int, int) { return 0.0; });
   const CollapseMesh mesh(grid.triangles, grid.positions.size());

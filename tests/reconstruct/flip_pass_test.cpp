@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "reconstruct/test_clouds.h"
+#include "reconstruct/simplify_states.h"
 
 namespace planish {
 namespace {
@@ -19,7 +19,8 @@ TEST(FlipPass, LaysEdgesAlongTheRidge) {
   const test::TriangleMesh roof =
       test::grid_mesh(kSize, [](int i, int j) { return -0.8 * std::abs(i + j - kSize); });
   const SimplifyOptions options{.tolerance = 10, .least_angle = 3};
-  SimplifyState state(roof.positions, roof.triangles, options);
+  test::GivenState given(roof, roof.positions.size(), options);
+  SimplifyState& state = given.state;
   FlipPass(state).run();
   const auto at = [](std::int32_t i) { return i * (kSize + 1) + kSize - i; };
   // The last squares at the border would take an edge from a vertex that has none to give.
@@ -35,9 +36,9 @@ TEST(FlipPass, FlipsNothingThatMovesACarriedPointTooFar) {
   flat.positions.push_back(0.5 * (flat.positions[4] + flat.positions[8]));
   for (const double tolerance : {1.0, 1e-3}) {
     const SimplifyOptions options{.tolerance = tolerance, .least_angle = 3};
-    SimplifyState state(flat.positions, flat.triangles, options);
-    FlipPass(state).run();
-    EXPECT_EQ(has_edge(state.mesh, 4, 8), tolerance < 0.01) << tolerance;
+    test::GivenState given(flat, 9, options);
+    FlipPass(given.state).run();
+    EXPECT_EQ(has_edge(given.state.mesh, 4, 8), tolerance < 0.01) << tolerance;
   }
 }
 

@@ -5,7 +5,7 @@
 #include "planish/mesh/check.h"
 #include "planish/mesh/statistics.h"
 #include "planish/reconstruct/collapse_pass.h"
-#include "reconstruct/test_clouds.h"
+#include "reconstruct/simplify_states.h"
 
 namespace planish {
 namespace {
@@ -38,21 +38,25 @@ double unevenness(const CollapseMesh& mesh, const std::vector<glm::dvec3>& posit
 
 void expect_moved_within_tolerance(const test::TriangleMesh& given, double tolerance) {
   const SimplifyOptions options{.tolerance = tolerance};
-  SimplifyState state(given.positions, given.triangles, options);
+  test::GivenState given_state(given, given.positions.size(), options);
+  SimplifyState& state = given_state.state;
   CollapsePass(state).run();
   const MeshStatistics before = [&] {
     PolygonMesh mesh = polygons_of(triangles_of(state.mesh));
-    mesh.positions = given.positions;
+    mesh.positions = state.positions;
     return statistics(mesh);
   }();
-  const double uneven = unevenness(state.mesh, given.positions);
+  const double uneven = unevenness(state.mesh, state.positions);
   MovePass(state).run();
   EXPECT_GT(state.result.move_count, 10);
-  EXPECT_LT(unevenness(state.mesh, given.positions), 0.98 * uneven);
+  EXPECT_LT(unevenness(state.mesh, state.positions), 0.98 * uneven);
   const std::vector<Triangle> triangles = triangles_of(state.mesh);
-  EXPECT_LE(test::greatest_distance(given.positions, triangles), tolerance * (1 + 1e-12));
+  const PointDistances distances = measure_distances(given.positions, state.positions, triangles);
+  EXPECT_LE(distances.max, tolerance * (1 + 1e-12));
   PolygonMesh mesh = polygons_of(triangles);
-  mesh.positions = given.positions;
+  mesh.positions = state.positions;
+  for (std::size_t v = 0; v < state.positions.size(); ++v)
+    EXPECT_EQ(state.positions[v], state.points[state.vertex_points[v]]);
   EXPECT_TRUE(check(mesh).empty());
   const MeshStatistics after = statistics(mesh);
   EXPECT_EQ(after.genus, before.genus);
@@ -74,7 +78,8 @@ TEST(MovePass, EvensOutAnOpenMeshWithinTheTolerance) {
 TEST(MovePass, LeavesAMeshAloneThatCarriesNothing) {
   const test::TriangleMesh torus = test::torus_mesh(20, 10);
   const SimplifyOptions options{.tolerance = 1};
-  SimplifyState state(torus.positions, torus.triangles, options);
+  test::GivenState given(torus, torus.positions.size(), options);
+  SimplifyState& state = given.state;
   MovePass(state).run();
   EXPECT_EQ(state.result.move_count, 0);
   EXPECT_EQ(triangles_of(state.mesh), torus.triangles);

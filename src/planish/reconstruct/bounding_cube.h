@@ -12,6 +12,11 @@ struct BoundingCube {
   double side;  ///< the largest extent of the points
 };
 
+[[nodiscard]] inline double largest_extent(const glm::dvec3& low, const glm::dvec3& high) {
+  const glm::dvec3 extent = high - low;
+  return std::max({extent.x, extent.y, extent.z});
+}
+
 /// Of at least one point.
 [[nodiscard]] inline BoundingCube bounding_cube(std::span<const glm::dvec3> points) {
   glm::dvec3 low = points.front(), high = low;
@@ -19,8 +24,7 @@ struct BoundingCube {
     low = glm::min(low, point);
     high = glm::max(high, point);
   }
-  const glm::dvec3 extent = high - low;
-  return {low, std::max({extent.x, extent.y, extent.z})};
+  return {low, largest_extent(low, high)};
 }
 
 }  // namespace planish

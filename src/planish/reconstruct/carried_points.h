@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "planish/reconstruct/ordered_points.h"
 #include "planish/reconstruct/point_carrier.h"
 #include "planish/reconstruct/triangle_change.h"
 
@@ -13,14 +14,11 @@ namespace planish {
 /// Points that are no vertices any more, each within a tolerance of the triangle that carries it.
 class CarriedPoints {
  public:
-  /// Keeps the span of positions; the tolerance is a length.
-  CarriedPoints(std::span<const glm::dvec3> positions, std::size_t triangle_count,
-                double tolerance);
-
-  /// Gives each of the points to the nearest triangle. Returns how many lie beyond the tolerance of
-  /// all triangles; nobody carries those.
-  [[nodiscard]] std::int64_t adopt(std::span<const std::int32_t> points,
-                                   std::span<const Triangle> triangles);
+  /// Keeps the points, and the spans of the vertices' positions and points; the tolerance is a
+  /// length. `carriers` names each point's triangle, -1 for none.
+  CarriedPoints(const OrderedPoints& points, std::span<const glm::dvec3> positions,
+                std::span<const std::int32_t> vertex_points, std::span<const std::int32_t> carriers,
+                std::size_t triangle_count, double tolerance);
 
   /// Adds the points that a triangle carries to `points`.
   void list(std::int32_t triangle, std::vector<std::int32_t>& points) const {
@@ -28,7 +26,7 @@ class CarriedPoints {
   }
 
   /// Whether all points of the old triangles, and the removed vertex, stay within the tolerance of
-  /// the new ones. The added vertex, one of those points, is carried no more.
+  /// the new ones. The added point, one of those, is carried no more.
   [[nodiscard]] bool can_move(const TriangleChange& change);
   /// Moves them, for the change that can_move() has just allowed.
   void move(const TriangleChange& change);
@@ -36,12 +34,14 @@ class CarriedPoints {
   void forget_failure(std::int32_t vertex) { failures_[vertex] = -1; }
 
  private:
-  std::span<const glm::dvec3> positions_;
+  const OrderedPoints& points_;
+  std::span<const glm::dvec3> positions_;  // of vertices
+  std::span<const std::int32_t> vertex_points_;
   double squared_tolerance_;
   PointCarrier carrier_;
   std::vector<std::int32_t> failures_;  // by removed vertex: the point that stood in the way last
   std::vector<TriangleShape> shapes_;
-  std::vector<std::int32_t> points_, nearest_;
+  std::vector<std::int32_t> moved_, nearest_;
 };
 
 }  // namespace planish

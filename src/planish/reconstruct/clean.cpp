@@ -13,19 +13,14 @@
 #include "planish/core/parallel.h"
 #include "planish/reconstruct/chosen.h"
 #include "planish/reconstruct/local_fit.h"
+#include "planish/reconstruct/outlier_rules.h"
 #include "planish/reconstruct/point_tree.h"
 
 namespace planish {
 namespace {
 
 constexpr std::int32_t kMaxNeighbours = 100;
-constexpr std::size_t kSpacingNeighbours = 6;
 constexpr std::size_t kCleanGrain = 1024, kStrayGrain = 256;
-// A point that strays is no sample of the surface around it: clouds with noise alone lose 1 in
-// 10,000 points by the first; the second leaves alone what no surface would show.
-constexpr double kStrayDeviations = 5, kStraySpacings = 0.2;
-// Strays hide each other from the first look; those that a third would find are too few to matter.
-constexpr int kStrayLooks = 3;
 // Share of the time when densities are known.
 constexpr double kDensityDone = 0.4;
 
@@ -64,24 +59,11 @@ std::vector<std::int32_t> without_duplicates(std::span<const glm::dvec3> points)
   return kept;
 }
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 // Mean distances of each point to its nearest ones.
 struct Distances {
   std::vector<double> wide;   // to options.neighbour_count
   std::vector<double> close;  // to kSpacingNeighbours
 };
-
-double mean_distance(std::span<const Neighbour> others) {
-  double sum = 0;
-  for (const Neighbour& other : others) sum += std::sqrt(other.squared_distance);
-  return others.empty() ? 0 : sum / static_cast<double>(others.size());
-}
 
 Distances measure(std::span<const glm::dvec3> points, const CleanOptions& options) {
   const PointTree tree(points);
@@ -96,8 +78,8 @@ Distances measure(std::span<const glm::dvec3> points, const CleanOptions& option
       const std::size_t found = tree.find_nearest(points[i], std::span(nearest).first(wanted));
       // The first is the point itself: places are distinct here.
       const auto others = std::span(nearest).subspan(1, found - 1);
-      distances.wide[i] = mean_distance(others.first(std::min(wide, others.size())));
-      distances.close[i] = mean_distance(others.first(std::min(kSpacingNeighbours, others.size())));
+      distances.wide[i] = mean_distance(others, wide);
+      distances.close[i] = mean_distance(others, kSpacingNeighbours);
     }
     progress.add(static_cast<std::int64_t>(end - begin));
   });
@@ -116,18 +98,16 @@ void drop(std::vector<Value>& values, const std::vector<std::uint8_t>& is_droppe
 std::vector<std::int32_t> strays_among(std::span<const std::int32_t> looked_at,
                                        std::span<const glm::dvec3> points, const PointTree& tree,
                                        double spacing, LoopProgress& progress) {
-  std::vector<std::uint8_t> is_stray(looked_at.size(), 0);
+  std::vector<std::uint8_t> strayed(looked_at.size(), 0);
   parallel_for(looked_at.size(), kStrayGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const LocalFit fit = fit_at(looked_at[i], points, tree);
-      is_stray[i] = fit.distance > kStrayDeviations * fit.others_deviation &&
-                    fit.distance > kStraySpacings * spacing;
+      strayed[i] = is_stray(fit_at(looked_at[i], points, tree), spacing);
     }
     progress.add(static_cast<std::int64_t>(end - begin));
   });
   std::vector<std::int32_t> strays;
   for (std::size_t i = 0; i < looked_at.size(); ++i)
-    if (is_stray[i]) strays.push_back(looked_at[i]);
+    if (strayed[i]) strays.push_back(looked_at[i]);
   return strays;
 }
 
@@ -155,17 +135,17 @@ void drop_strays(std::vector<glm::dvec3> points, const Callbacks& callbacks, Cle
   LoopProgress progress(callbacks, "clean", kDensityDone, 1, std::ssize(points));
   std::int64_t count = 0;
   PointTree tree(points);
-  for (int look = 0; look < kStrayLooks; ++look) {
+  for (int look = 0; look < kOutlierLooks; ++look) {
     const std::vector<std::int32_t> strays =
         strays_among(looked_at, points, tree, result.spacing, progress);
     if (strays.empty()) break;
     count += std::ssize(strays);
     if (count > most) return;
     const std::vector<glm::dvec3> removed = chosen(points, strays);
-    std::vector<std::uint8_t> is_stray(points.size(), 0);
-    for (const std::int32_t stray : strays) is_stray[stray] = 1;
-    drop(kept, is_stray);
-    drop(points, is_stray);
+    std::vector<std::uint8_t> strayed(points.size(), 0);
+    for (const std::int32_t stray : strays) strayed[stray] = 1;
+    drop(kept, strayed);
+    drop(points, strayed);
     tree = PointTree(points);
     looked_at = points_around(removed, tree);
   }

@@ -119,13 +119,6 @@ void CollapseMesh::collapse(std::int32_t vertex, const Fan& fan, std::size_t tar
   valences_[vertex] = 0;
 }
 
-void CollapseMesh::replace(std::int32_t vertex, std::int32_t unused, const Fan& fan) {
-  for (const std::int32_t spoke : fan.spokes) corners_[spoke] = unused;
-  // An open fan's last edge runs towards the vertex and has no half-edge out of it: nothing to do.
-  outgoing_[unused] = std::exchange(outgoing_[vertex], -1);
-  valences_[unused] = std::exchange(valences_[vertex], 0);
-}
-
 bool CollapseMesh::can_flip(std::int32_t half_edge) {
   const std::int32_t other = twins_[half_edge];
   if (other < 0) return false;

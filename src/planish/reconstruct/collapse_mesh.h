@@ -62,9 +62,6 @@ class CollapseMesh {
   /// Moves all triangles of the vertex to ring[target] and drops the one or two between them.
   void collapse(std::int32_t vertex, const Fan& fan, std::size_t target);
 
-  /// Puts an unused vertex in the place of the vertex of `fan`.
-  void replace(std::int32_t vertex, std::int32_t unused, const Fan& fan);
-
   /// Whether the edge is inside and its flipped self does not exist yet.
   [[nodiscard]] bool can_flip(std::int32_t half_edge);
   /// Turns the edge inside its two triangles, which keep their indices: the half-edge's triangle

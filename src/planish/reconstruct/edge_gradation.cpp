@@ -25,7 +25,7 @@ double EdgeGradation::squared_ratio(std::int32_t vertex, const EdgeChange& chang
   mesh_.for_each_neighbour(vertex, [&](std::int32_t other) {
     if (other != change.without) range.add(positions_[vertex] - positions_[other]);
   });
-  if (change.with >= 0) range.add(positions_[vertex] - positions_[change.with]);
+  if (change.with != nullptr) range.add(positions_[vertex] - *change.with);
   return range.longest / range.shortest;
 }
 
@@ -44,7 +44,7 @@ bool EdgeGradation::keeps_all(std::int32_t vertex, const Fan& fan, std::size_t t
     // Those beside the target only lose an edge, which makes no ratio worse.
     const std::size_t apart = i < target ? target - i : i - target;
     const bool is_beside = apart == 1 || (fan.closed && apart + 1 == count);
-    if (!is_beside && !keeps(rim, {.without = vertex, .with = other})) return false;
+    if (!is_beside && !keeps(rim, {.without = vertex, .with = &positions_[other]})) return false;
     range.add(positions_[other] - positions_[rim]);
   }
   mesh_.for_each_neighbour(other, [&](std::int32_t n) {
@@ -54,11 +54,12 @@ bool EdgeGradation::keeps_all(std::int32_t vertex, const Fan& fan, std::size_t t
          std::max(largest_squared_ratio_, squared_ratio(other, {})) * range.shortest;
 }
 
-bool EdgeGradation::keeps_replaced(std::int32_t vertex, std::int32_t sample, const Fan& fan) const {
+bool EdgeGradation::keeps_moved(std::int32_t vertex, const glm::dvec3& place,
+                                const Fan& fan) const {
   EdgeRange range;
   for (const std::int32_t rim : fan.ring) {
-    if (!keeps(rim, {.without = vertex, .with = sample})) return false;
-    range.add(positions_[sample] - positions_[rim]);
+    if (!keeps(rim, {.without = vertex, .with = &place})) return false;
+    range.add(place - positions_[rim]);
   }
   return range.longest <=
          std::max(largest_squared_ratio_, squared_ratio(vertex, {})) * range.shortest;

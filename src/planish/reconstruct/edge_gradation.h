@@ -8,9 +8,11 @@
 
 namespace planish {
 
-/// An edge less and an edge more at a vertex, named by their other ends; -1: none.
+/// An edge less at a vertex, named by its other end (-1: none), and an edge more, by the place of
+/// its other end (null: none).
 struct EdgeChange {
-  std::int32_t without = -1, with = -1;
+  std::int32_t without = -1;
+  const glm::dvec3* with = nullptr;
 };
 
 /// Holds the ratio of the longest to the shortest edge at every vertex below a limit.
@@ -26,9 +28,9 @@ class EdgeGradation {
   /// Whether collapsing the vertex of `fan` into its ring's entry `target` keeps all of the ring.
   [[nodiscard]] bool keeps_all(std::int32_t vertex, const Fan& fan, std::size_t target) const;
 
-  /// Whether putting a sample in the place of the vertex of `fan` keeps both it and all of the
-  /// ring.
-  [[nodiscard]] bool keeps_replaced(std::int32_t vertex, std::int32_t sample, const Fan& fan) const;
+  /// Whether moving the vertex of `fan` keeps both it and all of the ring.
+  [[nodiscard]] bool keeps_moved(std::int32_t vertex, const glm::dvec3& place,
+                                 const Fan& fan) const;
 
  private:
   [[nodiscard]] double squared_ratio(std::int32_t vertex, const EdgeChange& change) const;

@@ -57,7 +57,8 @@ bool FlipPass::try_flip(std::int32_t half_edge) {
   const auto [a, b, c, d] = diamond;
   if (!keeps_valences(diamond) || !gains(diamond) || !mesh.can_flip(half_edge)) return false;
   // a and b lose an edge, which makes no ratio worse.
-  if (!state_.gradation.keeps(c, {.with = d}) || !state_.gradation.keeps(d, {.with = c}))
+  const auto& at = state_.positions;
+  if (!state_.gradation.keeps(c, {.with = &at[d]}) || !state_.gradation.keeps(d, {.with = &at[c]}))
     return false;
   change_.clear();
   change_.old_slots = change_.slots = {half_edge / 3, twin / 3};

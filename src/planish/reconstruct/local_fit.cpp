@@ -81,17 +81,21 @@ Terms solved(const std::array<Terms, kTerms>& factor, Terms right) {
   return right;
 }
 
-LocalFit fit_at(const glm::dvec3& point, std::span<const glm::dvec3> points,
+template <class Points>
+LocalFit fit_at(const glm::dvec3& point, const Points& points,
                 std::span<const Neighbour> neighbours) {
   const auto count = static_cast<double>(neighbours.size());
   const double radius = std::sqrt(neighbours.back().squared_distance);
   if (neighbours.size() <= kTerms || !(radius > 0)) return {};
+  std::array<glm::dvec3, kFitNeighbours> offsets;  // from the point, in radii
+  const auto nearby = std::span(offsets).first(neighbours.size());
   glm::dvec3 mean(0.0);
-  for (const Neighbour& n : neighbours) mean += (points[n.index] - point) / radius;
+  for (std::size_t i = 0; i < nearby.size(); ++i)
+    mean += nearby[i] = (points[neighbours[i].index] - point) / radius;
   mean /= count;
   glm::dmat3 covariance(0.0);
-  for (const Neighbour& n : neighbours) {
-    const glm::dvec3 d = (points[n.index] - point) / radius - mean;
+  for (const glm::dvec3& offset : nearby) {
+    const glm::dvec3 d = offset - mean;
     covariance += glm::outerProduct(d, d);
   }
   const glm::dmat3 axes = eigenvectors(covariance);
@@ -101,8 +105,7 @@ LocalFit fit_at(const glm::dvec3& point, std::span<const glm::dvec3> points,
 
   std::array<Terms, kTerms> matrix{};
   Terms solution{};
-  for (const Neighbour& n : neighbours) {
-    const glm::dvec3 d = (points[n.index] - point) / radius;
+  for (const glm::dvec3& d : nearby) {
     const Terms terms = terms_at(glm::dot(d, e1), glm::dot(d, e2));
     for (int i = 0; i < kTerms; ++i) {
       solution[i] += terms[i] * glm::dot(d, normal);
@@ -112,8 +115,7 @@ LocalFit fit_at(const glm::dvec3& point, std::span<const glm::dvec3> points,
   if (!factorise(matrix)) return {};
   solution = solved(matrix, solution);
   double squares = 0;
-  for (const Neighbour& n : neighbours) {
-    const glm::dvec3 d = (points[n.index] - point) / radius;
+  for (const glm::dvec3& d : nearby) {
     const Terms terms = terms_at(glm::dot(d, e1), glm::dot(d, e2));
     double height = 0;
     for (int i = 0; i < kTerms; ++i) height += solution[i] * terms[i];
@@ -125,6 +127,7 @@ LocalFit fit_at(const glm::dvec3& point, std::span<const glm::dvec3> points,
   const double rest = 1 - leverage;
   const double degrees = count - kTerms;
   LocalFit fit{.stable = std::abs(solution[0]) < 1,
+               .normal = normal,
                .offset = radius * solution[0] * normal,
                .deviation = radius * std::sqrt(squares / degrees)};
   if (rest > kLeastRest && degrees > 1) {
@@ -143,6 +146,15 @@ LocalFit fit_at(std::int32_t index, std::span<const glm::dvec3> points, const Po
   const auto wanted = std::span(nearest).first(static_cast<std::size_t>(count));
   const std::size_t found = tree.find_nearest(points[index], wanted);
   return fit_at(points[index], points, wanted.first(found));
+}
+
+LocalFit fit_at(std::int32_t index, const OrderedPoints& points, const OrderedTree& tree,
+                std::int32_t count) {
+  std::array<Neighbour, kFitNeighbours> nearest;
+  const auto wanted = std::span(nearest).first(static_cast<std::size_t>(count));
+  const glm::dvec3 point = points[index];
+  const std::size_t found = tree.find_nearest(point, index, wanted);
+  return fit_at(point, points, wanted.first(found));
 }
 
 }  // namespace planish

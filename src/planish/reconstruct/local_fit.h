@@ -4,6 +4,8 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "planish/reconstruct/ordered_points.h"
+#include "planish/reconstruct/ordered_tree.h"
 #include "planish/reconstruct/point_tree.h"
 
 namespace planish {
@@ -15,6 +17,7 @@ inline constexpr std::int32_t kFitNeighbours = 24;
 /// that fits its nearest points best, itself among them. Lengths are those of the points.
 struct LocalFit {
   bool stable = false;
+  glm::dvec3 normal{0.0};  ///< of the plane, unit, either way; 0 where there is no fit
   glm::dvec3 offset{0.0};  ///< from the point to the field, along its plane's normal
   double deviation = 0;    ///< standard deviation of the neighbours' heights about the field
   /// From the field that the other neighbours alone give, and what that distance deviates by
@@ -25,5 +28,7 @@ struct LocalFit {
 /// To `count` points, kFitNeighbours at most.
 [[nodiscard]] LocalFit fit_at(std::int32_t index, std::span<const glm::dvec3> points,
                               const PointTree& tree, std::int32_t count = kFitNeighbours);
+[[nodiscard]] LocalFit fit_at(std::int32_t index, const OrderedPoints& points,
+                              const OrderedTree& tree, std::int32_t count = kFitNeighbours);
 
 }  // namespace planish

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <utility>
 
 namespace planish {
 namespace {
@@ -23,8 +24,8 @@ void MovePass::list_samples(std::int32_t vertex) {
   for (const std::int32_t rim : fan_.ring) middle += state_.positions[rim];
   middle /= static_cast<double>(fan_.ring.size());
   const glm::dvec3 normal = state_.judge.normal(vertex);
-  const auto squared_offset = [&](std::int32_t point) {
-    const glm::dvec3 offset = state_.positions[point] - middle;
+  const auto squared_offset = [&](const glm::dvec3& place) {
+    const glm::dvec3 offset = place - middle;
     const double height = glm::dot(offset, normal);
     return glm::dot(offset, offset) - height * height;
   };
@@ -37,9 +38,9 @@ void MovePass::list_samples(std::int32_t vertex) {
   }
   change_.slots = change_.old_slots;
   samples_.clear();
-  const double limit = kLargestShare * squared_offset(vertex);
+  const double limit = kLargestShare * squared_offset(state_.positions[vertex]);
   for (const std::int32_t point : inside_)
-    if (const double offset = squared_offset(point); offset < limit)
+    if (const double offset = squared_offset(state_.points[point]); offset < limit)
       samples_.emplace_back(offset, point);
   const std::size_t tries = std::min(samples_.size(), kMostTries);
   std::ranges::partial_sort(samples_, samples_.begin() + static_cast<std::ptrdiff_t>(tries));
@@ -48,16 +49,23 @@ void MovePass::list_samples(std::int32_t vertex) {
 
 bool MovePass::try_place(std::int32_t vertex, std::int32_t sample) {
   const std::size_t count = fan_.ring.size();
-  change_.added_vertex = sample;
-  change_.triangles.clear();
+  const glm::dvec3 place = state_.points[sample];
+  const JudgedCorner corner{place, state_.normal_of_point(sample)};
   TriangleQuality after;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::int32_t a = fan_.ring[i], b = fan_.ring[(i + 1) % count];
-    change_.triangles.push_back({sample, a, b});
-    after.take_worst(state_.judge.quality(sample, a, b));
-  }
-  return state_.allows(after, [&] { return state_.worst_of(fan_); }) &&
-         state_.gradation.keeps_replaced(vertex, sample, fan_) && state_.carried.can_move(change_);
+  for (std::size_t i = 0; i < count; ++i)
+    after.take_worst(state_.judge.quality(corner, state_.judge.corner(fan_.ring[i]),
+                                          state_.judge.corner(fan_.ring[(i + 1) % count])));
+  if (!state_.allows(after, [&] { return state_.worst_of(fan_); }) ||
+      !state_.gradation.keeps_moved(vertex, place, fan_))
+    return false;
+  change_.added_point = sample;
+  change_.triangles.clear();
+  for (std::size_t i = 0; i < count; ++i)
+    change_.triangles.push_back({vertex, fan_.ring[i], fan_.ring[(i + 1) % count]});
+  const glm::dvec3 before = std::exchange(state_.positions[vertex], place);
+  if (state_.carried.can_move(change_)) return true;
+  state_.positions[vertex] = before;
+  return false;
 }
 
 bool MovePass::try_move(std::int32_t vertex) {
@@ -67,9 +75,9 @@ bool MovePass::try_move(std::int32_t vertex) {
   for (const auto& [offset, sample] : samples_) {
     if (!try_place(vertex, sample)) continue;
     state_.carried.move(change_);
-    state_.mesh.replace(vertex, sample, fan_);
-    state_.quadrics[sample] = state_.quadrics[vertex];
-    state_.touch(sample);
+    state_.vertex_points[vertex] = sample;
+    state_.judge.set_normal(vertex, state_.normal_of_point(sample));
+    state_.touch(vertex);
     for (const std::int32_t rim : fan_.ring) state_.touch(rim);
     return true;
   }

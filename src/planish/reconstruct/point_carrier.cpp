@@ -38,13 +38,23 @@ double TriangleShape::squared_distance(const glm::dvec3& point) const {
                    to_segment(bp, bc, glm::dot(bc, bp), abab - 2 * abac + acac)});
 }
 
-std::int64_t find_nearest_shapes(std::span<const glm::dvec3> positions,
+glm::dvec3 TriangleShape::shares(const glm::dvec3& point) const {
+  if (!(inverse_determinant > 0)) return glm::dvec3(1.0 / 3);
+  const glm::dvec3 ap = point - a;
+  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+  const double v = std::max((acac * d1 - abac * d2) * inverse_determinant, 0.0);
+  const double w = std::max((abab * d2 - abac * d1) * inverse_determinant, 0.0);
+  const double u = std::max(1 - v - w, 0.0);
+  return glm::dvec3(u, v, w) / (u + v + w);
+}
+
+std::int64_t find_nearest_shapes(const OrderedPoints& positions,
                                  std::span<const std::int32_t> points,
                                  std::span<const TriangleShape> shapes, double squared_tolerance,
                                  std::vector<std::int32_t>& nearest) {
   nearest.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const glm::dvec3& point = positions[points[i]];
+    const glm::dvec3 point = positions[points[i]];
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t s = 0; s < shapes.size(); ++s) {
       const double squared = shapes[s].squared_distance(point);

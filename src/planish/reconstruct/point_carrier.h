@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "planish/reconstruct/ordered_points.h"
+
 namespace planish {
 
 /// Three positions with what distance queries need, computed once.
@@ -12,6 +14,9 @@ struct TriangleShape {
   TriangleShape(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
   /// Squared distance of a point to the closed triangle.
   [[nodiscard]] double squared_distance(const glm::dvec3& point) const;
+  /// Barycentric coordinates of a point's foot in the plane, none below 0; thirds where the
+  /// triangle has no area.
+  [[nodiscard]] glm::dvec3 shares(const glm::dvec3& point) const;
 
   glm::dvec3 a, ab, ac;
   double abab, abac, acac, inverse_determinant;
@@ -40,7 +45,7 @@ class PointCarrier {
 /// Finds for each point the nearest shape. Stops and returns the place in `points` of the first
 /// that is farther than the tolerance from every shape; -1 if there is none, `nearest` then holds
 /// the index of each point's shape.
-[[nodiscard]] std::int64_t find_nearest_shapes(std::span<const glm::dvec3> positions,
+[[nodiscard]] std::int64_t find_nearest_shapes(const OrderedPoints& positions,
                                                std::span<const std::int32_t> points,
                                                std::span<const TriangleShape> shapes,
                                                double squared_tolerance,

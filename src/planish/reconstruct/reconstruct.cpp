@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
@@ -14,21 +16,26 @@
 #include "planish/mesh/pair_triangles.h"
 #include "planish/mesh/triangle_edges.h"
 #include "planish/mesh/used_vertices.h"
+#include "planish/reconstruct/choose_by_noise.h"
 #include "planish/reconstruct/chosen.h"
+#include "planish/reconstruct/coarse_mesh.h"
+#include "planish/reconstruct/ordered_points.h"
+#include "planish/reconstruct/point_critic.h"
 #include "planish/reconstruct/smooth_points.h"
 #include "planish/reconstruct/turn_by_normals.h"
+#include "planish/reconstruct/witnesses.h"
 
 namespace planish {
 namespace {
 
 constexpr std::int32_t kMostSmoothRounds = 100;
 constexpr std::size_t kFewestPoints = 4;
-constexpr double kDefaultTolerance = 1e-4;
-// Noise in spacings, up to which one round of smoothing does, and above which two do not.
-constexpr double kLightSpacings = 0.08, kHeavySpacings = 0.3;
 // Degrees at a corner of a quad where even spacing is asked for: it halves what is folded, and
 // pairs 68 % of the triangles instead of 82 %.
 constexpr double kEvenLargestAngle = 130;
+// Of many points so many are meshed at first, or this part where they are fewer; a target in
+// vertices wants twice as many, and may be a part of the points, too.
+constexpr std::int64_t kSamples = 100'000, kPointsOfSample = 5, kPointsOfTarget = 10;
 
 // Shares of the time when the steps are done.
 constexpr double kCleaned = 0.05, kSmoothed = 0.07, kMeshed = 0.4, kRepaired = 0.43,
@@ -58,30 +65,6 @@ void check_options(const ReconstructOptions& options) {
     throw Error(ErrorCode::InvalidArgument, "smooth: " + std::to_string(rounds) +
                                                 " rounds are asked for; 0 to " +
                                                 std::to_string(kMostSmoothRounds) + " work");
-}
-
-// How often points are moved before they are meshed, unless that is asked for.
-std::int32_t smooth_rounds_for(const Reconstruction& result) {
-  const double spacings = result.noise / result.spacing;
-  return spacings > kHeavySpacings ? 4 : spacings > kLightSpacings ? 2 : 1;
-}
-
-// How far points are moved and kept from the mesh: as asked for, or as their noise wants it.
-void choose_by_noise(std::span<const glm::dvec3> points, const ReconstructOptions& options,
-                     Reconstruction& result) {
-  if (options.measure_noise) result.noise = measure_noise(points);
-  const double noise = std::max(result.noise / result.diagonal, 0.0);
-  const double asked = options.tolerance.value_or(kDefaultTolerance);
-  // At tolerance 0 every point is to be a vertex, as it is.
-  const bool is_noisy = noise > kDefaultTolerance && asked > 0;
-  result.smooth_rounds = options.smooth_rounds.value_or(is_noisy ? smooth_rounds_for(result) : 0);
-  result.tolerance = options.tolerance.value_or(is_noisy ? noise : kDefaultTolerance);
-  const double sensible = (result.smooth_rounds > 0 ? 0.5 : 1.0) * noise;  // half is left
-  if (is_noisy && asked < sensible && options.tolerance)
-    options.callbacks.warn({.code = "tolerance-below-noise",
-                            .message = "the points scatter by more than --tolerance-mesh, so that "
-                                       "vertices are spent on their noise; " +
-                                       std::to_string(sensible) + " would leave fewer"});
 }
 
 // What came out, said plainly: an open or broken mesh is no silent success.
@@ -122,32 +105,59 @@ void diagnose(const Reconstruction& result, const ReconstructOptions& options) {
                     .count = facts.vertex_count});
 }
 
-// Drops unused points, moves the mesh to where the file has it and notes the points it came from.
-void finish_mesh(const PolygonMesh& polygons, const PointCloud& cloud, Reconstruction& result) {
-  UsedMesh used = without_unused_vertices(polygons);
-  result.mesh = std::move(used.mesh);
-  for (glm::dvec3& position : result.mesh.positions) position += cloud.origin;
-  result.vertex_points.reserve(used.vertices.size());
-  for (const std::int32_t vertex : used.vertices)
-    result.vertex_points.push_back(result.used_points[vertex]);
-  if (!cloud.colors.empty())
-    for (const std::int32_t point : result.vertex_points)
-      result.mesh.colors.push_back(cloud.colors[point]);
-  require_usable(result.mesh, "reconstructed mesh");
-  result.statistics = statistics(result.mesh);
-}
+// A mesh through points of the cloud, before its triangles are paired.
+struct MeshedCloud {
+  std::vector<glm::dvec3> positions;  // smoothed, if asked for
+  std::vector<std::int32_t> points;   // of each position, indices of the cloud
+  std::vector<Triangle> triangles;
+};
 
 // The cloud on its way through the steps.
 struct Work {
   const PointCloud& cloud;
+  const Mesher& mesher;
   const ReconstructOptions& options;
-  std::vector<glm::dvec3> points;  // those used
-  std::vector<Triangle> triangles;
   Reconstruction result;
   Stopwatch watch;
 };
 
-void clean_points(Work& work) {
+void require_points(std::size_t count) {
+  if (count < kFewestPoints)
+    throw Error(ErrorCode::UnusableMesh, counted(static_cast<std::int64_t>(count), "point") +
+                                             (count == 1 ? " is" : " are") +
+                                             " left after cleaning; a surface needs at least " +
+                                             std::to_string(kFewestPoints));
+}
+
+void tell_outliers(const Callbacks& callbacks, std::int64_t outliers, std::int64_t strays) {
+  const auto tell = [&](std::int64_t count, std::string_view one, std::string_view many) {
+    if (count == 0) return;
+    callbacks.warn(
+        {.code = "outliers-removed",
+         .message = counted(count, "point") +
+                    (count == 1 ? std::string(one) + " and was" : std::string(many) + " and were") +
+                    " removed; --outliers off keeps them all",
+         .count = count});
+  };
+  tell(outliers, " lies far from all others", " lie far from all others");
+  tell(strays, " sticks out of the surface around it", " stick out of the surface around them");
+}
+
+SimplifyOptions simplify_options(const Work& work) {
+  return {.tolerance = work.result.tolerance * work.result.diagonal,
+          .target_vertices = work.options.target_vertices,
+          .spacing = work.options.spacing,
+          .least_angle = work.options.least_angle,
+          .max_valence = work.options.max_valence,
+          .callbacks = share_of(work.options.callbacks, kRepaired, kSimplified)};
+}
+
+// Whoever asks for it has every point moved.
+double noise_of_edges(const Work& work) {
+  return work.options.smooth_rounds ? 0 : work.result.noise;
+}
+
+std::vector<glm::dvec3> clean_points(Work& work) {
   const Callbacks& callbacks = work.options.callbacks;
   Reconstruction& result = work.result;
   CleanOptions clean_options = work.options.clean;
@@ -157,79 +167,175 @@ void clean_points(Work& work) {
   result.duplicate_count = cleaned.duplicate_count;
   result.outlier_count = cleaned.outlier_count + cleaned.stray_count;
   result.spacing = cleaned.spacing;
-  if (result.used_points.size() < kFewestPoints)
-    throw Error(ErrorCode::UnusableMesh, counted(std::ssize(result.used_points), "point") +
-                                             (result.used_points.size() == 1 ? " is" : " are") +
-                                             " left after cleaning; a surface needs at least " +
-                                             std::to_string(kFewestPoints));
-  const auto tell_removed = [&](std::int64_t count, std::string_view one, std::string_view many) {
-    if (count == 0) return;
-    callbacks.warn(
-        {.code = "outliers-removed",
-         .message = counted(count, "point") +
-                    (count == 1 ? std::string(one) + " and was" : std::string(many) + " and were") +
-                    " removed; --outliers off keeps them all",
-         .count = count});
-  };
-  tell_removed(cleaned.outlier_count, " lies far from all others", " lie far from all others");
-  tell_removed(cleaned.stray_count, " sticks out of the surface around it",
-               " stick out of the surface around them");
-  work.points = chosen(work.cloud.points, result.used_points);
-  result.diagonal = diagonal_of(work.points);
-  choose_by_noise(work.points, work.options, result);
+  require_points(result.used_points.size());
+  tell_outliers(callbacks, cleaned.outlier_count, cleaned.stray_count);
+  std::vector<glm::dvec3> points = chosen(work.cloud.points, result.used_points);
+  result.diagonal = diagonal_of(points);
+  if (work.options.measure_noise) result.noise = measure_noise(points);
+  choose_by_noise(work.options, result);
   result.timing.clean = work.watch.lap();
+  return points;
 }
 
-void repair(Work& work) {
+std::vector<Triangle> repaired(Work& work, std::span<const glm::dvec3> points,
+                               std::vector<Triangle> triangles) {
   const ReconstructOptions& options = work.options;
   RepairedTriangles repaired =
-      repair_triangles(work.points, std::move(work.triangles),
+      repair_triangles(points, std::move(triangles),
                        {.longest_filled_loop = options.longest_filled_loop,
                         .components = options.components,
                         .callbacks = share_of(options.callbacks, kMeshed, kRepaired)});
-  work.triangles = std::move(repaired.triangles);
   work.result.filled_loop_count = repaired.filled_loop_count;
   work.result.dropped_component_count = repaired.dropped_component_count;
   if (!work.cloud.normals.empty())
     work.result.turned_component_count = turn_by_normals(
-        work.points, chosen(work.cloud.normals, work.result.used_points), work.triangles);
-  if (work.triangles.empty())
+        points, chosen(work.cloud.normals, work.result.used_points), repaired.triangles);
+  if (repaired.triangles.empty())
     throw Error(ErrorCode::UnusableMesh,
-                "no surface was found in " + counted(std::ssize(work.points), "point"));
+                "no surface was found in " + counted(std::ssize(points), "point"));
   work.result.timing.repair = work.watch.lap();
+  return std::move(repaired.triangles);
 }
 
-void simplify_within_tolerance(Work& work) {
-  const ReconstructOptions& options = work.options;
-  if (work.result.tolerance > 0) {
-    SimplifiedMesh simplified =
-        simplify(work.points, work.triangles,
-                 {.tolerance = work.result.tolerance * work.result.diagonal,
-                  .target_vertices = options.target_vertices,
-                  .spacing = options.spacing,
-                  .least_angle = options.least_angle,
-                  .max_valence = options.max_valence,
-                  .callbacks = share_of(options.callbacks, kRepaired, kSimplified)});
-    work.triangles = std::move(simplified.triangles);
-    work.result.strayed_count = simplified.strayed_count;
+// Different indices below `count`, in order.
+std::vector<std::int32_t> ascending(std::span<const std::int32_t> indices, std::size_t count) {
+  std::vector<bool> is_there(count, false);
+  for (const std::int32_t index : indices) is_there[index] = true;
+  std::vector<std::int32_t> sorted;
+  sorted.reserve(indices.size());
+  for (std::size_t i = 0; i < count; ++i)
+    if (is_there[i]) sorted.push_back(static_cast<std::int32_t>(i));
+  return sorted;
+}
+
+// Of the points that triangles name.
+MeshedCloud vertices_of(const OrderedPoints& points, std::vector<Triangle> triangles) {
+  std::vector<std::int32_t> vertex(points.size(), -1);
+  for (const Triangle& t : triangles)
+    for (const std::int32_t corner : t) vertex[corner] = 0;
+  MeshedCloud meshed;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (vertex[i] < 0) continue;
+    vertex[i] = static_cast<std::int32_t>(meshed.points.size());
+    meshed.points.push_back(points.given(i));
+    meshed.positions.push_back(points[i]);
   }
-  work.result.timing.simplify = work.watch.lap();
+  for (Triangle& t : triangles)
+    for (std::int32_t& corner : t) corner = vertex[corner];
+  meshed.triangles = std::move(triangles);
+  return meshed;
 }
 
-void measure_and_pair(Work& work) {
+// The way of few points: all of them are meshed.
+MeshedCloud mesh_all_points(Work& work) {
+  const Callbacks& callbacks = work.options.callbacks;
   Reconstruction& result = work.result;
-  result.distances = measure_distances(work.points, work.points, work.triangles);
+  std::vector<glm::dvec3> points = clean_points(work);
+  if (result.smooth_rounds > 0)
+    points = smooth_points(points, result.smooth_rounds, noise_of_edges(work),
+                           share_of(callbacks, kCleaned, kSmoothed));
+  result.timing.smooth = work.watch.lap();
+  std::vector<Triangle> triangles = work.mesher(points, share_of(callbacks, kSmoothed, kMeshed));
+  result.timing.mesh = work.watch.lap();
+  triangles = repaired(work, points, std::move(triangles));
+  if (result.tolerance > 0) {
+    SimplifiedMesh simplified = simplify(points, triangles, simplify_options(work));
+    triangles = std::move(simplified.triangles);
+    result.strayed_count = simplified.strayed_count;
+  }
+  result.timing.simplify = work.watch.lap();
+  result.distances = measure_distances(points, points, triangles);
+  return {std::move(points), result.used_points, std::move(triangles)};
+}
+
+// The way of many points: few are meshed, and all others say where more are needed.
+MeshedCloud mesh_coarse_first(Work& work) {
+  const ReconstructOptions& options = work.options;
+  const Callbacks& callbacks = options.callbacks;
+  Reconstruction& result = work.result;
+  OrderedPoints points(work.cloud.points);
+  result.duplicate_count = drop_duplicates(points);
+  require_points(points.size());
+  CleanOptions clean_options = options.clean;
+  clean_options.callbacks = share_of(callbacks, 0, kCleaned);
+  std::optional<PointCritic> critic(std::in_place, points, clean_options);
+  require_points(points.size());
+  result.spacing = critic->spacing();
+  result.diagonal = diagonal_of(points);
+  if (options.measure_noise) result.noise = critic->noise();
+  choose_by_noise(options, result);
+  std::int64_t stray_count = 0;
+  const std::int64_t outlier_count = critic->outlier_count();
+  const CleanOptions no_cleaning{.outliers = OutlierRule::Off};
+  if (result.smooth_rounds > 0) critic->remove_all_strays();
+  result.timing.clean = work.watch.lap();
+  if (result.smooth_rounds > 0) {
+    stray_count = critic->stray_count();
+    critic.reset();
+    smooth_points(points, result.smooth_rounds, noise_of_edges(work),
+                  share_of(callbacks, kCleaned, kSmoothed));
+    critic.emplace(points, no_cleaning);
+  }
+  result.timing.smooth = work.watch.lap();
+  CoarseMesh coarse = mesh_coarse_first(
+      points, *critic, work.mesher,
+      {.tolerance = result.tolerance * result.diagonal,
+       .least_samples = std::max(std::min(kSamples, std::ssize(points) / kPointsOfSample),
+                                 2 * options.target_vertices),
+       .repair = {.longest_filled_loop = options.longest_filled_loop,
+                  .components = options.components},
+       .normals = work.cloud.normals,
+       .callbacks = share_of(callbacks, kSmoothed, kRepaired)});
+  stray_count += critic->stray_count();
+  critic.reset();
+  result.outlier_count = outlier_count + stray_count;
+  tell_outliers(callbacks, outlier_count, stray_count);
+  result.strayed_count = coarse.strayed_count;
+  result.filled_loop_count = coarse.filled_loop_count;
+  result.dropped_component_count = coarse.dropped_component_count;
+  result.turned_component_count = coarse.turned_component_count;
+  result.sample_count = coarse.sample_count;
+  result.inserted_count = coarse.inserted_count;
+  result.meshing_count = coarse.meshing_count;
+  result.used_points = ascending(points.given(), work.cloud.points.size());
+  result.timing.mesh = work.watch.lap();
+  SimplifiedMesh simplified = simplify(points, std::move(coarse.mesh), simplify_options(work));
+  result.timing.simplify = work.watch.lap();
+  result.distances = measure_distances(points, simplified.triangles);
+  const auto farthest =
+      std::ranges::lower_bound(result.used_points, points.given(result.distances.farthest));
+  result.distances.farthest = farthest - result.used_points.begin();
+  return vertices_of(points, std::move(simplified.triangles));
+}
+
+bool is_coarse_first(const PointCloud& cloud, const ReconstructOptions& options) {
+  const std::int64_t count = std::ssize(cloud.points);
+  return count >= options.coarse_from && options.tolerance.value_or(1) > 0 &&
+         options.target_vertices <= count / kPointsOfTarget;
+}
+
+// Pairs triangles, drops unused points, moves the mesh to where the file has it and notes the
+// points it came from.
+void finish_mesh(MeshedCloud meshed, Work& work) {
+  Reconstruction& result = work.result;
   PolygonMesh polygons;
   if (work.options.pair_quads) {
     const bool even = work.options.spacing == Spacing::Even;
     polygons =
-        pair_triangles(work.points, work.triangles,
+        pair_triangles(meshed.positions, meshed.triangles,
                        even ? PairOptions{.largest_angle = kEvenLargestAngle} : PairOptions{});
   } else {
-    polygons = polygons_of(work.triangles);
-    polygons.positions = std::move(work.points);
+    polygons = polygons_of(meshed.triangles);
+    polygons.positions = std::move(meshed.positions);
   }
-  finish_mesh(polygons, work.cloud, result);
+  UsedMesh used = without_unused_vertices(polygons);
+  result.mesh = std::move(used.mesh);
+  for (glm::dvec3& position : result.mesh.positions) position += work.cloud.origin;
+  result.vertex_points = chosen(meshed.points, used.vertices);
+  if (!work.cloud.colors.empty())
+    result.mesh.colors = chosen(work.cloud.colors, result.vertex_points);
+  require_usable(result.mesh, "reconstructed mesh");
+  result.statistics = statistics(result.mesh);
   result.timing.measure = work.watch.lap();
 }
 
@@ -239,21 +345,11 @@ Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
                            const ReconstructOptions& options) {
   check_options(options);
   const HostScope host(options.callbacks);
-  Work work{.cloud = cloud, .options = options};
-  clean_points(work);
-  // Whoever asks for it has every point moved.
-  const double noise = options.smooth_rounds ? 0 : work.result.noise;
-  if (work.result.smooth_rounds > 0)
-    work.points = smooth_points(work.points, work.result.smooth_rounds, noise,
-                                share_of(options.callbacks, kCleaned, kSmoothed));
-  work.result.timing.smooth = work.watch.lap();
-  work.triangles =
-      mesher(work.points, share_of(options.callbacks, kSmoothed, kMeshed));  // through all points
-  work.result.timing.mesh = work.watch.lap();
-  repair(work);
-  simplify_within_tolerance(work);
+  Work work{.cloud = cloud, .mesher = mesher, .options = options};
+  MeshedCloud meshed =
+      is_coarse_first(cloud, options) ? mesh_coarse_first(work) : mesh_all_points(work);
   options.callbacks.report("pair", kSimplified);
-  measure_and_pair(work);
+  finish_mesh(std::move(meshed), work);
   options.callbacks.report("pair", 1);
   diagnose(work.result, options);
   return std::move(work.result);

@@ -21,7 +21,11 @@ struct ReconstructOptions {
   /// where that is more.
   std::optional<double> tolerance;
   std::int64_t target_vertices = 0;  ///< 0: as few as the tolerance allows
-  CleanOptions clean;                ///< its callbacks are not used, nor those of the members below
+  /// Of so many points and more, few are meshed at first, and further ones where any point is
+  /// beyond the tolerance. All points are meshed at tolerance 0, or with many vertices for a
+  /// target.
+  std::int64_t coarse_from = 500'000;
+  CleanOptions clean;  ///< its callbacks are not used, nor those of the members below
   std::optional<std::int32_t> smooth_rounds;  ///< 0 to 100; else 2 for noisy points, 0 for others
   bool measure_noise = true;                  ///< false: no points count as noisy
   std::int32_t longest_filled_loop = 16;
@@ -55,7 +59,10 @@ struct Reconstruction {
   MeshStatistics statistics;
   std::int64_t filled_loop_count = 0, dropped_component_count = 0;
   std::int64_t turned_component_count = 0;  ///< open ones, turned as the points' normals say
-  std::int64_t strayed_count = 0;  ///< used points that the mesh was too far from to begin with
+  std::int64_t strayed_count = 0;   ///< used points that the mesh was too far from to begin with
+  std::int64_t sample_count = 0;    ///< points meshed at first; 0 where all were
+  std::int64_t inserted_count = 0;  ///< meshed later, for points beyond the tolerance
+  std::int64_t meshing_count = 1;   ///< how often points were meshed
   /// Of the used points (smoothed, if asked for) to the mesh, its quads cut as pair_triangles()
   /// says.
   PointDistances distances;

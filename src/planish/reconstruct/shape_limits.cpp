@@ -1,7 +1,6 @@
 #include "planish/reconstruct/shape_limits.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -32,10 +31,9 @@ ShapeJudge::ShapeJudge(std::span<const glm::dvec3> positions, std::span<const Tr
   }
 }
 
-TriangleQuality ShapeJudge::quality(std::int32_t a, std::int32_t b, std::int32_t c) const {
-  const std::array<std::int32_t, 3> corners = {a, b, c};
-  const glm::dvec3 ab = positions_[b] - positions_[a], bc = positions_[c] - positions_[b],
-                   ca = positions_[a] - positions_[c];
+TriangleQuality ShapeJudge::quality(const JudgedCorner& a, const JudgedCorner& b,
+                                    const JudgedCorner& c) const {
+  const glm::dvec3 ab = b.place - a.place, bc = c.place - b.place, ca = a.place - c.place;
   const double ab2 = glm::dot(ab, ab), bc2 = glm::dot(bc, bc), ca2 = glm::dot(ca, ca);
   const glm::dvec3 cross = glm::cross(ab, -ca);
   const double doubled_area = glm::length(cross);
@@ -47,8 +45,8 @@ TriangleQuality ShapeJudge::quality(std::int32_t a, std::int32_t b, std::int32_t
   const double dot = 0.5 * (ab2 + bc2 + ca2 - 2 * quality.shortest_squared);
   quality.largest_cosine = dot / std::sqrt(dot * dot + doubled_area * doubled_area);
   quality.facing = 1;
-  for (const std::int32_t corner : corners) {
-    const glm::dvec3 normal(normals_[corner]);
+  for (const glm::vec3& corner_normal : {a.normal, b.normal, c.normal}) {
+    const glm::dvec3 normal(corner_normal);
     if (normal != glm::dvec3(0.0))
       quality.facing = std::min(quality.facing, glm::dot(cross, normal) / doubled_area);
   }

@@ -10,7 +10,7 @@
 #include "planish/reconstruct/collapse_pass.h"
 #include "planish/reconstruct/flip_pass.h"
 #include "planish/reconstruct/move_pass.h"
-#include "planish/reconstruct/spatial_order.h"
+#include "planish/reconstruct/witnesses.h"
 
 namespace planish {
 namespace {
@@ -49,26 +49,21 @@ void run_rounds(SimplifyState& state) {
   }
 }
 
-// The mesh with its vertices, and then its triangles, in the order of a curve through space: the
-// passes look at neighbours, which then are near in memory, too.
-struct OrderedMesh {
-  std::vector<std::int32_t> given;  // index of each position in the given order
-  std::vector<glm::dvec3> positions;
-  std::vector<Triangle> triangles;
-};
-
-OrderedMesh in_spatial_order(std::span<const glm::dvec3> positions,
-                             std::span<const Triangle> triangles) {
-  OrderedMesh mesh{.given = spatial_order(positions)};
-  std::vector<std::int32_t> place(positions.size());
-  mesh.positions.reserve(positions.size());
-  for (std::size_t i = 0; i < mesh.given.size(); ++i) {
-    place[mesh.given[i]] = static_cast<std::int32_t>(i);
-    mesh.positions.push_back(positions[mesh.given[i]]);
+// The mesh with its vertices, and then its triangles, in the order of the points: the passes look
+// at neighbours, which then are near in memory, too. All points without a vertex are carried.
+WitnessedMesh in_order(const OrderedPoints& points, std::span<const Triangle> triangles) {
+  std::vector<std::int32_t> vertex(points.size(), -1);  // of a point as it was given
+  for (const Triangle& triangle : triangles)
+    for (const std::int32_t corner : triangle) vertex[corner] = 0;
+  WitnessedMesh mesh;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (vertex[points.given(i)] < 0) continue;
+    vertex[points.given(i)] = static_cast<std::int32_t>(mesh.vertex_points.size());
+    mesh.vertex_points.push_back(static_cast<std::int32_t>(i));
   }
   mesh.triangles.assign(triangles.begin(), triangles.end());
   for (Triangle& triangle : mesh.triangles) {
-    for (std::int32_t& corner : triangle) corner = place[corner];
+    for (std::int32_t& corner : triangle) corner = vertex[corner];
     std::ranges::rotate(triangle, std::ranges::min_element(triangle));
   }
   std::ranges::sort(mesh.triangles);
@@ -81,22 +76,36 @@ double default_least_angle(Spacing spacing) { return spacing == Spacing::Even ? 
 
 std::int32_t default_max_valence(Spacing spacing) { return spacing == Spacing::Even ? 8 : 10; }
 
-SimplifiedMesh simplify(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+SimplifiedMesh simplify(const OrderedPoints& points, WitnessedMesh mesh,
                         const SimplifyOptions& options) {
   check_simplify_options(options);
   const HostScope host(options.callbacks);
   options.callbacks.report("simplify", 0.0);
-  const OrderedMesh ordered = in_spatial_order(positions, triangles);
-  SimplifyState state(ordered.positions, ordered.triangles, options);
+  SimplifyState state(points, std::move(mesh), options);
   run_rounds(state);
   SimplifiedMesh result = std::move(state.result);
   for (std::size_t t = 0; t < state.mesh.triangle_count(); ++t) {
     if (!state.mesh.is_alive(static_cast<std::int32_t>(t))) continue;
     Triangle triangle = state.mesh.triangle(static_cast<std::int32_t>(t));
-    for (std::int32_t& corner : triangle) corner = ordered.given[corner];
+    for (std::int32_t& corner : triangle) corner = state.vertex_points[corner];
     result.triangles.push_back(triangle);
   }
   options.callbacks.report("simplify", 1.0);
+  return result;
+}
+
+SimplifiedMesh simplify(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                        const SimplifyOptions& options) {
+  check_simplify_options(options);
+  const OrderedPoints points(positions);
+  WitnessedMesh mesh = in_order(points, triangles);
+  LoopProgress progress(options.callbacks, "simplify", 0, 0, std::ssize(positions));
+  const std::int64_t strayed_count =
+      std::ssize(find_carriers(points, mesh, options.tolerance, options.tolerance, progress));
+  SimplifiedMesh result = simplify(points, std::move(mesh), options);
+  result.strayed_count = strayed_count;
+  for (Triangle& triangle : result.triangles)
+    for (std::int32_t& corner : triangle) corner = points.given(corner);
   return result;
 }
 

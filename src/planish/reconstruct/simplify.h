@@ -7,6 +7,8 @@
 
 #include "planish/core/callbacks.h"
 #include "planish/mesh/triangles.h"
+#include "planish/reconstruct/ordered_points.h"
+#include "planish/reconstruct/witnessed_mesh.h"
 
 namespace planish {
 
@@ -42,6 +44,11 @@ struct SimplifiedMesh {
 /// Throws Error{InvalidArgument} for the options, Error{Cancelled}.
 [[nodiscard]] SimplifiedMesh simplify(std::span<const glm::dvec3> positions,
                                       std::span<const Triangle> triangles,
+                                      const SimplifyOptions& options);
+
+/// The same for a mesh through some of many points, whose carriers are known: those without one are
+/// left out.
+[[nodiscard]] SimplifiedMesh simplify(const OrderedPoints& points, WitnessedMesh mesh,
                                       const SimplifyOptions& options);
 
 }  // namespace planish

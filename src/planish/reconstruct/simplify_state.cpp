@@ -4,8 +4,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <utility>
 
 #include "planish/core/host_scope.h"
+#include "planish/core/parallel.h"
 
 namespace planish {
 namespace {
@@ -15,19 +17,30 @@ namespace {
 // interpolating surface sit where edges of very different length meet.
 constexpr double kEvenRatio = 2.6;
 constexpr double kAdaptiveRatio = 5.2;
-constexpr std::int64_t kStepsPerReport = 1 << 12;
+constexpr std::int64_t kStepsPerReport = 1 << 12, kStepsPerLook = 1 << 4;
+
+std::vector<glm::dvec3> places_of(const OrderedPoints& points,
+                                  std::span<const std::int32_t> chosen) {
+  std::vector<glm::dvec3> places;
+  places.reserve(chosen.size());
+  for (const std::int32_t point : chosen) places.push_back(points[point]);
+  return places;
+}
 
 }  // namespace
 
-SimplifyState::SimplifyState(std::span<const glm::dvec3> given_positions,
-                             std::span<const Triangle> triangles,
+SimplifyState::SimplifyState(const OrderedPoints& given_points, WitnessedMesh witnessed,
                              const SimplifyOptions& given_options)
-    : positions(given_positions),
+    : points(given_points),
       options(given_options),
-      mesh(triangles, positions.size()),
-      judge(positions, triangles),
+      vertex_points(std::move(witnessed.vertex_points)),
+      positions(places_of(points, vertex_points)),
+      mesh(witnessed.triangles, positions.size()),
+      judge(positions, witnessed.triangles),
       gradation(positions, mesh, options.spacing == Spacing::Even ? kEvenRatio : kAdaptiveRatio),
-      carried(positions, triangles.size(), options.tolerance),
+      point_normals(normals_of_points(witnessed)),
+      carried(points, positions, vertex_points, witnessed.carriers, witnessed.triangles.size(),
+              options.tolerance),
       quadrics(positions.size()),
       due(positions.size(), 0) {
   const double degrees =
@@ -35,16 +48,24 @@ SimplifyState::SimplifyState(std::span<const glm::dvec3> given_positions,
   largest_cosine = std::cos(degrees * std::numbers::pi / 180);
   max_valence =
       options.max_valence < 0 ? default_max_valence(options.spacing) : options.max_valence;
-  for (const Triangle& t : triangles) add_plane(t);
-  std::vector<std::int32_t> loose;
-  for (std::int32_t v = 0; v < static_cast<std::int32_t>(positions.size()); ++v) {
-    if (mesh.is_used(v))
-      touch(v);
-    else
-      loose.push_back(v);
-  }
-  result.strayed_count = carried.adopt(loose, triangles);
-  initial_count_ = result.vertex_count = static_cast<std::int64_t>(positions.size() - loose.size());
+  for (const Triangle& t : witnessed.triangles) add_plane(t);
+  for (std::int32_t v = 0; v < static_cast<std::int32_t>(positions.size()); ++v) touch(v);
+  initial_count_ = result.vertex_count = std::ssize(positions);
+}
+
+std::vector<PackedNormal> SimplifyState::normals_of_points(const WitnessedMesh& witnessed) const {
+  std::vector<PackedNormal> normals(points.size());
+  parallel_each(points.size(), [&](std::size_t point) {
+    if (witnessed.carriers[point] < 0) return;
+    const Triangle& t = witnessed.triangles[witnessed.carriers[point]];
+    const glm::dvec3 share =
+        TriangleShape(positions[t[0]], positions[t[1]], positions[t[2]]).shares(points[point]);
+    normals[point] = PackedNormal(share[0] * judge.normal(t[0]) + share[1] * judge.normal(t[1]) +
+                                  share[2] * judge.normal(t[2]));
+  });
+  for (std::size_t v = 0; v < vertex_points.size(); ++v)
+    normals[vertex_points[v]] = PackedNormal(judge.normal(static_cast<std::int32_t>(v)));
+  return normals;
 }
 
 void SimplifyState::add_plane(const Triangle& t) {
@@ -72,8 +93,9 @@ TriangleQuality SimplifyState::worst_of(const Fan& fan) const {
 }
 
 void SimplifyState::count_step() {
-  if (++steps_ % kStepsPerReport != 0) return;
-  check_stop();
+  // A step looks at the points of all triangles around a vertex: thousands in a dense cloud.
+  if (++steps_ % kStepsPerLook == 0) check_stop();
+  if (steps_ % kStepsPerReport != 0) return;
   options.callbacks.report("simplify",
                            1 - static_cast<double>(result.vertex_count) /
                                    static_cast<double>(std::max<std::int64_t>(initial_count_, 1)));

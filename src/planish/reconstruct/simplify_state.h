@@ -3,26 +3,29 @@
 #include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <span>
 #include <vector>
 
 #include "planish/reconstruct/carried_points.h"
 #include "planish/reconstruct/collapse_mesh.h"
 #include "planish/reconstruct/edge_gradation.h"
+#include "planish/reconstruct/ordered_points.h"
+#include "planish/reconstruct/packed_normal.h"
 #include "planish/reconstruct/quadric.h"
 #include "planish/reconstruct/shape_limits.h"
 #include "planish/reconstruct/simplify.h"
+#include "planish/reconstruct/witnessed_mesh.h"
 
 namespace planish {
 
 /// The passes that a vertex waits for since its triangles changed; bits.
 enum class Pass : std::uint8_t { Collapse = 1, Flip = 2, Move = 4 };
 
-/// A mesh on the way through the passes of simplify().
+/// A mesh on the way through the passes of simplify(). What is large is kept for vertices alone; a
+/// carried point takes 8 bytes.
 class SimplifyState {
  public:
-  /// Keeps the span of positions and the options.
-  SimplifyState(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+  /// Keeps references to the points and the options.
+  SimplifyState(const OrderedPoints& points, WitnessedMesh witnessed,
                 const SimplifyOptions& options);
 
   /// Notes that the triangles of a vertex have changed.
@@ -47,17 +50,26 @@ class SimplifyState {
            after.facing >= std::min(kLeastFacing, was.facing);
   }
 
+  /// Of the given mesh at a point: a vertex' own, or between those of the triangle's corners; 0
+  /// where there is none.
+  [[nodiscard]] glm::vec3 normal_of_point(std::int32_t point) const {
+    return point_normals[point].get();
+  }
+
   /// To be called for each small piece of work: reports progress. Throws Error{Cancelled}.
   void count_step();
   [[nodiscard]] bool is_done() const {
     return options.target_vertices > 0 && result.vertex_count <= options.target_vertices;
   }
 
-  std::span<const glm::dvec3> positions;
+  const OrderedPoints& points;
   const SimplifyOptions& options;
+  std::vector<std::int32_t> vertex_points;  // by vertex
+  std::vector<glm::dvec3> positions;        // by vertex: that point's place
   CollapseMesh mesh;
   ShapeJudge judge;
   EdgeGradation gradation;
+  std::vector<PackedNormal> point_normals;  // by point
   CarriedPoints carried;
   std::vector<Quadric> quadrics;  // by vertex
   std::vector<std::uint8_t> due;  // by vertex, bits of Pass
@@ -74,6 +86,7 @@ class SimplifyState {
   static constexpr double kLeastFacing = 0.5;
 
   void add_plane(const Triangle& triangle);
+  [[nodiscard]] std::vector<PackedNormal> normals_of_points(const WitnessedMesh& witnessed) const;
 
   std::int64_t initial_count_ = 0, steps_ = 0;
 };

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/reconstruct/ordered_points.h"
+#include "planish/reconstruct/ordered_tree.h"
 
 namespace planish {
 
@@ -15,6 +17,8 @@ namespace planish {
 [[nodiscard]] std::vector<glm::dvec3> smooth_points(std::span<const glm::dvec3> points,
                                                     std::int32_t rounds, double noise = 0,
                                                     const Callbacks& callbacks = {});
+void smooth_points(OrderedPoints& points, std::int32_t rounds, double noise,
+                   const Callbacks& callbacks);
 
 /// Standard deviation of the points along the normals of the surface that they are samples of,
 /// from `sample_count` of them at most, evenly picked. What a quadratic cannot follow at edges
@@ -22,6 +26,8 @@ namespace planish {
 /// does not. So the variance about fits to 24 points, taken off twice that about fits to 12, leaves
 /// noise alone; 0 where nothing is left.
 [[nodiscard]] double measure_noise(std::span<const glm::dvec3> points,
+                                   std::int32_t sample_count = 5000);
+[[nodiscard]] double measure_noise(const OrderedPoints& points, const OrderedTree& tree,
                                    std::int32_t sample_count = 5000);
 
 }  // namespace planish

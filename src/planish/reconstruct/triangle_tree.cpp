@@ -25,16 +25,28 @@ double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& low, const
 }  // namespace
 
 TriangleTree::TriangleTree(std::span<const glm::dvec3> positions,
-                           std::span<const Triangle> triangles)
-    : order_(triangles.size()) {
+                           std::span<const Triangle> triangles) {
+  shapes_.reserve(triangles.size());
+  for (const Triangle& t : triangles)
+    shapes_.emplace_back(positions[t[0]], positions[t[1]], positions[t[2]]);
+  build();
+}
+
+TriangleTree::TriangleTree(const OrderedPoints& positions, std::span<const Triangle> triangles) {
+  shapes_.reserve(triangles.size());
+  for (const Triangle& t : triangles)
+    shapes_.emplace_back(positions[t[0]], positions[t[1]], positions[t[2]]);
+  build();
+}
+
+void TriangleTree::build() {
+  order_.resize(shapes_.size());
   std::iota(order_.begin(), order_.end(), 0);
   std::vector<glm::dvec3> centres;
-  centres.reserve(triangles.size());
-  for (const Triangle& t : triangles) {
-    centres.push_back((positions[t[0]] + positions[t[1]] + positions[t[2]]) / 3.0);
-    shapes_.emplace_back(positions[t[0]], positions[t[1]], positions[t[2]]);
-  }
-  if (!triangles.empty()) build(0, static_cast<std::int32_t>(triangles.size()), centres);
+  centres.reserve(shapes_.size());
+  for (const TriangleShape& shape : shapes_)
+    centres.push_back(shape.a + (shape.ab + shape.ac) / 3.0);
+  if (!shapes_.empty()) build(0, static_cast<std::int32_t>(shapes_.size()), centres);
   std::vector<TriangleShape> ordered;
   ordered.reserve(shapes_.size());
   for (const std::int32_t triangle : order_) ordered.push_back(shapes_[triangle]);
@@ -72,9 +84,10 @@ void TriangleTree::build(std::int32_t begin, std::int32_t end,
   build(middle, end, centres);
 }
 
-TriangleTree::Hit TriangleTree::nearest(const glm::dvec3& point) const {
-  Hit hit{std::numeric_limits<double>::infinity(), -1};
+TriangleTree::Hit TriangleTree::nearest(const glm::dvec3& point, std::int32_t start) const {
+  Hit hit{std::numeric_limits<double>::infinity(), -1, -1};
   if (nodes_.empty()) return hit;
+  if (start >= 0) hit = {shapes_[start].squared_distance(point), order_[start], start};
   struct Entry {
     double squared_distance;
     std::int32_t node;
@@ -93,7 +106,7 @@ TriangleTree::Hit TriangleTree::nearest(const glm::dvec3& point) const {
     if (node.right < 0) {
       for (std::int32_t i = node.begin; i < node.end; ++i) {
         const double squared = shapes_[i].squared_distance(point);
-        if (squared < hit.squared_distance) hit = {squared, order_[i]};
+        if (squared < hit.squared_distance) hit = {squared, order_[i], i};
       }
       continue;
     }

@@ -15,12 +15,16 @@ namespace planish {
 class TriangleTree {
  public:
   TriangleTree(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles);
+  TriangleTree(const OrderedPoints& positions, std::span<const Triangle> triangles);
 
   struct Hit {
     double squared_distance;
     std::int32_t triangle;  ///< -1 if there are no triangles
+    std::int32_t place;     ///< of the triangle in the tree: where a search nearby may start
   };
-  [[nodiscard]] Hit nearest(const glm::dvec3& point) const;
+  /// `start` is the place of a triangle that is likely to be near; -1: none is known. Of triangles
+  /// that are equally near it decides which is found.
+  [[nodiscard]] Hit nearest(const glm::dvec3& point, std::int32_t start = -1) const;
 
  private:
   struct Node {
@@ -28,6 +32,7 @@ class TriangleTree {
     std::int32_t begin, end;  // of order_
     std::int32_t right = -1;  // the left child follows its parent; -1: a leaf
   };
+  void build();
   void build(std::int32_t begin, std::int32_t end, std::span<const glm::dvec3> centres);
 
   std::vector<std::int32_t> order_;

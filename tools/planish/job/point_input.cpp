@@ -108,6 +108,10 @@ nlohmann::ordered_json reconstruction_json(const PointInput& input, const Recons
   json["boundary_loops"] = facts.boundary_loop_count;
   json["loops_filled"] = result.filled_loop_count;
   json["points_left_out"] = result.strayed_count;
+  json["thinned"] =
+      result.sample_count == 0 ? 0 : std::ssize(result.used_points) - result.sample_count;
+  json["inserted"] = result.inserted_count;
+  json["meshings"] = result.meshing_count;
   json["max_point_distance"] = result.distances.max / result.diagonal;
   json["rms_point_distance"] = result.distances.rms / result.diagonal;
   json["valence_histogram"] = histogram_json(facts.valence_counts);
