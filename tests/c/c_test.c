@@ -379,6 +379,39 @@ static void test_reader_warnings(void) {
   planish_mesh_free(mesh);
 }
 
+static void test_step(const char* input) {
+  planish_mesh* mesh = NULL;
+  planish_fit* fit = NULL;
+  planish_fit_options options;
+  planish_fit_options_init(&options, sizeof options);
+  EXPECT(options.step_angle == 0.25 && options.step_tolerance == 1e-6);
+  EXPECT(options.step_unit == PLANISH_STEP_MILLIMETRE && options.step_face_size == 16);
+  options.step_unit = PLANISH_STEP_INCH;
+  EXPECT(planish_mesh_read(input, &mesh) == PLANISH_OK);
+  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT(planish_fit_write(fit, 1, "c_test.step") == PLANISH_OK);
+  planish_fit_free(fit);
+  fit = NULL;
+  /* A fit keeps what it was made with. */
+  options.step_tolerance = 1e-30;
+  EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
+  EXPECT_REFUSED(planish_fit_write(fit, 1, "c_test.step"), PLANISH_NOT_CONVERGED,
+                 "faces leave the surface by up to");
+  EXPECT_REFUSED(planish_fit_file(input, "c_test.step", 1, &options, NULL), PLANISH_NOT_CONVERGED,
+                 "options.step_tolerance");
+  planish_fit_free(fit);
+  fit = NULL;
+  options.step_tolerance = 0;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "options.step_tolerance");
+  options.step_tolerance = 1e-6;
+  options.step_unit = 4;
+  EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
+                 "a planish_step_unit is wanted");
+  EXPECT(fit == NULL);
+  planish_mesh_free(mesh);
+}
+
 static void test_files(const char* input) {
   planish_mesh* mesh = NULL;
   planish_fit* fit = NULL;
@@ -393,7 +426,7 @@ static void test_files(const char* input) {
   EXPECT(planish_mesh_warning_count(mesh) == 0);
   EXPECT_REFUSED(planish_mesh_read("none.obj", &mesh), PLANISH_UNREADABLE_INPUT, "none.obj");
   EXPECT_REFUSED(planish_fit_write(fit, 1, "none/a.glb"), PLANISH_UNWRITABLE_OUTPUT, "none");
-  EXPECT_REFUSED(planish_fit_write(fit, 1, "a.step"), PLANISH_INVALID_ARGUMENT, ".glb");
+  EXPECT_REFUSED(planish_fit_write(fit, 1, "a.iges"), PLANISH_INVALID_ARGUMENT, ".glb");
   EXPECT_REFUSED(planish_fit_write(fit, 7, "a.glb"), PLANISH_INVALID_ARGUMENT, "7");
   EXPECT_REFUSED(planish_mesh_write(mesh, "a.glb"), PLANISH_INVALID_ARGUMENT, ".obj");
   EXPECT_REFUSED(planish_fit_file(input, input, 1, NULL, NULL), PLANISH_INVALID_ARGUMENT, "itself");
@@ -749,6 +782,7 @@ int main(int argc, char** argv) {
   test_weld();
   test_reader_warnings();
   test_files(argv[1]);
+  test_step(argv[1]);
   test_wrong_meshes();
   test_wrong_options();
   test_older_structs();

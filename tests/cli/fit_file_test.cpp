@@ -118,7 +118,7 @@ TEST_F(FitFile, ErrorsNameTheRemedy) {
                            int level = 2) {
     return message_of(code, [&] { (void)fit_file(from, to, {.level = level}); });
   };
-  EXPECT_THAT(message(ErrorCode::InvalidArgument, input, path("a.step")),
+  EXPECT_THAT(message(ErrorCode::InvalidArgument, input, path("a.iges")),
               HasSubstr("take .glb, .gltf"));
   EXPECT_THAT(message(ErrorCode::InvalidArgument, input, input), HasSubstr("is the input itself"));
   EXPECT_THAT(message(ErrorCode::InvalidArgument, input, path("a.glb"), 9), HasSubstr("9"));

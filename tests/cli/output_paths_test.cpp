@@ -62,8 +62,9 @@ TEST_F(OutputPaths, TheCompanionOfAGltfCounts) {
 }
 
 TEST_F(OutputPaths, UnknownExtensionsAreRefused) {
-  expect_refused({"-o", path("a.fbx")}, 2,
-                 "a surface is written as .glb, .gltf, .obj, .ply, .off, .stl, .usda or .json");
+  expect_refused(
+      {"-o", path("a.fbx")}, 2,
+      "a surface is written as .glb, .gltf, .obj, .ply, .off, .stl, .usda, .json or .step");
   expect_refused({"--cage", path("a.glb")}, 2, "a cage is written as .obj, .ply, .off or .usda");
   expect_refused({"-o", path("newdir")}, 2, "; a folder ends with a slash, as " + path("newdir/"));
 }

@@ -337,12 +337,15 @@ TEST(Formats, StandAtTheirPlaceWithNamesOfTheirOwn) {
     EXPECT_EQ(format_of("x." + std::string(formats()[i].name)), formats()[i].format);
     EXPECT_FALSE(formats()[i].title.empty());
   }
+  EXPECT_EQ(format_of("x.STP"), FileFormat::Step);
+  EXPECT_EQ(format_of("x."), std::nullopt);
 }
 
 TEST(Formats, AreListedByUse) {
   EXPECT_EQ(names_of(FormatUse::ReadMesh), "glb, gltf, obj, ply, off, stl");
   EXPECT_EQ(names_of(FormatUse::ReadPoints), "glb, gltf, obj, ply, off, xyz, pts, pcd, las, ptx");
-  EXPECT_EQ(extensions_of(FormatUse::WriteSurface), ".glb .gltf .obj .ply .off .stl .usda .json");
+  EXPECT_EQ(extensions_of(FormatUse::WriteSurface),
+            ".glb .gltf .obj .ply .off .stl .usda .json .step");
   EXPECT_EQ(extensions_in_words(FormatUse::WriteCage), ".obj, .ply, .off or .usda");
   EXPECT_TRUE(holds_points_only(FileFormat::Pcd));
   EXPECT_FALSE(holds_points_only(FileFormat::Ply));

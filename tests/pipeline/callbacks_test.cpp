@@ -120,7 +120,8 @@ TEST_F(CallbacksOf, Choices) {
 
 TEST_F(CallbacksOf, Files) {
   write_mesh(folder_.path() / "in.obj", FileFormat::Obj, bumpy(90));
-  for (const char* name : {"a.glb", "a.gltf", "a.obj", "a.ply", "a.off", "a.stl", "a.usda"}) {
+  for (const char* name :
+       {"a.glb", "a.gltf", "a.obj", "a.ply", "a.off", "a.stl", "a.usda", "a.step"}) {
     FitFileOptions how;
     how.level = 2;
     how.mesh.fit.callbacks = host_.callbacks();
@@ -199,6 +200,11 @@ TEST_F(CallbacksOf, CancelledEndsAllOfThemAndLeavesNoFile) {
     how.mesh.fit.callbacks = callbacks;
     (void)fit_file(folder_.path() / "in.obj", folder_.path() / "o.glb", how);
   });
+  expect_cancelled("write_fitted_step", [&](const Callbacks& callbacks) {
+    StepFileOptions step;
+    step.callbacks = callbacks;
+    (void)write_fitted_step(folder_.path() / "o.step", fitted_, step);
+  });
   expect_cancelled("write_tiles", [&](const Callbacks& callbacks) {
     TilesOptions tiles{.level = 3, .tile_vertices = 1024, .given = fitted_.mesh.positions};
     tiles.gltf.callbacks = callbacks;
@@ -251,7 +257,7 @@ TEST_F(CallbacksOf, OneThreadIsOneThread) {
   }
   expect_alone("fit_best", [&] { (void)fit_best(mesh, *one, {}); });
   expect_alone("fit_mesh", [&] { (void)fit_mesh(mesh, "mesh", *one, {}); });
-  for (const char* name : {"a.glb", "a.ply"}) {
+  for (const char* name : {"a.glb", "a.ply", "a.step"}) {
     FitFileOptions how;
     how.backend = one.get();
     expect_alone("fit_file",

@@ -157,12 +157,12 @@ def test_files_that_are_none(cube, tmp_path):
     with pytest.raises(planish.UnwritableOutput):
         planish.write(tmp_path / "none" / "a.glb", fit)
     with pytest.raises(planish.InvalidArgument, match="glb"):
-        planish.write(tmp_path / "a.step", fit)
+        planish.write(tmp_path / "a.iges", fit)
     with pytest.raises(planish.InvalidArgument):
         fit.evaluate(7)
     with pytest.raises(TypeError):
         planish.write(tmp_path / "a.glb", 7)
-    assert not (tmp_path / "a.step").exists()
+    assert not (tmp_path / "a.iges").exists()
 
 
 def test_repair_can_be_refused(cube):

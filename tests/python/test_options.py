@@ -32,6 +32,13 @@ VALUES = {
     "max_iterations": [0, 1, 200, 1_000_000, 1_000_001, -1, 2**31],
     "polish": [0, 8, 50, 1001, -1, 2**31],
 }
+# Of those that only writing STEP has, likewise.
+STEP_VALUES = {
+    "step_unit": ["mm", "cm", "m", "in", "km"],
+    "step_angle": [0.25, 2, 90, 0, -1, 90.5],
+    "step_tolerance": [1e-6, 1, 0, -1e-6, 1.5],
+    "step_face_size": [1, 3, 4096, 0, 4097, 2**31],
+}
 CASES = [(name, value) for name, values in VALUES.items() for value in values]
 # What has no meaning without another one.
 BESIDE = {"polish": {"interpolation": "fair"}, "solver": {"interpolation": "progressive"},
@@ -69,7 +76,9 @@ class FitOptions(ctypes.Structure):
         ("boundary", ctypes.c_int32), ("precision", ctypes.c_int32), ("polish", ctypes.c_int32),
         ("creases", ctypes.c_char_p), ("smoothed_vertices", ctypes.c_void_p),
         ("smoothed_count", ctypes.c_size_t), ("within", ctypes.c_double),
-        ("quads", ctypes.c_int32),
+        ("quads", ctypes.c_int32), ("step_angle", ctypes.c_double),
+        ("step_tolerance", ctypes.c_double), ("step_unit", ctypes.c_int32),
+        ("step_face_size", ctypes.c_int32),
     ]
 
 
@@ -93,8 +102,8 @@ def flags_of(options):
             for word in ("--" + name.replace("_", "-"), text_of(value))]
 
 
-def by_command(mesh, options, folder):
-    out = folder / "command.ply"
+def by_command(mesh, options, folder, ending="ply"):
+    out = folder / f"command.{ending}"
     done = subprocess.run(
         [os.environ["PLANISH_EXECUTABLE"], "fit", mesh, "-o", out, "--levels", "1", "--device", "cpu",
          "-f", "-q", *flags_of(options)], check=False, capture_output=True)
@@ -104,8 +113,8 @@ def by_command(mesh, options, folder):
     return done.returncode
 
 
-def by_python(mesh, options, folder):
-    out = folder / "python.ply"
+def by_python(mesh, options, folder, ending="ply"):
+    out = folder / f"python.{ending}"
     keywords = {"method" if name == "interpolation" else name: value
                 for name, value in options.items()}
     try:
@@ -117,8 +126,8 @@ def by_python(mesh, options, folder):
     return out.read_bytes()
 
 
-def by_c(library, mesh, options, folder):
-    out = folder / "c.ply"
+def by_c(library, mesh, options, folder, ending="ply"):
+    out = folder / f"c.{ending}"
     own = FitOptions()
     library.planish_fit_options_init(ctypes.byref(own), ctypes.c_size_t(ctypes.sizeof(own)))
     given = dict(options)
@@ -133,7 +142,7 @@ def by_c(library, mesh, options, folder):
             name = "method"
             words = VALUES["interpolation"][:-1]
         else:
-            words = VALUES[name][:-1]
+            words = {**VALUES, **STEP_VALUES}[name][:-1]
         if name == "repair":
             if value not in words:
                 return 2  # there is no third int32_t
@@ -160,9 +169,9 @@ def by_c(library, mesh, options, folder):
     return status
 
 
-def scene_of(mesh, jobs):
+def scene_of(mesh, jobs, ending="ply"):
     return json.dumps({"version": 1, "defaults": {"levels": [1], "device": "cpu"}, "jobs": [
-        {"name": str(i), "input": str(mesh), "outputs": [{"path": f"scene{i}.ply"}], **options}
+        {"name": str(i), "input": str(mesh), "outputs": [{"path": f"scene{i}.{ending}"}], **options}
         for i, options in jobs]})
 
 
@@ -187,14 +196,48 @@ def by_scenes(mesh, folder, expected):
     return results
 
 
+def library_for_c():
+    if "PLANISH_LOADABLE" not in os.environ:
+        return None
+    library = ctypes.CDLL(os.environ["PLANISH_LOADABLE"])
+    library.planish_last_error.restype = ctypes.c_char_p
+    return library
+
+
+def test_step_means_the_same_everywhere(mesh, tmp_path):
+    library = library_for_c()
+    fit = planish.fit_file(mesh, tmp_path / "a.step")
+    taken = set()
+    for name, values in STEP_VALUES.items():
+        for value in values:
+            options = {name: value}
+            expected = by_command(mesh, options, tmp_path, "step")
+            assert by_python(mesh, options, tmp_path, "step") == expected, options
+            if library:
+                assert by_c(library, mesh, options, tmp_path, "step") == expected, options
+            scene = tmp_path / "step.json"
+            scene.write_text(scene_of(mesh, [(0, options)], "step"))
+            done = subprocess.run([os.environ["PLANISH_EXECUTABLE"], "run", scene, "-f", "-q"],
+                                  check=False, capture_output=True)
+            if isinstance(expected, int):
+                assert done.returncode == expected, options
+                with pytest.raises(planish.InvalidArgument, match=name):
+                    planish.write(tmp_path / "b.step", fit, **options)
+            else:
+                assert (tmp_path / "scene0.step").read_bytes() == expected, options
+                planish.write(tmp_path / "b.step", fit, **options)
+                assert (tmp_path / "b.step").read_bytes() == expected, options
+                taken.add(expected)
+    assert len(taken) > 6
+    with pytest.raises(TypeError, match="step_unit"):
+        planish.fit(fit.mesh, step_unit="m")
+
+
 def test_every_value_means_the_same_everywhere(mesh, tmp_path):
     expected = [by_command(mesh, options, tmp_path) for options in ALL]
     in_python = [by_python(mesh, options, tmp_path) for options in ALL]
     in_scenes = by_scenes(mesh, tmp_path, expected)
-    library = None
-    if "PLANISH_LOADABLE" in os.environ:
-        library = ctypes.CDLL(os.environ["PLANISH_LOADABLE"])
-        library.planish_last_error.restype = ctypes.c_char_p
+    library = library_for_c()
     for i, options in enumerate(ALL):
         shown = expected[i] if isinstance(expected[i], int) else "taken"
         assert in_python[i] == expected[i], f"Python: {options}, by the command {shown}"

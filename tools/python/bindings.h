@@ -80,7 +80,8 @@ void add_editor(pybind11::module_& module);  ///< after add_fit(): Fit.edit() is
 [[nodiscard]] pybind11::object limit_surface_of(const EditorHandle& editor);
 
 /// Writes a Fit's surface (`level` splits), a Surface or a Mesh.
-void write(const std::string& path, const pybind11::object& what, int level);
+void write(const std::string& path, const pybind11::object& what, int level,
+           const pybind11::kwargs& keywords);
 
 /// A path of Python's: text, bytes or os.PathLike.
 [[nodiscard]] std::string path_of(const pybind11::object& path);

@@ -62,6 +62,7 @@ FitHandle fit_files(const py::object& input, const py::object& output, int level
   const auto backend = arguments.make_backend();
   options.backend = backend.get();
   options.split_normals = arguments.settings.creases.split_normals;
+  options.step = arguments.settings.step;
   run_released(arguments.callbacks, [&](const Callbacks& callbacks) {
     options.mesh = mesh_fit_options(arguments.settings);
     options.mesh.fit.callbacks = callbacks;
@@ -248,7 +249,7 @@ void add_fit(py::module_& module) {
       std::string(
           "From file to file: reads a mesh, fits it, writes its surface and, where named, "
           "its cage.\n\nfit_file(input, output, level=2, cage=None, **options) -> Fit\n") +
-      fit_keywords() + "\n\nRaises what read(), fit() and write() raise.";
+      fit_keywords() + step_keywords() + "\n\nRaises what read(), fit() and write() raise.";
   module.def("fit_file", &fit_files, py::arg("input"), py::arg("output"), py::arg("level") = 2,
              py::arg("cage") = py::none(), file_text.c_str());
 }

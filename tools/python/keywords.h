@@ -17,4 +17,9 @@ namespace planish::python {
          option.kind != OptionKind::Vertices && option.kind != OptionKind::Edges;
 }
 
+/// What only functions that write files take, of STEP.
+[[nodiscard]] inline bool is_step_keyword(const OptionInfo& option) {
+  return option.needs == OptionNeeds::Step;
+}
+
 }  // namespace planish::python

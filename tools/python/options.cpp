@@ -96,7 +96,8 @@ FitArguments fit_arguments(py::kwargs given, const char* function) {
   Keywords keywords(std::move(given), function);
   FitArguments result;
   for (const FitOption& option : option_table())
-    if (is_keyword(option)) take_option(keywords, option, result.settings);
+    if (is_keyword(option) || (is_step_keyword(option) && std::string_view(function) == "fit_file"))
+      take_option(keywords, option, result.settings);
   if (result.settings.creases.split_normals && std::string_view(function) != "fit_file")
     refuse("creases: normals are a file's; take fit_file(), or read() with split_normals");
   check_consistent(result.settings, keyword_of_name);
@@ -109,6 +110,25 @@ FitArguments fit_arguments(py::kwargs given, const char* function) {
   result.mesh.visit([&](const char* name, py::object& value) { value = keywords.take(name); });
   keywords.require_none_left();
   return result;
+}
+
+StepSettings step_arguments(py::kwargs given, const char* function) {
+  Keywords keywords(std::move(given), function);
+  FitSettings settings;
+  for (const FitOption& option : option_table())
+    if (is_step_keyword(option)) take_option(keywords, option, settings);
+  keywords.require_none_left();
+  return settings.step;
+}
+
+std::string step_keywords() {
+  std::string text;
+  for (const FitOption& option : option_table()) {
+    if (!is_step_keyword(option)) continue;
+    const std::string values = option.words.empty() ? std::string() : choices_of(option) + "; ";
+    text += "\n    " + keyword_of(option) + ": " + values + help_of(option);
+  }
+  return text;
 }
 
 std::string fit_keywords() {

@@ -26,6 +26,11 @@ struct FitArguments {
 /// for keywords that remain.
 [[nodiscard]] FitArguments fit_arguments(pybind11::kwargs keywords, const char* function);
 
+/// Takes what write() knows. Throws as fit_arguments().
+[[nodiscard]] StepSettings step_arguments(pybind11::kwargs keywords, const char* function);
+
+/// What the keywords about STEP mean, for docstrings.
+[[nodiscard]] std::string step_keywords();
 /// What the fit's keywords mean, for docstrings.
 [[nodiscard]] std::string fit_keywords();
 

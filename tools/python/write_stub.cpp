@@ -1,5 +1,5 @@
-// Writes the stub of the Python module: a template, with the keywords of fit() from the table of
-// options. Arguments: template, stub.
+// Writes the stub of the Python module: a template, with the keywords of functions from the table
+// of options. Arguments: template, stub.
 #include <fstream>
 #include <string>
 
@@ -20,14 +20,18 @@ std::string type_of(const OptionInfo& option) {
   return "Literal[" + words + "]";
 }
 
-std::string keyword_lines() {
+std::string keyword_lines(bool (*is_wanted)(const OptionInfo&)) {
   std::string lines;
   for (const FitOption& option : option_table()) {
-    if (!is_keyword(option)) continue;
+    if (!is_wanted(option)) continue;
     const char* const none = option.initial.empty() ? " | None" : "";
     lines += "    " + keyword_of(option) + ": " + type_of(option) + none + " = ...,\n";
   }
-  return lines +
+  return lines;
+}
+
+std::string fit_lines() {
+  return keyword_lines(is_keyword) +
          "    threads: int = ...,\n"
          "    progress: Progress | None = ...,\n"
          "    cancelled: Cancelled | None = ...,\n";
@@ -41,7 +45,10 @@ int main(int argc, char** argv) {
   std::ifstream form(argv[1]);
   std::ofstream stub(argv[2]);
   for (std::string line; std::getline(form, line);)
-    stub << (line == "    @FIT_KEYWORDS@" ? planish::python::keyword_lines() : line + "\n");
+    stub << (line == "    @FIT_KEYWORDS@" ? planish::python::fit_lines()
+             : line == "    @STEP_KEYWORDS@"
+                 ? planish::python::keyword_lines(planish::python::is_step_keyword)
+                 : line + "\n");
   stub.close();
   return form.eof() && stub ? 0 : 1;
 }

@@ -72,6 +72,10 @@ extern "C" const char* planish_wasm_layout() {
     MEMBER(fit_options, creases);
     MEMBER(fit_options, within);
     MEMBER(fit_options, quads);
+    MEMBER(fit_options, step_angle);
+    MEMBER(fit_options, step_tolerance);
+    MEMBER(fit_options, step_unit);
+    MEMBER(fit_options, step_face_size);
     STRUCT(fit_info);
     MEMBER(fit_info, converged);
     MEMBER(fit_info, iterations);

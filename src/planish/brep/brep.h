@@ -40,16 +40,26 @@ struct Brep {
     std::vector<std::int32_t> faces;
     bool is_closed = false;
   };
+  /// Where a vertex of the mesh lies.
+  struct Place {
+    std::int32_t face = -1;  ///< -1: no face that is shown has it
+    glm::dvec2 at{};
+  };
   std::vector<glm::dvec3> vertices;
   std::vector<Edge> edges;
   std::vector<Face> faces;
   std::vector<Shell> shells;
+  std::vector<Place> places;  ///< by vertex of the surface's topology
 
   std::int64_t extraordinary = 0;  ///< places where the surface is no polynomial, however small
   int deepest = 0;                 ///< the most halvings towards one
   double max_angle = 0;            ///< degrees between normals across an edge that is not sharp
   double max_deviation = 0;        ///< of the innermost cells along the normal, of the diagonal
 };
+
+/// The face's surface at (u, v).
+[[nodiscard]] glm::dvec3 point_of(const Brep::Face& face, const glm::dvec2& at);
+[[nodiscard]] glm::dvec3 point_of(const Brep::Edge& edge, double t);
 
 /// The end of a direction of Brep::Line.
 [[nodiscard]] inline glm::dvec2 unit_direction(int direction) {

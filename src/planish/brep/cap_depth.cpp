@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "planish/brep/corner_pieces.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 
 namespace planish {
@@ -107,8 +108,8 @@ class CapMeasure {
 
 }  // namespace
 
-CapDepths cap_depths(const LimitSurface& surface, const QuadLayout& layout,
-                     const CapLimits& limits) {
+CapDepths cap_depths(const LimitSurface& surface, const QuadLayout& layout, const CapLimits& limits,
+                     const Callbacks& callbacks) {
   const MeshTopology& topology = surface.topology();
   const std::int32_t first_face = topology.vertex_count() + topology.edge_count();
   std::vector<std::int32_t> places;
@@ -121,6 +122,7 @@ CapDepths cap_depths(const LimitSurface& surface, const QuadLayout& layout,
   depths.of_vertex.assign(static_cast<std::size_t>(layout.vertex_count()), 1);
   depths.count = static_cast<std::int64_t>(places.size());
   std::vector<CapError> errors(places.size());
+  LoopProgress progress(callbacks, "faces", 0, 1, std::ssize(places));
   parallel_for(places.size(), 16, [&](std::size_t begin, std::size_t end) {
     CapMeasure measure(surface, layout);
     std::vector<std::int32_t> around;
@@ -143,6 +145,7 @@ CapDepths cap_depths(const LimitSurface& surface, const QuadLayout& layout,
         if (keeps || depth == kDeepestCap) break;
       }
       depths.of_vertex[static_cast<std::size_t>(places[i])] = static_cast<std::int8_t>(depth);
+      progress.add();
     }
   });
   CapError worst;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "planish/brep/quad_layout.h"
+#include "planish/core/callbacks.h"
 
 namespace planish {
 
@@ -22,8 +23,9 @@ struct CapDepths {
   double max_angle = 0, max_deviation = 0;
 };
 
-/// The smallest depths, to kDeepestCap, that keep the limits; each place by itself.
+/// The smallest depths, to kDeepestCap, that keep the limits; each place by itself. Reports step
+/// "faces" from 0 to 1.
 [[nodiscard]] CapDepths cap_depths(const LimitSurface& surface, const QuadLayout& layout,
-                                   const CapLimits& limits);
+                                   const CapLimits& limits, const Callbacks& callbacks);
 
 }  // namespace planish

@@ -6,8 +6,11 @@
 #include "planish/brep/cap_depth.h"
 #include "planish/brep/quad_layout.h"
 #include "planish/brep/spline_face.h"
+#include "planish/core/counted.h"
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
+#include "planish/surface/memory_need.h"
 
 namespace planish {
 namespace {
@@ -28,11 +31,11 @@ void check(const BrepOptions& options) {
   const auto refuse = [](const std::string& what) {
     throw Error(ErrorCode::InvalidArgument, what);
   };
-  if (!(options.angle > 0 && options.angle <= 90))
+  if (!(options.angle > 0 && options.angle <= kMostBrepAngle))
     refuse("the angle at a B-rep's edges is above 0 and at most 90 degrees");
   if (!(options.deviation > 0 && options.deviation <= 1))
     refuse("the deviation of a B-rep is above 0 and at most 1 of the diagonal");
-  if (options.face_size < 1 || options.face_size > 4096)
+  if (options.face_size < 1 || options.face_size > kMostFaceSize)
     refuse("a B-rep's face has 1 to 4096 quads a side");
 }
 
@@ -112,12 +115,56 @@ void make_shells(Brep& brep) {
   }
 }
 
+// What faces and edges take at most: all knots are counted, of which some will not be needed.
+void require_memory_for(const QuadLayout& layout, const CapDepths& depths) {
+  double bytes = 0;
+  for (const QuadLayout::Rectangle& rectangle : layout.rectangles()) {
+    double inside = 3;
+    for (int s = 0; s < 4; ++s) {
+      const std::int32_t vertex = layout.origin(rectangle.side(s).front());
+      if (layout.is_extraordinary(vertex))
+        inside += 0.5 * depths.of_vertex[static_cast<std::size_t>(vertex)];
+    }
+    const double u = rectangle.width + inside, v = rectangle.height + inside;
+    bytes += sizeof(glm::dvec3) * (u * v + u + v) + 1000;
+  }
+  const auto free = available_memory_bytes();
+  if (bytes <= static_cast<double>(free)) return;
+  const auto mebibytes = [](double count) {
+    return std::to_string(static_cast<std::uint64_t>(count) >> 20);
+  };
+  throw Error(ErrorCode::OutOfMemory,
+              counted(std::ssize(layout.rectangles()), "B-spline face") + " need about " +
+                  mebibytes(bytes) + " MiB of memory where " + mebibytes(double(free)) +
+                  " are free; allow a larger angle and deviation, or take a coarser mesh");
+}
+
+// Of a rectangle's cells whose quad's vertex is one of the mesh.
+void place_vertices(const QuadLayout& layout, std::int32_t face, Brep& brep) {
+  constexpr std::array<glm::dvec2, 4> kOrigin{{{0, 0}, {0, 1}, {1, 1}, {1, 0}}};
+  const QuadLayout::Rectangle& cells = layout.rectangles()[static_cast<std::size_t>(face)];
+  for (std::int32_t y = 0; y < cells.height; ++y) {
+    for (std::int32_t x = 0; x < cells.width; ++x) {
+      const QuadLayout::Cell& cell = cells.cell(x, y);
+      brep.places[static_cast<std::size_t>(layout.origin(4 * cell.corner))] = {
+          face, glm::dvec2(x, y) + kOrigin[static_cast<std::size_t>(cell.turn)]};
+    }
+  }
+}
+
 }  // namespace
 
-Brep make_brep(const LimitSurface& surface, const BrepOptions& options) {
+Brep make_brep(const LimitSurface& surface, const BrepOptions& options,
+               const Callbacks& callbacks) {
   check(options);
+  const HostScope host(callbacks);
+  callbacks.report("faces", 0);
   const QuadLayout layout(surface, options.face_size);
-  const CapDepths depths = cap_depths(surface, layout, {options.angle, options.deviation});
+  constexpr double kDepthsShare = 0.4;  // of the time
+  const Callbacks depths_callbacks = share_of(callbacks, 0, kDepthsShare);
+  const CapDepths depths =
+      cap_depths(surface, layout, {options.angle, options.deviation}, depths_callbacks);
+  require_memory_for(layout, depths);
   Brep brep;
   brep.extraordinary = depths.count;
   brep.deepest = depths.deepest;
@@ -125,6 +172,10 @@ Brep make_brep(const LimitSurface& surface, const BrepOptions& options) {
   brep.max_deviation = depths.max_deviation;
   const auto half_edges = 4 * static_cast<std::size_t>(surface.topology().corner_count());
   const std::vector<FaceEdges> edges = make_topology(layout, half_edges, brep);
+  brep.places.resize(static_cast<std::size_t>(surface.topology().vertex_count()));
+  for (std::size_t f = 0; f < brep.faces.size(); ++f)
+    place_vertices(layout, static_cast<std::int32_t>(f), brep);
+  LoopProgress progress(callbacks, "faces", kDepthsShare, 1, std::ssize(brep.faces));
   parallel_each(brep.faces.size(), 1, [&](std::size_t f) {
     const SplineFace spline(surface, layout, depths, static_cast<std::int32_t>(f));
     spline.fill(brep.faces[f]);
@@ -137,12 +188,14 @@ Brep make_brep(const LimitSurface& surface, const BrepOptions& options) {
       brep.edges[static_cast<std::size_t>(other.edge)].lines[1] =
           spline.line(other.side, other.first, other.count, true);
     }
+    progress.add();
   });
   for (const Brep::Edge& edge : brep.edges) {
     brep.vertices[static_cast<std::size_t>(edge.from)] = edge.points.front();
     brep.vertices[static_cast<std::size_t>(edge.to)] = edge.points.back();
   }
   make_shells(brep);
+  callbacks.report("faces", 1);
   return brep;
 }
 

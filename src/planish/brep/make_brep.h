@@ -1,9 +1,13 @@
 #pragma once
 
 #include "planish/brep/brep.h"
+#include "planish/core/callbacks.h"
 #include "planish/limit/limit_surface.h"
 
 namespace planish {
+
+constexpr double kMostBrepAngle = 90;
+constexpr std::int32_t kMostFaceSize = 4096;
 
 struct BrepOptions {
   double angle = 0.25;          ///< degrees that normals may jump by at edges
@@ -14,8 +18,9 @@ struct BrepOptions {
 /// The surface as B-spline faces without holes between them: exact but in squares of 2^-m of a quad
 /// at extraordinary points, which are halved until the options' limits are kept (m at most 12: see
 /// Brep::max_angle). Borders of neighbours are equal. Hidden faces are left out. The same bits for
-/// every number of threads. Throws Error{InvalidArgument} for options out of range,
-/// Error{Cancelled}.
-[[nodiscard]] Brep make_brep(const LimitSurface& surface, const BrepOptions& options = {});
+/// every number of threads. Reports step "faces". Throws Error{InvalidArgument} for options out of
+/// range, Error{OutOfMemory} before memory is taken, Error{Cancelled}.
+[[nodiscard]] Brep make_brep(const LimitSurface& surface, const BrepOptions& options = {},
+                             const Callbacks& callbacks = {});
 
 }  // namespace planish

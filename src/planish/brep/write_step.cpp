@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planish/brep/step_text.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/output_file.h"
 #include "planish/core/version.h"
 #include "planish/files/shared/ordered_stream.h"
@@ -175,7 +176,9 @@ std::int64_t put_unit(StepText& text, StepUnit unit) {
 
 StepContext put_head(StepText& text, const StepOptions& options) {
   StepContext context;
-  text.put("ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME(");
+  text.put("ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((");
+  text.put(step_string(options.description));
+  text.put("),'2;1');\nFILE_NAME(");
   text.put(step_string(options.name));
   // No hour: equal surfaces are equal files.
   text.put(",'1970-01-01T00:00:00',(''),(''),'planish " PLANISH_VERSION
@@ -188,9 +191,10 @@ StepContext put_head(StepText& text, const StepOptions& options) {
   const std::int64_t length = put_unit(text, options.unit);
   const std::int64_t angle = text.entity("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))");
   const std::int64_t solid = text.entity("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())");
-  const std::int64_t near = text.entity("UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(",
-                                        std::max(1e-7 * options.diagonal, 1e-6), "),", Ref{length},
-                                        ",'distance_accuracy_value','confusion accuracy')");
+  const std::int64_t near =
+      text.entity("UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(",
+                  std::max(1e-7 * options.diagonal, 1e-6 / millimetres_of(options.unit)), "),",
+                  Ref{length}, ",'distance_accuracy_value','confusion accuracy')");
   context.space =
       text.entity("(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((",
                   Ref{near}, "))GLOBAL_UNIT_ASSIGNED_CONTEXT((", Ref{length}, ',', Ref{angle}, ',',
@@ -286,8 +290,14 @@ std::string step_string(std::string_view utf8) {
   return result + "'";
 }
 
+double millimetres_of(StepUnit unit) {
+  constexpr std::array<double, 4> kMillimetres{1, 10, 1000, 25.4};
+  return kMillimetres[static_cast<std::size_t>(unit)];
+}
+
 std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
                          const StepOptions& options) {
+  const HostScope host(options.callbacks);
   constexpr std::int64_t kPiece = 64;
   StepText head(1);
   const StepContext context = put_head(head, options);
@@ -306,6 +316,7 @@ std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
   }
 
   OutputFile file(path);
+  LoopProgress progress(options.callbacks, "write", 0, 1, std::ssize(ranges));
   std::uint64_t bytes = 0;
   const auto take = [&](std::span<const std::byte> piece) {
     file.write(piece);
@@ -333,6 +344,7 @@ std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
     }
     piece.resize(text.text().size());
     std::memcpy(piece.data(), text.text().data(), piece.size());
+    progress.add();
   };
   const std::array<ByteSink, 1> sinks{ByteSink(take)};
   stream(ranges, make, sinks);
@@ -340,6 +352,7 @@ std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
   put_tail(tail, brep, numbers, context, options);
   take_text(tail);
   file.commit();
+  options.callbacks.report("write", 1);
   return bytes;
 }
 

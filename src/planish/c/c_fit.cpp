@@ -106,6 +106,19 @@ planish_status convergence_status(const FittedMesh& fitted) {
   return PLANISH_NOT_CONVERGED;
 }
 
+// Of a surface that was written, as STEP where there are figures of that.
+planish_status written_status(const FittedMesh& fitted, const StepFigures* step) {
+  const planish_status status = convergence_status(fitted);
+  if (status != PLANISH_OK || step == nullptr || step->keeps_limits) return status;
+  const std::string message = "normals jump by up to " + shortest(step->max_angle) +
+                              " degrees where faces meet, and faces leave the surface by up to " +
+                              shortest(step->max_deviation) +
+                              " of the diagonal; allow more by options.step_angle and "
+                              "options.step_tolerance, or take a more even mesh";
+  note(message.c_str(), -1);
+  return PLANISH_NOT_CONVERGED;
+}
+
 FitSettings settings_of(const planish_fit_options& options) {
   FitSettings settings;
   set_choice(settings, "interpolation", options.method, "a planish_method is wanted");
@@ -115,6 +128,10 @@ FitSettings settings_of(const planish_fit_options& options) {
   set_choice(settings, "boundary", options.boundary, "a planish_boundary is wanted");
   set_choice(settings, "precision", options.precision, "a planish_precision is wanted");
   set_choice(settings, "quads", options.quads, "a planish_quads is wanted");
+  set_choice(settings, "step_unit", options.step_unit, "a planish_step_unit is wanted");
+  set_number(settings, "step_angle", options.step_angle);
+  set_number(settings, "step_tolerance", options.step_tolerance);
+  set_whole(settings, "step_face_size", options.step_face_size);
   set_number(settings, "tolerance", options.tolerance);
   if (options.weld != kNoWeld) set_number(settings, "weld", options.weld);
   set_whole(settings, "max_iterations", options.max_iterations);
@@ -158,6 +175,9 @@ void planish_fit_options_init(planish_fit_options* options, size_t struct_size) 
   defaults.uses_creases = 1;
   defaults.weld = kNoWeld;
   defaults.polish = own.polish_steps;
+  defaults.step_angle = own.step.faces.angle;
+  defaults.step_tolerance = own.step.faces.deviation;
+  defaults.step_face_size = own.step.faces.face_size;
   start(defaults, options, struct_size);
 }
 
@@ -176,6 +196,7 @@ planish_status planish_fit_create(const planish_mesh* mesh, const planish_fit_op
     auto made = std::make_unique<planish_fit>();
     made->thread_count = own.thread_count;
     made->precision = solve_precision(settings);
+    made->step = settings.step;
     const auto backend = backend_of(made->precision, own.thread_count);
     made->fitted = planish::fit_mesh(mesh->mesh, "mesh", *backend, how);
     *fit = made.release();
@@ -220,8 +241,10 @@ planish_status planish_fit_write(const planish_fit* fit, int32_t level, const ch
     require(fit, "fit");
     require(path, "path");
     const auto backend = backend_of(fit->precision, fit->thread_count);
-    planish::write_fitted_surface(path, fit->fitted, "surface", *backend, {.level = level});
-    return convergence_status(fit->fitted);
+    planish::StepFigures figures;
+    planish::write_fitted_surface(path, fit->fitted, "surface", *backend,
+                                  {.level = level, .step = fit->step, .step_figures = &figures});
+    return written_status(fit->fitted, &figures);
   });
 }
 
@@ -238,11 +261,12 @@ planish_status planish_fit_file(const char* input, const char* output, int32_t l
     how.mesh = mesh_options(settings, own);
     how.split_normals = settings.creases.split_normals;
     how.level = level;
+    how.step = settings.step;
     const auto backend = backend_of(solve_precision(settings), own.thread_count);
     how.backend = backend.get();
     const planish::FileFit done = planish::fit_file(input, output, how);
     if (info != nullptr) give(info_of(done.fitted), info, "info");
-    return convergence_status(done.fitted);
+    return written_status(done.fitted, done.step ? &*done.step : nullptr);
   });
 }
 

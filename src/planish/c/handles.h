@@ -13,6 +13,7 @@
 #include "planish/limit/surface_queries.h"
 #include "planish/mesh/polygon_mesh.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/write_fitted_step.h"
 #include "planish/surface/surface_mesh.h"
 
 // What the handles of planish.h hold. Names are C's, so they stand in no namespace.
@@ -62,6 +63,7 @@ struct planish_fit {
   planish::FittedMesh& fitted;
   int thread_count = 0;
   planish::Precision precision = planish::Precision::Float;
+  planish::StepSettings step;
 
   planish_fit() : whole(std::make_shared<planish::FittedMesh>()), fitted(*whole) {}
 };

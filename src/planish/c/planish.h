@@ -78,6 +78,14 @@ typedef enum planish_precision {
   PLANISH_PRECISION_DOUBLE = 2
 } planish_precision;
 
+/** What the coordinates of a STEP file are in. */
+typedef enum planish_step_unit {
+  PLANISH_STEP_MILLIMETRE = 0,
+  PLANISH_STEP_CENTIMETRE = 1,
+  PLANISH_STEP_METRE = 2,
+  PLANISH_STEP_INCH = 3
+} planish_step_unit;
+
 typedef struct planish_mesh planish_mesh;
 typedef struct planish_fit planish_fit;
 typedef struct planish_surface planish_surface;
@@ -190,6 +198,11 @@ typedef struct planish_fit_options {
    * that is measured. */
   double within;
   int32_t quads; /**< a planish_quads: whether triangles are joined to quads */
+  /** Of STEP, by planish_fit_file() and planish_fit_write(): the most degrees by which normals jump
+   * where faces meet, 0.25, and that faces leave the surface, of the diagonal, 1e-6. */
+  double step_angle, step_tolerance;
+  int32_t step_unit;      /**< a planish_step_unit; coordinates stay as they are */
+  int32_t step_face_size; /**< most quads along a face, of which one of the mesh has two: 16 */
 } planish_fit_options;
 
 void planish_fit_options_init(planish_fit_options* options, size_t struct_size);
@@ -221,7 +234,8 @@ planish_status planish_fit_smoothed_vertices(const planish_fit* fit, const int32
                                              size_t* count);
 /** The control cage, a mesh of its own. Of the fair method it is the mesh of level 1. */
 planish_status planish_fit_cage(const planish_fit* fit, planish_mesh** cage);
-/** Evaluates and writes the surface as glTF, GLB, OBJ, PLY, OFF, STL or USD text, by extension. */
+/** Evaluates and writes the surface as glTF, GLB, OBJ, PLY, OFF, STL, USD text or STEP, which has
+ * no level, by extension. PLANISH_NOT_CONVERGED also where STEP does not keep its limits. */
 planish_status planish_fit_write(const planish_fit* fit, int32_t level, const char* path);
 void planish_fit_free(planish_fit* fit);
 

@@ -47,6 +47,8 @@ enum class OptionNeeds {
   Progressive,  ///< method
   Fair,         ///< method
   Tiles,        ///< among the outputs
+  Step,         ///< among the outputs
+  Fineness,     ///< an output that has levels, or a page
 };
 
 /// What numbers may be; those of lists, each.

@@ -137,7 +137,12 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .is_tiles = true,
                                          .keeps_uvs = true,
                                          .keeps_colors = true,
-                                         .keeps_groups = true}};
+                                         .keeps_groups = true},
+                              FormatInfo{.format = FileFormat::Step,
+                                         .name = "step",
+                                         .title = "STEP AP214",
+                                         .is_brep = true,
+                                         .other_name = "stp"}};
 
 template <class Wanted>
 std::vector<std::string> dotted_names_where(const Wanted& wanted) {
@@ -177,8 +182,10 @@ std::optional<FileFormat> format_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension.size() < 2) return std::nullopt;
+  const std::string_view named = std::string_view(extension).substr(1);
   for (const FormatInfo& info : kFormats)
-    if (extension == "." + std::string(info.name)) return info.format;
+    if (named == info.name || named == info.other_name) return info.format;
   return std::nullopt;
 }
 
@@ -199,7 +206,7 @@ bool serves(FileFormat format, FormatUse use) {
     case FormatUse::ReadPoints:
       return info.read_points;
     case FormatUse::WriteSurface:
-      return info.is_gltf || info.is_tiles || info.write_polygons;
+      return info.is_gltf || info.is_tiles || info.is_brep || info.write_polygons;
     case FormatUse::WriteCage:
       return info.write_polygons && info.has_polygons;
   }

@@ -32,7 +32,8 @@ enum class FileFormat : std::uint8_t {
   Las,
   Ptx,
   Usda,
-  Tiles
+  Tiles,
+  Step
 };
 
 /// A file in memory.
@@ -66,11 +67,17 @@ struct FormatInfo {
   std::string_view companion = {};
   bool is_gltf = false;
   bool is_tiles = false;           ///< a document and a folder, written by write_tiles()
+  bool is_brep = false;            ///< B-spline faces, written by write_step()
   bool has_polygons = true;        ///< false: only triangles
   bool keeps_doubles = false;      ///< positions come back to the last bit; else as float32
   bool keeps_sharp_edges = false;  ///< and corners and holes
   bool keeps_uvs = false, keeps_colors = false, keeps_groups = false;
   bool keeps_fields = false;  ///< figures of vertices
+  /// Another extension of the same; empty: none.
+  std::string_view other_name = {};
+
+  /// Whether each of its files has one level, or triangles as fine as they have to be.
+  [[nodiscard]] bool has_fineness() const { return !is_tiles && !is_brep; }
 };
 
 /// All formats, each at the place of its FileFormat. Dispatch, help texts and messages are made

@@ -65,6 +65,21 @@ MeshFile read_faces(const std::filesystem::path& input, bool split_normals, bool
   return file;
 }
 
+// What a surface file of that format is not made of is refused before work.
+void require_writable(const std::filesystem::path& path, FileFormat format, Scheme scheme) {
+  if (info_of(format).is_brep) require_step_scheme(scheme, visible(path));
+}
+
+StepFigures write_step_of(const std::filesystem::path& path, const FittedMesh& fitted,
+                          std::string_view name, const SurfaceFileOptions& options) {
+  return write_fitted_step(path, fitted,
+                           {.settings = options.step,
+                            .name = std::string(name),
+                            .shown = {},
+                            .observe = {},
+                            .callbacks = options.callbacks});
+}
+
 // Callbacks for making a surface and for writing it.
 struct SurfaceShares {
   explicit SurfaceShares(const SurfaceFileOptions& whole) : making(whole), writing(whole) {
@@ -216,6 +231,12 @@ FileFit fitted_asset(const GltfAsset& asset, const std::filesystem::path& output
   return result;
 }
 
+void write_cage_of(const FittedMesh& fitted, std::optional<FileFormat> format,
+                   const FitFileOptions& options) {
+  if (!format) return;
+  write_mesh(options.cage, *format, control_cage(fitted.mesh, fitted.fit, fitted.options.sharp));
+}
+
 // `how` with the method as it is settled.
 FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::path& output,
                     MeshFitOptions how, std::optional<FileFormat> cage_format, Backend& backend,
@@ -249,6 +270,16 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
 
   const FormatInfo& to = info_of(output_format(output, FormatUse::WriteSurface));
+  if (to.is_brep) {
+    SurfaceFileOptions step{options.level, options.z_up, share_of(callbacks, fit, 1)};
+    step.step = options.step;
+    result.step = write_step_of(output, result.fitted, visible(input.stem()), step);
+    result.vertex_count = result.step->vertices;
+    result.face_count = result.step->faces;
+    result.byte_count = result.step->byte_count;
+    write_cage_of(result.fitted, cage_format, options);
+    return result;
+  }
   RawVector<std::byte> bytes;
   const bool to_gltf = to.is_gltf || to.format == FileFormat::Usda;
   if (info_of(file.format).is_gltf && to_gltf) bytes = read_file(input, {});
@@ -264,10 +295,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   result.face_count = made.blocks->info().face_count;
   result.byte_count =
       write_level(output, result.fitted, *made.blocks, visible(input.stem()), shares.writing);
-  if (cage_format) {
-    write_mesh(options.cage, *cage_format,
-               control_cage(result.fitted.mesh, result.fitted.fit, result.fitted.options.sharp));
-  }
+  write_cage_of(result.fitted, cage_format, options);
   return result;
 }
 
@@ -276,11 +304,18 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
 std::uint64_t write_fitted_surface(const std::filesystem::path& path, const FittedMesh& fitted,
                                    std::string_view name, Backend& backend,
                                    const SurfaceFileOptions& options) {
-  (void)output_format(path, FormatUse::WriteSurface);  // before the work
+  const FileFormat format = output_format(path, FormatUse::WriteSurface);
+  require_writable(path, format, fitted.options.scheme);  // before the work
   const HostScope host(options.callbacks);
   const SurfaceShares shares(options);
   std::uint64_t bytes = 0;
   backend.run_on_host([&] {
+    if (info_of(format).is_brep) {
+      const StepFigures figures = write_step_of(path, fitted, name, options);
+      if (options.step_figures != nullptr) *options.step_figures = figures;
+      bytes = figures.byte_count;
+      return;
+    }
     const SurfaceLevel surface = surface_level(fitted, backend, shares.making);
     bytes = write_level(path, fitted, *surface.blocks, name, shares.writing);
   });
@@ -290,10 +325,11 @@ std::uint64_t write_fitted_surface(const std::filesystem::path& path, const Fitt
 
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options) {
-  (void)output_format(output, FormatUse::WriteSurface);
+  const FileFormat format = output_format(output, FormatUse::WriteSurface);
   require_level(options.level);
   require_other_file(input, output);
   MeshFitOptions how = options.mesh;
+  require_writable(output, format, how.fit.scheme);
   std::optional<FileFormat> cage_format;
   if (!options.cage.empty()) {
     cage_format = output_format(options.cage, FormatUse::WriteCage);

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "planish/backend/backend.h"
 #include "planish/core/callbacks.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/write_fitted_step.h"
 
 namespace planish {
 
@@ -20,6 +22,7 @@ struct FitFileOptions {
   /// A glTF that becomes one, without a cage, keeps nodes, materials, textures, skins, morphs and
   /// animations; each of its meshes is fitted by itself. Else its scene becomes one mesh.
   bool keeps_asset = true;
+  StepSettings step{};
   Backend* backend = nullptr;  ///< null: all cores of the CPU, as the command's --device cpu
 };
 
@@ -29,16 +32,17 @@ struct FileFit {
   std::vector<FittedMesh> further;                ///< of an asset the others
   std::int64_t vertex_count = 0, face_count = 0;  ///< of the surface that was written
   std::uint64_t byte_count = 0;                   ///< of its file, a .gltf's .bin included
+  std::optional<StepFigures> step;                ///< of a STEP file
 };
 
 /// The whole way: reads a mesh (see read_mesh()), repairs and fits it (see fit_mesh()), and writes
-/// its surface as glTF, OBJ, PLY, OFF, STL or USD by the extension of `output`: the same bytes as
-/// `planish fit INPUT -o OUTPUT --device cpu` writes. Not converging is a result; the file is
-/// written and says so. An existing file is replaced, once the new one is whole.
-/// Throws Error{UnreadableInput}, Error{UnusableMesh} with the remedy, Error{InvalidArgument} for
-/// extensions, options, an output or a cage that is the input or one another, and a file of points,
-/// which reconstruct() makes a mesh of; Error{UnwritableOutput}, Error{OutOfMemory},
-/// Error{Cancelled}.
+/// its surface as glTF, OBJ, PLY, OFF, STL, USD or STEP by the extension of `output`: the same
+/// bytes as `planish fit INPUT -o OUTPUT --device cpu` writes. Not converging is a result, and so
+/// is a STEP file that does not keep its limits; the file is written and says so. An existing file
+/// is replaced, once the new one is whole. Throws Error{UnreadableInput}, Error{UnusableMesh} with
+/// the remedy, Error{InvalidArgument} for extensions, options, an output or a cage that is the
+/// input or one another, and a file of points, which reconstruct() makes a mesh of;
+/// Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options = {});
 
@@ -49,6 +53,8 @@ struct SurfaceFileOptions {
   bool z_up = false;
   Callbacks callbacks{};
   const FileMaterials* materials = nullptr;  ///< of the file that was read; null: plain ones
+  StepSettings step{};
+  StepFigures* step_figures = nullptr;  ///< set where a STEP file is written
 };
 
 /// Writes the surface of a fitted mesh. `name`: of mesh and node in a glTF. Returns the number of

@@ -1,17 +1,19 @@
 #include "planish/pipeline/option_table.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 #include "planish/core/assert.h"
 #include "planish/core/number_text.h"
 #include "planish/core/refuse.h"
 #include "planish/core/visible_text.h"
-#include "planish/files/tiles/write_tiles.h"
 #include "planish/mesh/weld_vertices.h"
 #include "planish/pipeline/crease_text.h"
 #include "planish/pipeline/make_ready.h"
+#include "planish/pipeline/option_rows.h"
 #include "planish/pipeline/option_words.h"
 
 namespace planish {
@@ -26,28 +28,12 @@ constexpr std::array kPrecisionWords{
     OptionWord<PrecisionChoice>{"auto", PrecisionChoice::Auto},
     OptionWord<PrecisionChoice>{"float", PrecisionChoice::Float},
     OptionWord<PrecisionChoice>{"double", PrecisionChoice::Double}};
-constexpr std::array kUpWords{OptionWord<UpAxis>{"y", UpAxis::Y},
-                              OptionWord<UpAxis>{"z", UpAxis::Z}};
 constexpr std::array kRepairWords{OptionWord<RepairChoice>{"safe", RepairChoice::Safe},
                                   OptionWord<RepairChoice>{"none", RepairChoice::None}};
 constexpr std::array kInterpolationWords{
     OptionWord<InterpolationChoice>{"auto", InterpolationChoice::Auto},
     OptionWord<InterpolationChoice>{"progressive", InterpolationChoice::Progressive},
     OptionWord<InterpolationChoice>{"fair", InterpolationChoice::Fair}};
-constexpr std::array kAssetWords{OptionWord<AssetChoice>{"keep", AssetChoice::Keep},
-                                 OptionWord<AssetChoice>{"merge", AssetChoice::Merge}};
-constexpr std::array kCompressionWords{
-    OptionWord<GltfCompression>{"none", GltfCompression::None},
-    OptionWord<GltfCompression>{"quantize", GltfCompression::Quantize},
-    OptionWord<GltfCompression>{"meshopt", GltfCompression::Meshopt}};
-constexpr std::array kFieldWords{
-    OptionWord<bool FieldChoice::*>{"error", &FieldChoice::error},
-    OptionWord<bool FieldChoice::*>{"deviation", &FieldChoice::deviation},
-    OptionWord<bool FieldChoice::*>{"fold", &FieldChoice::fold},
-    OptionWord<bool FieldChoice::*>{"curvature", &FieldChoice::curvature}};
-
-constexpr std::string_view kTilesHaveLevels = "tiles have levels; take levels";
-
 FitOption preset_option() {
   return {{.name = "preset",
            .kind = Kind::Word,
@@ -157,52 +143,6 @@ FitOption weld_option() {
           }};
 }
 
-// A list of words, each switching one on.
-FitOption attributes_option() {
-  FitOption option{{.name = "attributes",
-                    .stage = Stage::Output,
-                    .kind = Kind::Words,
-                    .example = "error,curvature",
-                    .help = "figures of each vertex, written into glTF, PLY and USD",
-                    .ranks = {"", "tiles of ranks carry no figures of vertices; leave it out"}},
-                   [](FitSettings& settings, const OptionValue& value, Where) {
-                     settings.attributes = {};
-                     for (const std::int64_t index : value.wholes)
-                       settings.attributes.*kFieldWords[static_cast<std::size_t>(index)].value =
-                           true;
-                   },
-                   {}};
-  for (const auto& word : kFieldWords) option.words.push_back(word.text);
-  return option;
-}
-
-FitOption device_option() {
-  return {{.name = "device",
-           .stage = Stage::Output,
-           .kind = Kind::Text,
-           .choices = "auto|cpu|vulkan|INDEX|NAME|UUID",
-           .initial = "auto",
-           .help = "auto: a hardware Vulkan device, else the CPU; see planish devices",
-           .ranks = {"auto|cpu", "ranks work on the CPU; take cpu"}},
-          [](FitSettings& settings, const OptionValue& value, Where where) {
-            if (value.text.empty()) refuse(where, "is empty; planish devices lists what there is");
-            settings.device = value.text;
-          },
-          [](const FitSettings& settings) { return settings.device; }};
-}
-
-FitOption skirts_option() {
-  return {
-      {.name = "skirts",
-       .stage = Stage::Output,
-       .kind = Kind::Switch,
-       .needs = Needs::Tiles,
-       .initial = "false",
-       .help = "hide gaps between 3D Tiles of different levels behind strips along their edges"},
-      [](FitSettings& settings, const OptionValue& value, Where) { settings.skirts = value.is_on; },
-      {}};
-}
-
 FitOption crease_edges_option() {
   return {{.name = "crease_edges",
            .kind = Kind::Edges,
@@ -231,65 +171,12 @@ FitOption corner_vertices_option() {
           {}};
 }
 
-FitOption levels_option() {
-  return {{.name = "levels",
-           .stage = Stage::Fineness,
-           .kind = Kind::Wholes,
-           .limits = {.least = 0, .most = kMaxLevel, .wanted = "levels are 0 to 6"},
-           .choices = "L[,L2,...]",
-           .initial = "2",
-           .example = "3,1",
-           .help = "quad splits, 0 to 6; several write NAME_LOD0.glb, NAME_LOD1.glb, ...; 3D Tiles "
-                   "have all from 1 to it",
-           .entry = "level"},
-          [](FitSettings& settings, const OptionValue& value, Where) {
-            settings.levels.assign(value.wholes.begin(), value.wholes.end());
-          },
-          {}};
-}
-
-FitOption chord_errors_option() {
-  return {{.name = "chord_errors",
-           .stage = Stage::Fineness,
-           .kind = Kind::Numbers,
-           .limits = {.least = 0,
-                      .most = 1,
-                      .above_least = true,
-                      .wanted = "parts of the diagonal above 0 to 1 are wanted, such as 0.001"},
-           .choices = "E[,E2,...]",
-           .example = "0.01,0.001",
-           .help = "instead of levels: triangles within so much of the surface, relative to the "
-                   "diagonal; several write NAME_LOD0.glb, ...",
-           .flag = "--chord-error",
-           .entry = "chord error",
-           .ranks = {"", kTilesHaveLevels}},
-          [](FitSettings& settings, const OptionValue& value, Where) {
-            settings.adaptive.chord_errors = value.numbers;
-          },
-          {}};
-}
-
-FitOption angle_option() {
-  return {{.name = "angle",
-           .stage = Stage::Fineness,
-           .kind = Kind::Number,
-           .limits = {.least = 0,
-                      .most = 180,
-                      .above_least = true,
-                      .wanted = "above 0 to 180 degrees are wanted"},
-           .choices = "DEGREES",
-           .example = "10",
-           .help = "instead of levels, or besides --chord-error: most degrees that the surface "
-                   "turns beneath a triangle",
-           .ranks = {"", kTilesHaveLevels}},
-          [](FitSettings& settings, const OptionValue& value, Where) {
-            settings.adaptive.angle = value.number;
-          },
-          {}};
+void append(std::vector<FitOption>& table, std::vector<FitOption> rows) {
+  std::ranges::move(rows, std::back_inserter(table));
 }
 
 std::vector<FitOption> make_table() {
-  return {
+  std::vector<FitOption> table{
       preset_option(),
       word_option({.name = "scheme",
                    .stage = Stage::Shape,
@@ -347,59 +234,33 @@ std::vector<FitOption> make_table() {
                              "nothing is joined over ranks; planish fit IN --quads on "
                              "--max-iterations 0 --cage QUADS.obj writes the mesh of quads"}},
                   kQuadWords, &FitSettings::quads),
-      word_option({.name = "up",
-                   .stage = Stage::Output,
-                   .initial = "y",
-                   .help = "z turns a Z-up input upright for glTF, and is told to USD"},
-                  kUpWords, &FitSettings::up),
-      attributes_option(),
-      word_option({.name = "asset",
-                   .stage = Stage::Output,
-                   .initial = "keep",
-                   .help = "a glTF that becomes a glTF: each mesh by itself, nodes, materials, "
-                           "textures, skins and animations as they are; or the scene as one mesh"},
-                  kAssetWords, &FitSettings::asset),
-      word_option({.name = "compress",
-                   .stage = Stage::Output,
-                   .initial = "none",
-                   .help = "smaller glTF within the tolerance: quantize has 16-bit numbers, "
-                           "meshopt packs them too, for readers such as three.js and Babylon.js "
-                           "(Blender 3.4 has none)",
-                   .ranks = {"none", "tiles of ranks are not compressed; take none"}},
-                  kCompressionWords, &FitSettings::compression),
-      device_option(),
-      tolerance_option(),
-      whole_option({.name = "max_iterations",
-                    .needs = Needs::Progressive,
-                    .limits = {0, 1'000'000},  // no solve that converges at all needs as many
-                    .choices = "N",
-                    .initial = "200",
-                    .help = "give up after so many"},
-                   &FitSettings::max_iterations),
-      whole_option({.name = "polish",
-                    .needs = Needs::Fair,
-                    .limits = {0, 1'000},  // quality is settled by ten
-                    .choices = "N",
-                    .initial = "8",
-                    .help = "steps that even out the curvature of a fair surface"},
-                   &FitSettings::polish_steps),
-      within_option(),
-      weld_option(),
-      whole_option({.name = "tile_vertices",
-                    .stage = Stage::Output,
-                    .needs = Needs::Tiles,
-                    .limits = {kLeastTileVertices, 1 << 24},  // what viewers load at once
-                    .choices = "N",
-                    .initial = "262144",
-                    .help = "about so many has each file of 3D Tiles"},
-                   &FitSettings::tile_vertices),
-      skirts_option(),
-      crease_edges_option(),
-      corner_vertices_option(),
-      levels_option(),
-      chord_errors_option(),
-      angle_option(),
   };
+  append(table, file_options());
+  append(table, {
+                    tolerance_option(),
+                    whole_option(
+                        {.name = "max_iterations",
+                         .needs = Needs::Progressive,
+                         .limits = {0, 1'000'000},  // no solve that converges at all needs as many
+                         .choices = "N",
+                         .initial = "200",
+                         .help = "give up after so many"},
+                        &FitSettings::max_iterations),
+                    whole_option({.name = "polish",
+                                  .needs = Needs::Fair,
+                                  .limits = {0, 1'000},  // quality is settled by ten
+                                  .choices = "N",
+                                  .initial = "8",
+                                  .help = "steps that even out the curvature of a fair surface"},
+                                 &FitSettings::polish_steps),
+                    within_option(),
+                    weld_option(),
+                });
+  append(table, tile_options());
+  append(table, step_options());
+  append(table, {crease_edges_option(), corner_vertices_option()});
+  append(table, fineness_options());
+  return table;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/pipeline/verify_cage.h"
+#include "planish/pipeline/write_fitted_step.h"
 #include "planish/surface/vertex_fields.h"
 
 namespace planish {
@@ -69,6 +70,7 @@ struct FitSettings {
   GltfCompression compression = GltfCompression::None;
   std::int64_t tile_vertices = 262'144;  ///< about so many has a file of 3D Tiles
   bool skirts = false;                   ///< along the boundaries of tiles
+  StepSettings step;
   std::string device = "auto";
   std::vector<int> levels{2};
   AdaptiveChoice adaptive;

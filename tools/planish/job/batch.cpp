@@ -119,6 +119,7 @@ void claim_outputs(PlannedJob& planned, PathClaims& claims, Faults& faults) {
     });
   }
   faults.note([&] { require_tileable(planned.outputs, planned.job.settings); });
+  faults.note([&] { require_step_surfaces(planned.outputs, planned.job.settings); });
   if (planned.job.settings.attributes.any())
     faults.note([&] { require_attribute_formats(planned.outputs); });
   if (planned.job.settings.compression != GltfCompression::None)

@@ -9,6 +9,7 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_polygons.h"
+#include "planish/pipeline/option_table.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -84,8 +85,11 @@ std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
     const OutputForecast& file = forecast.outputs[i];
     const bool is_cage = output.kind == OutputKind::Cage;
     const std::string what =
-        "  (" + (is_cage ? "control cage" : fineness_text(output.fineness)) +
-        file_text(file, faces_of(output, planned.job.settings.scheme), compression) + ")";
+        info_of(output.format).is_brep
+            ? "  (at least " + counted(file.faces, "B-spline face") + ", in " +
+                  option_text(planned.job.settings, "step_unit") + ")"
+            : "  (" + (is_cage ? "control cage" : fineness_text(output.fineness)) +
+                  file_text(file, faces_of(output, planned.job.settings.scheme), compression) + ")";
     text += write_line(output.path, what, claims);
     text += companion_lines(output, file.bytes.value_or(0), mesh, compression, claims);
   }

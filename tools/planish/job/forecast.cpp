@@ -6,6 +6,7 @@
 
 #include "job/expected_triangles.h"
 #include "job/job_input.h"
+#include "job/least_step_faces.h"
 #include "job/output_bytes.h"
 #include "page/page.h"
 #include "page/page_still.h"
@@ -57,6 +58,11 @@ constexpr std::uint64_t kTileVertexBytes = 180;
 constexpr std::uint64_t kStillBytes = std::uint64_t{36} * kStillWidth * kStillHeight;
 constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCloudPointBytes = 2400;
 
+// Of B-spline faces, by quads of level 1 of a mesh of triangles, which has most points where none
+// is regular: what they take, and for how many points of a surface they take the time.
+constexpr std::uint64_t kStepCornerBytes = 6000;
+constexpr double kStepPoints = 60;
+
 // What packing takes beside the surface: a small one's plain bytes and those of the result; of a
 // large one, quantized ones, and a block for each thread.
 std::uint64_t packing_bytes(const LevelCounts& level) {
@@ -102,8 +108,8 @@ std::uint64_t held_bytes(const RefinedAttributes& attributes,
 int highest_level(const std::vector<PlannedOutput>& outputs) {
   int level = 1;  // where the surface is measured
   for (const PlannedOutput& output : outputs) {
-    // Tiles are made one by one.
-    if (output.kind == OutputKind::Surface && !info_of(output.format).is_tiles)
+    // Tiles are made one by one, and STEP has no levels.
+    if (output.kind == OutputKind::Surface && info_of(output.format).has_fineness())
       level = std::max(level, output.fineness.level);
   }
   return level;
@@ -137,6 +143,11 @@ Forecast forecast_by_counts(const MeshCounts& counts, const RefinedAttributes& a
   for (const PlannedOutput& output : outputs) {
     OutputForecast& file = forecast.outputs.emplace_back();
     if (output.fineness.is_adaptive()) continue;
+    if (info_of(output.format).is_brep) {
+      points += kStepPoints * static_cast<double>(counts.corners);
+      beside = std::max(beside, kStepCornerBytes * static_cast<std::uint64_t>(counts.corners));
+      continue;
+    }
     const int level = level_of(output, settings);
     const bool is_tiles = info_of(output.format).is_tiles;
     for (const LevelCounts& l : all.subspan(is_tiles ? 1 : level, is_tiles ? level : 1)) {
@@ -195,7 +206,9 @@ Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
       const double count = expected_triangles(mesh, prepared, outputs[i].fineness);
       bends += count;
       most = std::max(most, count);
-    } else if (!info_of(outputs[i].format).is_tiles) {
+    } else if (info_of(outputs[i].format).is_brep) {
+      file.faces = least_step_faces(mesh, *prepared.topology, settings.step.faces.face_size);
+    } else if (info_of(outputs[i].format).has_fineness()) {
       const WrittenLevel written{
           level_of(outputs[i], settings), {file.vertices, 0, file.faces}, triangles};
       file.bytes = output_bytes(shape, written, outputs[i], settings);

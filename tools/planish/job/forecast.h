@@ -12,8 +12,9 @@ namespace planish::command {
 
 /// What is known of a file before work.
 struct OutputForecast {
-  std::int64_t vertices = 0, faces = 0;  ///< 0: as many as the surface's curvature asks for
-  std::optional<std::uint64_t> bytes;    ///< as output_bytes() has them
+  /// 0: as many as the surface's curvature asks for. Of STEP no vertices, and its least faces.
+  std::int64_t vertices = 0, faces = 0;
+  std::optional<std::uint64_t> bytes;  ///< as output_bytes() has them
 };
 
 /// What a job will take, told from its mesh before work.

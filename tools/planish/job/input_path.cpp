@@ -85,7 +85,7 @@ std::string nearest_file(const fs::path& path) {
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     const auto format = format_of(name);
-    if (format && !info_of(*format).is_tiles && names.size() < kLooked) names.push_back(name);
+    if (format && serves(*format, FormatUse::Read) && names.size() < kLooked) names.push_back(name);
   }
   std::ranges::sort(names);
   const std::string wanted = path.filename().string();

@@ -67,7 +67,7 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
   std::vector<Fineness> all;
   for (const PlannedOutput& output : outputs) {
     const bool is_new = std::ranges::find(all, output.fineness) == all.end();
-    if (output.kind == OutputKind::Surface && is_new && !info_of(output.format).is_tiles)
+    if (output.kind == OutputKind::Surface && is_new && info_of(output.format).has_fineness())
       all.push_back(output.fineness);
   }
   for (const Fineness& fineness : all) {
@@ -75,12 +75,14 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
     steps.push_back({"level", points});
     for (const PlannedOutput& output : outputs)
       if (output.kind == OutputKind::Surface && output.fineness == fineness &&
-          !info_of(output.format).is_tiles)
+          info_of(output.format).has_fineness())
         steps.push_back({"write", 0.6 * points});
   }
   for (const PlannedOutput& output : outputs)
     if (info_of(output.format).is_tiles)
       steps.push_back({"write", 2.5 * std::ldexp(1.0, 2 * output.fineness.level)});
+  for (const PlannedOutput& output : outputs)
+    if (info_of(output.format).is_brep) steps.push_back({"faces", 60});
   if (!job.page.empty()) steps.push_back({"page", 8});
   return steps;
 }

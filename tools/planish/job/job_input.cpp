@@ -214,13 +214,18 @@ ReadyFit prepare_input(JobInput& made, const std::vector<PlannedOutput>& outputs
 void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& report,
                              Console& console) {
   const bool is_fair = report.method == InterpolationMethod::Fair;
-  const bool has_tiles = std::ranges::any_of(job.outputs, [](const OutputRequest& output) {
-    const auto format = format_of(output.path);
-    return format && info_of(*format).is_tiles;
-  });
+  const auto has_surface = [&](bool (*is_wanted)(const FormatInfo&)) {
+    return std::ranges::any_of(job.outputs, [&](const OutputRequest& output) {
+      const auto format = output.path == "-" ? FileFormat::Glb : format_of(output.path);
+      return output.kind == OutputKind::Surface && format && is_wanted(info_of(*format));
+    });
+  };
+  const bool has_tiles = has_surface([](const FormatInfo& info) { return info.is_tiles; });
+  const bool has_step = has_surface([](const FormatInfo& info) { return info.is_brep; });
+  const bool has_levels = has_surface([](const FormatInfo& info) { return !info.is_brep; });
   std::string unused;
   std::int64_t count = 0;
-  bool lacks_tiles = false;
+  bool lacks_tiles = false, lacks_step = false, lacks_levels = false;
   const auto is_met = [&](OptionNeeds needs) {
     switch (needs) {
       case OptionNeeds::Nothing:
@@ -235,6 +240,10 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
         return is_fair;
       case OptionNeeds::Tiles:
         return has_tiles;
+      case OptionNeeds::Step:
+        return has_step;
+      case OptionNeeds::Fineness:
+        return has_levels || !has_step;
     }
     return true;
   };
@@ -244,6 +253,8 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
     if (!is_given || is_met(option.needs)) return;
     unused += (unused.empty() ? "" : ", ") + flag_of(option);
     lacks_tiles |= option.needs == OptionNeeds::Tiles;
+    lacks_step |= option.needs == OptionNeeds::Step;
+    lacks_levels |= option.needs == OptionNeeds::Fineness;
     ++count;
   };
   for (const FitOption& option : option_table()) note(option);
@@ -254,7 +265,9 @@ void warn_of_unused_settings(const Job& job, const JobInput& made, JobReport& re
       {"unused-settings",
        made.input.name + ": without effect here: " + unused + " (the input is " +
            (made.points.empty() ? "a mesh" : "of points") + ", the method " +
-           std::string(name_of(report.method)) + (lacks_tiles ? ", no output 3D Tiles" : "") + ")",
+           std::string(name_of(report.method)) + (lacks_tiles ? ", no output 3D Tiles" : "") +
+           (lacks_step ? ", no output STEP" : "") + (lacks_levels ? ", STEP has no levels" : "") +
+           ")",
        count, -1});
 }
 

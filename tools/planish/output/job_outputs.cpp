@@ -5,6 +5,7 @@
 #include "job/timed.h"
 #include "output/further_buffers.h"
 #include "output/output_levels.h"
+#include "output/step_output.h"
 #include "output/surface_output.h"
 #include "page/page_coding.h"
 #include "page/page_job.h"
@@ -49,6 +50,19 @@ void write_tiles_of(const FittedJob& work, const PlannedOutput& planned, JobSurf
     written =
         write_tiles_output(planned, target, *all.made_doo_sabin(), work.job.settings, options);
   });
+  warn_of_rounding(work.report, work.context.console, written);
+}
+
+// Faces are made as a whole.
+void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurface& all,
+                   const SurfaceOutputOptions& options, WrittenOutput& written) {
+  check_interrupt();
+  work.context.progress.update("faces", 0);
+  timed(work.report.timing.write, [&] {
+    written = write_step_output(planned, work.staged.stage(planned.path), all.limit(),
+                                work.made.fitted, work.job.settings.step, options);
+  });
+  if (!written.step->keeps_limits) work.report.exit_code = ExitCode::NotConverged;
   warn_of_rounding(work.report, work.context.console, written);
 }
 
@@ -132,7 +146,7 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
     for (std::size_t i = 0; i < work.outputs.size(); ++i) {
       const PlannedOutput& planned = work.outputs[i];
       if (planned.kind == OutputKind::Surface && planned.fineness == fineness &&
-          !info_of(planned.format).is_tiles) {
+          info_of(planned.format).has_fineness()) {
         write_one(work, planned, &surface, options, written[i], stdout_bytes);
       }
     }
@@ -141,6 +155,10 @@ std::vector<std::byte> write_outputs(const FittedJob& work) {
   for (std::size_t i = 0; i < work.outputs.size(); ++i) {
     if (info_of(work.outputs[i].format).is_tiles)
       write_tiles_of(work, work.outputs[i], all, common, written[i]);
+  }
+  for (std::size_t i = 0; i < work.outputs.size(); ++i) {
+    if (info_of(work.outputs[i].format).is_brep)
+      write_step_of(work, work.outputs[i], all, common, written[i]);
   }
   // What is seen on the page is what is measured.
   if (scene_level >= 0 && work.page.payloads.empty()) {

@@ -113,7 +113,7 @@ JobLevel surface_of(const FittedJob& work, JobSurface& all, const Fineness& fine
 std::vector<Fineness> finenesses_of(const std::vector<PlannedOutput>& outputs) {
   std::vector<Fineness> finenesses;
   for (const PlannedOutput& planned : outputs) {
-    if (planned.kind == OutputKind::Surface && !info_of(planned.format).is_tiles &&
+    if (planned.kind == OutputKind::Surface && info_of(planned.format).has_fineness() &&
         std::ranges::find(finenesses, planned.fineness) == finenesses.end())
       finenesses.push_back(planned.fineness);
   }

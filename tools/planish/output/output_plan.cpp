@@ -201,6 +201,12 @@ void require_tileable(const std::vector<PlannedOutput>& outputs, const Settings&
   }
 }
 
+void require_step_surfaces(const std::vector<PlannedOutput>& outputs, const Settings& settings) {
+  for (const PlannedOutput& output : outputs)
+    if (info_of(output.format).is_brep)
+      require_step_scheme(settings.scheme, "--scheme: " + visible(output.path));
+}
+
 void require_compressible(const std::vector<PlannedOutput>& outputs) {
   for (const PlannedOutput& output : outputs) {
     if (output.kind == OutputKind::Cage || info_of(output.format).is_gltf ||
@@ -236,6 +242,8 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
     // All levels up to the finest are in one set.
     planned.push_back(
         {request.path, request.kind, format, {std::ranges::max(request.levels), 0, 0}});
+  } else if (info_of(format).is_brep) {
+    planned.push_back({request.path, request.kind, format, {}});
   } else {
     for (std::size_t i = 0; i < finenesses.size(); ++i) {
       fs::path path = request.path;

@@ -94,6 +94,9 @@ class PathClaims {
 /// Error{InvalidArgument}.
 void require_tileable(const std::vector<PlannedOutput>& outputs, const Settings& settings);
 
+/// Refuses STEP of surfaces that do not become B-spline faces with Error{InvalidArgument}.
+void require_step_surfaces(const std::vector<PlannedOutput>& outputs, const Settings& settings);
+
 /// Refuses surfaces that are no glTF, which alone is compressed, with Error{InvalidArgument}.
 void require_compressible(const std::vector<PlannedOutput>& outputs);
 

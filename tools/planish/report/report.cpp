@@ -9,6 +9,7 @@
 #include "build_info.h"
 #include "planish/core/version.h"
 #include "planish/pipeline/fit_report.h"
+#include "planish/pipeline/option_table.h"
 
 namespace planish::command {
 namespace {
@@ -49,7 +50,22 @@ OrderedJson surface_json(const JobReport& report) {
   return json;
 }
 
-OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
+OrderedJson step_json(const StepFigures& step, const Settings& settings) {
+  return {{"unit", option_text(settings, "step_unit")},
+          {"faces", step.faces},
+          {"edges", step.edges},
+          {"vertices", step.vertices},
+          {"control_points", step.control_points},
+          {"solids", step.solids},
+          {"open_shells", step.open_shells},
+          {"extraordinary", step.extraordinary},
+          {"deepest", step.deepest},
+          {"max_angle", step.max_angle},
+          {"max_deviation", step.max_deviation},
+          {"keeps_limits", step.keeps_limits}};
+}
+
+OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs, const Settings& settings) {
   OrderedJson json = OrderedJson::array();
   for (const WrittenOutput& output : outputs) {
     OrderedJson entry;
@@ -57,7 +73,8 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
     entry["what"] = output.kind == OutputKind::Cage ? "cage" : "surface";
     entry["bytes"] = output.bytes;
     entry["sha256"] = output.sha256;
-    const bool has_level = output.kind == OutputKind::Surface && !output.fineness.is_adaptive();
+    const bool has_level =
+        output.kind == OutputKind::Surface && !output.fineness.is_adaptive() && !output.step;
     entry["level"] = has_level ? OrderedJson(output.fineness.level) : OrderedJson();
     if (output.fineness.chord_error > 0) entry["chord_error"] = output.fineness.chord_error;
     if (output.fineness.angle > 0) entry["angle"] = output.fineness.angle;
@@ -73,6 +90,7 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
                                 {"triangles", level.triangles},
                                 {"geometric_error", level.geometric_error}});
     }
+    if (output.step) entry["step"] = step_json(*output.step, settings);
     json.push_back(entry);
   }
   return json;
@@ -163,7 +181,7 @@ OrderedJson to_json(const JobReport& report) {
   } else {
     json["meshes"] = meshes_json(report.meshes);
   }
-  json["outputs"] = outputs_json(report.outputs);
+  json["outputs"] = outputs_json(report.outputs, report.settings);
   json["timing_ms"] = timing_json(report.timing);
   json["memory"] = {{"host_peak_bytes", report.host_peak_bytes},
                     {"device_bytes", report.device_bytes}};

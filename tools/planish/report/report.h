@@ -11,6 +11,7 @@
 #include "planish/backend/backend.h"
 #include "planish/mesh/statistics.h"
 #include "planish/pipeline/fit_mesh.h"
+#include "planish/pipeline/write_fitted_step.h"
 #include "planish/reconstruct/reconstruct.h"
 #include "planish/surface/surface_quality.h"
 #include "terminal/exit_codes.h"
@@ -38,6 +39,7 @@ struct WrittenOutput {
   /// recomputed in double from the numbers in the file; a fraction of the diagonal.
   double as_written_error = 0;
   std::vector<WrittenTiles> tile_levels;  ///< of a tile set
+  std::optional<StepFigures> step;        ///< of a STEP file, which has no fineness
 };
 
 /// A page for people; its path is empty where there is none.

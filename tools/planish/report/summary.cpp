@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "planish/core/visible_text.h"
+#include "planish/pipeline/option_table.h"
 #include "planish/pipeline/option_words.h"
 #include "report/report.h"
 #include "terminal/text.h"
@@ -33,11 +34,25 @@ std::string timing_line(const JobTiming& timing) {
   return line + ")";
 }
 
-std::string output_line(const WrittenOutput& output, std::size_t path_width) {
+// Rounding noise of flat surfaces is nothing to read.
+std::string angle_text(double degrees) {
+  constexpr double kNoise = 1e-6;
+  return degrees < kNoise ? "0" : short_number(degrees);
+}
+
+std::string output_line(const WrittenOutput& output, std::size_t path_width,
+                        const std::string& unit) {
   std::string line = output_name(output.path);
   line.resize(std::max(line.size(), path_width), ' ');
   line += "  " + byte_size(output.bytes) + ", ";
   if (output.kind == OutputKind::Cage) return line + "control cage";
+  if (output.step) {
+    const StepFigures& step = *output.step;
+    line += counted(step.faces, "B-spline face");
+    if (step.solids > 0) line += ", " + counted(step.solids, "solid");
+    if (step.open_shells > 0) line += ", " + counted(step.open_shells, "open shell");
+    return line + ", " + angle_text(step.max_angle) + " degrees at edges, in " + unit;
+  }
   if (!output.tile_levels.empty()) {
     std::int64_t tiles = 0;
     for (const WrittenTiles& level : output.tile_levels) tiles += level.tiles;
@@ -75,12 +90,6 @@ std::string chosen_lines(const JobReport& report) {
   return text;
 }
 
-// Rounding noise of flat surfaces is nothing to read.
-std::string angle_text(double degrees) {
-  constexpr double kNoise = 1e-6;
-  return degrees < kNoise ? "0" : short_number(degrees);
-}
-
 std::string input_folds_line(const InputFacts& input) {
   if (input.folded_edges == 0) return "";
   return "  folds       " + counted(input.folded_edges, "edge") +
@@ -113,7 +122,7 @@ std::string folds_text(const SurfaceQuality& quality) {
 std::string normals_text(const JobReport& report) {
   const MeasuredSurface& surface = *report.surface;
   const bool is_written = std::ranges::any_of(report.outputs, [&](const WrittenOutput& output) {
-    return output.kind == OutputKind::Surface && !output.fineness.is_adaptive() &&
+    return output.kind == OutputKind::Surface && !output.step && !output.fineness.is_adaptive() &&
            output.fineness.level == surface.level;
   });
   return "normals off by " + angle_text(surface.quality.rms_normal_deviation) +
@@ -186,10 +195,11 @@ std::string output_lines(const JobReport& report) {
   std::size_t path_width = 0;
   for (const WrittenOutput& output : report.outputs)
     path_width = std::max(path_width, output_name(output.path).size());
+  const std::string unit = option_text(report.settings, "step_unit");
   const char* label = "  wrote       ";
   std::string text;
   for (const WrittenOutput& output : report.outputs) {
-    text += label + output_line(output, path_width) + "\n";
+    text += label + output_line(output, path_width, unit) + "\n";
     label = "              ";
   }
   if (!report.page.path.empty())

@@ -53,6 +53,14 @@ export interface FitOptions {
   creases?: string;
   within?: number | 'auto';
   quads?: 'auto' | 'on' | 'off';
+  /** What the coordinates of STEP are in: 'mm'. */
+  stepUnit?: 'mm' | 'cm' | 'm' | 'in';
+  /** Most degrees by which normals jump where faces of STEP meet: 0.25. */
+  stepAngle?: number;
+  /** Most that faces of STEP leave the surface, of the diagonal: 1e-6. */
+  stepTolerance?: number;
+  /** Most quads along a face of STEP, of which one of the mesh has two: 16. */
+  stepFaceSize?: number;
   /** Returning false cancels. */
   progress?: (step: string, fraction: number) => boolean | void;
   warning?: (code: string, message: string) => void;

@@ -20,16 +20,21 @@ const CHOICES = {
   boundary: ['edge', 'edge-and-corner'],
   precision: ['auto', 'float', 'double'],
   quads: ['auto', 'on', 'off'],
+  stepUnit: ['mm', 'cm', 'm', 'in'],
 };
-const NUMBERS = { tolerance: 'tolerance', maxIterations: 'max_iterations', weld: 'weld', polish: 'polish' };
+const NUMBERS = {
+  tolerance: 'tolerance', maxIterations: 'max_iterations', weld: 'weld', polish: 'polish', stepAngle: 'step_angle',
+  stepTolerance: 'step_tolerance', stepFaceSize: 'step_face_size',
+};
 
 function settings(options) {
   const values = {};
   for (const [name, value] of Object.entries(options)) {
     if (value === undefined || name === 'progress' || name === 'warning') continue;
     if (name in CHOICES) {
-      values[name] = CHOICES[name].indexOf(value);
-      if (values[name] < 0) refuse(`${name}: "${value}" is none of ${CHOICES[name].join(', ')}`);
+      const choice = CHOICES[name].indexOf(value);
+      values[name === 'stepUnit' ? 'step_unit' : name] = choice;
+      if (choice < 0) refuse(`${name}: "${value}" is none of ${CHOICES[name].join(', ')}`);
     } else if (name in NUMBERS) {
       if (typeof value !== 'number') refuse(`${name}: a number is wanted, not ${value}`);
       values[NUMBERS[name]] = value;
@@ -323,7 +328,7 @@ class Fit extends Handle {
     });
   }
 
-  /** A file's bytes; `name` tells the format: glb, gltf, obj, ply, off, stl, usda. */
+  /** A file's bytes; `name` tells the format: glb, gltf, obj, ply, off, stl, usda, step. */
   write(name, level = 2) {
     const path = `/${String(name).replace(/.*\//, '')}`;
     whole([level], 'level');

@@ -1,0 +1,174 @@
+#include "planish/pipeline/write_fitted_step.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "planish/core/counted.h"
+#include "planish/core/host_scope.h"
+#include "planish/core/parallel.h"
+#include "planish/core/refuse.h"
+#include "planish/core/safe_length.h"
+#include "planish/core/visible_text.h"
+#include "planish/files/formats.h"
+#include "planish/pipeline/option_words.h"
+#include "planish/surface/block_quality.h"
+
+namespace planish {
+namespace {
+
+// Three digits.
+std::string few_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string limits_text(const Brep& brep, const BrepOptions& wanted) {
+  std::string text;
+  if (brep.max_angle > wanted.angle)
+    text = "normals jump by up to " + few_digits(brep.max_angle) + " degrees at edges, above the " +
+           few_digits(wanted.angle) + " asked for";
+  if (brep.max_deviation > wanted.deviation)
+    text += (text.empty() ? "" : "; ") + std::string("faces leave the surface by up to ") +
+            few_digits(brep.max_deviation) + " of the diagonal, above the " +
+            few_digits(wanted.deviation) + " asked for";
+  return text;
+}
+
+// What whoever opens the file should know.
+std::string description_of(const Interpolation& fit, const std::string& limits) {
+  std::string text = limits;
+  if (!fit.converged)
+    text = "not converged: vertices are off by up to " + few_digits(fit.error.max) +
+           " of the diagonal" + (limits.empty() ? "" : "; ") + limits;
+  return text;
+}
+
+double shortest_span(const Brep& brep) {
+  return ordered_reduce(
+      brep.edges.size(), 256, std::numeric_limits<double>::max(),
+      [&](std::size_t begin, std::size_t end) {
+        double shortest = std::numeric_limits<double>::max();
+        for (std::size_t e = begin; e < end; ++e) {
+          const Brep::Edge& edge = brep.edges[e];
+          glm::dvec3 from = edge.points.front();
+          for (std::size_t k = 1; k < edge.knots.size(); ++k) {
+            const glm::dvec3 to = point_of(edge, edge.knots[k]);
+            shortest = std::min(shortest, safe_length(to - from));
+            from = to;
+          }
+        }
+        return shortest;
+      },
+      [](double& total, double one) { total = std::min(total, one); });
+}
+
+// Of the points that the surface passes through.
+double largest_distance(const Brep& brep, const FittedMesh& fitted) {
+  const std::span<const glm::dvec3> given = fitted.points();
+  const auto& vertices = fitted.fit.prepared->vertices;
+  return ordered_reduce(
+      brep.places.size(), 1024, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double largest = 0;
+        for (std::size_t v = begin; v < end; ++v) {
+          const Brep::Place& place = brep.places[v];
+          if (place.face < 0) continue;
+          const glm::dvec3 there =
+              point_of(brep.faces[static_cast<std::size_t>(place.face)], place.at);
+          largest =
+              std::max(largest, safe_length(there - given[static_cast<std::size_t>(vertices[v])]));
+        }
+        return largest;
+      },
+      [](double& total, double one) { total = std::max(total, one); });
+}
+
+double folded_part(const FittedMesh& fitted, const LimitSurface& limit) {
+  if (const SurfaceQuality* const known = fitted.chosen_quality()) return known->folded_area;
+  const auto blocks = limit.surface().level(1);
+  return surface_quality(*blocks, fitted.mesh, {}, {}).folded_area;
+}
+
+void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted,
+          const LimitSurface& limit, const StepFileOptions& options) {
+  const auto say = [&](const char* code, const std::string& message, std::int64_t count = 1) {
+    options.callbacks.warn({code, name + ": " + message, count});
+  };
+  const double folded = folded_part(fitted, limit);
+  if (folded >= kSoundFoldedArea)
+    say("step-folds",
+        few_digits(100 * folded) +
+            " % of the surface is folded, where its shell crosses itself and CAD programs may fail "
+            "to cut it; the fair method, or a finer mesh there, avoids that");
+  const auto faces = std::ssize(brep.faces);
+  if (faces > kManyStepFaces)
+    say("step-faces",
+        counted(faces, "face") +
+            ", for which CAD programs take long; fewer come of quads, most of whose vertices have "
+            "four: join triangles to quads, or remesh first (QuadriFlow, QuadWild, Instant Meshes)",
+        faces);
+  const double span = shortest_span(brep) * millimetres_of(options.settings.unit);
+  if (span < kShortStepSpan)
+    say("step-spans", "the shortest spans of edges are " + few_digits(span) +
+                          " mm, where CAD programs may take " + few_digits(kShortStepSpan) +
+                          " mm for nothing; allow a larger angle, or say in which larger unit the "
+                          "coordinates are");
+  if (const std::string limits = limits_text(brep, options.settings.faces); !limits.empty())
+    say("step-limits", limits + "; the file says so; allow more, or take a more even mesh");
+  const PolygonMesh& mesh = fitted.mesh;
+  const std::string lost =
+      lost_attributes(FileFormat::Step, {!mesh.face_uvs.empty(), !mesh.colors.empty(),
+                                         mesh.groups.size() > 1, !mesh.attributes.empty()});
+  if (!lost.empty()) options.callbacks.warn({"lost-attributes", lost});
+}
+
+}  // namespace
+
+void require_step_scheme(Scheme scheme, std::string_view where) {
+  if (scheme == Scheme::DooSabin) return;
+  refuse(where, "STEP is made of Doo-Sabin surfaces, not of " +
+                    std::string(word_of(kSchemeWords, scheme)));
+}
+
+StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
+                              const LimitSurface& limit, const StepFileOptions& options) {
+  require_step_scheme(fitted.options.scheme, visible(path));
+  const HostScope host(options.callbacks);
+  const BrepOptions& wanted = options.settings.faces;
+  constexpr double kFacesShare = 0.7;  // of the time
+  const Brep brep = make_brep(limit, wanted, share_of(options.callbacks, 0, kFacesShare));
+  warn(visible(options.shown.empty() ? path : options.shown), brep, fitted, limit, options);
+
+  StepFigures figures;
+  figures.faces = std::ssize(brep.faces);
+  figures.edges = std::ssize(brep.edges);
+  figures.vertices = std::ssize(brep.vertices);
+  for (const Brep::Face& face : brep.faces) figures.control_points += std::ssize(face.points);
+  for (const Brep::Shell& shell : brep.shells)
+    ++(shell.is_closed ? figures.solids : figures.open_shells);
+  figures.extraordinary = brep.extraordinary;
+  figures.deepest = brep.deepest;
+  figures.max_angle = brep.max_angle;
+  figures.max_deviation = brep.max_deviation;
+  const std::string limits = limits_text(brep, wanted);
+  figures.keeps_limits = limits.empty();
+  figures.largest_distance = largest_distance(brep, fitted);
+  figures.byte_count = write_step(path, brep,
+                                  {.name = options.name,
+                                   .unit = options.settings.unit,
+                                   .diagonal = fitted.fit.placement.diagonal,
+                                   .description = description_of(fitted.fit.interpolation, limits),
+                                   .observe = options.observe,
+                                   .callbacks = share_of(options.callbacks, kFacesShare, 1)});
+  return figures;
+}
+
+StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
+                              const StepFileOptions& options) {
+  require_step_scheme(fitted.options.scheme, visible(path));
+  const LimitSurface limit(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
+  return write_fitted_step(path, fitted, limit, options);
+}
+
+}  // namespace planish

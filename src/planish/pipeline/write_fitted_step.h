@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "planish/brep/make_brep.h"
+#include "planish/brep/write_step.h"
+#include "planish/core/callbacks.h"
+#include "planish/limit/limit_surface.h"
+#include "planish/pipeline/fit_mesh.h"
+
+namespace planish {
+
+/// How a surface becomes STEP.
+struct StepSettings {
+  BrepOptions faces;
+  StepUnit unit = StepUnit::Millimetre;
+};
+
+/// What became of it.
+struct StepFigures {
+  std::uint64_t byte_count = 0;
+  std::int64_t faces = 0, edges = 0, vertices = 0, control_points = 0;
+  std::int64_t solids = 0, open_shells = 0;
+  std::int64_t extraordinary = 0;  ///< see Brep, as the next three
+  int deepest = 0;
+  double max_angle = 0, max_deviation = 0;
+  bool keeps_limits = true;     ///< max_angle and max_deviation are within the settings
+  double largest_distance = 0;  ///< of FittedMesh::points() from their places, in model units
+};
+
+struct StepFileOptions {
+  StepSettings settings;
+  std::string name = "surface";   ///< of file and product
+  std::filesystem::path shown{};  ///< what warnings call the file; empty: its path
+  /// Gets all bytes in order while they are written: for a digest.
+  std::function<void(std::span<const std::byte>)> observe;
+  /// Steps "faces" and "write"; warnings "step-folds", "step-faces", "step-spans", "step-limits"
+  /// and "lost-attributes".
+  Callbacks callbacks;
+};
+
+/// Programs take minutes with more faces.
+constexpr std::int64_t kManyStepFaces = 5000;
+constexpr double kShortStepSpan = 1e-3;  ///< millimetres, below which they may take it for nothing
+
+/// Writes the surface of a fitted mesh as STEP; `limit` is its. Where the fit did not converge, or
+/// the settings' limits are not kept, the file's description says so. Throws as make_brep() and
+/// write_step(), and Error{InvalidArgument} for schemes but Doo-Sabin.
+StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
+                              const LimitSurface& limit, const StepFileOptions& options);
+/// The same of a surface that is made for it.
+StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
+                              const StepFileOptions& options);
+
+/// Throws Error{InvalidArgument} where surfaces of the scheme do not become STEP.
+void require_step_scheme(Scheme scheme, std::string_view where);
+
+}  // namespace planish

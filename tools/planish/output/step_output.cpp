@@ -1,0 +1,29 @@
+#include "output/step_output.h"
+
+#include "output/digest.h"
+
+namespace planish::command {
+
+WrittenOutput write_step_output(const PlannedOutput& planned, const std::filesystem::path& target,
+                                const LimitSurface& limit, const FittedMesh& fitted,
+                                const StepSettings& settings, const SurfaceOutputOptions& options) {
+  Sha256 digest;
+  const StepFigures figures =
+      write_fitted_step(target, fitted, limit,
+                        {.settings = settings,
+                         .name = options.gltf.name,
+                         .shown = planned.path,
+                         .observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); },
+                         .callbacks = options.gltf.callbacks});
+  WrittenOutput written;
+  written.path = planned.path.string();
+  written.bytes = figures.byte_count;
+  written.sha256 = digest.finish();
+  written.vertices = figures.vertices;
+  written.faces = figures.faces;
+  written.as_written_error = figures.largest_distance / options.diagonal;
+  written.step = figures;
+  return written;
+}
+
+}  // namespace planish::command

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+
+#include "output/surface_output.h"
+#include "planish/limit/limit_surface.h"
+#include "planish/pipeline/write_fitted_step.h"
+#include "report/report.h"
+
+namespace planish::command {
+
+/// Writes the surface of a fitted mesh as STEP, as fit_file() does, and measures what was written.
+[[nodiscard]] WrittenOutput write_step_output(const PlannedOutput& planned,
+                                              const std::filesystem::path& target,
+                                              const LimitSurface& limit, const FittedMesh& fitted,
+                                              const StepSettings& settings,
+                                              const SurfaceOutputOptions& options);
+
+}  // namespace planish::command
