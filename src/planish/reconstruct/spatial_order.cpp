@@ -44,7 +44,7 @@ bool is_before(const glm::dvec3& a, const glm::dvec3& b, bool at_one_place) {
 void sort_by_key(std::span<KeyedPoint> keyed) {
   constexpr int kHighBits = 15, kLowBits = 3 * kBits - kHighBits;
   if (keyed.size() < std::size_t{1} << kHighBits) {
-    std::ranges::sort(keyed);
+    std::sort(keyed.begin(), keyed.end());
     return;
   }
   std::vector<std::size_t> ends((std::size_t{1} << kHighBits) + 1, 0);
