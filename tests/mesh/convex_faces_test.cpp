@@ -7,8 +7,10 @@
 #include <glm/geometric.hpp>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "make_scenes/random_mesh.h"
+#include "planish/core/work.h"
 #include "planish/mesh/area_vector.h"
 #include "planish/mesh/check.h"
 
@@ -80,34 +82,117 @@ TEST(ConvexFaces, LeavesConvexAndNearlyStraightFacesAlone) {
   EXPECT_EQ(with_convex_faces(dented(0.03)).mesh.face_count(), 2);
 }
 
+// `teeth` teeth upwards.
+PolygonMesh comb(int teeth) {
+  std::vector<dvec3> points{{0, 0, 0}, {2.0 * teeth, 0, 0}};
+  for (int tooth = teeth - 1; tooth >= 0; --tooth) {
+    points.push_back({2 * tooth + 2, 5, 0});
+    points.push_back({2 * tooth + 1, 1, 0});
+  }
+  points.push_back({0, 5, 0});
+  return single(points);
+}
+
+// A band with so many corners on each side, that turns by `turn` radians between two of them.
+PolygonMesh spiral(int corners, double turn) {
+  std::vector<dvec3> points, inner;
+  for (int i = 0; i < corners; ++i) {
+    const double angle = turn * i, radius = 1 + 0.4 * angle;
+    points.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    inner.insert(inner.begin(), 0.8 * points.back());
+  }
+  points.insert(points.end(), inner.begin(), inner.end());
+  return single(points);
+}
+
+// Every second corner turns inward.
+PolygonMesh star(int corners) {
+  std::vector<dvec3> points;
+  for (int i = 0; i < corners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / corners, radius = i % 2 == 0 ? 1.0 : 0.6;
+    points.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+  }
+  return single(points);
+}
+
+// Parts that crossed would count their overlap twice.
+void expect_parts_of(const ConvexMesh& convex, const PolygonMesh& mesh) {
+  EXPECT_TRUE(convex.concave_faces.empty());
+  EXPECT_TRUE(check(convex.mesh).empty());
+  EXPECT_LT(largest_inward_turn(convex.mesh), 0.0501);
+  double sum = 0;
+  for (std::int32_t f = 0; f < convex.mesh.face_count(); ++f) {
+    const dvec3 area = area_vector(convex.mesh.positions, convex.mesh.face(f));
+    EXPECT_GT(area.z, 0);
+    sum += glm::length(area);
+  }
+  EXPECT_NEAR(sum, glm::length(total_area(mesh)), 1e-12 * sum);
+}
+
 TEST(ConvexFaces, CutsCombsAndSpiralsWithoutCrossings) {
-  std::vector<dvec3> comb{{0, 0, 0}, {20, 0, 0}};
-  for (int tooth = 9; tooth >= 0; --tooth) {
-    comb.push_back({2 * tooth + 2, 5, 0});
-    comb.push_back({2 * tooth + 1, 1, 0});
-  }
-  comb.push_back({0, 5, 0});
-  std::vector<dvec3> spiral, inner;
-  for (int i = 0; i < 24; ++i) {
-    const double angle = 0.5 * i, radius = 1 + 0.2 * i;
-    spiral.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
-    inner.insert(inner.begin(), 0.8 * spiral.back());
-  }
-  spiral.insert(spiral.end(), inner.begin(), inner.end());
-  for (const PolygonMesh& mesh : {single(comb), single(spiral)}) {
+  for (const PolygonMesh& mesh : {comb(10), spiral(24, 0.5)})
+    expect_parts_of(with_convex_faces(mesh), mesh);
+}
+
+// Hertel and Mehlhorn: two diagonals at each corner that turns inward are enough.
+TEST(ConvexFaces, CutsLargeFacesInFewParts) {
+  const std::pair<PolygonMesh, int> cases[] = {
+      {comb(1000), 999}, {star(5000), 2500}, {spiral(1000, 0.1), 1000}};
+  for (const auto& [mesh, inward] : cases) {
     const ConvexMesh convex = with_convex_faces(mesh);
-    EXPECT_TRUE(convex.concave_faces.empty());
-    EXPECT_TRUE(check(convex.mesh).empty());
-    EXPECT_LT(largest_inward_turn(convex.mesh), 0.0501);
-    // Parts that crossed would count their overlap twice.
-    double sum = 0;
-    for (std::int32_t f = 0; f < convex.mesh.face_count(); ++f) {
-      const dvec3 area = area_vector(convex.mesh.positions, convex.mesh.face(f));
-      EXPECT_GT(area.z, 0);
-      sum += glm::length(area);
-    }
-    EXPECT_NEAR(sum, glm::length(total_area(mesh)), 1e-12 * sum);
+    expect_parts_of(convex, mesh);
+    EXPECT_GT(convex.mesh.face_count(), inward / 2);
+    EXPECT_LE(convex.mesh.face_count(), 2 * inward + 1);
   }
+}
+
+TEST(ConvexFaces, LargeFacesTakeFewQuestions) {
+  const auto asked = [](const PolygonMesh& mesh) {
+    const auto& count = work_counts[static_cast<std::size_t>(Work::Pairs)];
+    const std::int64_t before = count;
+    (void)with_convex_faces(mesh);
+    return static_cast<double>(count - before) / mesh.face_size(0);
+  };
+  for (const int corners : {2000, 20'000}) EXPECT_LT(asked(star(corners)), 200) << corners;
+}
+
+// Each corner of a fine arc turns inward by less than what counts.
+TEST(ConvexFaces, CutsArcsThatTurnInwardInAll) {
+  const auto plate = [](int corners, double turn) {
+    const double end = turn * (corners - 1) / 2, top = -6 * std::cos(end);
+    std::vector<dvec3> points{{-9, -9, 0}, {9, -9, 0}, {9, top, 0}};
+    for (int i = 0; i < corners; ++i) {
+      const double angle = end - turn * i;
+      points.push_back({6 * std::sin(angle), -6 * std::cos(angle), 0});
+    }
+    points.push_back({-9, top, 0});
+    return single(points);
+  };
+  EXPECT_TRUE(concave_faces(plate(5, 0.03)).empty());
+  for (const auto& [corners, turn] : {std::pair(60, 0.04), std::pair(600, 0.004)}) {
+    const PolygonMesh mesh = plate(corners, turn);
+    const ConvexMesh convex = with_convex_faces(mesh);
+    expect_parts_of(convex, mesh);
+    // 2.4 radians in all, 0.1 a part, and two diagonals at each corner that is cut.
+    EXPECT_GE(convex.mesh.face_count(), 12) << corners;
+    EXPECT_LE(convex.mesh.face_count(), 49) << corners;
+  }
+}
+
+TEST(ConvexFaces, CutsLargeFacesNowhereAlongAnEdge) {
+  PolygonMesh mesh = star(2000);
+  const ConvexMesh alone = with_convex_faces(mesh);
+  // A second face joins corners that a diagonal joins otherwise.
+  const auto part = alone.mesh.face(0);
+  ASSERT_EQ(part.size(), 3u);
+  std::array<std::int32_t, 2> ends{};
+  for (std::size_t i = 0; i < 3; ++i)
+    if ((part[(i + 1) % 3] - part[i] + 2000) % 2000 != 1) ends = {part[(i + 1) % 3], part[i]};
+  const std::int32_t apex = mesh.vertex_count();
+  mesh.positions.push_back({0, 0, 1});
+  mesh.add_face(std::array{ends[0], ends[1], apex});
+  const ConvexMesh convex = with_convex_faces(mesh);
+  EXPECT_EQ(convex.mesh.face_count(), alone.mesh.face_count());  // one part less, one face more
 }
 
 TEST(ConvexFaces, KeepsRandomPolygonMeshesUsable) {

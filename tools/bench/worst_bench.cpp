@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <string>
 
 #include "bench/agreement.h"
@@ -58,6 +61,42 @@ PolygonMesh creased_bipyramid(int n) {
   return mesh;
 }
 
+// Both polygons are a band along a spiral: one half of their corners turn inward by next to
+// nothing.
+PolygonMesh spiral_drum(int n) {
+  PolygonMesh mesh = test::prism(n);
+  constexpr double kTurns = 3;
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    const int i = v % n, half = n / 2;
+    const bool is_outer = i < half;
+    const double turns = kTurns * (is_outer ? i : n - 1 - i) / (half - 1);
+    const double radius = 1 + 0.5 * turns - (is_outer ? 0 : 0.3);
+    const double angle = 2 * std::numbers::pi * turns;
+    mesh.positions[v].x = radius * std::cos(angle);
+    mesh.positions[v].y = radius * std::sin(angle);
+  }
+  return mesh;
+}
+
+// Closed parts through one another, two hubs and slivers in each.
+PolygonMesh crossing_cones(int n) {
+  PolygonMesh mesh;
+  for (int part = 0; part < 3; ++part) {
+    const PolygonMesh cone = test::bipyramid(n);
+    const std::int32_t first = mesh.vertex_count();
+    for (const glm::dvec3& p : cone.positions) {
+      const glm::dvec3 moved = glm::dvec3(1, 1, 3) * p + 0.1 * part;
+      mesh.positions.push_back({moved[part], moved[(part + 1) % 3], moved[(part + 2) % 3]});
+    }
+    for (std::int32_t f = 0; f < cone.face_count(); ++f) {
+      std::vector<std::int32_t> face;
+      for (const std::int32_t v : cone.face(f)) face.push_back(first + v);
+      mesh.add_face(face);
+    }
+  }
+  return mesh;
+}
+
 }  // namespace
 
 std::vector<Row> bench_worst(const Options& options) {
@@ -79,9 +118,11 @@ std::vector<Row> bench_worst(const Options& options) {
   add("torus", torus);
   add("drum", test::prism(corners / 6));
   add("star-drum", star_drum(corners / 12 * 2));
+  add("spiral-drum", spiral_drum(corners / 12 * 2));
   add("two-fans", two_fans(corners / 10));
   add("bipyramid", test::bipyramid(corners / 6));
   add("creased-bipyramid", creased_bipyramid(corners / 6));
+  add("crossing-cones", crossing_cones(corners / 18));
   add("open-fan", test::open_fan(std::min(corners / 3, 65'000)));
   return run_group(group, std::min(options.repetitions, kWorstRuns));
 }

@@ -13,6 +13,7 @@
 
 #include "planish/core/work.h"
 #include "planish/mesh/area_vector.h"
+#include "planish/mesh/convex_parts.h"
 #include "planish/mesh/mesh_arrays.h"
 
 namespace planish {
@@ -25,7 +26,11 @@ using std::numbers::pi;
 
 // Corners may turn inward by this angle: merged and meshed faces are rarely flat to the last digit.
 constexpr double kStraight = 0.05;
-constexpr std::size_t kMostCorners = 1000;  // cutting takes time of the order of their square
+// A finely drawn arc turns inward by less at each corner, but may by so much in all.
+constexpr double kStraightInAll = 0.1;
+// Of larger faces good diagonals are not searched for one by one, which takes time of the order of
+// their square, and leaves slivers between those that it takes first.
+constexpr std::size_t kMostCorners = 32;
 
 double cross(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
@@ -66,13 +71,43 @@ double interior_angle(std::span<const dvec2> points, const Part& part, std::size
   return turn_between(points[part[(i + 1) % m]] - own, points[part[(i + m - 1) % m]] - own);
 }
 
-// The corner that turns inward most; the part's size where none does.
-std::size_t worst_corner(std::span<const dvec2> points, const Part& part) {
+Part whole_face(std::size_t corners) {
+  Part part(corners);
+  std::iota(part.begin(), part.end(), 0);
+  return part;
+}
+
+// The widest angle that each corner of a face may have: corners that turn inward a little may,
+// until those since the last one that may not do by too much together.
+std::vector<double> allowed_angles(std::span<const dvec2> points) {
+  const std::size_t m = points.size();
+  const Part face = whole_face(m);
+  std::vector<double> turns(m);  // inward
+  for (std::size_t i = 0; i < m; ++i) turns[i] = interior_angle(points, face, i) - pi;
+  std::vector<double> allowed(m, pi + kStraight);
+  const auto start =
+      static_cast<std::size_t>(std::min_element(turns.begin(), turns.end()) - turns.begin());
+  double in_all = 0;
+  for (std::size_t k = 0; k < m; ++k) {
+    const std::size_t i = (start + k) % m;
+    in_all = turns[i] > kStraight ? 0 : std::max(in_all + turns[i], 0.0);
+    if (in_all <= kStraightInAll) continue;
+    allowed[i] = pi;
+    in_all = 0;
+  }
+  return allowed;
+}
+
+// The corner with the widest angle of those that may not have theirs; the part's size where there
+// is none.
+std::size_t worst_corner(std::span<const dvec2> points, std::span<const double> allowed,
+                         const Part& part) {
+  constexpr double kRounding = 1e-9;
   std::size_t worst = part.size();
-  double largest = pi + kStraight;
+  double largest = 0;
   for (std::size_t i = 0; i < part.size(); ++i) {
     const double angle = interior_angle(points, part, i);
-    if (angle > largest) {
+    if (angle > allowed[part[i]] + kRounding && angle > largest) {
       largest = angle;
       worst = i;
     }
@@ -120,11 +155,16 @@ double merit(std::span<const dvec2> points, const Part& part, std::size_t i, std
 // Cuts faces one after another.
 class Cutter {
  public:
-  explicit Cutter(const PolygonMesh& mesh) : mesh_(mesh) {
+  // `faces`: those that will be cut.
+  Cutter(const PolygonMesh& mesh, std::span<const std::int32_t> faces) : mesh_(mesh) {
+    std::vector<bool> is_theirs(static_cast<std::size_t>(mesh.vertex_count()));
+    for (const std::int32_t f : faces)
+      for (const std::int32_t v : mesh.face(f)) is_theirs[v] = true;
     for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
       const auto vertices = mesh.face(f);
       for (std::size_t i = 0; i < vertices.size(); ++i) {
-        edges_.insert(std::minmax(vertices[i], vertices[(i + 1) % vertices.size()]));
+        const std::int32_t own = vertices[i], next = vertices[(i + 1) % vertices.size()];
+        if (is_theirs[own] && is_theirs[next]) edges_.insert(std::minmax(own, next));
       }
     }
   }
@@ -132,15 +172,14 @@ class Cutter {
   // The parts of a face; some may still be concave, and `clean` is then false.
   std::vector<Part> cut(std::int32_t face, bool& clean) {
     const std::vector<dvec2> points = flat_points(mesh_, face);
-    Part whole(points.size());
-    for (std::size_t i = 0; i < whole.size(); ++i) whole[i] = i;
-    std::vector<Part> open{std::move(whole)}, done;
+    const std::vector<double> allowed = allowed_angles(points);
+    if (points.size() > kMostCorners) return cut_large(face, points, allowed, clean);
+    std::vector<Part> open{whole_face(points.size())}, done;
     while (!open.empty()) {
       const Part part = std::move(open.back());
       open.pop_back();
-      const std::size_t i = worst_corner(points, part);
-      const std::size_t j =
-          i == part.size() || part.size() > kMostCorners ? i : other_end(face, points, part, i);
+      const std::size_t i = worst_corner(points, allowed, part);
+      const std::size_t j = i == part.size() ? i : other_end(face, points, part, i);
       if (j == i) {
         clean = clean && i == part.size();
         done.push_back(part);
@@ -163,6 +202,16 @@ class Cutter {
   [[nodiscard]] std::pair<std::int32_t, std::int32_t> vertices_of(std::int32_t face, std::size_t a,
                                                                   std::size_t b) const {
     return std::minmax(mesh_.face(face)[a], mesh_.face(face)[b]);
+  }
+
+  std::vector<Part> cut_large(std::int32_t face, std::span<const dvec2> points,
+                              std::span<const double> allowed, bool& clean) {
+    std::vector<Part> parts = convex_parts(points, allowed, [&](std::size_t a, std::size_t b) {
+      return edges_.insert(vertices_of(face, a, b)).second;
+    });
+    for (const Part& part : parts)
+      clean = clean && worst_corner(points, allowed, part) == part.size();
+    return parts;
   }
 
   // The best corner to cut to from corner i; i where there is none.
@@ -221,9 +270,9 @@ std::vector<std::int32_t> concave_faces(const PolygonMesh& mesh) {
   std::vector<std::int32_t> faces;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if (!may_be_concave(mesh, f)) continue;
-    Part part(static_cast<std::size_t>(mesh.face_size(f)));
-    for (std::size_t i = 0; i < part.size(); ++i) part[i] = i;
-    if (worst_corner(flat_points(mesh, f), part) < part.size()) faces.push_back(f);
+    const std::vector<dvec2> points = flat_points(mesh, f);
+    const Part part = whole_face(points.size());
+    if (worst_corner(points, allowed_angles(points), part) < part.size()) faces.push_back(f);
   }
   return faces;
 }
@@ -242,10 +291,10 @@ ConvexMesh with_convex_faces(const PolygonMesh& mesh) {
     corners->clear();
   cut.hole_faces.clear();
   const std::set<std::int32_t> holes(mesh.hole_faces.begin(), mesh.hole_faces.end());
-  Cutter cutter(mesh);
+  Cutter cutter(mesh, concave);
   auto next = concave.begin();
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    std::vector<Part> parts(1);
+    std::vector<Part> parts;
     if (next != concave.end() && *next == f) {
       ++next;
       bool clean = true;
@@ -253,7 +302,7 @@ ConvexMesh with_convex_faces(const PolygonMesh& mesh) {
       if (parts.size() > 1) result.cut_faces.push_back(f);
       if (!clean) result.concave_faces.push_back(f);
     } else {
-      for (std::int32_t i = 0; i < mesh.face_size(f); ++i) parts[0].push_back(std::size_t(i));
+      parts.push_back(whole_face(static_cast<std::size_t>(mesh.face_size(f))));
     }
     for (const Part& part : parts) {
       if (holes.contains(f)) cut.hole_faces.push_back(cut.face_count());

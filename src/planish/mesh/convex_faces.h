@@ -16,14 +16,16 @@ struct ConvexMesh {
       concave_faces;  ///< the input's of which a part stayed concave; ascending
 };
 
-/// Faces with a corner that turns inward, by more than a few degrees, seen along their Newell
-/// normal; ascending. Doo-Sabin surfaces that interpolate fold beside such corners, because the
-/// face rule moves their control points out of the face.
+/// Faces with a corner that turns inward by more than 0.05 radians, or corners in a row that do by
+/// more than 0.1 together, seen along their Newell normal; ascending. Doo-Sabin surfaces that
+/// interpolate fold beside such corners, because the face rule moves their control points out of
+/// the face.
 [[nodiscard]] std::vector<std::int32_t> concave_faces(const PolygonMesh& mesh);
 
 /// Cuts those faces along diagonals until no corner turns inward. No vertex is added or moved and
-/// no diagonal runs where the mesh has an edge. Faces that cross themselves may stay as they are,
-/// as do those of more than 1000 corners. What rides on the mesh rides on.
+/// no diagonal runs where the mesh has an edge. Faces that cross themselves may stay as they are.
+/// Those of more than 32 corners are cut by convex_parts() instead of by the best diagonals, in
+/// time of the order of n log n. What rides on the mesh rides on.
 /// The mesh must pass check(). Throws Error{UnusableMesh} for indices out of range.
 [[nodiscard]] ConvexMesh with_convex_faces(const PolygonMesh& mesh);
 

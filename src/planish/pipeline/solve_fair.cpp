@@ -85,6 +85,7 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
   Callbacks round;
   std::optional<DeepLook> look;
   std::optional<CuredNets> nets;  // a device makes each net whole
+  std::optional<FairTopology> topology;
   const bool on_device = dynamic_cast<FairBuilder*>(&backend) != nullptr;
   return deeply_cured_net(
       {.make_net =
@@ -108,8 +109,8 @@ FairNet make_cured_net(const Fit& result, const PolygonMesh& mesh, const Subdivi
        },
        .choose_ellipses =
            [&](std::span<const std::uint8_t> flagged, FairDecisions& decisions) {
-             return choose_ellipses(make_fair_topology(mesh, subdivision), given, flagged,
-                                    decisions);
+             if (!topology) topology = make_fair_topology(mesh, subdivision);
+             return choose_ellipses(*topology, given, flagged, decisions);
            }});
 }
 

@@ -1,5 +1,5 @@
 // Based on: Bentley, "Multidimensional binary search trees used for associative searching", 1975.
-#include "planish/files/gltf/reflex_corners.h"
+#include "planish/mesh/reflex_corners.h"
 
 #include <algorithm>
 #include <bit>
