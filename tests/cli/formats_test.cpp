@@ -117,8 +117,10 @@ TEST_F(Formats, MaterialsOfAnObjComeAlong) {
   write("model/box.mtl",
         "# of hand\nnewmtl lid\nKd 0.1 0.2 0.3\nmap_Kd -s 2 2 1 -clamp on textures/my lid.png\n"
         "bump -bm 0.5 /abs/bump.png\nnewmtl unused\nKd 1 1 1\n");
-  const ProcessResult result = fit(box, {"-o", path("out/a.obj"), "--levels", "1"});
+  const ProcessResult result =
+      fit(box, {"-o", path("out/a.obj"), "--cage", path("out/c.obj"), "--levels", "1"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(read("out/c.mtl"), read("out/a.mtl"));
   EXPECT_THAT(result.err, testing::AllOf(HasSubstr("its materials are not there: "),
                                          HasSubstr("gone.mtl"), Not(HasSubstr("box.mtl"))));
   const std::string materials = read("out/a.mtl");
@@ -129,6 +131,9 @@ TEST_F(Formats, MaterialsOfAnObjComeAlong) {
   // In the same folder every line stays as it is.
   ASSERT_EQ(fit(box, {"-o", path("model/a.obj"), "--levels", "1"}).exit_code, 0);
   EXPECT_THAT(read("model/a.mtl"), HasSubstr("map_Kd -s 2 2 1 -clamp on textures/my lid.png\n"));
+  // Those of a cage alone, too.
+  ASSERT_EQ(fit(box, {"--cage", path("model/c.obj")}).exit_code, 0);
+  EXPECT_EQ(read("model/c.mtl"), read("model/a.mtl"));
   // Where no OBJ is written nobody misses them.
   EXPECT_THAT(fit(box, {"-o", path("out/a.ply")}).err, Not(HasSubstr("materials are not")));
 }

@@ -63,6 +63,20 @@ TEST_F(FitFilePlaces, SurfaceAndCageAreTwoFiles) {
   EXPECT_EQ(read_mesh(folder_ / "d.obj").mesh.face_count(), 6);
 }
 
+// A cage has the materials of its mesh, with textures as seen from where it stands.
+TEST_F(FitFilePlaces, ACageHasItsMaterials) {
+  fs::create_directory(folder_ / "cages");
+  std::ofstream(folder_ / "box.mtl") << "newmtl wood\nmap_Kd oak.png\n";
+  std::ifstream given(input_);
+  std::ofstream(folder_ / "box.obj") << "mtllib box.mtl\nusemtl wood\n" << given.rdbuf();
+  FitFileOptions options;
+  options.cage = folder_ / "cages" / "c.obj";
+  (void)fit_file(folder_ / "box.obj", folder_ / "b.ply", options);
+  std::ifstream made(folder_ / "cages" / "c.mtl");
+  const std::string text{std::istreambuf_iterator<char>(made), {}};
+  EXPECT_EQ(text, "newmtl wood\nmap_Kd ../oak.png\n");
+}
+
 // Properties of vertices: at given vertices as they are, linear between, also where repair copies
 // vertices (two cubes that share one) and drops some that no face names.
 TEST_F(FitFilePlaces, PropertiesOfVerticesComeOut) {

@@ -49,23 +49,23 @@ void write_mesh(const std::filesystem::path& path, FileFormat format, const Poly
   std::vector<NamedField> fields;
   for (const VertexAttribute& attribute : mesh.attributes)
     fields.push_back({attribute.name, attribute.values, attribute.width});
-  write_polygons(path, format,
-                 {.positions = mesh.positions,
-                  .normals = {},
-                  .face_offsets = mesh.face_offsets,
-                  .face_vertices = mesh.face_vertices,
-                  .creases = mesh.creases,
-                  .corners = mesh.corners,
-                  .uvs = mesh.uvs,
-                  .face_uvs = mesh.face_uvs,
-                  .colors = mesh.colors,
-                  .groups = mesh.groups,
-                  .face_groups = mesh.face_groups,
-                  .hole_faces = mesh.hole_faces,
-                  .fields = fields,
-                  .subdivision = options.subdivision,
-                  .is_z_up = options.is_z_up,
-                  .header = options.header});
+  const PolygonView view{.positions = mesh.positions,
+                         .normals = {},
+                         .face_offsets = mesh.face_offsets,
+                         .face_vertices = mesh.face_vertices,
+                         .creases = mesh.creases,
+                         .corners = mesh.corners,
+                         .uvs = mesh.uvs,
+                         .face_uvs = mesh.face_uvs,
+                         .colors = mesh.colors,
+                         .groups = mesh.groups,
+                         .face_groups = mesh.face_groups,
+                         .hole_faces = mesh.hole_faces,
+                         .fields = fields,
+                         .subdivision = options.subdivision,
+                         .is_z_up = options.is_z_up,
+                         .header = options.header};
+  write_polygons(path, format, view, {}, options.materials);
 }
 
 }  // namespace planish

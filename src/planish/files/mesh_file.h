@@ -57,6 +57,7 @@ struct MeshWriteOptions {
   std::vector<std::string> header;   ///< comment lines, without the comment sign
   CageSubdivision subdivision = {};  ///< for USD
   bool is_z_up = false;              ///< for USD
+  GivenMaterials materials;          ///< for OBJ
 };
 
 /// Writes OBJ, PLY (binary little endian, double), OFF or USD text through OutputFile; n-gons are

@@ -313,9 +313,10 @@ std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat forma
 }
 
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
-                             const PolygonView& view, const ByteObserver& observe) {
+                             const PolygonView& view, const ByteObserver& observe,
+                             const GivenMaterials& materials) {
   require_writable(view, visible(path));
-  return write_polygons(path, format, ViewSource(view), view.header, observe);
+  return write_polygons(path, format, ViewSource(view), view.header, observe, materials);
 }
 
 }  // namespace planish

@@ -125,7 +125,8 @@ struct GivenMaterials {
 /// indices and counts that do not fit each other, faces of fewer than 3 corners, numbers that are
 /// not finite and header lines that hold a line break.
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
-                             const PolygonView& view, const ByteObserver& observe = {});
+                             const PolygonView& view, const ByteObserver& observe = {},
+                             const GivenMaterials& materials = {});
 /// The same of polygons that are made as they are written.
 std::uint64_t write_polygons(const std::filesystem::path& path, FileFormat format,
                              const PolygonSource& source, std::span<const std::string> header,

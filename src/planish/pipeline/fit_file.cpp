@@ -232,9 +232,13 @@ FileFit fitted_asset(const GltfAsset& asset, const std::filesystem::path& output
 }
 
 void write_cage_of(const FittedMesh& fitted, std::optional<FileFormat> format,
-                   const FitFileOptions& options) {
+                   const FitFileOptions& options, const FileMaterials& materials) {
   if (!format) return;
-  write_mesh(options.cage, *format, control_cage(fitted.mesh, fitted.fit, fitted.options.sharp));
+  write_mesh(options.cage, *format, control_cage(fitted.mesh, fitted.fit, fitted.options.sharp),
+             {.header = {},
+              .subdivision = {},
+              .is_z_up = false,
+              .materials = {&materials.library, options.cage.parent_path()}});
 }
 
 // `how` with the method as it is settled.
@@ -270,6 +274,14 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
 
   const FormatInfo& to = info_of(output_format(output, FormatUse::WriteSurface));
+  RawVector<std::byte> bytes;
+  const bool to_gltf = to.is_gltf || to.format == FileFormat::Usda;
+  if (info_of(file.format).is_gltf && to_gltf) bytes = read_file(input, {});
+  const std::string name = visible(input);
+  const FileMaterials materials =
+      read_materials({.bytes = bytes, .name = name, .path = input}, file.format,
+                     to.format == FileFormat::Obj || cage_format == FileFormat::Obj, to_gltf);
+  for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
   if (to.is_brep) {
     SurfaceFileOptions step{options.level, options.z_up, share_of(callbacks, fit, 1)};
     step.step = options.step;
@@ -277,17 +289,9 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
     result.vertex_count = result.step->vertices;
     result.face_count = result.step->faces;
     result.byte_count = result.step->byte_count;
-    write_cage_of(result.fitted, cage_format, options);
+    write_cage_of(result.fitted, cage_format, options, materials);
     return result;
   }
-  RawVector<std::byte> bytes;
-  const bool to_gltf = to.is_gltf || to.format == FileFormat::Usda;
-  if (info_of(file.format).is_gltf && to_gltf) bytes = read_file(input, {});
-  const std::string name = visible(input);
-  const FileMaterials materials =
-      read_materials({.bytes = bytes, .name = name, .path = input}, file.format,
-                     to.format == FileFormat::Obj, to_gltf);
-  for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
   const SurfaceShares shares(
       {options.level, options.z_up, share_of(callbacks, fit, 1), &materials});
   const SurfaceLevel made = surface_level(result.fitted, backend, shares.making);
@@ -295,7 +299,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   result.face_count = made.blocks->info().face_count;
   result.byte_count =
       write_level(output, result.fitted, *made.blocks, visible(input.stem()), shares.writing);
-  write_cage_of(result.fitted, cage_format, options);
+  write_cage_of(result.fitted, cage_format, options, materials);
   return result;
 }
 

@@ -107,7 +107,7 @@ PolygonMesh tagged(PolygonMesh mesh, const Settings& settings, const std::string
 
 bool writes_obj(const Job& job) {
   return std::ranges::any_of(job.outputs, [](const OutputRequest& output) {
-    return output.kind == OutputKind::Surface && format_of(output.path) == FileFormat::Obj;
+    return format_of(output.path) == FileFormat::Obj;
   });
 }
 

@@ -233,7 +233,8 @@ WrittenOutput write_tiles_output(const PlannedOutput& planned, const std::filesy
 }
 
 WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesystem::path& target,
-                                const FittedMesh& whole, const JobReport& report) {
+                                const FittedMesh& whole, const MaterialLibrary& materials,
+                                const JobReport& report) {
   const Settings& settings = report.settings;
   const PolygonMesh& input = whole.mesh;
   const Fit& fitted = whole.fit;
@@ -243,7 +244,8 @@ WrittenOutput write_cage_output(const PlannedOutput& planned, const std::filesys
              {.header = cage_header_lines(settings, report.method, report.input.path,
                                           report.smoothed_vertices),
               .subdivision = subdivision_of(settings),
-              .is_z_up = settings.up == UpAxis::Z});
+              .is_z_up = settings.up == UpAxis::Z,
+              .materials = {&materials, planned.path.parent_path()}});
   WrittenOutput written;
   written.path = planned.path.string();
   written.kind = planned.kind;

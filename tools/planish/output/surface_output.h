@@ -51,11 +51,13 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
                                                const Settings& settings,
                                                const SurfaceOutputOptions& options);
 
-/// Writes the cage of a fitted mesh and measures how far its limit surface, recomputed in double,
+/// Writes the cage of a fitted mesh, with the materials of an OBJ's input, and measures how far its limit surface, recomputed in double,
 /// is from the mesh's vertices.
 [[nodiscard]] WrittenOutput write_cage_output(const PlannedOutput& planned,
                                               const std::filesystem::path& target,
-                                              const FittedMesh& whole, const JobReport& report);
+                                              const FittedMesh& whole,
+                                              const MaterialLibrary& materials,
+                                              const JobReport& report);
 
 /// max |a_i - b_i| over the shorter of both; infinite where one is not a number.
 [[nodiscard]] double largest_distance(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b);
