@@ -7,10 +7,8 @@
 #include <filesystem>
 #include <regex>
 #include <sstream>
-#include <thread>
 
-#include "cli/planish_process.h"
-#include "cli/test_files.h"
+#include "cli/needs.h"
 #include "job/forecast.h"
 #include "support/cut_quads.h"
 #include "support/meshes.h"
@@ -34,15 +32,6 @@ std::string obj_of(const PolygonMesh& mesh) {
   }
   return obj.str();
 }
-
-class Forecasts : public FolderTest {
- protected:
-  [[nodiscard]] ProcessResult fit(std::vector<std::string> arguments, bool measured = false) const {
-    arguments.insert(arguments.begin(), {"fit", "--device", "cpu"});
-    return run_planish(arguments,
-                       {.input = {}, .environment = {}, .folder = path(""), .measured = measured});
-  }
-};
 
 // "  would write  a.glb  (level 2, 96 quads, about 4.4 KiB)" -> bytes.
 double forecast_bytes(const std::string& text, const std::string& name) {
@@ -155,51 +144,6 @@ TEST_F(Forecasts, CagesHaveNoNormals) {
               HasSubstr("a.obj  (control cage, 16,384 vertices, 16,384 faces)"));
 }
 
-// "at most about 340.0 MiB".
-double forecast_memory(const std::string& text) {
-  std::smatch found;
-  if (!std::regex_search(text, found, std::regex("memory +at most about ([0-9.]+) (MiB|GiB)")))
-    return -1;
-  return std::stod(found[1]) * (found[2] == "GiB" ? 1024.0 : 1.0) * 1024 * 1024;
-}
-
-// The ends of "4 to 36 s".
-std::pair<double, double> forecast_seconds(const std::string& text) {
-  std::smatch found;
-  if (std::regex_search(text, found, std::regex("time +([0-9]+) to ([0-9]+) s")))
-    return {std::stod(found[1]), std::stod(found[2])};
-  if (std::regex_search(text, found, std::regex("time +under ([0-9]+) s")))
-    return {0, std::stod(found[1])};
-  return {0, -1};
-}
-
-class Needs : public Forecasts {
- protected:
-  void SetUp() override {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "sanitizers hold memory of their own";
-#endif
-  }
-  // What is said holds, and is not far off; seconds by their order of magnitude.
-  void expect_enough(std::vector<std::string> arguments) {
-    std::string name;
-    for (const std::string& argument : arguments) name += argument + " ";
-    arguments.emplace_back("-f");
-    std::vector<std::string> dry = arguments;
-    dry.emplace_back("--dry-run");
-    const std::string text = fit(dry).out;
-    const ProcessResult run = fit(arguments, true);
-    ASSERT_EQ(run.exit_code, 0) << name << run.err;
-    constexpr double kStart = 20 << 20;  // what any run takes
-    EXPECT_LE(run.peak_bytes, forecast_memory(text)) << name << text;
-    EXPECT_GE(2.5 * run.peak_bytes + kStart, forecast_memory(text)) << name << text;
-    const auto [least, most] = forecast_seconds(text);
-    const double threads = std::max(1u, std::thread::hardware_concurrency());
-    EXPECT_LE(run.cpu_seconds / threads, 3 * most) << name << text;
-    EXPECT_GE(3 * run.cpu_seconds, least) << name << text;
-  }
-};
-
 TEST_F(Needs, OfEveryFormatAndItsAttributes) {
   write("torus.obj", torus_obj(300));  // 1.4 million rows at level 2
   const std::string fields = "error,deviation,fold,curvature";
@@ -280,9 +224,10 @@ TEST(ForecastOf, CountsTheFitsThatAreMade) {
   const ReadyFit ready = prepare_fit(torus(20, 20, 1.0, 0.4), "torus");
   command::Settings settings;
   settings.interpolation = InterpolationChoice::Progressive;
-  const double one = command::forecast_of(ready, settings, {}, 0).seconds;
+  const command::MeshNeed need{&ready, nullptr};
+  const double one = command::forecast_of({&need, 1}, settings, {}, 0).seconds;
   settings.interpolation = InterpolationChoice::Auto;
-  EXPECT_DOUBLE_EQ(command::forecast_of(ready, settings, {}, 0).seconds, 2 * one);
+  EXPECT_DOUBLE_EQ(command::forecast_of({&need, 1}, settings, {}, 0).seconds, 2 * one);
   EXPECT_GT(one, 0);
 }
 

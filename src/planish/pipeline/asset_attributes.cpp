@@ -9,6 +9,7 @@
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/files/gltf/gltf_tangents.h"
 #include "planish/pipeline/attribute_fields.h"
@@ -35,8 +36,18 @@ void for_rows(const SurfaceBlocks& surface, const Of& of) {
 class AssetAttributes::Maker {
  public:
   Maker(AssetAttributes& made, const AssetMesh& mesh, const FittedMesh& fitted,
-        const SurfaceBlocks& surface, Backend& backend)
-      : made_(made), given_(mesh.vertices), fitted_(fitted), surface_(surface), backend_(backend) {}
+        const SurfaceBlocks& surface, Backend& backend, const Callbacks& callbacks)
+      : made_(made),
+        given_(mesh.vertices),
+        fitted_(fitted),
+        surface_(surface),
+        backend_(backend),
+        callbacks_(callbacks) {
+    for (const JointWeight& influence : given_.influences) channel_of_.try_emplace(influence.joint);
+    std::size_t channel = 0;
+    for (auto& [joint, number] : channel_of_) number = channel++;
+    solve_count_ = (channel_of_.size() + 2) / 3 + given_.targets.size();
+  }
 
   void add_uvs() {
     for (const std::vector<glm::dvec2>& set : given_.further_uvs) {
@@ -71,25 +82,20 @@ class AssetAttributes::Maker {
   }
 
   void add_joints() {
-    // Joints that move anything, three on a surface.
-    std::map<std::int32_t, std::size_t> channel_of;
-    for (const JointWeight& influence : given_.influences) channel_of.try_emplace(influence.joint);
+    // Three on a surface.
     std::vector<std::int32_t> joints;
-    for (auto& [joint, channel] : channel_of) {
-      channel = joints.size();
-      joints.push_back(joint);
-    }
+    for (const auto& [joint, channel] : channel_of_) joints.push_back(joint);
     std::vector<LinearSurface::Through> surfaces;
     for (std::size_t first = 0; first < joints.size(); first += 3) {
       std::vector<glm::dvec3> given(fitted_.mesh.positions.size(), glm::dvec3(0.0));
       for (std::size_t v = 0; v < given.size(); ++v) {
         for (const JointWeight& influence :
              given_.influences_of(static_cast<std::int64_t>(source(v)))) {
-          const std::size_t channel = channel_of[influence.joint];
+          const std::size_t channel = channel_of_.at(influence.joint);
           if (channel / 3 == first / 3) given[v][static_cast<int>(channel % 3)] += influence.weight;
         }
       }
-      surfaces.push_back(linear().through(given));
+      surfaces.push_back(linear().through(given, next_solve()));
     }
     write_joints(joints, surfaces);
   }
@@ -99,7 +105,7 @@ class AssetAttributes::Maker {
     for (std::size_t k = 0; k < given_.targets.size(); ++k) {
       std::vector<glm::dvec3> moves(fitted_.mesh.positions.size());
       for (std::size_t v = 0; v < moves.size(); ++v) moves[v] = given_.targets[k][source(v)];
-      const LinearSurface::Through moved = linear().moved(*base, moves);
+      const LinearSurface::Through moved = linear().moved(*base, moves, next_solve());
       const auto blocks = moved.surface->level(surface_.info().level);
       const std::string target = "target/" + std::to_string(k) + "/";
       std::vector<float>& positions = new_attribute(target + "POSITION", 3);
@@ -140,6 +146,12 @@ class AssetAttributes::Maker {
     if (!linear_) linear_ = std::make_unique<const LinearSurface>(fitted_, backend_);
     return *linear_;
   }
+  // Callbacks of the next of all solves.
+  [[nodiscard]] Callbacks next_solve() {
+    const double from = static_cast<double>(solved_) / static_cast<double>(solve_count_);
+    const double to = static_cast<double>(++solved_) / static_cast<double>(solve_count_);
+    return share_of(callbacks_, from, to);
+  }
   std::vector<float>& new_attribute(std::string name, int width, bool is_integer = false) {
     std::vector<float>& values = made_.values_.emplace_back();
     values.resize(static_cast<std::size_t>(width * surface_.info().row_count), 0.0f);
@@ -155,6 +167,9 @@ class AssetAttributes::Maker {
   const FittedMesh& fitted_;
   const SurfaceBlocks& surface_;
   Backend& backend_;
+  const Callbacks& callbacks_;
+  std::map<std::int32_t, std::size_t> channel_of_;  // of joints that move anything
+  std::size_t solve_count_ = 0, solved_ = 0;
   std::unique_ptr<const LinearSurface> linear_;
 };
 
@@ -209,7 +224,8 @@ void AssetAttributes::Maker::write_joints(const std::vector<std::int32_t>& joint
 
 AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted,
                                  const SurfaceBlocks& surface, Backend& backend,
-                                 const Callbacks& callbacks) {
+                                 const Callbacks& callbacks)
+    : name_(mesh.name) {
   const AssetVertices& given = mesh.vertices;
   std::vector<std::string> left_out = given.left_out;
   std::vector<glm::vec4> nothing(fitted.mesh.positions.size());
@@ -222,7 +238,7 @@ AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted
                     ": joints and morph targets are carried by levels of Doo-Sabin "
                     "surfaces only; take levels and that scheme, or merge the scene "
                     "(--asset merge)");
-  Maker maker(*this, mesh, fitted, surface, backend);
+  Maker maker(*this, mesh, fitted, surface, backend, callbacks);
   const auto add = [&](bool is_given, const std::string& name, const auto& make) {
     if (!is_given) return;
     if (has_rows) {
@@ -249,6 +265,8 @@ AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted
 }
 
 void AssetAttributes::add_to(GltfOptions& options) const {
+  options.name = name_;
+  options.origin = glm::dvec3(0.0);
   options.attributes = attributes_;
   options.uv_sets = uv_sets_;
   for (const std::vector<glm::dvec2>& set : uvs_) options.further_uvs.push_back(set);

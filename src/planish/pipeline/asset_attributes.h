@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <list>
+#include <string>
 #include <vector>
 
 #include "planish/backend/backend.h"
@@ -27,7 +28,8 @@ class AssetAttributes {
   AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted, const SurfaceBlocks& surface,
                   Backend& backend, const Callbacks& callbacks);
 
-  /// Of a surface that is written with them; this must outlive the options.
+  /// Of a surface that is written with them, under the mesh's name and about 0, since nodes place
+  /// it; this must outlive the options.
   void add_to(GltfOptions& options) const;
   /// The largest sum of a row's weights that found no place, and of those below 0; 0 to 1.
   [[nodiscard]] double largest_lost_weight() const { return lost_weight_; }
@@ -35,6 +37,7 @@ class AssetAttributes {
  private:
   class Maker;
 
+  std::string name_;
   std::list<std::vector<float>> values_;
   std::list<std::vector<glm::dvec2>> uvs_;
   std::vector<GltfAttribute> attributes_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@
 #include "planish/mesh/statistics.h"
 #include "planish/patches/patch_evaluator.h"
 #include "planish/pipeline/asset_attributes.h"
+#include "planish/pipeline/asset_parts.h"
 #include "planish/pipeline/attribute_fields.h"
 #include "planish/pipeline/make_ready.h"
 #include "planish/surface/doo_sabin_surface.h"
@@ -157,77 +159,73 @@ bool keeps_asset(const std::filesystem::path& input, const std::filesystem::path
          info_of(*to).is_gltf && !info_of(*to).is_tiles;
 }
 
-// A mesh of an asset with its surface.
+// A mesh of an asset on its way to its surface.
 struct AssetPart {
   AssetMesh mesh;
+  ReadyFit ready;
   FittedMesh fitted;
   SurfaceLevel level;
   std::unique_ptr<const AssetAttributes> attributes;
 };
 
-// As fit_mesh(); empty, with a warning, where several meshes are and no surface can be made of it.
-std::unique_ptr<AssetPart> fitted_part(const GltfAsset& asset, std::int64_t number,
-                                       const MeshFitOptions& how, Backend& backend,
-                                       const FitFileOptions& options) {
-  const bool is_one = asset.surfaces().size() == 1;
+// Of the time of an asset, when its meshes are ready, and when they are fitted.
+constexpr double kMeshesReady = 0.2;
+
+std::list<AssetPart> fitted_parts(const GltfAsset& asset, const MeshFitOptions& how,
+                                  Backend& backend, const FitFileOptions& options) {
   const std::string file(asset.file().name);
-  auto part = std::make_unique<AssetPart>();
-  part->mesh = asset.read(number);
-  try {
-    for (const Warning& warning : part->mesh.file.warnings) how.fit.callbacks.warn(warning);
-    part->fitted = fit_mesh(std::move(part->mesh.file.mesh),
-                            is_one ? file : file + ": " + part->mesh.name, backend, how);
-  } catch (const Error& error) {
-    if (is_one || error.code() != ErrorCode::UnusableMesh) throw;
-    how.fit.callbacks.warn({"kept-mesh",
-                            file + ": meshes[" + std::to_string(number) +
-                                "] stays as it is, no surface can be made of it: " + error.what(),
-                            1, number});
-    return nullptr;
-  }
-  part->fitted.split_normals = options.split_normals;
-  part->level = surface_level(part->fitted, backend, {options.level, options.z_up, {}});
-  part->attributes = std::make_unique<const AssetAttributes>(
-      part->mesh, part->fitted, *part->level.blocks, backend, how.fit.callbacks);
-  return part;
+  const Callbacks& whole = how.fit.callbacks;
+  const auto share = [&](MeshShare mesh, double from, double to) {
+    return share_of(whole, std::lerp(from, to, mesh.begin), std::lerp(from, to, mesh.end));
+  };
+  MeshSteps<AssetPart> steps;
+  steps.warn = [&](const Warning& warning) { whole.warn(warning); };
+  steps.prepare = [&](AssetPart& part, std::int64_t number, MeshShare of) {
+    part.mesh = asset.read(number);
+    for (const Warning& warning : part.mesh.file.warnings) whole.warn(warning);
+    MeshFitOptions one = how;
+    one.fit.callbacks = share(of, 0, kMeshesReady);
+    part.ready = prepare_fit(std::move(part.mesh.file.mesh),
+                             asset.surfaces().size() == 1 ? file : file + ": " + part.mesh.name,
+                             one);
+  };
+  steps.fit = [&](AssetPart& part, MeshShare of) {
+    // Most of it the fit; the rest what rides on the surface.
+    const Callbacks one = share(of, kMeshesReady, 1);
+    constexpr double kFitted = 0.8;
+    part.ready.options.fit.callbacks = share_of(one, 0, kFitted);
+    part.fitted = fit_prepared(std::move(part.ready), backend);
+    part.fitted.split_normals = options.split_normals;
+    part.level = surface_level(part.fitted, backend, {options.level, options.z_up, {}});
+    part.attributes = std::make_unique<const AssetAttributes>(
+        part.mesh, part.fitted, *part.level.blocks, backend, share_of(one, kFitted, 1));
+  };
+  return fit_meshes(asset, steps);
 }
 
 FileFit fitted_asset(const GltfAsset& asset, const std::filesystem::path& output,
                      const MeshFitOptions& how, Backend& backend, const FitFileOptions& options) {
-  const std::vector<std::int64_t>& numbers = asset.surfaces();
+  const Callbacks& whole = how.fit.callbacks;
   const double fitted_share = 1 / (1 + 0.1 * std::ldexp(1.0, 2 * options.level));
-  std::vector<std::unique_ptr<AssetPart>> parts;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    MeshFitOptions one = how;
-    const auto share = [&](std::size_t k) {
-      return fitted_share * static_cast<double>(k) / static_cast<double>(numbers.size());
-    };
-    one.fit.callbacks = share_of(how.fit.callbacks, share(i), share(i + 1));
-    if (auto part = fitted_part(asset, numbers[i], one, backend, options))
-      parts.push_back(std::move(part));
-  }
-  if (parts.empty())
-    throw Error(ErrorCode::UnusableMesh,
-                std::string(asset.file().name) + ": no surface can be made of any mesh");
+  MeshFitOptions fitting = how;
+  fitting.fit.callbacks = share_of(whole, 0, fitted_share);
+  std::list<AssetPart> parts = fitted_parts(asset, fitting, backend, options);
   std::vector<AssetSurface> surfaces;
   FileFit result;
-  for (const auto& part : parts) {
-    GltfOptions gltf = gltf_options(part->fitted, part->mesh.name, {options.level, false, {}});
-    gltf.origin = glm::dvec3(0.0);
-    part->attributes->add_to(gltf);
+  for (const AssetPart& part : parts) {
+    GltfOptions gltf = gltf_options(part.fitted, part.mesh.name, {options.level, false, {}});
+    part.attributes->add_to(gltf);
     surfaces.push_back(
-        {part->mesh.number, part->level.blocks.get(), &part->mesh.vertices, std::move(gltf)});
-    result.vertex_count += part->level.blocks->info().row_count;
-    result.face_count += part->level.blocks->info().face_count;
+        {part.mesh.number, part.level.blocks.get(), &part.mesh.vertices, std::move(gltf)});
+    result.vertex_count += part.level.blocks->info().row_count;
+    result.face_count += part.level.blocks->info().face_count;
   }
   GltfOptions common;
-  common.name = std::string(asset.file().name);
-  if (parts.size() == 1) common.extras = surfaces.front().options.extras;
-  common.callbacks = share_of(how.fit.callbacks, fitted_share, 1);
+  common.callbacks = share_of(whole, fitted_share, 1);
   result.byte_count = write_asset(output, output.parent_path(), asset, surfaces, common).byte_count;
-  result.fitted = std::move(parts.front()->fitted);
-  for (std::size_t i = 1; i < parts.size(); ++i)
-    result.further.push_back(std::move(parts[i]->fitted));
+  result.fitted = std::move(parts.front().fitted);
+  for (auto part = std::next(parts.begin()); part != parts.end(); ++part)
+    result.further.push_back(std::move(part->fitted));
   return result;
 }
 

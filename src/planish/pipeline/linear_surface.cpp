@@ -34,7 +34,8 @@ EvaluateOptions LinearSurface::options() const {
   return options;
 }
 
-LinearSurface::Through LinearSurface::through(std::span<const glm::dvec3> given) const {
+LinearSurface::Through LinearSurface::through(std::span<const glm::dvec3> given,
+                                              const Callbacks& callbacks) const {
   const UsedPart used = used_part(fitted_.mesh, fitted_.fit.prepared);
   RawVector<glm::dvec3> values(used.vertices.size());
   parallel_each(values.size(), kVertexGrain,
@@ -42,6 +43,8 @@ LinearSurface::Through LinearSurface::through(std::span<const glm::dvec3> given)
   InterpolationOptions interpolation;
   interpolation.tolerance = kTolerance;
   interpolation.spectral_bound = system_.spectral_bound;
+  interpolation.callbacks.progress = callbacks.progress;
+  interpolation.callbacks.cancelled = callbacks.cancelled;
   const Interpolation solved = interpolate(backend_, system_.masks.view(), values, interpolation);
   Through made;
   auto cage = std::make_unique<PolygonMesh>(fitted_.mesh);
@@ -54,8 +57,9 @@ LinearSurface::Through LinearSurface::through(std::span<const glm::dvec3> given)
 }
 
 LinearSurface::Through LinearSurface::moved(const DooSabinSurface& base,
-                                            std::span<const glm::dvec3> moves) const {
-  const Through by = through(moves);
+                                            std::span<const glm::dvec3> moves,
+                                            const Callbacks& callbacks) const {
+  const Through by = through(moves, callbacks);
   const auto size = static_cast<std::size_t>(base.patches().state_size());
   auto sum = std::make_unique<LevelOne>();
   sum->placement = base.placement();

@@ -27,9 +27,11 @@ class LinearSurface {
   };
 
   /// Through `given`, one per vertex of the mesh. Throws Error{Cancelled}.
-  [[nodiscard]] Through through(std::span<const glm::dvec3> given) const;
+  [[nodiscard]] Through through(std::span<const glm::dvec3> given,
+                                const Callbacks& callbacks = {}) const;
   /// The fitted surface, whatever its method, moved by that. `base` is the fitted one.
-  [[nodiscard]] Through moved(const DooSabinSurface& base, std::span<const glm::dvec3> moves) const;
+  [[nodiscard]] Through moved(const DooSabinSurface& base, std::span<const glm::dvec3> moves,
+                              const Callbacks& callbacks = {}) const;
 
  private:
   [[nodiscard]] EvaluateOptions options() const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <list>
+#include <numeric>
 #include <utility>
 
 #include "job/forecast.h"
@@ -14,6 +15,7 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/write_asset.h"
 #include "planish/pipeline/asset_attributes.h"
+#include "planish/pipeline/asset_parts.h"
 #include "terminal/interrupt.h"
 #include "terminal/text.h"
 
@@ -23,7 +25,9 @@ namespace {
 // A mesh of the asset on its way.
 struct AssetPart {
   AssetMesh mesh;
+  MeshShare share;
   JobInput made;
+  ReadyFit ready;
   JobReport report;
   PageJob no_page;
   std::unique_ptr<JobSurface> surface;
@@ -42,7 +46,15 @@ FittedJob job_of(const AssetJob& work, AssetPart& part) {
           part.made, part.report,  work.staged,  part.no_page};
 }
 
-void fit_part(const AssetJob& work, AssetPart& part) {
+void prepare_part(const AssetJob& work, AssetPart& part, std::int64_t number) {
+  part.report = {.job = work.report.job,
+                 .label = work.report.label,
+                 .input = work.report.input,
+                 .device = work.report.device,
+                 .settings = work.report.settings};
+  part.mesh = timed(part.report.timing.read, [&] { return work.asset.read(number); });
+  if (work.asset.surfaces().size() > 1)
+    part.report.label = named_message(work.report.label, part.mesh.name);
   part.made.input = {.name = part.report.label.empty() ? work.file.name : part.report.label,
                      .file = std::move(part.mesh.file),
                      .sha256 = {}};
@@ -53,12 +65,13 @@ void fit_part(const AssetJob& work, AssetPart& part) {
   part.report.input.dropped = file.dropped_element_count;
   part.report.input.file_vertices = file.mesh.vertex_count();
   part.report.input.file_faces = file.mesh.face_count();
-  ReadyFit ready = timed(part.report.timing.check, [&] {
-    ReadyFit prepared = prepare_input(part.made, work.outputs, part.report, work.context);
-    require_memory_for(prepared, work.job.settings, work.outputs);
-    return prepared;
+  part.ready = timed(part.report.timing.check, [&] {
+    return prepare_input(part.made, work.outputs, part.report, work.context);
   });
-  fit_input(part.made, std::move(ready), work.backend, {}, part.report, work.context);
+}
+
+void fit_part(const AssetJob& work, AssetPart& part) {
+  fit_input(part.made, std::move(part.ready), work.backend, {}, part.report, work.context);
   // Of several, what has none on one has on another.
   if (work.asset.surfaces().size() == 1)
     warn_of_unused_settings(work.job, part.made, part.report, work.context.console);
@@ -66,50 +79,52 @@ void fit_part(const AssetJob& work, AssetPart& part) {
                                               callbacks_for(part.report, work.context));
 }
 
-// Reads and fits all that can be; several may lose some.
+// Progress of a mesh while it lives.
+JobProgress::Part part_of(const AssetJob& work, const MeshShare& share) {
+  return {work.context.progress, share.begin, share.end};
+}
+
 std::list<AssetPart> fit_parts(const AssetJob& work) {
-  const std::vector<std::int64_t>& numbers = work.asset.surfaces();
-  const bool is_one = numbers.size() == 1;
-  std::list<AssetPart> parts;
-  for (const std::int64_t number : numbers) {
+  MeshSteps<AssetPart> steps;
+  steps.warn = [&](const Warning& warning) {
+    add_warning(work.report, work.context.console, warning);
+  };
+  steps.prepare = [&](AssetPart& part, std::int64_t number, MeshShare share) {
     check_interrupt();
-    AssetPart& part = parts.emplace_back();
-    part.report = {.job = work.report.job,
-                   .label = work.report.label,
-                   .input = work.report.input,
-                   .device = work.report.device,
-                   .settings = work.report.settings};
-    try {
-      part.mesh = timed(part.report.timing.read, [&] { return work.asset.read(number); });
-      if (!is_one) part.report.label = named_message(work.report.label, part.mesh.name);
-      fit_part(work, part);
-    } catch (const Error& error) {
-      if (is_one || error.code() != ErrorCode::UnusableMesh) throw;
-      parts.pop_back();
-      add_warning(work.report, work.context.console,
-                  {"kept-mesh",
-                   work.file.name + ": meshes[" + std::to_string(number) +
-                       "] stays as it is, no surface can be made of it: " + error.what(),
-                   1, number});
-    }
-  }
-  if (parts.empty())
-    throw Error(ErrorCode::UnusableMesh, work.file.name + ": no surface can be made of any mesh");
-  return parts;
+    const auto progress = part_of(work, share);
+    part.share = share;
+    prepare_part(work, part, number);
+  };
+  steps.require = [&](const std::list<AssetPart>& parts) {
+    std::vector<MeshNeed> needs;
+    for (const AssetPart& part : parts) needs.push_back({&part.ready, &part.mesh.vertices});
+    require_memory_for(needs, work.job.settings, work.outputs);
+  };
+  steps.fit = [&](AssetPart& part, MeshShare share) {
+    check_interrupt();
+    const auto progress = part_of(work, share);
+    fit_part(work, part);
+  };
+  return fit_meshes(work.asset, steps);
 }
 
 std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts,
                                const Fineness& fineness) {
   std::list<PartLevel> levels;
   for (AssetPart& part : parts) {
+    // Solves of joints and targets take as long as the surface.
+    const double half = std::midpoint(part.share.begin, part.share.end);
+    const double made_at = part.mesh.vertices.moves() ? half : part.share.end;
     const FittedJob job = job_of(work, part);
     PartLevel& made = levels.emplace_back();
     made.options = surface_options(job);
-    made.options.gltf.name = part.mesh.name;
-    made.options.gltf.origin = glm::dvec3(0.0);  // which nodes would carry
     made.options.may_be_scaled = work.asset.may_be_scaled(part.mesh.number);
-    made.level = std::make_unique<JobLevel>(
-        surface_of(job, *part.surface, fineness, made.fields, made.options));
+    {
+      const auto progress = part_of(work, {part.share.begin, made_at});
+      made.level = std::make_unique<JobLevel>(
+          surface_of(job, *part.surface, fineness, made.fields, made.options));
+    }
+    const auto progress = part_of(work, {made_at, part.share.end});
     made.attributes = timed(part.report.timing.evaluate, [&] {
       return std::make_unique<const AssetAttributes>(part.mesh, part.made.fitted,
                                                      made.level->blocks(), work.backend,
@@ -120,14 +135,6 @@ std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts
         std::max(part.report.lost_joint_weight, made.attributes->largest_lost_weight());
   }
   return levels;
-}
-
-// What is said of all meshes in the file.
-GltfOptions common_options(const AssetJob& work, const std::list<PartLevel>& levels) {
-  GltfOptions common = levels.front().options.gltf;
-  common.name = work.report.input.path;
-  if (levels.size() > 1) common.extras.clear();
-  return common;
 }
 
 void write_level(const AssetJob& work, const PlannedOutput& planned, std::list<AssetPart>& parts,
@@ -154,7 +161,9 @@ void write_level(const AssetJob& work, const PlannedOutput& planned, std::list<A
   written.path = planned.path.string();
   written.kind = planned.kind;
   written.fineness = planned.fineness;
-  GltfOptions common = common_options(work, levels);
+  GltfOptions common;
+  common.name = work.report.input.path;
+  common.callbacks = callbacks_for(work.report, work.context);
   Sha256 digest;
   common.observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); };
   if (planned.to_stdout) {

@@ -9,6 +9,7 @@
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_polygons.h"
+#include "planish/pipeline/asset_parts.h"
 #include "planish/pipeline/option_table.h"
 #include "terminal/text.h"
 
@@ -128,8 +129,9 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   const ReadyFit ready = expected_ready(planned, std::move(input));
   const FittedMesh& fitted = expected_fit(ready).fitted;
   const PolygonMesh& mesh = fitted.mesh;
-  const Forecast forecast = forecast_of(ready, settings, planned.outputs, page_bytes);
-  require_memory_for(ready, settings, planned.outputs);
+  const MeshNeed need{&ready, nullptr};
+  const Forecast forecast = forecast_of({&need, 1}, settings, planned.outputs, page_bytes);
+  require_memory_for({&need, 1}, settings, planned.outputs);
   std::string text =
       "would fit " + name + ": " +
       counts_text(vertices, faces, mesh.vertex_count(), mesh.face_count(), fitted.paired_count) +
@@ -143,43 +145,38 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
   return text + needs_text(forecast);
 }
 
-// All meshes are held at once, and what is no mesh is written as it is.
 std::string describe_asset(const PlannedJob& planned, const InputFile& file, const GltfAsset& asset,
                            const DeviceDescription& device, const PathClaims& claims) {
-  Forecast all;
-  all.outputs.resize(planned.outputs.size());
-  std::int64_t vertices = 0, faces = 0, kept = 0;
-  for (const std::int64_t number : asset.surfaces()) {
-    AssetMesh mesh = asset.read(number);
-    vertices += mesh.file.mesh.vertex_count();
-    faces += mesh.file.mesh.face_count();
-    try {
-      const ReadyFit ready =
-          expected_ready(planned, {.name = file.name, .file = std::move(mesh.file), .sha256 = {}});
-      const Forecast one = forecast_of(ready, planned.job.settings, planned.outputs, 0);
-      all.peak_bytes += one.peak_bytes;
-      all.seconds += one.seconds;
-      for (std::size_t i = 0; i < one.outputs.size(); ++i) {
-        all.outputs[i].vertices += one.outputs[i].vertices;
-        all.outputs[i].faces += one.outputs[i].faces;
-        const auto rows = static_cast<std::uint64_t>(one.outputs[i].vertices);
-        all.outputs[i].bytes = all.outputs[i].bytes.value_or(file.bytes.size()) +
-                               one.outputs[i].bytes.value_or(0) +
-                               rows * mesh.vertices.bytes_of_vertex();
-      }
-    } catch (const Error& error) {
-      if (asset.surfaces().size() == 1 || error.code() != ErrorCode::UnusableMesh) throw;
-      ++kept;
-    }
-  }
+  struct Part {
+    AssetMesh mesh;
+    ReadyFit ready;
+  };
+  std::int64_t vertices = 0, faces = 0;
+  Forecast forecast;
+  MeshSteps<Part> steps;
+  steps.warn = [](const Warning&) {};
+  steps.prepare = [&](Part& part, std::int64_t number, MeshShare) {
+    part.mesh = asset.read(number);
+    vertices += part.mesh.file.mesh.vertex_count();
+    faces += part.mesh.file.mesh.face_count();
+    part.ready = expected_ready(
+        planned, {.name = file.name, .file = std::move(part.mesh.file), .sha256 = {}});
+  };
+  steps.require = [&](std::list<Part>& parts) {
+    std::vector<MeshNeed> needs;
+    for (const Part& part : parts) needs.push_back({&part.ready, &part.mesh.vertices});
+    forecast = forecast_of(needs, planned.job.settings, planned.outputs, 0, asset.byte_count());
+    require_memory_for(needs, planned.job.settings, planned.outputs);
+  };
+  steps.fit = [](Part&, MeshShare) {};
+  const auto kept = asset.surfaces().size() - fit_meshes(asset, steps).size();
   std::string text =
       "would fit " + file.name + ": " + counted(std::ssize(asset.surfaces()), "mesh") +
-      (kept > 0 ? " (" + with_separators(kept) + " would stay as it is)" : "") + ", " +
+      (kept > 0 ? " (" + with_separators(static_cast<std::int64_t>(kept)) + " would stay as it is)" : "") + ", " +
       counted(vertices, "vertex") + ", " + counted(faces, "face") + "\n" + device_line(device) +
       "  solve        " + solve_text(planned.job.settings, planned.outputs) + ", for each mesh\n";
-  // What is no mesh is at most the file again.
-  text += outputs_text(planned, {}, all, claims);
-  return text + needs_text(all);
+  text += outputs_text(planned, {}, forecast, claims);
+  return text + needs_text(forecast);
 }
 
 std::string describe(const PlannedJob& planned, const DeviceDescription& device,

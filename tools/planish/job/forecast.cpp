@@ -1,6 +1,8 @@
 #include "job/forecast.h"
 
 #include <algorithm>
+#include <array>
+#include <set>
 #include <span>
 #include <thread>
 
@@ -69,9 +71,12 @@ std::uint64_t packing_bytes(const LevelCounts& level) {
   const auto vertices = static_cast<std::uint64_t>(level.vertices);
   const auto faces = static_cast<std::uint64_t>(level.faces);
   if (level.faces <= kPackedFaces) return 48 * (vertices + faces);
+  return 20 * vertices + 24 * faces;
+}
+
+std::uint64_t packed_blocks_bytes() {
   constexpr std::uint64_t kBlockBytes = 100'000'000;
-  return 20 * vertices + 24 * faces +
-         kBlockBytes * std::max(1u, std::thread::hardware_concurrency());
+  return kBlockBytes * std::max(1u, std::thread::hardware_concurrency());
 }
 
 // The mesh and what its fits take, by corners of the mesh before triangles are joined: where the
@@ -85,25 +90,90 @@ std::uint64_t solve_bytes(std::int64_t corners, bool makes_both, const Settings&
                               : settings.interpolation == InterpolationChoice::Progressive
                                   ? kProgressiveBytes
                                   : kFairBytes;
-  return kStartBytes + bytes * static_cast<std::uint64_t>(corners);
+  return bytes * static_cast<std::uint64_t>(corners);
 }
 
-// What a job holds at its peak. Doo-Sabin surfaces go by blocks to who writes them, but for those
-// who need neighbours: values of vertices.
-std::uint64_t held_bytes(const RefinedAttributes& attributes,
-                         const std::vector<LevelCounts>& levels, std::uint64_t solve,
-                         const Settings& settings) {
-  const LastLevel last = settings.scheme != Scheme::DooSabin ? LastLevel::Full
-                         : settings.attributes.any()         ? LastLevel::None
-                                                             : LastLevel::Blocks;
-  std::uint64_t surface = tessellation_bytes(levels, last, attributes);
-  // Fields, and what they are made from: who is a vertex's neighbour.
-  constexpr std::uint64_t kFieldBytes = 120;
-  if (settings.attributes.any())
-    surface += kFieldBytes * static_cast<std::uint64_t>(levels.back().vertices);
-  if (settings.compression != GltfCompression::None) surface += packing_bytes(levels.back());
-  return std::max(solve, surface + solve / 4);
+// What rides on a mesh of an asset: as it was given, at the surface's rows, and what its rows are
+// made from meanwhile.
+struct RideBytes {
+  std::uint64_t given = 0, rows = 0, making = 0;
+};
+
+RideBytes ride_bytes(const AssetVertices& vertices, std::uint64_t row_count,
+                     std::uint64_t corner_count) {
+  constexpr std::uint64_t kUv = sizeof(glm::dvec2), kPoint = sizeof(glm::dvec3), kFloat = 4;
+  RideBytes bytes;
+  const std::uint64_t targets = vertices.targets.size();
+  const auto sets = static_cast<std::uint64_t>(vertices.joint_sets);
+  for (const auto& set : vertices.further_uvs) bytes.given += kUv * set.size();
+  for (const AssetArray& array : vertices.arrays) bytes.given += kFloat * array.values.size();
+  for (const auto& target : vertices.targets) bytes.given += kPoint * target.size();
+  bytes.given += sizeof(JointWeight) * (vertices.influences.size() + vertices.first_influence.size());
+  std::uint64_t row = kUv * vertices.further_uvs.size() + 2 * 4 * kFloat * sets + 6 * kFloat * targets;
+  for (const AssetArray& array : vertices.arrays) row += kFloat * static_cast<std::uint64_t>(array.width);
+  if (vertices.has_tangents()) row += kUv + 4 * kFloat;
+  bytes.rows = row * row_count;
+  if (!vertices.moves()) return bytes;
+  // B, and surfaces: one of three joints each, all at once; of a target.
+  constexpr std::uint64_t kSystemBytes = 150, kThroughBytes = 160, kTargetSurfaces = 3;
+  std::set<std::int32_t> joints;
+  for (const JointWeight& influence : vertices.influences) joints.insert(influence.joint);
+  const std::uint64_t surfaces =
+      std::max<std::uint64_t>((joints.size() + 2) / 3, targets > 0 ? kTargetSurfaces : 0);
+  bytes.making = (kSystemBytes + kThroughBytes * surfaces) * corner_count;
+  return bytes;
 }
+
+LastLevel last_level(const Settings& settings) {
+  if (settings.scheme != Scheme::DooSabin) return LastLevel::Full;
+  return settings.attributes.any() ? LastLevel::None : LastLevel::Blocks;
+}
+
+// What the meshes of a job hold at its peak. They are solved one after another beside what is kept
+// of all; then their surfaces are held together. Doo-Sabin surfaces go by blocks to who writes
+// them, but for those who need neighbours: values of vertices.
+class HeldBytes {
+ public:
+  explicit HeldBytes(const Settings& settings)
+      : settings_(settings), last_(last_level(settings)), fixed_(tessellation_bytes(kNothing, last_)) {}
+
+  void add(const RefinedAttributes& attributes, const MeshCounts& counts, int last_level,
+           std::uint64_t solve, const AssetVertices* rides = nullptr) {
+    const std::vector<LevelCounts> levels = levels_to(counts, settings_.scheme, last_level);
+    const LevelCounts& level = levels.back();
+    const auto rows = static_cast<std::uint64_t>(level.vertices);
+    std::uint64_t surface = tessellation_bytes(levels, last_, attributes) - fixed_;
+    // Fields, and what they are made from: who is a vertex's neighbour.
+    constexpr std::uint64_t kFieldBytes = 120;
+    if (settings_.attributes.any()) surface += kFieldBytes * rows;
+    if (settings_.compression != GltfCompression::None) {
+      surface += packing_bytes(level);
+      if (level.faces > kPackedFaces) packing_ = packed_blocks_bytes();
+    }
+    std::uint64_t kept = solve / kKeptOfSolve;
+    if (rides != nullptr) {
+      const RideBytes bytes = ride_bytes(*rides, rows, static_cast<std::uint64_t>(counts.corners));
+      kept += bytes.given;
+      surface += bytes.rows;
+      making_ = std::max(making_, bytes.making);
+    }
+    kept_ += kept;
+    surfaces_ += surface;
+    solve_ = std::max(solve_, solve - solve / kKeptOfSolve);
+  }
+  [[nodiscard]] std::uint64_t peak() const {
+    return kept_ + std::max(kStartBytes + solve_, kStartBytes / kKeptOfSolve + fixed_ + surfaces_ +
+                                                      std::max(making_, packing_));
+  }
+
+ private:
+  static constexpr std::uint64_t kKeptOfSolve = 4;
+  static constexpr std::array<LevelCounts, 2> kNothing{};
+
+  const Settings& settings_;
+  LastLevel last_;
+  std::uint64_t fixed_, kept_ = 0, surfaces_ = 0, solve_ = 0, making_ = 0, packing_ = 0;
+};
 
 int highest_level(const std::vector<PlannedOutput>& outputs) {
   int level = 1;  // where the surface is measured
@@ -129,9 +199,9 @@ const LevelCounts& page_counts(const std::vector<LevelCounts>& levels, std::uint
   return levels[level];
 }
 
-// What any job with these numbers of elements takes; those of files aside that curvature decides.
-Forecast forecast_by_counts(const MeshCounts& counts, const RefinedAttributes& attributes,
-                            std::uint64_t solve, const Settings& settings,
+// What any job with these numbers of elements takes, of memory beside HeldBytes; of files those
+// aside that curvature decides.
+Forecast forecast_by_counts(const MeshCounts& counts, const Settings& settings,
                             const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
   int finest = kPageLevel;
   for (const PlannedOutput& output : outputs) finest = std::max(finest, output.fineness.level);
@@ -139,7 +209,6 @@ Forecast forecast_by_counts(const MeshCounts& counts, const RefinedAttributes& a
   const std::span<const LevelCounts> all(levels);
   Forecast forecast;
   double points = 0;
-  std::uint64_t beside = 0;  // the held surface
   for (const PlannedOutput& output : outputs) {
     OutputForecast& file = forecast.outputs.emplace_back();
     if (output.fineness.is_adaptive()) continue;
@@ -156,20 +225,18 @@ Forecast forecast_by_counts(const MeshCounts& counts, const RefinedAttributes& a
     }
     points += static_cast<double>(file.vertices);
     if (is_tiles)
-      beside = std::max(beside, kTileVertexBytes * static_cast<std::uint64_t>(std::min(
-                                                       settings.tile_vertices, file.vertices)));
+      forecast.peak_bytes = std::max(
+          forecast.peak_bytes, kTileVertexBytes * static_cast<std::uint64_t>(std::min(
+                                                      settings.tile_vertices, file.vertices)));
   }
   double seconds = kPointSeconds * points;
   if (page_bytes > 0) {
     const std::int64_t vertices = page_counts(levels, page_bytes).vertices;
-    beside += kStillBytes + kPageVertexBytes * static_cast<std::uint64_t>(vertices);
+    forecast.peak_bytes += kStillBytes + kPageVertexBytes * static_cast<std::uint64_t>(vertices);
     seconds += kPageSeconds * static_cast<double>(vertices);
   }
   const double fits = chooses_by_measurement(settings, outputs) ? 2 : 1;
   seconds += kVertexSeconds * fits * static_cast<double>(levels[0].vertices);
-  forecast.peak_bytes =
-      beside + held_bytes(attributes, levels_to(counts, settings.scheme, highest_level(outputs)),
-                          solve, settings);
   forecast.seconds = 1e-6 * seconds;
   return forecast;
 }
@@ -181,21 +248,26 @@ std::uint64_t solve_bytes(const ReadyFit& ready, const Settings& settings) {
 
 double thread_count() { return std::max(1u, std::thread::hardware_concurrency()); }
 
-}  // namespace
+const FittedMesh& expected_mesh(const MeshNeed& mesh) { return expected_fit(*mesh.ready).fitted; }
 
-const ReadyFit& expected_fit(const ReadyFit& ready) {
-  return ready.paired && ready.is_plainly_halved ? *ready.paired : ready;
+std::uint64_t held_bytes(std::span<const MeshNeed> meshes, const Settings& settings, int level) {
+  HeldBytes held(settings);
+  for (const MeshNeed& mesh : meshes) {
+    const FittedMesh& expected = expected_mesh(mesh);
+    held.add(RefinedAttributes::of(expected.mesh), mesh_counts_of(*expected.options.prepared),
+             level, solve_bytes(*mesh.ready, settings), mesh.vertices);
+  }
+  return held.peak();
 }
 
-Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
-                     const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
-  const FittedMesh& expected = expected_fit(ready).fitted;
+// One mesh's, its memory beside HeldBytes.
+Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
+                          const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
+  const FittedMesh& expected = expected_mesh(need);
   const PolygonMesh& mesh = expected.mesh;
   const PreparedMesh& prepared = *expected.options.prepared;
   const auto attributes = RefinedAttributes::of(mesh);
-  Forecast forecast =
-      forecast_by_counts(mesh_counts_of(prepared), attributes, solve_bytes(ready, settings),
-                         settings, outputs, page_bytes);
+  Forecast forecast = forecast_by_counts(mesh_counts_of(prepared), settings, outputs, page_bytes);
   WrittenShape shape = written_shape(mesh, prepared);
   shape.property_count = static_cast<std::size_t>(attributes.numbers);
   const bool triangles = settings.scheme == Scheme::Loop;
@@ -213,24 +285,57 @@ Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
           level_of(outputs[i], settings), {file.vertices, 0, file.faces}, triangles};
       file.bytes = output_bytes(shape, written, outputs[i], settings);
       file.vertices = written_vertices(shape, written, outputs[i].kind);
+      if (need.vertices != nullptr && file.bytes)
+        *file.bytes +=
+            static_cast<std::uint64_t>(file.vertices) * need.vertices->bytes_of_vertex();
     }
   }
   const std::uint64_t triangle_bytes = attributes.uvs ? kBendUvBytes : kBendBytes;
   forecast.peak_bytes += triangle_bytes * static_cast<std::uint64_t>(most);
-  forecast.seconds = (forecast.seconds + 1e-6 * kBendSeconds * bends) / thread_count();
+  forecast.seconds += 1e-6 * kBendSeconds * bends;
   return forecast;
+}
+
+}  // namespace
+
+const ReadyFit& expected_fit(const ReadyFit& ready) {
+  return ready.paired && ready.is_plainly_halved ? *ready.paired : ready;
+}
+
+Forecast forecast_of(std::span<const MeshNeed> meshes, const Settings& settings,
+                     const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes,
+                     std::uint64_t asset_bytes) {
+  Forecast all;
+  all.outputs.resize(outputs.size());
+  all.peak_bytes = asset_bytes + held_bytes(meshes, settings, highest_level(outputs));
+  for (const MeshNeed& mesh : meshes) {
+    const Forecast one = forecast_of_mesh(mesh, settings, outputs, page_bytes);
+    all.peak_bytes += one.peak_bytes;
+    all.seconds += one.seconds / thread_count();
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      OutputForecast& file = all.outputs[i];
+      file.vertices += one.outputs[i].vertices;
+      file.faces += one.outputs[i].faces;
+      if (one.outputs[i].bytes) file.bytes = file.bytes.value_or(0) + *one.outputs[i].bytes;
+    }
+  }
+  // What is no mesh is at most the file again.
+  for (OutputForecast& file : all.outputs)
+    if (file.bytes) *file.bytes += asset_bytes;
+  return all;
 }
 
 Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
                             const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
   // A closed mesh of triangles has twice as many faces as vertices; pairs of them are quads.
   const MeshCounts counts{{point_count, 3 * point_count, 2 * point_count}, 6 * point_count};
-  Forecast forecast = forecast_by_counts(counts, {}, solve_bytes(counts.corners, false, settings),
-                                         settings, outputs, page_bytes);
+  Forecast forecast = forecast_by_counts(counts, settings, outputs, page_bytes);
+  HeldBytes held(settings);
+  held.add({}, counts, highest_level(outputs), solve_bytes(counts.corners, false, settings));
   forecast.outputs.assign(outputs.size(), {});
   const std::uint64_t meshing =
       kCloudFixedBytes + kCloudPointBytes * static_cast<std::uint64_t>(point_count);
-  forecast.peak_bytes = std::max(forecast.peak_bytes, meshing);
+  forecast.peak_bytes = std::max(forecast.peak_bytes + held.peak(), meshing);
   for (const PlannedOutput& output : outputs)
     if (output.fineness.is_adaptive()) forecast.peak_bytes = 0;
   forecast.seconds =
@@ -238,24 +343,21 @@ Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
   return forecast;
 }
 
-void require_memory_for(const ReadyFit& ready, const Settings& settings,
+void require_memory_for(std::span<const MeshNeed> meshes, const Settings& settings,
                         const std::vector<PlannedOutput>& outputs) {
   const int wanted = highest_level(outputs);
-  const FittedMesh& expected = expected_fit(ready).fitted;
-  const MeshCounts counts = mesh_counts_of(*expected.options.prepared);
+  for (const MeshNeed& mesh : meshes)
+    require_indices(levels_to(mesh_counts_of(*expected_mesh(mesh).options.prepared),
+                              settings.scheme, wanted));
   const std::uint64_t free = available_memory_bytes();
-  require_indices(levels_to(counts, settings.scheme, wanted));
-  const auto need = [&](int level) {
-    const std::vector<LevelCounts> levels = levels_to(counts, settings.scheme, level);
-    return held_bytes(RefinedAttributes::of(expected.mesh), levels, solve_bytes(ready, settings),
-                      settings);
-  };
+  const auto need = [&](int level) { return held_bytes(meshes, settings, level); };
   const std::uint64_t needed = need(wanted);
   if (needed <= free) return;
   int fitting = wanted - 1;
   while (fitting >= 0 && need(fitting) > free) --fitting;
+  const std::string of = meshes.size() == 1 ? "" : " of " + counted(std::ssize(meshes), "mesh");
   throw Error(ErrorCode::OutOfMemory,
-              "level " + std::to_string(wanted) + " needs about " + byte_size(needed) +
+              "level " + std::to_string(wanted) + of + " needs about " + byte_size(needed) +
                   " of memory where " + byte_size(free) + " are free; " +
                   (fitting < 0 ? "no level fits"
                                : "--levels " + std::to_string(fitting) + " fits (" +

@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "job/job.h"
+#include "planish/files/gltf/asset/asset_vertices.h"
 #include "planish/pipeline/fit_mesh.h"
 
 namespace planish::command {
@@ -28,10 +30,18 @@ struct Forecast {
 /// where measurement will tell, with all of them, of which there are more.
 [[nodiscard]] const ReadyFit& expected_fit(const ReadyFit& ready);
 
-/// `page_bytes` is the limit of a page's size, 0 where no page is made. `ready` can be fitted.
-[[nodiscard]] Forecast forecast_of(const ReadyFit& ready, const Settings& settings,
+/// A mesh that is to be fitted, with what else an asset says of its vertices.
+struct MeshNeed {
+  const ReadyFit* ready = nullptr;  ///< which can be fitted
+  const AssetVertices* vertices = nullptr;
+};
+
+/// `page_bytes` is the limit of a page's size, 0 where no page is made. Meshes of an asset are
+/// fitted one after another and held until their surfaces are in the file; `asset_bytes` are the
+/// asset's own.
+[[nodiscard]] Forecast forecast_of(std::span<const MeshNeed> meshes, const Settings& settings,
                                    const std::vector<PlannedOutput>& outputs,
-                                   std::uint64_t page_bytes);
+                                   std::uint64_t page_bytes, std::uint64_t asset_bytes = 0);
 
 /// Of a job on so many points: what it would take if their mesh went through all of them; nothing
 /// of the files. Without a peak where an output's fineness asks for the mesh.
@@ -41,7 +51,7 @@ struct Forecast {
 
 /// Throws Error{OutOfMemory} where the levels asked for need more than the machine has free, naming
 /// the need and the highest level that fits.
-void require_memory_for(const ReadyFit& ready, const Settings& settings,
+void require_memory_for(std::span<const MeshNeed> meshes, const Settings& settings,
                         const std::vector<PlannedOutput>& outputs);
 
 }  // namespace planish::command

@@ -63,6 +63,7 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
   if (job.sampling) steps.push_back({"sample", 4});
   if (job.sampling || may_be_points(job)) steps.push_back({"points", 80});
   if (!job.source.empty()) steps.push_back({"read", 2});
+  steps.push_back({"check", 1});
   steps.push_back({"fit", 8});
   std::vector<Fineness> all;
   for (const PlannedOutput& output : outputs) {
@@ -114,7 +115,8 @@ JobReport run_job(const Job& job, const std::vector<PlannedOutput>& outputs, Bac
     ReadyFit ready = timed(report.timing.check, [&] {
       ReadyFit prepared = prepare_input(made, outputs, report, context);
       if (!prepared.chooses_method) warn_of_unused_settings(job, made, report, context.console);
-      require_memory_for(prepared, job.settings, outputs);
+      const MeshNeed need{&prepared, nullptr};
+      require_memory_for({&need, 1}, job.settings, outputs);
       return prepared;
     });
     const bool was_open = ready.chooses_method;

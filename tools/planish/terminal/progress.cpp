@@ -132,8 +132,10 @@ void JobProgress::advance() {
 }
 
 void JobProgress::update(std::string_view step, double fraction) {
-  const double sane = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
-  if (step == step_ && sane < fraction_) ++place_;
+  const double sane =
+      std::lerp(begin_, end_, std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0);
+  const bool is_planned = place_ < steps_.size() && steps_[place_].name == step;
+  if (is_planned && step == step_ && sane < fraction_) ++place_;
   step_ = step;
   fraction_ = sane;
   advance();

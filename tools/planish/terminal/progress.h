@@ -60,6 +60,23 @@ class JobProgress {
   /// The steps to come, in order; others are parts of the one under way, with its fraction.
   void plan(std::vector<PlannedStep> steps);
   void update(std::string_view step, double fraction);
+  /// While it lives, fractions are those of a part of each step: from `begin` to `end`.
+  class Part {
+   public:
+    Part(JobProgress& progress, double begin, double end) : progress_(progress) {
+      progress_.begin_ = begin;
+      progress_.end_ = end;
+    }
+    ~Part() {
+      progress_.begin_ = 0;
+      progress_.end_ = 1;
+    }
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
+
+   private:
+    JobProgress& progress_;
+  };
   /// Of the whole job, 0 to 1; never falls.
   [[nodiscard]] double share() const { return share_; }
 
@@ -74,6 +91,7 @@ class JobProgress {
   std::size_t place_ = 0;  ///< in steps_
   std::string step_{};
   double fraction_ = 0, share_ = 0;
+  double begin_ = 0, end_ = 1;
   double begun_, last_plain_;
   std::string json_step_{};
   int json_percent_ = -1;

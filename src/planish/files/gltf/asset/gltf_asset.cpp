@@ -42,6 +42,42 @@ GltfAsset::GltfAsset(const FileBytes& file, const GltfLimits& limits)
   }
 }
 
+std::int64_t GltfAsset::corner_count(std::int64_t number) const {
+  const JsonPlace primitives = root_["meshes"][number]["primitives"];
+  std::int64_t count = 0;
+  for (std::int64_t i = 0; i < primitives.array_size(); ++i) {
+    const JsonPlace primitive = primitives[i];
+    if (!is_surface(primitive.value())) continue;
+    const auto indices = primitive.find("indices");
+    const JsonPlace accessor = indices ? *indices : primitive["attributes"]["POSITION"];
+    count += root_["accessors"][accessor.integer()]["count"].integer();
+  }
+  return count;
+}
+
+std::uint64_t GltfAsset::byte_count() const {
+  std::uint64_t bytes = file_.bytes.size();
+  const auto add_lengths = [&](std::string_view list, std::string_view having) {
+    const auto all = root_.find(list);
+    for (std::int64_t i = 0; all && i < all->array_size(); ++i)
+      if ((*all)[i].find(having))
+        bytes += static_cast<std::uint64_t>((*all)[i]["byteLength"].integer());
+  };
+  add_lengths("buffers", "uri");
+  add_lengths("bufferViews", "extensions");
+  const auto images = root_.find("images");
+  for (std::int64_t i = 0; images && i < images->array_size(); ++i) {
+    const auto uri = (*images)[i].find("uri");
+    if (!uri || file_.path.empty()) continue;
+    std::error_code error;
+    if (const auto name = decode_relative_uri(uri->text())) {
+      const auto size = std::filesystem::file_size(file_.path.parent_path() / *name, error);
+      if (!error) bytes += size;
+    }
+  }
+  return bytes;
+}
+
 AssetMesh GltfAsset::read(std::int64_t number) const {
   return guard_json(file_.name, [&] { return read_unguarded(number); });
 }

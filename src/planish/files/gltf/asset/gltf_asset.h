@@ -32,6 +32,12 @@ class GltfAsset {
 
   /// The numbers of the meshes that have triangles, in order.
   [[nodiscard]] const std::vector<std::int64_t>& surfaces() const { return surfaces_; }
+  /// How many corners the triangles of such a mesh have by what the file says, before it is read.
+  /// Throws Error{UnreadableInput}.
+  [[nodiscard]] std::int64_t corner_count(std::int64_t number) const;
+  /// What of the file is held until all is written: itself, buffers and images beside it, what it
+  /// has packed. An upper estimate. Throws Error{UnreadableInput}.
+  [[nodiscard]] std::uint64_t byte_count() const;
   /// One of those, by its number. Throws Error{UnreadableInput}, Error{OutOfMemory}.
   [[nodiscard]] AssetMesh read(std::int64_t number) const;
   /// Whether its nodes may get children that scale it: they neither skin, instance nor morph it.

@@ -7,6 +7,7 @@
 #include "planish/core/host_scope.h"
 #include "planish/files/gltf/asset/asset_document.h"
 #include "planish/files/gltf/asset/json_guard.h"
+#include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_container.h"
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/gltf_payload.h"
@@ -16,20 +17,51 @@ namespace {
 
 using nlohmann::json;
 
+// Options of each surface that tell how far all of them are: first one after another is surveyed,
+// or packed, then one after another is written.
+std::vector<GltfOptions> options_of_all(std::span<const AssetSurface> surfaces,
+                                        const Callbacks& common) {
+  double all = 0, done = 0;
+  for (const AssetSurface& one : surfaces)
+    all += static_cast<double>(one.surface->info().corner_count);
+  std::vector<GltfOptions> options;
+  for (const AssetSurface& one : surfaces) {
+    GltfOptions& own = options.emplace_back(one.options);
+    const double share = static_cast<double>(one.surface->info().corner_count) / all;
+    const double first = own.compression == GltfCompression::None ? kGltfSurveyed : 1;
+    const auto place = [=](double fraction) {
+      if (fraction <= first) return first * done + share * fraction;
+      return first + (1 - first) * done + share * (fraction - first);
+    };
+    own.callbacks.progress = {};
+    if (common.progress)
+      own.callbacks.progress = [report = common.progress, place](std::string_view step,
+                                                                 double fraction) {
+        report(step, place(fraction));
+      };
+    done += share;
+  }
+  return options;
+}
+
 // `uri`: of the buffer of a .gltf; empty: a GLB.
 GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
-                    const GltfOptions& common, const std::string& uri, bool keeps_files) {
+                    const Callbacks& common, const std::string& uri, bool keeps_files) {
   std::set<std::int64_t> replaced;
   for (const AssetSurface& surface : surfaces) replaced.insert(surface.mesh);
   AssetDocument document(asset, replaced, keeps_files);
+  const auto options =
+      std::make_shared<const std::vector<GltfOptions>>(options_of_all(surfaces, common));
   auto payloads = std::make_shared<std::vector<GltfPayload>>();
   GltfWhole whole;
-  GltfOptions extras = common;
-  for (const AssetSurface& one : surfaces) {
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const AssetSurface& one = surfaces[i];
     const GltfPayload& payload =
-        payloads->emplace_back(payload_of(*one.surface, one.options, uri.empty()));
+        payloads->emplace_back(payload_of(*one.surface, (*options)[i], uri.empty()));
+    GltfOptions described = one.options;
+    if (surfaces.size() > 1) described.extras.clear();
     // One after another, each in the only mesh of a document of its own.
-    const json made = json::parse(payload_json(payload, extras, {}));
+    const json made = json::parse(payload_json(payload, described, {}));
     document.replace(one.mesh, *one.vertices, payload.document, made);
     if (made["asset"].contains("extras")) document.add_extras(made["asset"]["extras"]);
     whole.vertex_count += payload.vertex_count;
@@ -37,7 +69,9 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
   }
   whole.json = document.text(uri);
   whole.buffer_bytes = document.buffer_bytes();
-  whole.write_buffer = [payloads, kept = document.kept()](std::span<const ByteSink> sinks) {
+  // Payloads read their options.
+  whole.write_buffer = [options, payloads,
+                        kept = document.kept()](std::span<const ByteSink> sinks) {
     for (const std::span<const std::byte> bytes : kept) write_padded(bytes, sinks);
     for (const GltfPayload& payload : *payloads) payload.write_buffer(sinks);
   };
@@ -45,7 +79,7 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
 }
 
 GltfWhole whole_asset(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
-                      const GltfOptions& common, const std::string& uri, bool keeps_files) {
+                      const Callbacks& common, const std::string& uri, bool keeps_files) {
   return guard_json(asset.file().name,
                     [&] { return assembled(asset, surfaces, common, uri, keeps_files); });
 }
@@ -68,7 +102,7 @@ GltfFile write_asset(const std::filesystem::path& path, const std::filesystem::p
   const bool keeps_files = !is_glb && !asset.file().path.empty() &&
                            is_same_folder(asset.file().path.parent_path(), folder);
   const std::string uri = is_glb ? "" : encode_uri(gltf_buffer_path(path, 0).filename().string());
-  const GltfWhole whole = whole_asset(asset, surfaces, common, uri, keeps_files);
+  const GltfWhole whole = whole_asset(asset, surfaces, common.callbacks, uri, keeps_files);
   GltfFile written{is_glb ? write_glb(path, whole, common) : write_pair(path, whole, common),
                    whole.vertex_count, whole.triangle_count, std::size_t{is_glb ? 0U : 1U}};
   common.callbacks.report("write", 1);
@@ -78,7 +112,7 @@ GltfFile write_asset(const std::filesystem::path& path, const std::filesystem::p
 std::vector<std::byte> encode_asset(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
                                     const GltfOptions& common) {
   const HostScope host(common.callbacks);
-  std::vector<std::byte> bytes = glb_bytes(whole_asset(asset, surfaces, common, {}, false), common);
+  std::vector<std::byte> bytes = glb_bytes(whole_asset(asset, surfaces, common.callbacks, {}, false), common);
   common.callbacks.report("write", 1);
   return bytes;
 }

@@ -17,7 +17,8 @@ struct AssetSurface {
   std::int64_t mesh = 0;                    ///< its number in the asset
   const SurfaceBlocks* surface = nullptr;   ///< whose groups are those of the AssetMesh
   const AssetVertices* vertices = nullptr;  ///< of the AssetMesh
-  /// Name, attributes and compression; neither origin nor turn, since nodes stay.
+  /// Name, attributes, compression and extras, which asset.extras has where this is the only
+  /// surface; neither origin nor turn, since nodes stay.
   GltfOptions options;
 };
 
@@ -25,7 +26,7 @@ struct AssetSurface {
 /// material, extras and extensions. All else stays as it is, byte by byte where it is no JSON; the
 /// JSON's keys come sorted. What lies in other buffers comes into one; images beside the file come
 /// into it too, unless the output is a .gltf in the same folder (`folder`: where it will stand).
-/// Of `common` are taken: extras, which are added to asset.extras, observe and callbacks.
+/// Of `common` are taken: observe and callbacks.
 /// Throws as write_gltf(), Error{UnreadableInput} where something that the asset names is not
 /// there.
 GltfFile write_asset(const std::filesystem::path& path, const std::filesystem::path& folder,

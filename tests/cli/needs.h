@@ -1,0 +1,71 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <regex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "cli/planish_process.h"
+#include "cli/test_files.h"
+
+namespace planish::test {
+
+class Forecasts : public FolderTest {
+ protected:
+  [[nodiscard]] ProcessResult fit(std::vector<std::string> arguments, bool measured = false) const {
+    arguments.insert(arguments.begin(), {"fit", "--device", "cpu"});
+    return run_planish(arguments,
+                       {.input = {}, .environment = {}, .folder = path(""), .measured = measured});
+  }
+};
+
+// "at most about 340.0 MiB".
+inline double forecast_memory(const std::string& text) {
+  std::smatch found;
+  if (!std::regex_search(text, found, std::regex("memory +at most about ([0-9.]+) (MiB|GiB)")))
+    return -1;
+  return std::stod(found[1]) * (found[2] == "GiB" ? 1024.0 : 1.0) * 1024 * 1024;
+}
+
+// The ends of "4 to 36 s".
+inline std::pair<double, double> forecast_seconds(const std::string& text) {
+  std::smatch found;
+  if (std::regex_search(text, found, std::regex("time +([0-9]+) to ([0-9]+) s")))
+    return {std::stod(found[1]), std::stod(found[2])};
+  if (std::regex_search(text, found, std::regex("time +under ([0-9]+) s")))
+    return {0, std::stod(found[1])};
+  return {0, -1};
+}
+
+class Needs : public Forecasts {
+ protected:
+  void SetUp() override {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "sanitizers hold memory of their own";
+#endif
+  }
+  // What is said holds, and is not far off; seconds by their order of magnitude.
+  void expect_enough(std::vector<std::string> arguments) {
+    std::string name;
+    for (const std::string& argument : arguments) name += argument + " ";
+    arguments.emplace_back("-f");
+    std::vector<std::string> dry = arguments;
+    dry.emplace_back("--dry-run");
+    const std::string text = fit(dry).out;
+    const ProcessResult run = fit(arguments, true);
+    ASSERT_EQ(run.exit_code, 0) << name << run.err;
+    constexpr double kStart = 20 << 20;  // what any run takes
+    EXPECT_LE(run.peak_bytes, forecast_memory(text)) << name << text;
+    EXPECT_GE(2.5 * run.peak_bytes + kStart, forecast_memory(text)) << name << text;
+    const auto [least, most] = forecast_seconds(text);
+    const double threads = std::max(1u, std::thread::hardware_concurrency());
+    EXPECT_LE(run.cpu_seconds / threads, 3 * most) << name << text;
+    EXPECT_GE(3 * run.cpu_seconds, least) << name << text;
+  }
+};
+
+}  // namespace planish::test
