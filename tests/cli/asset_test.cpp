@@ -11,8 +11,10 @@
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
 #include "files/gltf/asset_sample.h"
+#include "files/gltf/large_asset.h"
 #include "planish/files/mesh_file.h"
 #include "planish/pipeline/fit_file.h"
+#include "support/meshes.h"
 
 namespace planish::test {
 namespace {
@@ -230,11 +232,32 @@ TEST_F(AssetCommand, LevelsAreAssetsToo) {
     EXPECT_EQ(document_of(read(name))["skins"], sample_.json["skins"]) << name;
 }
 
-// As fine as it has to be there are no rows that joints and targets could be made for.
-TEST_F(AssetCommand, WhatAnAdaptiveSurfaceLacksIsSaid) {
-  const ProcessResult result = fit(input_, {"-o", path("out.glb"), "--chord-error", "1e-2"});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("joints"), HasSubstr("--asset merge")));
+// Triangles as fine as the surface bends, and other schemes, carry the same.
+TEST_F(AssetCommand, AnyFinenessCarriesWhatRides) {
+  for (const std::vector<std::string>& how :
+       {std::vector<std::string>{"--chord-error", "1e-3"}, {"--scheme", "catmull-clark"}}) {
+    std::vector<std::string> flags{"-o", path("out.glb")};
+    flags.insert(flags.end(), how.begin(), how.end());
+    const ProcessResult result = fit(input_, flags);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, Not(HasSubstr("left out")));
+    const json made = document_of(read("out.glb"));
+    const json& tube = made["meshes"][0]["primitives"][0];
+    const auto vertices = made["accessors"][tube["attributes"]["POSITION"].get<int>()]["count"];
+    for (const char* name : {"TEXCOORD_1", "JOINTS_0", "WEIGHTS_0", "TANGENT"})
+      EXPECT_EQ(made["accessors"][tube["attributes"][name].get<int>()]["count"], vertices) << name;
+    EXPECT_TRUE(tube["targets"][0].contains("NORMAL"));
+    EXPECT_TRUE(made["meshes"][1]["primitives"][0]["attributes"].contains("_HEAT"));
+  }
+}
+
+// Four joints that each move a corner of a tetrahedron, by Catmull-Clark: B is singular there.
+TEST_F(AssetCommand, WhatNoSurfacePassesThroughIsRefused) {
+  const PolygonMesh cube = test::cube();
+  const ProcessResult result = fit(write("cube.glb", large_asset({cube}, {{.joints = 8}})),
+                                   {"-o", path("out.glb"), "--scheme", "catmull-clark"});
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_THAT(result.err, AllOf(HasSubstr("mesh0: "), HasSubstr("--scheme doo-sabin")));
   EXPECT_FALSE(exists("out.glb"));
 }
 

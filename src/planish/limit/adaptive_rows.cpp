@@ -133,6 +133,23 @@ void SidePlaces::fill(Lists& lists, const Make& make) const {
   for (const auto& places : of_block) to = std::copy(places.begin(), places.end(), to);
 }
 
+RawVector<AdaptivePlace> level_one_places(const MeshTopology& topology, const AdaptiveCells& cells,
+                                          const PatchNumbering& level_one, std::int64_t count) {
+  RawVector<AdaptivePlace> places(static_cast<std::size_t>(count), AdaptivePlace{});
+  const auto side = static_cast<std::uint16_t>(kCellSide);
+  // Several corners name a row: one after another.
+  for (const bool is_hidden : {true, false}) {
+    for (std::int32_t c = 0; c < topology.corner_count(); ++c) {
+      if ((cells.hidden[static_cast<std::size_t>(c)] != 0) != is_hidden) continue;
+      places[static_cast<std::size_t>(level_one.vertex_row(c))] = {c, 0, 0};
+      if (is_hidden) continue;
+      places[static_cast<std::size_t>(level_one.edge_row(c))] = {c, side, 0};
+      places[static_cast<std::size_t>(level_one.face_row(topology.face_of(c)))] = {c, side, side};
+    }
+  }
+  return places;
+}
+
 std::int32_t SidePlaces::across(std::int32_t corner) const {
   const std::int32_t other = topology_.ccw(corner);
   return other >= 0 && cells_.hidden[static_cast<std::size_t>(other)] == 0 ? other : -1;

@@ -6,6 +6,7 @@
 
 #include "planish/core/raw_vector.h"
 #include "planish/limit/adaptive_cells.h"
+#include "planish/limit/adaptive_place.h"
 #include "planish/limit/corner_grid.h"
 #include "planish/patches/patch_numbering.h"
 
@@ -62,6 +63,13 @@ class SidePlaces {
   Lists leading_, spoke_, lone_trailing_;  // the last where nothing is across
   std::vector<std::uint8_t> has_midpoint_;
 };
+
+/// Where the rows of level 1 lie, the first of `count`; the others are left for the caller.
+/// Vertices of hidden faces alone lie on these.
+[[nodiscard]] RawVector<AdaptivePlace> level_one_places(const MeshTopology& topology,
+                                                        const AdaptiveCells& cells,
+                                                        const PatchNumbering& level_one,
+                                                        std::int64_t count);
 
 /// Place i of so many even parts of a whole edge, of 0 to 2 kCellSide.
 [[nodiscard]] constexpr std::uint16_t even_place(std::int32_t i, std::int32_t parts) {

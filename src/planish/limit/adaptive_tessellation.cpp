@@ -1,7 +1,6 @@
 #include "planish/limit/adaptive_tessellation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <glm/geometric.hpp>
@@ -18,12 +17,11 @@
 #include "planish/core/parallel.h"
 #include "planish/limit/adaptive_faces.h"
 #include "planish/limit/adaptive_rows.h"
+#include "planish/limit/bilinear_at.h"
 #include "planish/limit/triangle_turns.h"
 #include "planish/limit/used_rows.h"
 #include "planish/surface/doo_sabin_blocks.h"
 #include "planish/surface/memory_need.h"
-#include "planish/surface/mesh_blocks.h"
-#include "planish/surface/patch_attributes.h"
 
 namespace planish {
 namespace {
@@ -71,17 +69,19 @@ class Tessellation {
     require_counts(rows);
     Callbacks of_level = share_of(options_.callbacks, 0.5, 0.6);
     of_level.warning = {};
-    AdaptiveSurface surface{collect(*base_.level(1, options_.memory_limit_bytes), of_level), {}};
+    AdaptiveSurface surface;
+    surface.mesh = collect(*base_.level(1, options_.memory_limit_bytes), of_level);
     SurfaceMesh& result = surface.mesh;
     fill_rows(rows, result);
-    for (std::size_t k = 0; k < result.attributes.size(); ++k) fill_attribute(k, rows, result);
+    fill_places(rows, numbering_, surface.places);
     std::optional<AdaptiveRows> uv_rows;
     if (uv_numbering_) {
       uv_rows.emplace(topology_, cells_, sides_, *uv_numbering_, inside_);
-      fill_uvs(*uv_rows, result);
+      fill_places(*uv_rows, *uv_numbering_, surface.uv_places);
     }
+    carry(surface, result);
     fill_faces(rows, uv_rows ? &*uv_rows : nullptr, result);
-    drop_unused(result);
+    drop_unused(surface);
     finish(surface);
     warn_of_turns(result);
     options_.callbacks.report("evaluate", 1);
@@ -119,10 +119,11 @@ class Tessellation {
   void fill_rows(const AdaptiveRows& rows, SurfaceMesh& result) const;
   void fill_corner(std::int32_t corner, const AdaptiveRows& rows, Worker& worker,
                    SurfaceMesh& result) const;
-  void fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const;
-  void fill_attribute(std::size_t index, const AdaptiveRows& rows, SurfaceMesh& result) const;
+  void carry(const AdaptiveSurface& surface, SurfaceMesh& result) const;
   void fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows, SurfaceMesh& result) const;
-  void drop_unused(SurfaceMesh& result) const;
+  void fill_places(const AdaptiveRows& rows, const PatchNumbering& level_one,
+                   RawVector<AdaptivePlace>& places) const;
+  void drop_unused(AdaptiveSurface& surface) const;
   void finish(AdaptiveSurface& surface) const;
   void warn_of_turns(const SurfaceMesh& result) const;
   template <class Place>
@@ -209,12 +210,6 @@ void Tessellation::own_places(std::int32_t corner, const CornerGrid& grid, bool 
 
 void Tessellation::fill_corner(std::int32_t corner, const AdaptiveRows& rows, Worker& worker,
                                SurfaceMesh& result) const {
-  const PolygonMesh& mesh = base_.mesh();
-  const auto color_at = [&](std::int32_t c) {
-    return glm::dvec4(mesh.colors[static_cast<std::size_t>(topology_.vertex_of(c))]);
-  };
-  std::int32_t colors_of = -1;
-  std::array<glm::dvec4, 4> colors{};
   auto row = static_cast<std::size_t>(rows.first_of(corner));
   const auto add = [&](std::int32_t at, double u, double v, bool is_trailing) {
     worker.at.move_to(at);
@@ -231,11 +226,6 @@ void Tessellation::fill_corner(std::int32_t corner, const AdaptiveRows& rows, Wo
     }
     result.positions[row] = base_.placement().to_model(position);
     result.normals[row] = glm::vec3(normal);
-    if (!mesh.colors.empty()) {
-      if (colors_of != at) colors = square_values(topology_, at, color_at);
-      colors_of = at;
-      result.colors[row] = glm::vec4(bilinear(colors, u, v));
-    }
     ++row;
   };
   own_places(corner, worker.grid, rows.owns_trailing(corner), add);
@@ -245,53 +235,63 @@ void Tessellation::fill_rows(const AdaptiveRows& rows, SurfaceMesh& result) cons
   const auto count = static_cast<std::size_t>(rows.count());
   result.positions.resize(count);
   result.normals.resize(count);
-  if (!result.colors.empty()) result.colors.resize(count);
   for_corners(0.6, 0.8, [&](std::int32_t corner, Worker& worker) {
     fill_corner(corner, rows, worker, result);
   });
 }
 
-void Tessellation::fill_uvs(const AdaptiveRows& rows, SurfaceMesh& result) const {
-  result.uvs.resize(static_cast<std::size_t>(rows.count()));
-  const PolygonMesh& mesh = base_.mesh();
-  for_corners(0.8, 0.85, [&](std::int32_t corner, Worker& worker) {
-    const auto uv_at = [&](std::int32_t c) {
-      const auto uv = static_cast<std::size_t>(uvs_->indices[static_cast<std::size_t>(c)]);
-      return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
-    };
-    std::int32_t ends_at = corner;
-    std::array<glm::dvec2, 4> ends = square_values(topology_, corner, uv_at);
+void Tessellation::fill_places(const AdaptiveRows& rows, const PatchNumbering& level_one,
+                               RawVector<AdaptivePlace>& places) const {
+  places = level_one_places(topology_, cells_, level_one, rows.count());
+  const auto parts = [](double share) {
+    return static_cast<std::uint16_t>(std::lround(share * kCellSide));
+  };
+  for_corners(0.8, 0.8, [&](std::int32_t corner, Worker& worker) {
     auto row = static_cast<std::size_t>(rows.first_of(corner));
     own_places(corner, worker.grid, rows.owns_trailing(corner),
                [&](std::int32_t at, double u, double v, bool) {
-                 if (ends_at != at) ends = square_values(topology_, at, uv_at);
-                 ends_at = at;
-                 result.uvs[row++] = bilinear(ends, u, v);
+                 places[row++] = {at, parts(u), parts(v)};
                });
   });
 }
 
-void Tessellation::fill_attribute(std::size_t index, const AdaptiveRows& rows,
-                                  SurfaceMesh& result) const {
-  const VertexAttribute& given = base_.mesh().attributes[index];
-  VertexAttribute& made = result.attributes[index];
-  made.values.resize(static_cast<std::size_t>(given.width * rows.count()));
-  for (int first = 0; first < given.width; first += 4) {
-    const auto at_corner = [&](std::int32_t c) {
-      return glm::dvec4(given.four(static_cast<std::size_t>(topology_.vertex_of(c)), first));
-    };
-    for_corners(0.8, 0.8, [&](std::int32_t corner, Worker& worker) {
-      std::int32_t square_of = -1;
-      std::array<glm::dvec4, 4> square{};
-      auto row = static_cast<std::size_t>(rows.first_of(corner));
-      own_places(corner, worker.grid, rows.owns_trailing(corner),
-                 [&](std::int32_t at, double u, double v, bool) {
-                   if (square_of != at) square = square_values(topology_, at, at_corner);
-                   square_of = at;
-                   made.set_four(row++, first, glm::vec4(bilinear(square, u, v)));
-                 });
-    });
+// Those of level 1 are there already.
+void Tessellation::carry(const AdaptiveSurface& surface, SurfaceMesh& result) const {
+  const PolygonMesh& mesh = base_.mesh();
+  const auto level_one = static_cast<std::size_t>(numbering_.row_count());
+  const auto places = std::span(surface.places).subspan(level_one);
+  const auto vertex = [&](std::int32_t corner) {
+    return static_cast<std::size_t>(topology_.vertex_of(corner));
+  };
+  if (!mesh.colors.empty()) {
+    result.colors.resize(surface.places.size());
+    bilinear_at<glm::dvec4>(
+        topology_, places, [&](std::int32_t c) { return glm::dvec4(mesh.colors[vertex(c)]); },
+        [&](std::size_t i, const glm::dvec4& color) {
+          result.colors[level_one + i] = glm::vec4(color);
+        });
   }
+  for (std::size_t k = 0; k < result.attributes.size(); ++k) {
+    const VertexAttribute& given = mesh.attributes[k];
+    VertexAttribute& made = result.attributes[k];
+    made.values.resize(static_cast<std::size_t>(given.width) * surface.places.size());
+    for (int first = 0; first < given.width; first += 4)
+      bilinear_at<glm::dvec4>(
+          topology_, places,
+          [&](std::int32_t c) { return glm::dvec4(given.four(vertex(c), first)); },
+          [&](std::size_t i, const glm::dvec4& four) {
+            made.set_four(level_one + i, first, glm::vec4(four));
+          });
+  }
+  if (!uv_numbering_) return;
+  const auto uvs = static_cast<std::size_t>(uv_numbering_->row_count());
+  result.uvs.resize(surface.uv_places.size());
+  const auto uv_at = [&](std::int32_t c) {
+    const auto uv = static_cast<std::size_t>(uvs_->indices[static_cast<std::size_t>(c)]);
+    return uv < mesh.uvs.size() ? mesh.uvs[uv] : glm::dvec2(0.0);
+  };
+  bilinear_at<glm::dvec2>(topology_, std::span(surface.uv_places).subspan(uvs), uv_at,
+                          [&](std::size_t i, const glm::dvec2& uv) { result.uvs[uvs + i] = uv; });
 }
 
 void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_rows,
@@ -311,7 +311,8 @@ void Tessellation::fill_faces(const AdaptiveRows& rows, const AdaptiveRows* uv_r
 }
 
 // Grids need not name the middles of edges and faces.
-void Tessellation::drop_unused(SurfaceMesh& result) const {
+void Tessellation::drop_unused(AdaptiveSurface& surface) const {
+  SurfaceMesh& result = surface.mesh;
   if (std::ranges::none_of(cells_.grids, &FaceGrid::exists)) return;
   constexpr auto kVertices = PatchNumbering::Part::Vertices;
   const std::vector<std::int32_t> rows =
@@ -319,12 +320,16 @@ void Tessellation::drop_unused(SurfaceMesh& result) const {
                   static_cast<std::int64_t>(result.positions.size()));
   keep_only(result.positions, rows);
   keep_only(result.normals, rows);
+  keep_only(surface.places, rows);
   if (!result.colors.empty()) keep_only(result.colors, rows);
   for (VertexAttribute& attribute : result.attributes)
     attribute = std::move(attributes_of({&attribute, 1}, rows).front());
   if (!uv_numbering_) return;
-  keep_only(result.uvs, rename_used(result.face_uvs, uv_numbering_->end_row(kVertices),
-                                    static_cast<std::int64_t>(result.uvs.size())));
+  const std::vector<std::int32_t> uvs =
+      rename_used(result.face_uvs, uv_numbering_->end_row(kVertices),
+                  static_cast<std::int64_t>(result.uvs.size()));
+  keep_only(result.uvs, uvs);
+  keep_only(surface.uv_places, uvs);
 }
 
 // What follows from the triangles' corners.
@@ -376,10 +381,6 @@ AdaptiveSurface tessellate(const LimitSurface& surface, const AdaptiveOptions& o
   const std::uint64_t limit =
       options.memory_limit_bytes > 0 ? options.memory_limit_bytes : available_memory_bytes();
   return Tessellation(surface, options, limit).run();
-}
-
-std::unique_ptr<SurfaceBlocks> blocks_of(const AdaptiveSurface& surface) {
-  return std::make_unique<MeshBlocks>(surface.mesh, surface.ancestors);
 }
 
 }  // namespace planish

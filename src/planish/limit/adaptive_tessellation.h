@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/raw_vector.h"
+#include "planish/limit/adaptive_place.h"
 #include "planish/limit/limit_surface.h"
-#include "planish/surface/surface_blocks.h"
 #include "planish/surface/surface_mesh.h"
 
 namespace planish {
@@ -25,10 +24,12 @@ struct AdaptiveOptions {
   Callbacks callbacks;                   ///< step "evaluate", warning "angle-not-kept"
 };
 
-/// A tessellation and the mesh's face that each of its triangles lies on.
+/// A tessellation, the mesh's face that each of its triangles lies on, and where its rows and
+/// texture coordinates do.
 struct AdaptiveSurface {
   SurfaceMesh mesh;  ///< of triangles; its level is 1 and means nothing
   RawVector<std::int32_t> ancestors;
+  RawVector<AdaptivePlace> places, uv_places;
 };
 
 /// Triangles as fine as the surface asks for, place by place, by bounds from the patches' second
@@ -39,8 +40,5 @@ struct AdaptiveSurface {
 /// 2^-13 of half an edge; Error{OutOfMemory} before memory is taken; Error{Cancelled}.
 [[nodiscard]] AdaptiveSurface tessellate(const LimitSurface& surface,
                                          const AdaptiveOptions& options);
-
-/// For writers. The surface must outlive them.
-[[nodiscard]] std::unique_ptr<SurfaceBlocks> blocks_of(const AdaptiveSurface& surface);
 
 }  // namespace planish

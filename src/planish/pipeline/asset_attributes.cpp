@@ -14,6 +14,7 @@
 #include "planish/files/gltf/gltf_tangents.h"
 #include "planish/pipeline/attribute_fields.h"
 #include "planish/pipeline/linear_surface.h"
+#include "planish/surface/evaluate.h"
 
 namespace planish {
 namespace {
@@ -52,17 +53,44 @@ class AssetAttributes::Maker {
   void add_uvs() {
     for (const std::vector<glm::dvec2>& set : given_.further_uvs) {
       std::vector<glm::dvec2>& values = made_.uvs_.emplace_back();
-      values.resize(static_cast<std::size_t>(surface_.info().uv_count));
-      (void)surface_.uvs_of(set, {0, surface_.info().uv_count}, values);
+      if (is_doo_sabin()) {
+        values.resize(static_cast<std::size_t>(surface_.info().uv_count));
+        (void)surface_.uvs_of(set, {0, surface_.info().uv_count}, values);
+        continue;
+      }
+      PolygonMesh cage = fitted_.fit.cage;
+      cage.uvs = set;
+      const SurfaceMesh made = evaluated(cage);
+      values.assign(made.uvs.begin(), made.uvs.end());
     }
   }
 
   void add_arrays() {
+    PolygonMesh cage;
+    if (!is_doo_sabin()) cage = fitted_.fit.cage;
+    cage.attributes.clear();
     for (const AssetArray& array : given_.arrays) {
-      const auto& values = made_.values_.emplace_back(
-          rows_of_vertices(array.values, array.width, fitted_, surface_));
-      made_.attributes_.push_back({.name = array.name, .width = array.width, .values = values});
+      auto& values = made_.values_.emplace_back();
+      if (is_doo_sabin()) {
+        values = rows_of_vertices(array.values, array.width, fitted_, surface_);
+      } else {
+        VertexAttribute& attribute = cage.attributes.emplace_back(
+            attribute_of_size(array.name, array.width, cage.positions.size()));
+        for (std::size_t v = 0; v < cage.positions.size(); ++v)
+          std::copy_n(array.values.begin() + array.width * static_cast<std::int64_t>(source(v)),
+                      array.width,
+                      attribute.values.begin() + array.width * static_cast<std::int64_t>(v));
+      }
     }
+    if (!is_doo_sabin()) {
+      const SurfaceMesh made = evaluated(cage);
+      auto values = made_.values_.begin();
+      for (const VertexAttribute& attribute : made.attributes)
+        (values++)->assign(attribute.values.begin(), attribute.values.end());
+    }
+    auto values = made_.values_.begin();
+    for (const AssetArray& array : given_.arrays)
+      made_.attributes_.push_back({.name = array.name, .width = array.width, .values = *values++});
   }
 
   // Any surface has them: they come of its triangles.
@@ -85,7 +113,7 @@ class AssetAttributes::Maker {
     // Three on a surface.
     std::vector<std::int32_t> joints;
     for (const auto& [joint, channel] : channel_of_) joints.push_back(joint);
-    std::vector<LinearSurface::Through> surfaces;
+    std::vector<LinearSurface::Rows> surfaces;
     for (std::size_t first = 0; first < joints.size(); first += 3) {
       std::vector<glm::dvec3> given(fitted_.mesh.positions.size(), glm::dvec3(0.0));
       for (std::size_t v = 0; v < given.size(); ++v) {
@@ -101,12 +129,10 @@ class AssetAttributes::Maker {
   }
 
   void add_targets() {
-    const auto base = fitted_surface(fitted_.mesh, fitted_.fit, fitted_.evaluate_options());
     for (std::size_t k = 0; k < given_.targets.size(); ++k) {
       std::vector<glm::dvec3> moves(fitted_.mesh.positions.size());
       for (std::size_t v = 0; v < moves.size(); ++v) moves[v] = given_.targets[k][source(v)];
-      const LinearSurface::Through moved = linear().moved(*base, moves, next_solve());
-      const auto blocks = moved.surface->level(surface_.info().level);
+      const LinearSurface::Rows moved = linear().moved(moves, next_solve());
       const std::string target = "target/" + std::to_string(k) + "/";
       std::vector<float>& positions = new_attribute(target + "POSITION", 3);
       std::vector<float>& normals = new_attribute(target + "NORMAL", 3);
@@ -122,7 +148,7 @@ class AssetAttributes::Maker {
           (void)of.rows(rows, rest);
         };
         make(surface_, from, from_normals);
-        make(*blocks, to, to_normals);
+        make(moved.blocks(), to, to_normals);
         for (std::size_t i = 0; i < count; ++i) {
           const std::size_t at = 3 * (static_cast<std::size_t>(rows.first) + i);
           for (int axis = 0; axis < 3; ++axis) {
@@ -142,8 +168,16 @@ class AssetAttributes::Maker {
                ? vertex
                : static_cast<std::size_t>(fitted_.source_vertices[vertex]);
   }
+  [[nodiscard]] bool is_doo_sabin() const { return fitted_.options.scheme == Scheme::DooSabin; }
+  // Other schemes have their attributes from OpenSubdiv, along with all of a surface.
+  [[nodiscard]] SurfaceMesh evaluated(const PolygonMesh& cage) const {
+    EvaluateOptions options = fitted_.evaluate_options(surface_.info().level);
+    options.rest_positions = fitted_.mesh.positions;
+    options.prepared = fitted_.fit.prepared;
+    return evaluate(cage, backend_, options);
+  }
   [[nodiscard]] const LinearSurface& linear() {
-    if (!linear_) linear_ = std::make_unique<const LinearSurface>(fitted_, backend_);
+    if (!linear_) linear_ = std::make_unique<const LinearSurface>(fitted_, surface_, backend_);
     return *linear_;
   }
   // Callbacks of the next of all solves.
@@ -160,7 +194,7 @@ class AssetAttributes::Maker {
     return values;
   }
   void write_joints(const std::vector<std::int32_t>& joints,
-                    const std::vector<LinearSurface::Through>& surfaces);
+                    const std::vector<LinearSurface::Rows>& surfaces);
 
   AssetAttributes& made_;
   const AssetVertices& given_;
@@ -174,25 +208,22 @@ class AssetAttributes::Maker {
 };
 
 void AssetAttributes::Maker::write_joints(const std::vector<std::int32_t>& joints,
-                                          const std::vector<LinearSurface::Through>& surfaces) {
+                                          const std::vector<LinearSurface::Rows>& surfaces) {
   const auto places = static_cast<std::size_t>(kJointsOfSet * given_.joint_sets);
   std::vector<std::vector<float>*> numbers, weights;
   for (int set = 0; set < given_.joint_sets; ++set) {
     numbers.push_back(&new_attribute("JOINTS_" + std::to_string(set), kJointsOfSet, true));
     weights.push_back(&new_attribute("WEIGHTS_" + std::to_string(set), kJointsOfSet));
   }
-  std::vector<std::unique_ptr<SurfaceBlocks>> blocks;
-  for (const LinearSurface::Through& through : surfaces)
-    blocks.push_back(through.surface->level(surface_.info().level));
   std::mutex mutex;
   for_rows(surface_, [&](RowRange rows) {
     const auto count = static_cast<std::size_t>(rows.count);
-    std::vector<std::vector<glm::dvec3>> channels(blocks.size());
-    for (std::size_t k = 0; k < blocks.size(); ++k) {
+    std::vector<std::vector<glm::dvec3>> channels(surfaces.size());
+    for (std::size_t k = 0; k < surfaces.size(); ++k) {
       channels[k].resize(count);
       RowTarget target;
       target.positions = channels[k];
-      (void)blocks[k]->rows(rows, target);
+      (void)surfaces[k].blocks().rows(rows, target);
     }
     double lost = 0;
     std::vector<JointWeight> of_row;
@@ -227,41 +258,25 @@ AssetAttributes::AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted
                                  const Callbacks& callbacks)
     : name_(mesh.name) {
   const AssetVertices& given = mesh.vertices;
-  std::vector<std::string> left_out = given.left_out;
-  std::vector<glm::vec4> nothing(fitted.mesh.positions.size());
-  std::array<glm::vec4, 1> one;
-  const bool has_rows = surface.info().row_count > 0 && surface.rows_of(nothing, {0, 1}, one);
-  // The file would have skins and weights of what does not move.
-  if (given.moves() && !has_rows)
-    throw Error(ErrorCode::InvalidArgument,
-                mesh.name +
-                    ": joints and morph targets are carried by levels of Doo-Sabin "
-                    "surfaces only; take levels and that scheme, or merge the scene "
-                    "(--asset merge)");
   Maker maker(*this, mesh, fitted, surface, backend, callbacks);
-  const auto add = [&](bool is_given, const std::string& name, const auto& make) {
-    if (!is_given) return;
-    if (has_rows) {
-      make();
-    } else {
-      left_out.push_back(name);
-    }
-  };
-  add(!given.further_uvs.empty(), "TEXCOORD_1", [&] { maker.add_uvs(); });
-  add(!given.arrays.empty(), "further colours and attributes", [&] { maker.add_arrays(); });
-  add(!given.first_influence.empty(), "joints", [&] { maker.add_joints(); });
-  add(!given.targets.empty(), "morph targets", [&] { maker.add_targets(); });
+  maker.add_arrays();
+  maker.add_uvs();
+  try {
+    if (!given.first_influence.empty()) maker.add_joints();
+    if (!given.targets.empty()) maker.add_targets();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::InvalidArgument) throw;
+    throw Error(error.code(), mesh.name + ": " + error.what());
+  }
   if (given.has_tangents()) maker.add_tangents();
-  for (const AssetGroup& group : given.groups)
-    uv_sets_.push_back(has_rows ? group.uv_sets : std::min(group.uv_sets, 1));
-  if (left_out.empty()) return;
+  for (const AssetGroup& group : given.groups) uv_sets_.push_back(group.uv_sets);
+  if (given.left_out.empty()) return;
   std::string names;
-  for (const std::string& name : left_out) names += (names.empty() ? "" : ", ") + name;
+  for (const std::string& name : given.left_out) names += (names.empty() ? "" : ", ") + name;
   callbacks.warn({"left-out-attributes",
-                  mesh.name + ": " + names + (left_out.size() == 1 ? " is" : " are") +
-                      " left out: whole numbers have nothing between them, and other attributes "
-                      "need Doo-Sabin surfaces of a level",
-                  std::ssize(left_out)});
+                  mesh.name + ": " + names + (given.left_out.size() == 1 ? " is" : " are") +
+                      " left out: whole numbers have nothing between them",
+                  std::ssize(given.left_out)});
 }
 
 void AssetAttributes::add_to(GltfOptions& options) const {

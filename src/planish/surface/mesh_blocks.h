@@ -9,7 +9,7 @@
 namespace planish {
 
 /// A surface that stands in memory, as blocks; see blocks_of().
-class MeshBlocks final : public SurfaceBlocks {
+class MeshBlocks : public SurfaceBlocks {
  public:
   /// A level of a surface of `mesh`.
   MeshBlocks(const SurfaceMesh& surface, const PolygonMesh& mesh);

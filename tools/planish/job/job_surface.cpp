@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "planish/limit/adaptive_blocks.h"
 #include "planish/surface/evaluate.h"
 
 namespace planish::command {
@@ -14,8 +15,9 @@ void JobLevel::keep(const glm::dvec3& origin, QuadVisit visit) {
       keep_rows(*blocks_, {.origin = origin, .visit = std::move(visit), .callbacks = callbacks_});
 }
 
-JobLevel::JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive)
-    : adaptive_(std::move(adaptive)), blocks_(blocks_of(*adaptive_)) {}
+JobLevel::JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive, const LimitSurface& lies_on)
+    : adaptive_(std::move(adaptive)),
+      blocks_(std::make_unique<AdaptiveBlocks>(*adaptive_, lies_on)) {}
 
 const SurfaceMesh& JobLevel::whole() {
   if (adaptive_) return adaptive_->mesh;
@@ -55,11 +57,12 @@ const LimitSurface& JobSurface::limit() {
 }
 
 JobLevel JobSurface::adaptive(const Fineness& fineness) {
-  return JobLevel(std::make_unique<const AdaptiveSurface>(
-      tessellate(limit(), {.chord_error = fineness.chord_error,
-                           .angle = fineness.angle,
-                           .diagonal = fitted_.fit.placement.diagonal,
-                           .callbacks = options_.callbacks})));
+  return {std::make_unique<const AdaptiveSurface>(
+              tessellate(limit(), {.chord_error = fineness.chord_error,
+                                   .angle = fineness.angle,
+                                   .diagonal = fitted_.fit.placement.diagonal,
+                                   .callbacks = options_.callbacks})),
+          limit()};
 }
 
 }  // namespace planish::command

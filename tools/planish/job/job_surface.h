@@ -21,7 +21,7 @@ class JobLevel {
   explicit JobLevel(std::unique_ptr<SurfaceBlocks> blocks, Callbacks callbacks)
       : blocks_(std::move(blocks)), callbacks_(std::move(callbacks)) {}
   /// As fine as it has to be.
-  explicit JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive);
+  JobLevel(std::unique_ptr<const AdaptiveSurface> adaptive, const LimitSurface& lies_on);
   /// Of the schemes that make it whole; `mesh` is what was fitted.
   JobLevel(std::unique_ptr<const SurfaceMesh> whole, const PolygonMesh& mesh);
 

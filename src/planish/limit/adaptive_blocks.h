@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+
+#include "planish/limit/adaptive_tessellation.h"
+#include "planish/surface/mesh_blocks.h"
+
+namespace planish {
+
+/// An adaptive tessellation for writers, which know the surface that it lies on: what is given to
+/// the vertices of the mesh, and other surfaces of that mesh, can be had at its rows.
+class AdaptiveBlocks final : public MeshBlocks {
+ public:
+  /// Both must outlive it.
+  AdaptiveBlocks(const AdaptiveSurface& surface, const LimitSurface& lies_on)
+      : MeshBlocks(surface.mesh, surface.ancestors), adaptive_(surface), lies_on_(lies_on) {}
+
+  bool uvs_of(std::span<const glm::dvec2> given, RowRange uvs,
+              std::span<glm::dvec2> values) const override;
+  bool rows_of(std::span<const glm::vec4> given, RowRange rows,
+               std::span<glm::vec4> values) const override;
+  /// Positions and normals that another surface of the mesh has at the places of these rows,
+  /// without faces. Throws Error{Cancelled}.
+  [[nodiscard]] SurfaceMesh rows_on(const LimitSurface& other) const;
+
+ private:
+  const AdaptiveSurface& adaptive_;
+  const LimitSurface& lies_on_;
+};
+
+}  // namespace planish
