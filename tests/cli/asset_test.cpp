@@ -251,11 +251,88 @@ TEST_F(AssetCommand, AnyFinenessCarriesWhatRides) {
   }
 }
 
-// Four joints that each move a corner of a tetrahedron, by Catmull-Clark: B is singular there.
+// Each level has the meshes with their materials, skins and targets, in the nodes' places.
+TEST_F(AssetCommand, LevelsOfDetailInOneFile) {
+  const ProcessResult result = fit(input_, {"-o", path("out.glb"), "--levels", "0,2,1", "--lods",
+                                            "msft", "--report", path("r.json")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json report = read_json("r.json");
+  const json schema = json::parse(std::ifstream(PLANISH_REPORT_SCHEMA));
+  EXPECT_THAT(schema_problems(report, schema), testing::IsEmpty());
+  EXPECT_EQ(report["outputs"][0]["coarser"], json::parse(R"([{"level":1},{"level":0}])"));
+  const json made = document_of(read("out.glb"));
+  ASSERT_EQ(made["meshes"].size(), 9U);
+  const auto triangles = [&](std::size_t mesh) {
+    std::int64_t count = 0;
+    for (const json& primitive : made["meshes"][mesh]["primitives"])
+      if (primitive.value("mode", 4) == 4)
+        count += made["accessors"][primitive["indices"].get<int>()]["count"].get<std::int64_t>();
+    return count;
+  };
+  const auto details = [&](const json& node) {
+    std::vector<std::size_t> meshes{node["mesh"]};
+    for (const json& id : node["extensions"]["MSFT_lod"]["ids"])
+      meshes.push_back(made["nodes"][id.get<int>()]["mesh"]);
+    EXPECT_EQ(node["extras"]["MSFT_screencoverage"], json::parse("[0.25,0.0625,0.0]"));
+    return meshes;
+  };
+  // Of a skinned node they stand beside it, with the skin; weights of all of them move.
+  const json& body = made["nodes"][0];
+  const std::vector<std::size_t> bodies = details(body);
+  ASSERT_EQ(bodies.size(), 3U);
+  std::set<std::size_t> moved;
+  for (const json& channel : made["animations"][0]["channels"])
+    if (channel["target"]["path"] == "weights")
+      moved.insert(channel["target"]["node"].get<std::size_t>());
+  EXPECT_EQ(moved.size(), 3U);
+  for (const json& id : body["extensions"]["MSFT_lod"]["ids"]) {
+    const json& node = made["nodes"][id.get<int>()];
+    EXPECT_EQ(node["skin"], 0);
+    EXPECT_TRUE(moved.contains(id.get<std::size_t>()));
+    const json& part = made["meshes"][node["mesh"].get<int>()]["primitives"][0];
+    EXPECT_EQ(part["material"], 0);
+    EXPECT_EQ(part["targets"].size(), 1U);
+    for (const char* name : {"JOINTS_0", "TEXCOORD_1", "TANGENT"})
+      EXPECT_TRUE(part["attributes"].contains(name)) << name;
+  }
+  for (std::size_t k = 1; k < 3; ++k) EXPECT_LT(triangles(bodies[k]), triangles(bodies[k - 1]));
+  // Of another node they are children, so that it moves all of them; lines are in each.
+  EXPECT_FALSE(made["nodes"][7].contains("mesh"));
+  const json& many = made["nodes"][made["nodes"][7]["children"][0].get<int>()];
+  EXPECT_TRUE(many["extensions"].contains("EXT_mesh_gpu_instancing"));
+  for (const std::size_t mesh : details(many)) {
+    EXPECT_EQ(made["meshes"][mesh]["primitives"].size(), 2U);
+    EXPECT_EQ(made["meshes"][mesh]["primitives"][0]["extras"]["id"], 4);
+  }
+  EXPECT_EQ(made["nodes"][4]["translation"], sample_.json["nodes"][4]["translation"]);
+  EXPECT_THAT(made["extensionsUsed"].dump(), HasSubstr("MSFT_lod"));
+}
+
+TEST_F(AssetCommand, LevelsOfDetailThatCannotBeAreRefused) {
+  const std::vector<std::string> lods{"--levels", "2,1", "--lods", "msft", "-o"};
+  const auto refusal = [&](const std::string& input, std::vector<std::string> more) {
+    std::vector<std::string> flags = lods;
+    flags.insert(flags.end(), more.begin(), more.end());
+    const ProcessResult result = fit(input, flags);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    return result.err;
+  };
+  EXPECT_THAT(refusal(write("cube.obj", cube_obj()), {path("a.glb")}),
+              HasSubstr("take --lods files"));
+  EXPECT_THAT(refusal(input_, {path("a.glb"), "--asset", "merge"}), HasSubstr("--asset keep"));
+  EXPECT_THAT(refusal(input_, {path("a.ply")}), HasSubstr("are of glTF alone"));
+  sample_.json["nodes"][4]["extensions"]["MSFT_lod"]["ids"] = {5};
+  EXPECT_THAT(refusal(write("lod.glb", sample_.glb()), {path("a.glb")}),
+              HasSubstr("nodes[4] has levels of detail already"));
+  EXPECT_FALSE(exists("a.glb"));
+}
+
+// Joints that each move few corners of a cube of quads, by Catmull-Clark: B is singular there.
 TEST_F(AssetCommand, WhatNoSurfacePassesThroughIsRefused) {
   const PolygonMesh cube = test::cube();
-  const ProcessResult result = fit(write("cube.glb", large_asset({cube}, {{.joints = 8}})),
-                                   {"-o", path("out.glb"), "--scheme", "catmull-clark"});
+  const ProcessResult result =
+      fit(write("cube.glb", large_asset({cube}, {{.joints = 8}})),
+          {"-o", path("out.glb"), "--scheme", "catmull-clark", "--quads", "on"});
   EXPECT_EQ(result.exit_code, 2) << result.err;
   EXPECT_THAT(result.err, AllOf(HasSubstr("mesh0: "), HasSubstr("--scheme doo-sabin")));
   EXPECT_FALSE(exists("out.glb"));

@@ -3,7 +3,6 @@
 #include "planish/pipeline/asset_attributes.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <mutex>
 #include <string>

@@ -24,8 +24,8 @@ class AssetAttributes {
  public:
   /// `surface` is a level of the fitted mesh, which is the asset's, or AdaptiveBlocks of it. What
   /// no surface has is warned of: "left-out-attributes". Throws as fit(), Error{Cancelled};
-  /// Error{InvalidArgument} for joints and morph targets where Catmull-Clark or Loop have no surface
-  /// through them.
+  /// Error{InvalidArgument} for joints and morph targets where Catmull-Clark or Loop have no
+  /// surface through them.
   AssetAttributes(const AssetMesh& mesh, const FittedMesh& fitted, const SurfaceBlocks& surface,
                   Backend& backend, const Callbacks& callbacks);
 

@@ -185,9 +185,9 @@ std::list<AssetPart> fitted_parts(const GltfAsset& asset, const MeshFitOptions& 
     for (const Warning& warning : part.mesh.file.warnings) whole.warn(warning);
     MeshFitOptions one = how;
     one.fit.callbacks = share(of, 0, kMeshesReady);
-    part.ready = prepare_fit(std::move(part.mesh.file.mesh),
-                             asset.surfaces().size() == 1 ? file : file + ": " + part.mesh.name,
-                             one);
+    part.ready =
+        prepare_fit(std::move(part.mesh.file.mesh),
+                    asset.surfaces().size() == 1 ? file : file + ": " + part.mesh.name, one);
   };
   steps.fit = [&](AssetPart& part, MeshShare of) {
     // Most of it the fit; the rest what rides on the surface.
@@ -215,8 +215,10 @@ FileFit fitted_asset(const GltfAsset& asset, const std::filesystem::path& output
   for (const AssetPart& part : parts) {
     GltfOptions gltf = gltf_options(part.fitted, part.mesh.name, {options.level, false, {}});
     part.attributes->add_to(gltf);
-    surfaces.push_back(
-        {part.mesh.number, part.level.blocks.get(), &part.mesh.vertices, std::move(gltf)});
+    surfaces.push_back({.mesh = part.mesh.number,
+                        .surface = part.level.blocks.get(),
+                        .vertices = &part.mesh.vertices,
+                        .options = std::move(gltf)});
     result.vertex_count += part.level.blocks->info().row_count;
     result.face_count += part.level.blocks->info().face_count;
   }

@@ -41,7 +41,8 @@ class LinearSurface {
   [[nodiscard]] Rows through(std::span<const glm::dvec3> given,
                              const Callbacks& callbacks = {}) const;
   /// The fitted surface, whatever its method, moved by that.
-  [[nodiscard]] Rows moved(std::span<const glm::dvec3> moves, const Callbacks& callbacks = {}) const;
+  [[nodiscard]] Rows moved(std::span<const glm::dvec3> moves,
+                           const Callbacks& callbacks = {}) const;
 
  private:
   [[nodiscard]] bool is_doo_sabin() const { return fitted_.options.scheme == Scheme::DooSabin; }

@@ -21,6 +21,8 @@ constexpr std::array kUpWords{OptionWord<UpAxis>{"y", UpAxis::Y},
                               OptionWord<UpAxis>{"z", UpAxis::Z}};
 constexpr std::array kAssetWords{OptionWord<AssetChoice>{"keep", AssetChoice::Keep},
                                  OptionWord<AssetChoice>{"merge", AssetChoice::Merge}};
+constexpr std::array kLodWords{OptionWord<LodChoice>{"files", LodChoice::Files},
+                               OptionWord<LodChoice>{"msft", LodChoice::Msft}};
 constexpr std::array kCompressionWords{
     OptionWord<GltfCompression>{"none", GltfCompression::None},
     OptionWord<GltfCompression>{"quantize", GltfCompression::Quantize},
@@ -209,6 +211,12 @@ std::vector<FitOption> file_options() {
                    .help = "a glTF that becomes a glTF: each mesh by itself, nodes, materials, "
                            "textures, skins and animations as they are; or the scene as one mesh"},
                   kAssetWords, &FitSettings::asset),
+      word_option({.name = "lods",
+                   .stage = Stage::Output,
+                   .initial = "files",
+                   .help = "several levels are a file each, or levels of detail of a glTF that "
+                           "becomes a glTF, in one file (MSFT_lod)"},
+                  kLodWords, &FitSettings::lods),
       word_option({.name = "compress",
                    .stage = Stage::Output,
                    .initial = "none",

@@ -20,6 +20,8 @@ enum class UpAxis { Y, Z };
 enum class RepairChoice { None, Safe };
 /// A glTF that becomes one: with all that it holds, or one mesh of its scene.
 enum class AssetChoice { Keep, Merge };
+/// Several levels of detail: a file each, or one glTF by MSFT_lod.
+enum class LodChoice { Files, Msft };
 /// Auto: fair for point clouds; of meshes the better one by measurement, and progressive where a
 /// cage is wanted.
 enum class InterpolationChoice { Auto, Progressive, Fair };
@@ -67,6 +69,7 @@ struct FitSettings {
   UpAxis up = UpAxis::Y;
   FieldChoice attributes;  ///< that surfaces carry as data
   AssetChoice asset = AssetChoice::Keep;
+  LodChoice lods = LodChoice::Files;
   GltfCompression compression = GltfCompression::None;
   std::int64_t tile_vertices = 262'144;  ///< about so many has a file of 3D Tiles
   bool skirts = false;                   ///< along the boundaries of tiles

@@ -3,15 +3,64 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <list>
+#include <memory>
+#include <span>
+#include <vector>
 
 #include "files/gltf/asset_sample.h"
 #include "files/gltf/surfaces.h"
+#include "planish/backend/cpu_backend.h"
+#include "planish/files/gltf/asset/write_asset.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_surface.h"
+#include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/fit_file.h"
 
 namespace planish {
 namespace {
+
+// Levels of detail of an asset in one file, compressed or not.
+void write_levels_of_detail(const std::filesystem::path& folder, GltfCompression compression) {
+  const std::string bytes = test::AssetSample().glb();
+  const GltfAsset asset(
+      {.bytes = std::as_bytes(std::span(bytes)), .name = "asset.glb", .path = {}});
+  const auto backend = make_cpu_backend({});
+  struct Part {
+    AssetMesh mesh;
+    FittedMesh fitted;
+    std::unique_ptr<const DooSabinSurface> surface;
+  };
+  std::list<Part> parts;
+  for (const std::int64_t number : asset.surfaces()) {
+    Part& part = parts.emplace_back();
+    part.mesh = asset.read(number);
+    part.fitted = fit_mesh(part.mesh.file.mesh, part.mesh.name, *backend);
+    part.surface =
+        fitted_surface(part.fitted.mesh, part.fitted.fit, part.fitted.evaluate_options());
+  }
+  std::list<std::unique_ptr<SurfaceBlocks>> blocks;
+  std::list<AssetAttributes> attributes;
+  std::vector<AssetSurface> surfaces;
+  for (const int level : {2, 1, 0}) {
+    for (const Part& part : parts) {
+      blocks.push_back(part.surface->level(level));
+      GltfOptions options;
+      options.compression = compression;
+      options.position_error = asset.may_be_scaled(part.mesh.number) ? 1e-3 : 0;
+      attributes.emplace_back(part.mesh, part.fitted, *blocks.back(), *backend, Callbacks{})
+          .add_to(options);
+      surfaces.push_back({.mesh = part.mesh.number,
+                          .surface = blocks.back().get(),
+                          .vertices = &part.mesh.vertices,
+                          .least_coverage = level == 0 ? 0 : 0.1 * level,
+                          .options = std::move(options)});
+    }
+  }
+  const bool is_packed = compression != GltfCompression::None;
+  (void)write_asset(folder / (is_packed ? "packed details.gltf" : "details.glb"), folder, asset,
+                    surfaces, {});
+}
 
 void write_samples(const std::filesystem::path& folder) {
   GltfOptions plain;
@@ -90,6 +139,8 @@ void write_samples(const std::filesystem::path& folder) {
     }
     std::filesystem::remove(folder / "asset_in.glb");
   }
+  write_levels_of_detail(folder, GltfCompression::None);
+  write_levels_of_detail(folder, GltfCompression::Quantize);
   write_gltf(folder / "everything.gltf", test::wavy_grid(30, 20, everything.origin), everything);
 }
 

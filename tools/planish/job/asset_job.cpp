@@ -1,6 +1,7 @@
 #include "job/asset_job.h"
 
 #include <algorithm>
+#include <cmath>
 #include <list>
 #include <numeric>
 #include <utility>
@@ -137,30 +138,50 @@ std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts
   return levels;
 }
 
-void write_level(const AssetJob& work, const PlannedOutput& planned, std::list<AssetPart>& parts,
-                 std::list<PartLevel>& levels, WrittenOutput& written,
-                 std::vector<std::byte>& stdout_bytes) {
+// The levels of detail of a file, finest first, each of all meshes.
+using Details = std::list<std::list<PartLevel>>;
+
+// A mesh is as large on the screen as it is seen there, and what is left out of a coarser level,
+// too: that takes over where it looks no larger than what the finest leaves out does in full.
+double least_coverage(const std::vector<Fineness>& finenesses, std::size_t detail) {
+  if (detail + 1 == finenesses.size()) return 0;  // nothing vanishes
+  const Fineness &finest = finenesses.front(), &next = finenesses[detail + 1];
+  if (!next.is_adaptive()) return std::ldexp(1.0, 2 * (next.level - finest.level));
+  return std::pow(finest.chord_error / next.chord_error, 2);
+}
+
+void write_details(const AssetJob& work, const PlannedOutput& planned, std::list<AssetPart>& parts,
+                   Details& details, WrittenOutput& written, std::vector<std::byte>& stdout_bytes) {
   std::list<MeasuredGltf> measured;
   std::vector<AssetSurface> surfaces;
+  std::vector<double> diagonals;
   written = {};
-  auto part = parts.begin();
-  for (PartLevel& level : levels) {
-    MeasuredGltf& one = measured.emplace_back();
-    measure_gltf(planned, level.level->blocks(), level.options, one);
-    const WrittenOutput counts = counted_output(planned, level.level->blocks().info());
-    written.vertices += counts.vertices;
-    written.faces += counts.faces;
-    written.quads += counts.quads;
-    written.triangles += counts.triangles;
-    surfaces.push_back({.mesh = part->mesh.number,
-                        .surface = &level.level->blocks(),
-                        .vertices = &part->mesh.vertices,
-                        .options = one.options});
-    ++part;
+  const std::vector<Fineness> finenesses = planned.finenesses();
+  std::size_t detail = 0;
+  for (std::list<PartLevel>& levels : details) {
+    auto part = parts.begin();
+    for (PartLevel& level : levels) {
+      MeasuredGltf& one = measured.emplace_back();
+      measure_gltf(planned, level.level->blocks(), level.options, one);
+      diagonals.push_back(level.options.diagonal);
+      const WrittenOutput counts = counted_output(planned, level.level->blocks().info());
+      written.vertices += counts.vertices;
+      written.faces += counts.faces;
+      written.quads += counts.quads;
+      written.triangles += counts.triangles;
+      surfaces.push_back({.mesh = part->mesh.number,
+                          .surface = &level.level->blocks(),
+                          .vertices = &part->mesh.vertices,
+                          .least_coverage = least_coverage(finenesses, detail),
+                          .options = one.options});
+      ++part;
+    }
+    ++detail;
   }
   written.path = planned.path.string();
   written.kind = planned.kind;
   written.fineness = planned.fineness;
+  written.coarser = planned.coarser;
   GltfOptions common;
   common.name = work.report.input.path;
   common.callbacks = callbacks_for(work.report, work.context);
@@ -178,10 +199,9 @@ void write_level(const AssetJob& work, const PlannedOutput& planned, std::list<A
     if (!beside.empty()) (void)work.staged.stage(companion_of(planned.path, planned.format));
   }
   written.sha256 = digest.finish();
-  auto level = levels.begin();
+  auto diagonal = diagonals.begin();
   for (const MeasuredGltf& one : measured)
-    written.as_written_error =
-        std::max(written.as_written_error, one.distance / (level++)->options.diagonal);
+    written.as_written_error = std::max(written.as_written_error, one.distance / *diagonal++);
 }
 
 void add_timing(const JobTiming& from, JobTiming& to) {
@@ -233,11 +253,23 @@ std::optional<std::string> reason_to_merge(const Job& job,
   return std::nullopt;
 }
 
+void require_asset_for_lods(const std::vector<PlannedOutput>& outputs) {
+  for (const PlannedOutput& output : outputs)
+    if (!output.coarser.empty())
+      throw Error(ErrorCode::InvalidArgument,
+                  output_name(output.path.native()) +
+                      ": levels of detail in one file are of a glTF with meshes that becomes a "
+                      "glTF by itself (--asset keep); take --lods files");
+}
+
 std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
                                             const std::vector<PlannedOutput>& outputs,
                                             const InputFile& file, JobReport& report,
                                             const JobContext& context) {
-  if (!info_of(file.format).is_gltf) return nullptr;
+  if (!info_of(file.format).is_gltf) {
+    require_asset_for_lods(outputs);
+    return nullptr;
+  }
   const auto reason = reason_to_merge(job, outputs, context.wants_page(job));
   const bool writes_gltf = std::ranges::any_of(outputs, [](const PlannedOutput& output) {
     return info_of(output.format).is_gltf && !info_of(output.format).is_tiles;
@@ -250,9 +282,11 @@ std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
                                      *reason +
                                      "; write the glTF by itself to keep them, or say --asset "
                                      "merge"});
-  if (reason) return nullptr;
-  auto asset = asset_of(file.for_reader(), file.format);
-  if (!asset) return nullptr;
+  auto asset = reason ? nullptr : asset_of(file.for_reader(), file.format);
+  if (!asset) {
+    require_asset_for_lods(outputs);
+    return nullptr;
+  }
   report.input.format = name_of(file.format);
   report.input.sha256 = file.sha256();
   return asset;
@@ -263,16 +297,26 @@ std::vector<std::byte> run_asset(const AssetJob& work) {
   std::vector<std::byte> stdout_bytes;
   std::vector<WrittenOutput>& written = work.report.outputs;
   written.resize(work.outputs.size());
+  const auto write = [&](std::size_t output, Details& details) {
+    check_interrupt();
+    work.context.progress.update("write", 0);
+    timed(work.report.timing.write, [&] {
+      write_details(work, work.outputs[output], parts, details, written[output], stdout_bytes);
+    });
+  };
   for (const Fineness& fineness : finenesses_of(work.outputs)) {
-    std::list<PartLevel> levels = levels_of(work, parts, fineness);
-    for (std::size_t i = 0; i < work.outputs.size(); ++i) {
-      const PlannedOutput& planned = work.outputs[i];
-      if (!(planned.fineness == fineness)) continue;
-      check_interrupt();
-      work.context.progress.update("write", 0);
-      timed(work.report.timing.write,
-            [&] { write_level(work, planned, parts, levels, written[i], stdout_bytes); });
-    }
+    Details details;
+    details.push_back(levels_of(work, parts, fineness));
+    for (std::size_t i = 0; i < work.outputs.size(); ++i)
+      if (work.outputs[i].coarser.empty() && work.outputs[i].fineness == fineness)
+        write(i, details);
+  }
+  for (std::size_t i = 0; i < work.outputs.size(); ++i) {
+    if (work.outputs[i].coarser.empty()) continue;
+    Details details;
+    for (const Fineness& fineness : work.outputs[i].finenesses())
+      details.push_back(levels_of(work, parts, fineness));
+    write(i, details);
   }
   for (AssetPart& part : parts) {
     const FittedJob job = job_of(work, part);

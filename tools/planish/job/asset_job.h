@@ -19,9 +19,13 @@ namespace planish::command {
                                                          const std::vector<PlannedOutput>& outputs,
                                                          bool wants_page);
 
+/// For jobs that keep no asset: throws Error{InvalidArgument} where a file is to have several
+/// levels of detail.
+void require_asset_for_lods(const std::vector<PlannedOutput>& outputs);
+
 /// The asset that a job's input is, where the job keeps it: a glTF with triangles all of whose
 /// outputs are glTF surfaces. Warns "merged-asset" where that alone is missing. Null: the scene
-/// becomes one mesh. Throws Error{UnreadableInput}.
+/// becomes one mesh. Throws Error{UnreadableInput}, as require_asset_for_lods().
 [[nodiscard]] std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
                                                           const std::vector<PlannedOutput>& outputs,
                                                           const InputFile& file, JobReport& report,

@@ -89,7 +89,8 @@ std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
         info_of(output.format).is_brep
             ? "  (at least " + counted(file.faces, "B-spline face") + ", in " +
                   option_text(planned.job.settings, "step_unit") + ")"
-            : "  (" + (is_cage ? "control cage" : fineness_text(output.fineness)) +
+            : "  (" +
+                  (is_cage ? "control cage" : finenesses_text(output.fineness, output.coarser)) +
                   file_text(file, faces_of(output, planned.job.settings.scheme), compression) + ")";
     text += write_line(output.path, what, claims);
     text += companion_lines(output, file.bytes.value_or(0), mesh, compression, claims);
@@ -172,9 +173,11 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
   const auto kept = asset.surfaces().size() - fit_meshes(asset, steps).size();
   std::string text =
       "would fit " + file.name + ": " + counted(std::ssize(asset.surfaces()), "mesh") +
-      (kept > 0 ? " (" + with_separators(static_cast<std::int64_t>(kept)) + " would stay as it is)" : "") + ", " +
-      counted(vertices, "vertex") + ", " + counted(faces, "face") + "\n" + device_line(device) +
-      "  solve        " + solve_text(planned.job.settings, planned.outputs) + ", for each mesh\n";
+      (kept > 0 ? " (" + with_separators(static_cast<std::int64_t>(kept)) + " would stay as it is)"
+                : "") +
+      ", " + counted(vertices, "vertex") + ", " + counted(faces, "face") + "\n" +
+      device_line(device) + "  solve        " + solve_text(planned.job.settings, planned.outputs) +
+      ", for each mesh\n";
   text += outputs_text(planned, {}, forecast, claims);
   return text + needs_text(forecast);
 }
@@ -189,6 +192,7 @@ std::string describe(const PlannedJob& planned, const DeviceDescription& device,
   if (!reason_to_merge(planned.job, planned.outputs, page_bytes > 0))
     if (const auto asset = asset_of(file.for_reader(), file.format))
       return describe_asset(planned, file, *asset, device, claims);
+  require_asset_for_lods(planned.outputs);
   Input input = mesh_of(file);
   if (const auto cloud = points_of(input)) {
     (void)require_mesher();

@@ -99,8 +99,9 @@ struct RideBytes {
   std::uint64_t given = 0, rows = 0, making = 0;
 };
 
+// `holds_rows`: of each surface, as but levels of Doo-Sabin surfaces do.
 RideBytes ride_bytes(const AssetVertices& vertices, std::uint64_t row_count,
-                     std::uint64_t corner_count) {
+                     std::uint64_t corner_count, bool holds_rows) {
   constexpr std::uint64_t kUv = sizeof(glm::dvec2), kPoint = sizeof(glm::dvec3), kFloat = 4;
   RideBytes bytes;
   const std::uint64_t targets = vertices.targets.size();
@@ -108,19 +109,24 @@ RideBytes ride_bytes(const AssetVertices& vertices, std::uint64_t row_count,
   for (const auto& set : vertices.further_uvs) bytes.given += kUv * set.size();
   for (const AssetArray& array : vertices.arrays) bytes.given += kFloat * array.values.size();
   for (const auto& target : vertices.targets) bytes.given += kPoint * target.size();
-  bytes.given += sizeof(JointWeight) * (vertices.influences.size() + vertices.first_influence.size());
-  std::uint64_t row = kUv * vertices.further_uvs.size() + 2 * 4 * kFloat * sets + 6 * kFloat * targets;
-  for (const AssetArray& array : vertices.arrays) row += kFloat * static_cast<std::uint64_t>(array.width);
+  bytes.given +=
+      sizeof(JointWeight) * (vertices.influences.size() + vertices.first_influence.size());
+  std::uint64_t row =
+      kUv * vertices.further_uvs.size() + 2 * 4 * kFloat * sets + 6 * kFloat * targets;
+  for (const AssetArray& array : vertices.arrays)
+    row += kFloat * static_cast<std::uint64_t>(array.width);
   if (vertices.has_tangents()) row += kUv + 4 * kFloat;
   bytes.rows = row * row_count;
   if (!vertices.moves()) return bytes;
   // B, and surfaces: one of three joints each, all at once; of a target.
-  constexpr std::uint64_t kSystemBytes = 150, kThroughBytes = 160, kTargetSurfaces = 3;
+  constexpr std::uint64_t kSystemBytes = 150, kThroughBytes = 100, kTargetSurfaces = 3,
+                          kHeldRowBytes = 36;
   std::set<std::int32_t> joints;
   for (const JointWeight& influence : vertices.influences) joints.insert(influence.joint);
   const std::uint64_t surfaces =
       std::max<std::uint64_t>((joints.size() + 2) / 3, targets > 0 ? kTargetSurfaces : 0);
   bytes.making = (kSystemBytes + kThroughBytes * surfaces) * corner_count;
+  if (holds_rows) bytes.making += kHeldRowBytes * surfaces * row_count;
   return bytes;
 }
 
@@ -135,11 +141,29 @@ LastLevel last_level(const Settings& settings) {
 class HeldBytes {
  public:
   explicit HeldBytes(const Settings& settings)
-      : settings_(settings), last_(last_level(settings)), fixed_(tessellation_bytes(kNothing, last_)) {}
+      : settings_(settings),
+        last_(last_level(settings)),
+        fixed_(tessellation_bytes(kNothing, last_)) {}
 
-  void add(const RefinedAttributes& attributes, const MeshCounts& counts, int last_level,
-           std::uint64_t solve, const AssetVertices* rides = nullptr) {
-    const std::vector<LevelCounts> levels = levels_to(counts, settings_.scheme, last_level);
+  void add(const RefinedAttributes& attributes, const MeshCounts& counts,
+           const std::vector<int>& held_levels, std::uint64_t solve,
+           const AssetVertices* rides = nullptr) {
+    std::uint64_t kept = solve / kKeptOfSolve;
+    if (rides != nullptr) kept += ride_bytes(*rides, 0, 0, false).given;
+    kept_ += kept;
+    solve_ = std::max(solve_, solve - solve / kKeptOfSolve);
+    for (const int level : held_levels)
+      add_surface(attributes, levels_to(counts, settings_.scheme, level),
+                  static_cast<std::uint64_t>(counts.corners), rides);
+  }
+  [[nodiscard]] std::uint64_t peak() const {
+    return kept_ + std::max(kStartBytes + solve_, kStartBytes / kKeptOfSolve + fixed_ + surfaces_ +
+                                                      std::max(making_, packing_));
+  }
+
+ private:
+  void add_surface(const RefinedAttributes& attributes, const std::vector<LevelCounts>& levels,
+                   std::uint64_t corner_count, const AssetVertices* rides) {
     const LevelCounts& level = levels.back();
     const auto rows = static_cast<std::uint64_t>(level.vertices);
     std::uint64_t surface = tessellation_bytes(levels, last_, attributes) - fixed_;
@@ -150,23 +174,14 @@ class HeldBytes {
       surface += packing_bytes(level);
       if (level.faces > kPackedFaces) packing_ = packed_blocks_bytes();
     }
-    std::uint64_t kept = solve / kKeptOfSolve;
     if (rides != nullptr) {
-      const RideBytes bytes = ride_bytes(*rides, rows, static_cast<std::uint64_t>(counts.corners));
-      kept += bytes.given;
+      const RideBytes bytes = ride_bytes(*rides, rows, corner_count, last_ == LastLevel::Full);
       surface += bytes.rows;
       making_ = std::max(making_, bytes.making);
     }
-    kept_ += kept;
     surfaces_ += surface;
-    solve_ = std::max(solve_, solve - solve / kKeptOfSolve);
-  }
-  [[nodiscard]] std::uint64_t peak() const {
-    return kept_ + std::max(kStartBytes + solve_, kStartBytes / kKeptOfSolve + fixed_ + surfaces_ +
-                                                      std::max(making_, packing_));
   }
 
- private:
   static constexpr std::uint64_t kKeptOfSolve = 4;
   static constexpr std::array<LevelCounts, 2> kNothing{};
 
@@ -175,14 +190,17 @@ class HeldBytes {
   std::uint64_t fixed_, kept_ = 0, surfaces_ = 0, solve_ = 0, making_ = 0, packing_ = 0;
 };
 
-int highest_level(const std::vector<PlannedOutput>& outputs) {
-  int level = 1;  // where the surface is measured
+// The levels that are held together: the highest, or those of detail in one file.
+std::vector<int> held_levels(const std::vector<PlannedOutput>& outputs) {
+  std::vector<int> held{1};  // where the surface is measured
   for (const PlannedOutput& output : outputs) {
     // Tiles are made one by one, and STEP has no levels.
-    if (output.kind == OutputKind::Surface && info_of(output.format).has_fineness())
-      level = std::max(level, output.fineness.level);
+    if (output.kind != OutputKind::Surface || !info_of(output.format).has_fineness()) continue;
+    std::vector<int> levels;
+    for (const Fineness& fineness : output.finenesses()) levels.push_back(fineness.level);
+    held = std::max(held, levels);  // by the first, which is the highest
   }
-  return level;
+  return held;
 }
 
 // Whose elements the file has. Control cages of the fair method are its meshes of level 1.
@@ -219,10 +237,13 @@ Forecast forecast_by_counts(const MeshCounts& counts, const Settings& settings,
     }
     const int level = level_of(output, settings);
     const bool is_tiles = info_of(output.format).is_tiles;
-    for (const LevelCounts& l : all.subspan(is_tiles ? 1 : level, is_tiles ? level : 1)) {
+    const auto add = [&](const LevelCounts& l) {
       file.vertices += l.vertices;
       file.faces += l.faces;
-    }
+    };
+    std::ranges::for_each(all.subspan(is_tiles ? 1 : level, is_tiles ? level : 1), add);
+    for (const Fineness& coarser : output.coarser)
+      if (!coarser.is_adaptive()) add(levels[static_cast<std::size_t>(coarser.level)]);
     points += static_cast<double>(file.vertices);
     if (is_tiles)
       forecast.peak_bytes = std::max(
@@ -250,12 +271,13 @@ double thread_count() { return std::max(1u, std::thread::hardware_concurrency())
 
 const FittedMesh& expected_mesh(const MeshNeed& mesh) { return expected_fit(*mesh.ready).fitted; }
 
-std::uint64_t held_bytes(std::span<const MeshNeed> meshes, const Settings& settings, int level) {
+std::uint64_t held_bytes(std::span<const MeshNeed> meshes, const Settings& settings,
+                         const std::vector<int>& levels) {
   HeldBytes held(settings);
   for (const MeshNeed& mesh : meshes) {
     const FittedMesh& expected = expected_mesh(mesh);
     held.add(RefinedAttributes::of(expected.mesh), mesh_counts_of(*expected.options.prepared),
-             level, solve_bytes(*mesh.ready, settings), mesh.vertices);
+             levels, solve_bytes(*mesh.ready, settings), mesh.vertices);
   }
   return held.peak();
 }
@@ -274,24 +296,41 @@ Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
   double most = 0, bends = 0;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     OutputForecast& file = forecast.outputs[i];
-    if (outputs[i].fineness.is_adaptive()) {
-      const double count = expected_triangles(mesh, prepared, outputs[i].fineness);
+    const PlannedOutput& output = outputs[i];
+    if (output.fineness.is_adaptive()) {
+      double count = 0;
+      for (const Fineness& fineness : output.finenesses())
+        count += expected_triangles(mesh, prepared, fineness);
       bends += count;
       most = std::max(most, count);
-    } else if (info_of(outputs[i].format).is_brep) {
+    } else if (info_of(output.format).is_brep) {
       file.faces = least_step_faces(mesh, *prepared.topology, settings.step.faces.face_size);
-    } else if (info_of(outputs[i].format).has_fineness()) {
-      const WrittenLevel written{
-          level_of(outputs[i], settings), {file.vertices, 0, file.faces}, triangles};
-      file.bytes = output_bytes(shape, written, outputs[i], settings);
-      file.vertices = written_vertices(shape, written, outputs[i].kind);
-      if (need.vertices != nullptr && file.bytes)
-        *file.bytes +=
-            static_cast<std::uint64_t>(file.vertices) * need.vertices->bytes_of_vertex();
+    } else if (info_of(output.format).has_fineness()) {
+      const std::vector<LevelCounts> levels = levels_to(mesh_counts_of(prepared), settings.scheme,
+                                                        std::max(level_of(output, settings), 1));
+      file.vertices = 0;
+      for (const Fineness& fineness : output.finenesses()) {
+        const int level = output.coarser.empty() ? level_of(output, settings) : fineness.level;
+        const WrittenLevel written{level, levels[static_cast<std::size_t>(level)], triangles};
+        const auto bytes = output_bytes(shape, written, output, settings);
+        const std::int64_t vertices = written_vertices(shape, written, output.kind);
+        if (bytes)
+          file.bytes = file.bytes.value_or(0) + *bytes +
+                       (need.vertices == nullptr ? 0
+                                                 : static_cast<std::uint64_t>(vertices) *
+                                                       need.vertices->bytes_of_vertex());
+        file.vertices += vertices;
+      }
     }
   }
   const std::uint64_t triangle_bytes = attributes.uvs ? kBendUvBytes : kBendBytes;
   forecast.peak_bytes += triangle_bytes * static_cast<std::uint64_t>(most);
+  if (need.vertices != nullptr && most > 0) {
+    // Half as many rows as triangles.
+    const RideBytes rides =
+        ride_bytes(*need.vertices, static_cast<std::uint64_t>(most / 2), 0, true);
+    forecast.peak_bytes += rides.rows + rides.making;
+  }
   forecast.seconds += 1e-6 * kBendSeconds * bends;
   return forecast;
 }
@@ -307,7 +346,7 @@ Forecast forecast_of(std::span<const MeshNeed> meshes, const Settings& settings,
                      std::uint64_t asset_bytes) {
   Forecast all;
   all.outputs.resize(outputs.size());
-  all.peak_bytes = asset_bytes + held_bytes(meshes, settings, highest_level(outputs));
+  all.peak_bytes = asset_bytes + held_bytes(meshes, settings, held_levels(outputs));
   for (const MeshNeed& mesh : meshes) {
     const Forecast one = forecast_of_mesh(mesh, settings, outputs, page_bytes);
     all.peak_bytes += one.peak_bytes;
@@ -331,7 +370,7 @@ Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
   const MeshCounts counts{{point_count, 3 * point_count, 2 * point_count}, 6 * point_count};
   Forecast forecast = forecast_by_counts(counts, settings, outputs, page_bytes);
   HeldBytes held(settings);
-  held.add({}, counts, highest_level(outputs), solve_bytes(counts.corners, false, settings));
+  held.add({}, counts, held_levels(outputs), solve_bytes(counts.corners, false, settings));
   forecast.outputs.assign(outputs.size(), {});
   const std::uint64_t meshing =
       kCloudFixedBytes + kCloudPointBytes * static_cast<std::uint64_t>(point_count);
@@ -345,12 +384,17 @@ Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
 
 void require_memory_for(std::span<const MeshNeed> meshes, const Settings& settings,
                         const std::vector<PlannedOutput>& outputs) {
-  const int wanted = highest_level(outputs);
+  const std::vector<int> held = held_levels(outputs);
+  const int wanted = held.front();
   for (const MeshNeed& mesh : meshes)
-    require_indices(levels_to(mesh_counts_of(*expected_mesh(mesh).options.prepared),
-                              settings.scheme, wanted));
+    require_indices(
+        levels_to(mesh_counts_of(*expected_mesh(mesh).options.prepared), settings.scheme, wanted));
   const std::uint64_t free = available_memory_bytes();
-  const auto need = [&](int level) { return held_bytes(meshes, settings, level); };
+  const auto need = [&](int level) {
+    std::vector<int> lower = held;
+    for (int& one : lower) one = std::max(0, one - (wanted - level));
+    return held_bytes(meshes, settings, lower);
+  };
   const std::uint64_t needed = need(wanted);
   if (needed <= free) return;
   int fitting = wanted - 1;

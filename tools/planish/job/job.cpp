@@ -68,7 +68,8 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
   std::vector<Fineness> all;
   for (const PlannedOutput& output : outputs) {
     const bool is_new = std::ranges::find(all, output.fineness) == all.end();
-    if (output.kind == OutputKind::Surface && is_new && info_of(output.format).has_fineness())
+    if (output.kind == OutputKind::Surface && is_new && output.coarser.empty() &&
+        info_of(output.format).has_fineness())
       all.push_back(output.fineness);
   }
   for (const Fineness& fineness : all) {
@@ -76,8 +77,17 @@ std::vector<PlannedStep> steps_of(const Job& job, const std::vector<PlannedOutpu
     steps.push_back({"level", points});
     for (const PlannedOutput& output : outputs)
       if (output.kind == OutputKind::Surface && output.fineness == fineness &&
-          info_of(output.format).has_fineness())
+          output.coarser.empty() && info_of(output.format).has_fineness())
         steps.push_back({"write", 0.6 * points});
+  }
+  for (const PlannedOutput& output : outputs) {
+    if (output.coarser.empty()) continue;
+    double points = 0;
+    for (const Fineness& fineness : output.finenesses()) {
+      steps.push_back({"level", std::ldexp(1.0, 2 * fineness.level)});
+      points += steps.back().weight;
+    }
+    steps.push_back({"write", 0.6 * points});
   }
   for (const PlannedOutput& output : outputs)
     if (info_of(output.format).is_tiles)

@@ -150,7 +150,8 @@ Job job_of(const FitFlags& flags, const Settings& settings, const std::string& i
   const FileFormat cage = output_format_of(flags, FormatUse::WriteCage, FileFormat::Obj);
   for (const std::string& path : flags.outputs)
     job.outputs.push_back({output_path(path, input, surface, "-o", one_of_several),
-                           OutputKind::Surface, settings.levels, settings.adaptive, "-o"});
+                           OutputKind::Surface, settings.levels, settings.adaptive, "-o",
+                           settings.lods == LodChoice::Msft});
   if (!flags.cage.empty())
     job.outputs.push_back({output_path(flags.cage, input, cage, "--cage", one_of_several),
                            OutputKind::Cage,

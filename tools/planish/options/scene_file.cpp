@@ -143,6 +143,7 @@ class JobParser {
     apply_fineness(json, where, fineness);
     request.levels = fineness.levels;
     request.adaptive = fineness.adaptive;
+    request.lods_in_one = settings.lods == LodChoice::Msft;
     if (request.adaptive.any() && settings.scheme != Scheme::DooSabin)
       refuse(where, "only Doo-Sabin surfaces have chord errors and angles; take levels");
     return request;

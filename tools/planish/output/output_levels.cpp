@@ -114,6 +114,7 @@ std::vector<Fineness> finenesses_of(const std::vector<PlannedOutput>& outputs) {
   std::vector<Fineness> finenesses;
   for (const PlannedOutput& planned : outputs) {
     if (planned.kind == OutputKind::Surface && info_of(planned.format).has_fineness() &&
+        planned.coarser.empty() &&
         std::ranges::find(finenesses, planned.fineness) == finenesses.end())
       finenesses.push_back(planned.fineness);
   }

@@ -12,7 +12,7 @@ namespace planish::command {
 /// What all files of a job's surface have in common.
 [[nodiscard]] SurfaceOutputOptions surface_options(const FittedJob& work);
 
-/// Every fineness that a file of a surface has, but of tiles, once.
+/// Every fineness that a file of a surface has, but of tiles and of levels of detail in one, once.
 [[nodiscard]] std::vector<Fineness> finenesses_of(const std::vector<PlannedOutput>& outputs);
 
 /// A level, measured for the report.

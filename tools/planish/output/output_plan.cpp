@@ -65,6 +65,10 @@ std::vector<Fineness> finenesses_of(const OutputRequest& request) {
   return all;
 }
 
+bool is_finer(const Fineness& a, const Fineness& b) {
+  return a.level != b.level ? a.level > b.level : a.chord_error < b.chord_error;
+}
+
 // Coordinates of up to half a diagonal round by 3e-8 of it as float32.
 void require_chord_error(const OutputRequest& request, FileFormat format, double chord_error) {
   constexpr double kLeastOfFloats = 1e-7;
@@ -77,6 +81,13 @@ void require_chord_error(const OutputRequest& request, FileFormat format, double
 }
 
 }  // namespace
+
+std::string finenesses_text(const Fineness& finest, const std::vector<Fineness>& coarser) {
+  std::string text = fineness_text(finest);
+  for (std::size_t i = 0; i < coarser.size(); ++i)
+    text += (i == 0 ? " and " : ", ") + fineness_text(coarser[i]);
+  return text + (coarser.empty() ? "" : " as levels of detail");
+}
 
 std::string fineness_text(const Fineness& fineness) {
   if (!fineness.is_adaptive()) return "level " + std::to_string(fineness.level);
@@ -217,7 +228,18 @@ void require_compressible(const std::vector<PlannedOutput>& outputs) {
 }
 
 std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims& claims) {
-  const std::vector<Fineness> finenesses = finenesses_of(request);
+  std::vector<Fineness> finenesses = finenesses_of(request);
+  std::vector<Fineness> coarser;
+  if (request.lods_in_one && finenesses.size() > 1) {
+    const auto format = request.path == "-" ? FileFormat::Glb : format_for(request);
+    if (!info_of(format).is_gltf)
+      refuse(request.where, visible(request.path) +
+                                ": levels of detail in one file are of glTF alone; take --lods "
+                                "files");
+    std::ranges::stable_sort(finenesses, is_finer);
+    coarser.assign(finenesses.begin() + 1, finenesses.end());
+    finenesses.resize(1);
+  }
   const bool several = finenesses.size() > 1;
   if (request.path == "-") {
     if (request.kind == OutputKind::Cage) refuse(request.where, "a cage needs a file");
@@ -228,7 +250,7 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
           "a GLB is not written to a terminal; name a file, or send stdout somewhere: > out.glb");
     claims.add_output("-", request.where);
     require_chord_error(request, FileFormat::Glb, finenesses.at(0).chord_error);
-    return {{"-", OutputKind::Surface, FileFormat::Glb, finenesses.at(0), true}};
+    return {{"-", OutputKind::Surface, FileFormat::Glb, finenesses.at(0), true, coarser}};
   }
   if (request.path.empty()) refuse(request.where, "the path is empty");
   const FileFormat format = format_for(request);
@@ -251,11 +273,12 @@ std::vector<PlannedOutput> plan_output(const OutputRequest& request, PathClaims&
         path.replace_filename(path.stem().string() + "_LOD" + std::to_string(i) +
                               path.extension().string());
       }
-      planned.push_back({path, request.kind, format, finenesses[i]});
+      planned.push_back({path, request.kind, format, finenesses[i], false, coarser});
     }
   }
   for (PlannedOutput& output : planned) {
-    require_chord_error(request, format, output.fineness.chord_error);
+    for (const Fineness& fineness : output.finenesses())
+      require_chord_error(request, format, fineness.chord_error);
     claims.add_output(output.path, request.where);
     const fs::path companion = companion_of(output.path, format);
     if (!companion.empty()) claims.add_output(companion, request.where);

@@ -18,9 +18,10 @@ enum class OutputKind { Surface, Cage };
 struct OutputRequest {
   std::string path;  ///< "-": a GLB to stdout
   OutputKind kind = OutputKind::Surface;
-  std::vector<int> levels;  ///< of a surface
-  AdaptiveChoice adaptive;  ///< instead of levels, where there is any
-  std::string where;        ///< for messages: "-o" or "scene.json: jobs[0].outputs[1]"
+  std::vector<int> levels;   ///< of a surface
+  AdaptiveChoice adaptive;   ///< instead of levels, where there is any
+  std::string where;         ///< for messages: "-o" or "scene.json: jobs[0].outputs[1]"
+  bool lods_in_one = false;  ///< levels of detail are in one file
 };
 
 /// How fine a surface is: a level, or what its triangles keep.
@@ -34,6 +35,9 @@ struct Fineness {
 
 /// "level 2", "chord error 0.001", "angle 10", "chord error 0.001 and angle 10".
 [[nodiscard]] std::string fineness_text(const Fineness& fineness);
+/// The same of levels of detail in one file: "level 2 and level 1, level 0 as levels of detail".
+[[nodiscard]] std::string finenesses_text(const Fineness& finest,
+                                          const std::vector<Fineness>& coarser);
 
 /// One file to be written.
 struct PlannedOutput {
@@ -42,6 +46,13 @@ struct PlannedOutput {
   FileFormat format = FileFormat::Glb;
   Fineness fineness;  ///< of a surface
   bool to_stdout = false;
+  std::vector<Fineness> coarser{};  ///< levels of detail of the same file, each than the one before
+
+  [[nodiscard]] std::vector<Fineness> finenesses() const {
+    std::vector<Fineness> all{fineness};
+    all.insert(all.end(), coarser.begin(), coarser.end());
+    return all;
+  }
 };
 
 struct PathRules {
@@ -85,8 +96,9 @@ class PathClaims {
 };
 
 /// The files that a request becomes: NAME.glb, or NAME_LOD0.glb, NAME_LOD1.glb... in the order of
-/// the levels. Claims each. Throws as PathClaims, and Error{InvalidArgument} for an extension that
-/// is not written, several levels to stdout or bytes to a terminal.
+/// the levels; with lods_in_one NAME.glb alone, from fine to coarse. Claims each. Throws as
+/// PathClaims, and Error{InvalidArgument} for an extension that is not written, several levels to
+/// stdout or bytes to a terminal.
 [[nodiscard]] std::vector<PlannedOutput> plan_output(const OutputRequest& request,
                                                      PathClaims& claims);
 

@@ -51,8 +51,8 @@ void measure_gltf(const PlannedOutput& planned, const SurfaceBlocks& surface,
                                                const Settings& settings,
                                                const SurfaceOutputOptions& options);
 
-/// Writes the cage of a fitted mesh, with the materials of an OBJ's input, and measures how far its limit surface, recomputed in double,
-/// is from the mesh's vertices.
+/// Writes the cage of a fitted mesh, with the materials of an OBJ's input, and measures how far its
+/// limit surface, recomputed in double, is from the mesh's vertices.
 [[nodiscard]] WrittenOutput write_cage_output(const PlannedOutput& planned,
                                               const std::filesystem::path& target,
                                               const FittedMesh& whole,

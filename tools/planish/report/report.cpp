@@ -78,6 +78,10 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs, const Settin
     entry["level"] = has_level ? OrderedJson(output.fineness.level) : OrderedJson();
     if (output.fineness.chord_error > 0) entry["chord_error"] = output.fineness.chord_error;
     if (output.fineness.angle > 0) entry["angle"] = output.fineness.angle;
+    for (const Fineness& coarser : output.coarser)
+      entry["coarser"].push_back(coarser.is_adaptive()
+                                     ? OrderedJson{{"chord_error", coarser.chord_error}}
+                                     : OrderedJson{{"level", coarser.level}});
     entry["vertices"] = output.vertices;
     entry["quads"] = output.quads;
     entry["triangles"] = output.triangles;

@@ -30,9 +30,10 @@ struct WrittenTiles {
 struct WrittenOutput {
   std::string path;  ///< "-" for stdout
   OutputKind kind = OutputKind::Surface;
-  Fineness fineness;        ///< of a surface
-  std::uint64_t bytes = 0;  ///< a .gltf counts its .bin, a tile set its tiles
-  std::string sha256;       ///< of the file named by path
+  Fineness fineness;              ///< of a surface
+  std::vector<Fineness> coarser;  ///< that are in the file, too
+  std::uint64_t bytes = 0;        ///< a .gltf counts its .bin, a tile set its tiles
+  std::string sha256;             ///< of the file named by path
   std::int64_t vertices = 0, quads = 0, triangles = 0;
   std::int64_t faces = 0;  ///< of any size
   /// Largest distance of FittedMesh::points() from their places on the surface in the file,

@@ -58,7 +58,8 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width,
     for (const WrittenTiles& level : output.tile_levels) tiles += level.tiles;
     line += counted(tiles, "tile") + ", to ";
   }
-  line += fineness_text(output.fineness) + ", " + counted(output.vertices, "vertex");
+  line +=
+      finenesses_text(output.fineness, output.coarser) + ", " + counted(output.vertices, "vertex");
   if (output.fineness.level == 0) return line + ", " + counted(output.faces, "face");
   return line + ", " +
          (output.quads > 0 ? counted(output.quads, "quad") : counted(output.triangles, "triangle"));

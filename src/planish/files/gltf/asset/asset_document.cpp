@@ -19,8 +19,6 @@ using nlohmann::json;
 
 constexpr const char* kQuantization = "KHR_mesh_quantization";
 
-json vector_of(const glm::dvec3& v) { return json::array({v.x, v.y, v.z}); }
-
 // "target/2/POSITION" are attributes of morph targets.
 json primitive_of(const json& made, const json& rest, const std::vector<std::int64_t>& accessors) {
   constexpr std::string_view kTarget = "target/";
@@ -107,8 +105,9 @@ void AssetDocument::keep_images() {
   }
 }
 
-void AssetDocument::replace(std::int64_t mesh, const AssetVertices& vertices,
-                            const GltfDocument& document, const json& made) {
+// Their places in the document.
+std::vector<std::int64_t> AssetDocument::append_accessors(const GltfDocument& document,
+                                                          const json& made) {
   std::vector<std::int64_t> views, accessors;
   for (const json& view : made["bufferViews"]) {
     views.push_back(views_.next(json_["bufferViews"]));
@@ -125,36 +124,48 @@ void AssetDocument::replace(std::int64_t mesh, const AssetVertices& vertices,
     json& to = json_["accessors"][static_cast<std::size_t>(accessors.back())] = accessor;
     to["bufferView"] = views[to["bufferView"].get<std::size_t>()];
   }
-  json& place = json_["meshes"][static_cast<std::size_t>(mesh)];
-  const json given = std::exchange(place["primitives"], json::array());
-  const json& primitives = made["meshes"][0]["primitives"];
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    const auto group = static_cast<std::size_t>(std::max(document.primitives[i].group, 0));
-    const auto source = static_cast<std::size_t>(vertices.groups[group].primitive);
-    place["primitives"].push_back(
-        primitive_of(primitives[i], without_vertices(given[source]), accessors));
-  }
-  for (const json& primitive : given)
-    if (!is_surface(primitive)) place["primitives"].push_back(primitive);
   buffer_bytes_ += document.buffer_bytes;
   decoded_bytes_ += document.decoded_bytes;
   new_extensions_.insert(document.extensions.begin(), document.extensions.end());
-  if (document.scale != 1.0 || document.translation != glm::dvec3(0.0)) scale_nodes(mesh, document);
+  return accessors;
 }
 
-// A child between: the node's own children and animations stay where they are.
-void AssetDocument::scale_nodes(std::int64_t mesh, const GltfDocument& document) {
-  if (!json_.contains("nodes")) return;
-  json& nodes = json_["nodes"];
-  const std::size_t count = nodes.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!nodes[i].contains("mesh") || nodes[i]["mesh"] != mesh) continue;
-    nodes[i].erase("mesh");
-    nodes[i]["children"].push_back(nodes.size());
-    nodes.push_back({{"mesh", mesh},
-                     {"scale", vector_of(glm::dvec3(document.scale))},
-                     {"translation", vector_of(document.translation)}});
+// With what the mesh has besides triangles.
+json AssetDocument::primitives_of(std::int64_t mesh, const AssetVertices& vertices,
+                                  const GltfDocument& document, const json& made) {
+  const std::vector<std::int64_t> accessors = append_accessors(document, made);
+  const json& given = asset_.root().value()["meshes"][static_cast<std::size_t>(mesh)]["primitives"];
+  const json& primitives = made["meshes"][0]["primitives"];
+  json all = json::array();
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const auto group = static_cast<std::size_t>(std::max(document.primitives[i].group, 0));
+    const auto source = static_cast<std::size_t>(vertices.groups[group].primitive);
+    all.push_back(primitive_of(primitives[i], without_vertices(given[source]), accessors));
   }
+  for (const json& primitive : given)
+    if (!is_surface(primitive)) all.push_back(primitive);
+  return all;
+}
+
+void AssetDocument::replace(std::int64_t mesh, const AssetVertices& vertices,
+                            const GltfDocument& document, const json& made, double least_coverage) {
+  json primitives = primitives_of(mesh, vertices, document, made);
+  json_["meshes"][static_cast<std::size_t>(mesh)]["primitives"] = std::move(primitives);
+  levels_[mesh] = {{mesh, document.scale, document.translation, least_coverage}};
+}
+
+void AssetDocument::add_level(std::int64_t mesh, const AssetVertices& vertices,
+                              const GltfDocument& document, const json& made,
+                              double least_coverage) {
+  std::vector<MeshLevel>& levels = levels_.at(mesh);
+  json& meshes = json_["meshes"];
+  json level = meshes[static_cast<std::size_t>(mesh)];
+  level["primitives"] = primitives_of(mesh, vertices, document, made);
+  if (level.contains("name"))
+    level["name"] = level["name"].get<std::string>() + "_LOD" + std::to_string(levels.size());
+  levels.push_back({std::ssize(meshes), document.scale, document.translation, least_coverage});
+  meshes.push_back(std::move(level));
+  new_extensions_.insert(kLodExtension);
 }
 
 void AssetDocument::add_extras(const json& extras) {
@@ -180,11 +191,6 @@ void AssetDocument::drop_unused_places(const char* list, Places& places, const j
 
 void AssetDocument::settle_extensions() {
   // What concerns bytes that are unpacked now, or attributes that gave way.
-  const bool keeps_triangles = std::ranges::any_of(json_["meshes"], [&](const json& mesh) {
-    return std::ranges::any_of(mesh["primitives"], [](const json& primitive) {
-      return primitive.contains("extensions") && primitive["extensions"].contains(kDracoExtension);
-    });
-  });
   for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
     std::set<std::string> names;
     if (json_.contains(list))
@@ -199,6 +205,7 @@ void AssetDocument::settle_extensions() {
 
 std::string AssetDocument::text(const std::string& uri) {
   constexpr int kFloat = 5126;
+  for (const auto& [mesh, levels] : levels_) place_levels(json_, levels);
   drop_unused_places("accessors", accessors_,
                      {{"componentType", kFloat}, {"count", 1}, {"type", "SCALAR"}});
   drop_unused_places("bufferViews", views_, {{"buffer", 0}, {"byteLength", 1}});

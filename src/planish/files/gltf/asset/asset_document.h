@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
@@ -10,6 +11,7 @@
 
 #include "planish/files/gltf/asset/asset_references.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
+#include "planish/files/gltf/asset/mesh_levels.h"
 #include "planish/files/gltf/gltf_document.h"
 
 namespace planish {
@@ -27,7 +29,11 @@ class AssetDocument {
   /// Puts a surface's document, `made` as gltf_json() has it, in the place of a mesh's triangles;
   /// its bytes follow those before it.
   void replace(std::int64_t mesh, const AssetVertices& vertices, const GltfDocument& document,
-               const nlohmann::json& made);
+               const nlohmann::json& made, double least_coverage = 0);
+  /// Another surface of the same mesh, coarser than those before it, as a level of detail: see
+  /// place_levels(). It has what the mesh has besides triangles, too.
+  void add_level(std::int64_t mesh, const AssetVertices& vertices, const GltfDocument& document,
+                 const nlohmann::json& made, double least_coverage);
   /// Adds what stands in `extras` to asset.extras, unless the asset has that already.
   void add_extras(const nlohmann::json& extras);
   /// The text, with `uri` for the buffer of a .gltf.
@@ -47,7 +53,10 @@ class AssetDocument {
   std::uint64_t keep(std::span<const std::byte> bytes);
   void keep_views();
   void keep_images();
-  void scale_nodes(std::int64_t mesh, const GltfDocument& document);
+  std::vector<std::int64_t> append_accessors(const GltfDocument& document,
+                                             const nlohmann::json& made);
+  nlohmann::json primitives_of(std::int64_t mesh, const AssetVertices& vertices,
+                               const GltfDocument& document, const nlohmann::json& made);
   void drop_unused_places(const char* list, Places& places, const nlohmann::json& filler);
   void settle_extensions();
 
@@ -57,7 +66,8 @@ class AssetDocument {
   std::vector<std::span<const std::byte>> kept_;
   std::uint64_t buffer_bytes_ = 0, decoded_bytes_ = 0;
   std::set<std::string> new_extensions_;
-  bool keeps_vertices_ = false;  // of some primitive
+  std::map<std::int64_t, std::vector<MeshLevel>> levels_;  // by the mesh that gave way
+  bool keeps_vertices_ = false;                            // of some primitive
 };
 
 }  // namespace planish

@@ -1,5 +1,7 @@
 #include "planish/files/gltf/asset/write_asset.h"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -25,21 +27,26 @@ std::vector<GltfOptions> options_of_all(std::span<const AssetSurface> surfaces,
   for (const AssetSurface& one : surfaces)
     all += static_cast<double>(one.surface->info().corner_count);
   std::vector<GltfOptions> options;
+  const auto farthest = std::make_shared<double>(0);
   for (const AssetSurface& one : surfaces) {
     GltfOptions& own = options.emplace_back(one.options);
-    const double share = static_cast<double>(one.surface->info().corner_count) / all;
+    const double begin = done / all;
+    done += static_cast<double>(one.surface->info().corner_count);
+    const double end = done / all;
     const double first = own.compression == GltfCompression::None ? kGltfSurveyed : 1;
     const auto place = [=](double fraction) {
-      if (fraction <= first) return first * done + share * fraction;
-      return first + (1 - first) * done + share * (fraction - first);
+      if (fraction <= first) return std::lerp(first * begin, first * end, fraction / first);
+      return std::lerp(std::lerp(first, 1, begin), std::lerp(first, 1, end),
+                       (fraction - first) / (1 - first));
     };
     own.callbacks.progress = {};
     if (common.progress)
-      own.callbacks.progress = [report = common.progress, place](std::string_view step,
-                                                                 double fraction) {
-        report(step, place(fraction));
+      own.callbacks.progress = [report = common.progress, place, farthest](std::string_view step,
+                                                                           double fraction) {
+        // Where writing begins a surface is where its survey ended.
+        *farthest = std::max(*farthest, place(fraction));
+        report(step, *farthest);
       };
-    done += share;
   }
   return options;
 }
@@ -54,6 +61,7 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
       std::make_shared<const std::vector<GltfOptions>>(options_of_all(surfaces, common));
   auto payloads = std::make_shared<std::vector<GltfPayload>>();
   GltfWhole whole;
+  std::set<std::int64_t> replaced_now;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const AssetSurface& one = surfaces[i];
     const GltfPayload& payload =
@@ -62,7 +70,11 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
     if (surfaces.size() > 1) described.extras.clear();
     // One after another, each in the only mesh of a document of its own.
     const json made = json::parse(payload_json(payload, described, {}));
-    document.replace(one.mesh, *one.vertices, payload.document, made);
+    if (replaced_now.insert(one.mesh).second) {
+      document.replace(one.mesh, *one.vertices, payload.document, made, one.least_coverage);
+    } else {
+      document.add_level(one.mesh, *one.vertices, payload.document, made, one.least_coverage);
+    }
     if (made["asset"].contains("extras")) document.add_extras(made["asset"]["extras"]);
     whole.vertex_count += payload.vertex_count;
     whole.triangle_count += payload.triangle_count;
@@ -112,7 +124,8 @@ GltfFile write_asset(const std::filesystem::path& path, const std::filesystem::p
 std::vector<std::byte> encode_asset(const GltfAsset& asset, std::span<const AssetSurface> surfaces,
                                     const GltfOptions& common) {
   const HostScope host(common.callbacks);
-  std::vector<std::byte> bytes = glb_bytes(whole_asset(asset, surfaces, common.callbacks, {}, false), common);
+  std::vector<std::byte> bytes =
+      glb_bytes(whole_asset(asset, surfaces, common.callbacks, {}, false), common);
   common.callbacks.report("write", 1);
   return bytes;
 }

@@ -17,6 +17,9 @@ struct AssetSurface {
   std::int64_t mesh = 0;                    ///< its number in the asset
   const SurfaceBlocks* surface = nullptr;   ///< whose groups are those of the AssetMesh
   const AssetVertices* vertices = nullptr;  ///< of the AssetMesh
+  /// A further surface of a mesh that has one is a level of detail, coarser than those before it:
+  /// MSFT_lod. Of the screen, down to which this one is shown.
+  double least_coverage = 0;
   /// Name, attributes, compression and extras, which asset.extras has where this is the only
   /// surface; neither origin nor turn, since nodes stay.
   GltfOptions options;
