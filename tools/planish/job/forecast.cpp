@@ -171,8 +171,10 @@ class HeldBytes {
     constexpr std::uint64_t kFieldBytes = 120;
     if (settings_.attributes.any()) surface += kFieldBytes * rows;
     if (settings_.compression != GltfCompression::None) {
-      surface += packing_bytes(level);
-      if (level.faces > kPackedFaces) packing_ = packed_blocks_bytes();
+      const std::uint64_t packing = packing_bytes(level);  // the last half is what comes out
+      surface += packing / 2;
+      packing_ = std::max(packing_, packing - packing / 2 +
+                                        (level.faces > kPackedFaces ? packed_blocks_bytes() : 0));
     }
     if (rides != nullptr) {
       const RideBytes bytes = ride_bytes(*rides, rows, corner_count, last_ == LastLevel::Full);
@@ -329,7 +331,8 @@ Forecast forecast_of_mesh(const MeshNeed& need, const Settings& settings,
     // Half as many rows as triangles.
     const RideBytes rides =
         ride_bytes(*need.vertices, static_cast<std::uint64_t>(most / 2), 0, true);
-    forecast.peak_bytes += rides.rows + rides.making;
+    forecast.peak_bytes += rides.rows;
+    forecast.making_bytes = rides.making;
   }
   forecast.seconds += 1e-6 * kBendSeconds * bends;
   return forecast;
@@ -350,6 +353,7 @@ Forecast forecast_of(std::span<const MeshNeed> meshes, const Settings& settings,
   for (const MeshNeed& mesh : meshes) {
     const Forecast one = forecast_of_mesh(mesh, settings, outputs, page_bytes);
     all.peak_bytes += one.peak_bytes;
+    all.making_bytes = std::max(all.making_bytes, one.making_bytes);
     all.seconds += one.seconds / thread_count();
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       OutputForecast& file = all.outputs[i];
@@ -358,6 +362,7 @@ Forecast forecast_of(std::span<const MeshNeed> meshes, const Settings& settings,
       if (one.outputs[i].bytes) file.bytes = file.bytes.value_or(0) + *one.outputs[i].bytes;
     }
   }
+  all.peak_bytes += all.making_bytes;
   // What is no mesh is at most the file again.
   for (OutputForecast& file : all.outputs)
     if (file.bytes) *file.bytes += asset_bytes;

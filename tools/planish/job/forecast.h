@@ -23,6 +23,7 @@ struct OutputForecast {
 struct Forecast {
   std::vector<OutputForecast> outputs;  ///< one per planned output; a .gltf counts its .bin
   std::uint64_t peak_bytes = 0;         ///< of host memory; an upper estimate
+  std::uint64_t making_bytes = 0;       ///< of these, what one mesh at a time takes besides
   double seconds = 0;                   ///< on this machine's threads, within a factor of three
 };
 
