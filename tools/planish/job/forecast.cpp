@@ -234,7 +234,8 @@ Forecast forecast_by_counts(const MeshCounts& counts, const Settings& settings,
     if (output.fineness.is_adaptive()) continue;
     if (info_of(output.format).is_brep) {
       points += kStepPoints * static_cast<double>(counts.corners);
-      beside = std::max(beside, kStepCornerBytes * static_cast<std::uint64_t>(counts.corners));
+      forecast.peak_bytes = std::max(forecast.peak_bytes,
+                                     kStepCornerBytes * static_cast<std::uint64_t>(counts.corners));
       continue;
     }
     const int level = level_of(output, settings);
