@@ -114,7 +114,8 @@ class Part21File {
     } else if (text_[at_] == '(') {
       result.items = list();
     } else if (text_[at_] == '\'') {
-      const std::size_t end = text_.find('\'', at_ + 1);
+      std::size_t end = text_.find('\'', at_ + 1);
+      while (text_[end + 1] == '\'') end = text_.find('\'', end + 2);  // a quote stands twice
       result.text = text_.substr(at_, end + 1 - at_);
       at_ = end + 1;
     } else {

@@ -25,6 +25,9 @@ class StepFile : public Part21File {
     std::vector<glm::dvec3> points;
     [[nodiscard]] glm::dvec3 at(double s) const { return t.at(points, s); }
   };
+  struct Plane {
+    glm::dvec3 origin{}, normal{};
+  };
   struct PlaneLine {
     std::int64_t surface = 0;
     glm::dvec2 from{}, direction{};
@@ -50,6 +53,10 @@ class StepFile : public Part21File {
     Curve result{line(values[1], values[6], values[7]), {}};
     for (const Part21Value& p : values[2].items) result.points.push_back(point(p));
     return result;
+  }
+  [[nodiscard]] Plane plane(std::int64_t id) const {
+    const auto& place = at(at(id).values[1]).values;
+    return {point(place[1]), point(place[2])};
   }
   [[nodiscard]] PlaneLine plane_line(const Part21Value& pcurve) const {
     const auto& values = at(pcurve).values;

@@ -51,23 +51,46 @@ std::int64_t euler_number(const LimitSurface& limit) {
   return std::ssize(vertices) - std::ssize(edges) + faces;
 }
 
+// A curve on surfaces, or a curve alone where all of them are planes.
+std::int64_t curve_of(const StepFile& file, std::int64_t edge) {
+  const Part21Value& geometry = file.at(edge).values[3];
+  return file.at(geometry).keyword == "SURFACE_CURVE" ? file.at(geometry).values[1].reference
+                                                      : geometry.reference;
+}
+std::vector<Part21Value> surfaces_beside(const StepFile& file, std::int64_t edge) {
+  const Part21Entity& geometry = file.at(file.at(edge).values[3]);
+  return geometry.keyword == "SURFACE_CURVE" ? geometry.values[2].items
+                                             : std::vector<Part21Value>{};
+}
+
 // Every edge lies on the surfaces of its faces at the parameters that its lines say, is used once
 // each way, and ends at its vertices.
-void expect_joined(const StepFile& file, double tolerance) {
+void expect_joined(const StepFile& file, double tolerance, double plane_tolerance,
+                   std::int64_t border_count) {
   std::map<std::int64_t, int> forwards, backwards;
   for (const std::int64_t id : file.all("ORIENTED_EDGE"))
     ++(file.at(id).values[4].text == ".T." ? forwards : backwards)[file.at(id).values[3].reference];
+  std::int64_t borders = 0;
   for (const std::int64_t id : file.all("EDGE_CURVE")) {
     const auto& edge = file.at(id).values;
-    const auto& on_surfaces = file.at(edge[3]).values;
-    const StepFile::Curve curve = file.curve(on_surfaces[1].reference);
-    const auto& pcurves = on_surfaces[2].items;
+    const StepFile::Curve curve = file.curve(curve_of(file, id));
     ASSERT_EQ(forwards[id], 1);
-    ASSERT_EQ(backwards[id], static_cast<int>(pcurves.size()) - 1);
+    ASSERT_LE(backwards[id], 1);
+    if (backwards[id] == 0) ++borders;
+    const std::vector<Part21Value> beside = surfaces_beside(file, id);
+    if (!beside.empty()) {
+      ASSERT_EQ(std::ssize(beside), 1 + backwards[id]);
+    }
     ASSERT_LE(glm::length(file.point(file.at(edge[1]).values[1]) - curve.points.front()),
               tolerance);
     ASSERT_LE(glm::length(file.point(file.at(edge[2]).values[1]) - curve.points.back()), tolerance);
-    for (const Part21Value& pcurve : pcurves) {
+    for (const Part21Value& pcurve : beside) {
+      if (file.at(pcurve).keyword == "PLANE") {
+        const StepFile::Plane plane = file.plane(pcurve.reference);
+        for (const glm::dvec3& p : curve.points)
+          ASSERT_LE(std::abs(glm::dot(p - plane.origin, plane.normal)), plane_tolerance);
+        continue;
+      }
       const StepFile::PlaneLine line = file.plane_line(pcurve);
       const StepFile::Surface surface = file.surface(line.surface);
       for (int k = 0; k <= 32; ++k) {
@@ -81,6 +104,7 @@ void expect_joined(const StepFile& file, double tolerance) {
       }
     }
   }
+  EXPECT_EQ(borders, border_count);
 }
 
 // Loops run around [0, a] x [0, b] without a jump.
@@ -115,15 +139,17 @@ TEST(Step, FacesMeetAlongEdges) {
     const LimitCase c(mesh);
     const Brep brep = make_brep(c.limit, {.angle = 2, .deviation = 1e-4});
     const StepFile file = written(c, brep, scratch("joined.step"));
+    const auto border_count =
+        std::ranges::count_if(brep.edges, [](const Brep::Edge& e) { return e.lines[1].face < 0; });
     // 15 digits of coordinates, which may be larger than the surface.
-    expect_joined(file, 1e-12 * std::max(c.surface->placement().diagonal, largest_size(brep)));
+    const double size = std::max(c.surface->placement().diagonal, largest_size(brep));
+    expect_joined(file, 1e-12 * size, 1e-9 * size, border_count);
     expect_loops(file);
     const auto count = [&](const char* keyword) { return std::ssize(file.all(keyword)); };
     EXPECT_EQ(count("VERTEX_POINT") - count("EDGE_CURVE") + count("ADVANCED_FACE"),
               euler_number(c.limit));
-    const bool is_open = std::ranges::any_of(
-        brep.edges, [](const Brep::Edge& edge) { return edge.lines[1].face < 0; });
-    EXPECT_EQ(count("OPEN_SHELL") > 0, is_open);
+    EXPECT_EQ(count("OPEN_SHELL") > 0, border_count > 0);
+    EXPECT_EQ(count("B_SPLINE_SURFACE_WITH_KNOTS") + count("PLANE"), count("ADVANCED_FACE"));
     EXPECT_EQ(count("CLOSED_SHELL"), count("MANIFOLD_SOLID_BREP"));
   }
 }
@@ -180,6 +206,7 @@ TEST(Step, NormalsAgreeAcrossSmoothEdges) {
         if (std::min(part, 1 - part) < 1e-6) continue;
         std::vector<glm::dvec3> normals;
         for (const Part21Value& pcurve : values[2].items) {
+          if (file.at(pcurve).keyword == "PLANE") continue;
           const StepFile::PlaneLine line = file.plane_line(pcurve);
           const StepFile::Surface surface = file.surface(line.surface);
           const glm::dvec2 uv = line.from + t * line.direction;
@@ -212,6 +239,135 @@ TEST(Step, HasTheSameBytesOnEveryNumberOfThreads) {
   }
   EXPECT_EQ(bytes[0], bytes[1]);
   EXPECT_NE(bytes[0].find("PRODUCT('it''s a \\X4\\000000E4\\X0\\'"), std::string::npos);
+}
+
+// `scale` below 0 turns it inside out.
+void add_scaled(PolygonMesh& to, const PolygonMesh& mesh, double scale, const glm::dvec3& by) {
+  const auto first = static_cast<std::int32_t>(to.positions.size());
+  for (const glm::dvec3& p : mesh.positions) to.positions.push_back(scale * p + by);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    for (const std::int32_t v : mesh.face(f)) to.face_vertices.push_back(first + v);
+    to.face_offsets.push_back(static_cast<std::int32_t>(to.face_vertices.size()));
+  }
+}
+
+TEST(Step, PartsInsideOutWithinOthersAreVoids) {
+  PolygonMesh mesh;
+  add_scaled(mesh, icosphere(1), -0.5, {});  // a void of the next one
+  add_scaled(mesh, icosphere(1), 1, {});
+  add_scaled(mesh, icosphere(1), 0.2, {0.1, 0, 0});  // a part in the void
+  add_scaled(mesh, icosphere(1), 10, {});            // around all of them
+  add_scaled(mesh, icosphere(1), 1, {30, 0, 0});     // by itself
+  add_scaled(mesh, icosphere(1), -1, {-30, 0, 0});   // inside out, in nothing
+  const LimitCase c(mesh);
+  const Brep brep = make_brep(c.limit, {.angle = 5, .deviation = 1e-3});
+  std::vector<std::int32_t> outer;
+  std::vector<bool> inside_out;
+  for (const Brep::Shell& shell : brep.shells) {
+    outer.push_back(shell.outer);
+    inside_out.push_back(shell.is_inside_out);
+  }
+  EXPECT_EQ(outer, (std::vector<std::int32_t>{1, -1, -1, -1, -1, -1}));
+  EXPECT_EQ(inside_out, (std::vector<bool>{true, false, false, false, false, true}));
+  const StepFile file = written(c, brep, scratch("voids.step"));
+  EXPECT_EQ(file.all("CLOSED_SHELL").size(), 6u);
+  EXPECT_EQ(file.all("MANIFOLD_SOLID_BREP").size(), 4u);
+  ASSERT_EQ(file.all("BREP_WITH_VOIDS").size(), 1u);
+  const auto& solid = file.at(file.all("BREP_WITH_VOIDS").front()).values;
+  EXPECT_EQ(solid[1].reference, file.all("CLOSED_SHELL")[1]);
+  ASSERT_EQ(solid[2].items.size(), 1u);
+  const auto& hollow = file.at(solid[2].items.front()).values;
+  EXPECT_EQ(hollow[2].reference, file.all("CLOSED_SHELL")[0]);
+  EXPECT_EQ(hollow[3].text, ".T.");
+}
+
+PolygonMesh creased_cube(bool all_around) {
+  PolygonMesh mesh = cube();
+  // Of the cube's faces those at z = 1 have all edges sharp, or all faces have.
+  for (std::int32_t a = 0; a < 8; ++a)
+    for (const std::int32_t bit : {1, 2, 4})
+      if ((a & bit) == 0 && (all_around || ((a & 4) != 0 && bit != 4)))
+        mesh.creases.push_back({a, a | bit});
+  return mesh;
+}
+
+TEST(Step, FlatFacesArePlanes) {
+  const glm::dvec3 x = glm::normalize(glm::dvec3(3, 1, -2)),
+                   y = glm::normalize(glm::cross(x, glm::dvec3(0, 1, 0))), z = glm::cross(x, y);
+  for (const bool all_around : {false, true}) {
+    PolygonMesh mesh = creased_cube(all_around);
+    for (glm::dvec3& p : mesh.positions) p = p.x * x + p.y * y + p.z * z;
+    const LimitCase c(mesh);
+    const StepFile file = written(c, make_brep(c.limit, {}), scratch("flat.step"));
+    const auto planes = file.all("PLANE");
+    EXPECT_EQ(planes.size(), all_around ? 6u : 1u);
+    EXPECT_EQ(file.all("B_SPLINE_SURFACE_WITH_KNOTS").size(), all_around ? 0u : 5u);
+    for (const std::int64_t id : planes) {
+      const StepFile::Plane plane = file.plane(id);
+      EXPECT_NEAR(glm::dot(plane.origin, plane.normal), 1, 1e-12);  // outwards, one from the middle
+      const double along_z = std::abs(glm::dot(plane.normal, z));
+      EXPECT_TRUE(all_around || along_z > 1 - 1e-12);
+    }
+  }
+  // What is flat and folded is no plane, and what is bent a little is none.
+  PolygonMesh bent = flat_grid(2, 2);
+  bent.positions[4].z = 1e-6;
+  const LimitCase c(bent);
+  EXPECT_TRUE(written(c, make_brep(c.limit), scratch("bent.step")).all("PLANE").empty());
+}
+
+TEST(Step, GroupsEndFacesAndNameAndColourThem) {
+  const PolygonMesh mesh = torus(12, 8, 3, 1);
+  const LimitCase c(mesh);
+  std::vector<std::int32_t> groups(static_cast<std::size_t>(mesh.face_count()), 0);
+  for (std::size_t f = 0; f < groups.size(); ++f) groups[f] = f % 96 < 30 ? 1 : 0;
+  const Brep brep = make_brep(c.limit, {}, {}, groups);
+  std::set<std::int32_t> seen;
+  double area = 0;
+  for (const Brep::Face& face : brep.faces) {
+    seen.insert(face.group);
+    if (face.group == 1) area += face.knots_u.back() * face.knots_v.back();
+  }
+  EXPECT_EQ(seen, (std::set<std::int32_t>{0, 1}));
+  EXPECT_EQ(area, 4 * 30);
+  const std::string path = scratch("groups.step");
+  write_step(
+      path, brep,
+      {.name = "part", .diagonal = 8, .groups = {{"red's", glm::dvec3(1, 0, 0.5)}, {"plain", {}}}});
+  const StepFile file(path);
+  std::map<std::string, int> names;
+  for (const std::int64_t id : file.all("ADVANCED_FACE")) ++names[file.at(id).values[0].text];
+  EXPECT_EQ(names.size(), 2u);
+  EXPECT_GT(names["'plain'"], 0);
+  const auto styled = file.all("STYLED_ITEM");
+  EXPECT_EQ(std::ssize(styled), std::ranges::count(brep.faces, 0, &Brep::Face::group));
+  for (const std::int64_t id : styled)
+    EXPECT_EQ(file.at(file.at(id).values[2]).keyword, "ADVANCED_FACE");
+  ASSERT_EQ(file.all("COLOUR_RGB").size(), 1u);
+  const auto& color = file.at(file.all("COLOUR_RGB").front()).values;
+  EXPECT_EQ(color[1].number(), 1);
+  EXPECT_EQ(color[3].number(), 0.5);
+  // A solid of one group is named and coloured whole.
+  write_step(path, make_brep(c.limit), {.diagonal = 8, .groups = {{"all", glm::dvec3(1)}}});
+  const StepFile whole(path);
+  ASSERT_EQ(whole.all("STYLED_ITEM").size(), 1u);
+  const auto& solid = whole.at(whole.at(whole.all("STYLED_ITEM").front()).values[2]);
+  EXPECT_EQ(solid.keyword, "MANIFOLD_SOLID_BREP");
+  EXPECT_EQ(solid.values[0].text, "'all'");
+}
+
+// Points in space that several entities refer to stand once.
+TEST(Step, PointsOfBordersStandOnce) {
+  const LimitCase c(torus(7, 5, 3, 1));
+  const StepFile file = written(c, make_brep(c.limit, {}), scratch("once.step"));
+  std::set<std::vector<double>> points;
+  for (const std::int64_t id : file.all("CARTESIAN_POINT")) {
+    const auto& xyz = file.at(id).values[1].items;
+    if (xyz.size() < 3) continue;
+    std::vector<double> point;
+    for (const Part21Value& value : xyz) point.push_back(value.number());
+    EXPECT_TRUE(points.insert(point).second) << "#" << id;
+  }
 }
 
 TEST(Step, FacesHaveAtMostTheSizeAskedFor) {

@@ -22,7 +22,9 @@ struct Brep {
     std::vector<double> knots_u, knots_v;
     /// (i, j) at i + j (knots_u.size() + 1), i along u.
     std::vector<glm::dvec3> points;
-    std::vector<Use> loop;  ///< counter-clockwise
+    std::vector<Use> loop;   ///< counter-clockwise
+    std::int32_t group = 0;  ///< of the mesh's faces that it is made of
+    bool is_flat = false;    ///< all points lie in one plane, and not on a line
   };
   /// Where an edge lies in a face: its parameter t is at from + t direction.
   struct Line {
@@ -39,6 +41,8 @@ struct Brep {
   struct Shell {
     std::vector<std::int32_t> faces;
     bool is_closed = false;
+    bool is_inside_out = false;  ///< of a closed one: its normals point into what it encloses
+    std::int32_t outer = -1;     ///< of one inside out: the shell in whose inside it lies; -1: none
   };
   /// Where a vertex of the mesh lies.
   struct Place {

@@ -1,10 +1,13 @@
 #include "planish/brep/make_brep.h"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "planish/brep/cap_depth.h"
 #include "planish/brep/quad_layout.h"
+#include "planish/brep/shells.h"
 #include "planish/brep/spline_face.h"
 #include "planish/core/counted.h"
 #include "planish/core/error.h"
@@ -83,38 +86,6 @@ std::vector<FaceEdges> make_topology(const QuadLayout& layout, std::size_t half_
   return edges;
 }
 
-void make_shells(Brep& brep) {
-  std::vector<std::int32_t> parent(brep.faces.size());
-  for (std::size_t f = 0; f < parent.size(); ++f) parent[f] = static_cast<std::int32_t>(f);
-  const auto root = [&](std::int32_t f) {
-    while (parent[static_cast<std::size_t>(f)] != f) {
-      auto& up = parent[static_cast<std::size_t>(f)];
-      up = parent[static_cast<std::size_t>(up)];
-      f = up;
-    }
-    return f;
-  };
-  for (const Brep::Edge& edge : brep.edges) {
-    if (edge.lines[1].face < 0) continue;
-    const std::int32_t a = root(edge.lines[0].face), b = root(edge.lines[1].face);
-    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  }
-  std::vector<std::int32_t> shell_of(brep.faces.size(), -1);
-  for (std::size_t f = 0; f < brep.faces.size(); ++f) {
-    std::int32_t& shell = shell_of[static_cast<std::size_t>(root(static_cast<std::int32_t>(f)))];
-    if (shell < 0) {
-      shell = static_cast<std::int32_t>(brep.shells.size());
-      brep.shells.push_back({{}, true});
-    }
-    brep.shells[static_cast<std::size_t>(shell)].faces.push_back(static_cast<std::int32_t>(f));
-  }
-  for (const Brep::Edge& edge : brep.edges) {
-    if (edge.lines[1].face >= 0) continue;
-    const auto face = static_cast<std::size_t>(root(edge.lines[0].face));
-    brep.shells[static_cast<std::size_t>(shell_of[face])].is_closed = false;
-  }
-}
-
 // What faces and edges take at most: all knots are counted, of which some will not be needed.
 void require_memory_for(const QuadLayout& layout, const CapDepths& depths) {
   double bytes = 0;
@@ -139,6 +110,22 @@ void require_memory_for(const QuadLayout& layout, const CapDepths& depths) {
                   " are free; allow a larger angle and deviation, or take a coarser mesh");
 }
 
+// Within what no program tells from nothing.
+bool is_flat(std::span<const glm::dvec3> points, double diagonal) {
+  constexpr double kFlat = 1e-9;  // of the diagonal
+  const glm::dvec3 origin = points.front();
+  glm::dvec3 normal(0.0);
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    const glm::dvec3 area = glm::cross(points[i] - origin, points[i + 1] - origin);
+    if (glm::dot(area, area) > glm::dot(normal, normal)) normal = area;
+  }
+  const double length = glm::length(normal);
+  if (!(length > 0)) return false;
+  return std::ranges::all_of(points, [&](const glm::dvec3& p) {
+    return std::abs(glm::dot(p - origin, normal)) <= kFlat * diagonal * length;
+  });
+}
+
 // Of a rectangle's cells whose quad's vertex is one of the mesh.
 void place_vertices(const QuadLayout& layout, std::int32_t face, Brep& brep) {
   constexpr std::array<glm::dvec2, 4> kOrigin{{{0, 0}, {0, 1}, {1, 1}, {1, 0}}};
@@ -154,12 +141,12 @@ void place_vertices(const QuadLayout& layout, std::int32_t face, Brep& brep) {
 
 }  // namespace
 
-Brep make_brep(const LimitSurface& surface, const BrepOptions& options,
-               const Callbacks& callbacks) {
+Brep make_brep(const LimitSurface& surface, const BrepOptions& options, const Callbacks& callbacks,
+               std::span<const std::int32_t> groups) {
   check(options);
   const HostScope host(callbacks);
   callbacks.report("faces", 0);
-  const QuadLayout layout(surface, options.face_size);
+  const QuadLayout layout(surface, options.face_size, groups);
   constexpr double kDepthsShare = 0.4;  // of the time
   const Callbacks depths_callbacks = share_of(callbacks, 0, kDepthsShare);
   const CapDepths depths =
@@ -178,7 +165,13 @@ Brep make_brep(const LimitSurface& surface, const BrepOptions& options,
   LoopProgress progress(callbacks, "faces", kDepthsShare, 1, std::ssize(brep.faces));
   parallel_each(brep.faces.size(), 1, [&](std::size_t f) {
     const SplineFace spline(surface, layout, depths, static_cast<std::int32_t>(f));
-    spline.fill(brep.faces[f]);
+    Brep::Face& face = brep.faces[f];
+    spline.fill(face);
+    face.is_flat = is_flat(face.points, surface.surface().placement().diagonal);
+    if (!groups.empty()) {
+      const std::int32_t corner = layout.rectangles()[f].cells.front().corner;
+      face.group = groups[static_cast<std::size_t>(surface.topology().face_of(corner))];
+    }
     for (const EdgePlace& own : edges[f].own) {
       Brep::Edge& edge = brep.edges[static_cast<std::size_t>(own.edge)];
       spline.fill(edge, own.side, own.first, own.count);
@@ -194,7 +187,7 @@ Brep make_brep(const LimitSurface& surface, const BrepOptions& options,
     brep.vertices[static_cast<std::size_t>(edge.from)] = edge.points.front();
     brep.vertices[static_cast<std::size_t>(edge.to)] = edge.points.back();
   }
-  make_shells(brep);
+  make_shells(surface, layout, brep);
   callbacks.report("faces", 1);
   return brep;
 }

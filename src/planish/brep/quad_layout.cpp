@@ -36,13 +36,14 @@ std::vector<std::int32_t> QuadLayout::Rectangle::side(int index) const {
   return half_edges;
 }
 
-QuadLayout::QuadLayout(const LimitSurface& surface, std::int32_t face_size)
+QuadLayout::QuadLayout(const LimitSurface& surface, std::int32_t face_size,
+                       std::span<const std::int32_t> groups)
     : surface_(surface), topology_(surface.topology()) {
   marked_.assign(4 * at(topology_.corner_count()), 0);
   extraordinary_.assign(at(vertex_count()), 0);
   seen_.assign(at(vertex_count()), 0);
   find_extraordinary();
-  mark_curves();
+  mark_curves(groups);
   std::vector<std::int32_t> tracks;
   for (std::int32_t h = 0; h < 4 * topology_.corner_count(); ++h) {
     if (!is_hidden(h / 4) && is_extraordinary(origin(h))) tracks.push_back(h);
@@ -148,9 +149,15 @@ void QuadLayout::mark(std::int32_t h) {
   if (const std::int32_t other = twin(h); other >= 0) marked_[at(other)] = 1;
 }
 
-void QuadLayout::mark_curves() {
+void QuadLayout::mark_curves(std::span<const std::int32_t> groups) {
+  const auto is_border = [&](std::int32_t h) {
+    const std::int32_t other = twin(h);
+    return other < 0 || is_sharp(h) ||
+           (!groups.empty() &&
+            groups[at(topology_.face_of(h / 4))] != groups[at(topology_.face_of(other / 4))]);
+  };
   for (std::int32_t h = 0; h < 4 * topology_.corner_count(); ++h) {
-    if (is_hidden(h / 4) || (twin(h) >= 0 && !is_sharp(h))) continue;
+    if (is_hidden(h / 4) || !is_border(h)) continue;
     mark(h);
     seen_[at(origin(h))] = seen_[at(target(h))] = 1;
   }

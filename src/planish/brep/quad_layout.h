@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "planish/limit/limit_surface.h"
@@ -26,8 +27,10 @@ class QuadLayout {
     [[nodiscard]] std::vector<std::int32_t> side(int index) const;
   };
 
-  /// Rectangles of at most `face_size` quads a side.
-  QuadLayout(const LimitSurface& surface, std::int32_t face_size);
+  /// Rectangles of at most `face_size` quads a side, each of faces of one group. `groups`: one for
+  /// each face of the mesh; empty: all have the same.
+  QuadLayout(const LimitSurface& surface, std::int32_t face_size,
+             std::span<const std::int32_t> groups = {});
 
   [[nodiscard]] const std::vector<Rectangle>& rectangles() const { return rectangles_; }
   /// Vertices of Q_1: of the mesh, midpoints of its edges, centres of its faces.
@@ -35,6 +38,9 @@ class QuadLayout {
   [[nodiscard]] std::int32_t target(std::int32_t half_edge) const {
     return origin(next(half_edge));
   }
+  /// Around its quad.
+  static std::int32_t next(std::int32_t h) { return (h & ~3) | ((h + 1) & 3); }
+  static std::int32_t previous(std::int32_t h) { return (h & ~3) | ((h + 3) & 3); }
   /// -1 at a boundary.
   [[nodiscard]] std::int32_t twin(std::int32_t half_edge) const;
   [[nodiscard]] std::int32_t rectangle_of(std::int32_t corner) const {
@@ -57,11 +63,9 @@ class QuadLayout {
     std::int32_t rectangle = -1, turn = 0, x = 0, y = 0;
   };
 
-  static std::int32_t next(std::int32_t h) { return (h & ~3) | ((h + 1) & 3); }
-  static std::int32_t previous(std::int32_t h) { return (h & ~3) | ((h + 3) & 3); }
   void find_extraordinary();
   void mark(std::int32_t half_edge);
-  void mark_curves();
+  void mark_curves(std::span<const std::int32_t> groups);
   void follow(std::vector<std::int32_t> tracks);
   void seed(std::int32_t half_edge);
   // Half edges without a mark within regions that are no rectangles.

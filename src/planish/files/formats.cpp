@@ -142,6 +142,7 @@ constexpr std::array kFormats{FormatInfo{.format = FileFormat::Glb,
                                          .name = "step",
                                          .title = "STEP AP214",
                                          .is_brep = true,
+                                         .keeps_groups = true,
                                          .other_name = "stp"}};
 
 template <class Wanted>

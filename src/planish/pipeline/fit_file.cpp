@@ -74,12 +74,14 @@ void require_writable(const std::filesystem::path& path, FileFormat format, Sche
 
 StepFigures write_step_of(const std::filesystem::path& path, const FittedMesh& fitted,
                           std::string_view name, const SurfaceFileOptions& options) {
-  return write_fitted_step(path, fitted,
-                           {.settings = options.step,
-                            .name = std::string(name),
-                            .shown = {},
-                            .observe = {},
-                            .callbacks = options.callbacks});
+  return write_fitted_step(
+      path, fitted,
+      {.settings = options.step,
+       .name = std::string(name),
+       .shown = {},
+       .materials = options.materials != nullptr ? &options.materials->gltf : nullptr,
+       .observe = {},
+       .callbacks = options.callbacks});
 }
 
 // Callbacks for making a surface and for writing it.
@@ -241,6 +243,14 @@ void write_cage_of(const FittedMesh& fitted, std::optional<FileFormat> format,
               .materials = {&materials.library, options.cage.parent_path()}});
 }
 
+FileMaterials read_materials_of(const std::filesystem::path& input, FileFormat from, bool to_obj,
+                                bool to_gltf) {
+  RawVector<std::byte> bytes;
+  if (info_of(from).is_gltf && to_gltf) bytes = read_file(input, {});
+  const std::string name = visible(input);
+  return read_materials({.bytes = bytes, .name = name, .path = input}, from, to_obj, to_gltf);
+}
+
 // `how` with the method as it is settled.
 FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::path& output,
                     MeshFitOptions how, std::optional<FileFormat> cage_format, Backend& backend,
@@ -274,16 +284,12 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   warnings.insert(warnings.begin(), file.warnings.begin(), file.warnings.end());
 
   const FormatInfo& to = info_of(output_format(output, FormatUse::WriteSurface));
-  RawVector<std::byte> bytes;
-  const bool to_gltf = to.is_gltf || to.format == FileFormat::Usda;
-  if (info_of(file.format).is_gltf && to_gltf) bytes = read_file(input, {});
-  const std::string name = visible(input);
-  const FileMaterials materials =
-      read_materials({.bytes = bytes, .name = name, .path = input}, file.format,
-                     to.format == FileFormat::Obj || cage_format == FileFormat::Obj, to_gltf);
+  const bool to_gltf = to.is_gltf || to.is_brep || to.format == FileFormat::Usda;
+  const FileMaterials materials = read_materials_of(
+      input, file.format, to.format == FileFormat::Obj || cage_format == FileFormat::Obj, to_gltf);
   for (const Warning& warning : materials.warnings()) callbacks.warn(warning);
   if (to.is_brep) {
-    SurfaceFileOptions step{options.level, options.z_up, share_of(callbacks, fit, 1)};
+    SurfaceFileOptions step{options.level, options.z_up, share_of(callbacks, fit, 1), &materials};
     step.step = options.step;
     result.step = write_step_of(output, result.fitted, visible(input.stem()), step);
     result.vertex_count = result.step->vertices;

@@ -10,6 +10,7 @@
 #include "planish/core/safe_length.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/formats.h"
+#include "planish/files/gltf/gltf_materials.h"
 #include "planish/pipeline/option_words.h"
 #include "planish/surface/block_quality.h"
 
@@ -84,6 +85,17 @@ double largest_distance(const Brep& brep, const FittedMesh& fitted) {
       [](double& total, double one) { total = std::max(total, one); });
 }
 
+// Groups of faces with what their materials say; empty where all faces are alike.
+std::vector<StepGroup> groups_of(const PolygonMesh& mesh, const GltfMaterials* materials) {
+  std::vector<StepGroup> groups;
+  for (const FaceGroup& group : mesh.groups) {
+    StepGroup& made = groups.emplace_back();
+    made.name = group.name.empty() ? group.material : group.name;
+    if (materials != nullptr) made.color = materials->display_color(group.material);
+  }
+  return groups;
+}
+
 double folded_part(const FittedMesh& fitted, const LimitSurface& limit) {
   if (const SurfaceQuality* const known = fitted.chosen_quality()) return known->folded_area;
   const auto blocks = limit.surface().level(1);
@@ -101,6 +113,15 @@ void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted,
         few_digits(100 * folded) +
             " % of the surface is folded, where its shell crosses itself and CAD programs may fail "
             "to cut it; the fair method, or a finer mesh there, avoids that");
+  const auto inside_out = std::ranges::count_if(
+      brep.shells, [](const Brep::Shell& shell) { return shell.is_inside_out && shell.outer < 0; });
+  if (inside_out > 0)
+    say("step-inside-out",
+        counted(inside_out, "closed part") + (inside_out == 1 ? " is" : " are") +
+            " inside out and in no other, which CAD programs take for all of space around; turn "
+            "its "
+            "faces over",
+        inside_out);
   const auto faces = std::ssize(brep.faces);
   if (faces > kManyStepFaces)
     say("step-faces",
@@ -137,16 +158,22 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
   const HostScope host(options.callbacks);
   const BrepOptions& wanted = options.settings.faces;
   constexpr double kFacesShare = 0.7;  // of the time
-  const Brep brep = make_brep(limit, wanted, share_of(options.callbacks, 0, kFacesShare));
+  std::vector<StepGroup> groups = groups_of(fitted.mesh, options.materials);
+  const Brep brep = make_brep(
+      limit, wanted, share_of(options.callbacks, 0, kFacesShare),
+      groups.size() > 1 ? std::span(fitted.mesh.face_groups) : std::span<const std::int32_t>());
   warn(visible(options.shown.empty() ? path : options.shown), brep, fitted, limit, options);
 
   StepFigures figures;
   figures.faces = std::ssize(brep.faces);
   figures.edges = std::ssize(brep.edges);
   figures.vertices = std::ssize(brep.vertices);
-  for (const Brep::Face& face : brep.faces) figures.control_points += std::ssize(face.points);
+  for (const Brep::Face& face : brep.faces) {
+    if (face.is_flat) ++figures.planes;
+    if (!face.is_flat) figures.control_points += std::ssize(face.points);
+  }
   for (const Brep::Shell& shell : brep.shells)
-    ++(shell.is_closed ? figures.solids : figures.open_shells);
+    ++(!shell.is_closed ? figures.open_shells : shell.outer >= 0 ? figures.voids : figures.solids);
   figures.extraordinary = brep.extraordinary;
   figures.deepest = brep.deepest;
   figures.max_angle = brep.max_angle;
@@ -159,6 +186,7 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
                                    .unit = options.settings.unit,
                                    .diagonal = fitted.fit.placement.diagonal,
                                    .description = description_of(fitted.fit.interpolation, limits),
+                                   .groups = std::move(groups),
                                    .observe = options.observe,
                                    .callbacks = share_of(options.callbacks, kFacesShare, 1)});
   return figures;

@@ -14,6 +14,8 @@
 
 namespace planish {
 
+struct GltfMaterials;  // gltf_materials.h
+
 /// How a surface becomes STEP.
 struct StepSettings {
   BrepOptions faces;
@@ -24,7 +26,8 @@ struct StepSettings {
 struct StepFigures {
   std::uint64_t byte_count = 0;
   std::int64_t faces = 0, edges = 0, vertices = 0, control_points = 0;
-  std::int64_t solids = 0, open_shells = 0;
+  std::int64_t planes = 0;  ///< of the faces
+  std::int64_t solids = 0, voids = 0, open_shells = 0;
   std::int64_t extraordinary = 0;  ///< see Brep, as the next three
   int deepest = 0;
   double max_angle = 0, max_deviation = 0;
@@ -36,10 +39,12 @@ struct StepFileOptions {
   StepSettings settings;
   std::string name = "surface";   ///< of file and product
   std::filesystem::path shown{};  ///< what warnings call the file; empty: its path
+  /// Of the mesh's groups, whose colours faces get; null: none.
+  const GltfMaterials* materials = nullptr;
   /// Gets all bytes in order while they are written: for a digest.
   std::function<void(std::span<const std::byte>)> observe;
-  /// Steps "faces" and "write"; warnings "step-folds", "step-faces", "step-spans", "step-limits"
-  /// and "lost-attributes".
+  /// Steps "faces" and "write"; warnings "step-folds", "step-inside-out", "step-faces",
+  /// "step-spans", "step-limits" and "lost-attributes".
   Callbacks callbacks;
 };
 

@@ -116,7 +116,8 @@ bool writes_gltf(const Job& job) {
     if (output.path == "-") return true;
     const auto format = format_of(output.path);
     return output.kind == OutputKind::Surface && format &&
-           (info_of(*format).is_gltf || info_of(*format).is_tiles || format == FileFormat::Usda);
+           (info_of(*format).is_gltf || info_of(*format).is_tiles || info_of(*format).is_brep ||
+            format == FileFormat::Usda);
   });
 }
 

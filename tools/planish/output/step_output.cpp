@@ -13,6 +13,7 @@ WrittenOutput write_step_output(const PlannedOutput& planned, const std::filesys
                         {.settings = settings,
                          .name = options.gltf.name,
                          .shown = planned.path,
+                         .materials = options.gltf.materials,
                          .observe = [&](std::span<const std::byte> bytes) { digest.add(bytes); },
                          .callbacks = options.gltf.callbacks});
   WrittenOutput written;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -88,6 +89,23 @@ GltfMaterials made_of(const GltfAsset& asset) {
 }
 
 }  // namespace
+
+std::optional<glm::dvec3> GltfMaterials::display_color(std::string_view name) const {
+  if (!lists.contains("materials")) return std::nullopt;
+  for (const json& material : lists["materials"]) {
+    if (material.value("name", std::string()) != name) continue;
+    const json factor = material.value("pbrMetallicRoughness", json::object())
+                            .value("baseColorFactor", json::array());
+    if (factor.size() < 3) return std::nullopt;
+    glm::dvec3 color;
+    for (int k = 0; k < 3; ++k) {
+      const double linear = std::clamp(factor[static_cast<std::size_t>(k)].get<double>(), 0.0, 1.0);
+      color[k] = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+    }
+    return color;
+  }
+  return std::nullopt;
+}
 
 bool GltfMaterials::has(const std::string& name) const {
   const auto all = lists.find("materials");

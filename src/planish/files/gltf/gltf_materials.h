@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "planish/core/callbacks.h"
@@ -30,6 +33,9 @@ struct GltfMaterials {
   std::vector<Warning> warnings;
 
   [[nodiscard]] bool has(const std::string& name) const;
+  /// The base colour of the material of that name as displays have it (sRGB), each 0 to 1; empty:
+  /// there is none, or nothing says its colour.
+  [[nodiscard]] std::optional<glm::dvec3> display_color(std::string_view name) const;
   /// Puts them in the place of a document's materials of these names, of which there is one. Its
   /// images are found by `folder`, as image_name() has them; where that is empty they are embedded
   /// behind `buffer_bytes`.

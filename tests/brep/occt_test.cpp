@@ -1,0 +1,130 @@
+// STEP as OpenCASCADE reads it, which shares no code with the writer.
+#include <gtest/gtest.h>
+
+#ifndef PLANISH_HAS_OCCT
+
+TEST(OpenCascade, ReadsWhatIsWritten) {
+  GTEST_SKIP() << "OpenCASCADE is not installed: libocct-data-exchange-dev "
+                  "libocct-modeling-algorithms-dev";
+}
+
+#else
+
+#include <BRepAlgoAPI_Common.hxx>
+#include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBndLib.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <GProp_GProps.hxx>
+#include <STEPControl_Reader.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <filesystem>
+
+#include "limit/limit_case.h"
+#include "planish/brep/make_brep.h"
+#include "planish/brep/write_step.h"
+
+namespace planish::test {
+namespace {
+
+TopoDS_Shape shape_of(const LimitCase& c, const BrepOptions& options = {}) {
+  const std::string path = (std::filesystem::path(testing::TempDir()) / "occt.step").string();
+  write_step(path, make_brep(c.limit, options), {.diagonal = c.surface->placement().diagonal});
+  STEPControl_Reader reader;
+  if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) return {};
+  reader.TransferRoots();
+  return reader.OneShape();
+}
+
+std::vector<TopoDS_Shape> parts(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
+  TopTools_IndexedMapOfShape map;
+  TopExp::MapShapes(shape, kind, map);
+  std::vector<TopoDS_Shape> all;
+  for (int i = 1; i <= map.Extent(); ++i) all.push_back(map(i));
+  return all;
+}
+
+double volume(const TopoDS_Shape& shape) {
+  GProp_GProps properties;
+  BRepGProp::VolumeProperties(shape, properties, 1e-7);
+  return properties.Mass();
+}
+
+// Of fine triangles, to second order in their size.
+double volume(const LimitCase& c) {
+  const auto of_level = [&](int level) {
+    const SurfaceMesh fine = c.tessellated(level);
+    double sum = 0;
+    for (std::int64_t f = 0; f < fine.face_count(); ++f) {
+      const std::int32_t* const v = fine.face_vertices.data() + 4 * f;
+      for (const int k : {1, 2})
+        sum += glm::dot(fine.positions[v[0]],
+                        glm::cross(fine.positions[v[k]], fine.positions[v[k + 1]])) /
+               6;
+    }
+    return sum;
+  };
+  return (4 * of_level(5) - of_level(4)) / 3;
+}
+
+void expect_valid(const TopoDS_Shape& shape) {
+  EXPECT_TRUE(BRepCheck_Analyzer(shape, Standard_True).IsValid());
+  for (const TopoDS_Shape& edge : parts(shape, TopAbs_EDGE))
+    ASSERT_LE(BRep_Tool::Tolerance(TopoDS::Edge(edge)), 1e-6);
+  for (const TopoDS_Shape& vertex : parts(shape, TopAbs_VERTEX))
+    ASSERT_LE(BRep_Tool::Tolerance(TopoDS::Vertex(vertex)), 1e-6);
+}
+
+TEST(OpenCascade, ReadsSolidsOfTheSurfacesVolume) {
+  PolygonMesh creased = cube();
+  creased.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
+  const std::vector<NamedMesh> meshes{
+      {"cube", cube()},    {"creased cube", creased},   {"torus", torus(9, 7, 3, 1)},
+      {"prism", prism(5)}, {"icosphere", icosphere(1)}, {"hub", bipyramid(9)}};
+  for (const auto& [name, mesh] : meshes) {
+    SCOPED_TRACE(name);
+    const LimitCase c(mesh);
+    const TopoDS_Shape shape = shape_of(c);
+    ASSERT_EQ(parts(shape, TopAbs_SOLID).size(), 1u);
+    for (const TopoDS_Shape& shell : parts(shape, TopAbs_SHELL))
+      EXPECT_TRUE(BRep_Tool::IsClosed(shell));
+    expect_valid(shape);
+    const double whole = volume(shape);
+    EXPECT_NEAR(whole, volume(c), 1e-5 * std::abs(whole));
+  }
+}
+
+TEST(OpenCascade, CutsThemByABox) {
+  for (const PolygonMesh& mesh : {cube(), torus(9, 7, 3, 1)}) {
+    const TopoDS_Shape shape = shape_of(LimitCase(mesh));
+    const TopoDS_Shape box =
+        BRepPrimAPI_MakeBox(gp_Pnt(0.1234, -10, -10), gp_Pnt(10, 10, 10)).Shape();
+    BRepAlgoAPI_Cut outside(shape, box);
+    BRepAlgoAPI_Common inside(shape, box);
+    ASSERT_TRUE(outside.IsDone() && inside.IsDone());
+    EXPECT_TRUE(BRepCheck_Analyzer(outside.Shape()).IsValid());
+    EXPECT_GT(volume(outside.Shape()), 0.1);
+    EXPECT_GT(volume(inside.Shape()), 0.1);
+    EXPECT_NEAR(volume(outside.Shape()) + volume(inside.Shape()), volume(shape),
+                1e-5 * volume(shape));
+  }
+}
+
+TEST(OpenCascade, ReadsOpenShells) {
+  const TopoDS_Shape shape = shape_of(LimitCase(
+      grid(6, 5, [](double x, double y) { return glm::dvec3(x, y, 0.3 * x * y - 0.1 * x * x); })));
+  EXPECT_TRUE(parts(shape, TopAbs_SOLID).empty());
+  ASSERT_EQ(parts(shape, TopAbs_SHELL).size(), 1u);
+  EXPECT_FALSE(BRep_Tool::IsClosed(parts(shape, TopAbs_SHELL).front()));
+  expect_valid(shape);
+}
+
+}  // namespace
+}  // namespace planish::test
+
+#endif
