@@ -24,6 +24,7 @@ TEST(OpenCascade, ReadsWhatIsWritten) {
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <filesystem>
+#include <glm/geometric.hpp>
 
 #include "limit/limit_case.h"
 #include "planish/brep/make_brep.h"

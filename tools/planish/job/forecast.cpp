@@ -119,7 +119,7 @@ RideBytes ride_bytes(const AssetVertices& vertices, std::uint64_t row_count,
   bytes.rows = row * row_count;
   if (!vertices.moves()) return bytes;
   // B, and surfaces: one of three joints each, all at once; of a target.
-  constexpr std::uint64_t kSystemBytes = 150, kThroughBytes = 100, kTargetSurfaces = 3,
+  constexpr std::uint64_t kSystemBytes = 150, kThroughBytes = 60, kTargetSurfaces = 3,
                           kHeldRowBytes = 36;
   std::set<std::int32_t> joints;
   for (const JointWeight& influence : vertices.influences) joints.insert(influence.joint);
