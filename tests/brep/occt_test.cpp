@@ -25,6 +25,7 @@ TEST(OpenCascade, ReadsWhatIsWritten) {
 #include <TopoDS.hxx>
 #include <filesystem>
 #include <glm/geometric.hpp>
+#include <string>
 
 #include "limit/limit_case.h"
 #include "planish/brep/make_brep.h"
@@ -34,7 +35,10 @@ namespace planish::test {
 namespace {
 
 TopoDS_Shape shape_of(const LimitCase& c, const BrepOptions& options = {}) {
-  const std::string path = (std::filesystem::path(testing::TempDir()) / "occt.step").string();
+  // Tests run beside one another.
+  const char* const test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  const auto path =
+      (std::filesystem::path(testing::TempDir()) / (std::string(test) + ".step")).string();
   write_step(path, make_brep(c.limit, options), {.diagonal = c.surface->placement().diagonal});
   STEPControl_Reader reader;
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) return {};

@@ -199,7 +199,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"hub_on_boundary", open_fan, {900, 10, 12}},
                     Case{"hubs_of_a_hundred", hubs_of_a_hundred, {900, 10, 12}, 2, 10},
                     Case{"crossing_slivers", crossing_slivers, {18'000, 400, 12}, 100, 1000},
-                    Case{"gear", gear, {48'000, 2700, 12}}),
+                    Case{"gear", gear, {24'000, 500, 60}}),
     [](const auto& info) { return std::string(info.param.name); });
 
 // Rings of any size are counted: the bounds above would let nothing pass otherwise.
