@@ -34,6 +34,7 @@ constexpr std::array kInterpolationWords{
     OptionWord<InterpolationChoice>{"auto", InterpolationChoice::Auto},
     OptionWord<InterpolationChoice>{"progressive", InterpolationChoice::Progressive},
     OptionWord<InterpolationChoice>{"fair", InterpolationChoice::Fair}};
+
 FitOption preset_option() {
   return {{.name = "preset",
            .kind = Kind::Word,

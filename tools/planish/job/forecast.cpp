@@ -1,50 +1,27 @@
 #include "job/forecast.h"
 
 #include <algorithm>
-#include <array>
-#include <set>
 #include <span>
 #include <thread>
 
 #include "job/expected_triangles.h"
+#include "job/held_bytes.h"
 #include "job/job_input.h"
 #include "job/least_step_faces.h"
 #include "job/output_bytes.h"
 #include "page/page.h"
 #include "page/page_still.h"
 #include "planish/core/error.h"
-#include "planish/files/gltf/write_gltf.h"
 #include "planish/surface/memory_need.h"
 #include "terminal/text.h"
 
 namespace planish::command {
 namespace {
 
-struct MeshCounts {
-  LevelCounts base;
-  std::int64_t corners;
-};
-
 MeshCounts mesh_counts_of(const PreparedMesh& mesh) {
   const MeshTopology& topology = *mesh.topology;
   return {{topology.vertex_count(), topology.edge_count(), topology.face_count()},
           topology.corner_count()};
-}
-
-// Elements of the levels 0 to `last`: quads from level 1 on, triangles with Loop.
-std::vector<LevelCounts> levels_to(const MeshCounts& mesh, Scheme scheme, int last) {
-  std::vector<LevelCounts> levels{mesh.base};
-  std::int64_t corners = mesh.corners;
-  for (int level = 1; level <= last; ++level) {
-    const LevelCounts& c = levels.back();
-    const bool loop = scheme == Scheme::Loop;
-    const LevelCounts next =
-        loop ? LevelCounts{c.vertices + c.edges, 2 * c.edges + corners, 4 * c.faces}
-             : LevelCounts{c.vertices + c.edges + c.faces, 2 * c.edges + corners, corners};
-    corners = (loop ? 3 : 4) * next.faces;
-    levels.push_back(next);
-  }
-  return levels;
 }
 
 // CPU seconds, reading and writing included, measured on two cores: of a million vertices of the
@@ -65,24 +42,10 @@ constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCloudPointBytes = 2400;
 constexpr std::uint64_t kStepCornerBytes = 6000;
 constexpr double kStepPoints = 60;
 
-// What packing takes beside the surface: a small one's plain bytes and those of the result; of a
-// large one, quantized ones, and a block for each thread.
-std::uint64_t packing_bytes(const LevelCounts& level) {
-  const auto vertices = static_cast<std::uint64_t>(level.vertices);
-  const auto faces = static_cast<std::uint64_t>(level.faces);
-  if (level.faces <= kPackedFaces) return 48 * (vertices + faces);
-  return 20 * vertices + 24 * faces;
-}
-
-std::uint64_t packed_blocks_bytes() {
-  constexpr std::uint64_t kBlockBytes = 100'000'000;
-  return kBlockBytes * std::max(1u, std::thread::hardware_concurrency());
-}
-
 // The mesh and what its fits take, by corners of the mesh before triangles are joined: where the
 // progressive method is named, where another or both may be made, and both of quads and triangles.
-constexpr std::uint64_t kStartBytes = 20 << 20, kProgressiveBytes = 150, kFairBytes = 210,
-                        kPrimalBytes = 300, kBothBytes = 290;
+constexpr std::uint64_t kProgressiveBytes = 150, kFairBytes = 210, kPrimalBytes = 300,
+                        kBothBytes = 290;
 
 std::uint64_t solve_bytes(std::int64_t corners, bool makes_both, const Settings& settings) {
   const std::uint64_t bytes = settings.scheme != Scheme::DooSabin ? kPrimalBytes
@@ -92,105 +55,6 @@ std::uint64_t solve_bytes(std::int64_t corners, bool makes_both, const Settings&
                                   : kFairBytes;
   return bytes * static_cast<std::uint64_t>(corners);
 }
-
-// What rides on a mesh of an asset: as it was given, at the surface's rows, and what its rows are
-// made from meanwhile.
-struct RideBytes {
-  std::uint64_t given = 0, rows = 0, making = 0;
-};
-
-// `holds_rows`: of each surface, as but levels of Doo-Sabin surfaces do.
-RideBytes ride_bytes(const AssetVertices& vertices, std::uint64_t row_count,
-                     std::uint64_t corner_count, bool holds_rows) {
-  constexpr std::uint64_t kUv = sizeof(glm::dvec2), kPoint = sizeof(glm::dvec3), kFloat = 4;
-  RideBytes bytes;
-  const std::uint64_t targets = vertices.targets.size();
-  const auto sets = static_cast<std::uint64_t>(vertices.joint_sets);
-  for (const auto& set : vertices.further_uvs) bytes.given += kUv * set.size();
-  for (const AssetArray& array : vertices.arrays) bytes.given += kFloat * array.values.size();
-  for (const auto& target : vertices.targets) bytes.given += kPoint * target.size();
-  bytes.given +=
-      sizeof(JointWeight) * (vertices.influences.size() + vertices.first_influence.size());
-  std::uint64_t row =
-      kUv * vertices.further_uvs.size() + 2 * 4 * kFloat * sets + 6 * kFloat * targets;
-  for (const AssetArray& array : vertices.arrays)
-    row += kFloat * static_cast<std::uint64_t>(array.width);
-  if (vertices.has_tangents()) row += kUv + 4 * kFloat;
-  bytes.rows = row * row_count;
-  if (!vertices.moves()) return bytes;
-  // B, and surfaces: one of three joints each, all at once; of a target.
-  constexpr std::uint64_t kSystemBytes = 150, kThroughBytes = 60, kTargetSurfaces = 3,
-                          kHeldRowBytes = 36;
-  std::set<std::int32_t> joints;
-  for (const JointWeight& influence : vertices.influences) joints.insert(influence.joint);
-  const std::uint64_t surfaces =
-      std::max<std::uint64_t>((joints.size() + 2) / 3, targets > 0 ? kTargetSurfaces : 0);
-  bytes.making = (kSystemBytes + kThroughBytes * surfaces) * corner_count;
-  if (holds_rows) bytes.making += kHeldRowBytes * surfaces * row_count;
-  return bytes;
-}
-
-LastLevel last_level(const Settings& settings) {
-  if (settings.scheme != Scheme::DooSabin) return LastLevel::Full;
-  return settings.attributes.any() ? LastLevel::None : LastLevel::Blocks;
-}
-
-// What the meshes of a job hold at its peak. They are solved one after another beside what is kept
-// of all; then their surfaces are held together. Doo-Sabin surfaces go by blocks to who writes
-// them, but for those who need neighbours: values of vertices.
-class HeldBytes {
- public:
-  explicit HeldBytes(const Settings& settings)
-      : settings_(settings),
-        last_(last_level(settings)),
-        fixed_(tessellation_bytes(kNothing, last_)) {}
-
-  void add(const RefinedAttributes& attributes, const MeshCounts& counts,
-           const std::vector<int>& held_levels, std::uint64_t solve,
-           const AssetVertices* rides = nullptr) {
-    std::uint64_t kept = solve / kKeptOfSolve;
-    if (rides != nullptr) kept += ride_bytes(*rides, 0, 0, false).given;
-    kept_ += kept;
-    solve_ = std::max(solve_, solve - solve / kKeptOfSolve);
-    for (const int level : held_levels)
-      add_surface(attributes, levels_to(counts, settings_.scheme, level),
-                  static_cast<std::uint64_t>(counts.corners), rides);
-  }
-  [[nodiscard]] std::uint64_t peak() const {
-    return kept_ + std::max(kStartBytes + solve_, kStartBytes / kKeptOfSolve + fixed_ + surfaces_ +
-                                                      std::max(making_, packing_));
-  }
-
- private:
-  void add_surface(const RefinedAttributes& attributes, const std::vector<LevelCounts>& levels,
-                   std::uint64_t corner_count, const AssetVertices* rides) {
-    const LevelCounts& level = levels.back();
-    const auto rows = static_cast<std::uint64_t>(level.vertices);
-    std::uint64_t surface = tessellation_bytes(levels, last_, attributes) - fixed_;
-    // Fields, and what they are made from: who is a vertex's neighbour.
-    constexpr std::uint64_t kFieldBytes = 120;
-    if (settings_.attributes.any()) surface += kFieldBytes * rows;
-    if (settings_.compression != GltfCompression::None) {
-      const std::uint64_t packing = packing_bytes(level);  // the last half is what comes out
-      surface += packing / 2;
-      packing_ = std::max(packing_, packing - packing / 2 +
-                                        (level.faces > kPackedFaces ? packed_blocks_bytes() : 0));
-    }
-    if (rides != nullptr) {
-      const RideBytes bytes = ride_bytes(*rides, rows, corner_count, last_ == LastLevel::Full);
-      surface += bytes.rows;
-      making_ = std::max(making_, bytes.making);
-    }
-    surfaces_ += surface;
-  }
-
-  static constexpr std::uint64_t kKeptOfSolve = 4;
-  static constexpr std::array<LevelCounts, 2> kNothing{};
-
-  const Settings& settings_;
-  LastLevel last_;
-  std::uint64_t fixed_, kept_ = 0, surfaces_ = 0, solve_ = 0, making_ = 0, packing_ = 0;
-};
 
 // The levels that are held together: the highest, or those of detail in one file.
 std::vector<int> held_levels(const std::vector<PlannedOutput>& outputs) {
