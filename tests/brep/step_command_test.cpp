@@ -1,7 +1,6 @@
 // STEP as the command and fit_file() write it.
 #include <gmock/gmock.h>
 #include <signal.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "cli/test_files.h"
 #include "planish/pipeline/fit_file.h"
 #include "support/expect_error.h"
+#include "support/file_size_limit.h"
 
 namespace planish::test {
 namespace {
@@ -287,16 +287,10 @@ TEST_F(StepCommand, FullDisksAndInterruptsLeaveTheOldFile) {
     EXPECT_THAT(names(), ElementsAre("cube.obj", "p.step", "torus.obj"));
   };
   {
-    // A process inherits the limit: no file beyond 16 KB.
-    rlimit before{};
-    ::getrlimit(RLIMIT_FSIZE, &before);
-    rlimit small = before;
-    small.rlim_cur = 16 << 10;
-    ::setrlimit(RLIMIT_FSIZE, &small);
-    const auto old_handler = ::signal(SIGXFSZ, SIG_IGN);
-    const ProcessResult result = fit(cube_, {"-o", path("p.step")});
-    ::setrlimit(RLIMIT_FSIZE, &before);
-    ::signal(SIGXFSZ, old_handler);
+    const ProcessResult result = [&] {
+      const FileSizeLimit limit(16 << 10);
+      return fit(cube_, {"-o", path("p.step")});
+    }();
     EXPECT_EQ(result.exit_code, 7) << result.err;
     EXPECT_THAT(result.err, HasSubstr("cannot write"));
     expect_old();

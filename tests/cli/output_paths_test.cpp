@@ -1,12 +1,11 @@
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
-#include <csignal>
 #include <filesystem>
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "support/file_size_limit.h"
 
 namespace planish::test {
 namespace {
@@ -155,26 +154,21 @@ TEST_F(OutputPaths, NamesAsLongAsTheyCanBeAreWritten) {
 }
 
 TEST_F(OutputPaths, WhatCannotBeWrittenIsNamedAsItWasAskedFor) {
-  // A process inherits the limit: no file beyond 1 KB.
-  rlimit before{};
-  ::getrlimit(RLIMIT_FSIZE, &before);
-  rlimit small = before;
-  small.rlim_cur = 1 << 10;
-  ::setrlimit(RLIMIT_FSIZE, &small);
-  const auto old_handler = ::signal(SIGXFSZ, SIG_IGN);
-  for (const char* name : {"a.glb", "a.obj", "a.gltf", "a.usda"}) {
-    const ProcessResult result = run_planish({"fit", cube_, "-o", name, "--device", "cpu"},
-                                             {.input = {}, .environment = {}, .folder = path("")});
-    EXPECT_EQ(result.exit_code, 7);
-    const std::string shown = std::string(name) == "a.gltf" ? "a.bin" : name;
-    EXPECT_THAT(result.err, testing::ContainsRegex(": " + shown + ": cannot (write|take room)"));
-    EXPECT_THAT(result.err, testing::Not(HasSubstr(".planish-")));
+  {
+    const FileSizeLimit limit(1 << 10);
+    for (const char* name : {"a.glb", "a.obj", "a.gltf", "a.usda"}) {
+      const ProcessResult result =
+          run_planish({"fit", cube_, "-o", name, "--device", "cpu"},
+                      {.input = {}, .environment = {}, .folder = path("")});
+      EXPECT_EQ(result.exit_code, 7);
+      const std::string shown = std::string(name) == "a.gltf" ? "a.bin" : name;
+      EXPECT_THAT(result.err, testing::ContainsRegex(": " + shown + ": cannot (write|take room)"));
+      EXPECT_THAT(result.err, testing::Not(HasSubstr(".planish-")));
+    }
+    const ProcessResult result =
+        run_planish({"fit", cube_, "-o", path("a.stl"), "--report", path("r.json")});
+    EXPECT_THAT(result.err, HasSubstr(path("a.stl") + ": cannot"));
   }
-  const ProcessResult result =
-      run_planish({"fit", cube_, "-o", path("a.stl"), "--report", path("r.json")});
-  EXPECT_THAT(result.err, HasSubstr(path("a.stl") + ": cannot"));
-  ::setrlimit(RLIMIT_FSIZE, &before);
-  ::signal(SIGXFSZ, old_handler);
   EXPECT_THAT(names(), ElementsAre("cube.obj"));
 }
 

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <iterator>
 #include <string>
@@ -78,6 +80,34 @@ class Asset : public testing::Test {
     options.mesh.quads = QuadChoice::Off;
     options.mesh.chooses_creases = false;
     return options;
+  }
+  /// A morphed surface is that through the morphed points, within these bounds of positions and
+  /// normals: holds where the surface is linear in the given points.
+  void expect_exact_morphs(const FitFileOptions& options, double bound, double normal_bound) {
+    const tinygltf::Model model = fitted(sample_.glb(), options);
+    ASSERT_TRUE(result_.fitted.fit.interpolation.converged);
+    // The same file whose rest pose is the morphed one.
+    AssetSample posed = sample_;
+    posed.move_tube([&](std::size_t v, std::size_t k) { return posed.moves[v][k]; });
+    const tinygltf::Model wanted = fitted(posed.glb(), options);
+    for (int p = 0; p < 2; ++p) {
+      const tinygltf::Primitive &rest = model.meshes[0].primitives[p],
+                                &there = wanted.meshes[0].primitives[p];
+      const auto from = points_of(model, rest.attributes.at("POSITION"));
+      const auto by = points_of(model, rest.targets.at(0).at("POSITION"));
+      const auto to = points_of(wanted, there.attributes.at("POSITION"));
+      const auto from_normals = points_of(model, rest.attributes.at("NORMAL"));
+      const auto by_normals = points_of(model, rest.targets.at(0).at("NORMAL"));
+      const auto to_normals = points_of(wanted, there.attributes.at("NORMAL"));
+      ASSERT_EQ(from.size(), to.size());
+      double moved_by = 0;
+      for (std::size_t i = 0; i < to.size(); ++i) {
+        EXPECT_LE(glm::length(from[i] + by[i] - to[i]), bound);
+        EXPECT_LE(glm::length(from_normals[i] + by_normals[i] - to_normals[i]), normal_bound);
+        moved_by = std::max(moved_by, glm::length(by[i]));
+      }
+      EXPECT_GT(moved_by, 0.3);
+    }
   }
 
   TemporaryFolder temporary_;

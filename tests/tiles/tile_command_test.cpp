@@ -1,7 +1,6 @@
 // Sets of tiles as the command writes them.
 #include <gmock/gmock.h>
 #include <signal.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "cli/test_files.h"
 #include "files/gltf/asset_sample.h"
 #include "files/gltf/glb_bytes.h"
+#include "support/file_size_limit.h"
 #include "support/files_below.h"
 #include "tiles/read_tiles.h"
 
@@ -200,16 +200,10 @@ TEST_F(TileCommand, FullDisksAndInterruptsLeaveTheOldSet) {
     EXPECT_THAT(names(), ElementsAre("t", "t.json", "torus.obj"));
   };
   {
-    // A process inherits the limit: no file beyond 16 KB.
-    rlimit before{};
-    ::getrlimit(RLIMIT_FSIZE, &before);
-    rlimit small = before;
-    small.rlim_cur = 16 << 10;
-    ::setrlimit(RLIMIT_FSIZE, &small);
-    const auto old_handler = ::signal(SIGXFSZ, SIG_IGN);
-    const ProcessResult result = fit({"-o", path("t.json"), "-f", "--levels", "3"});
-    ::setrlimit(RLIMIT_FSIZE, &before);
-    ::signal(SIGXFSZ, old_handler);
+    const ProcessResult result = [&] {
+      const FileSizeLimit limit(16 << 10);
+      return fit({"-o", path("t.json"), "-f", "--levels", "3"});
+    }();
     EXPECT_EQ(result.exit_code, 7) << result.err;
     EXPECT_THAT(result.err, HasSubstr("cannot write"));
     expect_old();
