@@ -3,11 +3,11 @@
 option(PLANISH_FAST_BUILD "Unity builds and precompiled headers; OFF finds missing includes" ON)
 
 # GCC collects its garbage from 128 MiB on, again and again in sources of this size: a tenth of its time.
-if(PLANISH_FAST_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   add_compile_options("$<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=524288>")
 endif()
 # Sources of a library are compiled before those that it links are whole.
-set(CMAKE_OPTIMIZE_DEPENDENCIES ${PLANISH_FAST_BUILD})
+set(CMAKE_OPTIMIZE_DEPENDENCIES ON)
 
 # planish_unite(TARGET SIZE [ALONE SOURCE...]): the target's sources are compiled SIZE at a time, but
 # for main.cpp, those named, and those with compile options of their own, to which CMake sees.
@@ -59,7 +59,5 @@ endfunction()
 # planish_optimise_less(TARGET): for what parses flags and writes JSON, and has no loop to speed up. -Og
 # takes two thirds of the time of -O1.
 function(planish_optimise_less target)
-  if(PLANISH_FAST_BUILD)
-    target_compile_options(${target} PRIVATE "$<$<NOT:$<CONFIG:Debug>>:-Og>")
-  endif()
+  target_compile_options(${target} PRIVATE "$<$<NOT:$<CONFIG:Debug>>:-Og>")
 endfunction()
