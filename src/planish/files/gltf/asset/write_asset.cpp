@@ -22,7 +22,8 @@ using nlohmann::json;
 // Options of each surface that tell how far all of them are: first one after another is surveyed,
 // or packed, then one after another is written.
 std::vector<GltfOptions> options_of_all(std::span<const AssetSurface> surfaces,
-                                        const Callbacks& common) {
+                                        const Callbacks& common,
+                                        const std::shared_ptr<const bool>& is_writing) {
   double all = 0, done = 0;
   for (const AssetSurface& one : surfaces)
     all += static_cast<double>(one.surface->info().corner_count);
@@ -34,8 +35,10 @@ std::vector<GltfOptions> options_of_all(std::span<const AssetSurface> surfaces,
     done += static_cast<double>(one.surface->info().corner_count);
     const double end = done / all;
     const double first = own.compression == GltfCompression::None ? kGltfSurveyed : 1;
+    // Where a survey ends and where writing begins are the same fraction, and not the same place.
     const auto place = [=](double fraction) {
-      if (fraction <= first) return std::lerp(first * begin, first * end, fraction / first);
+      if (fraction < first || first == 1 || !*is_writing)
+        return std::lerp(first * begin, first * end, fraction / first);
       return std::lerp(std::lerp(first, 1, begin), std::lerp(first, 1, end),
                        (fraction - first) / (1 - first));
     };
@@ -43,7 +46,6 @@ std::vector<GltfOptions> options_of_all(std::span<const AssetSurface> surfaces,
     if (common.progress)
       own.callbacks.progress = [report = common.progress, place, farthest](std::string_view step,
                                                                            double fraction) {
-        // Where writing begins a surface is where its survey ended.
         *farthest = std::max(*farthest, place(fraction));
         report(step, *farthest);
       };
@@ -57,8 +59,9 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
   std::set<std::int64_t> replaced;
   for (const AssetSurface& surface : surfaces) replaced.insert(surface.mesh);
   AssetDocument document(asset, replaced, keeps_files);
-  const auto options =
-      std::make_shared<const std::vector<GltfOptions>>(options_of_all(surfaces, common));
+  const auto is_writing = std::make_shared<bool>(false);
+  const auto options = std::make_shared<const std::vector<GltfOptions>>(
+      options_of_all(surfaces, common, is_writing));
   auto payloads = std::make_shared<std::vector<GltfPayload>>();
   GltfWhole whole;
   std::set<std::int64_t> replaced_now;
@@ -82,8 +85,9 @@ GltfWhole assembled(const GltfAsset& asset, std::span<const AssetSurface> surfac
   whole.json = document.text(uri);
   whole.buffer_bytes = document.buffer_bytes();
   // Payloads read their options.
-  whole.write_buffer = [options, payloads,
+  whole.write_buffer = [options, payloads, is_writing,
                         kept = document.kept()](std::span<const ByteSink> sinks) {
+    *is_writing = true;
     for (const std::span<const std::byte> bytes : kept) write_padded(bytes, sinks);
     for (const GltfPayload& payload : *payloads) payload.write_buffer(sinks);
   };
