@@ -84,6 +84,29 @@ TEST(GridTriangles, AreNoLargerThanPartsAndCoverTheFace) {
   }
 }
 
+// Flat cells are all ties: between ears, and between the diagonals of parts.
+TEST(GridTriangles, AreTheSameHoweverPlacesAreRounded) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> rounding(-1e-12 * kSide, 1e-12 * kSide);
+  GridTriangles cutter;
+  for (int round = 0; round < 2000; ++round) {
+    const FaceGrid grid{static_cast<std::uint8_t>(1 + random() % 4),
+                        static_cast<std::uint8_t>(1 + random() % 4)};
+    std::array<std::vector<std::uint16_t>, 4> sides;
+    for (int s = 0; s < 4; ++s)
+      sides[static_cast<std::size_t>(s)] = any_side(random, grid.parts_of_side(s));
+    std::vector<glm::dvec3> places = places_of(grid, sides);
+    const auto cut = [&] {
+      const auto triangles = cutter.cut(grid, {sides[0], sides[1], sides[2], sides[3]}, places);
+      return std::vector(triangles.begin(), triangles.end());
+    };
+    const auto exact = cut();
+    for (glm::dvec3& place : places)
+      place += glm::dvec3(rounding(random), rounding(random), rounding(random));
+    ASSERT_EQ(cut(), exact) << int{grid.u} << " by " << int{grid.v};
+  }
+}
+
 TEST(GridTriangles, OnlyOfFacesThatShareOneEdgeWithAnother) {
   const auto all_stand_alone = [](const PolygonMesh& mesh) {
     const MeshTopology topology(mesh);

@@ -51,7 +51,7 @@ std::span<const std::array<std::int32_t, 3>> CellTriangles::cut(
     for (std::size_t i = 0; i < n; ++i) {
       // What is left must not be a line.
       if (ears_[i].area <= 0 || (n > 3 && ears_[i].area >= rest)) continue;
-      if (best == n || ears_[i].shape > ears_[best].shape) best = i;
+      if (best == n || ears_[i].shape > ears_[best].shape + kCutTie) best = i;
     }
     PLANISH_ASSERT(best < n);
     triangles_.push_back({ring_[(best + n - 1) % n], ring_[best], ring_[(best + 1) % n]});

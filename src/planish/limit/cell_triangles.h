@@ -10,6 +10,11 @@
 
 namespace planish {
 
+/// Shapes and diagonals that differ by less, relative, are equal, and the first of them is taken.
+/// Symmetric cells have many, and which is larger by rounding differs between sines of one
+/// platform and the next.
+inline constexpr double kCutTie = 1e-9;
+
 /// Cuts the polygon around a rectangular cell into triangles: ears, the best shaped one in space
 /// first, none without area in the cell's square. `places` and `positions` are of the polygon's
 /// vertices; triangles name them by number. Keeps its room from cell to cell.

@@ -32,7 +32,7 @@ void GridTriangles::cut_within() {
     for (std::int32_t i = 1; i + 1 < grid_.u; ++i) {
       const std::int32_t a = within(i, j), b = within(i + 1, j);
       const std::int32_t c = within(i + 1, j + 1), d = within(i, j + 1);
-      if (glm::length(at(c) - at(a)) <= glm::length(at(d) - at(b))) {
+      if (glm::length(at(c) - at(a)) <= (1 + kCutTie) * glm::length(at(d) - at(b))) {
         add(a, b, c);
         add(a, c, d);
       } else {
