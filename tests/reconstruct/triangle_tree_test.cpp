@@ -21,6 +21,32 @@ TEST(TriangleShape, MeasuresEveryRegion) {
   }
 }
 
+TEST(TriangleShape, ManyPointsAtOnceAreAsOneByOne) {
+  const std::vector<glm::dvec3> places = test::torus_points(300, 6);
+  PointBatch batch;
+  std::vector<double> squared(kPointLanes, INFINITY);
+  std::vector<std::int32_t> nearest(kPointLanes, -1);
+  for (int i = 0; i < kPointLanes; ++i) {
+    const glm::dvec3& p = places[static_cast<std::size_t>(i)];
+    batch.x[i] = p.x, batch.y[i] = p.y, batch.z[i] = p.z;
+    batch.squared_distance[i] = INFINITY;
+    batch.nearest[i] = -1;
+  }
+  for (std::int32_t s = 0; s < 50; ++s) {
+    const auto corner = [&](std::int32_t k) {
+      return places[static_cast<std::size_t>(200 + s + k)];
+    };
+    // Every fifth has no area.
+    const TriangleShape shape(corner(0), corner(1), s % 5 == 0 ? corner(1) : corner(2));
+    take_nearer(shape, s, kPointLanes, batch);
+    for (std::size_t i = 0; i < squared.size(); ++i)
+      if (const double d = shape.squared_distance(places[i]); d < squared[i])
+        squared[i] = d, nearest[i] = s;
+  }
+  EXPECT_EQ(std::vector(batch.squared_distance, batch.squared_distance + kPointLanes), squared);
+  EXPECT_EQ(std::vector(batch.nearest, batch.nearest + kPointLanes), nearest);
+}
+
 TEST(TriangleShape, TakesNeedles) {
   const glm::dvec3 a(0, 0, 0), b(1, 0, 0), c(3, 0, 0);
   EXPECT_DOUBLE_EQ(TriangleShape(a, b, c).squared_distance({2, 1, 0}), 1);

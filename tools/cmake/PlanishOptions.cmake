@@ -9,3 +9,9 @@ if(PLANISH_SANITIZE)
   target_compile_definitions(planish_options INTERFACE _GLIBCXX_ASSERTIONS)
   target_link_options(planish_options INTERFACE -fsanitize=${PLANISH_SANITIZE})
 endif()
+
+# planish_widest(TARGET SOURCE...): loops become vectors, of several widths with the same bits (core/widest.h).
+function(planish_widest target)
+  set_source_files_properties(${ARGN} TARGET_DIRECTORY ${target} PROPERTIES COMPILE_OPTIONS
+                              "-O3;-fno-math-errno;-fno-trapping-math;-ffp-contract=off")
+endfunction()

@@ -1,26 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
 #include "planish/reconstruct/ordered_points.h"
+#include "planish/reconstruct/triangle_shape.h"
 
 namespace planish {
-
-/// Three positions with what distance queries need, computed once.
-struct TriangleShape {
-  TriangleShape(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
-  /// Squared distance of a point to the closed triangle.
-  [[nodiscard]] double squared_distance(const glm::dvec3& point) const;
-  /// Barycentric coordinates of a point's foot in the plane, none below 0; thirds where the
-  /// triangle has no area.
-  [[nodiscard]] glm::dvec3 shares(const glm::dvec3& point) const;
-
-  glm::dvec3 a, ab, ac;
-  double abab, abac, acac, inverse_determinant;
-};
 
 /// Points that are no vertices any more, each carried by one triangle.
 class PointCarrier {

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "planish/mesh/triangles.h"
-#include "planish/reconstruct/point_carrier.h"
+#include "planish/reconstruct/ordered_points.h"
+#include "planish/reconstruct/triangle_shape.h"
 
 namespace planish {
 

@@ -4,21 +4,11 @@
 
 #include <cmath>
 
+#include "planish/core/widest.h"
+
 namespace planish {
 
 namespace {
-
-// The widest instructions of the processor, chosen when the program is loaded. Nothing is fused
-// (-ffp-contract=off), so that all give the same bits. GCC's thread sanitizer crashes in functions
-// that choose, since they run before it does.
-#if defined(__x86_64__) && defined(__ELF__) && !defined(__SANITIZE_THREAD__)
-#define PLANISH_WIDEST __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define PLANISH_WIDEST
-#endif
-
-// Loops become vectors only where everything in them is in line.
-#define PLANISH_IN_LINE inline __attribute__((always_inline))
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kTangentOfEighth = 0.41421356237309503;  // tan(pi / 8)
