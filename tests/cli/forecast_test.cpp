@@ -201,18 +201,24 @@ TEST_F(Needs, OfErrorsByHowTheMeshBends) {
 }
 
 #ifdef PLANISH_HAS_MESHER
-TEST_F(Needs, OfPointsByTheirNumber) {
+// side^2 points as text.
+std::string torus_cloud(int side) {
   std::string cloud;
-  constexpr int kSide = 120;
-  for (int i = 0; i < kSide * kSide; ++i) {
-    const double u = 6.2832 * (i % kSide) / kSide, v = 6.2832 * (i / kSide) / kSide;
+  for (int i = 0; i < side * side; ++i) {
+    const double u = 6.2832 * (i % side) / side, v = 6.2832 * (i / side) / side;
     const double r = 1 + 0.4 * std::cos(v);
     cloud += std::to_string(r * std::cos(u)) + " " + std::to_string(r * std::sin(u)) + " " +
              std::to_string(0.4 * std::sin(v)) + "\n";
   }
-  write("cloud.xyz", cloud);
+  return cloud;
+}
+
+TEST_F(Needs, OfPointsByTheirNumber) {
+  write("cloud.xyz", torus_cloud(120));
   expect_enough({"cloud.xyz", "-o", "a.glb"});
   expect_enough({"cloud.xyz", "-o", "a.glb", "--tolerance-mesh", "0"});
+  write("large.xyz", torus_cloud(720));
+  expect_enough({"large.xyz", "-o", "a.glb", "--tolerance-mesh", "1e-3"});
   // How many triangles an error takes is known once there is a mesh.
   EXPECT_THAT(fit({"cloud.xyz", "-o", "a.glb", "--chord-error", "1e-3", "--dry-run"}).out,
               HasSubstr("memory       known once there is a mesh"));

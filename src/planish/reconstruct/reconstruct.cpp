@@ -37,6 +37,10 @@ constexpr double kEvenLargestAngle = 130;
 // vertices wants twice as many, and may be a part of the points, too.
 constexpr std::int64_t kSamples = 100'000, kPointsOfSample = 5, kPointsOfTarget = 10;
 
+std::int64_t samples_of(std::int64_t point_count, const ReconstructOptions& options) {
+  return std::max(std::min(kSamples, point_count / kPointsOfSample), 2 * options.target_vertices);
+}
+
 // Shares of the time when the steps are done.
 constexpr double kCleaned = 0.05, kSmoothed = 0.07, kMeshed = 0.4, kRepaired = 0.43,
                  kSimplified = 0.95;
@@ -277,15 +281,14 @@ MeshedCloud mesh_coarse_first(Work& work) {
     critic.emplace(points, no_cleaning);
   }
   result.timing.smooth = work.watch.lap();
-  CoarseMesh coarse = mesh_coarse_first(
-      points, *critic, work.mesher,
-      {.tolerance = result.tolerance * result.diagonal,
-       .least_samples = std::max(std::min(kSamples, std::ssize(points) / kPointsOfSample),
-                                 2 * options.target_vertices),
-       .repair = {.longest_filled_loop = options.longest_filled_loop,
-                  .components = options.components},
-       .normals = work.cloud.normals,
-       .callbacks = share_of(callbacks, kSmoothed, kRepaired)});
+  CoarseMesh coarse =
+      mesh_coarse_first(points, *critic, work.mesher,
+                        {.tolerance = result.tolerance * result.diagonal,
+                         .least_samples = samples_of(std::ssize(points), options),
+                         .repair = {.longest_filled_loop = options.longest_filled_loop,
+                                    .components = options.components},
+                         .normals = work.cloud.normals,
+                         .callbacks = share_of(callbacks, kSmoothed, kRepaired)});
   stray_count += critic->stray_count();
   critic.reset();
   result.outlier_count = outlier_count + stray_count;
@@ -306,12 +309,6 @@ MeshedCloud mesh_coarse_first(Work& work) {
       std::ranges::lower_bound(result.used_points, points.given(result.distances.farthest));
   result.distances.farthest = farthest - result.used_points.begin();
   return vertices_of(points, std::move(simplified.triangles));
-}
-
-bool is_coarse_first(const PointCloud& cloud, const ReconstructOptions& options) {
-  const std::int64_t count = std::ssize(cloud.points);
-  return count >= options.coarse_from && options.tolerance.value_or(1) > 0 &&
-         options.target_vertices <= count / kPointsOfTarget;
 }
 
 // Pairs triangles, drops unused points, moves the mesh to where the file has it and notes the
@@ -341,13 +338,20 @@ void finish_mesh(MeshedCloud meshed, Work& work) {
 
 }  // namespace
 
+std::int64_t meshed_at_first(std::int64_t point_count, const ReconstructOptions& options) {
+  const bool few = point_count >= options.coarse_from && options.tolerance.value_or(1) > 0 &&
+                   options.target_vertices <= point_count / kPointsOfTarget;
+  return few ? samples_of(point_count, options) : point_count;
+}
+
 Reconstruction reconstruct(const PointCloud& cloud, const Mesher& mesher,
                            const ReconstructOptions& options) {
   check_options(options);
   const HostScope host(options.callbacks);
   Work work{.cloud = cloud, .mesher = mesher, .options = options};
+  const std::int64_t count = std::ssize(cloud.points);
   MeshedCloud meshed =
-      is_coarse_first(cloud, options) ? mesh_coarse_first(work) : mesh_all_points(work);
+      meshed_at_first(count, options) < count ? mesh_coarse_first(work) : mesh_all_points(work);
   options.callbacks.report("pair", kSimplified);
   finish_mesh(std::move(meshed), work);
   options.callbacks.report("pair", 1);

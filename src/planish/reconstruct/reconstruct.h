@@ -37,6 +37,11 @@ struct ReconstructOptions {
   Callbacks callbacks;
 };
 
+/// How many of so many points are meshed at first: all of them, or about as many as that where few
+/// are, as ReconstructOptions::coarse_from says. Thin shapes and points that object add to these.
+[[nodiscard]] std::int64_t meshed_at_first(std::int64_t point_count,
+                                           const ReconstructOptions& options);
+
 /// Wall-clock milliseconds of the steps of reconstruct().
 struct ReconstructTiming {
   double clean = 0, smooth = 0, mesh = 0, repair = 0, simplify = 0, measure = 0;

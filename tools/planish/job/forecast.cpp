@@ -26,16 +26,19 @@ MeshCounts mesh_counts_of(const PreparedMesh& mesh) {
 
 // CPU seconds, reading and writing included, measured on two cores: of a million vertices of the
 // mesh for each fit, of points of a surface, of vertices of a page's, of triangles cut where it
-// bends, and of points that are meshed.
+// bends, of points that are meshed, and of those of a large cloud of which few are.
 constexpr double kVertexSeconds = 6, kPointSeconds = 0.6, kPageSeconds = 4, kBendSeconds = 2.5,
-                 kCloudSeconds = 80;
+                 kCloudSeconds = 80, kCarriedSeconds = 20;
 
 // Bytes of host memory, upper values of what the command took: tools/planish/README.md has them.
 constexpr std::uint64_t kPageVertexBytes = 210 + 36, kBendBytes = 48, kBendUvBytes = 96;
 constexpr std::uint64_t kTileVertexBytes = 180;
 // Of a page's still picture: four samples of 8 bytes and a pixel of 4.
 constexpr std::uint64_t kStillBytes = std::uint64_t{36} * kStillWidth * kStillHeight;
-constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCloudPointBytes = 2400;
+constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCloudPointBytes = 2400,
+                        kCarriedPointBytes = 96;
+// Samples may be so many times more than asked for.
+constexpr double kMostSamples = 1.3;
 
 // Of B-spline faces, by quads of level 1 of a mesh of triangles, which has most points where none
 // is regular: what they take, and for how many points of a surface they take the time.
@@ -236,19 +239,26 @@ Forecast forecast_of(std::span<const MeshNeed> meshes, const Settings& settings,
 
 Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
                             const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
+  const std::int64_t first = meshed_at_first(point_count, settings.points);
+  const bool few = first < point_count;
+  const auto meshed = static_cast<std::int64_t>(few ? kMostSamples * static_cast<double>(first)
+                                                    : static_cast<double>(first));
   // A closed mesh of triangles has twice as many faces as vertices; pairs of them are quads.
-  const MeshCounts counts{{point_count, 3 * point_count, 2 * point_count}, 6 * point_count};
+  const MeshCounts counts{{meshed, 3 * meshed, 2 * meshed}, 6 * meshed};
   Forecast forecast = forecast_by_counts(counts, settings, outputs, page_bytes);
   HeldBytes held(settings);
   held.add({}, counts, held_levels(outputs), solve_bytes(counts.corners, false, settings));
   forecast.outputs.assign(outputs.size(), {});
+  const auto carried = few ? static_cast<std::uint64_t>(point_count) : 0;
   const std::uint64_t meshing =
-      kCloudFixedBytes + kCloudPointBytes * static_cast<std::uint64_t>(point_count);
-  forecast.peak_bytes = std::max(forecast.peak_bytes + held.peak(), meshing);
+      kCloudFixedBytes + kCloudPointBytes * static_cast<std::uint64_t>(meshed);
+  forecast.peak_bytes =
+      std::max(forecast.peak_bytes + held.peak(), meshing) + kCarriedPointBytes * carried;
   for (const PlannedOutput& output : outputs)
     if (output.fineness.is_adaptive()) forecast.peak_bytes = 0;
   forecast.seconds =
-      forecast.seconds / thread_count() + 1e-6 * kCloudSeconds * static_cast<double>(point_count);
+      forecast.seconds / thread_count() + 1e-6 * (kCloudSeconds * static_cast<double>(meshed) +
+                                                  kCarriedSeconds * static_cast<double>(carried));
   return forecast;
 }
 

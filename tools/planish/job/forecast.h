@@ -44,8 +44,8 @@ struct MeshNeed {
                                    const std::vector<PlannedOutput>& outputs,
                                    std::uint64_t page_bytes, std::uint64_t asset_bytes = 0);
 
-/// Of a job on so many points: what it would take if their mesh went through all of them; nothing
-/// of the files. Without a peak where an output's fineness asks for the mesh.
+/// Of a job on so many points: what it would take if their mesh went through all that are meshed at
+/// first; nothing of the files. Without a peak where an output's fineness asks for the mesh.
 [[nodiscard]] Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
                                           const std::vector<PlannedOutput>& outputs,
                                           std::uint64_t page_bytes);
