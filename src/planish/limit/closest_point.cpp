@@ -254,21 +254,22 @@ void NearestSearch::search_region(const PatchPiece& piece, Region region, const 
 // polynomial, each polynomial of it.
 void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target) {
   corner_ = corner;
-  pieces_.move_to(corner);
+  PatchPieces& pieces = kept_[static_cast<std::size_t>(corner) % kKeptCorners];
+  pieces.move_to(corner);
   struct Start {
     double square_distance;
     std::size_t quarter;
   };
   std::array<Start, 4> starts;
-  const glm::dvec3 point = target - pieces_.corner().own();
-  for (std::size_t q = 0; q < 4; ++q) starts[q] = {square_distance(pieces_.box(q), point), q};
+  const glm::dvec3 point = target - pieces.corner().own();
+  for (std::size_t q = 0; q < 4; ++q) starts[q] = {square_distance(pieces.box(q), point), q};
   std::ranges::sort(starts, {}, &Start::square_distance);
   for (const auto& [_, q] : starts) {
-    if (!is_near(pieces_.box(q), point)) break;
-    if (const PatchPiece* const piece = pieces_.piece(q)) {
+    if (!is_near(pieces.box(q), point)) break;
+    if (const PatchPiece* const piece = pieces.piece(q)) {
       search_piece(*piece, point);
     } else {
-      pieces_.visit(
+      pieces.visit(
           q,
           [&](const glm::dvec3& vertex, const PatchFrame& frame) {
             const glm::dvec3 off = vertex - point;

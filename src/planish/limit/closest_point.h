@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <glm/vec3.hpp>
+#include <vector>
 
 #include "planish/limit/corner_tree.h"
 #include "planish/limit/patch_pieces.h"
@@ -20,11 +23,14 @@ struct NearestPlace {
 class NearestSearch {
  public:
   explicit NearestSearch(const CornerTree& tree)
-      : tree_(tree), pieces_(tree.surface(), tree.reaches()) {}
+      : tree_(tree), kept_(kKeptCorners, PatchPieces(tree.surface(), tree.reaches())) {}
 
   [[nodiscard]] NearestPlace run(const glm::dvec3& point);
 
  private:
+  // Points near one another ask for the same corners, whose pieces are much of the work.
+  static constexpr std::size_t kKeptCorners = 64;
+
   void search_corner(std::int32_t corner, const glm::dvec3& target);
   // Points relative to the corner's own from here on.
   struct Region;
@@ -36,7 +42,7 @@ class NearestSearch {
   [[nodiscard]] bool is_near(const PatchBox& box, const glm::dvec3& point) const;
 
   const CornerTree& tree_;
-  PatchPieces pieces_;
+  std::vector<PatchPieces> kept_;  // by the corner's last digits
   struct Waiting {
     std::int32_t node;
     double square_distance;

@@ -91,6 +91,8 @@ PatchBox PatchPieces::box_around(const PatchForm& form, std::span<const glm::dve
 }
 
 void PatchPieces::move_to(std::int32_t corner) {
+  if (corner == at_) return;
+  at_ = corner;
   corner_.move_to(corner);
   const PatchForm& form = corner_.form();
   if (form.is_polynomial()) {

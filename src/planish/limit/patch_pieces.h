@@ -70,6 +70,7 @@ class PatchPieces {
 
   LimitSurface::Corner corner_;
   const PatchReaches& reaches_;
+  std::int32_t at_ = -1;  // the corner that pieces and boxes are of
   std::array<PatchPiece, 4> pieces_{};
   std::array<bool, 4> has_piece_{};
   std::array<PatchBox, 4> boxes_{};

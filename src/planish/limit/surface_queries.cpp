@@ -13,7 +13,7 @@
 namespace planish {
 namespace {
 
-constexpr std::size_t kQuestionGrain = 16;
+constexpr std::size_t kQuestionGrain = 64;
 
 bool is_finite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);

@@ -9,6 +9,7 @@
 #include "planish/mesh/triangle_edges.h"
 #include "planish/mesh/used_vertices.h"
 #include "planish/reconstruct/compare_source.h"
+#include "planish/reconstruct/spatial_order.h"
 #include "planish/surface/block_quality.h"
 #include "planish/surface/kept_rows.h"
 #include "terminal/text.h"
@@ -71,23 +72,30 @@ std::int64_t file_face(const FoldedPlace& place, const JobInput& made) {
   return faces.empty() ? place.face : faces[place.face];
 }
 
-// By closest points, so many at a time that answers take little memory; of the diagonal.
+// By closest points, of neighbours one after another and so many at a time that answers take little
+// memory; of the diagonal.
 PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSurface& surface,
                               double diagonal, const JobContext& context) {
   constexpr std::size_t kAtOnce = 1 << 14;
   const SurfaceQueries queries(surface);
+  const std::vector<std::int32_t> order = spatial_order(points);
   std::vector<ClosestPoint> closest;
+  std::vector<glm::dvec3> places;
   PointDistances distances;
   double sum = 0;
   for (std::size_t first = 0; first < points.size(); first += kAtOnce) {
-    closest.resize(std::min(kAtOnce, points.size() - first));
-    queries.closest(points.subspan(first, closest.size()), closest);
+    const auto some = std::span(order).subspan(first, std::min(kAtOnce, points.size() - first));
+    places.clear();
+    for (const std::int32_t point : some) places.push_back(points[point]);
+    closest.resize(some.size());
+    queries.closest(places, closest);
     for (std::size_t i = 0; i < closest.size(); ++i) {
       const double distance = closest[i].distance / diagonal;
       sum += distance * distance;
-      if (distances.farthest >= 0 && distance <= distances.max) continue;
+      const bool is_first = distance == distances.max && some[i] < distances.farthest;
+      if (distances.farthest >= 0 && distance <= distances.max && !is_first) continue;
       distances.max = distance;
-      distances.farthest = static_cast<std::int64_t>(first + i);
+      distances.farthest = some[i];
     }
     context.progress.update("measure", static_cast<double>(first + closest.size()) /
                                            static_cast<double>(points.size()));
