@@ -18,14 +18,12 @@
 namespace planish {
 namespace {
 
-// Rows that are made at once.
-constexpr std::int64_t kRows = std::int64_t{1} << 14;
 constexpr int kJointsOfSet = 4;
 
 // of(range) on all threads, for all rows.
 template <class Of>
 void for_rows(const SurfaceBlocks& surface, const Of& of) {
-  const std::vector<RowRange> ranges = surface.row_blocks(kRows);
+  const std::vector<RowRange> ranges = surface.row_blocks(kAttributeRows);
   parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) of(ranges[i]);
   });

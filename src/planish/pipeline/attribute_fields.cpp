@@ -44,7 +44,6 @@ VertexAttribute column_of(const VertexAttribute& of, int column) {
 
 std::vector<float> rows_of_vertices(std::span<const float> given, int width,
                                     const FittedMesh& fitted, const SurfaceBlocks& surface) {
-  constexpr std::int64_t kRows = std::int64_t{1} << 14;
   const auto numbers = static_cast<std::size_t>(width);
   std::vector<glm::vec4> vertices(fitted.mesh.positions.size(), glm::vec4(0.0f));
   for (std::size_t v = 0; v < vertices.size(); ++v) {
@@ -54,7 +53,7 @@ std::vector<float> rows_of_vertices(std::span<const float> given, int width,
       vertices[v][static_cast<int>(k)] = given[numbers * source + k];
   }
   std::vector<float> values(numbers * static_cast<std::size_t>(surface.info().row_count));
-  const std::vector<RowRange> ranges = surface.row_blocks(kRows);
+  const std::vector<RowRange> ranges = surface.row_blocks(kAttributeRows);
   parallel_for(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
     std::vector<glm::vec4> made;
     for (std::size_t r = begin; r < end; ++r) {

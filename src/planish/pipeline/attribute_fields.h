@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,9 @@
 #include "planish/surface/vertex_fields.h"
 
 namespace planish {
+
+/// Rows of a surface for which attributes are made at once.
+inline constexpr std::int64_t kAttributeRows = std::int64_t{1} << 14;
 
 /// Numbers that vertices of the given mesh have, `width` of 1 to 4 each, at all rows of the surface
 /// of its fit: linear between vertices, as colours are. The surface has to know its mesh (see
