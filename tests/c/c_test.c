@@ -434,6 +434,35 @@ static void test_files(const char* input) {
   planish_mesh_free(mesh);
 }
 
+/* Whether a file holds a text without zeros. */
+static int file_has(const char* path, const char* text) {
+  static char bytes[1 << 16];
+  FILE* file = fopen(path, "rb");
+  if (file == NULL) return 0;
+  const size_t count = fread(bytes, 1, sizeof bytes, file), length = strlen(text);
+  fclose(file);
+  for (size_t i = 0; i + length <= count; ++i)
+    if (memcmp(bytes + i, text, length) == 0) return 1;
+  return 0;
+}
+
+static void test_levels_of_detail(const char* input) {
+  static const int32_t coarser[] = {0};
+  planish_fit_options options;
+  planish_fit_options_init(&options, sizeof options);
+  EXPECT(planish_fit_file(input, "c_test_whole.glb", 0, NULL, NULL) == PLANISH_OK);
+  EXPECT(planish_fit_file("c_test_whole.glb", "c_test_one.glb", 1, &options, NULL) == PLANISH_OK);
+  EXPECT(!file_has("c_test_one.glb", "MSFT_lod"));
+  options.coarser_level_count = 1;
+  EXPECT_REFUSED(planish_fit_file("c_test_whole.glb", "c_test_lods.glb", 1, &options, NULL),
+                 PLANISH_INVALID_ARGUMENT, "options.coarser_levels");
+  options.coarser_levels = coarser;
+  EXPECT(planish_fit_file("c_test_whole.glb", "c_test_lods.glb", 1, &options, NULL) == PLANISH_OK);
+  EXPECT(file_has("c_test_lods.glb", "MSFT_lod"));
+  EXPECT_REFUSED(planish_fit_file(input, "c_test_no.glb", 1, &options, NULL),
+                 PLANISH_INVALID_ARGUMENT, "take a file for each level");
+}
+
 static void test_wrong_meshes(void) {
   planish_mesh_arrays arrays = cube_arrays();
   planish_mesh* mesh = NULL;
@@ -781,6 +810,7 @@ int main(int argc, char** argv) {
   test_verify_shapes();
   test_weld();
   test_reader_warnings();
+  test_levels_of_detail(argv[1]);
   test_files(argv[1]);
   test_step(argv[1]);
   test_wrong_meshes();

@@ -53,6 +53,18 @@ def test_fit_file_writes_the_commands_bytes(scenes, command, tmp_path):
     assert all(0 <= fraction <= 1 for _, fraction in steps)
 
 
+def test_levels_of_detail_in_one_file(scenes, command, tmp_path):
+    whole, made = tmp_path / "whole.glb", tmp_path / "python.glb"
+    command(scenes / "goblet.obj", "-o", whole, "--levels", "0")
+    command(whole, "-o", tmp_path / "command.glb", "--levels", "2,1,0", "--lods", "msft")
+    planish.fit_file(whole, made, 2, coarser_levels=[1, 0])
+    assert made.read_bytes() == (tmp_path / "command.glb").read_bytes()
+    with pytest.raises(planish.InvalidArgument, match="name levels from fine to coarse"):
+        planish.fit_file(whole, made, 1, coarser_levels=(2,))
+    with pytest.raises(planish.InvalidArgument, match="whole numbers"):
+        planish.fit_file(whole, made, 1, coarser_levels=[0.5])
+
+
 def test_split_normals_are_creases_where_asked(command, tmp_path):
     roof = tmp_path / "roof.obj"
     roof.write_text("v 0 0 0\nv 1 0 1\nv 2 0 0\nv 0 3 0\nv 1 3 1\nv 2 3 0\nvn -1 0 1\nvn 1 0 1\n"

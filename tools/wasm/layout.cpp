@@ -76,6 +76,8 @@ extern "C" const char* planish_wasm_layout() {
     MEMBER(fit_options, step_tolerance);
     MEMBER(fit_options, step_unit);
     MEMBER(fit_options, step_face_size);
+    MEMBER(fit_options, coarser_levels);
+    MEMBER(fit_options, coarser_level_count);
     STRUCT(fit_info);
     MEMBER(fit_info, converged);
     MEMBER(fit_info, iterations);

@@ -261,6 +261,10 @@ planish_status planish_fit_file(const char* input, const char* output, int32_t l
     how.mesh = mesh_options(settings, own);
     how.split_normals = settings.creases.split_normals;
     how.level = level;
+    if (own.coarser_level_count > 0) {
+      require(own.coarser_levels, "options.coarser_levels");
+      how.coarser_levels.assign(own.coarser_levels, own.coarser_levels + own.coarser_level_count);
+    }
     how.step = settings.step;
     const auto backend = backend_of(solve_precision(settings), own.thread_count);
     how.backend = backend.get();

@@ -203,6 +203,10 @@ typedef struct planish_fit_options {
   double step_angle, step_tolerance;
   int32_t step_unit;      /**< a planish_step_unit; coordinates stay as they are */
   int32_t step_face_size; /**< most quads along a face, of which one of the mesh has two: 16 */
+  /** Of planish_fit_file(), of a glTF that becomes one: further levels of detail in the same file
+   * (MSFT_lod), each less than the one before, the first less than its level. NULL: none. */
+  const int32_t* coarser_levels;
+  size_t coarser_level_count;
 } planish_fit_options;
 
 void planish_fit_options_init(planish_fit_options* options, size_t struct_size);

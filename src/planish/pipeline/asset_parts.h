@@ -3,13 +3,14 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "planish/core/callbacks.h"
 #include "planish/core/error.h"
-#include "planish/files/gltf/asset/gltf_asset.h"
+#include "planish/files/gltf/asset/write_asset.h"
 
 namespace planish {
 
@@ -79,5 +80,38 @@ std::list<Part> fit_meshes(const GltfAsset& asset, const MeshSteps<Part>& steps)
   require_any();
   return parts;
 }
+
+/// Levels of detail of an asset's file, finest first, each of all its parts in their order.
+template <class Level>
+using AssetDetails = std::list<std::list<Level>>;
+
+/// Of the screen, down to which each of several levels of detail is shown. A mesh is as large on
+/// the screen as it is seen there, and what is left out of a coarser level, too: that takes over
+/// where it looks no larger than what the finest leaves out does in full. `left_out`: lengths, of
+/// each level, finest first. The coarsest never vanishes.
+[[nodiscard]] std::vector<double> least_coverages(std::span<const double> left_out);
+
+/// The surfaces of an asset's file: surface(part, level) for each part of each level, with how far
+/// down it is shown.
+template <class Part, class Level, class Surface>
+std::vector<AssetSurface> surfaces_of(std::list<Part>& parts, AssetDetails<Level>& details,
+                                      std::span<const double> left_out, const Surface& surface) {
+  const std::vector<double> coverages = least_coverages(left_out);
+  std::vector<AssetSurface> surfaces;
+  auto coverage = coverages.begin();
+  for (std::list<Level>& levels : details) {
+    auto part = parts.begin();
+    for (Level& level : levels) {
+      surfaces.push_back(surface(*part++, level));
+      surfaces.back().least_coverage = *coverage;
+    }
+    ++coverage;
+  }
+  return surfaces;
+}
+
+/// What keeps no asset has no levels of detail: throws Error{InvalidArgument}. `remedy` ends the
+/// message: "; take ..."
+[[noreturn]] void refuse_levels_of_detail(const std::string& output, const std::string& remedy);
 
 }  // namespace planish

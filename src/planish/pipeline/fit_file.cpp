@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,18 +11,15 @@
 #include "planish/core/host_scope.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/file_materials.h"
-#include "planish/files/gltf/asset/write_asset.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/mesh_file.h"
 #include "planish/files/read_file.h"
 #include "planish/files/write_surface.h"
-#include "planish/mesh/statistics.h"
-#include "planish/patches/patch_evaluator.h"
-#include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/asset_parts.h"
 #include "planish/pipeline/attribute_fields.h"
+#include "planish/pipeline/fit_asset.h"
+#include "planish/pipeline/fitted_level.h"
 #include "planish/pipeline/make_ready.h"
-#include "planish/surface/doo_sabin_surface.h"
 
 namespace planish {
 namespace {
@@ -95,45 +91,6 @@ struct SurfaceShares {
   SurfaceFileOptions making, writing;
 };
 
-// The surface, which is made as it is read; what it is made of stands beside it.
-struct SurfaceLevel {
-  std::unique_ptr<const DooSabinSurface> doo_sabin;
-  std::unique_ptr<const SurfaceMesh> whole;
-  std::unique_ptr<SurfaceBlocks> blocks;
-};
-
-SurfaceLevel surface_level(const FittedMesh& fitted, Backend& backend,
-                           const SurfaceFileOptions& options) {
-  EvaluateOptions how = fitted.evaluate_options(options.level);
-  how.callbacks = options.callbacks;
-  require_level(options.level);
-  SurfaceLevel made;
-  if (fitted.options.scheme != Scheme::DooSabin) {
-    made.whole =
-        std::make_unique<const SurfaceMesh>(evaluate(fitted.mesh, fitted.fit, backend, how));
-    made.blocks = blocks_of(*made.whole, fitted.mesh);
-    return made;
-  }
-  options.callbacks.report("evaluate", 0);
-  made.doo_sabin = fitted_surface(fitted.mesh, fitted.fit, how);
-  made.blocks = made.doo_sabin->level(options.level, 0, dynamic_cast<PatchEvaluator*>(&backend));
-  return made;
-}
-
-GltfOptions gltf_options(const FittedMesh& fitted, std::string_view name,
-                         const SurfaceFileOptions& options) {
-  GltfOptions gltf;
-  gltf.name = std::string(name);
-  gltf.double_sided = statistics(*fitted.fit.prepared).boundary_loop_count > 0;
-  gltf.z_up = options.z_up;
-  gltf.origin = storage_origin(fitted.fit.placement);
-  gltf.extras = fit_extras(fitted.options, fitted.creases(), fitted.fit.interpolation);
-  gltf.extras.emplace_back("level", std::int64_t{options.level});
-  if (options.materials != nullptr) gltf.materials = &options.materials->gltf;
-  gltf.callbacks = options.callbacks;
-  return gltf;
-}
-
 std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& fitted,
                           const SurfaceBlocks& surface, std::string_view name,
                           const SurfaceFileOptions& options) {
@@ -142,7 +99,7 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
   std::vector<VertexAttribute> attributes;
   if (info_of(format).keeps_fields) attributes = add_attributes(surface, fields, options.callbacks);
   if (info_of(format).is_gltf) {
-    GltfOptions gltf = gltf_options(fitted, name, options);
+    GltfOptions gltf = gltf_options_of(fitted, name, options);
     gltf.fields = fields;
     return write_gltf(path, surface, gltf).byte_count;
   }
@@ -152,85 +109,6 @@ std::uint64_t write_level(const std::filesystem::path& path, const FittedMesh& f
   if (options.materials != nullptr)
     how.materials = {&options.materials->library, path.parent_path(), &options.materials->gltf};
   return write_surface(path, format, surface, how);
-}
-
-bool keeps_asset(const std::filesystem::path& input, const std::filesystem::path& output,
-                 const FitFileOptions& options) {
-  const auto from = format_of(input), to = format_of(output);
-  return options.keeps_asset && options.cage.empty() && from && info_of(*from).is_gltf && to &&
-         info_of(*to).is_gltf && !info_of(*to).is_tiles;
-}
-
-// A mesh of an asset on its way to its surface.
-struct AssetPart {
-  AssetMesh mesh;
-  ReadyFit ready;
-  FittedMesh fitted;
-  SurfaceLevel level;
-  std::unique_ptr<const AssetAttributes> attributes;
-};
-
-// Of the time of an asset, when its meshes are ready, and when they are fitted.
-constexpr double kMeshesReady = 0.2;
-
-std::list<AssetPart> fitted_parts(const GltfAsset& asset, const MeshFitOptions& how,
-                                  Backend& backend, const FitFileOptions& options) {
-  const std::string file(asset.file().name);
-  const Callbacks& whole = how.fit.callbacks;
-  const auto share = [&](MeshShare mesh, double from, double to) {
-    return share_of(whole, std::lerp(from, to, mesh.begin), std::lerp(from, to, mesh.end));
-  };
-  MeshSteps<AssetPart> steps;
-  steps.warn = [&](const Warning& warning) { whole.warn(warning); };
-  steps.prepare = [&](AssetPart& part, std::int64_t number, MeshShare of) {
-    part.mesh = asset.read(number);
-    for (const Warning& warning : part.mesh.file.warnings) whole.warn(warning);
-    MeshFitOptions one = how;
-    one.fit.callbacks = share(of, 0, kMeshesReady);
-    part.ready =
-        prepare_fit(std::move(part.mesh.file.mesh),
-                    asset.surfaces().size() == 1 ? file : file + ": " + part.mesh.name, one);
-  };
-  steps.fit = [&](AssetPart& part, MeshShare of) {
-    // Most of it the fit; the rest what rides on the surface.
-    const Callbacks one = share(of, kMeshesReady, 1);
-    constexpr double kFitted = 0.8;
-    part.ready.options.fit.callbacks = share_of(one, 0, kFitted);
-    part.fitted = fit_prepared(std::move(part.ready), backend);
-    part.fitted.split_normals = options.split_normals;
-    part.level = surface_level(part.fitted, backend, {options.level, options.z_up, {}});
-    part.attributes = std::make_unique<const AssetAttributes>(
-        part.mesh, part.fitted, *part.level.blocks, backend, share_of(one, kFitted, 1));
-  };
-  return fit_meshes(asset, steps);
-}
-
-FileFit fitted_asset(const GltfAsset& asset, const std::filesystem::path& output,
-                     const MeshFitOptions& how, Backend& backend, const FitFileOptions& options) {
-  const Callbacks& whole = how.fit.callbacks;
-  const double fitted_share = 1 / (1 + 0.1 * std::ldexp(1.0, 2 * options.level));
-  MeshFitOptions fitting = how;
-  fitting.fit.callbacks = share_of(whole, 0, fitted_share);
-  std::list<AssetPart> parts = fitted_parts(asset, fitting, backend, options);
-  std::vector<AssetSurface> surfaces;
-  FileFit result;
-  for (const AssetPart& part : parts) {
-    GltfOptions gltf = gltf_options(part.fitted, part.mesh.name, {options.level, false, {}});
-    part.attributes->add_to(gltf);
-    surfaces.push_back({.mesh = part.mesh.number,
-                        .surface = part.level.blocks.get(),
-                        .vertices = &part.mesh.vertices,
-                        .options = std::move(gltf)});
-    result.vertex_count += part.level.blocks->info().row_count;
-    result.face_count += part.level.blocks->info().face_count;
-  }
-  GltfOptions common;
-  common.callbacks = share_of(whole, fitted_share, 1);
-  result.byte_count = write_asset(output, output.parent_path(), asset, surfaces, common).byte_count;
-  result.fitted = std::move(parts.front().fitted);
-  for (auto part = std::next(parts.begin()); part != parts.end(); ++part)
-    result.further.push_back(std::move(part->fitted));
-  return result;
 }
 
 void write_cage_of(const FittedMesh& fitted, std::optional<FileFormat> format,
@@ -251,16 +129,35 @@ FileMaterials read_materials_of(const std::filesystem::path& input, FileFormat f
   return read_materials({.bytes = bytes, .name = name, .path = input}, from, to_obj, to_gltf);
 }
 
+bool may_keep_asset(const std::filesystem::path& input, const std::filesystem::path& output,
+                    const FitFileOptions& options) {
+  const auto from = format_of(input), to = format_of(output);
+  return options.keeps_asset && options.cage.empty() && from && info_of(*from).is_gltf && to &&
+         info_of(*to).is_gltf && !info_of(*to).is_tiles;
+}
+
+// Levels of detail go from fine to coarse.
+void require_falling(const FitFileOptions& options) {
+  int finer = options.level;
+  for (const int level : options.coarser_levels) {
+    if (level >= finer)
+      throw Error(ErrorCode::InvalidArgument, "coarser_levels: " + std::to_string(level) +
+                                                  " follows level " + std::to_string(finer) +
+                                                  "; name levels from fine to coarse, each once");
+    finer = level;
+  }
+}
+
 // `how` with the method as it is settled.
 FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::path& output,
                     MeshFitOptions how, std::optional<FileFormat> cage_format, Backend& backend,
                     const FitFileOptions& options) {
   const Callbacks callbacks = how.fit.callbacks;
   // Of the time when the file is read, and when the mesh is fitted: a level takes as its faces do.
-  const double surface = 0.1 * std::ldexp(1.0, 2 * options.level);
+  double surface = 0;
+  for (const int level : options.levels()) surface += 0.1 * std::ldexp(1.0, 2 * level);
   const double read = 0.2 / (1 + surface), fit = 1 / (1 + surface);
-  how.fit.callbacks = share_of(callbacks, read, fit);
-  if (keeps_asset(input, output, options)) {
+  if (may_keep_asset(input, output, options)) {
     const RawVector<std::byte> bytes = read_file(input, share_of(callbacks, 0, read));
     const std::string name = visible(input);
     const auto asset = asset_of({.bytes = bytes,
@@ -269,11 +166,11 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
                                  .split_normals_crease = options.split_normals,
                                  .is_strict = !options.mesh.repairs},
                                 *format_of(input));
-    if (asset) {
-      how.fit.callbacks = callbacks;
-      return fitted_asset(*asset, output, how, backend, options);
-    }
+    if (asset) return fit_asset(*asset, output, how, backend, options);
   }
+  if (!options.coarser_levels.empty())
+    refuse_levels_of_detail(visible(output), "; take a file for each level");
+  how.fit.callbacks = share_of(callbacks, read, fit);
   MeshFile file =
       read_faces(input, options.split_normals, !options.mesh.repairs, share_of(callbacks, 0, read));
   for (const Warning& warning : file.warnings) callbacks.warn(warning);
@@ -300,7 +197,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   }
   const SurfaceShares shares(
       {options.level, options.z_up, share_of(callbacks, fit, 1), &materials});
-  const SurfaceLevel made = surface_level(result.fitted, backend, shares.making);
+  const FittedLevel made = fitted_level(result.fitted, backend, shares.making);
   result.vertex_count = made.blocks->info().row_count;
   result.face_count = made.blocks->info().face_count;
   result.byte_count =
@@ -326,17 +223,24 @@ std::uint64_t write_fitted_surface(const std::filesystem::path& path, const Fitt
       bytes = figures.byte_count;
       return;
     }
-    const SurfaceLevel surface = surface_level(fitted, backend, shares.making);
+    const FittedLevel surface = fitted_level(fitted, backend, shares.making);
     bytes = write_level(path, fitted, *surface.blocks, name, shares.writing);
   });
   options.callbacks.report("write", 1);
   return bytes;
 }
 
+std::vector<int> FitFileOptions::levels() const {
+  std::vector<int> all{level};
+  all.insert(all.end(), coarser_levels.begin(), coarser_levels.end());
+  return all;
+}
+
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options) {
   const FileFormat format = output_format(output, FormatUse::WriteSurface);
-  require_level(options.level);
+  for (const int level : options.levels()) require_level(level);
+  require_falling(options);
   require_other_file(input, output);
   MeshFitOptions how = options.mesh;
   require_writable(output, format, how.fit.scheme);

@@ -14,7 +14,10 @@ namespace planish {
 
 struct FitFileOptions {
   MeshFitOptions mesh;
-  int level = 2;               ///< 0 to kMaxLevel splits
+  int level = 2;  ///< 0 to kMaxLevel splits
+  /// Levels of detail of the same file, each less than the one before: of a glTF that becomes one.
+  /// Nodes name them by MSFT_lod.
+  std::vector<int> coarser_levels{};
   std::filesystem::path cage;  ///< also written; empty: none
   bool z_up = false;           ///< turns a Z-up model upright in glTF
   /// Sharp are also edges where the normals of glTF, OBJ or PLY are split (see FileBytes).
@@ -24,13 +27,16 @@ struct FitFileOptions {
   bool keeps_asset = true;
   StepSettings step{};
   Backend* backend = nullptr;  ///< null: all cores of the CPU, as the command's --device cpu
+
+  /// `level`, then coarser_levels.
+  [[nodiscard]] std::vector<int> levels() const;
 };
 
 /// What became of a file.
 struct FileFit {
   FittedMesh fitted;                              ///< of an asset its first mesh
   std::vector<FittedMesh> further;                ///< of an asset the others
-  std::int64_t vertex_count = 0, face_count = 0;  ///< of the surface that was written
+  std::int64_t vertex_count = 0, face_count = 0;  ///< of all that is written
   std::uint64_t byte_count = 0;                   ///< of its file, a .gltf's .bin included
   std::optional<StepFigures> step;                ///< of a STEP file
 };
@@ -41,8 +47,8 @@ struct FileFit {
 /// is a STEP file that does not keep its limits; the file is written and says so. An existing file
 /// is replaced, once the new one is whole. Throws Error{UnreadableInput}, Error{UnusableMesh} with
 /// the remedy, Error{InvalidArgument} for extensions, options, an output or a cage that is the
-/// input or one another, and a file of points, which reconstruct() makes a mesh of;
-/// Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
+/// input or one another, coarser levels of what keeps no asset, and a file of points, which
+/// reconstruct() makes a mesh of; Error{UnwritableOutput}, Error{OutOfMemory}, Error{Cancelled}.
 FileFit fit_file(const std::filesystem::path& input, const std::filesystem::path& output,
                  const FitFileOptions& options = {});
 

@@ -12,7 +12,6 @@
 #include "job/timed.h"
 #include "output/digest.h"
 #include "output/output_levels.h"
-#include "planish/core/error.h"
 #include "planish/core/visible_text.h"
 #include "planish/files/gltf/asset/write_asset.h"
 #include "planish/pipeline/asset_attributes.h"
@@ -138,46 +137,37 @@ std::list<PartLevel> levels_of(const AssetJob& work, std::list<AssetPart>& parts
   return levels;
 }
 
-// The levels of detail of a file, finest first, each of all meshes.
-using Details = std::list<std::list<PartLevel>>;
+using Details = AssetDetails<PartLevel>;
 
-// A mesh is as large on the screen as it is seen there, and what is left out of a coarser level,
-// too: that takes over where it looks no larger than what the finest leaves out does in full.
-double least_coverage(const std::vector<Fineness>& finenesses, std::size_t detail) {
-  if (detail + 1 == finenesses.size()) return 0;  // nothing vanishes
-  const Fineness &finest = finenesses.front(), &next = finenesses[detail + 1];
-  if (!next.is_adaptive()) return std::ldexp(1.0, 2 * (next.level - finest.level));
-  return std::pow(finest.chord_error / next.chord_error, 2);
+// Of each level of detail, a length that it leaves out: its chord error, or its edges.
+std::vector<double> left_out_of(const std::vector<Fineness>& finenesses) {
+  std::vector<double> left_out;
+  for (const Fineness& one : finenesses)
+    left_out.push_back(one.is_adaptive() ? one.chord_error : std::ldexp(1.0, -one.level));
+  return left_out;
 }
 
 void write_details(const AssetJob& work, const PlannedOutput& planned, std::list<AssetPart>& parts,
                    Details& details, WrittenOutput& written, std::vector<std::byte>& stdout_bytes) {
   std::list<MeasuredGltf> measured;
-  std::vector<AssetSurface> surfaces;
   std::vector<double> diagonals;
   written = {};
-  const std::vector<Fineness> finenesses = planned.finenesses();
-  std::size_t detail = 0;
-  for (std::list<PartLevel>& levels : details) {
-    auto part = parts.begin();
-    for (PartLevel& level : levels) {
-      MeasuredGltf& one = measured.emplace_back();
-      measure_gltf(planned, level.level->blocks(), level.options, one);
-      diagonals.push_back(level.options.diagonal);
-      const WrittenOutput counts = counted_output(planned, level.level->blocks().info());
-      written.vertices += counts.vertices;
-      written.faces += counts.faces;
-      written.quads += counts.quads;
-      written.triangles += counts.triangles;
-      surfaces.push_back({.mesh = part->mesh.number,
-                          .surface = &level.level->blocks(),
-                          .vertices = &part->mesh.vertices,
-                          .least_coverage = least_coverage(finenesses, detail),
-                          .options = one.options});
-      ++part;
-    }
-    ++detail;
-  }
+  const auto surface_of = [&](const AssetPart& part, PartLevel& level) {
+    MeasuredGltf& one = measured.emplace_back();
+    measure_gltf(planned, level.level->blocks(), level.options, one);
+    diagonals.push_back(level.options.diagonal);
+    const WrittenOutput counts = counted_output(planned, level.level->blocks().info());
+    written.vertices += counts.vertices;
+    written.faces += counts.faces;
+    written.quads += counts.quads;
+    written.triangles += counts.triangles;
+    return AssetSurface{.mesh = part.mesh.number,
+                        .surface = &level.level->blocks(),
+                        .vertices = &part.mesh.vertices,
+                        .options = one.options};
+  };
+  const std::vector<AssetSurface> surfaces =
+      surfaces_of(parts, details, left_out_of(planned.finenesses()), surface_of);
   written.path = planned.path.string();
   written.kind = planned.kind;
   written.fineness = planned.fineness;
@@ -256,10 +246,8 @@ std::optional<std::string> reason_to_merge(const Job& job,
 void require_asset_for_lods(const std::vector<PlannedOutput>& outputs) {
   for (const PlannedOutput& output : outputs)
     if (!output.coarser.empty())
-      throw Error(ErrorCode::InvalidArgument,
-                  output_name(output.path.native()) +
-                      ": levels of detail in one file are of a glTF with meshes that becomes a "
-                      "glTF by itself (--asset keep); take --lods files");
+      refuse_levels_of_detail(output_name(output.path.native()),
+                              " (--asset keep); take --lods files");
 }
 
 std::unique_ptr<const GltfAsset> kept_asset(const Job& job,
