@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
@@ -13,6 +14,7 @@
 
 #include "cli/planish_process.h"
 #include "cli/test_files.h"
+#include "files/gltf/glb_bytes.h"
 #include "job/sampling.h"
 #include "planish/backend/cpu_backend.h"
 #include "planish/files/mesh_file.h"
@@ -92,18 +94,18 @@ TEST_F(Points, BecomeAMeshWithAReport) {
   EXPECT_EQ(run_planish({"inspect", path("m.obj")}).exit_code, 0);
 }
 
-TEST_F(Points, ColorsArriveAtTheSurface) {
+TEST_F(Points, ColorsAndNumbersArriveAtTheSurface) {
   constexpr int kPoints = 600;
   std::ofstream cloud(path("ball.ply"));
   cloud.precision(17);
   cloud << "ply\nformat ascii 1.0\nelement vertex " << kPoints
         << "\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\n"
-           "property uchar green\nproperty uchar blue\nend_header\n";
+           "property uchar green\nproperty uchar blue\nproperty float intensity\nend_header\n";
   for (int i = 0; i < kPoints; ++i) {
     const double z = 1 - (2 * i + 1.0) / kPoints, r = std::sqrt(1 - z * z);
     const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
     cloud << r * std::cos(angle) << ' ' << r * std::sin(angle) << ' ' << z << ' ' << i % 256
-          << " 40 " << i % 2 * 255 << '\n';
+          << " 40 " << i % 2 * 255 << ' ' << 0.5 * i << '\n';
   }
   cloud.close();
   ASSERT_EQ(
@@ -114,6 +116,8 @@ TEST_F(Points, ColorsArriveAtTheSurface) {
   // Given points come first in a surface, in the mesh's order.
   const PointCloud given = read_points(path("ball.ply"));
   ASSERT_EQ(given.colors.size(), kPoints);
+  ASSERT_EQ(surface.attributes.size(), 1u);
+  EXPECT_EQ(surface.attributes[0].name, "intensity");
   std::set<std::size_t> found;
   for (int v = 0; v < kPoints; ++v) {
     const auto nearest = std::ranges::min_element(given.points, {}, [&](const glm::dvec3& point) {
@@ -122,11 +126,22 @@ TEST_F(Points, ColorsArriveAtTheSurface) {
     const auto i = static_cast<std::size_t>(nearest - given.points.begin());
     ASSERT_LT(glm::distance(surface.positions[v], *nearest + given.origin), 1e-6);
     EXPECT_LT(glm::distance(surface.colors[v], given.colors[i]), 0.01f) << i;
+    EXPECT_EQ(surface.attributes[0].values[static_cast<std::size_t>(v)],
+              0.5f * static_cast<float>(i));
     found.insert(i);
   }
   EXPECT_EQ(found.size(), kPoints);
   const auto glb = read_mesh(path("ball.glb")).mesh;
   EXPECT_EQ(glb.colors.size(), glb.positions.size());
+  std::ifstream bytes(path("ball.glb"), std::ios::binary);
+  const auto document = document_of({std::istreambuf_iterator<char>(bytes), {}});
+  EXPECT_TRUE(document["meshes"][0]["primitives"][0]["attributes"].contains("_INTENSITY"));
+  // The mesh has them too, and inspecting the cloud names them.
+  ASSERT_EQ(run_planish({"reconstruct", path("ball.ply"), "-o", path("m.ply")}).exit_code, 0);
+  EXPECT_EQ(read_mesh(path("m.ply")).mesh.attributes.size(), 1u);
+  EXPECT_EQ(
+      nlohmann::json::parse(run_planish({"inspect", path("ball.ply"), "--json"}).out)["attributes"],
+      nlohmann::json::parse(R"(["intensity"])"));
 }
 
 TEST_F(Points, BecomeASurfaceWhoseDistanceIsReported) {

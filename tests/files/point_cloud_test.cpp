@@ -33,6 +33,19 @@ TEST(PointCloud, ReadsPlyWithoutFaces) {
               ElementsAre(glm::dvec3(0.1, 2, 3), glm::dvec3(4, 5, 6)));
 }
 
+TEST(PointCloud, FurtherPropertiesOfPlyComeAlong) {
+  const PointCloud cloud = read_points(
+      test::bytes_of("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
+                     "property float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+                     "property float nz\nproperty uchar quality\nend_header\n"
+                     "1 2 3 0 0 1 9\n4 5 6 0 0 1 7\n"),
+      "a.ply", FileFormat::Ply);
+  EXPECT_EQ(cloud.normals.size(), 2u);
+  ASSERT_EQ(cloud.attributes.size(), 1u);
+  EXPECT_EQ(cloud.attributes[0].name, "quality");
+  EXPECT_THAT(cloud.attributes[0].values, ElementsAre(9, 7));
+}
+
 TEST(PointCloud, ReadsTheVerticesOfMeshFormats) {
   EXPECT_THAT(
       read_points(test::bytes_of("v 0.1 2 3\nv 4 5 6 0.5 0.5 0.5\n"), "a.obj", FileFormat::Obj)

@@ -126,6 +126,9 @@ TEST(ReadLas, EveryVersionAndFormatGivesPlacesAndColours) {
         EXPECT_THAT(cloud.points, ElementsAre(glm::dvec3(10.5, -4, 2147483646.0),
                                               glm::dvec3(10, 0, -2147483649.0)));
         EXPECT_TRUE(cloud.warnings.empty());
+        ASSERT_EQ(cloud.attributes.size(), 1u);
+        EXPECT_EQ(cloud.attributes[0].name, "intensity");
+        EXPECT_THAT(cloud.attributes[0].values, ElementsAre(500, 500));
         const bool has_colors =
             format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10;
         if (has_colors) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <random>
 
@@ -54,6 +55,65 @@ TEST(ReadPcd, FindsAxesAmongOtherFields) {
     append(text, std::int16_t{-2});
   }
   EXPECT_THAT(pcd_of(text).points, ElementsAre(glm::dvec3(1.5, -2, 0.1), glm::dvec3(1.5, -2, 1.1)));
+}
+
+const std::string kIntense =
+    "FIELDS x y z intensity rgb _ ring intensity Ring no\nSIZE 4 4 4 4 4 1 2 4 4 4\n"
+    "TYPE F F F F U U U F F F\nCOUNT 1 1 1 1 1 1 1 1 1 2\n";
+
+// In all kinds of files; of equal names the first, and fields of several numbers none.
+TEST(ReadPcd, FurtherFieldsAreAttributes) {
+  std::string bytes, columns;
+  const std::array<std::array<float, 5>, 2> points{{{1, 2, 3, 0.5f, 8}, {4, 5, 6, 7, 9}}};
+  for (const auto& [x, y, z, intensity, ring] : points) {
+    for (const float value : {x, y, z, intensity}) append(bytes, value);
+    append(bytes, std::uint32_t{255});
+    bytes += '_';
+    append(bytes, static_cast<std::uint16_t>(ring));
+    for (int i = 0; i < 4; ++i) append(bytes, -1.0f);
+  }
+  for (std::size_t k = 0; k < 4; ++k)
+    for (const auto& point : points) append(columns, point[k]);
+  for (int i = 0; i < 2; ++i) append(columns, std::uint32_t{255});
+  columns += "__";
+  for (const auto& point : points) append(columns, static_cast<std::uint16_t>(point[4]));
+  for (int i = 0; i < 8; ++i) append(columns, -1.0f);
+  std::string packed = pcd_header(kIntense, 2, "binary_compressed"), literals;
+  for (std::size_t at = 0; at < columns.size(); at += 32) {
+    const std::string piece = columns.substr(at, 32);
+    literals += static_cast<char>(piece.size() - 1) + piece;
+  }
+  append(packed, static_cast<std::uint32_t>(literals.size()));
+  append(packed, static_cast<std::uint32_t>(columns.size()));
+  const std::string text = "1 2 3 0.5 255 9 8 -1 -1 -1 -1\n4 5 6 7 255 9 9 -1 -1 -1 -1\n";
+  for (const std::string& file : {pcd_header(kIntense, 2, "ascii") + text,
+                                  pcd_header(kIntense, 2, "binary") + bytes, packed + literals}) {
+    const PointCloud cloud = pcd_of(file);
+    EXPECT_THAT(cloud.points, ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(4, 5, 6)));
+    ASSERT_EQ(cloud.attributes.size(), 2u);
+    EXPECT_EQ(cloud.attributes[0].name, "intensity");
+    EXPECT_THAT(cloud.attributes[0].values, ElementsAre(0.5f, 7));
+    EXPECT_EQ(cloud.attributes[1].name, "ring");
+    EXPECT_THAT(cloud.attributes[1].values, ElementsAre(8, 9));
+    ASSERT_EQ(cloud.warnings.size(), 1u);
+    EXPECT_EQ(cloud.warnings[0].code, "left-out-properties");
+    EXPECT_THAT(cloud.warnings[0].message, HasSubstr("`intensity` of the points is left out"));
+  }
+}
+
+TEST(ReadPcd, FurtherFieldsThatAreNoNumbersAreZero) {
+  const std::string fields = "FIELDS x y z i\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n";
+  std::string bytes = pcd_header(fields, 2, "binary");
+  for (const float value : {1.0f, 2.0f, 3.0f, std::nanf(""), 4.0f, 5.0f, 6.0f, 7.0f})
+    append(bytes, value);
+  for (const std::string& file : {pcd_header(fields, 2, "ascii") + "1 2 3 nan\n4 5 6 7\n", bytes}) {
+    const PointCloud cloud = pcd_of(file);
+    ASSERT_EQ(cloud.attributes.size(), 1u);
+    EXPECT_THAT(cloud.attributes[0].values, ElementsAre(0, 7));
+    ASSERT_EQ(cloud.warnings.size(), 1u);
+    EXPECT_EQ(cloud.warnings[0].code, "missing-properties");
+    EXPECT_THAT(cloud.warnings[0].message, HasSubstr("point 0: i is nan"));
+  }
 }
 
 // The same two points by literals of LZF: fields one after another.

@@ -44,6 +44,14 @@ TEST(ReadPtx, PlacesEachScanByItsMatrix) {
                           glm::vec4(1, 1, 1, 1), glm::vec4(0, 0, 0, 1)));
 }
 
+TEST(ReadPtx, IntensityComesAlongWhereAllPointsHaveIt) {
+  const PointCloud cloud = ptx_of(kPtx);
+  ASSERT_EQ(cloud.attributes.size(), 1u);
+  EXPECT_EQ(cloud.attributes[0].name, "intensity");
+  EXPECT_THAT(cloud.attributes[0].values, ElementsAre(0.5f, 0.25f, 1, 0, 0));
+  EXPECT_TRUE(ptx_of(ptx_with(kPtx, "4 5 6 0.25 0 255 0", "4 5 6")).attributes.empty());
+}
+
 TEST(ReadPtx, ColoursOfSomePointsAreNone) {
   const PointCloud cloud = ptx_of(ptx_with(kPtx, "4 5 6 0.25 0 255 0", "4 5 6 0.25"));
   EXPECT_EQ(cloud.points.size(), 5u);

@@ -76,11 +76,19 @@ TEST(TurnByNormals, CloudsGiveTheirMeshNormalsAndColours) {
     cloud.normals.assign(mesh.positions.size(), {0, 0, sign});
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
       cloud.colors.emplace_back(0.01f * static_cast<float>(i), 0.5f, 0.25f, 1.0f);
+    cloud.attributes.push_back(attribute_of_size("intensity", 2, mesh.positions.size()));
+    for (std::size_t i = 0; i < cloud.attributes[0].values.size(); ++i)
+      cloud.attributes[0].values[i] = static_cast<float>(i);
     const Reconstruction result = reconstruct(cloud, mesher, {.tolerance = 1e-3});
     ASSERT_EQ(result.mesh.colors.size(), result.mesh.positions.size());
     for (std::size_t v = 0; v < result.mesh.colors.size(); ++v)
       EXPECT_EQ(result.mesh.colors[v],
                 cloud.colors[static_cast<std::size_t>(result.vertex_points[v])]);
+    ASSERT_EQ(result.mesh.attributes.size(), 1u);
+    ASSERT_EQ(result.mesh.attributes[0].count(), result.mesh.positions.size());
+    for (std::size_t v = 0; v < result.mesh.positions.size(); ++v)
+      EXPECT_EQ(result.mesh.attributes[0].values[2 * v + 1],
+                2 * static_cast<float>(result.vertex_points[v]) + 1);
     for (std::int32_t f = 0; f < result.mesh.face_count(); ++f) {
       const auto face = result.mesh.face(f);
       EXPECT_GT(sign * facing(result.mesh.positions, {face[0], face[1], face[2]}), 0);

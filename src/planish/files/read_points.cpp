@@ -24,6 +24,7 @@ PointCloud points_of(const MeshFile& file, std::string_view name) {
   PointCloud cloud = cloud_of(file.mesh.positions, name);
   cloud.normals = file.normals;
   cloud.colors = file.mesh.colors;
+  cloud.attributes = file.mesh.attributes;
   return cloud;
 }
 

@@ -13,7 +13,7 @@ namespace planish {
 
 /// Reads points from memory; `name` stands in messages. Positions are finite and at most
 /// kMaxCoordinate in what is returned; colours and normals come along from glTF, OBJ, PLY and PCD,
-/// colours from LAS and PTX.
+/// colours and intensity from LAS and PTX, further numbers of points from PLY and PCD.
 /// Of formats that hold meshes too, these are the vertices, of glTF those of its primitives
 /// of points where it has no triangles. Throws Error{UnreadableInput}: `name:line: what, value` or
 /// `name: point 12 of 345: ...`; Error{InvalidArgument} for a format without points.
@@ -25,8 +25,8 @@ namespace planish {
 [[nodiscard]] PointCloud read_points(const FileBytes& file, FileFormat format,
                                      const Callbacks& callbacks = {});
 
-/// The vertices of a file, with its colours, and its normals where it has no faces. Throws
-/// Error{UnreadableInput} as cloud_of().
+/// The vertices of a file, with its colours and attributes, and its normals where it has no faces.
+/// Throws Error{UnreadableInput} as cloud_of().
 [[nodiscard]] PointCloud points_of(const MeshFile& file, std::string_view name);
 
 /// Reads a file by its extension. Throws as above.

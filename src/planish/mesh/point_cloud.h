@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planish/core/callbacks.h"
+#include "planish/mesh/vertex_attribute.h"
 
 namespace planish {
 
@@ -17,7 +18,8 @@ struct PointCloud {
   std::vector<glm::dvec3> points;
   /// Of any length, 0 or not finite for none; empty, or one per point.
   std::vector<glm::vec3> normals;
-  std::vector<glm::vec4> colors;  ///< linear RGBA, 0 to 1; empty, or one per point
+  std::vector<glm::vec4> colors;            ///< linear RGBA, 0 to 1; empty, or one per point
+  std::vector<VertexAttribute> attributes;  ///< further numbers of each point, as intensity
   /// 0 on an axis where the cloud is not far from 0, see recentre().
   glm::dvec3 origin{0.0};
   /// Points of the file that are not finite, as depth cameras write where they saw nothing.

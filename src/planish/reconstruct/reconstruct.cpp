@@ -331,6 +331,7 @@ void finish_mesh(MeshedCloud meshed, Work& work) {
   result.vertex_points = chosen(meshed.points, used.vertices);
   if (!work.cloud.colors.empty())
     result.mesh.colors = chosen(work.cloud.colors, result.vertex_points);
+  result.mesh.attributes = attributes_of(work.cloud.attributes, result.vertex_points);
   require_usable(result.mesh, "reconstructed mesh");
   result.statistics = statistics(result.mesh);
   result.timing.measure = work.watch.lap();

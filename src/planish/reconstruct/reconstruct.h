@@ -49,7 +49,8 @@ struct ReconstructTiming {
 
 /// A polygon mesh near every point of a cloud. Lengths are those of the cloud.
 struct Reconstruction {
-  /// All vertices are used; places are those of the file, see PointCloud, and so are colours.
+  /// All vertices are used; places are those of the file, see PointCloud, and so are colours
+  /// and attributes.
   PolygonMesh mesh;
   /// The point at each vertex, an index into PointCloud::points; without smoothing both are equal
   /// to the last bit.

@@ -109,6 +109,19 @@ std::string scan_text(const ScanContents& scan) {
          line("classes", named_counts_text(scan.classes));
 }
 
+std::vector<std::string> names_of_attributes(std::span<const VertexAttribute> attributes) {
+  std::vector<std::string> names;
+  for (const VertexAttribute& attribute : attributes) names.push_back(attribute.name);
+  return names;
+}
+
+std::string attributes_line(std::span<const VertexAttribute> attributes) {
+  std::string names;
+  for (const std::string& name : names_of_attributes(attributes))
+    names += (names.empty() ? "" : ", ") + name;
+  return names.empty() ? names : inspection_line("attributes", names);
+}
+
 std::string points_text(const Inspection& inspection) {
   const PointCloud& cloud = inspection.points->cloud;
   std::string text = inspection_line("points", with_separators(point_count(inspection)));
@@ -117,6 +130,7 @@ std::string points_text(const Inspection& inspection) {
   if (inspection.scan) text += scan_text(*inspection.scan);
   text += line_if_any("normals", std::ssize(cloud.normals));
   text += line_if_any("colours", std::ssize(cloud.colors));
+  text += attributes_line(cloud.attributes);
   text += box_line(inspection);
   text += inspection_line("diagonal", short_number(inspection.diagonal));
   text += inspection_line("spacing", short_number(inspection.spacing));
@@ -202,6 +216,7 @@ std::string mesh_text(const Inspection& inspection) {
   text += line_if_any("hole faces", count(file.mesh.hole_faces));
   text += line_if_any("texture points", count(file.mesh.uvs));
   text += line_if_any("colours", count(file.mesh.colors));
+  text += attributes_line(file.mesh.attributes);
   text += line_if_any("groups", count(file.mesh.groups));
   text += line_if_any("materials", count(materials_of(file.mesh.groups)));
   text += line_if_any("welded vertices", file.welded_vertex_count);
@@ -222,6 +237,7 @@ void add_mesh(const Inspection& inspection, nlohmann::ordered_json& json) {
   json["hole_faces"] = file.mesh.hole_faces.size();
   json["texture_points"] = file.mesh.uvs.size();
   json["colors"] = file.mesh.colors.size();
+  json["attributes"] = names_of_attributes(file.mesh.attributes);
   json["groups"] = file.mesh.groups.size();
   json["materials"] = materials_of(file.mesh.groups);
   json["welded"] = file.welded_vertex_count;
@@ -271,6 +287,7 @@ void add_points(const Inspection& inspection, nlohmann::ordered_json& json) {
   json["missing"] = inspection.points->cloud.missing_count;
   json["normals"] = inspection.points->cloud.normals.size();
   json["colors"] = inspection.points->cloud.colors.size();
+  json["attributes"] = names_of_attributes(inspection.points->cloud.attributes);
   json["diagonal"] = inspection.diagonal;
   json["spacing"] = inspection.spacing;
   if (!inspection.scan) return;

@@ -231,6 +231,8 @@ std::uint16_t LasRecord::source() const {
   return load<std::uint16_t>(bytes_.subspan(header_.has_wide_records() ? 20 : 18));
 }
 
+std::uint16_t LasRecord::intensity() const { return load<std::uint16_t>(bytes_.subspan(12)); }
+
 std::uint16_t LasRecord::color(int channel) const {
   return load<std::uint16_t>(
       bytes_.subspan(header_.color_begin + 2 * static_cast<std::size_t>(channel)));

@@ -48,6 +48,8 @@ class LasRecord {
   /// Withheld, or classified as noise.
   [[nodiscard]] bool is_left_out() const;
   [[nodiscard]] std::uint16_t source() const;
+  /// Of the returned pulse, in the scanner's own measure; 0 where it is not known.
+  [[nodiscard]] std::uint16_t intensity() const;
   /// 0 red, 1 green, 2 blue, as the file has them; for formats with colours.
   [[nodiscard]] std::uint16_t color(int channel) const;
 

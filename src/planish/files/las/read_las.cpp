@@ -55,6 +55,7 @@ std::string class_name(int number) {
 struct PieceSurvey {
   std::int64_t kept = 0;
   std::uint16_t brightest = 0;  // of all channels
+  bool has_intensity = false;
 };
 
 class LasReader {
@@ -70,12 +71,16 @@ class LasReader {
     look_at_pieces();
     std::vector<std::int64_t> first(pieces_.size() + 1, 0);
     std::uint16_t brightest = 0;
+    bool has_intensity = false;
     for (std::size_t p = 0; p < pieces_.size(); ++p) {
       first[p + 1] = first[p] + pieces_[p].kept;
       brightest = std::max(brightest, pieces_[p].brightest);
+      has_intensity |= pieces_[p].has_intensity;
     }
     cloud_.points.resize(static_cast<std::size_t>(first.back()));
     if (brightest > 0) cloud_.colors.resize(cloud_.points.size());
+    if (has_intensity)
+      cloud_.attributes.push_back(attribute_of_size("intensity", 1, cloud_.points.size()));
     const double white = brightest > 255 ? 65535 : 255;
     for_pieces([&](std::size_t piece, std::size_t begin, std::size_t end) {
       auto to = static_cast<std::size_t>(first[piece]);
@@ -84,6 +89,7 @@ class LasReader {
         if (record.is_left_out()) continue;
         cloud_.points[to] = record.position();
         if (brightest > 0) cloud_.colors[to] = color_of(record, white);
+        if (has_intensity) cloud_.attributes[0].values[to] = record.intensity();
         ++to;
       }
     });
@@ -112,6 +118,7 @@ class LasReader {
         const LasRecord record = las_record(header_, file_.bytes, i);
         if (record.is_left_out()) continue;
         ++survey.kept;
+        survey.has_intensity |= record.intensity() > 0;
         if (header_.color_begin == 0) continue;
         for (int channel = 0; channel < 3; ++channel)
           survey.brightest = std::max(survey.brightest, record.color(channel));

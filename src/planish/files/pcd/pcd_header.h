@@ -9,8 +9,11 @@
 #include <vector>
 
 #include "planish/files/shared/bytes.h"
+#include "planish/files/shared/property_names.h"
 
 namespace planish {
+
+inline constexpr std::size_t kPcdNormal = 3, kPcdColor = 6;  ///< slots of PcdHeader::places
 
 /// A field of the points of a file.
 struct PcdField {
@@ -28,6 +31,7 @@ struct PcdHeader {
   PcdData data = PcdData::Text;
   // Indices of the fields x, y, z, normal_x, normal_y, normal_z and rgb or rgba.
   std::array<std::size_t, 7> places{};
+  std::vector<std::size_t> further;  // of fields that become attributes
 
   [[nodiscard]] bool has(std::size_t slot) const { return places[slot] < fields.size(); }
 
@@ -40,11 +44,28 @@ struct PcdHeader {
   [[nodiscard]] std::array<std::size_t, 7> offsets() const {
     std::array<std::size_t, 7> bytes{};
     for (std::size_t slot = 0; slot < places.size(); ++slot)
-      for (std::size_t i = 0; i < std::min(places[slot], fields.size()); ++i)
-        bytes[slot] += static_cast<std::size_t>(fields[i].size * fields[i].count);
+      bytes[slot] = bytes_before(places[slot]);
+    return bytes;
+  }
+  [[nodiscard]] std::size_t bytes_before(std::size_t field) const {
+    std::size_t bytes = 0;
+    for (std::size_t i = 0; i < std::min(field, fields.size()); ++i)
+      bytes += static_cast<std::size_t>(fields[i].size * fields[i].count);
+    return bytes;
+  }
+  // The same for further ones.
+  [[nodiscard]] std::vector<std::size_t> further_offsets() const {
+    std::vector<std::size_t> bytes;
+    for (const std::size_t field : further) bytes.push_back(bytes_before(field));
     return bytes;
   }
 };
+
+/// Sets the places of normals and colours, which are read where they are what the library writes.
+void find_pcd_attributes(PcdHeader& header);
+
+/// Any further field of one number becomes an attribute; '_' names what fills records up.
+void find_further_fields(PcdHeader& header, PropertyNames& names);
 
 /// A value of a binary file at the beginning of `bytes`.
 [[nodiscard]] inline double load_pcd_value(std::span<const std::byte> bytes,

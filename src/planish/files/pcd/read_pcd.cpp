@@ -16,8 +16,10 @@
 #include "planish/core/stop.h"
 #include "planish/files/pcd/lzf.h"
 #include "planish/files/pcd/pcd_header.h"
+#include "planish/files/pcd/pcd_record.h"
 #include "planish/files/shared/bytes.h"
 #include "planish/files/shared/line_records.h"
+#include "planish/files/shared/property_names.h"
 #include "planish/files/shared/read_progress.h"
 #include "planish/files/shared/srgb.h"
 #include "planish/mesh/check.h"
@@ -30,29 +32,6 @@ constexpr std::int64_t kMaxPoints = std::numeric_limits<std::int32_t>::max();
 constexpr std::int64_t kMaxFieldCount = 1 << 20;
 // Times kMaxPoints it stays within 64 bits.
 constexpr std::int64_t kMaxRecordBytes = 1 << 30;
-
-constexpr std::size_t kNormal = 3, kColor = 6;  // slots of PcdHeader::places
-
-// What a point has, by slot.
-struct Record {
-  std::array<double, kColor> numbers{};
-  std::uint32_t color = 0xffffffff;  // alpha, red, green, blue from the highest byte
-};
-
-// Colours are packed in 32 bits, which the library also calls a float.
-std::uint32_t color_bits(double value, const PcdField& field) {
-  if (field.type == 'F') return std::bit_cast<std::uint32_t>(static_cast<float>(value));
-  return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
-}
-
-void store(Record& record, std::size_t slot, std::span<const std::byte> bytes,
-           const PcdField& field) {
-  if (slot == kColor) {
-    record.color = load<std::uint32_t>(bytes);
-  } else {
-    record.numbers[slot] = load_pcd_value(bytes, field);
-  }
-}
 
 class PcdReader {
  public:
@@ -75,8 +54,12 @@ class PcdReader {
         read_compressed();
         break;
     }
-    unknown_.warn(cloud_.warnings, "unknown-keyword", name_, "such lines are passed over");
-    return std::move(cloud_);
+    PointCloud& cloud = read_.cloud;
+    unknown_.warn(cloud.warnings, "unknown-keyword", name_, "such lines are passed over");
+    properties_.warn(cloud.warnings, name_, "points");
+    read_.no_number.warn(cloud.warnings, "missing-properties", name_,
+                         "such properties are 0 there");
+    return std::move(cloud);
   }
 
  private:
@@ -87,15 +70,17 @@ class PcdReader {
   void for_each_field(Words words, std::string_view keyword, const Set& set);
   std::int64_t read_count(std::string_view keyword, std::string_view word, std::int64_t most);
   void check_header();
-  void find_attributes();
-  void set_word(Record& record, std::size_t slot, std::string_view word, const TextLines& line,
+  void set_word(PcdRecord& record, std::size_t slot, std::string_view word, const TextLines& line,
                 std::int64_t index) const;
-  Record record_of(const TextLines& line, std::int64_t index) const;
+  PcdRecord record_of(const TextLines& line, std::int64_t index) const;
   void read_text();
   void read_binary();
   void read_compressed();
-  void add(const Record& record, std::int64_t index, PointCloud& cloud) const;
-  void add_next(const Record& record, std::int64_t index);
+  [[nodiscard]] PcdPart empty_part() const;
+  void add(const PcdRecord& record, std::int64_t index, PcdPart& part, const TextLines* line) const;
+  void add_further(const PcdRecord& record, std::int64_t index, PcdPart& part,
+                   const TextLines* line) const;
+  void add_next(const PcdRecord& record, std::int64_t index);
   [[noreturn]] void fail(const std::string& what, std::int64_t element = -1) const {
     throw Error(ErrorCode::UnreadableInput, name_ + ": " + what, element);
   }
@@ -106,7 +91,8 @@ class PcdReader {
   std::size_t part_bytes_;
   LineNote unknown_;
   PcdHeader header_;
-  PointCloud cloud_;
+  PropertyNames properties_;  // of the header's further fields
+  PcdPart read_;
 };
 
 std::int64_t PcdReader::read_count(std::string_view keyword, std::string_view word,
@@ -204,7 +190,9 @@ void PcdReader::check_header() {
       lines_.fail("SIZE of " + quote(kAxes[axis]) + " is no 4 or 8, as type F needs");
     header_.places[axis] = static_cast<std::size_t>(found - header_.fields.begin());
   }
-  find_attributes();
+  find_pcd_attributes(header_);
+  find_further_fields(header_, properties_);
+  read_ = empty_part();
   if (header_.record_bytes() > kMaxRecordBytes) lines_.fail("a point has more than 2^30 bytes");
   if (header_.width < 0 && header_.points < 0) lines_.fail("neither WIDTH nor POINTS is given");
   // Both factors are below 2^31.
@@ -215,25 +203,37 @@ void PcdReader::check_header() {
                 std::to_string(product));
 }
 
-// Normals and colours are read where they are what the library writes.
-void PcdReader::find_attributes() {
-  constexpr std::array<std::string_view, 3> kNormals = {"normal_x", "normal_y", "normal_z"};
-  const std::size_t none = header_.fields.size();
-  const auto place_of = [&](std::string_view name, bool is_number) {
-    const auto found = std::ranges::find(header_.fields, name, &PcdField::name);
-    const bool fits = found != header_.fields.end() && found->count == 1 &&
-                      (is_number ? found->type == 'F' && found->size >= 4 : found->size == 4);
-    return fits ? static_cast<std::size_t>(found - header_.fields.begin()) : none;
-  };
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    header_.places[kNormal + axis] = place_of(kNormals[axis], true);
-  if (!header_.has(3) || !header_.has(4) || !header_.has(5))
-    std::fill_n(header_.places.begin() + kNormal, 3, none);
-  const std::size_t opaque = place_of("rgb", false);
-  header_.places[kColor] = opaque < none ? opaque : place_of("rgba", false);
+PcdPart PcdReader::empty_part() const {
+  PcdPart part;
+  for (const std::string& name : properties_.names())
+    part.cloud.attributes.push_back(attribute_of_size(name, 1, 0));
+  return part;
 }
 
-void PcdReader::add(const Record& record, std::int64_t index, PointCloud& cloud) const {
+void PcdReader::add_further(const PcdRecord& record, std::int64_t index, PcdPart& part,
+                            const TextLines* line) const {
+  bool is_noted = false;
+  for (std::size_t k = 0; k < header_.further.size(); ++k) {
+    float value = record.further[k];
+    if (!std::isfinite(value)) {
+      const std::string what = "point " + std::to_string(index) + ": " +
+                               header_.fields[header_.further[k]].name + " is " + shortest(value);
+      if (line != nullptr && !is_noted) line->note(part.no_number, what, index);
+      if (line == nullptr && !is_noted) {
+        if (file_.is_strict) fail(what, index);
+        part.no_number.add(0, what, index);
+      }
+      is_noted = true;
+      value = 0;
+    }
+    part.cloud.attributes[k].values.push_back(value);
+  }
+}
+
+// `line`: of text.
+void PcdReader::add(const PcdRecord& record, std::int64_t index, PcdPart& part,
+                    const TextLines* line) const {
+  PointCloud& cloud = part.cloud;
   const glm::dvec3 point(record.numbers[0], record.numbers[1], record.numbers[2]);
   for (int axis = 0; axis < 3; ++axis) {
     if (std::isnan(point[axis])) {
@@ -246,34 +246,35 @@ void PcdReader::add(const Record& record, std::int64_t index, PointCloud& cloud)
            index);
   }
   cloud.points.push_back(point);
-  if (header_.has(kNormal))
+  add_further(record, index, part, line);
+  if (header_.has(kPcdNormal))
     cloud.normals.emplace_back(record.numbers[3], record.numbers[4], record.numbers[5]);
-  if (!header_.has(kColor)) return;
+  if (!header_.has(kPcdColor)) return;
   const auto share = [&](int shift) { return (record.color >> shift & 0xff) / 255.0; };
-  const bool is_opaque = header_.fields[header_.places[kColor]].name == "rgb";
+  const bool is_opaque = header_.fields[header_.places[kPcdColor]].name == "rgb";
   cloud.colors.push_back(
       linear_of_srgb(glm::dvec4(share(16), share(8), share(0), is_opaque ? 1.0 : share(24))));
 }
 
 // Of points one after another.
-void PcdReader::add_next(const Record& record, std::int64_t index) {
+void PcdReader::add_next(const PcdRecord& record, std::int64_t index) {
   constexpr std::size_t kPiece = 4096;
-  add(record, index, cloud_);
+  add(record, index, read_, nullptr);
   if (static_cast<std::size_t>(index + 1) % kPiece != 0) return;
   check_stop();
   count_read(file_.progress,
              file_.bytes.size() * kPiece / static_cast<std::size_t>(header_.points));
 }
 
-void PcdReader::set_word(Record& record, std::size_t slot, std::string_view word,
+void PcdReader::set_word(PcdRecord& record, std::size_t slot, std::string_view word,
                          const TextLines& line, std::int64_t index) const {
   double value = 0;
   if (!parse_number(word, value)) {
-    if (slot < kNormal && !is_nan_word(word))
+    if (slot < kPcdNormal && !is_nan_word(word))
       line.fail("coordinate " + no_finite_number(word), index);
     value = std::numeric_limits<double>::quiet_NaN();
   }
-  if (slot < kColor) {
+  if (slot < kPcdColor) {
     record.numbers[slot] = value;
   } else if (std::abs(value) < 0x1p63) {  // not for a NaN
     record.color = color_bits(value, header_.fields[header_.places[slot]]);
@@ -289,28 +290,19 @@ void PcdReader::read_text() {
   TextLines lines(body);
   lines.count_from(lines_.number());
   const LineRecords records(body, lines, part_bytes_);
-  std::vector<PointCloud> clouds(records.part_count());
+  std::vector<PcdPart> parts(records.part_count(), empty_part());
   records.for_parts(0, header_.points, "point",
                     [&](std::size_t part, TextLines& line, std::int64_t begin, std::int64_t end) {
                       for (std::int64_t i = begin; i < end && line.next_with_words(); ++i)
-                        add(record_of(line, i), i, clouds[part]);
+                        add(record_of(line, i), i, parts[part], &line);
                     });
-  const auto append = [](auto& to, const auto& values) {
-    to.insert(to.end(), values.begin(), values.end());
-  };
-  for (PointCloud& cloud : clouds) {
-    append(cloud_.points, cloud.points);
-    append(cloud_.normals, cloud.normals);
-    append(cloud_.colors, cloud.colors);
-    cloud_.missing_count += cloud.missing_count;
-    cloud = {};
-  }
+  for (PcdPart& part : parts) read_.append(part);
 }
 
 // What a line of text says.
-Record PcdReader::record_of(const TextLines& line, std::int64_t index) const {
+PcdRecord PcdReader::record_of(const TextLines& line, std::int64_t index) const {
   Words words(line.line());
-  Record record;
+  PcdRecord record;
   for (std::size_t f = 0; f < header_.fields.size(); ++f) {
     std::string_view word;
     for (std::int64_t i = 0; i < header_.fields[f].count; ++i) {
@@ -318,8 +310,14 @@ Record PcdReader::record_of(const TextLines& line, std::int64_t index) const {
       if (word.empty()) line.fail("point " + std::to_string(index) + " has too few values");
     }
     const auto slot = std::ranges::find(header_.places, f) - header_.places.begin();
-    if (slot <= static_cast<std::ptrdiff_t>(kColor))
+    if (slot <= static_cast<std::ptrdiff_t>(kPcdColor))
       set_word(record, static_cast<std::size_t>(slot), word, line, index);
+    const auto further = std::ranges::find(header_.further, f) - header_.further.begin();
+    if (further == std::ssize(header_.further)) continue;
+    double value = 0;
+    record.further[static_cast<std::size_t>(further)] =
+        parse_number(word, value) ? static_cast<float>(value)
+                                  : std::numeric_limits<float>::quiet_NaN();
   }
   return record;
 }
@@ -331,14 +329,18 @@ void PcdReader::read_binary() {
     fail("POINTS promises " + std::to_string(header_.points) + " points of " +
          std::to_string(stride) + " bytes, but only " + std::to_string(body.size()) +
          " bytes follow");
-  cloud_.points.reserve(header_.points);
-  const std::array<std::size_t, kColor + 1> offsets = header_.offsets();
+  read_.cloud.points.reserve(header_.points);
+  const std::array<std::size_t, kPcdColor + 1> offsets = header_.offsets();
+  const std::vector<std::size_t> further = header_.further_offsets();
   for (std::int64_t index = 0; index < header_.points; ++index) {
     const auto record = body.subspan(index * stride, stride);
-    Record found;
-    for (std::size_t slot = 0; slot <= kColor; ++slot)
+    PcdRecord found;
+    for (std::size_t slot = 0; slot <= kPcdColor; ++slot)
       if (header_.has(slot))
         store(found, slot, record.subspan(offsets[slot]), header_.fields[header_.places[slot]]);
+    for (std::size_t k = 0; k < further.size(); ++k)
+      found.further[k] = static_cast<float>(
+          load_pcd_value(record.subspan(further[k]), header_.fields[header_.further[k]]));
     add_next(found, index);
   }
 }
@@ -360,15 +362,21 @@ void PcdReader::read_compressed() {
   const std::vector<std::byte> data = expand_lzf(body.subspan(kSizes, packed), expanded);
   if (data.size() != expanded) fail("the compressed data is damaged");
   // Unlike the other kinds, all values of a field stand together.
-  cloud_.points.reserve(count);
-  const std::array<std::size_t, kColor + 1> offsets = header_.offsets();
+  read_.cloud.points.reserve(count);
+  const std::array<std::size_t, kPcdColor + 1> offsets = header_.offsets();
+  const std::vector<std::size_t> further = header_.further_offsets();
   for (std::size_t index = 0; index < count; ++index) {
-    Record record;
-    for (std::size_t slot = 0; slot <= kColor; ++slot) {
+    PcdRecord record;
+    for (std::size_t slot = 0; slot <= kPcdColor; ++slot) {
       if (!header_.has(slot)) continue;
       const PcdField& field = header_.fields[header_.places[slot]];
       store(record, slot, std::span(data).subspan(offsets[slot] * count + index * field.size),
             field);
+    }
+    for (std::size_t k = 0; k < further.size(); ++k) {
+      const PcdField& field = header_.fields[header_.further[k]];
+      record.further[k] = static_cast<float>(
+          load_pcd_value(std::span(data).subspan(further[k] * count + index * field.size), field));
     }
     add_next(record, static_cast<std::int64_t>(index));
   }

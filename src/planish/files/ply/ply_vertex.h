@@ -29,7 +29,7 @@ struct PlyNotes {
 
 /// What a vertex has, by the slots of PlyVertexLayout.
 struct PlyVertex {
-  std::array<double, kPlyFirstProperty + kMaxPlyProperties> values;  // properties: if there
+  std::array<double, kPlyFirstProperty + kMaxProperties> values;  // properties: if there
 
   [[nodiscard]] glm::dvec3 position() const { return {values[0], values[1], values[2]}; }
   [[nodiscard]] glm::dvec2 uv() const { return {values[3], values[4]}; }  ///< NaN: none

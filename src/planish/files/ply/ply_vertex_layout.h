@@ -1,16 +1,15 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <string>
 #include <vector>
 
 #include "planish/files/ply/ply_header.h"
+#include "planish/files/shared/property_names.h"
 
 namespace planish {
 
-/// The slot of the first further property of a vertex, and how many are read.
-inline constexpr std::size_t kPlyFirstProperty = 12, kMaxPlyProperties = 32;
+/// The slot of the first further property of a vertex.
+inline constexpr std::size_t kPlyFirstProperty = 12;
 
 /// Where each property of a vertex goes.
 struct PlyVertexLayout {
@@ -18,18 +17,14 @@ struct PlyVertexLayout {
   /// to 11 the normal, from 12 on further properties; -1 for what is passed over.
   std::vector<int> slots;
   bool has_uvs = false, has_colors = false, has_normals = false;
-  char missing_axis = 0;                ///< a coordinate that the element lacks, as x
-  std::vector<std::string> properties;  ///< names of the further ones, as VertexAttribute has them
-  std::int64_t left_out_count = 0;      ///< of further ones that have no slot
-  std::string left_out;                 ///< the first of them
+  char missing_axis = 0;     ///< a coordinate that the element lacks, as x
+  PropertyNames properties;  ///< further ones
 };
 
 [[nodiscard]] PlyVertexLayout ply_vertex_layout(const PlyElement& element);
 
 /// Gives slots to further properties, numbers of any name that the format's convention does not
-/// know: other characters of a name than letters, digits and '_' become '_'. Those behind the
-/// first kMaxPlyProperties are left out, of equal names all but the first, whatever their case,
-/// and names that files of surfaces use themselves.
+/// know: see PropertyNames.
 void add_ply_properties(const PlyElement& element, PlyVertexLayout& layout);
 
 /// The list of a face's vertices, null if it has none.

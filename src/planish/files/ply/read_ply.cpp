@@ -139,7 +139,7 @@ PlyVertexLayout PlyReader<Body>::layout_of(const PlyElement& element) const {
     std::ranges::replace_if(
         layout.slots, [](int slot) { return slot > 8; }, -1);
   }
-  if (has_faces && reading_.wants_properties) add_ply_properties(element, layout);
+  if (reading_.wants_properties) add_ply_properties(element, layout);
   if (layout.missing_axis != 0)
     body_.fail("element `vertex` has no property " + quote({&layout.missing_axis, 1}), -1);
   return layout;
@@ -152,19 +152,9 @@ void PlyReader<Body>::make_room(const PlyVertexLayout& layout, std::int64_t coun
   file_.mesh.uvs.resize(layout.has_uvs ? vertices : 0);
   file_.mesh.colors.resize(layout.has_colors ? vertices : 0);
   file_.normals.resize(layout.has_normals ? vertices : 0);
-  for (const std::string& name : layout.properties)
+  for (const std::string& name : layout.properties.names())
     file_.mesh.attributes.push_back(attribute_of_size(name, 1, vertices));
-  if (layout.left_out_count == 0) return;
-  file_.warnings.push_back(
-      {.code = "left-out-properties",
-       .message = std::string(name_) + ": property " + quote(layout.left_out) +
-                  " of the vertices is left out" +
-                  (layout.left_out_count > 1
-                       ? ", and " + std::to_string(layout.left_out_count - 1) + " more"
-                       : "") +
-                  "; " + std::to_string(kMaxPlyProperties) +
-                  " are read, of names of their own, whatever their case",
-       .count = layout.left_out_count});
+  layout.properties.warn(file_.warnings, name_, "vertices");
 }
 
 template <class Body>
@@ -190,7 +180,7 @@ void PlyReader<Body>::read_vertex(Cursor& cursor, const PlyElement& element,
   if (layout.has_uvs) mesh.uvs[vertex] = found.uv();
   if (layout.has_normals) file_.normals[vertex] = found.normal();
   if (layout.has_colors) mesh.colors[vertex] = found.color();
-  for (std::size_t k = 0; k < layout.properties.size(); ++k)
+  for (std::size_t k = 0; k < layout.properties.names().size(); ++k)
     mesh.attributes[k].values[vertex] = found.property(k);
 }
 

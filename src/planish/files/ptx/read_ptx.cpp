@@ -113,7 +113,8 @@ class PtxReader {
       : lines_(file), records_(file, lines_, part_bytes) {}
 
   PointCloud read() {
-    bool all_colored = true;
+    bool all_colored = true, all_intense = true;
+    cloud_.attributes.push_back(attribute_of_size("intensity", 1, 0));
     for (const PtxScan& scan : read_heads(records_)) {
       std::vector<Part> parts(records_.part_count());
       records_.for_parts(
@@ -122,16 +123,18 @@ class PtxReader {
             for (std::int64_t i = begin; i < end && lines.next_with_words(); ++i)
               read_point(lines, scan, i - scan.first_record, parts[part]);
           });
-      for (Part& part : parts) append(part, all_colored);
+      for (Part& part : parts) append(part, all_colored, all_intense);
     }
     if (!all_colored) cloud_.colors = {};
+    if (!all_intense || cloud_.points.empty()) cloud_.attributes = {};
     return std::move(cloud_);
   }
 
  private:
   struct Part {
     PointCloud cloud;
-    bool is_colored = true;
+    std::vector<float> intensity;
+    bool is_colored = true, is_intense = true;
   };
 
   static void read_point(const TextLines& lines, const PtxScan& scan, std::int64_t index,
@@ -167,13 +170,15 @@ class PtxReader {
       if (!(std::abs(place[axis]) <= kMaxCoordinate))
         lines.fail("the scan's matrix moves the point beyond 1e150", index);
     part.cloud.points.push_back(place);
+    part.is_intense = part.is_intense && count > kPlace;
+    if (part.is_intense) part.intensity.push_back(static_cast<float>(numbers[kPlace]));
     part.is_colored = part.is_colored && count == kColored;
     if (part.is_colored)
       part.cloud.colors.push_back(
           linear_of_srgb(glm::dvec4(numbers[4] / 255, numbers[5] / 255, numbers[6] / 255, 1.0)));
   }
 
-  void append(Part& part, bool& all_colored) {
+  void append(Part& part, bool& all_colored, bool& all_intense) {
     const auto join = [](auto& to, const auto& values) {
       to.insert(to.end(), values.begin(), values.end());
     };
@@ -181,6 +186,8 @@ class PtxReader {
     cloud_.missing_count += part.cloud.missing_count;
     all_colored = all_colored && part.is_colored;
     if (all_colored) join(cloud_.colors, part.cloud.colors);
+    all_intense = all_intense && part.is_intense;
+    if (all_intense) join(cloud_.attributes[0].values, part.intensity);
     part = {};
   }
 

@@ -1,0 +1,52 @@
+#include "planish/files/shared/property_names.h"
+
+#include <utility>
+
+#include "planish/files/shared/identifier.h"
+#include "planish/files/shared/text_lines.h"
+
+namespace planish {
+namespace {
+
+constexpr std::size_t kMostNameBytes = 64;
+// Names of USD, which knows the others apart by their case.
+constexpr std::array<std::string_view, 3> kTakenNames = {"st", "displaycolor", "displayopacity"};
+
+std::string lower(std::string name) {
+  for (char& c : name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return name;
+}
+
+}  // namespace
+
+PropertyNames::PropertyNames() : taken_(kTakenNames.begin(), kTakenNames.end()) {
+  for (const KnownProperty& known : kKnownProperties) taken_.emplace(known.name);
+}
+
+bool PropertyNames::add(const std::string& given) {
+  std::string name = identifier_of(given);
+  if (names_.size() < kMaxProperties && name.size() <= kMostNameBytes &&
+      taken_.insert(lower(name)).second) {
+    names_.push_back(std::move(name));
+    return true;
+  }
+  if (left_out_count_++ == 0) left_out_ = given;
+  return false;
+}
+
+void PropertyNames::warn(std::vector<Warning>& warnings, std::string_view file,
+                         std::string_view elements) const {
+  if (left_out_count_ == 0) return;
+  warnings.push_back(
+      {.code = "left-out-properties",
+       .message =
+           std::string(file) + ": property " + quote(left_out_) + " of the " +
+           std::string(elements) + " is left out" +
+           (left_out_count_ > 1 ? ", and " + std::to_string(left_out_count_ - 1) + " more" : "") +
+           "; " + std::to_string(kMaxProperties) +
+           " are read, of names of their own, whatever their case",
+       .count = left_out_count_});
+}
+
+}  // namespace planish
