@@ -342,6 +342,24 @@ TEST(ClosestPoint, ManyAtOnceAreTheSameBitsForEveryThreadCount) {
   }
 }
 
+TEST(ClosestPoint, DistancesAreItsOwn) {
+  const LimitCase c(random_closed_mesh(5));
+  const SurfaceQueries queries(c.limit);
+  std::mt19937 random(15);
+  std::vector<glm::dvec3> points{{1e90, 0, 0}, {0, 1e200, 1e200}};
+  for (int i = 0; i < 500; ++i)
+    points.push_back((0.9 + 0.001 * i) * c.limit.evaluate(c.any_place(random)).position);
+  std::vector<double> distances(points.size());
+  queries.distances(points, distances);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double wanted = queries.closest(points[i]).distance;
+    ASSERT_NEAR(distances[i], wanted, 1e-14 * (1 + wanted)) << i;
+  }
+  EXPECT_THAT(message_of(ErrorCode::InvalidArgument,
+                         [&] { queries.distances(points, std::span(distances).first(3)); }),
+              HasSubstr("room for 3 answers"));
+}
+
 // In units of a small surface such points have no finite coordinates.
 TEST(ClosestPoint, FromTheFarthestPlacesIsThatOfItsDirection) {
   PolygonMesh small = cube();

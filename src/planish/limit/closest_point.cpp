@@ -261,7 +261,7 @@ void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target)
     std::size_t quarter;
   };
   std::array<Start, 4> starts;
-  const glm::dvec3 point = target - pieces.corner().own();
+  const glm::dvec3 point = target - pieces.own();
   for (std::size_t q = 0; q < 4; ++q) starts[q] = {square_distance(pieces.box(q), point), q};
   std::ranges::sort(starts, {}, &Start::square_distance);
   for (const auto& [_, q] : starts) {
@@ -269,16 +269,14 @@ void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target)
     if (const PatchPiece* const piece = pieces.piece(q)) {
       search_piece(*piece, point);
     } else {
-      pieces.visit(
-          q,
-          [&](const glm::dvec3& vertex, const PatchFrame& frame) {
-            const glm::dvec3 off = vertex - point;
-            take(glm::dot(off, off), frame.at(0, 0));
-          },
-          [&](const PatchPiece& inner) {
-            if (is_near(inner.box(), point)) search_piece(inner, point);
-          },
-          [&](const PatchBox& box) { return is_near(box, point); });
+      const glm::dvec3 off = pieces.vertex(q) - point;
+      take(glm::dot(off, off), PatchPieces::vertex_frame(q).at(0, 0));
+      for (std::size_t halving = 0; const PatchRing* const ring = pieces.ring(q, halving);
+           ++halving) {
+        for (std::size_t k = 0; k < ring->pieces.size(); ++k)
+          if (is_near(ring->boxes[k], point)) search_piece(ring->pieces[k], point);
+        if (!is_near(ring->rest, point)) break;
+      }
     }
   }
 }

@@ -107,16 +107,50 @@ void PatchPieces::move_to(std::int32_t corner) {
   }
   for (std::size_t q = 0; q < 4; ++q) {
     const PatchForm& inner = *form.quarters[q];
-    quarter_points(form, static_cast<int>(q), corner_.points(), points_);
     has_piece_[q] = inner.is_polynomial();
     if (has_piece_[q]) {
+      quarter_points(form, static_cast<int>(q), corner_.points(), points_);
       pieces_[q].frame = PatchFrame().quarter(static_cast<int>(q));
       bezier_points(inner, points_, pieces_[q].net);
       boxes_[q] = pieces_[q].box();
     } else {
-      boxes_[q] = box_around(inner, points_);
+      enter(q, inner);
+      boxes_[q] = box_around(inner, inside_[q].points);
     }
   }
+}
+
+void PatchPieces::enter(std::size_t quarter, const PatchForm& form) {
+  Inside& inside = inside_[quarter];
+  inside.rings.clear();
+  inside.form = &form;
+  inside.frame = vertex_frame(quarter);
+  quarter_points(corner_.form(), static_cast<int>(quarter), corner_.points(), inside.points);
+  inside.vertex = glm::dvec3(0.0);
+  for (std::size_t k = 0; k < inside.points.size(); ++k)
+    inside.vertex += form.corner[k] * inside.points[k];
+}
+
+const PatchRing* PatchPieces::ring(std::size_t quarter, std::size_t halving) {
+  Inside& inside = inside_[quarter];
+  if (halving >= static_cast<std::size_t>(corner_.form().quarters[quarter]->halvings))
+    return nullptr;
+  while (inside.rings.size() <= halving) {
+    PatchRing& ring = inside.rings.emplace_back();
+    for (int q = 1; q < 4; ++q) {
+      const auto at = static_cast<std::size_t>(q - 1);
+      quarter_points(*inside.form, q, inside.points, points_);
+      bezier_points(*inside.form->quarters[q], points_, ring.pieces[at].net);
+      ring.pieces[at].frame = inside.frame.quarter(q);
+      ring.boxes[at] = ring.pieces[at].box();
+    }
+    quarter_points(*inside.form, 0, inside.points, points_);
+    std::swap(inside.points, points_);
+    inside.form = inside.form->quarters[0];
+    inside.frame = inside.frame.quarter(0);
+    ring.rest = box_around(*inside.form, inside.points);
+  }
+  return &inside.rings[halving];
 }
 
 }  // namespace planish

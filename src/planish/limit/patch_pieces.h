@@ -4,7 +4,6 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "planish/limit/cell_bound.h"
@@ -41,6 +40,14 @@ struct PatchPiece {
   [[nodiscard]] PatchPiece half(bool upper_u, bool upper_v) const;
 };
 
+/// What a halving of a quarter that is no polynomial leaves: three polynomials, and the rest around
+/// its vertex V.
+struct PatchRing {
+  std::array<PatchPiece, 3> pieces;
+  std::array<PatchBox, 3> boxes;
+  PatchBox rest;
+};
+
 /// The polynomials that a corner's patch consists of, by halves, ready to be asked often. Keeps its
 /// room from corner to corner.
 class PatchPieces {
@@ -49,22 +56,35 @@ class PatchPieces {
       : corner_(surface), reaches_(reaches) {}
 
   void move_to(std::int32_t corner);
-  [[nodiscard]] LimitSurface::Corner& corner() { return corner_; }
+  [[nodiscard]] glm::dvec3 own() const { return corner_.own(); }
   /// Around quarter 0 to 3, relative to the corner's own point.
   [[nodiscard]] const PatchBox& box(std::size_t quarter) const { return boxes_[quarter]; }
   /// Of a quarter; null where it is no polynomial.
   [[nodiscard]] const PatchPiece* piece(std::size_t quarter) const {
     return has_piece_[quarter] ? &pieces_[quarter] : nullptr;
   }
-
-  /// The inside of a quarter that is no polynomial, from its vertex V outwards by ever further
-  /// halvings: calls take(point, frame) with V itself, then for each halving take(piece) for the
-  /// three polynomials that it leaves, and goes on while is_near(box) of what is left around V.
-  template <class TakePoint, class TakePiece, class IsNear>
-  void visit(std::size_t quarter, const TakePoint& take_point, const TakePiece& take_piece,
-             const IsNear& is_near);
+  /// The limit point at V of a quarter that is no polynomial, and where it lies.
+  [[nodiscard]] const glm::dvec3& vertex(std::size_t quarter) const {
+    return inside_[quarter].vertex;
+  }
+  [[nodiscard]] static PatchFrame vertex_frame(std::size_t quarter) {
+    return PatchFrame().quarter(static_cast<int>(quarter));
+  }
+  /// Of such a quarter, outwards in: by halving 0, 1, ...; null after the last. Made when asked
+  /// for.
+  [[nodiscard]] const PatchRing* ring(std::size_t quarter, std::size_t halving);
 
  private:
+  // A quarter that is no polynomial, as far as it was asked for.
+  struct Inside {
+    glm::dvec3 vertex{0.0};
+    std::vector<PatchRing> rings;
+    // What the rings leave.
+    const PatchForm* form = nullptr;
+    PatchFrame frame;
+    std::vector<glm::dvec3> points;
+  };
+  void enter(std::size_t quarter, const PatchForm& form);
   [[nodiscard]] PatchBox box_around(const PatchForm& form,
                                     std::span<const glm::dvec3> points) const;
 
@@ -74,32 +94,8 @@ class PatchPieces {
   std::array<PatchPiece, 4> pieces_{};
   std::array<bool, 4> has_piece_{};
   std::array<PatchBox, 4> boxes_{};
-  std::vector<glm::dvec3> points_, next_;
+  std::array<Inside, 4> inside_;
+  std::vector<glm::dvec3> points_;
 };
-
-template <class TakePoint, class TakePiece, class IsNear>
-void PatchPieces::visit(std::size_t quarter, const TakePoint& take_point,
-                        const TakePiece& take_piece, const IsNear& is_near) {
-  const PatchForm* form = corner_.form().quarters[quarter];
-  PatchFrame frame = PatchFrame().quarter(static_cast<int>(quarter));
-  quarter_points(corner_.form(), static_cast<int>(quarter), corner_.points(), points_);
-  glm::dvec3 vertex(0.0);
-  for (std::size_t k = 0; k < points_.size(); ++k) vertex += form->corner[k] * points_[k];
-  take_point(vertex, frame);
-  PatchPiece piece;
-  for (int depth = 0; depth < form->halvings; ++depth) {
-    for (int q = 1; q < 4; ++q) {
-      quarter_points(*form, q, points_, next_);
-      bezier_points(*form->quarters[q], next_, piece.net);
-      piece.frame = frame.quarter(q);
-      take_piece(piece);
-    }
-    quarter_points(*form, 0, points_, next_);
-    std::swap(points_, next_);
-    form = form->quarters[0];
-    frame = frame.quarter(0);
-    if (!is_near(box_around(*form, points_))) return;
-  }
-}
 
 }  // namespace planish

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <string>
+#include <string_view>
 
 #include "planish/core/error.h"
 #include "planish/core/parallel.h"
@@ -24,10 +25,12 @@ void require_finite(const glm::dvec3& point, std::size_t index) {
   throw Error(ErrorCode::InvalidArgument, "point " + std::to_string(index) + " is not finite");
 }
 
+// From here on the surface is one point, in unit coordinates.
+constexpr double kFarthest = 1e100;
+
 // In unit coordinates. From so far that squares are too large for double, the surface is one point;
 // of a small one the coordinates of such a place are themselves too large.
 glm::dvec3 nearby(const glm::dvec3& point, const Placement& placement) {
-  constexpr double kFarthest = 1e100;
   const glm::dvec3 unit = placement.to_unit(point);
   const double far = safe_length(unit);
   if (far <= kFarthest) return unit;
@@ -35,6 +38,25 @@ glm::dvec3 nearby(const glm::dvec3& point, const Placement& placement) {
   constexpr double kSmall = 0x1p-600;  // the centre does not count from there
   const glm::dvec3 small = point * kSmall;
   return small * (kFarthest / safe_length(small));
+}
+
+void require_room(std::string_view name, std::size_t points, std::size_t answers) {
+  if (points == answers) return;
+  throw Error(ErrorCode::InvalidArgument, std::string(name) + ": there are " +
+                                              std::to_string(points) + " points, and room for " +
+                                              std::to_string(answers) + " answers");
+}
+
+// Calls answer(search, i) for each of the points.
+template <class Answer>
+void ask_each(const CornerTree& tree, std::span<const glm::dvec3> points, const Answer& answer) {
+  parallel_for(points.size(), kQuestionGrain, [&](std::size_t begin, std::size_t end) {
+    NearestSearch search(tree);
+    for (std::size_t i = begin; i < end; ++i) {
+      require_finite(points[i], i);
+      answer(search, i);
+    }
+  });
 }
 
 ClosestPoint closest_point(NearestSearch& search, const LimitSurface& surface,
@@ -99,17 +121,20 @@ ClosestPoint SurfaceQueries::closest(const glm::dvec3& point) const {
 
 void SurfaceQueries::closest(std::span<const glm::dvec3> points,
                              std::span<ClosestPoint> result) const {
-  if (points.size() != result.size()) {
-    throw Error(ErrorCode::InvalidArgument, "closest: there are " + std::to_string(points.size()) +
-                                                " points, and room for " +
-                                                std::to_string(result.size()) + " answers");
-  }
-  parallel_for(points.size(), kQuestionGrain, [&](std::size_t begin, std::size_t end) {
-    NearestSearch search(tree_);
-    for (std::size_t i = begin; i < end; ++i) {
-      require_finite(points[i], i);
-      result[i] = closest_point(search, surface(), points[i]);
-    }
+  require_room("closest", points.size(), result.size());
+  ask_each(tree_, points, [&](NearestSearch& search, std::size_t i) {
+    result[i] = closest_point(search, surface(), points[i]);
+  });
+}
+
+void SurfaceQueries::distances(std::span<const glm::dvec3> points, std::span<double> result) const {
+  require_room("distances", points.size(), result.size());
+  const Placement& placement = surface().surface().placement();
+  ask_each(tree_, points, [&](NearestSearch& search, std::size_t i) {
+    const glm::dvec3 unit = placement.to_unit(points[i]);
+    result[i] = safe_length(unit) <= kFarthest
+                    ? placement.diagonal * std::sqrt(search.run(unit).square_distance)
+                    : closest_point(search, surface(), points[i]).distance;
   });
 }
 

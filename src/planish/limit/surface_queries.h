@@ -56,6 +56,8 @@ class SurfaceQueries {
   /// On all threads; the same bits for every thread count. Throws as above with the point's index,
   /// and for spans of different lengths.
   void closest(std::span<const glm::dvec3> points, std::span<ClosestPoint> result) const;
+  /// What closest() says of distances, but for rounding (1e-14 of the diagonal), in half the time.
+  void distances(std::span<const glm::dvec3> points, std::span<double> result) const;
   /// The distance, negative inside. For closed surfaces; elsewhere the sign says little.
   [[nodiscard]] double signed_distance(const glm::dvec3& point) const;
 

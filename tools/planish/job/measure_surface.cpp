@@ -79,7 +79,7 @@ PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSur
   constexpr std::size_t kAtOnce = 1 << 14;
   const SurfaceQueries queries(surface);
   const std::vector<std::int32_t> order = spatial_order(points);
-  std::vector<ClosestPoint> closest;
+  std::vector<double> found;
   std::vector<glm::dvec3> places;
   PointDistances distances;
   double sum = 0;
@@ -87,18 +87,18 @@ PointDistances distances_from(std::span<const glm::dvec3> points, const LimitSur
     const auto some = std::span(order).subspan(first, std::min(kAtOnce, points.size() - first));
     places.clear();
     for (const std::int32_t point : some) places.push_back(points[point]);
-    closest.resize(some.size());
-    queries.closest(places, closest);
-    for (std::size_t i = 0; i < closest.size(); ++i) {
-      const double distance = closest[i].distance / diagonal;
+    found.resize(some.size());
+    queries.distances(places, found);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const double distance = found[i] / diagonal;
       sum += distance * distance;
       const bool is_first = distance == distances.max && some[i] < distances.farthest;
       if (distances.farthest >= 0 && distance <= distances.max && !is_first) continue;
       distances.max = distance;
       distances.farthest = some[i];
     }
-    context.progress.update("measure", static_cast<double>(first + closest.size()) /
-                                           static_cast<double>(points.size()));
+    context.progress.update(
+        "measure", static_cast<double>(first + found.size()) / static_cast<double>(points.size()));
   }
   distances.rms = std::sqrt(sum / static_cast<double>(points.size()));
   return distances;
