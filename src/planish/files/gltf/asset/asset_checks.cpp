@@ -1,9 +1,12 @@
 // Based on: Khronos Group, "glTF 2.0 Specification", sections 3.5 to 3.11.
 #include "planish/files/gltf/asset/asset_checks.h"
 
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planish/files/gltf/scene_reader.h"
@@ -21,16 +24,143 @@ std::int64_t count_of(const JsonPlace& root, std::string_view key) {
   return array ? array->array_size() : 0;
 }
 
-// What `place` has under `key` is the number of an element of root's `array`.
+constexpr std::string_view kRemedy = "; save it anew with the program that wrote it";
+
+// `number` is that of one of `count` elements of `array`.
+void require_below(const JsonPlace& number, std::int64_t count, std::string_view array) {
+  if (number.integer() < count) return;
+  number.fail("names " + std::string(array) + "[" + std::to_string(number.integer()) +
+              "], and the file has " + std::to_string(count) + std::string(kRemedy));
+}
+
+// What `place` has under `key`, where it is there, is the number of an element of root's `array`.
 void require_number(const JsonPlace& root, const JsonPlace& place, std::string_view key,
                     std::string_view array) {
-  const auto number = place.find(key);
-  if (!number) return;
-  const std::int64_t count = count_of(root, array);
-  if (number->integer() >= count)
-    number->fail("names " + std::string(array) + "[" + std::to_string(number->integer()) +
-                 "], and the file has " + std::to_string(count) +
-                 "; save it anew with the program that wrote it");
+  if (const auto number = place.find(key)) require_below(*number, count_of(root, array), array);
+}
+
+// The same of the numbers that a list there has.
+void require_numbers(const JsonPlace& root, const JsonPlace& place, std::string_view key,
+                     std::string_view array) {
+  const auto list = place.find(key);
+  for (std::int64_t i = 0; list && i < list->array_size(); ++i)
+    require_below((*list)[i], count_of(root, array), array);
+}
+
+// The same of all members of an object there.
+void require_members(const JsonPlace& root, const JsonPlace& place, std::string_view key,
+                     std::string_view array) {
+  const auto object = place.find(key);
+  if (!object) return;
+  for (const std::string& name : object->keys())
+    require_below((*object)[name], count_of(root, array), array);
+}
+
+std::optional<JsonPlace> extension_of(const JsonPlace& place, std::string_view name) {
+  const auto all = place.find("extensions");
+  return all ? all->find(name) : std::nullopt;
+}
+
+// Of an element; 0 where the format does not say.
+std::int64_t element_bytes(const JsonPlace& accessor) {
+  constexpr std::array<std::pair<std::string_view, std::array<std::int64_t, 2>>, 7> kTypes{
+      {{"SCALAR", {1, 1}},
+       {"VEC2", {1, 2}},
+       {"VEC3", {1, 3}},
+       {"VEC4", {1, 4}},
+       {"MAT2", {2, 2}},
+       {"MAT3", {3, 3}},
+       {"MAT4", {4, 4}}}};
+  const std::int64_t component = accessor["componentType"].integer();
+  const std::int64_t bytes = component == 5120 || component == 5121   ? 1
+                             : component == 5122 || component == 5123 ? 2
+                             : component == 5125 || component == 5126 ? 4
+                                                                      : 0;
+  for (const auto& [type, size] : kTypes) {
+    if (accessor["type"].text() != type) continue;
+    const std::int64_t column = bytes * size[1];
+    // Columns of matrices begin at multiples of four.
+    return size[0] == 1 ? column : size[0] * ((column + 3) / 4 * 4);
+  }
+  return 0;
+}
+
+// All of an accessor lies in its view. Of what is read that is seen then; the rest only passes.
+void require_room(const JsonPlace& root, const JsonPlace& accessor) {
+  require_number(root, accessor, "bufferView", "bufferViews");
+  const auto number = accessor.find("bufferView");
+  const std::int64_t bytes = number ? element_bytes(accessor) : 0;
+  if (bytes == 0) return;
+  const JsonPlace view = root["bufferViews"][number->integer()];
+  const std::int64_t count = accessor["count"].integer(1);
+  const std::int64_t stride = view.integer_or("byteStride", bytes);
+  const std::int64_t offset = accessor.integer_or("byteOffset", 0);
+  const std::int64_t length = view["byteLength"].integer();
+  // Without sums that could overflow.
+  if (offset <= length - bytes &&
+      (count == 1 || count - 1 <= (length - bytes - offset) / std::max<std::int64_t>(stride, 1)))
+    return;
+  accessor.fail(std::to_string(count) + " elements of " + std::to_string(bytes) +
+                " bytes reach beyond " + view.path() + ", which has " + std::to_string(length) +
+                std::string(kRemedy));
+}
+
+std::int64_t accessor_count(const JsonPlace& root, const JsonPlace& number) {
+  return root["accessors"][number.integer()]["count"].integer(1);
+}
+
+// Of a mesh, by its first primitive: another number in others is refused where they are read.
+std::int64_t target_count(const JsonPlace& mesh) {
+  const JsonPlace primitives = mesh["primitives"];
+  if (primitives.array_size() == 0) return 0;
+  const auto targets = primitives[0].find("targets");
+  return targets ? targets->array_size() : 0;
+}
+
+// Weights that a mesh, or a node of it, has for its targets.
+void require_weights(const JsonPlace& place, std::int64_t targets) {
+  const auto weights = place.find("weights");
+  if (!weights || weights->array_size() == targets) return;
+  weights->fail(std::to_string(weights->array_size()) + " for " + std::to_string(targets) +
+                " morph targets; each needs one" + std::string(kRemedy));
+}
+
+void require_primitive(const JsonPlace& root, const JsonPlace& primitive) {
+  require_number(root, primitive, "material", "materials");
+  require_number(root, primitive, "indices", "accessors");
+  require_members(root, primitive, "attributes", "accessors");
+  const auto targets = primitive.find("targets");
+  for (std::int64_t i = 0; targets && i < targets->array_size(); ++i) {
+    const JsonPlace target = (*targets)[i];
+    for (const std::string& name : target.keys()) {
+      require_below(target[name], count_of(root, "accessors"), "accessors");
+      const auto given = primitive["attributes"].find(name);
+      if (given && accessor_count(root, *given) != accessor_count(root, target[name]))
+        target[name].fail(std::to_string(accessor_count(root, target[name])) + " moves for " +
+                          std::to_string(accessor_count(root, *given)) + " vertices" +
+                          std::string(kRemedy));
+    }
+  }
+  const auto variants = extension_of(primitive, "KHR_materials_variants");
+  const auto mappings = variants ? variants->find("mappings") : std::nullopt;
+  for (std::int64_t i = 0; mappings && i < mappings->array_size(); ++i)
+    require_number(root, (*mappings)[i], "material", "materials");
+}
+
+void require_node(const JsonPlace& root, const JsonPlace& node) {
+  require_number(root, node, "mesh", "meshes");
+  require_number(root, node, "skin", "skins");
+  require_number(root, node, "camera", "cameras");
+  if (const auto mesh = node.find("mesh"))
+    require_weights(node, target_count(root["meshes"][mesh->integer()]));
+  if (const auto lod = extension_of(node, "MSFT_lod")) require_numbers(root, *lod, "ids", "nodes");
+  if (const auto light = extension_of(node, "KHR_lights_punctual")) {
+    const auto lights = extension_of(root, "KHR_lights_punctual");
+    if (const auto number = light->find("light"))
+      require_below(*number, lights ? count_of(*lights, "lights") : 0, "lights");
+  }
+  if (const auto instances = extension_of(node, "EXT_mesh_gpu_instancing"))
+    require_members(root, *instances, "attributes", "accessors");
 }
 
 // Calls visit(element) for each of root's `array`.
@@ -58,9 +188,7 @@ void require_trees(const JsonPlace& root) {
     const auto children = node.find("children");
     for (std::int64_t i = 0; children && i < children->array_size(); ++i) {
       const JsonPlace child = (*children)[i];
-      if (child.integer() >= std::ssize(parents))
-        child.fail("names nodes[" + std::to_string(child.integer()) + "], and the file has " +
-                   std::to_string(count));
+      require_below(child, std::ssize(parents), "nodes");
       std::int64_t& parent = parents[static_cast<std::size_t>(child.integer())];
       if (parent >= 0)
         child.fail("node " + std::to_string(child.integer()) + " is a child of node " +
@@ -87,12 +215,33 @@ void require_trees(const JsonPlace& root) {
 void require_skin(const JsonPlace& root, const JsonPlace& skin) {
   const JsonPlace joints = skin["joints"];
   if (joints.array_size() == 0) joints.fail("a skin needs a joint; remove the skin");
-  for (std::int64_t i = 0; i < joints.array_size(); ++i)
-    if (joints[i].integer() >= count_of(root, "nodes"))
-      joints[i].fail("names nodes[" + std::to_string(joints[i].integer()) + "], and the file has " +
-                     std::to_string(count_of(root, "nodes")));
+  require_numbers(root, skin, "joints", "nodes");
   require_number(root, skin, "skeleton", "nodes");
   require_number(root, skin, "inverseBindMatrices", "accessors");
+  const auto matrices = skin.find("inverseBindMatrices");
+  if (matrices && accessor_count(root, *matrices) < joints.array_size())
+    matrices->fail(std::to_string(accessor_count(root, *matrices)) + " matrices for " +
+                   std::to_string(joints.array_size()) + " joints" + std::string(kRemedy));
+}
+
+// As many values as keys, with those of tangents and of all targets.
+void require_keys(const JsonPlace& root, const JsonPlace& sampler, const JsonPlace& target) {
+  const auto path = target.find("path");
+  if (!path || path->text() == "pointer") return;
+  std::int64_t values = 1;
+  const auto node = target.find("node");
+  if (path->text() == "weights") {
+    const auto mesh = node ? root["nodes"][node->integer()].find("mesh") : std::nullopt;
+    if (!mesh) return;
+    values = target_count(root["meshes"][mesh->integer()]);
+  }
+  const auto way = sampler.find("interpolation");
+  if (way && way->text() == "CUBICSPLINE") values *= 3;
+  const std::int64_t keys = accessor_count(root, sampler["input"]);
+  const std::int64_t found = accessor_count(root, sampler["output"]);
+  if (values == 0 || (found % values == 0 && found / values == keys)) return;
+  sampler["output"].fail(std::to_string(found) + " values for " + std::to_string(keys) +
+                         " key frames of " + std::to_string(values) + std::string(kRemedy));
 }
 
 void require_animation(const JsonPlace& root, const JsonPlace& animation) {
@@ -106,6 +255,7 @@ void require_animation(const JsonPlace& root, const JsonPlace& animation) {
       channels[i]["sampler"].fail("is asked for, and there are " +
                                   std::to_string(samplers.array_size()));
     require_number(root, channels[i]["target"], "node", "nodes");
+    require_keys(root, samplers[channels[i]["sampler"].integer()], channels[i]["target"]);
   }
 }
 
@@ -122,23 +272,23 @@ void require_sound_asset(const JsonPlace& root) {
   for_each(root, "images", [&](const JsonPlace& image) {
     require_number(root, image, "bufferView", "bufferViews");
   });
-  for_each(root, "accessors", [&](const JsonPlace& accessor) {
-    require_number(root, accessor, "bufferView", "bufferViews");
+  for_each(root, "bufferViews",
+           [&](const JsonPlace& view) { require_number(root, view, "buffer", "buffers"); });
+  for_each(root, "accessors", [&](const JsonPlace& accessor) { require_room(root, accessor); });
+  for_each(root, "meshes", [&](const JsonPlace& mesh) {
+    const JsonPlace primitives = mesh["primitives"];
+    for (std::int64_t i = 0; i < primitives.array_size(); ++i)
+      require_primitive(root, primitives[i]);
+    require_weights(mesh, target_count(mesh));
   });
-  for_each(root, "nodes", [&](const JsonPlace& node) {
-    require_number(root, node, "mesh", "meshes");
-    require_number(root, node, "skin", "skins");
-    require_number(root, node, "camera", "cameras");
-  });
+  for_each(root, "nodes", [&](const JsonPlace& node) { require_node(root, node); });
+  require_number(root, root, "scene", "scenes");
+  for_each(root, "scenes",
+           [&](const JsonPlace& scene) { require_numbers(root, scene, "nodes", "nodes"); });
   require_trees(root);
   for_each(root, "skins", [&](const JsonPlace& skin) { require_skin(root, skin); });
   for_each(root, "animations",
            [&](const JsonPlace& animation) { require_animation(root, animation); });
-  for_each(root, "meshes", [&](const JsonPlace& mesh) {
-    const JsonPlace primitives = mesh["primitives"];
-    for (std::int64_t i = 0; i < primitives.array_size(); ++i)
-      require_number(root, primitives[i], "material", "materials");
-  });
 }
 
 }  // namespace planish

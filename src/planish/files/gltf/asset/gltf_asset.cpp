@@ -91,12 +91,27 @@ AssetMesh GltfAsset::read_unguarded(std::int64_t number) const {
   mesh.file = SceneReader(root_, source_, GltfBudget(limits_, file_.name), file_)
                   .read_mesh(format_, number, collector);
   mesh.vertices = collector.finish();
+  require_joints(number, mesh.vertices);
   for (AssetGroup& group : mesh.vertices.groups) {
     const int set = tangent_set(root_.value(), place["primitives"][group.primitive].value());
     if (set < group.uv_sets) group.tangent_set = set;
   }
   cut_mirrored_charts(mesh.file.mesh, mesh.vertices);
   return mesh;
+}
+
+void GltfAsset::require_joints(std::int64_t number, const AssetVertices& vertices) const {
+  if (vertices.influences.empty()) return;
+  const std::int64_t last = std::ranges::max(vertices.influences, {}, &JointWeight::joint).joint;
+  const auto nodes = root_.find("nodes");
+  for (std::int64_t i = 0; nodes && i < nodes->array_size(); ++i) {
+    const auto mesh = (*nodes)[i].find("mesh"), skin = (*nodes)[i].find("skin");
+    if (!mesh || !skin || mesh->integer() != number) continue;
+    const std::int64_t joints = root_["skins"][skin->integer()]["joints"].array_size();
+    if (last >= joints)
+      skin->fail("its mesh names joint " + std::to_string(last) + ", and the skin has " +
+                 std::to_string(joints) + "; take the skin that the mesh was made for");
+  }
 }
 
 bool GltfAsset::may_be_scaled(std::int64_t number) const {

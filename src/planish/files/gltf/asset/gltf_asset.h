@@ -49,6 +49,8 @@ class GltfAsset {
 
  private:
   [[nodiscard]] AssetMesh read_unguarded(std::int64_t number) const;
+  // Its nodes' skins have the joints that its vertices name.
+  void require_joints(std::int64_t number, const AssetVertices& vertices) const;
 
   FileBytes file_;
   GltfLimits limits_;
