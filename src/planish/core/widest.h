@@ -5,8 +5,8 @@
 // give the same bits.
 
 /// Before a function: compiled for several widths, of which the widest that the processor has is
-/// chosen when the program is loaded. GCC's thread sanitizer crashes in functions that choose, since
-/// they run before it does.
+/// chosen when the program is loaded. GCC's thread sanitizer crashes in functions that choose,
+/// since they run before it does.
 #if defined(__x86_64__) && defined(__ELF__) && !defined(__SANITIZE_THREAD__)
 #define PLANISH_WIDEST __attribute__((target_clones("default", "avx2", "avx512f")))
 #else

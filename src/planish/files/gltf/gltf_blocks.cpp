@@ -10,6 +10,7 @@
 #include "planish/core/parallel.h"
 #include "planish/files/gltf/gltf_buffer.h"
 #include "planish/files/gltf/gltf_packing.h"
+#include "planish/files/gltf/gltf_survey.h"
 #include "planish/files/shared/ordered_stream.h"
 
 namespace planish {

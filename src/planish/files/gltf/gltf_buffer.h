@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/gltf_vertices.h"
@@ -10,28 +9,9 @@
 
 namespace planish {
 
-/// Of the progress of writing: where the survey ends, and where all is packed if it is.
-inline constexpr double kGltfSurveyed = 0.35, kGltfPacked = 0.97;
-
 /// The layout of a surface.
 [[nodiscard]] GltfLayout gltf_layout(const SurfaceBlocks& surface, const GltfVertices& vertices,
                                      const GltfOptions& options);
-
-/// Smallest and largest float32 coordinates as stored, of each primitive, and the normals that are
-/// those of facets.
-struct GltfSurvey {
-  std::vector<GltfBounds> bounds;
-  DegenerateRows degenerate;
-};
-/// Throws Error{InvalidArgument} for a position that float32 cannot hold and a normal that is not
-/// of unit length, by its number in `surface_rows` where the surface is a part of another.
-[[nodiscard]] GltfSurvey gltf_survey(const SurfaceBlocks& surface, const GltfVertices& vertices,
-                                     const GltfOptions& options,
-                                     std::span<const std::int32_t> surface_rows = {});
-/// The bounds alone. Warns "degenerate-normals".
-[[nodiscard]] std::vector<GltfBounds> gltf_bounds(const SurfaceBlocks& surface,
-                                                  const GltfVertices& vertices,
-                                                  const GltfOptions& options);
 
 /// Sends the binary buffer of gltf_layout() to the sinks in pieces of about a MB, in order, the
 /// survey being done.

@@ -9,6 +9,7 @@
 #include "planish/files/gltf/gltf_checks.h"
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/gltf_packing.h"
+#include "planish/files/gltf/gltf_survey.h"
 
 namespace planish {
 namespace {

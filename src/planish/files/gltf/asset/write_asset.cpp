@@ -13,6 +13,7 @@
 #include "planish/files/gltf/gltf_container.h"
 #include "planish/files/gltf/gltf_layout.h"
 #include "planish/files/gltf/gltf_payload.h"
+#include "planish/files/gltf/gltf_survey.h"
 
 namespace planish {
 namespace {
