@@ -8,19 +8,22 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <numbers>
 #include <numeric>
 #include <tuple>
 
+#include "planish/core/parallel.h"
 #include "planish/files/gltf/gltf_face_writer.h"
 
 namespace planish {
 namespace {
 
 constexpr std::int64_t kFaces = std::int64_t{1} << 14;
+constexpr std::size_t kTangentsAtOnce = 1 << 12;
 
 glm::dvec3 unit_or_zero(const glm::dvec3& v) {
   const double length = glm::length(v);
-  return length > 0 ? v / length : glm::dvec3(0.0);
+  return length > 0 ? v * (1 / length) : glm::dvec3(0.0);
 }
 
 glm::dvec3 flattened(const glm::dvec3& v, const glm::dvec3& normal) {
@@ -41,6 +44,28 @@ Direction direction_of(const std::array<glm::dvec3, 3>& points,
   return {unit_or_zero(area < 0 ? -along : along), area};
 }
 
+// An angle by its cosine, within 2e-8: Abramowitz and Stegun, "Handbook of Mathematical Functions",
+// 4.4.46. It is a weight.
+double angle_of(double cosine) {
+  const double x = std::min(std::abs(cosine), 1.0);
+  const double shape =
+      1.5707963050 +
+      x * (-0.2145988016 +
+           x * (0.0889789874 +
+                x * (-0.0501743046 +
+                     x * (0.0308918810 +
+                          x * (-0.0170881256 + x * (0.0066700901 - x * 0.0012624911))))));
+  const double angle = std::sqrt(1 - x) * shape;
+  return cosine < 0 ? std::numbers::pi - angle : angle;
+}
+
+// Between two directions, both seen along a normal.
+double angle_between(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& normal) {
+  const double up_a = glm::dot(normal, a), up_b = glm::dot(normal, b);
+  const double square = (glm::dot(a, a) - up_a * up_a) * (glm::dot(b, b) - up_b * up_b);
+  return angle_of(square > 0 ? (glm::dot(a, b) - up_a * up_b) / std::sqrt(square) : 0);
+}
+
 // What is known of a texture coordinate: the sum of the directions at its corners, by their angles.
 struct Known {
   glm::dvec3 sum{0.0};
@@ -49,9 +74,13 @@ struct Known {
   std::int32_t row = -1, set = -1;
 };
 
-struct Share {
-  std::int32_t uv;
-  Known known;
+// The same of each corner of some faces.
+struct CornerSums {
+  std::vector<std::int32_t> rows, uvs;
+  std::vector<std::int32_t> sets;  // -1: none is wanted
+  std::vector<glm::vec3> normals;
+  std::vector<glm::dvec3> sums;
+  std::vector<double> areas;
 };
 
 class Collector {
@@ -63,55 +92,58 @@ class Collector {
     std::iota(by_corner_.corners.begin(), by_corner_.corners.end(), 0);
   }
 
-  void operator()(RowRange faces, std::vector<Share>& shares) const {
+  void operator()(RowRange faces, CornerSums& made) const {
     const SurfaceInfo& info = surface_.info();
     const std::int64_t first = info.first_corner(faces.first);
     const auto count =
         static_cast<std::size_t>(info.first_corner(faces.first + faces.count) - first);
-    std::vector<std::int32_t> rows(count), uvs(count);
+    made.rows.resize(count), made.uvs.resize(count), made.normals.resize(count);
+    made.sets.assign(count, -1);
+    made.sums.assign(count, glm::dvec3(0.0));
+    made.areas.assign(count, 0);
     std::vector<std::int32_t> groups(static_cast<std::size_t>(faces.count), 0);
     std::vector<glm::dvec3> positions(count);
-    std::vector<glm::vec3> normals(count);
-    surface_.face_vertices(faces, rows);
-    surface_.face_uvs(faces, uvs);
+    surface_.face_vertices(faces, made.rows);
+    surface_.face_uvs(faces, made.uvs);
     if (info.has_groups) surface_.face_groups(faces, groups);
-    surface_.corners(faces, positions, normals);
+    surface_.corners(faces, positions, made.normals);
     RawVector<std::byte> bytes;
     FaceWriter<std::uint32_t>(surface_, by_corner_)(faces, bytes);
     const std::span corners(reinterpret_cast<const std::uint32_t*>(bytes.data()),
                             bytes.size() / sizeof(std::uint32_t));
-    shares.clear();
     std::int64_t face = faces.first;
     for (std::size_t at = 0; at < corners.size(); at += 3) {
       while (corners[at] >= info.first_corner(face + 1)) ++face;
       const int set = source_.set_of_group[static_cast<std::size_t>(groups[face - faces.first])];
       if (set < 0) continue;
       std::array<std::size_t, 3> corner;
-      std::array<glm::dvec3, 3> points;
-      std::array<glm::dvec2, 3> places;
-      for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t k = 0; k < 3; ++k)
         corner[k] = corners[at + k] - static_cast<std::size_t>(first);
-        points[k] = positions[corner[k]];
-        places[k] =
-            source_.sets[static_cast<std::size_t>(set)][static_cast<std::size_t>(uvs[corner[k]])];
-      }
-      const Direction direction = direction_of(points, places);
-      for (std::size_t k = 0; k < 3; ++k) {
-        const glm::dvec3 normal(normals[corner[k]]);
-        const glm::dvec3 next = flattened(points[(k + 1) % 3] - points[k], normal);
-        const glm::dvec3 last = flattened(points[(k + 2) % 3] - points[k], normal);
-        const double angle = std::acos(std::clamp(glm::dot(next, last), -1.0, 1.0));
-        shares.push_back({uvs[corner[k]],
-                          {.sum = angle * flattened(direction.along_u, normal),
-                           .area = direction.area,
-                           .normal = normals[corner[k]],
-                           .row = rows[corner[k]],
-                           .set = set}});
-      }
+      add_triangle(corner, set, positions, made);
     }
   }
 
  private:
+  void add_triangle(const std::array<std::size_t, 3>& corner, int set,
+                    std::span<const glm::dvec3> positions, CornerSums& made) const {
+    const std::span<const glm::dvec2> uvs = source_.sets[static_cast<std::size_t>(set)];
+    std::array<glm::dvec3, 3> points;
+    std::array<glm::dvec2, 3> places;
+    for (std::size_t k = 0; k < 3; ++k) {
+      points[k] = positions[corner[k]];
+      places[k] = uvs[static_cast<std::size_t>(made.uvs[corner[k]])];
+    }
+    const Direction direction = direction_of(points, places);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3 normal(made.normals[corner[k]]);
+      const double angle =
+          angle_between(points[(k + 1) % 3] - points[k], points[(k + 2) % 3] - points[k], normal);
+      made.sums[corner[k]] += angle * flattened(direction.along_u, normal);
+      made.areas[corner[k]] += direction.area;
+      made.sets[corner[k]] = set;
+    }
+  }
+
   const SurfaceBlocks& surface_;
   const TangentSource& source_;
   GltfVertices by_corner_;  // so that triangles come by their corners
@@ -132,47 +164,69 @@ void write_tangent(const Known& known, const glm::dvec3& sum, std::span<float, 4
   to[3] = known.area < 0 ? -1.0f : 1.0f;
 }
 
+std::vector<Known> known_of(const SurfaceBlocks& surface, const TangentSource& source) {
+  std::vector<Known> known(static_cast<std::size_t>(surface.info().uv_count));
+  const Collector collect(surface, source);
+  const std::vector<RowRange> pieces = ranges_of(surface.info().face_count, kFaces);
+  in_order<CornerSums>(pieces, collect, [&](RowRange, const CornerSums& made) {
+    for (std::size_t c = 0; c < made.uvs.size(); ++c) {
+      if (made.sets[c] < 0) continue;
+      Known& of = known[static_cast<std::size_t>(made.uvs[c])];
+      of.sum += made.sums[c];
+      of.area += made.areas[c];
+      of.normal = made.normals[c];
+      of.row = made.rows[c];
+      of.set = made.sets[c];
+    }
+  });
+  return known;
+}
+
+// Texture coordinates of rows that have several.
+std::vector<std::int32_t> shared_rows(std::span<const Known> known, std::int64_t row_count) {
+  constexpr std::int32_t kNone = -1, kSeveral = -2;
+  std::vector<std::int32_t> only(static_cast<std::size_t>(row_count), kNone);
+  for (std::size_t uv = 0; uv < known.size(); ++uv) {
+    if (known[uv].set < 0) continue;
+    std::int32_t& of = only[static_cast<std::size_t>(known[uv].row)];
+    of = of == kNone ? static_cast<std::int32_t>(uv) : kSeveral;
+  }
+  std::vector<std::int32_t> shared;
+  for (std::size_t uv = 0; uv < known.size(); ++uv)
+    if (known[uv].set >= 0 && only[static_cast<std::size_t>(known[uv].row)] == kSeveral)
+      shared.push_back(static_cast<std::int32_t>(uv));
+  return shared;
+}
+
 }  // namespace
 
 std::vector<float> surface_tangents(const SurfaceBlocks& surface, const TangentSource& source) {
-  const auto uv_count = static_cast<std::size_t>(surface.info().uv_count);
-  std::vector<Known> known(uv_count);
-  const Collector collect(surface, source);
-  const std::vector<RowRange> pieces = ranges_of(surface.info().face_count, kFaces);
-  in_order<std::vector<Share>>(pieces, collect, [&](RowRange, const std::vector<Share>& shares) {
-    for (const auto& [uv, share] : shares) {
-      Known& of = known[static_cast<std::size_t>(uv)];
-      const glm::dvec3 sum = of.sum + share.sum;
-      const double area = of.area + share.area;
-      of = share;
-      of.sum = sum;
-      of.area = area;
-    }
+  const std::vector<Known> known = known_of(surface, source);
+  std::vector<float> tangents(4 * known.size(), 0.0f);
+  const auto write = [&](std::size_t uv, const glm::dvec3& sum) {
+    write_tangent(known[uv], sum, std::span<float, 4>(tangents.data() + 4 * uv, 4));
+  };
+  parallel_for(known.size(), kTangentsAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t uv = begin; uv < end; ++uv)
+      if (known[uv].set >= 0) write(uv, known[uv].sum);
   });
   // Texture coordinates that are one to a reader, which compares what vertices have.
-  std::vector<std::int32_t> order(uv_count);
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::int32_t> order = shared_rows(known, surface.info().row_count);
   const auto key = [&](std::int32_t uv) {
     const Known& of = known[static_cast<std::size_t>(uv)];
     const glm::dvec2 place =
-        of.set < 0 ? glm::dvec2(0.0)
-                   : source.sets[static_cast<std::size_t>(of.set)][static_cast<std::size_t>(uv)];
+        source.sets[static_cast<std::size_t>(of.set)][static_cast<std::size_t>(uv)];
     return std::tuple(of.set, of.row, place.x, place.y, of.area < 0);
   };
   oneapi::tbb::parallel_sort(order, [&](std::int32_t a, std::int32_t b) {
     const auto of_a = key(a), of_b = key(b);
     return of_a != of_b ? of_a < of_b : a < b;
   });
-  std::vector<float> tangents(4 * uv_count, 0.0f);
-  for (std::size_t begin = 0, end = 0; begin < uv_count; begin = end) {
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
     glm::dvec3 sum(0.0);
-    for (end = begin; end < uv_count && key(order[end]) == key(order[begin]); ++end)
+    for (end = begin; end < order.size() && key(order[end]) == key(order[begin]); ++end)
       sum += known[static_cast<std::size_t>(order[end])].sum;
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto uv = static_cast<std::size_t>(order[i]);
-      if (known[uv].set >= 0)
-        write_tangent(known[uv], sum, std::span<float, 4>(tangents.data() + 4 * uv, 4));
-    }
+    for (std::size_t i = begin; i < end; ++i) write(static_cast<std::size_t>(order[i]), sum);
   }
   return tangents;
 }
