@@ -192,6 +192,34 @@ def test_points_become_a_mesh(grid):
     assert {tuple(p) for p in mesh.vertices} == {tuple(p) for p in points}
 
 
+def test_what_points_have_comes_to_their_mesh(grid, tmp_path):
+    points, _ = grid(12)
+    colors = np.column_stack([np.linspace(0, 1, len(points))] * 3)
+    heat = np.arange(len(points), dtype=np.float32)
+    up = np.tile([0, 0, -1.0], (len(points), 1))
+    mesh = planish.reconstruct(points, tolerance=0, quads=False, normals=up, colors=colors,
+                               attributes={"heat": heat, "pair": np.column_stack([heat, -heat])})
+    place = {tuple(p): i for i, p in enumerate(points)}
+    given = [place[tuple(p)] for p in mesh.vertices]
+    assert np.array_equal(mesh.attributes["heat"], heat[given])
+    assert np.array_equal(mesh.attributes["pair"][:, 1], -heat[given])
+    assert np.allclose(mesh.colors[:, 0], colors[given, 0])
+    # From a file to a surface.
+    rows = [f"{x} {y} {z} 0 0 -1 {i}" for i, (x, y, z) in enumerate(points)]
+    (tmp_path / "p.ply").write_text(
+        f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n" +
+        "".join(f"property double {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz", "heat")) +
+        "end_header\n" + "\n".join(rows) + "\n")
+    read, keywords = planish.read_points(tmp_path / "p.ply", keywords=True)
+    assert sorted(keywords) == ["attributes", "normals"]
+    assert keywords["normals"].shape == (len(points), 3)
+    fitted = planish.fit(planish.reconstruct(read, tolerance=0, **keywords))
+    assert fitted.evaluate(1).attributes["heat"].max() == len(points) - 1
+    for wrong in ({"normals": up[1:]}, {"colors": colors[1:]}, {"attributes": {"heat": heat[1:]}}):
+        with pytest.raises(planish.InvalidArgument, match=next(iter(wrong))):
+            planish.reconstruct(points, **wrong)
+
+
 def test_no_program_for_points_is_said(grid, monkeypatch, tmp_path):
     monkeypatch.setenv("PLANISH_RECONSTRUCT", str(tmp_path / "none"))
     with pytest.raises(planish.MissingProgram, match="planish-reconstruct.* PLANISH_RECONSTRUCT.*CGAL") as raised:

@@ -74,9 +74,53 @@ MeshHandle read_the_mesh(const py::object& path, bool split_normals) {
   return made;
 }
 
+// Values of as many floats each.
+template <class Value>
+py::array_t<float> floats_of(const std::vector<Value>& values) {
+  constexpr auto kWidth = static_cast<py::ssize_t>(sizeof(Value) / sizeof(float));
+  return py::array_t<float>({static_cast<py::ssize_t>(values.size()), kWidth},
+                            values.empty() ? nullptr : &values[0].x);
+}
+
+// What the file has of reconstruct()'s keywords.
+py::dict point_keywords(const PointCloud& cloud) {
+  py::dict keywords;
+  if (!cloud.normals.empty()) keywords["normals"] = floats_of(cloud.normals);
+  if (!cloud.colors.empty()) keywords["colors"] = floats_of(cloud.colors);
+  if (cloud.attributes.empty()) return keywords;
+  py::dict attributes;
+  for (const VertexAttribute& attribute : cloud.attributes)
+    attributes[py::str(attribute.name)] = py::array_t<float>(
+        static_cast<py::ssize_t>(attribute.values.size()), attribute.values.data());
+  keywords["attributes"] = attributes;
+  return keywords;
+}
+
+// Adds what the keywords give of each point.
+void add_to_points(const py::object& normals, const py::object& colors,
+                   const py::object& attributes, PointCloud& cloud) {
+  PolygonMesh mesh;
+  mesh.positions = cloud.points;
+  MeshArguments riders;
+  riders.colors = colors;
+  riders.attributes = attributes;
+  riders.add_to(mesh);
+  cloud.colors = std::move(mesh.colors);
+  cloud.attributes = std::move(mesh.attributes);
+  if (normals.is_none()) return;
+  const Doubles rows = as_rows(normals, "normals", 3, 3);
+  if (rows.shape(0) != std::ssize(cloud.points))
+    refuse("normals: " + std::to_string(rows.shape(0)) + " for " +
+           counted(std::ssize(cloud.points), "point"));
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i)
+    cloud.normals.emplace_back(rows.at(i, 0), rows.at(i, 1), rows.at(i, 2));
+}
+
 MeshHandle reconstruct_points(const py::object& points, double tolerance,
                               std::int64_t target_vertices, bool quads, const std::string& spacing,
-                              const py::object& progress, const py::object& cancelled) {
+                              const py::object& normals, const py::object& colors,
+                              const py::object& attributes, const py::object& progress,
+                              const py::object& cancelled) {
   const Doubles values = as_points(points, "points");
   if (spacing != "adaptive" && spacing != "even")
     refuse("spacing: \"" + spacing + "\"; one of adaptive, even is wanted");
@@ -88,9 +132,10 @@ MeshHandle reconstruct_points(const py::object& points, double tolerance,
         "with CGAL makes it");
   }
   const auto given = points_of(values);
+  PointCloud cloud = cloud_of({given.begin(), given.end()}, "points");
+  add_to_points(normals, colors, attributes, cloud);
   auto made = std::make_shared<PythonMesh>();
   run_released({progress, cancelled}, [&](const Callbacks& callbacks) {
-    const PointCloud cloud = cloud_of({given.begin(), given.end()}, "points");
     ReconstructOptions options;
     options.tolerance = tolerance;
     options.target_vertices = target_vertices;
@@ -248,19 +293,22 @@ void add_mesh(py::module_& module) {
       "over or mended. Raises UnreadableInput, InvalidArgument for an extension.");
   module.def(
       "read_points",
-      [](const py::object& path) {
+      [](const py::object& path, bool keywords) -> py::object {
         PointCloud cloud;
         const std::string file = path_of(path);
         run_released({}, [&](const Callbacks&) {
           cloud = planish::read_points(std::filesystem::path(file));
         });
         warn(cloud.warnings);
-        return points_array(std::move(cloud));
+        if (!keywords) return points_array(std::move(cloud));
+        const py::dict given = point_keywords(cloud);
+        return py::make_tuple(points_array(std::move(cloud)), given);
       },
-      py::arg("path"),
-      "The points in a PLY, XYZ, PTS, PCD, LAS or PTX file: float64 (n, 3). UserWarning where "
-      "something was "
-      "passed over.");
+      py::arg("path"), py::kw_only(), py::arg("keywords") = false,
+      "The points in a PLY, XYZ, PTS, PCD, LAS or PTX file: float64 (n, 3). `keywords`: a tuple of "
+      "these and of what the file has of reconstruct()'s keywords, {\"normals\": float32 (n, 3), "
+      "\"colors\": float32 (n, 4), \"attributes\": {name: float32 (n,)}}. UserWarning where "
+      "something was passed over.");
   const std::string write_text =
       "Writes the surface of a Fit (`level` splits) or a Surface as glTF, GLB, OBJ, PLY, OFF, STL "
       "or USD text, a Fit also as STEP, or a Mesh as OBJ, PLY, OFF or USD text, by extension. An "
@@ -272,13 +320,17 @@ void add_mesh(py::module_& module) {
         write(path_of(path), what, level, keywords);
       },
       py::arg("path"), py::arg("what"), py::kw_only(), py::arg("level") = 2, write_text.c_str());
-  module.def("reconstruct", &reconstruct_points, py::arg("points"), py::kw_only(),
-             py::arg("tolerance") = 1e-4, py::arg("target_vertices") = 0, py::arg("quads") = true,
-             py::arg("spacing") = "adaptive", py::arg("progress") = py::none(),
-             py::arg("cancelled") = py::none(),
-             "A mesh near every one of these points, numbers (n, 3): within `tolerance` of the "
-             "diagonal. Needs the program planish-reconstruct. Raises MissingProgram without it, "
-             "UnusableMesh for points that span no surface.");
+  module.def(
+      "reconstruct", &reconstruct_points, py::arg("points"), py::kw_only(),
+      py::arg("tolerance") = 1e-4, py::arg("target_vertices") = 0, py::arg("quads") = true,
+      py::arg("spacing") = "adaptive", py::arg("normals") = py::none(),
+      py::arg("colors") = py::none(), py::arg("attributes") = py::none(),
+      py::arg("progress") = py::none(), py::arg("cancelled") = py::none(),
+      "A mesh near every one of these points, numbers (n, 3): within `tolerance` of the "
+      "diagonal. `normals` of the points, (n, 3), turn open sheets; `colors` and `attributes`, "
+      "as fit() takes them, come to the mesh's vertices. Needs the program planish-reconstruct. "
+      "Raises MissingProgram without it, "
+      "UnusableMesh for points that span no surface.");
   module.def("verify", &verify_mesh, py::arg("cage").none(false), py::arg("given").none(false),
              py::kw_only(), py::arg("smoothed_vertices") = py::none(),
              "How far the vertices of the mesh `given` are from the surface of the control mesh "
