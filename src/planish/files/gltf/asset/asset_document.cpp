@@ -3,6 +3,7 @@
 #include "planish/files/gltf/asset/asset_document.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "planish/core/version.h"
@@ -197,7 +198,10 @@ void AssetDocument::settle_extensions() {
       for (const json& name : json_[list]) names.insert(name.get<std::string>());
     names.erase(kMeshoptExtension);
     if (!keeps_vertices_) names.erase(kDracoExtension), names.erase(kQuantization);
-    names.insert(new_extensions_.begin(), new_extensions_.end());
+    const bool is_required = list == std::string_view("extensionsRequired");
+    // Readers that know no levels of detail show the finest.
+    for (const std::string& name : new_extensions_)
+      if (!is_required || name != kLodExtension) names.insert(name);
     json_[list] = names;
     if (names.empty()) json_.erase(list);
   }
