@@ -198,6 +198,13 @@ TEST(CMemory, EditorsGoOnWhereThereWasNone) {
     expect_no_memory("planish_editor_settle",
                      [&] { return planish_editor_settle(editor, nullptr); });
     check_rows(editor);
+    bool is_sharp = false;
+    expect_no_memory("planish_editor_set_sharp", [&] {
+      const std::int32_t edge[] = {31, 32}, corner = 600;
+      is_sharp = !is_sharp;
+      return planish_editor_set_sharp(editor, edge, 1, &corner, 1, is_sharp ? 1 : 0, nullptr);
+    });
+    check_rows(editor);
     const std::int32_t *found = nullptr, vertex = 3;
     const double* weights = nullptr;
     std::size_t count = 0;

@@ -172,6 +172,61 @@ static void test_selection(void) {
   planish_fit_free(fit);
 }
 
+static void test_creases(int32_t method) {
+  planish_fit* fit = fit_of(torus(), method);
+  planish_editor* editor = NULL;
+  planish_queries* smooth = NULL;
+  planish_closest_answers answers;
+  planish_edit_change change;
+  planish_editor_arrays now;
+  int32_t ring[2 * kAround], absent[2] = {0, 40};
+  const int32_t corner = 5, moved = 700;
+  double to[3], answered[3], away;
+  size_t smooth_rows, sharp_rows;
+  int k;
+  for (k = 0; k < kAround; ++k) {
+    ring[2 * k] = 4 * kAround + k;
+    ring[2 * k + 1] = 4 * kAround + (k + 1) % kAround;
+  }
+  planish_edit_change_init(&change, sizeof change);
+  planish_closest_answers_init(&answers, sizeof answers);
+  answers.positions = answered;
+  EXPECT(planish_editor_create(fit, 2, &editor) == PLANISH_OK);
+  EXPECT(planish_editor_queries(editor, &smooth) == PLANISH_OK);
+  smooth_rows = view_of(editor).row_count;
+  EXPECT(planish_editor_set_sharp(editor, ring, kAround, &corner, 1, 1, &change) == PLANISH_OK);
+  now = view_of(editor);
+  EXPECT(change.is_whole && change.row_count == (int64_t)now.row_count);
+  EXPECT(now.row_count > smooth_rows && change.vertex_count == 0);
+  sharp_rows = now.row_count;
+  check_fit(editor);
+  memcpy(to, now.points + 3 * moved, sizeof to);
+  to[2] += 0.05;
+  EXPECT(planish_editor_move(editor, &moved, to, 1, &change) == PLANISH_OK && !change.is_whole);
+  check_fit(editor);
+  /* The queries of before answer for the surface of before. */
+  EXPECT(planish_queries_closest(smooth, to, 1, &answers) == PLANISH_OK);
+  away = distance(answered, to);
+  EXPECT(away > 0.01 && away < 0.06);
+  EXPECT(planish_editor_undo(editor, NULL) == PLANISH_OK && !view_of(editor).can_undo);
+  EXPECT(planish_editor_set_sharp(editor, absent, 1, NULL, 0, 1, NULL) ==
+         PLANISH_INVALID_ARGUMENT);
+  EXPECT(strstr(planish_last_error(), "have no edge") != NULL);
+  EXPECT(planish_editor_set_sharp(editor, NULL, 1, NULL, 0, 1, NULL) == PLANISH_INVALID_ARGUMENT);
+  EXPECT(strcmp(planish_last_error(), "crease_edges is NULL") == 0);
+  EXPECT(planish_editor_set_sharp(editor, ring, 0, &corner, (size_t)-1, 1, NULL) ==
+         PLANISH_INVALID_ARGUMENT);
+  EXPECT(strstr(planish_last_error(), "corner_count") != NULL);
+  EXPECT(planish_editor_set_sharp(NULL, ring, 1, NULL, 0, 1, NULL) == PLANISH_INVALID_ARGUMENT);
+  EXPECT(view_of(editor).row_count == sharp_rows);
+  EXPECT(planish_editor_set_sharp(editor, ring, kAround, &corner, 1, 0, NULL) == PLANISH_OK);
+  EXPECT(view_of(editor).row_count == smooth_rows);
+  check_fit(editor);
+  planish_queries_free(smooth);
+  planish_editor_free(editor);
+  planish_fit_free(fit);
+}
+
 static void test_refusals(void) {
   planish_fit* fit = fit_of(cube(), PLANISH_METHOD_PROGRESSIVE);
   planish_fit* loop = NULL;
@@ -218,6 +273,8 @@ static void test_refusals(void) {
 int main(void) {
   test_moves(PLANISH_METHOD_PROGRESSIVE);
   test_moves(PLANISH_METHOD_FAIR);
+  test_creases(PLANISH_METHOD_PROGRESSIVE);
+  test_creases(PLANISH_METHOD_FAIR);
   test_selection();
   test_refusals();
   return failures == 0 ? 0 : 1;

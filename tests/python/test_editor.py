@@ -99,6 +99,61 @@ def test_selections_move_with_a_falloff(torus):
     assert np.abs(edit.points[vertices] - whole[vertices]).max() < 1e-12
 
 
+@pytest.mark.parametrize("method", ["progressive", "fair"])
+def test_creases_are_set_and_taken_away(torus, method):
+    fit = planish.fit(*torus, method=method)
+    edit = fit.edit(level=1)
+    edit.move([700], torus[0][[700]] + [[0, 0, 0.03]])
+    smooth, smooth_surface = edit.positions, edit.limit_surface()
+    kept = smooth.copy()
+    ring = np.stack([np.arange(72) + 288, (np.arange(72) + 1) % 72 + 288], axis=-1)
+    told = []
+    change = edit.set_sharp(ring, [5], progress=lambda step, fraction: told.append(fraction))
+    assert change.is_whole and len(change.rows) == len(edit.positions) > len(smooth) and told
+    assert edit.points[700, 2] == torus[0][700, 2] + 0.03  # what was moved stays
+    now = edit.fit()
+    assert now.converged and now.report["input"]["sharp_edges"] == 72
+    assert now.report["input"]["corners"] == 1 and now.report["solve"]["creases"] == "use"
+    assert np.abs(now.evaluate(1).positions - edit.positions).max() < 1e-12
+    assert pickle.loads(pickle.dumps(now)).evaluate(1).positions.tobytes() == now.evaluate(1).positions.tobytes()
+    if method == "progressive":
+        scratch = planish.fit(now.mesh, creases="use", method=method, tolerance=1e-11).evaluate(1)
+        assert np.abs(scratch.positions - edit.positions).max() < 4e-6
+
+    # What was given before stays, and does not follow.
+    edit.move([300], torus[0][[300]] * 1.01)
+    assert (smooth == kept).all()
+    at = torus[0][[300]] * 1.01
+    assert edit.limit_surface().closest_point(at)["distance"][0] < 4e-6
+    assert smooth_surface.closest_point(at)["distance"][0] > 1e-3
+    edit.undo()
+    edit.undo()
+    assert (edit.points == torus[0]).all() and not edit.can_undo
+    edit.set_sharp(ring.tolist(), [5], sharp=False)
+    assert len(edit.positions) == len(smooth)
+    assert np.abs(edit.positions - fit.evaluate(1).positions).max() < (1e-6 if method == "fair" else 4e-6)
+    edit.set_sharp(corner_vertices=[9])
+    assert edit.fit().report["input"]["corners"] == 1
+
+
+def test_creases_are_refused_and_cancelled(cube):
+    edit = planish.fit(*cube).edit(level=1)
+    rows = edit.positions
+    for call, words in [
+        (lambda: edit.set_sharp([[0, 99]]), "vertex 99"),
+        (lambda: edit.set_sharp([[0, 0]]), "no edge"),
+        (lambda: edit.set_sharp([0, 1]), "crease_edges"),
+        (lambda: edit.set_sharp(corner_vertices=[[0]]), "corner_vertices"),
+        (lambda: edit.set_sharp(corner_vertices=[-1]), "vertex -1"),
+    ]:
+        with pytest.raises(planish.InvalidArgument, match=words):
+            call()
+    with pytest.raises(planish.Cancelled):
+        edit.set_sharp(corner_vertices=[3], cancelled=lambda: True)
+    assert edit.positions.ctypes.data == rows.ctypes.data
+    assert edit.fit().report["input"]["corners"] == 0
+
+
 def test_wrong_calls_are_refused(cube, torus):
     edit = planish.fit(*torus).edit()
     for call, words in [

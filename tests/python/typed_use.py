@@ -30,4 +30,5 @@ assert_type(planish.LimitSurface(fit).attributes([0], [0.5], [0.5]), dict[str, N
 edit = fit.edit(level=1)
 assert_type(edit, planish.Editor)
 assert_type(edit.positions[edit.move([3], [[0, 0, 1]]).rows], NDArray[np.float64])
+assert_type(edit.set_sharp([[0, 1]], [2], False).rows, NDArray[np.int64])
 assert_type(edit.fit(), planish.Fit)

@@ -35,14 +35,28 @@ struct PythonFit {
   double seconds = 0;  ///< of fit()
 };
 
-/// planish.Editor, with the fit that it reads. Work is done without Python's lock, so that other
-/// threads may come meanwhile, and functions of the caller's that it calls.
-struct PythonEditor {
-  PythonEditor(std::shared_ptr<PythonFit> of, int level)
+/// An editor with the fit that it reads: arrays and queries that it gave keep it, too.
+struct PythonEdited {
+  PythonEdited(std::shared_ptr<PythonFit> of, int level)
       : first(std::move(of)), editor(first->fitted, level) {}
+  PythonEdited(std::shared_ptr<PythonFit> of, Editor&& made)
+      : first(std::move(of)), editor(std::move(made)) {}
 
   std::shared_ptr<PythonFit> first;
   Editor editor;
+};
+
+/// planish.Editor. Work is done without Python's lock, so that other
+/// threads may come meanwhile, and functions of the caller's that it calls.
+struct PythonEditor {
+  PythonEditor(std::shared_ptr<PythonFit> of, int level)
+      : edited(std::make_shared<PythonEdited>(std::move(of), level)) {}
+
+  [[nodiscard]] const PythonFit& first() const { return *edited->first; }
+  [[nodiscard]] Editor& editor() const { return edited->editor; }
+
+  /// Another one once tags have changed; set with Python's lock.
+  std::shared_ptr<PythonEdited> edited;
   std::atomic<int> users = 0;  ///< that only read; kChanging: one that changes it
   static constexpr int kChanging = -1;
 };

@@ -29,7 +29,7 @@ struct PythonChange {
 template <class Work>
 void reading(PythonEditor& self, const Work& work) {
   const EditorUse use(self, EditorUse::Kind::Reads);
-  run_released({}, work, self.first->threads);
+  run_released({}, work, self.first().threads);
 }
 
 template <class Work>
@@ -40,9 +40,9 @@ std::unique_ptr<PythonChange> changed(PythonEditor& self, const Work& work,
   run_released(
       python,
       [&](const Callbacks& callbacks) {
-        result = std::make_unique<PythonChange>(work(self.editor, callbacks));
+        result = std::make_unique<PythonChange>(work(self.editor(), callbacks));
       },
-      self.first->threads);
+      self.first().threads);
   return result;
 }
 
@@ -101,24 +101,59 @@ std::unique_ptr<PythonChange> transform(PythonEditor& self, const py::object& ve
 py::tuple select(PythonEditor& self, const py::object& vertices, double radius) {
   const Integers which = as_vertices(vertices);
   Selection selection;
-  reading(self, [&](const Callbacks&) { selection = self.editor.select(span_of(which), radius); });
+  reading(self,
+          [&](const Callbacks&) { selection = self.editor().select(span_of(which), radius); });
   const auto count = static_cast<py::ssize_t>(selection.vertices.size());
   return py::make_tuple(take_over(std::move(selection.vertices), {count}),
                         take_over(std::move(selection.weights), {count}));
 }
 
+std::unique_ptr<PythonChange> set_sharp(PythonEditor& self, const py::object& crease_edges,
+                                        const py::object& corner_vertices, bool sharp,
+                                        const py::object& progress, const py::object& cancelled) {
+  const float sharpness = sharp ? kInfiniteSharpness : 0;
+  std::vector<CreaseEdge> edges;
+  std::vector<CornerVertex> corners;
+  if (!crease_edges.is_none()) {
+    const Integers ends = as_integers(crease_edges, "crease_edges");
+    if (ends.size() > 0 && (ends.ndim() != 2 || ends.shape(1) != 2))
+      refuse("crease_edges: integers of shape (m, 2) are wanted");
+    for (py::ssize_t i = 0; i + 1 < ends.size(); i += 2)
+      edges.push_back({ends.data()[i], ends.data()[i + 1], sharpness});
+  }
+  if (!corner_vertices.is_none()) {
+    const Integers which = as_integers(corner_vertices, "corner_vertices");
+    if (which.ndim() != 1) refuse("corner_vertices: a list of numbers is wanted");
+    for (const std::int32_t vertex : span_of(which)) corners.push_back({vertex, sharpness});
+  }
+  std::shared_ptr<PythonEdited> next;
+  auto change = changed(self,
+                        [&](Editor& editor, const Callbacks& callbacks) {
+                          next = std::make_shared<PythonEdited>(
+                              self.edited->first, editor.with_sharp(edges, corners, callbacks));
+                          return next->editor.everything();
+                        },
+                        {progress, cancelled});
+  self.edited = std::move(next);
+  return change;
+}
+
 FitHandle fit_now(PythonEditor& self) {
   auto made = std::make_shared<PythonFit>();
-  made->name = self.first->name;
-  made->threads = self.first->threads;
-  made->precision = self.first->precision;
-  made->seconds = self.first->seconds;
-  reading(self, [&](const Callbacks&) { made->fitted = edited(self.first->fitted, self.editor); });
+  made->name = self.first().name;
+  made->threads = self.first().threads;
+  made->precision = self.first().precision;
+  made->seconds = self.first().seconds;
+  reading(self,
+          [&](const Callbacks&) { made->fitted = edited(self.first().fitted, self.editor()); });
   return made;
 }
 
 template <class Value>
-py::array rows_of(std::span<const Value> rows, const py::object& owner) {
+py::array rows_of(std::span<const Value> rows, const PythonEditor& self) {
+  const py::capsule owner(new std::shared_ptr<PythonEdited>(self.edited), [](void* kept) {
+    delete static_cast<std::shared_ptr<PythonEdited>*>(kept);
+  });
   return view(rows.empty() ? nullptr : &rows[0].x, {static_cast<py::ssize_t>(rows.size()), 3},
               owner);
 }
@@ -178,6 +213,14 @@ void add_editor_class(py::module_& module) {
            "The vertices within the radius of some others by the shortest way along edges, and "
            "weights that fall smoothly from 1 there to 0: int32 (n,), float64 (n,). Raises "
            "InvalidArgument.")
+      .def("set_sharp", &set_sharp, py::arg("crease_edges") = py::none(),
+           py::arg("corner_vertices") = py::none(), py::arg("sharp") = true, py::kw_only(),
+           py::arg("progress") = py::none(), py::arg("cancelled") = py::none(),
+           "Makes edges (m, 2), pairs of vertices, and vertices (n,) sharp, or smooth again. The "
+           "mesh is solved from where it is and has other rows: arrays and LimitSurfaces that were "
+           "given before stay as they were. Moves can still be taken back, this by its opposite. "
+           "Raises InvalidArgument, also where the new system is not solved, and Cancelled: then "
+           "nothing has changed.")
       .def(
           "undo",
           [](PythonEditor& self) {
@@ -205,36 +248,29 @@ void add_editor_class(py::module_& module) {
            "dragged. The first call takes time for all of the mesh; moves keep it right at the "
            "cost of what they reach.")
       .def_property_readonly(
-          "points",
-          [](const py::object& self) {
-            return rows_of(self.cast<PythonEditor&>().editor.points(), self);
-          },
+          "points", [](const PythonEditor& self) { return rows_of(self.editor().points(), self); },
           "float64 (n, 3): the mesh's vertices where they are now, a read-only view.")
       .def_property_readonly(
           "positions",
-          [](const py::object& self) {
-            return rows_of(self.cast<PythonEditor&>().editor.positions(), self);
-          },
+          [](const PythonEditor& self) { return rows_of(self.editor().positions(), self); },
           "float64 (n, 3): the rows of fit.evaluate(level), a read-only view.")
       .def_property_readonly(
           "normals",
-          [](const py::object& self) {
-            return rows_of(self.cast<PythonEditor&>().editor.normals(), self);
-          },
+          [](const PythonEditor& self) { return rows_of(self.editor().normals(), self); },
           "float32 (n, 3) of unit length, a read-only view.")
       .def_property_readonly(
-          "can_undo", [](const PythonEditor& self) { return self.editor.can_undo(); },
+          "can_undo", [](const PythonEditor& self) { return self.editor().can_undo(); },
           "Whether there is a move to take back.")
       .def_property_readonly(
-          "can_redo", [](const PythonEditor& self) { return self.editor.can_redo(); },
+          "can_redo", [](const PythonEditor& self) { return self.editor().can_redo(); },
           "Whether there is a move that was taken back.")
       .def_property_readonly(
-          "error_bound", [](const PythonEditor& self) { return self.editor.error_bound(); },
+          "error_bound", [](const PythonEditor& self) { return self.editor().error_bound(); },
           "The surface is no farther from any vertex, as a fraction of the bounding box's "
           "diagonal.")
       .def("__repr__", [](const PythonEditor& self) {
-        return "<planish.Editor: " + counted(std::ssize(self.editor.points()), "vertex") + ", " +
-               counted(std::ssize(self.editor.positions()), "row") + ">";
+        return "<planish.Editor: " + counted(std::ssize(self.editor().points()), "vertex") + ", " +
+               counted(std::ssize(self.editor().positions()), "row") + ">";
       });
 }
 

@@ -18,7 +18,8 @@ namespace {
 /// planish.LimitSurface: the queries, with all that they read.
 struct PythonLimit {
   FitHandle fit;
-  EditorHandle editor;  ///< whose surface it is, or null
+  EditorHandle editor;                   ///< whose surface it is, or null
+  std::shared_ptr<PythonEdited> edited;  ///< what that was when it was asked for
   std::unique_ptr<LimitSurface> own_surface;
   std::unique_ptr<SurfaceQueries> own_queries;
   const LimitSurface* surface = nullptr;
@@ -176,11 +177,13 @@ py::dict first_hits(const PythonLimit& limit, const py::object& origins,
 
 py::object limit_surface_of(const EditorHandle& editor) {
   auto made = std::make_unique<PythonLimit>();
-  made->fit = editor->first;
+  made->edited = editor->edited;
+  made->fit = made->edited->first;
   made->editor = editor;
   const EditorUse use(*editor, EditorUse::Kind::Changes);
   run_released(
-      {}, [&](const Callbacks&) { made->queries = &editor->editor.queries(); }, made->fit->threads);
+      {}, [&](const Callbacks&) { made->queries = &made->edited->editor.queries(); },
+      made->fit->threads);
   made->surface = &made->queries->surface();
   return py::cast(std::move(made));
 }

@@ -75,7 +75,8 @@ class ReleasedWork {
   }
 
   const PythonCallbacks& python_;
-  Clock::time_point last_ = Clock::now();
+  // `cancelled` is asked at once, so that it stops short work, too.
+  Clock::time_point last_ = python_.cancelled.is_none() ? Clock::now() : Clock::time_point();
   std::exception_ptr raised_;
 };
 

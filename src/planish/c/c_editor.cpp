@@ -20,13 +20,19 @@ std::vector<glm::dvec3> vectors_of(const double* values, std::size_t count) {
   return result;
 }
 
+void require_list(const std::int32_t* values, std::size_t count, const char* name,
+                  const char* count_name) {
+  if (count > 0) require(values, name);
+  if (count > kMostVertices)
+    refuse(std::string(count_name) + " is " + std::to_string(count) +
+           ", more than 2^31 - 1; name fewer at once");
+}
+
 // The parts of every call that names vertices, before memory is taken for so many.
 void require_vertices(const planish_editor* editor, const std::int32_t* vertices,
                       std::size_t count) {
   require(editor, "editor");
-  if (count > 0) require(vertices, "vertices");
-  if (count > kMostVertices)
-    refuse("count is " + std::to_string(count) + ", more than 2^31 - 1; move in parts");
+  require_list(vertices, count, "vertices", "count");
 }
 
 glm::dmat4 matrix_of(const double* rows) {
@@ -36,13 +42,9 @@ glm::dmat4 matrix_of(const double* rows) {
   return matrix;
 }
 
-// Runs what changes an editor, and tells the caller what it did.
-template <class Work>
-planish_status changing(planish_editor* editor, planish_edit_change* change, const Work& work) {
-  require(editor, "editor");
-  EditChange made;
-  run_on(editor->thread_count, [&] { made = work(editor->edited->editor); });
-  if (change == nullptr) return PLANISH_OK;
+// Tells the caller what was done.
+void tell(planish_editor* editor, const EditChange& made, planish_edit_change* change) {
+  if (change == nullptr) return;
   editor->rows.clear();
   for (const RowRange& range : made.rows) editor->rows.push_back({range.first, range.count});
   planish_edit_change own;
@@ -56,7 +58,34 @@ planish_status changing(planish_editor* editor, planish_edit_change* change, con
   own.row_count = made.row_count;
   own.is_whole = made.is_whole ? 1 : 0;
   give(own, change, "change");
+}
+
+// Runs what changes an editor, and tells the caller what it did.
+template <class Work>
+planish_status changing(planish_editor* editor, planish_edit_change* change, const Work& work) {
+  require(editor, "editor");
+  EditChange made;
+  run_on(editor->thread_count, [&] { made = work(editor->edited->editor); });
+  tell(editor, made, change);
   return PLANISH_OK;
+}
+
+// The edges and vertices of planish_editor_set_sharp().
+struct SharpTags {
+  std::vector<CreaseEdge> edges;
+  std::vector<CornerVertex> corners;
+};
+
+SharpTags tags_of(const std::int32_t* edges, std::size_t edge_count, const std::int32_t* corners,
+                  std::size_t corner_count, bool is_sharp) {
+  const float sharpness = is_sharp ? kInfiniteSharpness : 0;
+  SharpTags tags;
+  tags.edges.reserve(edge_count);
+  for (std::size_t i = 0; i < edge_count; ++i)
+    tags.edges.push_back({edges[2 * i], edges[2 * i + 1], sharpness});
+  tags.corners.reserve(corner_count);
+  for (std::size_t i = 0; i < corner_count; ++i) tags.corners.push_back({corners[i], sharpness});
+  return tags;
 }
 
 }  // namespace
@@ -134,6 +163,30 @@ planish_status planish_editor_transform(planish_editor* editor, const int32_t* v
     return changing(editor, change, [&](planish::Editor& edit) {
       return edit.transform(selection, matrix_of(matrix));
     });
+  });
+}
+
+planish_status planish_editor_set_sharp(planish_editor* editor, const int32_t* crease_edges,
+                                        size_t crease_count, const int32_t* corner_vertices,
+                                        size_t corner_count, int32_t is_sharp,
+                                        planish_edit_change* change) {
+  return call([&] {
+    require(editor, "editor");
+    require_list(crease_edges, crease_count, "crease_edges", "crease_count");
+    require_list(corner_vertices, corner_count, "corner_vertices", "corner_count");
+    const SharpTags tags =
+        tags_of(crease_edges, crease_count, corner_vertices, corner_count, is_sharp != 0);
+    std::shared_ptr<EditedFit> next;
+    planish::EditChange made;
+    run_on(editor->thread_count, [&] {
+      const EditedFit& now = *editor->edited;
+      next =
+          std::make_shared<EditedFit>(now.first, now.editor.with_sharp(tags.edges, tags.corners));
+      made = next->editor.everything();
+    });
+    tell(editor, made, change);
+    editor->edited = std::move(next);
+    return PLANISH_OK;
   });
 }
 

@@ -74,6 +74,15 @@ planish_status planish_editor_select(planish_editor* editor, const int32_t* vert
 planish_status planish_editor_transform(planish_editor* editor, const int32_t* vertices,
                                         const double* weights, size_t count, const double* matrix,
                                         planish_edit_change* change);
+/** Makes crease_count edges, pairs of vertices, and corner_count vertices sharp, or smooth again
+ * where is_sharp is 0. That is another system with other rows: it is solved from where it is and
+ * evaluated whole. Arrays that the editor gave before end; queries that it gave answer for the
+ * surface as it was. Moves can still be taken back, this by its opposite. Refused where the mesh
+ * has no such edge or vertex, and where the new system is not solved: nothing has changed. */
+planish_status planish_editor_set_sharp(planish_editor* editor, const int32_t* crease_edges,
+                                        size_t crease_count, const int32_t* corner_vertices,
+                                        size_t corner_count, int32_t is_sharp,
+                                        planish_edit_change* change);
 /** Takes back the last move that was not yet taken back, or makes it again; nothing where there is
  * none. */
 planish_status planish_editor_undo(planish_editor* editor, planish_edit_change* change);

@@ -91,6 +91,8 @@ struct EditedFit {
 
   EditedFit(std::shared_ptr<const FittedMesh> fitted, int level)
       : first(std::move(fitted)), editor(*first, level) {}
+  EditedFit(std::shared_ptr<const FittedMesh> fitted, Editor&& made)
+      : first(std::move(fitted)), editor(std::move(made)) {}
 };
 
 }  // namespace planish::c

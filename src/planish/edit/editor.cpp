@@ -1,5 +1,6 @@
 #include "planish/edit/editor.h"
 
+#include <algorithm>
 #include <glm/vec4.hpp>
 #include <string>
 #include <utility>
@@ -18,6 +19,9 @@ Editor::Editor(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& opt
 Editor::Editor(const FittedMesh& fitted, int level)
     : Editor(fitted.mesh, fitted.fit, {level, fitted.options}) {}
 
+Editor::Editor(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Editor::Editor(Editor&& other) noexcept = default;
+Editor& Editor::operator=(Editor&& other) noexcept = default;
 Editor::~Editor() = default;
 
 EditChange Editor::move(std::span<const std::int32_t> vertices,
@@ -49,9 +53,16 @@ Selection Editor::select(std::span<const std::int32_t> vertices, double radius) 
 
 EditChange Editor::set_sharp(std::span<const CreaseEdge> edges,
                              std::span<const CornerVertex> corners, const Callbacks& callbacks) {
-  impl_ = impl_->with_sharp(edges, corners, callbacks);
-  return impl_->all_rows();
+  *this = with_sharp(edges, corners, callbacks);
+  return everything();
 }
+
+Editor Editor::with_sharp(std::span<const CreaseEdge> edges, std::span<const CornerVertex> corners,
+                          const Callbacks& callbacks) const {
+  return Editor(impl_->with_sharp(edges, corners, callbacks));
+}
+
+EditChange Editor::everything() { return impl_->all_rows(); }
 
 EditChange Editor::undo(const Callbacks& callbacks) {
   return impl_->step(impl_->past(), impl_->future(), callbacks);
@@ -77,12 +88,32 @@ std::unique_ptr<SurfaceBlocks> Editor::blocks(int level) const {
   return impl_->surface().surface()->level(level);
 }
 
+namespace {
+
+bool has_tags_of(const PolygonMesh& a, const PolygonMesh& b) {
+  return std::ranges::equal(a.creases, b.creases,
+                            [](const CreaseEdge& x, const CreaseEdge& y) {
+                              return x.v0 == y.v0 && x.v1 == y.v1 && x.sharpness == y.sharpness;
+                            }) &&
+         std::ranges::equal(a.corners, b.corners, [](const CornerVertex& x, const CornerVertex& y) {
+           return x.vertex == y.vertex && x.sharpness == y.sharpness;
+         });
+}
+
+}  // namespace
+
 FittedMesh edited(const FittedMesh& first, const Editor& editor) {
   FittedMesh result = first;
   const auto rest = editor.rest_positions();
   result.mesh = editor.mesh();
   result.fit = editor.fit();
   result.rest_positions.assign(rest.begin(), rest.end());
+  if (!has_tags_of(result.mesh, first.mesh)) {
+    // What is sharp was set by hand: no rule of the first fit finds it again.
+    result.uses_tags = true;
+    result.split_normals = false;
+    result.crease_degrees.reset();
+  }
   // What was measured was the surface before the moves.
   if (result.reason) result.reason->progressive = result.reason->fair = result.reason->creased = {};
   return result;

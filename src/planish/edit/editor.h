@@ -57,6 +57,8 @@ class Editor {
   /// The same of all that fit_mesh() made.
   explicit Editor(const FittedMesh& fitted, int level = 2);
   Editor(PolygonMesh&& mesh, const Fit& fit, const EditorOptions& options = {}) = delete;
+  Editor(Editor&& other) noexcept;
+  Editor& operator=(Editor&& other) noexcept;
   ~Editor();
 
   /// Moves vertices of the mesh to positions in its coordinates; of a vertex that is named twice
@@ -81,6 +83,13 @@ class Editor {
   /// the new system is not solved; Error{Cancelled}: then nothing has changed.
   EditChange set_sharp(std::span<const CreaseEdge> edges, std::span<const CornerVertex> corners,
                        const Callbacks& callbacks = {});
+  /// The same as another editor, whose everything() is then the change; what this one has given
+  /// stays, for hosts whose callers still look at it. Throws as set_sharp().
+  [[nodiscard]] Editor with_sharp(std::span<const CreaseEdge> edges,
+                                  std::span<const CornerVertex> corners,
+                                  const Callbacks& callbacks = {}) const;
+  /// All rows and control points, as the change that a new editor is to its caller.
+  [[nodiscard]] EditChange everything();
 
   /// Takes back the last move that was not yet taken back, or does it again; nothing where there is
   /// none.
@@ -123,6 +132,7 @@ class Editor {
 
  private:
   class Impl;
+  explicit Editor(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -27,15 +27,13 @@ Fit without_arrays(const Fit& fit) {
   result.prepared = fit.prepared;
   result.spectral_bound = fit.spectral_bound;
   result.stencil_entries = fit.stencil_entries;
-  result.sharp_edge_count = fit.sharp_edge_count;
-  result.boundary_edge_count = fit.boundary_edge_count;
-  result.corner_count = fit.corner_count;
   return result;
 }
 
 }  // namespace
 
-Editor::Impl::Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options)
+Editor::Impl::Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options,
+                   const Callbacks& callbacks)
     : mesh_(mesh),
       options_(options),
       fit_(without_arrays(fit)),
@@ -53,6 +51,9 @@ Editor::Impl::Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions&
   };
   features_ = find_sharp_features(used_.mesh, *fit.prepared->topology, used_.mesh.positions,
                                   options.fit.sharp);
+  fit_.sharp_edge_count = features_.sharp_edge_count;
+  fit_.boundary_edge_count = features_.sharp_edge_count - features_.interior_sharp_edge_count;
+  fit_.corner_count = features_.corner_count;
   // A fair net's first step takes the weights of 1978 whatever the later levels take.
   subdivision_.emplace(*fit.prepared->topology, features_,
                        fit.fair ? Weights::DooSabin : options.fit.weights);
@@ -60,9 +61,11 @@ Editor::Impl::Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions&
     fair_.emplace(used_.mesh, *subdivision_, fit.fair->decisions, options.fit.polish_steps,
                   options.fit.cures_folds, unit(mesh.positions));
   } else {
-    solve_.emplace(doo_sabin_system(used_.mesh, *subdivision_, options_.fit),
-                   fit.prepared->topology, unit(mesh.positions), unit(fit.cage.positions),
-                   options.fit.tolerance);
+    LimitSystem system = doo_sabin_system(used_.mesh, *subdivision_, options_.fit);
+    fit_.spectral_bound = system.spectral_bound;
+    fit_.stencil_entries = system.masks.entry_count();
+    solve_.emplace(std::move(system), fit.prepared->topology, unit(mesh.positions),
+                   unit(fit.cage.positions), options.fit.tolerance, callbacks);
   }
   EvaluateOptions evaluate;
   evaluate.level = options.level;
@@ -78,8 +81,8 @@ Editor::Impl::Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions&
 }
 
 Editor::Impl::Impl(std::unique_ptr<const PolygonMesh> mesh, const Fit& fit,
-                   const EditorOptions& options)
-    : Impl(*mesh, fit, options) {
+                   const EditorOptions& options, const Callbacks& callbacks)
+    : Impl(*mesh, fit, options, callbacks) {
   own_mesh_ = std::move(mesh);
 }
 
@@ -87,6 +90,7 @@ std::unique_ptr<Editor::Impl> Editor::Impl::with_sharp(std::span<const CreaseEdg
                                                        std::span<const CornerVertex> corners,
                                                        const Callbacks& callbacks) const {
   const HostScope host(callbacks);
+  check_stop();  // small meshes have no loop that looks
   if (!options_.fit.sharp.use_tags) {
     throw Error(ErrorCode::InvalidArgument,
                 "set_sharp: the fit does not look at tags; fit again with sharp.use_tags");
@@ -103,8 +107,8 @@ std::unique_ptr<Editor::Impl> Editor::Impl::with_sharp(std::span<const CreaseEdg
   } else {
     now = fit();
   }
-  auto next =
-      std::make_unique<Impl>(std::unique_ptr<const PolygonMesh>(std::move(mesh)), now, options_);
+  auto next = std::make_unique<Impl>(std::unique_ptr<const PolygonMesh>(std::move(mesh)), now,
+                                     options_, callbacks);
   next->past_ = past_;
   next->future_ = future_;
   return next;

@@ -19,9 +19,11 @@ namespace planish {
 /// The way of a move: solve, surface, change.
 class Editor::Impl {
  public:
-  Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options);
+  Impl(const PolygonMesh& mesh, const Fit& fit, const EditorOptions& options,
+       const Callbacks& callbacks = {});
   /// The same of a mesh that it keeps.
-  Impl(std::unique_ptr<const PolygonMesh> mesh, const Fit& fit, const EditorOptions& options);
+  Impl(std::unique_ptr<const PolygonMesh> mesh, const Fit& fit, const EditorOptions& options,
+       const Callbacks& callbacks);
 
   /// Another one, of the mesh as it is now with other tags. Throws as Editor::set_sharp().
   [[nodiscard]] std::unique_ptr<Impl> with_sharp(std::span<const CreaseEdge> edges,

@@ -42,7 +42,7 @@ constexpr std::size_t kSolveGrain = 4096;
 
 LocalSolve::LocalSolve(LimitSystem system, std::shared_ptr<const MeshTopology> topology,
                        std::vector<glm::dvec3> given, std::vector<glm::dvec3> control,
-                       double tolerance)
+                       double tolerance, const Callbacks& callbacks)
     : system_(std::move(system)),
       topology_(std::move(topology)),
       given_(std::move(given)),
@@ -57,7 +57,7 @@ LocalSolve::LocalSolve(LimitSystem system, std::shared_ptr<const MeshTopology> t
     sums_per_face_ = count / static_cast<std::int32_t>(large_faces_.size());
     fresh_faces_ = SparseSet(static_cast<std::int32_t>(large_faces_.size()));
   }
-  settle();
+  settle(callbacks);
 }
 
 glm::dvec3 LocalSolve::residual(std::int32_t row) const {

@@ -26,7 +26,8 @@ class LocalSolve {
   /// and beyond, so that moves begin with room. Throws Error{InvalidArgument} where that does not
   /// converge, Error{Cancelled}.
   LocalSolve(LimitSystem system, std::shared_ptr<const MeshTopology> topology,
-             std::vector<glm::dvec3> given, std::vector<glm::dvec3> control, double tolerance);
+             std::vector<glm::dvec3> given, std::vector<glm::dvec3> control, double tolerance,
+             const Callbacks& callbacks = {});
 
   [[nodiscard]] std::span<const glm::dvec3> given() const { return given_; }
   [[nodiscard]] std::span<const glm::dvec3> control() const { return control_; }
