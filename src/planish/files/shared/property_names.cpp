@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "planish/core/number_text.h"
 #include "planish/files/shared/identifier.h"
 #include "planish/files/shared/text_lines.h"
 
