@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "planish/core/host_scope.h"
 #include "planish/files/gltf/asset/write_asset.h"
 #include "planish/pipeline/asset_attributes.h"
 #include "planish/pipeline/asset_parts.h"
