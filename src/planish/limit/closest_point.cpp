@@ -254,7 +254,7 @@ void NearestSearch::search_region(const PatchPiece& piece, Region region, const 
 // polynomial, each polynomial of it.
 void NearestSearch::search_corner(std::int32_t corner, const glm::dvec3& target) {
   corner_ = corner;
-  PatchPieces& pieces = kept_[static_cast<std::size_t>(corner) % kKeptCorners];
+  PatchPieces& pieces = kept_[static_cast<std::size_t>(corner) % kept_.size()];
   pieces.move_to(corner);
   struct Start {
     double square_distance;

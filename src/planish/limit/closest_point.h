@@ -22,15 +22,16 @@ struct NearestPlace {
 /// end, by ten or a hundred times as much. Used again from point to point; one a thread.
 class NearestSearch {
  public:
-  explicit NearestSearch(const CornerTree& tree)
-      : tree_(tree), kept_(kKeptCorners, PatchPieces(tree.surface(), tree.reaches())) {}
+  /// Keeps the pieces of so many corners from point to point: of one, or where points come in the
+  /// order of space, and so ask for the same corners, of kManyCorners.
+  explicit NearestSearch(const CornerTree& tree, std::size_t kept_corners = 1)
+      : tree_(tree), kept_(kept_corners, PatchPieces(tree.surface(), tree.reaches())) {}
+
+  static constexpr std::size_t kManyCorners = 64;
 
   [[nodiscard]] NearestPlace run(const glm::dvec3& point);
 
  private:
-  // Points near one another ask for the same corners, whose pieces are much of the work.
-  static constexpr std::size_t kKeptCorners = 64;
-
   void search_corner(std::int32_t corner, const glm::dvec3& target);
   // Points relative to the corner's own from here on.
   struct Region;

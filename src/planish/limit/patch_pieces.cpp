@@ -8,6 +8,8 @@
 namespace planish {
 namespace {
 
+constexpr std::size_t kUsualHalvings = 8;  // of a quarter that is searched
+
 PatchBox box_of(std::span<const glm::dvec3> points) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   PatchBox box{glm::dvec3(kFar), glm::dvec3(-kFar)};
@@ -123,6 +125,7 @@ void PatchPieces::move_to(std::int32_t corner) {
 void PatchPieces::enter(std::size_t quarter, const PatchForm& form) {
   Inside& inside = inside_[quarter];
   inside.rings.clear();
+  inside.rings.reserve(kUsualHalvings);
   inside.form = &form;
   inside.frame = vertex_frame(quarter);
   quarter_points(corner_.form(), static_cast<int>(quarter), corner_.points(), inside.points);

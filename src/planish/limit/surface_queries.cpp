@@ -49,9 +49,10 @@ void require_room(std::string_view name, std::size_t points, std::size_t answers
 
 // Calls answer(search, i) for each of the points.
 template <class Answer>
-void ask_each(const CornerTree& tree, std::span<const glm::dvec3> points, const Answer& answer) {
+void ask_each(const CornerTree& tree, std::size_t kept_corners, std::span<const glm::dvec3> points,
+              const Answer& answer) {
   parallel_for(points.size(), kQuestionGrain, [&](std::size_t begin, std::size_t end) {
-    NearestSearch search(tree);
+    NearestSearch search(tree, kept_corners);
     for (std::size_t i = begin; i < end; ++i) {
       require_finite(points[i], i);
       answer(search, i);
@@ -122,7 +123,7 @@ ClosestPoint SurfaceQueries::closest(const glm::dvec3& point) const {
 void SurfaceQueries::closest(std::span<const glm::dvec3> points,
                              std::span<ClosestPoint> result) const {
   require_room("closest", points.size(), result.size());
-  ask_each(tree_, points, [&](NearestSearch& search, std::size_t i) {
+  ask_each(tree_, 1, points, [&](NearestSearch& search, std::size_t i) {
     result[i] = closest_point(search, surface(), points[i]);
   });
 }
@@ -130,7 +131,7 @@ void SurfaceQueries::closest(std::span<const glm::dvec3> points,
 void SurfaceQueries::distances(std::span<const glm::dvec3> points, std::span<double> result) const {
   require_room("distances", points.size(), result.size());
   const Placement& placement = surface().surface().placement();
-  ask_each(tree_, points, [&](NearestSearch& search, std::size_t i) {
+  ask_each(tree_, NearestSearch::kManyCorners, points, [&](NearestSearch& search, std::size_t i) {
     const glm::dvec3 unit = placement.to_unit(points[i]);
     result[i] = safe_length(unit) <= kFarthest
                     ? placement.diagonal * std::sqrt(search.run(unit).square_distance)
