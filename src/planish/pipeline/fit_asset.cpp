@@ -91,7 +91,7 @@ FileFit fit_asset(const GltfAsset& asset, const std::filesystem::path& output,
     rows += std::ldexp(1.0, 2 * level);
     edges.push_back(std::ldexp(1.0, -level));
   }
-  const double made = 1 / (1 + 0.1 * rows), fitted = kMeshesFitted * made;
+  const double made = share_before_rows(levels), fitted = kMeshesFitted * made;
   MeshFitOptions fitting = how;
   fitting.fit.callbacks = share_of(whole, 0, fitted);
   std::list<AssetPart> parts = fitted_parts(asset, fitting, backend, options);

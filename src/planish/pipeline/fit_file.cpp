@@ -153,10 +153,8 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
                     MeshFitOptions how, std::optional<FileFormat> cage_format, Backend& backend,
                     const FitFileOptions& options) {
   const Callbacks callbacks = how.fit.callbacks;
-  // Of the time when the file is read, and when the mesh is fitted: a level takes as its faces do.
-  double surface = 0;
-  for (const int level : options.levels()) surface += 0.1 * std::ldexp(1.0, 2 * level);
-  const double read = 0.2 / (1 + surface), fit = 1 / (1 + surface);
+  // Of the time when the file is read, and when the mesh is fitted.
+  const double fit = share_before_rows(options.levels()), read = 0.2 * fit;
   if (may_keep_asset(input, output, options)) {
     const RawVector<std::byte> bytes = read_file(input, share_of(callbacks, 0, read));
     const std::string name = visible(input);

@@ -1,5 +1,6 @@
 #include "planish/pipeline/fitted_level.h"
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -8,6 +9,12 @@
 #include "planish/patches/patch_evaluator.h"
 
 namespace planish {
+
+double share_before_rows(std::span<const int> levels) {
+  double rows = 0;
+  for (const int level : levels) rows += 0.1 * std::ldexp(1.0, 2 * level);
+  return 1 / (1 + rows);
+}
 
 FittedLevel fitted_level(const FittedMesh& fitted, Backend& backend,
                          const SurfaceFileOptions& options) {

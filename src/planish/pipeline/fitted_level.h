@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "planish/backend/backend.h"
@@ -19,6 +20,10 @@ struct FittedLevel {
   std::unique_ptr<const SurfaceMesh> whole;
   std::unique_ptr<SurfaceBlocks> blocks;
 };
+
+/// Of the time of a job, when its meshes are fitted and the rows of these levels are to be made: a
+/// level takes as its faces do.
+[[nodiscard]] double share_before_rows(std::span<const int> levels);
 
 /// `fitted` must outlive it. Throws as evaluate().
 [[nodiscard]] FittedLevel fitted_level(const FittedMesh& fitted, Backend& backend,
