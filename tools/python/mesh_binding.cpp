@@ -100,11 +100,12 @@ py::dict point_keywords(const PointCloud& cloud) {
 void add_to_points(const py::object& normals, const py::object& colors,
                    const py::object& attributes, PointCloud& cloud) {
   PolygonMesh mesh;
-  mesh.positions = cloud.points;
+  mesh.positions = std::move(cloud.points);
   MeshArguments riders;
   riders.colors = colors;
   riders.attributes = attributes;
   riders.add_to(mesh);
+  cloud.points = std::move(mesh.positions);
   cloud.colors = std::move(mesh.colors);
   cloud.attributes = std::move(mesh.attributes);
   if (normals.is_none()) return;
