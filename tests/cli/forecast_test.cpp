@@ -201,14 +201,14 @@ TEST_F(Needs, OfErrorsByHowTheMeshBends) {
 }
 
 #ifdef PLANISH_HAS_MESHER
-// side^2 points as text.
-std::string torus_cloud(int side) {
+// side^2 points as text, each with the same further words.
+std::string torus_cloud(int side, const std::string& further = {}) {
   std::string cloud;
   for (int i = 0; i < side * side; ++i) {
     const double u = 6.2832 * (i % side) / side, v = 6.2832 * (i / side) / side;
     const double r = 1 + 0.4 * std::cos(v);
     cloud += std::to_string(r * std::cos(u)) + " " + std::to_string(r * std::sin(u)) + " " +
-             std::to_string(0.4 * std::sin(v)) + "\n";
+             std::to_string(0.4 * std::sin(v)) + further + "\n";
   }
   return cloud;
 }
@@ -217,8 +217,13 @@ TEST_F(Needs, OfPointsByTheirNumber) {
   write("cloud.xyz", torus_cloud(120));
   expect_enough({"cloud.xyz", "-o", "a.glb"});
   expect_enough({"cloud.xyz", "-o", "a.glb", "--tolerance-mesh", "0"});
-  write("large.xyz", torus_cloud(720));
-  expect_enough({"large.xyz", "-o", "a.glb", "--tolerance-mesh", "1e-3"});
+  std::string header = "ply\nformat ascii 1.0\nelement vertex 518400\n";
+  for (const char* name : {"x", "y", "z", "quality", "time", "angle"})
+    header += std::string("property float ") + name + "\n";
+  for (const char* name : {"red", "green", "blue"})
+    header += std::string("property uchar ") + name + "\n";
+  write("large.ply", header + "end_header\n" + torus_cloud(720, " 1 2 3 90 80 70"));
+  expect_enough({"large.ply", "-o", "a.glb", "--tolerance-mesh", "1e-3"});
   // How many triangles an error takes is known once there is a mesh.
   EXPECT_THAT(fit({"cloud.xyz", "-o", "a.glb", "--chord-error", "1e-3", "--dry-run"}).out,
               HasSubstr("memory       known once there is a mesh"));

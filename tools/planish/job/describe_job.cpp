@@ -56,8 +56,8 @@ std::string describe_points(const PlannedJob& planned, const PointInput& input,
   std::string text = "would reconstruct and fit " + input.name + ": " +
                      counted(std::ssize(input.cloud.points), "point") + "\n" + device_line(device);
   for (const PlannedOutput& output : planned.outputs) text += write_line(output.path, "", claims);
-  return text + needs_text(forecast_of_points(std::ssize(input.cloud.points), planned.job.settings,
-                                              planned.outputs, page_bytes));
+  return text + needs_text(forecast_of_points(input.cloud, planned.job.settings, planned.outputs,
+                                              page_bytes));
 }
 
 // The files beside an output of about so many bytes: a .gltf's buffers; that of an OBJ is written

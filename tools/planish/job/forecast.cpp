@@ -36,7 +36,9 @@ constexpr std::uint64_t kTileVertexBytes = 180;
 // Of a page's still picture: four samples of 8 bytes and a pixel of 4.
 constexpr std::uint64_t kStillBytes = std::uint64_t{36} * kStillWidth * kStillHeight;
 constexpr std::uint64_t kCloudFixedBytes = 40u << 20, kCloudPointBytes = 2400,
-                        kCarriedPointBytes = 96;
+                        kCarriedPointBytes = 130;
+// Copies of what points have besides their places: the reader's and the cloud's.
+constexpr std::uint64_t kRiderCopies = 2;
 // Samples may be so many times more than asked for.
 constexpr double kMostSamples = 1.3;
 
@@ -135,6 +137,14 @@ Forecast forecast_by_counts(const MeshCounts& counts, const Settings& settings,
 std::uint64_t solve_bytes(const ReadyFit& ready, const Settings& settings) {
   const bool makes_both = ready.paired && !ready.is_plainly_halved;
   return solve_bytes(ready.fitted.options.prepared->topology->corner_count(), makes_both, settings);
+}
+
+std::uint64_t rider_bytes(const PointCloud& cloud) {
+  std::uint64_t bytes =
+      std::span(cloud.normals).size_bytes() + std::span(cloud.colors).size_bytes();
+  for (const VertexAttribute& attribute : cloud.attributes)
+    bytes += std::span(attribute.values).size_bytes();
+  return bytes;
 }
 
 double thread_count() { return std::max(1u, std::thread::hardware_concurrency()); }
@@ -237,8 +247,9 @@ Forecast forecast_of(std::span<const MeshNeed> meshes, const Settings& settings,
   return all;
 }
 
-Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
+Forecast forecast_of_points(const PointCloud& cloud, const Settings& settings,
                             const std::vector<PlannedOutput>& outputs, std::uint64_t page_bytes) {
+  const std::int64_t point_count = std::ssize(cloud.points);
   const std::int64_t first = meshed_at_first(point_count, settings.points);
   const bool few = first < point_count;
   const auto meshed = static_cast<std::int64_t>(few ? kMostSamples * static_cast<double>(first)
@@ -252,8 +263,8 @@ Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
   const auto carried = few ? static_cast<std::uint64_t>(point_count) : 0;
   const std::uint64_t meshing =
       kCloudFixedBytes + kCloudPointBytes * static_cast<std::uint64_t>(meshed);
-  forecast.peak_bytes =
-      std::max(forecast.peak_bytes + held.peak(), meshing) + kCarriedPointBytes * carried;
+  forecast.peak_bytes = std::max(forecast.peak_bytes + held.peak(), meshing) +
+                        kCarriedPointBytes * carried + kRiderCopies * rider_bytes(cloud);
   for (const PlannedOutput& output : outputs)
     if (output.fineness.is_adaptive()) forecast.peak_bytes = 0;
   forecast.seconds =

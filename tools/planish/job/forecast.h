@@ -8,6 +8,7 @@
 
 #include "job/job.h"
 #include "planish/files/gltf/asset/asset_vertices.h"
+#include "planish/mesh/point_cloud.h"
 #include "planish/pipeline/fit_mesh.h"
 
 namespace planish::command {
@@ -44,9 +45,9 @@ struct MeshNeed {
                                    const std::vector<PlannedOutput>& outputs,
                                    std::uint64_t page_bytes, std::uint64_t asset_bytes = 0);
 
-/// Of a job on so many points: what it would take if their mesh went through all that are meshed at
+/// Of a job on a cloud: what it would take if their mesh went through all that are meshed at
 /// first; nothing of the files. Without a peak where an output's fineness asks for the mesh.
-[[nodiscard]] Forecast forecast_of_points(std::int64_t point_count, const Settings& settings,
+[[nodiscard]] Forecast forecast_of_points(const PointCloud& cloud, const Settings& settings,
                                           const std::vector<PlannedOutput>& outputs,
                                           std::uint64_t page_bytes);
 
