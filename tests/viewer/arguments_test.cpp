@@ -34,6 +34,9 @@ TEST(ViewerArguments, WhatIsWrongIsNamed) {
   expect_error({"--no-such-flag"}, 2, "--no-such-flag");
   expect_error({"--png", "a.png"}, 2, "--headless");
   expect_error({"--headless", "--frames", "0"}, 2, "--frames");
+  expect_error({"--script", "a.txt"}, 2, "--headless");
+  expect_error({"--headless", "--script", "a.txt", "--frames", "2"}, 2, "--frames");
+  expect_error({"--headless", "--edit"}, 2, "--edit");
   expect_error({"--headless", "--iterations", "65"}, 2, "--iterations");
   expect_error({"--headless", "--level", "-1"}, 2, "--level");
   expect_error({"--headless", "--size", "10x10"}, 2, "--size 10x10");
@@ -63,6 +66,29 @@ TEST_F(ViewerProcess, WritesAPicture) {
   const std::string bytes(std::istreambuf_iterator<char>(file), {});
   EXPECT_THAT(bytes, StartsWith("\x89PNG"));
   std::filesystem::remove(path);
+}
+
+TEST_F(ViewerProcess, DrawsAScriptOfMoves) {
+  const auto folder = std::filesystem::temp_directory_path() / "planish_viewer_script";
+  std::filesystem::create_directories(folder);
+  const std::string script = (folder / "moves.txt").string(), mesh = (folder / "a.obj").string();
+  std::ofstream(script) << "vertices 0\nradius 0.5\nmove 0 0 0.2 3\npicture "
+                        << (folder / "a.png").string() << "\nsave mesh " << mesh << '\n';
+  const std::string scene = PLANISH_SCENES "/torus.obj";
+  const test::ProcessResult result = test::run_planish(
+      {"--headless", "--scene", scene, "--script", script, "--size", "64x48", "--validate"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("5 steps, 4 frames; the surface is within 1.2e-07"),
+                                HasSubstr("validation: 0 messages")));
+  EXPECT_TRUE(std::filesystem::exists(mesh));
+  EXPECT_TRUE(std::filesystem::exists(folder / "a.png"));
+  expect_error({"--headless", "--scene", scene, "--script", "missing.txt"}, 3, "missing.txt");
+  std::ofstream(script) << "vertices 99999\n";
+  expect_error({"--headless", "--scene", scene, "--script", script, "--size", "64x48"}, 2,
+               script + ":1: there is no vertex 99999");
+  std::ofstream(script) << "jump\n";
+  expect_error({"--headless", "--scene", scene, "--script", script}, 2, script + ":1: 'jump'");
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(ViewerProcess, SaysThatAPictureCannotBeWritten) {

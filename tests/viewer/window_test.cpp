@@ -4,7 +4,6 @@
 
 // clang-format off: before GLFW, which declares Vulkan's part only then
 #include <GLFW/glfw3.h>
-#include <vulkan/vulkan.h>
 // clang-format on
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -15,14 +14,20 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "planish/core/error.h"
+#include "planish/files/mesh_file.h"
 #include "support/environment_variable.h"
 #include "support/meshes.h"
+#include "viewer/edit_hand.h"
 #include "viewer/fixture.h"
 #include "viewer/swapchain.h"
+#include "viewer/x11_user.h"
 
 namespace planish::testing {
 namespace {
@@ -112,6 +117,63 @@ TEST_F(WindowTest, ShowsASecondOfFrames) {
   const WindowRun run = run_window(scene_of(mesh), options);
   EXPECT_GE(run.frames, 60);
   EXPECT_GE(run.seconds, 0.9);
+}
+
+TEST_F(WindowTest, DragsAPointAndSavesIt) {
+  const auto folder = std::filesystem::temp_directory_path() / "planish_viewer_window";
+  std::filesystem::create_directories(folder);
+  const PolygonMesh mesh = test::torus(24, 12, 2, 0.7);
+  WindowOptions options = window_options(mesh);
+  options.width = 600;
+  options.height = 400;
+  options.edits = true;
+  options.save = (folder / "edited").string();
+  options.settings.iterations = 2;
+  options.frames = 48;
+  std::unique_ptr<X11User> user;
+  // A point that is seen beside the panel, which takes the upper left.
+  const float aspect = 1.5f;
+  int x = 0, y = 0;
+  viewer::Scene scene = scene_of(mesh);
+  EditSession session(scene);
+  EditHand hand(session);
+  for (std::int32_t v = 0; v < mesh.vertex_count() && x == 0; ++v) {
+    const glm::vec2 at =
+        *options.camera.place_of(mesh.positions[static_cast<std::size_t>(v)], aspect);
+    if (at.x < 0.6f || hand.vertex_at(options.camera, aspect, at) != v) continue;
+    x = static_cast<int>(std::lround(600 * at.x));
+    y = static_cast<int>(std::lround(400 * at.y));
+  }
+  ASSERT_GT(x, 0);
+  options.before_frame = [&](GLFWwindow* window, int frame) {
+    if (frame == 0) {
+      user = std::make_unique<X11User>(window);
+      glfwFocusWindow(window);
+    }
+    if (frame == 4) user->point_at(x, y);
+    if (frame == 8) user->left_button(true);
+    if (frame >= 12 && frame < 20) user->point_at(x + frame - 11, y + 2 * (frame - 11));
+    if (frame == 24) user->left_button(false);
+    if (frame == 28) user->key("Control_L", true);
+    if (frame == 30) user->key("s", true);
+    if (frame == 34) user->key("s", false);
+    if (frame == 36) user->key("Control_L", false);
+    if (frame == 46) user.reset();
+  };
+  EXPECT_EQ(run_window(scene_of(mesh), options).frames, 48);
+  const PolygonMesh saved = read_mesh(options.save + ".obj").mesh;
+  ASSERT_EQ(saved.vertex_count(), mesh.vertex_count());
+  int moved = 0;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (saved.positions[v] == mesh.positions[v]) continue;
+    ++moved;
+    const glm::vec2 from = *options.camera.place_of(mesh.positions[v], aspect),
+                    to = *options.camera.place_of(saved.positions[v], aspect);
+    EXPECT_NEAR(600 * (to - from).x, 8, 0.6);
+    EXPECT_NEAR(400 * (to - from).y, 16, 0.6);
+  }
+  EXPECT_EQ(moved, 1);
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(WindowTest, FollowsItsSize) {

@@ -17,11 +17,29 @@ const command::CommandText kText{
     .examples = {"planish-viewer --scene scenes/goblet.json",
                  "planish-viewer --headless --scene scenes/goblet.json --frames 120 --png out.png",
                  "planish-viewer --headless --scene bust.obj --level 3 --iterations 2 --heat --png "
-                 "heat.png"},
+                 "heat.png",
+                 "planish-viewer --headless --scene scenes/goblet.json --script moves.txt"},
     .first_flags = {},
     .notes =
         "In the window: drag to orbit, scroll to zoom; S surface, C cage, P points, H errors, "
-        "space pause, Esc close.\nExit codes are those of planish; 1 also where --validate had "
+        "space pause, E edit, Esc close.\nWhile editing: drag a point of the surface to move it, "
+        "Ctrl+click adds it to those that move together or takes it out, [ and ] or Shift+scroll "
+        "change how far around they take others along; X creases the edge under the cursor, V the "
+        "vertex as a corner, or smooths them; Ctrl+Z undo, Ctrl+Y redo, Ctrl+S save; drag beside "
+        "the surface or with the right button to orbit.\n"
+        "Steps of a script, one a line; # begins a comment:\n"
+        "  pick X Y [add]               selects the vertex under a pixel\n"
+        "  vertices V [V ...]           or by number, from 0\n"
+        "  radius R                     vertices up to R away, along edges, move along; 0: none\n"
+        "  move DX DY DZ [FRAMES]       moves the selection\n"
+        "  drag X Y X2 Y2 [FRAMES]      takes the vertex under a pixel to another pixel\n"
+        "  crease V V, crease at X Y    makes an edge sharp, or smooth again\n"
+        "  corner V                     the same of a vertex\n"
+        "  undo [N], redo [N]           takes steps back, or does them again\n"
+        "  frames N                     draws so many\n"
+        "  picture FILE.png             solved from a cold start\n"
+        "  save mesh|cage|surface FILE\nExit codes are those of planish; 1 also "
+        "where --validate had "
         "messages."};
 
 std::string footer() {
@@ -30,14 +48,16 @@ std::string footer() {
   return text + kText.notes + "\n";
 }
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::InvalidArgument, what); }
+[[noreturn]] void refuse_arguments(const std::string& what) {
+  throw Error(ErrorCode::InvalidArgument, what);
+}
 
 void parse_size(const std::string& text, Arguments& arguments) {
   char rest = 0;
   if (std::sscanf(text.c_str(), "%dx%d%c", &arguments.width, &arguments.height, &rest) != 2 ||
       std::min(arguments.width, arguments.height) < kLeastSide ||
       std::max(arguments.width, arguments.height) > kLargestSide)
-    refuse("--size " + text + ": is not WIDTHxHEIGHT from 16x16 to 8192x8192");
+    refuse_arguments("--size " + text + ": is not WIDTHxHEIGHT from 16x16 to 8192x8192");
 }
 
 void parse_view(const std::string& text, Arguments& arguments) {
@@ -47,7 +67,7 @@ void parse_view(const std::string& text, Arguments& arguments) {
                   &rest) != 2 ||
       !(std::abs(arguments.azimuth_degrees) <= 360) ||
       !(std::abs(arguments.elevation_degrees) <= kMostDegrees))
-    refuse("--view " + text + ": is not AZIMUTH,ELEVATION in degrees, up to 360 and 89");
+    refuse_arguments("--view " + text + ": is not AZIMUTH,ELEVATION in degrees, up to 360 and 89");
 }
 
 }  // namespace
@@ -79,9 +99,17 @@ std::optional<Arguments> parse_arguments(int argc, const char* const* argv) {
   app.add_option("--view", view, "AZIMUTH,ELEVATION of the eye in degrees; 35,20");
   app.add_option("--size", size, "WIDTHxHEIGHT in pixels; 1280x720");
   app.add_option("--device", arguments.device, "number or part of the name of a Vulkan device");
-  app.add_option("--frames", arguments.frames, "how many, then it ends; off-screen 1")
-      ->check(CLI::Range(1, kMostFrames));
+  auto* frames =
+      app.add_option("--frames", arguments.frames, "how many, then it ends; off-screen 1")
+          ->check(CLI::Range(1, kMostFrames));
   auto* headless = app.add_flag("--headless", arguments.headless, "renders off-screen");
+  app.add_option("--script", arguments.script, "moves of points to make and draw, see below")
+      ->needs(headless)
+      ->excludes(frames);
+  app.add_flag("--edit", arguments.edit, "the window begins with points to drag, at rest")
+      ->excludes(headless);
+  app.add_option("--save", arguments.save, "Ctrl+S writes PREFIX.obj, PREFIX_cage.obj, PREFIX.glb")
+      ->excludes(headless);
   app.add_option("--png", arguments.png, "the last frame's picture, of --headless")
       ->needs(headless);
   app.add_flag("--validate", arguments.validate,
@@ -93,7 +121,7 @@ std::optional<Arguments> parse_arguments(int argc, const char* const* argv) {
     app.exit(help);
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
-    refuse(std::string(error.what()) + "; planish-viewer --help lists the flags");
+    refuse_arguments(std::string(error.what()) + "; planish-viewer --help lists the flags");
   }
   if (wants_manual) {
     const command::HelpPage page = command::help_page(app, {{"", kText}});

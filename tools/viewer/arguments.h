@@ -9,8 +9,9 @@ namespace planish::viewer {
 
 /// What was asked for on the command line.
 struct Arguments {
-  std::string scene = "scenes/goblet.json", job, device, png;
-  bool headless = false, validate = false;
+  std::string scene = "scenes/goblet.json", job, device, png, script;
+  std::string save;  ///< prefix of what Ctrl+S writes; empty: NAME_edited
+  bool headless = false, validate = false, edit = false;
   std::optional<int> level;  ///< empty: the scene's
   int frames = 0;            ///< 0: off-screen one, in a window until it is closed
   int width = 1280, height = 720;

@@ -6,6 +6,7 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <glm/vec4.hpp>
 #include <limits>
 
 namespace planish::viewer {
@@ -46,6 +47,29 @@ glm::vec3 OrbitCamera::key_light() const {
   const glm::vec3 right = glm::normalize(glm::cross(kUp, backward()));
   const glm::vec3 up = glm::cross(backward(), right);
   return glm::normalize(-0.55f * right + 0.65f * up + 0.65f * backward());
+}
+
+PictureRay OrbitCamera::ray_through(const glm::vec2& place, float aspect) const {
+  const glm::dvec3 back(backward());
+  const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(kUp), back));
+  const glm::dvec3 up = glm::cross(back, right);
+  const double half = std::tan(glm::radians(double{kFieldOfViewDegrees} / 2));
+  const double x = (2.0 * place.x - 1) * half * aspect, y = (1 - 2.0 * place.y) * half;
+  return {glm::dvec3(eye(aspect)), glm::normalize(x * right + y * up - back)};
+}
+
+std::optional<glm::vec2> OrbitCamera::place_of(const glm::dvec3& point, float aspect) const {
+  const glm::vec4 clip = clip_from_world(aspect) * glm::vec4(glm::vec3(point), 1);
+  if (!(clip.w > 0)) return std::nullopt;
+  return 0.5f * (glm::vec2(clip) / clip.w + 1.0f);
+}
+
+glm::dvec3 OrbitCamera::moved_to(const glm::dvec3& point, const glm::vec2& place,
+                                 float aspect) const {
+  const PictureRay ray = ray_through(place, aspect);
+  const glm::dvec3 back(backward());
+  const double along = glm::dot(ray.direction, back);
+  return ray.origin + ray.direction * (glm::dot(point - ray.origin, back) / along);
 }
 
 void OrbitCamera::orbit(float right, float down) {

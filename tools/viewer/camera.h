@@ -1,10 +1,17 @@
 #pragma once
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 
 namespace planish::viewer {
+
+/// From the eye through a place of the picture.
+struct PictureRay {
+  glm::dvec3 origin{}, direction{};
+};
 
 /// A camera of 28 degrees that orbits a sphere; y is up.
 struct OrbitCamera {
@@ -19,6 +26,14 @@ struct OrbitCamera {
   [[nodiscard]] glm::mat4 clip_from_world(float aspect) const;
   /// Unit direction to the main light, which moves with the eye: from its upper left.
   [[nodiscard]] glm::vec3 key_light() const;
+
+  /// Places are in parts of the picture, (0, 0) its upper left, (1, 1) its lower right.
+  [[nodiscard]] PictureRay ray_through(const glm::vec2& place, float aspect) const;
+  /// Empty where the point is not before the eye.
+  [[nodiscard]] std::optional<glm::vec2> place_of(const glm::dvec3& point, float aspect) const;
+  /// The point at a place of the picture that is as far along the view as `point`.
+  [[nodiscard]] glm::dvec3 moved_to(const glm::dvec3& point, const glm::vec2& place,
+                                    float aspect) const;
 
   /// Drags the sphere's front by a fraction of the picture's height; never over a pole.
   void orbit(float right, float down);

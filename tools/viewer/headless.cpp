@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "edit_overlay.h"
 #include "legend.h"
 
 namespace planish::viewer {
@@ -39,6 +40,8 @@ void Headless::draw(VkCommandBuffer commands) {
     draw_legend("largest " +
                 error_text(renderer_.status()->residual / renderer_.system().diagonal()) +
                 " after " + iterations_text(renderer_.status()->iterations));
+  if (shown_)
+    draw_selection(*shown_, options_.camera, {options_.extent.width, options_.extent.height});
   targets_.begin(commands, 0);
   renderer_.draw(commands, options_.camera, options_.extent, options_.settings);
   overlay_.record(commands);
@@ -51,6 +54,23 @@ void Headless::run(int frames) {
     draw(renderer_.begin_frame(next_frame_++ / kFramesPerSecond, options_.settings));
     renderer_.end_frame();
   }
+  renderer_.finish();
+}
+
+void Headless::show(const EditSession& session, Solved solved) {
+  shown_ = &session;
+  if (session.revision() != revision_) {
+    renderer_.set_mesh(session.rest());
+    revision_ = session.revision();
+  }
+  ViewSettings settings = options_.settings;
+  if (solved == Solved::Anew) {
+    settings.warm_start = false;
+    settings.iterations = kMostIterations;
+  }
+  renderer_.prepare(settings.level);
+  draw(renderer_.begin_frame(session.points(), settings));
+  renderer_.end_frame();
   renderer_.finish();
 }
 

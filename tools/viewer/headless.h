@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "edit_session.h"
 #include "overlay.h"
 #include "renderer.h"
 #include "targets.h"
@@ -35,6 +36,14 @@ class Headless {
   /// first at rest; then waits for them.
   void run(int frames);
 
+  /// A frame of a session's points, with what is selected; then waits for it.
+  enum class Solved {
+    On,   ///< from what the last frames found, as settings say
+    Anew  ///< to the end: the same points give the same bits
+  };
+  void show(const EditSession& session, Solved solved);
+
+  [[nodiscard]] const HeadlessOptions& options() const { return options_; }
   /// Of the last frame.
   [[nodiscard]] vulkan::GpuStatus status() const { return *renderer_.status(); }
   [[nodiscard]] const vulkan::System& system() const { return renderer_.system(); }
@@ -53,6 +62,8 @@ class Headless {
   Overlay overlay_;
   Renderer renderer_;
   int next_frame_ = 0;
+  const EditSession* shown_ = nullptr;  // in the last frame
+  int revision_ = 0;                    // of its rules
 };
 
 }  // namespace planish::viewer

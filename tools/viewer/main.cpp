@@ -12,6 +12,7 @@
 #include "legend.h"
 #include "planish/core/error.h"
 #include "render/png.h"
+#include "run_script.h"
 #include "terminal/exit_codes.h"
 #include "window.h"
 
@@ -37,6 +38,8 @@ void show_window(const Arguments& arguments, Scene scene, const InstanceOptions&
   options.camera = camera_of(arguments, scene);
   options.settings = arguments.settings;
   options.frames = arguments.frames;
+  options.edits = arguments.edit;
+  options.save = arguments.save;
   const WindowRun shown = run_window(std::move(scene), options);
   std::printf("%d frames in %.2f s\n", shown.frames, shown.seconds);
 }
@@ -64,6 +67,30 @@ void run_headless(const Arguments& arguments, Scene scene,
   if (!arguments.png.empty()) render::write_png(arguments.png, arguments.width, headless.picture());
 }
 
+// What is wrong with a script is said before a device is sought.
+void run_edit(const Arguments& arguments, Scene scene, const InstanceOptions& instance_options) {
+  const std::vector<ScriptStep> script = read_script(arguments.script);
+  EditSession session(scene);
+  const SaveOptions save{scene.settings, scene.source, arguments.settings.level};
+  HeadlessOptions options;
+  options.extent = {static_cast<std::uint32_t>(arguments.width),
+                    static_cast<std::uint32_t>(arguments.height)};
+  options.settings = arguments.settings;
+  options.camera = camera_of(arguments, scene);
+  const Instance instance(instance_options);
+  const Device device(instance, {arguments.device});
+  const std::string name = scene.name;
+  Headless headless(device, std::move(scene), options);
+  const int frames = run_script(script, session, headless, save);
+  std::printf("%s on %s: %zu steps, %d frames; the surface is within %s of the diagonal\n",
+              name.c_str(), device.name().c_str(), script.size(), frames,
+              error_text(session.editor().error_bound()).c_str());
+  if (!arguments.png.empty()) {
+    headless.show(session, Headless::Solved::Anew);
+    render::write_png(arguments.png, arguments.width, headless.picture());
+  }
+}
+
 ExitCode run(int argc, char** argv) {
   std::optional<Arguments> arguments = parse_arguments(argc, argv);
   if (!arguments) return ExitCode::Done;
@@ -76,7 +103,9 @@ ExitCode run(int argc, char** argv) {
   };
   Scene scene = load_scene(arguments->scene, arguments->job);
   arguments->settings.level = arguments->level.value_or(std::min(scene.system.level, kMostLevel));
-  if (arguments->headless)
+  if (!arguments->script.empty())
+    run_edit(*arguments, std::move(scene), instance);
+  else if (arguments->headless)
     run_headless(*arguments, std::move(scene), instance);
   else
     show_window(*arguments, std::move(scene), instance);

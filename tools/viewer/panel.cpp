@@ -6,7 +6,30 @@
 
 namespace planish::viewer {
 
-void draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSettings& settings) {
+namespace {
+
+EditClicks draw_edit_tools(EditSession& session, float em) {
+  EditClicks clicks;
+  auto part = static_cast<float>(100 * session.radius() / session.diagonal());
+  ImGui::PushItemWidth(12 * em);
+  // Above the slider's range keys go on.
+  if (ImGui::SliderFloat("falloff", &part, 0, 50, part > 0 ? "%.1f %%" : "none"))
+    session.set_radius(part / 100 * session.diagonal());
+  ImGui::PopItemWidth();
+  clicks.undoes = ImGui::Button("undo");
+  ImGui::SameLine();
+  clicks.redoes = ImGui::Button("redo");
+  ImGui::SameLine();
+  clicks.saves = ImGui::Button("save");
+  ImGui::Text("%zu selected, within %s of the diagonal", session.selected().size(),
+              error_text(session.editor().error_bound()).c_str());
+  return clicks;
+}
+
+}  // namespace
+
+EditClicks draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSettings& settings,
+                      EditSession* session, bool& edits) {
   const float em = ImGui::GetFontSize();
   ImGui::SetNextWindowPos({em, em}, ImGuiCond_FirstUseEver);
   ImGui::Begin("planish", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
@@ -25,6 +48,8 @@ void draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSettings&
   ImGui::Checkbox("points", &settings.points);
   ImGui::SameLine();
   ImGui::Checkbox("errors", &settings.heat);
+  ImGui::Checkbox("edit", &edits);
+  const EditClicks clicks = session && edits ? draw_edit_tools(*session, em) : EditClicks{};
   ImGui::Separator();
   const vulkan::System& system = renderer.system();
   ImGui::Text("%s: %d points, %zu triangles", renderer.scene().name.c_str(), system.given_count(),
@@ -37,6 +62,7 @@ void draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSettings&
               facts.device.c_str());
   if (!facts.problem.empty()) ImGui::TextWrapped("%s", facts.problem.c_str());
   ImGui::End();
+  return clicks;
 }
 
 }  // namespace planish::viewer

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "edit_session.h"
 #include "renderer.h"
 
 namespace planish::viewer {
@@ -13,7 +14,14 @@ struct PanelFacts {
   float frames_per_second = 0;
 };
 
+/// What was clicked there.
+struct EditClicks {
+  bool undoes = false, redoes = false, saves = false;
+};
+
 /// Sliders, toggles and numbers; changes `settings`. Between Overlay::begin() and record().
-void draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSettings& settings);
+/// `edits` is whether points are moved; `session` is null until that was so once.
+EditClicks draw_panel(const Renderer& renderer, const PanelFacts& facts, ViewSettings& settings,
+                      EditSession* session, bool& edits);
 
 }  // namespace planish::viewer

@@ -69,8 +69,13 @@ void Renderer::wait_for(std::size_t index) {
 }
 
 void Renderer::prepare(int level) {
-  if (!model_ || model_->system().level() != level) build(level);
+  if (!model_ || has_other_mesh_ || model_->system().level() != level) build(level);
   wait_for((current_ + 1) % kFramesInFlight);
+}
+
+void Renderer::set_mesh(PolygonMesh mesh) {
+  scene_.mesh = std::move(mesh);
+  has_other_mesh_ = true;
 }
 
 void Renderer::finish() {
@@ -89,6 +94,7 @@ void Renderer::build(int level) {
   frames_ = std::move(frames);
   model_ = std::move(model);
   is_warm_ = {};
+  has_other_mesh_ = false;
 }
 
 VkCommandBuffer Renderer::begin_commands() {
@@ -101,10 +107,23 @@ VkCommandBuffer Renderer::begin_commands() {
   return slot.commands;
 }
 
-VkCommandBuffer Renderer::begin_frame(double seconds, const ViewSettings& settings) {
+VkCommandBuffer Renderer::begin_next() {
   current_ = (current_ + 1) % kFramesInFlight;
-  const VkCommandBuffer commands = begin_commands();
+  return begin_commands();
+}
+
+VkCommandBuffer Renderer::begin_frame(double seconds, const ViewSettings& settings) {
+  const VkCommandBuffer commands = begin_next();
   animation_.pose(seconds, frames_[current_]->points());
+  record_surface(commands, settings);
+  return commands;
+}
+
+VkCommandBuffer Renderer::begin_frame(std::span<const glm::dvec3> points,
+                                      const ViewSettings& settings) {
+  const VkCommandBuffer commands = begin_next();
+  std::ranges::transform(points, frames_[current_]->points().begin(),
+                         [](const glm::dvec3& p) { return glm::vec3(p); });
   record_surface(commands, settings);
   return commands;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "animation.h"
 #include "camera.h"
@@ -30,6 +31,9 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
+  /// From the next prepare() on the scene has that mesh, of as many vertices: other tags, which are
+  /// other rules.
+  void set_mesh(PolygonMesh mesh);
   /// Waits for the frame before last, so that what it waited for and signalled may be used again,
   /// and builds another level, once all frames are done. Throws what Model and Frame throw; then
   /// the old level remains.
@@ -37,6 +41,8 @@ class Renderer {
   /// Writes the points of that time and records what planish does with them, at the level that was
   /// prepared.
   VkCommandBuffer begin_frame(double seconds, const ViewSettings& settings);
+  /// The same of points that somebody moves, one a vertex of the scene.
+  VkCommandBuffer begin_frame(std::span<const glm::dvec3> points, const ViewSettings& settings);
   /// The same for drawing the last frame once more, once it is done.
   VkCommandBuffer begin_redraw();
   /// Inside the render pass: the surface and what else `settings` shows.
@@ -66,6 +72,7 @@ class Renderer {
   [[nodiscard]] Slot make_slot() const;
   void wait_for(std::size_t slot);
   VkCommandBuffer begin_commands();
+  VkCommandBuffer begin_next();
   void build(int level);
   void record_surface(VkCommandBuffer commands, const ViewSettings& settings);
   void record_errors(VkCommandBuffer commands) const;
@@ -81,6 +88,7 @@ class Renderer {
   std::array<Slot, kFramesInFlight> slots_;
   std::size_t current_ = kFramesInFlight - 1;
   std::optional<vulkan::GpuStatus> status_;
+  bool has_other_mesh_ = false;
 };
 
 }  // namespace planish::viewer

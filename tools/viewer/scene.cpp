@@ -34,6 +34,10 @@ Scene load_scene(const std::string& path, const std::string& name) {
   if (settings.interpolation == InterpolationChoice::Fair)
     throw Error(ErrorCode::InvalidArgument,
                 job.name + ": interpolation fair does not run on the device; choose another job");
+  if (settings.scheme != Scheme::DooSabin)
+    throw Error(ErrorCode::InvalidArgument,
+                job.name + ": scheme " + std::string(command::name_of(settings.scheme)) +
+                    " is not drawn here, doo-sabin is; choose another job");
   command::InputFile file = command::load_input(job.input, job.input_format);
   file.split_normals_crease = job.settings.creases.split_normals;
   file.is_strict = job.settings.repair == RepairChoice::None;
@@ -49,6 +53,8 @@ Scene load_scene(const std::string& path, const std::string& name) {
   scene.system.weights = settings.weights;
   scene.system.sharp = settings.sharp();
   scene.system.tolerance = settings.tolerance;
+  scene.settings = settings;
+  scene.source = job.input;
   return scene;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "planish/mesh/polygon_mesh.h"
+#include "planish/pipeline/settings.h"
 #include "planish/vulkan/embed.h"
 
 namespace planish::viewer {
@@ -15,6 +16,8 @@ struct Scene {
   std::string name;
   PolygonMesh mesh;  ///< the rest pose; usable, y up
   vulkan::SystemOptions system;
+  FitSettings settings;  ///< of the job; what files of it say
+  std::string source;    ///< the input's path
 };
 
 /// The job of that name of a scene file of the command (*.json; no name: its first), or a mesh in

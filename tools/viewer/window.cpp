@@ -6,15 +6,20 @@
 #include <imgui.h>
 #include <imgui_impl_glfw.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <utility>
 
+#include "edit_hand.h"
+#include "edit_overlay.h"
 #include "legend.h"
 #include "overlay.h"
 #include "panel.h"
 #include "planish/core/error.h"
+#include "save_edit.h"
 #include "swapchain.h"
 
 namespace planish::viewer {
@@ -54,6 +59,16 @@ InstanceOptions instance_options(const WindowOptions& options) {
   return {options.validation, options.message, {names, names + count}};
 }
 
+// From 1 % of the diagonal on; below that none.
+void grow_radius(EditSession& session, float factor) {
+  constexpr double kLeast = 0.01, kMost = 1;
+  const double part = session.radius() / session.diagonal() * factor;
+  if (factor > 1)
+    session.set_radius(std::clamp(part, kLeast, kMost) * session.diagonal());
+  else
+    session.set_radius(part < kLeast ? 0 : part * session.diagonal());
+}
+
 /// A surface, destroyed before its window and after its device.
 struct Surface {
   Surface(const Instance& made_of, GLFWwindow* window) : instance(made_of) {
@@ -89,7 +104,8 @@ class Window {
         input_(window_.get()),
         renderer_(device_, pass_, std::move(scene)),
         settings_(options.settings),
-        camera_(options.camera) {
+        camera_(options.camera),
+        edits_(options.edits) {
     const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
     for (OwnedSemaphore& ready : image_ready_)
       ready = OwnedSemaphore(device_, info, "vkCreateSemaphore");
@@ -102,7 +118,13 @@ class Window {
   void fit_images();
   void show_frame();
   void read_input();
+  void read_mouse();
+  void read_edit_keys();
   void draw_interface();
+  void begin_editing();
+  void save_edited();
+  template <class Act>
+  void tell_problems(const Act& act);
   void prepare();
 
   using Clock = std::chrono::steady_clock;
@@ -123,19 +145,114 @@ class Window {
   OrbitCamera camera_;
   PanelFacts facts_;
   int frame_ = 0;
-  bool fits_ = false;   // whether the swapchain's images fit the window
-  double seconds_ = 0;  // of the animation
+  bool edits_ = false;
+  std::optional<EditSession> session_;  // once it has edited
+  std::optional<EditHand> hand_;
+  int revision_ = 0;     // of the session's rules, that the renderer has
+  bool orbits_ = false;  // while a button is down
+  bool fits_ = false;    // whether the swapchain's images fit the window
+  double seconds_ = 0;   // of the animation
 };
+
+// What cannot be done stands in the panel, and all is as it was.
+template <class Act>
+void Window::tell_problems(const Act& act) {
+  try {
+    facts_.problem.clear();
+    act();
+  } catch (const Error& error) {
+    facts_.problem = error.what();
+  }
+}
+
+void Window::begin_editing() {
+  edits_ = true;
+  if (session_) return;
+  tell_problems([&] {
+    session_.emplace(renderer_.scene());
+    hand_.emplace(*session_);
+  });
+  edits_ = session_.has_value();
+}
+
+void Window::save_edited() {
+  tell_problems([&] {
+    SaveOptions save = save_options(renderer_.scene());
+    save.level = settings_.level;
+    const std::string& name = renderer_.scene().name;
+    facts_.problem =
+        save_all(*session_, options_.save.empty() ? name + "_edited" : options_.save, save);
+  });
+}
+
+// The button that takes a point moves it until it is let go; any other drag orbits.
+void Window::read_mouse() {
+  const ImGuiIO& io = ImGui::GetIO();
+  const float aspect = io.DisplaySize.x / io.DisplaySize.y;
+  const glm::vec2 place(io.MousePos.x / io.DisplaySize.x, io.MousePos.y / io.DisplaySize.y);
+  const bool is_left = ImGui::IsMouseDown(ImGuiMouseButton_Left);
+  if (is_left && hand_ && hand_->is_holding()) {
+    tell_problems([&] { hand_->drag(camera_, aspect, place); });
+    return;
+  }
+  if (!is_left && hand_) hand_->release();
+  if (!is_left && !ImGui::IsMouseDown(ImGuiMouseButton_Right)) orbits_ = false;
+  if (io.WantCaptureMouse) return;
+  if (edits_ && ImGui::IsMouseClicked(ImGuiMouseButton_Left) &&
+      hand_->press(camera_, aspect, place, io.KeyCtrl))
+    return;
+  if (ImGui::IsMouseClicked(ImGuiMouseButton_Left) || ImGui::IsMouseClicked(ImGuiMouseButton_Right))
+    orbits_ = true;
+  if (orbits_)
+    camera_.orbit(io.MouseDelta.x / io.DisplaySize.y, io.MouseDelta.y / io.DisplaySize.y);
+  if (io.MouseWheel == 0) return;
+  constexpr float kZoom = 1.1f;
+  const float factor = io.MouseWheel > 0 ? kZoom : 1 / kZoom;
+  if (edits_ && io.KeyShift)
+    grow_radius(*session_, factor);
+  else
+    camera_.zoom_by(factor);
+}
+
+void Window::read_edit_keys() {
+  const ImGuiIO& io = ImGui::GetIO();
+  const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, true); };
+  if (io.KeyCtrl) {
+    if (pressed(GLFW_KEY_Z)) tell_problems([&] { session_->undo(); });
+    if (pressed(GLFW_KEY_Y)) tell_problems([&] { session_->redo(); });
+    if (ImGui::IsKeyPressed(GLFW_KEY_S, false)) save_edited();
+    return;
+  }
+  constexpr float kGrowth = 1.25f;
+  if (pressed(GLFW_KEY_LEFT_BRACKET)) grow_radius(*session_, 1 / kGrowth);
+  if (pressed(GLFW_KEY_RIGHT_BRACKET)) grow_radius(*session_, kGrowth);
+  const float aspect = io.DisplaySize.x / io.DisplaySize.y;
+  const glm::vec2 place(io.MousePos.x / io.DisplaySize.x, io.MousePos.y / io.DisplaySize.y);
+  // Not in a drag, whose positions are those before.
+  if (hand_->is_holding()) return;
+  if (ImGui::IsKeyPressed(GLFW_KEY_X, false))
+    tell_problems([&] { hand_->toggle_crease(camera_, aspect, place); });
+  if (ImGui::IsKeyPressed(GLFW_KEY_V, false)) {
+    tell_problems([&] {
+      if (const auto vertex = hand_->vertex_at(camera_, aspect, place))
+        session_->toggle_corner(*vertex);
+    });
+  }
+}
 
 void Window::read_input() {
   const ImGuiIO& io = ImGui::GetIO();
-  if (!io.WantCaptureMouse) {
-    if (ImGui::IsMouseDown(ImGuiMouseButton_Left))
-      camera_.orbit(io.MouseDelta.x / io.DisplaySize.y, io.MouseDelta.y / io.DisplaySize.y);
-    constexpr float kZoom = 1.1f;
-    if (io.MouseWheel != 0) camera_.zoom_by(io.MouseWheel > 0 ? kZoom : 1 / kZoom);
-  }
+  read_mouse();
   if (io.WantCaptureKeyboard) return;
+  if (edits_) read_edit_keys();
+  if (ImGui::IsKeyPressed(GLFW_KEY_E, false)) {
+    if (edits_)
+      edits_ = false;
+    else
+      begin_editing();
+  }
+  if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false)) glfwSetWindowShouldClose(window_.get(), true);
+  if (io.KeyCtrl) return;
   const std::array<std::pair<int, bool*>, 5> toggles{{{GLFW_KEY_S, &settings_.surface},
                                                       {GLFW_KEY_C, &settings_.cage},
                                                       {GLFW_KEY_P, &settings_.points},
@@ -143,17 +260,24 @@ void Window::read_input() {
                                                       {GLFW_KEY_SPACE, &settings_.paused}}};
   for (const auto& [key, value] : toggles)
     if (ImGui::IsKeyPressed(key, false)) *value = !*value;
-  if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false)) glfwSetWindowShouldClose(window_.get(), true);
 }
 
 void Window::draw_interface() {
   ImGui_ImplGlfw_NewFrame();
   overlay_.begin();
   const ImGuiIO& io = ImGui::GetIO();
-  if (!settings_.paused) seconds_ += io.DeltaTime;
+  if (!settings_.paused && !edits_) seconds_ += io.DeltaTime;
   facts_.frames_per_second = io.Framerate;
   read_input();
-  draw_panel(renderer_, facts_, settings_);
+  bool edits = edits_;
+  const EditClicks clicks =
+      draw_panel(renderer_, facts_, settings_, session_ ? &*session_ : nullptr, edits);
+  if (clicks.undoes) tell_problems([&] { session_->undo(); });
+  if (clicks.redoes) tell_problems([&] { session_->redo(); });
+  if (clicks.saves) save_edited();
+  if (edits && !edits_) begin_editing();
+  edits_ = edits && session_;
+  if (edits_) draw_selection(*session_, camera_, {io.DisplaySize.x, io.DisplaySize.y});
   if (settings_.heat)
     draw_legend(renderer_.status() ? "largest " + error_text(renderer_.status()->residual /
                                                              renderer_.system().diagonal())
@@ -182,13 +306,18 @@ void Window::fit_images() {
 }
 
 void Window::show_frame() {
+  if (session_ && session_->revision() != revision_) {
+    renderer_.set_mesh(session_->rest());
+    revision_ = session_->revision();
+  }
   prepare();  // and so the semaphore is free
   const VkSemaphore ready = image_ready_[frame_ % image_ready_.size()];
   const auto image = swapchain_.acquire(ready);
   fits_ = image.has_value();
   if (!image) return;
-  const VkCommandBuffer commands = renderer_.begin_frame(seconds_, settings_);
-  draw_interface();
+  draw_interface();  // first, so that the frame has what was just dragged
+  const VkCommandBuffer commands = edits_ ? renderer_.begin_frame(session_->points(), settings_)
+                                          : renderer_.begin_frame(seconds_, settings_);
   swapchain_.targets().begin(commands, *image);
   renderer_.draw(commands, camera_, swapchain_.targets().extent(), settings_);
   overlay_.record(commands);
@@ -200,6 +329,7 @@ void Window::show_frame() {
 
 WindowRun Window::run() {
   const auto began = Clock::now();
+  if (edits_) begin_editing();
   while (!glfwWindowShouldClose(window_.get()) &&
          (options_.frames == 0 || frame_ < options_.frames)) {
     glfwPollEvents();

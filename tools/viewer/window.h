@@ -19,7 +19,9 @@ struct WindowOptions {
   std::function<void(std::string_view)> message;  ///< of the validation layer
   OrbitCamera camera;
   ViewSettings settings;
-  int frames = 0;  ///< closes after so many; 0: when the user does
+  bool edits = false;  ///< begins at rest, with points to drag
+  std::string save;    ///< prefix of what is saved; empty: the scene's name and "_edited"
+  int frames = 0;      ///< closes after so many; 0: when the user does
   /// Called before each frame with its number: where tests act as the user.
   std::function<void(GLFWwindow*, int)> before_frame;
 };

@@ -1,0 +1,203 @@
+#include "edit_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <string>
+
+#include "planish/backend/cpu_backend.h"
+#include "planish/core/error.h"
+
+namespace planish::viewer {
+namespace {
+
+constexpr std::size_t kMostSteps = 256;  // that can be taken back
+
+FitOptions edit_fit_options(const Scene& scene) {
+  FitOptions options;
+  options.weights = scene.system.weights;
+  options.sharp = scene.system.sharp;
+  options.tolerance = scene.system.tolerance;
+  return options;
+}
+
+Fit fit_of(const Scene& scene) {
+  return fit(scene.mesh, *make_cpu_backend(), edit_fit_options(scene));
+}
+
+EditorOptions editor_options(const Scene& scene) {
+  EditorOptions options;
+  options.level = 0;       // the device makes the rows that are drawn
+  options.undo_steps = 0;  // a drag of many moves is one step here
+  options.fit = edit_fit_options(scene);
+  return options;
+}
+
+double distance_to_edge(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
+  const glm::dvec3 along = b - a;
+  const double square = glm::dot(along, along);
+  const double t = square > 0 ? std::clamp(glm::dot(p - a, along) / square, 0.0, 1.0) : 0;
+  return glm::distance(p, a + t * along);
+}
+
+}  // namespace
+
+EditSession::EditSession(const Scene& scene)
+    : mesh_(scene.mesh), fit_(fit_of(scene)), editor_(mesh_, fit_, editor_options(scene)) {}
+
+PolygonMesh EditSession::rest() const {
+  PolygonMesh mesh = editor_.mesh();
+  const auto rest = editor_.rest_positions();
+  mesh.positions.assign(rest.begin(), rest.end());
+  return mesh;
+}
+
+std::optional<SurfaceHit> EditSession::hit(const SurfaceRay& ray) {
+  return editor_.queries().first_hit(ray);
+}
+
+std::optional<std::int32_t> EditSession::pick(const SurfaceRay& ray) {
+  const auto found = hit(ray);
+  if (!found) return std::nullopt;
+  return *std::ranges::min_element(mesh_.face(found->at.face), {}, [&](std::int32_t v) {
+    return glm::distance(points()[static_cast<std::size_t>(v)], found->position);
+  });
+}
+
+std::optional<std::pair<std::int32_t, std::int32_t>> EditSession::pick_edge(const SurfaceRay& ray) {
+  const auto found = hit(ray);
+  if (!found) return std::nullopt;
+  const auto face = mesh_.face(found->at.face);
+  std::pair<std::int32_t, std::int32_t> nearest;
+  double least = std::numeric_limits<double>::max();
+  for (std::size_t k = 0; k < face.size(); ++k) {
+    const std::int32_t a = face[k], b = face[(k + 1) % face.size()];
+    const double distance = distance_to_edge(found->position, points()[static_cast<std::size_t>(a)],
+                                             points()[static_cast<std::size_t>(b)]);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = std::minmax(a, b);
+  }
+  return nearest;
+}
+
+void EditSession::select(std::vector<std::int32_t> vertices) {
+  for (const std::int32_t vertex : vertices) {
+    if (vertex >= 0 && vertex < mesh_.vertex_count()) continue;
+    throw Error(ErrorCode::InvalidArgument,
+                "there is no vertex " + std::to_string(vertex) + "; the mesh has 0 to " +
+                    std::to_string(mesh_.vertex_count() - 1),
+                vertex);
+  }
+  selected_ = std::move(vertices);
+}
+
+void EditSession::toggle(std::int32_t vertex) {
+  std::vector<std::int32_t> now = selected_;
+  if (std::erase(now, vertex) == 0) now.push_back(vertex);
+  select(std::move(now));
+}
+
+bool EditSession::is_selected(std::int32_t vertex) const {
+  return std::ranges::find(selected_, vertex) != selected_.end();
+}
+
+void EditSession::set_radius(double radius) {
+  if (!(radius >= 0) || !std::isfinite(radius))
+    throw Error(ErrorCode::InvalidArgument, "the radius " + std::to_string(radius) +
+                                                " is no length; 0 moves the selection alone");
+  radius_ = radius;
+}
+
+Selection EditSession::reached() const {
+  if (radius_ > 0 && !selected_.empty()) return editor_.select(selected_, radius_);
+  return {selected_, std::vector<double>(selected_.size(), 1.0)};
+}
+
+void EditSession::begin_drag() {
+  if (selected_.empty())
+    throw Error(ErrorCode::InvalidArgument, "nothing is selected; pick a vertex first");
+  Drag drag{reached(), {}};
+  drag.before.vertices = drag.moved.vertices;
+  for (const std::int32_t v : drag.moved.vertices)
+    drag.before.positions.push_back(points()[static_cast<std::size_t>(v)]);
+  drag_ = std::move(drag);
+}
+
+void EditSession::drag_to(const glm::dvec3& way) {
+  if (!drag_) begin_drag();
+  std::vector<glm::dvec3> to = drag_->before.positions;
+  for (std::size_t i = 0; i < to.size(); ++i) to[i] += drag_->moved.weights[i] * way;
+  editor_.move(drag_->moved.vertices, to);
+}
+
+void EditSession::end_drag() {
+  if (!drag_) return;
+  Step before = std::move(drag_->before);
+  drag_.reset();
+  // A click that moves nothing is no step.
+  for (std::size_t i = 0; i < before.vertices.size(); ++i) {
+    if (points()[static_cast<std::size_t>(before.vertices[i])] == before.positions[i]) continue;
+    add(std::move(before));
+    return;
+  }
+}
+
+void EditSession::toggle_crease(std::int32_t v0, std::int32_t v1) {
+  const auto is_it = [&](const CreaseEdge& c) {
+    return std::minmax(c.v0, c.v1) == std::minmax(v0, v1) && c.sharpness >= kInfiniteSharpness;
+  };
+  const bool is_sharp = std::ranges::any_of(editor_.mesh().creases, is_it);
+  Step step;
+  step.creases.push_back({v0, v1, is_sharp ? 0 : kInfiniteSharpness});
+  add(apply(step));
+}
+
+void EditSession::toggle_corner(std::int32_t vertex) {
+  const auto is_it = [&](const CornerVertex& c) {
+    return c.vertex == vertex && c.sharpness >= kInfiniteSharpness;
+  };
+  const bool is_sharp = std::ranges::any_of(editor_.mesh().corners, is_it);
+  Step step;
+  step.corners.push_back({vertex, is_sharp ? 0 : kInfiniteSharpness});
+  add(apply(step));
+}
+
+// Returns the step back.
+EditSession::Step EditSession::apply(const Step& step) {
+  Step before;
+  if (!step.vertices.empty()) {
+    before.vertices = step.vertices;
+    for (const std::int32_t v : step.vertices)
+      before.positions.push_back(points()[static_cast<std::size_t>(v)]);
+    editor_.move(step.vertices, step.positions);
+    return before;
+  }
+  const auto other = [](float sharpness) { return sharpness > 0 ? 0 : kInfiniteSharpness; };
+  before = step;
+  for (CreaseEdge& crease : before.creases) crease.sharpness = other(crease.sharpness);
+  for (CornerVertex& corner : before.corners) corner.sharpness = other(corner.sharpness);
+  editor_.set_sharp(step.creases, step.corners);
+  ++revision_;
+  return before;
+}
+
+void EditSession::add(Step&& before) {
+  future_.clear();
+  past_.push_back(std::move(before));
+  if (past_.size() > kMostSteps) past_.pop_front();
+}
+
+bool EditSession::take(std::deque<Step>& from, std::deque<Step>& to) {
+  end_drag();
+  if (from.empty()) return false;
+  to.push_back(apply(from.back()));
+  from.pop_back();
+  return true;
+}
+
+bool EditSession::undo() { return take(past_, future_); }
+bool EditSession::redo() { return take(future_, past_); }
+
+}  // namespace planish::viewer
