@@ -147,8 +147,9 @@ TEST_F(StepCommand, LimitsAndSizesAreAsAskedFor) {
   EXPECT_GT(depth("90", "1e-9"), 3);
   EXPECT_GT(reported(torus_, {"--step-face-size", "4"})["step"]["faces"],
             reported(torus_, {"--step-face-size", "8"})["step"]["faces"]);
-  for (const std::int64_t id : StepFile(path("p.step")).all("B_SPLINE_SURFACE_WITH_KNOTS")) {
-    const StepFile::Surface surface = StepFile(path("p.step")).surface(id);
+  const StepFile file(path("p.step"));
+  for (const std::int64_t id : file.all("B_SPLINE_SURFACE_WITH_KNOTS")) {
+    const StepFile::Surface& surface = file.surface(id);
     EXPECT_LE(surface.u.high(), 8);
     EXPECT_LE(surface.v.high(), 8);
   }

@@ -2,6 +2,8 @@
 
 #include <glm/geometric.hpp>
 
+#include <map>
+
 #include "brep/part21.h"
 
 namespace planish::test {
@@ -15,9 +17,7 @@ class StepFile : public Part21File {
     KnotLine u, v;
     std::vector<std::vector<glm::dvec3>> rows;  // by u, then v
     [[nodiscard]] glm::dvec3 at(double s, double t) const {
-      std::vector<glm::dvec3> along;
-      for (const auto& row : rows) along.push_back(v.at(row, t));
-      return u.at(along, s);
+      return u.at<glm::dvec3>(rows.size(), s, [&](std::size_t i) { return v.at(rows[i], t); });
     }
   };
   struct Curve {
@@ -37,9 +37,11 @@ class StepFile : public Part21File {
     const auto& xyz = at(value).values[1].items;
     return {xyz[0].number(), xyz[1].number(), xyz.size() > 2 ? xyz[2].number() : 0};
   }
-  [[nodiscard]] Surface surface(std::int64_t id) const {
+  /// Made when first asked for.
+  [[nodiscard]] const Surface& surface(std::int64_t id) const {
+    Surface& result = surfaces_[id];
+    if (!result.rows.empty()) return result;
     const auto& values = at(id).values;
-    Surface result;
     result.u = line(values[1], values[8], values[10]);
     result.v = line(values[2], values[9], values[11]);
     for (const Part21Value& row : values[3].items) {
@@ -67,11 +69,13 @@ class StepFile : public Part21File {
   }
 
  private:
+  mutable std::map<std::int64_t, Surface> surfaces_;
+
   static KnotLine line(const Part21Value& degree, const Part21Value& counts,
                        const Part21Value& values) {
-    KnotLine result{std::stoi(degree.text), {}};
+    KnotLine result{static_cast<int>(degree.number()), {}};
     for (std::size_t i = 0; i < values.items.size(); ++i)
-      result.knots.insert(result.knots.end(), std::stoul(counts.items[i].text),
+      result.knots.insert(result.knots.end(), static_cast<std::size_t>(counts.items[i].number()),
                           values.items[i].number());
     return result;
   }

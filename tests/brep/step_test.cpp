@@ -92,7 +92,7 @@ void expect_joined(const StepFile& file, double tolerance, double plane_toleranc
         continue;
       }
       const StepFile::PlaneLine line = file.plane_line(pcurve);
-      const StepFile::Surface surface = file.surface(line.surface);
+      const StepFile::Surface& surface = file.surface(line.surface);
       for (int k = 0; k <= 32; ++k) {
         const double t = curve.t.low() + k / 32.0 * (curve.t.high() - curve.t.low());
         const glm::dvec2 uv = line.from + t * line.direction;
@@ -168,7 +168,7 @@ TEST(Step, LiesOnTheSurfaceAndKeepsTheTolerance) {
     const auto surfaces = file.all("B_SPLINE_SURFACE_WITH_KNOTS");
     const std::size_t step = std::max<std::size_t>(1, surfaces.size() / 40);
     for (std::size_t f = 0; f < surfaces.size(); f += step) {
-      const StepFile::Surface surface = file.surface(surfaces[f]);
+      const StepFile::Surface& surface = file.surface(surfaces[f]);
       std::uniform_real_distribution<double> x(surface.u.low(), surface.u.high()),
           y(surface.v.low(), surface.v.high());
       for (int k = 0; k < 12; ++k) {
@@ -208,7 +208,7 @@ TEST(Step, NormalsAgreeAcrossSmoothEdges) {
         for (const Part21Value& pcurve : values[2].items) {
           if (file.at(pcurve).keyword == "PLANE") continue;
           const StepFile::PlaneLine line = file.plane_line(pcurve);
-          const StepFile::Surface surface = file.surface(line.surface);
+          const StepFile::Surface& surface = file.surface(line.surface);
           const glm::dvec2 uv = line.from + t * line.direction;
           const double h = 1e-7;
           const double x0 = std::max(surface.u.low(), uv.x - h),
@@ -336,7 +336,7 @@ TEST(Step, GroupsEndFacesAndNameAndColourThem) {
       {.name = "part", .diagonal = 8, .groups = {{"red's", glm::dvec3(1, 0, 0.5)}, {"plain", {}}}});
   const StepFile file(path);
   std::map<std::string, int> names;
-  for (const std::int64_t id : file.all("ADVANCED_FACE")) ++names[file.at(id).values[0].text];
+  for (const std::int64_t id : file.all("ADVANCED_FACE")) ++names[std::string(file.at(id).values[0].text)];
   EXPECT_EQ(names.size(), 2u);
   EXPECT_GT(names["'plain'"], 0);
   const auto styled = file.all("STYLED_ITEM");
