@@ -1,6 +1,7 @@
 #include "planish/brep/step_sections.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
@@ -150,6 +151,13 @@ void put_colors(StepText& text, const Brep& brep, const StepNumbers& numbers,
 }
 
 }  // namespace
+
+int step_decimals(double diagonal) {
+  constexpr double kDigits = 12.5;  // of the diagonal
+  constexpr int kMost = 300;
+  if (!(diagonal > 0)) return 15;
+  return std::clamp(static_cast<int>(std::ceil(kDigits - std::log10(diagonal))), 0, kMost);
+}
 
 std::string step_string(std::string_view utf8) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";

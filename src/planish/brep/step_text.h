@@ -12,7 +12,9 @@ namespace planish {
 /// Text of Part 21's entities: #12=NAME(...);
 class StepText {
  public:
-  explicit StepText(std::int64_t first_id) : id_(first_id) {}
+  /// `decimals` of points in space, see step_decimals().
+  explicit StepText(std::int64_t first_id, int decimals = 15)
+      : id_(first_id), decimals_(decimals) {}
 
   /// Begins an entity and returns its number.
   std::int64_t begin(std::string_view keyword) {
@@ -32,7 +34,8 @@ class StepText {
     return id;
   }
   std::int64_t point(const glm::dvec3& p) {
-    return entity("CARTESIAN_POINT('',(", p.x, ",", p.y, ",", p.z, "))");
+    return entity("CARTESIAN_POINT('',(", Coordinate{p.x}, ",", Coordinate{p.y}, ",",
+                  Coordinate{p.z}, "))");
   }
   std::int64_t point(const glm::dvec2& p) {
     return entity("CARTESIAN_POINT('',(", p.x, ",", p.y, "))");
@@ -52,14 +55,23 @@ class StepText {
     char buffer[40];
     const auto [stop, error] =
         std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 15);
-    const std::string_view text(buffer, static_cast<std::size_t>(stop - buffer));
-    const std::size_t exponent = text.find('e');
-    const std::string_view mantissa = text.substr(0, exponent);
-    text_ += mantissa;
-    if (mantissa.find('.') == std::string_view::npos) text_ += '.';
-    if (exponent == std::string_view::npos) return;
-    text_ += 'E';
-    text_ += text.substr(exponent + 1);
+    put_real({buffer, static_cast<std::size_t>(stop - buffer)});
+  }
+  struct Coordinate {
+    double value;
+  };
+  /// So many digits behind the point, or as many as the double has where these are fewer.
+  void put(Coordinate coordinate) {
+    char exact[40], rounded[400];
+    const char* const end = std::to_chars(exact, exact + sizeof exact, coordinate.value).ptr;
+    char* stop = std::to_chars(rounded, rounded + sizeof rounded, coordinate.value,
+                               std::chars_format::fixed, decimals_)
+                     .ptr;
+    while (decimals_ > 0 && stop[-1] == '0') --stop;
+    const bool is_exact = end - exact <= stop - rounded;
+    const std::string_view text(is_exact ? exact : rounded,
+                                static_cast<std::size_t>(is_exact ? end - exact : stop - rounded));
+    put_real(text == "-0." ? "0." : text);
   }
   void integer(std::int64_t value) {
     char buffer[24];
@@ -78,9 +90,24 @@ class StepText {
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
+  void put_real(std::string_view text) {
+    const std::size_t exponent = text.find('e');
+    const std::string_view mantissa = text.substr(0, exponent);
+    text_ += mantissa;
+    if (mantissa.find('.') == std::string_view::npos) text_ += '.';
+    if (exponent == std::string_view::npos) return;
+    text_ += 'E';
+    text_ += text.substr(exponent + 1);
+  }
+
   std::int64_t id_;
+  int decimals_;
   std::string text_;
 };
+
+/// Digits behind the point that coordinates need: rounding moves none by more than 1.6e-13 of the
+/// diagonal, which turns no normal by 1e-5 degrees on the smallest squares.
+[[nodiscard]] int step_decimals(double diagonal);
 
 /// A string as Part 21 has it, in its quotes: ASCII as it is, all else in four bytes a character.
 [[nodiscard]] std::string step_string(std::string_view utf8);

@@ -175,6 +175,7 @@ std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
     before += of_kind;
   }
 
+  const int decimals = step_decimals(options.diagonal);
   OutputFile file(path);
   LoopProgress progress(options.callbacks, "write", 0, 1, std::ssize(ranges));
   std::uint64_t bytes = 0;
@@ -191,7 +192,8 @@ std::uint64_t write_step(const std::filesystem::path& path, const Brep& brep,
     while (first >= counts[kind]) first -= counts[kind++];
     StepText text(kind == 0   ? numbers.first_of_vertex(first)
                   : kind == 1 ? numbers.first_of_edge(first)
-                              : numbers.first_of_face(first));
+                              : numbers.first_of_face(first),
+                  decimals);
     for (std::int64_t i = first; i < first + range.count; ++i) {
       if (kind == 0) {
         const std::int64_t p = text.point(brep.vertices[static_cast<std::size_t>(i)]);
