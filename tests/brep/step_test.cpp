@@ -154,38 +154,78 @@ TEST(Step, FacesMeetAlongEdges) {
   }
 }
 
-// Asked of the surface itself, by closest points.
+PolygonMesh creased_cube(bool all_around) {
+  PolygonMesh mesh = cube();
+  // Of the cube's faces those at z = 1 have all edges sharp, or all faces have.
+  for (std::int32_t a = 0; a < 8; ++a)
+    for (const std::int32_t bit : {1, 2, 4})
+      if ((a & bit) == 0 && (all_around || ((a & 4) != 0 && bit != 4)))
+        mesh.creases.push_back({a, a | bit});
+  return mesh;
+}
+
+// Of places of a file from the surface, of the diagonal: within `reach` of two borders, and others.
+struct Distances {
+  double inner = 0, outer = 0;
+};
+Distances distances_from(const SurfaceQueries& queries, const StepFile& file, double reach,
+                         double diagonal) {
+  Distances worst;
+  std::mt19937 random(3);
+  const auto surfaces = file.all("B_SPLINE_SURFACE_WITH_KNOTS");
+  const std::size_t step = std::max<std::size_t>(1, surfaces.size() / 20);
+  for (std::size_t f = 0; f < surfaces.size(); f += step) {
+    const StepFile::Surface& surface = file.surface(surfaces[f]);
+    std::uniform_real_distribution<double> x(surface.u.low(), surface.u.high()),
+        y(surface.v.low(), surface.v.high());
+    for (int k = 0; k < 12; ++k) {
+      const double u = x(random), v = y(random);
+      const double off = queries.closest(surface.at(u, v)).distance / diagonal;
+      const auto is_end = [&](const KnotLine& line, double t) {
+        return std::min(t - line.low(), line.high() - t) < reach;
+      };
+      double& of_kind = is_end(surface.u, u) && is_end(surface.v, v) ? worst.inner : worst.outer;
+      of_kind = std::max(of_kind, off);
+    }
+  }
+  return worst;
+}
+
+// Asked of the surface itself, by closest points. Squares at extraordinary points are at most half
+// a quad, and where points beside them are moved a whole one.
 TEST(Step, LiesOnTheSurfaceAndKeepsTheTolerance) {
+  int moved = 0, unmoved = 0;
   for (const auto& [name, mesh] : step_meshes()) {
     SCOPED_TRACE(name);
     const LimitCase c(mesh);
-    const double diagonal = c.surface->placement().diagonal;
-    const Brep brep = make_brep(c.limit, {.angle = 90, .deviation = 1e-5});
     const SurfaceQueries queries(c.limit);
-    const StepFile file = written(c, brep, scratch("places.step"));
-    double inner = 0, outer = 0;
-    std::mt19937 random(3);
-    const auto surfaces = file.all("B_SPLINE_SURFACE_WITH_KNOTS");
-    const std::size_t step = std::max<std::size_t>(1, surfaces.size() / 40);
-    for (std::size_t f = 0; f < surfaces.size(); f += step) {
-      const StepFile::Surface& surface = file.surface(surfaces[f]);
-      std::uniform_real_distribution<double> x(surface.u.low(), surface.u.high()),
-          y(surface.v.low(), surface.v.high());
-      for (int k = 0; k < 12; ++k) {
-        const double u = x(random), v = y(random);
-        const double off = queries.closest(surface.at(u, v)).distance / diagonal;
-        // Squares at extraordinary points are at most half a quad.
-        const auto is_end = [](const KnotLine& line, double t) {
-          return std::min(t - line.low(), line.high() - t) < 0.5;
-        };
-        double& worst = is_end(surface.u, u) && is_end(surface.v, v) ? inner : outer;
-        worst = std::max(worst, off);
-      }
+    for (const double limit : {1.0, 1e-5}) {
+      const Brep brep = make_brep(c.limit, {.angle = 90, .deviation = limit});
+      const StepFile file = written(c, brep, scratch("places.step"));
+      const Distances off =
+          distances_from(queries, file, brep.moved > 0 ? 1 : 0.5, c.surface->placement().diagonal);
+      EXPECT_LE(off.outer, 1e-12);
+      EXPECT_LE(off.inner, brep.max_deviation * 1.5 + 1e-11);
+      EXPECT_LE(brep.max_deviation, limit);
+      ++(brep.moved > 0 ? moved : unmoved);
     }
-    EXPECT_LE(outer, 1e-12);
-    EXPECT_LE(inner, brep.max_deviation * 1.5 + 1e-11);
-    EXPECT_LE(brep.max_deviation, 1e-5);
   }
+  EXPECT_GT(moved, 5);
+  EXPECT_GT(unmoved, 15);
+}
+
+// Moves let squares be larger within the same limits, and only where all around is smooth.
+TEST(Step, PointsBesideExtraordinaryOnesAreMovedWhereItHelps) {
+  const LimitCase c(icosphere(2));
+  const Brep brep = make_brep(c.limit, {.angle = 1, .deviation = 1e-4});
+  EXPECT_GT(brep.moved, 0);
+  EXPECT_LT(brep.moved, brep.extraordinary);
+  // Each limit alone asks for no less.
+  EXPECT_LE(brep.max_angle, 1);
+  EXPECT_LE(brep.max_deviation, 1e-4);
+  EXPECT_EQ(make_brep(c.limit, {.angle = 90, .deviation = 1}).moved, 0);
+  // A pentagon's centre has no edge that is sharp; of the corners of a cube all have.
+  EXPECT_EQ(make_brep(LimitCase(creased_cube(true)).limit, {.angle = 1e-3}).moved, 0);
 }
 
 // Of both sides of an edge, crowded at its ends where the kinks are, and measured by finite
@@ -281,16 +321,6 @@ TEST(Step, PartsInsideOutWithinOthersAreVoids) {
   EXPECT_EQ(hollow[3].text, ".T.");
 }
 
-PolygonMesh creased_cube(bool all_around) {
-  PolygonMesh mesh = cube();
-  // Of the cube's faces those at z = 1 have all edges sharp, or all faces have.
-  for (std::int32_t a = 0; a < 8; ++a)
-    for (const std::int32_t bit : {1, 2, 4})
-      if ((a & bit) == 0 && (all_around || ((a & 4) != 0 && bit != 4)))
-        mesh.creases.push_back({a, a | bit});
-  return mesh;
-}
-
 TEST(Step, FlatFacesArePlanes) {
   const glm::dvec3 x = glm::normalize(glm::dvec3(3, 1, -2)),
                    y = glm::normalize(glm::cross(x, glm::dvec3(0, 1, 0))), z = glm::cross(x, y);
@@ -336,7 +366,8 @@ TEST(Step, GroupsEndFacesAndNameAndColourThem) {
       {.name = "part", .diagonal = 8, .groups = {{"red's", glm::dvec3(1, 0, 0.5)}, {"plain", {}}}});
   const StepFile file(path);
   std::map<std::string, int> names;
-  for (const std::int64_t id : file.all("ADVANCED_FACE")) ++names[std::string(file.at(id).values[0].text)];
+  for (const std::int64_t id : file.all("ADVANCED_FACE"))
+    ++names[std::string(file.at(id).values[0].text)];
   EXPECT_EQ(names.size(), 2u);
   EXPECT_GT(names["'plain'"], 0);
   const auto styled = file.all("STYLED_ITEM");
@@ -367,6 +398,33 @@ TEST(Step, PointsOfBordersStandOnce) {
     std::vector<double> point;
     for (const Part21Value& value : xyz) point.push_back(value.number());
     EXPECT_TRUE(points.insert(point).second) << "#" << id;
+  }
+}
+
+// Digits are counted from the diagonal: what is larger or far away has no more of them than doubles
+// have, and what is small has as many as it needs.
+TEST(Step, CoordinatesHaveTheDigitsThatTheDiagonalNeeds) {
+  for (const double scale : {1e-9, 1.0, 3e5}) {
+    for (const double away : {0.0, 1e6}) {
+      PolygonMesh mesh = cube();
+      for (glm::dvec3& p : mesh.positions) p = scale * (p + away);
+      const LimitCase c(mesh);
+      const double diagonal = c.surface->placement().diagonal;
+      const Brep brep = make_brep(c.limit, {});
+      const StepFile file = written(c, brep, scratch("digits.step"));
+      const auto vertices = file.all("VERTEX_POINT");
+      ASSERT_EQ(vertices.size(), brep.vertices.size());
+      for (std::size_t v = 0; v < vertices.size(); ++v) {
+        const Part21Value& point = file.at(vertices[v]).values[1];
+        EXPECT_LE(glm::length(file.point(point) - brep.vertices[v]), 3e-13 * diagonal);
+        for (const Part21Value& value : file.at(point).values[1].items)
+          EXPECT_LE(value.text.size(), 22u) << value.text;
+      }
+      if (away == 0) {
+        const std::string text = bytes_of(scratch("digits.step"));
+        EXPECT_LT(text.size(), 140'000u);
+      }
+    }
   }
 }
 

@@ -56,9 +56,10 @@ struct Brep {
   std::vector<Place> places;  ///< by vertex of the surface's topology
 
   std::int64_t extraordinary = 0;  ///< places where the surface is no polynomial, however small
+  std::int64_t moved = 0;          ///< of these, where points beside are moved
   int deepest = 0;                 ///< the most halvings towards one
   double max_angle = 0;            ///< degrees between normals across an edge that is not sharp
-  double max_deviation = 0;        ///< of the innermost cells along the normal, of the diagonal
+  double max_deviation = 0;        ///< of cells at such places along the normal, of the diagonal
 };
 
 /// The face's surface at (u, v).

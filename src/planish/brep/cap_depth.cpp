@@ -1,110 +1,43 @@
 #include "planish/brep/cap_depth.h"
 
 #include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <numbers>
 
-#include "planish/brep/corner_pieces.h"
+#include "planish/brep/cap_measure.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 
 namespace planish {
 namespace {
 
-struct CapError {
-  double angle = 0, deviation = 0;
-  void add(const CapError& other) {
-    angle = std::max(angle, other.angle);
-    deviation = std::max(deviation, other.deviation);
-  }
+// What was chosen for a place.
+struct Choice {
+  int depth = 1;
+  CapError error;
+  std::vector<CapMove> moves;
 };
 
-// The square at an extraordinary point, turned to have that at (0, 0).
-struct Cap {
-  BezierNet net{};
-
-  // Along a border, from the point outwards; not of unit length.
-  [[nodiscard]] glm::dvec3 border_normal(bool along_v, double t) const {
-    const std::size_t step = along_v ? 3 : 1, across = along_v ? 1 : 3;
-    std::array<glm::dvec3, 3> a, d;
-    for (std::size_t k = 0; k < 3; ++k) {
-      a[k] = net[k * step];
-      d[k] = net[k * step + across] - a[k];
+Choice choose(CapMeasure& measure, std::span<const std::int32_t> corners, bool is_face,
+              const CapLimits& limits) {
+  // Moves bring no more.
+  constexpr double kMostPart = 16;
+  Choice choice;
+  for (int depth = 1;; ++depth) {
+    choice.depth = depth;
+    choice.error = measure.of(corners, is_face, depth);
+    const double part = choice.error.part_of(limits);
+    if (part <= 1) return choice;
+    CapError moved;
+    if ((part <= kMostPart || depth == kDeepestCap) && measure.move(limits, moved)) {
+      const double moved_part = moved.part_of(limits);
+      if (moved_part <= 1 || (depth == kDeepestCap && moved_part < part)) {
+        choice.error = moved;
+        choice.moves.assign(measure.moves().begin(), measure.moves().end());
+        return choice;
+      }
     }
-    const glm::dvec3 along = (1 - t) * (a[1] - a[0]) + t * (a[2] - a[1]);
-    const glm::dvec3 side = quadratic_blossom(d[0], d[1], d[2], t, t);
-    return along_v ? glm::cross(side, along) : glm::cross(along, side);
+    if (depth == kDeepestCap) return choice;
   }
-};
-
-double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-  const double sine = glm::length(glm::cross(a, b)), cosine = glm::dot(a, b);
-  if (sine == 0 && cosine == 0) return 0;  // parallel tangents have no normal
-  return std::atan2(sine, cosine) * 180 / std::numbers::pi;
 }
-
-class CapMeasure {
- public:
-  CapMeasure(const LimitSurface& surface, const QuadLayout& layout)
-      : surface_(surface), layout_(layout), corner_(surface) {}
-
-  // Of the caps around a vertex of the mesh or, of a face, around its centre.
-  CapError of(std::span<const std::int32_t> corners, bool is_face, int depth) {
-    const MeshTopology& topology = surface_.topology();
-    caps_.clear();
-    CapError error;
-    for (const std::int32_t c : corners) {
-      caps_.emplace_back();
-      if (layout_.is_hidden(c)) continue;
-      corner_.move_to(c);
-      const CornerPieces pieces(corner_, depth, depth);
-      const double inside = std::ldexp(0.5, -depth);
-      const double place = is_face ? 1 - inside : inside;
-      const SquarePiece& piece = pieces.at(place, place);
-      for (std::size_t k = 0; k < 9; ++k) caps_.back().net[k] = piece.net[is_face ? 8 - k : k];
-      error.deviation = std::max(error.deviation, deviation(piece));
-    }
-    // Across the edge that a corner's square shares with the next one.
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const std::int32_t c = corners[i];
-      if (layout_.is_hidden(c)) continue;
-      const std::int32_t next = is_face ? topology.next(c) : topology.ccw(c);
-      if (next < 0 || layout_.is_hidden(next)) continue;
-      if (!is_face && layout_.is_sharp(4 * c + 3)) continue;
-      const Cap& other = caps_[(i + 1) % corners.size()];
-      for (int k = 1; k <= kPlaces; ++k) {
-        const double t = double(k) / kPlaces;
-        error.angle = std::max(error.angle, angle_between(caps_[i].border_normal(true, t),
-                                                          other.border_normal(false, t)));
-      }
-    }
-    return error;
-  }
-
- private:
-  static constexpr int kPlaces = 8;
-
-  double deviation(const SquarePiece& piece) {
-    double largest = 0;
-    for (int j = 1; j <= 3; ++j) {
-      for (int i = 1; i <= 3; ++i) {
-        const double u = piece.u + 0.25 * i * piece.size, v = piece.v + 0.25 * j * piece.size;
-        const PatchPoint exact = corner_.at({u, v});
-        const double length = glm::length(exact.normal);
-        const glm::dvec3 apart = piece.blossom({u, u}, {v, v}) - exact.position;
-        largest = std::max(largest, length > 0 ? std::abs(glm::dot(apart, exact.normal)) / length
-                                               : glm::length(apart));
-      }
-    }
-    return largest;
-  }
-
-  const LimitSurface& surface_;
-  const QuadLayout& layout_;
-  LimitSurface::Corner corner_;
-  std::vector<Cap> caps_;
-};
 
 }  // namespace
 
@@ -112,48 +45,66 @@ CapDepths cap_depths(const LimitSurface& surface, const QuadLayout& layout, cons
                      const Callbacks& callbacks) {
   const MeshTopology& topology = surface.topology();
   const std::int32_t first_face = topology.vertex_count() + topology.edge_count();
+  // Faces first, which vertices' choices take for given.
   std::vector<std::int32_t> places;
   for (std::int32_t v = 0; v < layout.vertex_count(); ++v) {
     if (layout.is_extraordinary(v) &&
         !(v >= first_face && layout.is_hidden(topology.first_corner(v - first_face))))
       places.push_back(v);
   }
+  std::ranges::stable_partition(places, [&](std::int32_t v) { return v >= first_face; });
+  const auto face_count = static_cast<std::size_t>(
+      std::ranges::count_if(places, [&](std::int32_t v) { return v >= first_face; }));
   CapDepths depths;
   depths.of_vertex.assign(static_cast<std::size_t>(layout.vertex_count()), 1);
+  depths.of_corner.assign(static_cast<std::size_t>(topology.corner_count()), {-1, -1});
   depths.count = static_cast<std::int64_t>(places.size());
-  std::vector<CapError> errors(places.size());
+  std::vector<Choice> choices(places.size());
   LoopProgress progress(callbacks, "faces", 0, 1, std::ssize(places));
-  parallel_for(places.size(), 16, [&](std::size_t begin, std::size_t end) {
-    CapMeasure measure(surface, layout);
-    std::vector<std::int32_t> around;
-    for (std::size_t i = begin; i < end; ++i) {
-      const bool is_face = places[i] >= first_face;
-      around.clear();
-      if (is_face) {
-        const std::int32_t face = places[i] - first_face;
-        for (std::int32_t k = 0; k < topology.face_size(face); ++k)
-          around.push_back(topology.first_corner(face) + k);
-      } else {
-        const auto corners = topology.corners_at(places[i]);
-        around.assign(corners.begin(), corners.end());
-      }
-      int depth = 1;
-      for (;; ++depth) {
-        errors[i] = measure.of(around, is_face, depth);
-        const bool keeps =
-            errors[i].angle <= limits.angle && errors[i].deviation <= limits.deviation;
-        if (keeps || depth == kDeepestCap) break;
-      }
-      depths.of_vertex[static_cast<std::size_t>(places[i])] = static_cast<std::int8_t>(depth);
-      progress.add();
+
+  const auto corners_of = [&](std::int32_t place, std::vector<std::int32_t>& around) {
+    around.clear();
+    if (place >= first_face) {
+      const std::int32_t face = place - first_face;
+      for (std::int32_t k = 0; k < topology.face_size(face); ++k)
+        around.push_back(topology.first_corner(face) + k);
+    } else {
+      const auto corners = topology.corners_at(place);
+      around.assign(corners.begin(), corners.end());
     }
-  });
-  CapError worst;
-  for (const CapError& error : errors) worst.add(error);
-  for (const std::int32_t v : places)
-    depths.deepest = std::max<int>(depths.deepest, depths.of_vertex[static_cast<std::size_t>(v)]);
-  depths.max_angle = worst.angle;
-  depths.max_deviation = worst.deviation;
+  };
+  const auto choose_all = [&](std::size_t first, std::size_t count) {
+    parallel_for(count, 16, [&](std::size_t begin, std::size_t end) {
+      CapMeasure measure(surface, layout, depths);
+      std::vector<std::int32_t> around;
+      for (std::size_t i = first + begin; i < first + end; ++i) {
+        corners_of(places[i], around);
+        choices[i] = choose(measure, around, places[i] >= first_face, limits);
+        progress.add();
+      }
+    });
+    CapError worst{depths.max_angle, depths.max_deviation};
+    std::vector<std::int32_t> around;
+    for (std::size_t i = first; i < first + count; ++i) {
+      const Choice& choice = choices[i];
+      worst.add(choice.error);
+      depths.of_vertex[static_cast<std::size_t>(places[i])] =
+          static_cast<std::int8_t>(choice.depth);
+      depths.deepest = std::max(depths.deepest, choice.depth);
+      if (choice.moves.empty()) continue;
+      ++depths.moved;
+      corners_of(places[i], around);
+      for (std::size_t k = 0; k < around.size(); ++k) {
+        depths.of_corner[static_cast<std::size_t>(around[k])][places[i] >= first_face ? 1 : 0] =
+            static_cast<std::int32_t>(depths.moves.size());
+        depths.moves.push_back(choice.moves[k]);
+      }
+    }
+    depths.max_angle = worst.angle;
+    depths.max_deviation = worst.deviation;
+  };
+  choose_all(0, face_count);
+  choose_all(face_count, places.size() - face_count);
   return depths;
 }
 

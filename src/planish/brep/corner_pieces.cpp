@@ -29,7 +29,37 @@ SquarePiece in_patch(const PatchFrame& frame, const BezierNet& net, const glm::d
   return piece;
 }
 
+// Blossoms of the two basis functions on knots 0, 0, 0, 1, 2, by the square that holds the place.
+double first_blossom(int square, double s, double t) { return square == 0 ? (1 - s) * (1 - t) : 0; }
+double second_blossom(int square, double s, double t) {
+  if (square == 0) return s + t - 1.5 * s * t;
+  return square == 1 ? 0.5 * (2 - s) * (2 - t) : 0;
+}
+
 }  // namespace
+
+double move_basis(double x) { return second_blossom(static_cast<int>(x), x, x); }
+
+glm::dvec3 moved_by(const CapMove& move, double x, double y) {
+  const double x1 = move_basis(x), y1 = move_basis(y);
+  return x1 * first_blossom(static_cast<int>(y), y, y) * move.along_x +
+         first_blossom(static_cast<int>(x), x, x) * y1 * move.along_y + x1 * y1 * move.inside;
+}
+
+void add_move(const CapMove& move, double x, double y, double size, BezierNet& net) {
+  const int square_x = static_cast<int>(x), square_y = static_cast<int>(y);
+  for (std::size_t j = 0; j < 3; ++j) {
+    const double low_y = j < 2 ? y : y + size, high_y = j > 0 ? y + size : y;
+    const double y0 = first_blossom(square_y, low_y, high_y);
+    const double y1 = second_blossom(square_y, low_y, high_y);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double low_x = i < 2 ? x : x + size, high_x = i > 0 ? x + size : x;
+      const double x0 = first_blossom(square_x, low_x, high_x);
+      const double x1 = second_blossom(square_x, low_x, high_x);
+      net[i + 3 * j] += x1 * y0 * move.along_x + x0 * y1 * move.along_y + x1 * y1 * move.inside;
+    }
+  }
+}
 
 glm::dvec3 SquarePiece::blossom(BlossomPair along_u, BlossomPair along_v) const {
   const double s = (along_u.first - u) / size, t = (along_u.second - u) / size;
@@ -101,6 +131,18 @@ void CornerPieces::add_end(const PatchForm& end, std::vector<glm::dvec3> points,
     }
   }
   pieces_.push_back(cap);
+}
+
+void CornerPieces::move(const CapMove& move, bool is_face, int depth) {
+  const double scale = std::ldexp(1.0, depth);
+  for (SquarePiece& piece : pieces_) {
+    const double x = scale * (is_face ? 1 - piece.u - piece.size : piece.u);
+    const double y = scale * (is_face ? 1 - piece.v - piece.size : piece.v);
+    if (x >= 2 || y >= 2) continue;
+    BezierNet by{};
+    add_move(move, x, y, scale * piece.size, by);
+    for (std::size_t k = 0; k < 9; ++k) piece.net[k] += by[is_face ? 8 - k : k];
+  }
 }
 
 const SquarePiece& CornerPieces::at(double u, double v) const {

@@ -154,6 +154,7 @@ Brep make_brep(const LimitSurface& surface, const BrepOptions& options, const Ca
   require_memory_for(layout, depths);
   Brep brep;
   brep.extraordinary = depths.count;
+  brep.moved = depths.moved;
   brep.deepest = depths.deepest;
   brep.max_angle = depths.max_angle;
   brep.max_deviation = depths.max_deviation;

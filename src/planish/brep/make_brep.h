@@ -19,12 +19,12 @@ struct BrepOptions {
 };
 
 /// The surface as B-spline faces without holes between them: exact but in squares of 2^-m of a quad
-/// at extraordinary points, which are halved until the options' limits are kept (m at most 12: see
-/// Brep::max_angle). Borders of neighbours are equal. Hidden faces are left out. The same bits for
-/// every number of threads. `groups`: one for each face of the mesh, that Brep::Face::group has and
-/// at whose borders faces end; empty: all have 0. Reports step "faces". Throws
-/// Error{InvalidArgument} for options out of range, Error{OutOfMemory} before memory is taken,
-/// Error{Cancelled}.
+/// at extraordinary points, or of twice that where points beside are moved towards the tangent
+/// plane. These are halved until the options' limits are kept (m at most 12: see Brep::max_angle).
+/// Borders of neighbours are equal. Hidden faces are left out. The same bits for every number of
+/// threads. `groups`: one for each face of the mesh, that Brep::Face::group has and at whose
+/// borders faces end; empty: all have 0. Reports step "faces". Throws Error{InvalidArgument} for
+/// options out of range, Error{OutOfMemory} before memory is taken, Error{Cancelled}.
 [[nodiscard]] Brep make_brep(const LimitSurface& surface, const BrepOptions& options = {},
                              const Callbacks& callbacks = {},
                              std::span<const std::int32_t> groups = {});

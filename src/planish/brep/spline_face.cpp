@@ -54,12 +54,9 @@ SplineFace::SplineFace(const LimitSurface& surface, const QuadLayout& layout,
       rectangle_(rectangle) {
   LimitSurface::Corner corner(surface);
   pieces_.reserve(cells_.cells.size());
-  const auto depth = [&](std::int32_t half_edge) {
-    return depths_.of_vertex[static_cast<std::size_t>(layout_.origin(half_edge))];
-  };
   for (const QuadLayout::Cell& cell : cells_.cells) {
     corner.move_to(cell.corner);
-    pieces_.emplace_back(corner, depth(4 * cell.corner), depth(4 * cell.corner + 2));
+    pieces_.push_back(pieces_of(corner, cell.corner, layout, depths));
   }
   const std::vector<double> x = all_knots(false), y = all_knots(true);
   knots_x_ = needed(x, y, false);
