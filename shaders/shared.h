@@ -155,6 +155,10 @@ struct CornerPatchParameters {
   uint instance_points;
   uint instance_rows;
   uint instance_floats;
+  // Of listed_patches: words of what an edit works on where the segment stands, and jobs from an
+  // instance to the next.
+  uint segment;
+  uint job_count;
 };
 
 // The surface at lists of places. Words of a place: face, u, v. Words of a class of corners:
@@ -230,6 +234,47 @@ struct RingSumParameters {
   uint instance_rows;
 };
 
+// Edits. What one works on is a buffer of words: these, a segment for each dispatch of patches, the
+// list of rows that the edit has reached, the lists of the segments. A row of the list is a place
+// in the vectors of all instances. Arguments are those of indirect dispatches.
+PLANISH_SHARED_CONSTANT kEditRows = 0u;     // in the list
+PLANISH_SHARED_CONSTANT kEditPatches = 1u;  // in those of all segments
+PLANISH_SHARED_CONSTANT kEditMoves = 2u;    // moved points that the host names
+PLANISH_SHARED_CONSTANT kEditHeld = 3u;     // of the rows, those that a step moves
+PLANISH_SHARED_CONSTANT kEditSpread = 4u;   // of them, those whose neighbours are in the list
+PLANISH_SHARED_CONSTANT kEditForRows = 8u;  // arguments of what walks the list
+PLANISH_SHARED_CONSTANT kEditForHeld = 12u;
+PLANISH_SHARED_CONSTANT kEditForMoves = 16u;
+PLANISH_SHARED_CONSTANT kEditHeadWords = 24u;
+// Words of a segment: patches in its list, arguments, where the list begins, the job behind its
+// last one, chunks of samples of a patch. A job is lane i of patch group g as g * kPatchLanes + i.
+PLANISH_SHARED_CONSTANT kSegmentArguments = 1u;
+PLANISH_SHARED_CONSTANT kSegmentList = 4u;
+PLANISH_SHARED_CONSTANT kSegmentEnd = 5u;
+PLANISH_SHARED_CONSTANT kSegmentChunks = 6u;
+PLANISH_SHARED_CONSTANT kSegmentWords = 8u;
+
+// Push constants of the kernels of edits.
+struct EditParameters {
+  uint row_count;   // of one instance
+  uint row_stride;  // from an instance to the next
+  uint instances;
+  uint max_groups;
+  uint first_listed;  // word where the list of rows begins
+  uint step;          // kNone: nothing is moved
+  float stop_square;
+  // take: the host's list and points.
+  uint moves_shift;  // words between the window's start and the count
+  uint most_moves;
+  uint given_count;
+  uint first_vertex, source_shift, source_stride, instance_floats;  // as in VectorParameters
+  uint first_source;                                                // residual: of the slice
+  uint first_sharp;   // places from here on are points beside sharp edges
+  uint first_word;    // of those points
+  uint point_stride;  // points of the state, from an instance to the next
+  uint job_count;
+};
+
 // Push constants of the kernels that walk vectors or partial sums.
 struct VectorParameters {
   uint count;
@@ -242,6 +287,7 @@ struct VectorParameters {
   uint source_shift;     // floats between the window's start and it
   uint source_stride;    // floats from one point to the next
   uint warm;             // 1: from the last displacement, 0: from none
+  uint keeps_side;       // 1: the steps were those of an edit, which goes round in no buffers
   uint instance_rows;    // points from an instance's vectors to the next one's
   uint instance_floats;  // of strided points, from an instance to the next
   uint further_instances;

@@ -16,56 +16,7 @@ READ(3, vec4, given)
 READ(4, vec4, moved)
 WRITE(5, vec4, state);
 
-uint next_corner(uint corner) { return links_at(corner - parameters.first_corner).y; }
-
-// A control point of the cage seen from a given vertex.
-vec3 from(vec3 origin, uint vertex) {
-  uint i = gl_WorkGroupID.y * parameters.instance_rows + (vertex - parameters.first_vertex);
-  precise vec3 x = (given_at(i).xyz - origin) + moved_at(i).xyz;
-  return x;
-}
-vec3 origin_of(uint vertex) {
-  return given_at(gl_WorkGroupID.y * parameters.instance_rows + (vertex - parameters.first_vertex))
-      .xyz;
-}
-
-void write_point(uint point, uint vertex, vec3 offset) {
-  state[gl_WorkGroupID.y * parameters.instance_points + (point - parameters.first_target)] =
-      vec4(offset, uintBitsToFloat(vertex | kVertexTag));
-}
-
-uint vertex_of(uint corner) { return vertices_at(corner - parameters.first_corner); }
-
-// The words begin with the place of each size's weights. Large faces are left to others.
-void step_corner(uint corner) {
-  uint size = 0u;
-  uint vertex = vertex_of(corner);
-  for (uint c = corner; size < kStepLargeFace;) {
-    ++size;
-    c = next_corner(c);
-    if (c == corner) break;
-  }
-  if (size == kStepLargeFace) return;
-  uint weight = words_at(size);
-  vec3 origin = origin_of(vertex);
-  vec3 sum = vec3(0.0);
-  uint c = corner;
-  for (uint i = 0u; i < size; ++i) {
-    sum += uintBitsToFloat(words_at(weight + i)) * from(origin, vertex_of(c));
-    c = next_corner(c);
-  }
-  write_point(corner, vertex, sum);
-}
-
-// Each point's vertex and where its pairs of a vertex and its weight begin.
-void step_sharp(uint point, uint head) {
-  uint vertex = words_at(head);
-  vec3 origin = origin_of(vertex);
-  vec3 sum = vec3(0.0);
-  for (uint i = words_at(head + 1u); i < words_at(head + 3u); i += 2u)
-    sum += uintBitsToFloat(words_at(i + 1u)) * from(origin, words_at(i));
-  write_point(point, vertex, sum);
-}
+#include "step_points.glsl"
 
 const uint kStepLanes = 64u;
 shared vec3 means[kStepLanes], evens[kStepLanes], odds[kStepLanes];
@@ -116,6 +67,9 @@ void step_large_face(uint head, uint lane) {
 }
 
 void main() {
+  first_corner = parameters.first_corner;
+  first_row = gl_WorkGroupID.y * parameters.instance_rows - parameters.first_vertex;
+  first_point = gl_WorkGroupID.y * parameters.instance_points - parameters.first_target;
   if (kStep == kStepLargeFaces) {
     for (uint face = gl_WorkGroupID.x; face < parameters.count; face += gl_NumWorkGroups.x)
       step_large_face(parameters.first_word + kLargeFaceWords * face, gl_LocalInvocationIndex);

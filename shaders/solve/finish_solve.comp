@@ -29,5 +29,6 @@ void main() {
   statuses[instance].state = state;
   statuses[instance].residual = sqrt(square);
   statuses[instance].max_square_bits = largest;
-  statuses[instance].side = (parameters.first_side + step) % 3u;
+  if (parameters.keeps_side == 0u)
+    statuses[instance].side = (parameters.first_side + step) % 3u;
 }

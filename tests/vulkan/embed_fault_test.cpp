@@ -80,11 +80,13 @@ TEST_F(EmbedFaults, EveryFailingCallOfAFrameUnwinds) {
     open(options);
     fail_each_call(
         [&] {
-          const DeviceSystem tables(*context_, system, {.answers_places = true});
+          const DeviceSystem tables(*context_, system,
+                                    {.answers_places = true, .takes_edits = true});
           const Buffer vertices(*context_, 1 << 20, MemoryUse::Device);
           SolveOptions solve;
           solve.vertices.buffer = vertices.handle();
           solve.instances = 3;
+          solve.moved = {vertices.handle(), 0, 9};
           const vulkan::Solve frame(*context_, tables, solve);
           const Places places(*context_, tables, frame,
                               {.list = {.count = 9}, .results = {.buffer = vertices.handle()}});

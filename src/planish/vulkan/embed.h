@@ -23,6 +23,7 @@
 //   Places places(context, tables, solve, options);      // if wanted
 //   each frame: solve.record_solve(commands, parameters); solve.record_evaluate(commands);
 //               places.record_evaluate(commands);
+//   or, where few points have moved: solve.record_edit(commands, edit_parameters);
 //
 // Many meshes. Instances of one mesh, each with points of its own, are best one Solve with
 //   SolveOptions::instances: its dispatches do all of them, and cost what one mesh of their size
@@ -181,6 +182,9 @@ struct DeviceSystemOptions {
   /// Places can be asked for: more tables, 8 bytes a corner and some 60 kB for each kind of corner
   /// (valence, face size, what is sharp).
   bool answers_places = false;
+  /// Solves can take edits: more tables, some 60 bytes a vertex of a quad mesh. Only where the
+  /// method is progressive and SystemOptions::within is 0.
+  bool takes_edits = false;
 };
 
 /// A range of a host's buffer that receives 3 * 4 bytes for each triangle: uint32 indices, usable
@@ -249,6 +253,17 @@ struct VertexLayout {
   VkDeviceSize instance_stride = 0;
 };
 
+/// A list of points that have moved, for record_edit: a uint32 that counts them, then a uint32 for
+/// each, instance * given_count() + its index in the mesh, 0 to max_count of them. It is read when
+/// the edit runs, so that a host or a kernel may write it until then. Entries may repeat; what
+/// names no point that a face names is passed over, and so is a point that is not finite. The
+/// buffer is the host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Solve.
+struct MovedPoints {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;      ///< of the count
+  std::uint32_t max_count = 0;  ///< a count above it is taken as it
+};
+
 struct SolveOptions {
   std::uint32_t max_iterations = 64;  ///< that one record_solve can ask for
   /// Of the fair method, 0 to 1000: steps of conjugate gradients that even out the curvature.
@@ -261,6 +276,10 @@ struct SolveOptions {
   /// it. Vectors of all instances (16 bytes a point of level 1, which are the mesh's corners) are
   /// one binding: Error{OutOfMemory} says how many a device can have.
   std::uint32_t instances = 1;
+  /// Where record_edit reads what has moved. The DeviceSystem was made with takes_edits. Takes
+  /// about 60 bytes a vertex of a quad mesh more; vectors and tables are one binding each:
+  /// Error{OutOfMemory} names what is not. No buffer: there are no edits.
+  MovedPoints moved;
 };
 
 /// Two timestamps in a host's query pool, `first` before and `first` + 1 after the recorded work.
@@ -284,6 +303,26 @@ struct SolveParameters {
   bool measures_last = true;
   Timestamps timestamps;
 };
+
+/// Of an edit.
+struct EditParameters {
+  /// At most SolveOptions::max_iterations, which stands in for more. Each can reach one ring of
+  /// faces further; 10 to 14 take a move of a hundredth of the diagonal below a tolerance of 1e-6.
+  std::uint32_t iterations = 24;
+  /// No iteration once no point that the edit reaches is off by more, decided on the device for
+  /// each instance; negative: do them all. System::tolerance() / 8 leaves control points within the
+  /// tolerance of those of a solve from scratch, as edit/ does.
+  float stop_error = -1;
+  Timestamps timestamps;
+};
+
+/// What an edit came to, of all instances: words of its own lists.
+struct EditReach {
+  std::uint32_t points;   ///< given points that were looked at, or whose surroundings moved
+  std::uint32_t patches;  ///< of corners, vertices, edges and faces, that were evaluated
+  std::uint32_t listed;   ///< entries of the host's list that were read
+};
+static_assert(sizeof(EditReach) == 12);
 
 /// How a solve ended.
 enum class SolveState : std::uint32_t {
@@ -338,9 +377,25 @@ class Solve {
   /// The part of record_evaluate that Places need, the surface's control points, for who wants no
   /// vertices: record_evaluate does it, too.
   void record_surface(VkCommandBuffer commands) const noexcept;
-  /// Copies a GpuStatus of the last solve for each instance, one after another, to a host's buffer
-  /// with VK_BUFFER_USAGE_TRANSFER_DST_BIT; offset is a multiple of 4. The host polls it when it
-  /// likes, after its own fence.
+  /// Moves the points that SolveOptions::moved lists to where GivenPoints' buffer has them, solves
+  /// and evaluates what they reach, and nothing else: vertices, control_points() and what Places
+  /// read change in place, and what is not reached keeps its bits. Costs what it reaches, not what
+  /// the mesh has; an empty list costs empty dispatches. Points of faces with 32 corners or more,
+  /// and sums of rings of as many, are the exception: each edit makes all of them.
+  /// A record_solve and its record_evaluate (or record_surface) came before. Edits go on from
+  /// edits, and solves (warm starts, too) from them. Points that moved without being listed wait
+  /// for the next solve. Afterwards record_status tells of the edit: residual is the largest among
+  /// points that it reached, the others keep theirs; above stop_error a warm solve helps. So all
+  /// points are within the largest stop_error that was met. Vertices are written in place: a draw
+  /// that still reads them is waited for by a barrier to kEntryScope, and frames in flight that
+  /// draw one Solve's vertices share them. With a Solve for each frame in flight, each takes each
+  /// list.
+  void record_edit(VkCommandBuffer commands, const EditParameters& parameters) const noexcept;
+  /// Copies an EditReach of the last edit to a host's buffer, as record_status does.
+  void record_reach(VkCommandBuffer commands, VkBuffer target, VkDeviceSize offset) const noexcept;
+  /// Copies a GpuStatus of the last solve or edit for each instance, one after another, to a host's
+  /// buffer with VK_BUFFER_USAGE_TRANSFER_DST_BIT; offset is a multiple of 4. The host polls it
+  /// when it likes, after its own fence.
   void record_status(VkCommandBuffer commands, VkBuffer target, VkDeviceSize offset) const noexcept;
 
   /// The control cage's points after record_evaluate: four floats each (the last is 0), one per

@@ -19,6 +19,18 @@
 #include "shaders/control_points.spv.h"
 #include "shaders/corner_patches.spv.h"
 #include "shaders/corner_patches_texel.spv.h"
+#include "shaders/edit_advance.spv.h"
+#include "shaders/edit_advance_texel.spv.h"
+#include "shaders/edit_begin.spv.h"
+#include "shaders/edit_commit.spv.h"
+#include "shaders/edit_jobs.spv.h"
+#include "shaders/edit_jobs_texel.spv.h"
+#include "shaders/edit_points.spv.h"
+#include "shaders/edit_points_texel.spv.h"
+#include "shaders/edit_residual.spv.h"
+#include "shaders/edit_residual_texel.spv.h"
+#include "shaders/edit_take.spv.h"
+#include "shaders/edit_take_texel.spv.h"
 #include "shaders/eval_patches.spv.h"
 #include "shaders/fair_apply_heights.spv.h"
 #include "shaders/fair_apply_heights_texel.spv.h"
@@ -105,6 +117,8 @@
 #include "shaders/initial_residual_texel.spv.h"
 #include "shaders/interpolation_step.spv.h"
 #include "shaders/interpolation_step_texel.spv.h"
+#include "shaders/listed_patches.spv.h"
+#include "shaders/listed_patches_texel.spv.h"
 #include "shaders/reduce_rms.spv.h"
 #include "shaders/reduce_sums.spv.h"
 #include "shaders/ring_sums.spv.h"
@@ -150,6 +164,10 @@ KernelSource bending_kernel(Code storage, Code texel, std::initializer_list<Bind
   return special_kernel(storage, texel, sizeof(shared::BendingParameters), bindings);
 }
 
+KernelSource edit_kernel(Code storage, Code texel, std::initializer_list<Binding> bindings) {
+  return special_kernel(storage, texel, sizeof(shared::EditParameters), bindings);
+}
+
 #define PLANISH_BOTH(name) spirv::name, spirv::name##_texel
 
 // In the order of enum Kernel.
@@ -179,6 +197,20 @@ const KernelSource kSources[kKernelCount] = {
     vector_kernel(spirv::take_up, 4),
     vector_kernel(spirv::control_points, 7),
     {spirv::eval_patches, spirv::eval_patches, sizeof(shared::PatchParameters), {}, 6, true},
+    edit_kernel(spirv::edit_begin, spirv::edit_begin, {Storage, Storage}),
+    edit_kernel(PLANISH_BOTH(edit_take),
+                {Storage, Words, Storage, Storage, Storage, Storage, Storage}),
+    edit_kernel(PLANISH_BOTH(edit_residual),
+                {Entries, Words, Words, Points, Points, Storage, Storage, Storage}),
+    edit_kernel(PLANISH_BOTH(edit_advance),
+                {Words, Entries, Words, Storage, Storage, Storage, Storage, Storage}),
+    edit_kernel(spirv::edit_commit, spirv::edit_commit,
+                {Storage, Storage, Storage, Storage, Storage, Storage, Storage, Storage}),
+    edit_kernel(PLANISH_BOTH(edit_jobs), {Words, Storage, Storage}),
+    edit_kernel(PLANISH_BOTH(edit_points),
+                {Words, Words, Entries, Words, Points, Points, Storage, Storage}),
+    special_kernel(PLANISH_BOTH(listed_patches), sizeof(shared::CornerPatchParameters),
+                   {Records, Words, Entries, Points, Points, Points, Storage, Storage}),
     bending_kernel(PLANISH_BOTH(bending_directions),
                    {Records, Entries, Points, Storage, Storage, Storage, Storage}),
     bending_kernel(PLANISH_BOTH(bending_rows), {Records, Entries, Points, Points, Points, Storage}),
@@ -269,6 +301,14 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish take_up",
                                                     "planish control_points",
                                                     "planish eval_patches",
+                                                    "planish edit_begin",
+                                                    "planish edit_take",
+                                                    "planish edit_residual",
+                                                    "planish edit_advance",
+                                                    "planish edit_commit",
+                                                    "planish edit_jobs",
+                                                    "planish edit_points",
+                                                    "planish listed_patches",
                                                     "planish bending_directions",
                                                     "planish bending_rows",
                                                     "planish bending_step",

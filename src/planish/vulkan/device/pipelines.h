@@ -33,6 +33,15 @@ enum class Kernel {
   TakeUp,
   ControlPoints,
   EvalPatches,  ///< only specialised
+  // Edits; only specialised.
+  EditBegin,
+  EditTake,
+  EditResidual,
+  EditAdvance,
+  EditCommit,
+  EditJobs,
+  EditPoints,
+  ListedPatches,
   // Where the mesh bends least; only specialised.
   BendingDirections,
   BendingRows,
@@ -79,7 +88,7 @@ enum class Kernel {
   FairCureCreases,
   FairCureCorners,
 };
-inline constexpr std::size_t kKernelCount = 62;
+inline constexpr std::size_t kKernelCount = 70;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);

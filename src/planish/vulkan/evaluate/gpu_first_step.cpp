@@ -43,9 +43,9 @@ GpuFirstStep::GpuFirstStep(Context& context, const PatchTables& patches, const S
     parameters.beside = static_cast<float>(tables.rule.beside);
     parameters.mean = static_cast<float>(tables.rule.mean);
     parameters.turn = static_cast<float>(tables.rule.turn);
-    dispatch.groups = slice.kind == shared::kStepLargeFaces
-                          ? std::min(slice.count, context.max_group_count())
-                          : (slice.count + kStepLanes - 1) / kStepLanes;
+    dispatch.is_of_large = slice.kind == shared::kStepLargeFaces;
+    dispatch.groups = dispatch.is_of_large ? std::min(slice.count, context.max_group_count())
+                                           : (slice.count + kStepLanes - 1) / kStepLanes;
     bound.push_back(
         {Kernel::FirstStep,
          {whole(tables.words),
@@ -70,6 +70,14 @@ Wait GpuFirstStep::record_round(VkCommandBuffer commands, std::size_t round) con
 void GpuFirstStep::record(VkCommandBuffer commands) const noexcept {
   record_rounds(context_, commands, 1,
                 [&](std::size_t, std::uint32_t round) { return record_round(commands, round); });
+}
+
+void GpuFirstStep::record_large_faces(VkCommandBuffer commands) const noexcept {
+  for (std::size_t round = 0; round < dispatches_.size(); ++round) {
+    if (!dispatches_[round].is_of_large) continue;
+    const Wait wait = record_round(commands, round);
+    record_barrier(context_, commands, wait.from, wait.to);
+  }
 }
 
 }  // namespace planish::vulkan

@@ -23,6 +23,8 @@ class GpuFirstStep {
   /// The same round by round.
   Wait record_round(VkCommandBuffer commands, std::size_t round) const noexcept;
   [[nodiscard]] std::size_t round_count() const { return dispatches_.size(); }
+  /// Those rounds that make the points of large faces, each with the barrier behind it.
+  void record_large_faces(VkCommandBuffer commands) const noexcept;
 
   /// shared::kPointFloats floats per point, instance by instance.
   [[nodiscard]] const Buffer& state() const { return state_; }
@@ -32,6 +34,7 @@ class GpuFirstStep {
     Pipeline pipeline;
     shared::FirstStepParameters parameters;
     std::uint32_t groups;
+    bool is_of_large;
   };
 
   Context& context_;

@@ -24,8 +24,11 @@ FloatElements elements_of(const VertexLayout& layout) {
 
 GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer& given,
                        const Buffer& state, const VertexLayout& layout, std::uint64_t vertex_count,
-                       const Instances& instances)
-    : context_(context), instances_(instances) {
+                       const Instances& instances, const ListedPatches& listed)
+    : context_(context),
+      instances_(instances),
+      work_(listed.work ? listed.work->handle() : VK_NULL_HANDLE) {
+  const Kernel kernel = work_ ? Kernel::ListedPatches : Kernel::CornerPatches;
   const auto point_count = static_cast<std::uint64_t>(tables.point_count);
   const std::uint32_t units_per_group = context.variant().chunks_per_group;
   std::vector<BoundKernel> bound;
@@ -37,7 +40,7 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
     check_range(context, target);
     const std::uint32_t constants[] = {slice.gather, slice.samples};
     Dispatch& dispatch = dispatches_.emplace_back();
-    dispatch.pipeline = context.pipelines().specialised(Kernel::CornerPatches, constants);
+    dispatch.pipeline = context.pipelines().specialised(kernel, constants);
     shared::CornerPatchParameters& parameters = dispatch.parameters;
     parameters.unit_count = slice.group_count * slice.chunk_count;
     parameters.chunk_count = slice.chunk_count;
@@ -56,6 +59,9 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
     parameters.instance_points = static_cast<std::uint32_t>(instances.stride(point_count));
     parameters.instance_rows = static_cast<std::uint32_t>(instances.stride(vertex_count));
     parameters.instance_floats = static_cast<std::uint32_t>(layout.instance_stride / sizeof(float));
+    parameters.segment =
+        listed.first_segment + shared::kSegmentWords * std::uint32_t(dispatches_.size() - 1);
+    parameters.job_count = listed.job_count;
     dispatch.groups = (parameters.unit_count + units_per_group - 1) / units_per_group;
     // Points behind the corners' have no links.
     const std::uint64_t link_bytes = sizeof(PatchRecords::Link);
@@ -64,13 +70,14 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
     const IndexWindow links{
         first_link, std::min(slice.points.first + slice.points.count, link_count) - first_link};
     bound.push_back(
-        {Kernel::CornerPatches,
+        {kernel,
          {whole(tables.groups), window_range(tables.words, slice.words, sizeof(std::uint32_t)),
           window_range(tables.links, links, link_bytes),
           instances.widened(window_range(state, slice.points, kPointBytes), point_count),
           instances.widened(window_range(given, slice.vertices, kPointBytes), vertex_count),
           window_range(tables.weights, slice.weights, sizeof(PatchRecords::Weight)),
           target.range}});
+    if (work_) bound.back().buffers.push_back(whole(*listed.work));
   }
   sets_ = DescriptorSets(context, bound);
 }
@@ -79,8 +86,13 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
 Wait GpuPatches::record_round(VkCommandBuffer commands, std::size_t round) const noexcept {
   if (round >= dispatches_.size()) return {};
   const Dispatch& dispatch = dispatches_[round];
-  record_dispatch(context_, commands, dispatch.pipeline, sets_[round], &dispatch.parameters,
-                  dispatch.groups, instances_.count);
+  if (work_)
+    record_dispatch_indirect(
+        context_, commands, dispatch.pipeline, sets_[round], &dispatch.parameters,
+        {work_, (dispatch.parameters.segment + shared::kSegmentArguments) * sizeof(std::uint32_t)});
+  else
+    record_dispatch(context_, commands, dispatch.pipeline, sets_[round], &dispatch.parameters,
+                    dispatch.groups, instances_.count);
   return kKernelWait;
 }
 

@@ -10,6 +10,13 @@
 
 namespace planish::vulkan {
 
+/// Patches that kernels list: a segment for each of the tables' slices, see shaders/shared.h.
+struct ListedPatches {
+  const Buffer* work = nullptr;  ///< null: all patches are done
+  std::uint32_t first_segment = shared::kEditHeadWords;
+  std::uint32_t job_count = 0;
+};
+
 /// The rows of a surface by corner patches, straight into a host's layout. Externally synchronised;
 /// tables and points outlive it.
 class GpuPatches {
@@ -21,7 +28,7 @@ class GpuPatches {
   /// several.
   GpuPatches(Context& context, const PatchTables& tables, const Buffer& given, const Buffer& state,
              const VertexLayout& layout, std::uint64_t vertex_count = 0,
-             const Instances& instances = {});
+             const Instances& instances = {}, const ListedPatches& listed = {});
 
   /// Only records, within kEntryScope; all that it writes is ready for kernels.
   void record(VkCommandBuffer commands) const noexcept;
@@ -38,6 +45,7 @@ class GpuPatches {
 
   Context& context_;
   Instances instances_;
+  VkBuffer work_ = VK_NULL_HANDLE;  // where patches are listed
   std::vector<Dispatch> dispatches_;
   DescriptorSets sets_;
 };

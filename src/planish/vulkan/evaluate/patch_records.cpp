@@ -47,6 +47,7 @@ using PassKey = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
 struct Pass {
   std::vector<shared::PatchGroup> groups;
   std::vector<PatchSlice> slices;
+  std::vector<std::int32_t> owners;
 };
 
 // values[0] + step * (places[i] - places[0]) for all i, if these are the values.
@@ -62,8 +63,12 @@ bool is_progression(std::span<const std::uint32_t> values, std::span<const std::
 
 class Packer {
  public:
-  Packer(const PatchSurface& surface, const PatchLimits& limits)
-      : surface_(surface), mesh_(surface.mesh()), limits_(limits), owners_(state_owners(mesh_)) {
+  Packer(const PatchSurface& surface, const PatchLimits& limits, bool with_owners)
+      : surface_(surface),
+        mesh_(surface.mesh()),
+        limits_(limits),
+        with_owners_(with_owners),
+        owners_(state_owners(mesh_)) {
     all_points_ = {0, mesh_.point_count()};
     all_vertices_ = {0, mesh_.topology().vertex_count()};
     windows_matter_ = !fits(all_points_) || !fits(all_vertices_);
@@ -122,6 +127,7 @@ class Packer {
   const PatchSurface& surface_;
   const PatchMesh& mesh_;
   const PatchLimits& limits_;
+  bool with_owners_;
   std::vector<std::int32_t> owners_;
   IndexWindow all_points_, all_vertices_;
   bool windows_matter_ = false;
@@ -200,6 +206,11 @@ void Packer::add_group(const PatchTile& tile, const PatchBucket& bucket,
       {group.first_weight, std::int64_t{group.columns} * extent.samples * extent.chunk_count});
   if (!fits(extent)) refuse(extent);
   pass.groups.push_back(group);
+  if (with_owners_) {
+    for (const PatchItem& item : items)
+      pass.owners.push_back(mesh_.topology().vertex_of(item.place.corner));
+    pass.owners.resize(pass.groups.size() * shared::kPatchLanes, -1);
+  }
   if (!pass.slices.empty()) {
     PatchSlice longer = pass.slices.back();
     ++longer.group_count;
@@ -299,6 +310,7 @@ void Packer::join_passes() {
   for (auto& [key, pass] : passes_) {
     const auto first = as_word(std::ssize(records_.groups));
     records_.groups.insert(records_.groups.end(), pass.groups.begin(), pass.groups.end());
+    records_.owners.insert(records_.owners.end(), pass.owners.begin(), pass.owners.end());
     for (PatchSlice& slice : pass.slices) {
       slice.first_group += first;
       records_.slices.push_back(slice);
@@ -348,8 +360,9 @@ std::vector<std::int32_t> state_owners(const PatchMesh& mesh) {
   return owners;
 }
 
-PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits) {
-  return Packer(surface, limits).pack();
+PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits,
+                           bool with_owners) {
+  return Packer(surface, limits, with_owners).pack();
 }
 
 }  // namespace planish::vulkan

@@ -62,11 +62,15 @@ struct PatchRecords {
   std::vector<std::uint32_t> rings;  ///< shared::kRingWords each, and what they name
   std::uint32_t ring_count = 0;
   std::int64_t first_sum = 0;  ///< the place behind the state
+  /// Per lane of each group the vertex whose faces have all points of its patch, -1 in lanes
+  /// without one; empty where they were not asked for.
+  std::vector<std::int32_t> owners;
 };
 
 /// All but the rings, see add_rings(). Throws Error{OutOfMemory}, naming the limit that one patch
 /// alone exceeds.
-[[nodiscard]] PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits);
+[[nodiscard]] PatchRecords patch_records(const PatchSurface& surface, const PatchLimits& limits,
+                                         bool with_owners = false);
 
 /// The mesh's large rings, for a device that makes their sums.
 void add_rings(const PatchMesh& mesh, PatchRecords& records);

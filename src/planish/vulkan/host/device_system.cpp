@@ -33,6 +33,18 @@ class StagingWriter {
   std::byte* place_;
 };
 
+void require_editable_system(const System& system, const DeviceSystemOptions& options) {
+  if (!options.takes_edits) return;
+  if (system.fair_records())
+    throw Error(ErrorCode::InvalidArgument,
+                "edits are of the progressive method: the polish of the fair one sums over all "
+                "points; solve all of them, or make the System with another method");
+  if (system.within() > 0)
+    throw Error(ErrorCode::InvalidArgument,
+                "edits take surfaces through their points, not within " +
+                    std::to_string(system.within()) + " of them; make the System with within 0");
+}
+
 DeviceTable make_masks(Context& context, const System& system) {
   DeviceTableOptions options;
   options.includes_own_rows = true;
@@ -44,32 +56,40 @@ DeviceTable make_masks(Context& context, const System& system) {
 /// What of a System's surface goes to a device. Made anew for each use, since it is as large as the
 /// device's own.
 struct DeviceSystem::Parts::PackedSurface {
-  PackedSurface(const System& system, const PatchLimits& limits, bool answers_places) {
+  /// What only some hosts ask for.
+  struct Wanted {
+    bool places, edits;
+  };
+  PackedSurface(const System& system, const PatchLimits& limits, const DeviceTable& masks,
+                const Wanted& wanted) {
     const SurfaceRecords& surface = system.surface_records();
     const PatchMesh& mesh = surface.patch_mesh;
     if (surface.sharp_rows)
       step = step_records(mesh, surface.weights, surface.sharp_rows->view(), limits);
     if (!mesh.has_sums() || limits.allow_points(mesh.point_count())) {
-      patches = patch_records(surface.patches, limits);
+      patches = patch_records(surface.patches, limits, wanted.edits);
       add_rings(mesh, patches);
-      take_points(mesh, surface.weights, limits, answers_places);
+      take_points(mesh, surface.weights, limits, masks, wanted);
       return;
     }
     // A binding has not both a patch's own points and its sums: by points, in slices.
     const PatchMesh by_points(*surface.topology, surface.features);
     patches = patch_records(
-        PatchSurface(by_points, {.level = system.level(), .weights = surface.weights}), limits);
-    take_points(by_points, surface.weights, limits, answers_places);
+        PatchSurface(by_points, {.level = system.level(), .weights = surface.weights}), limits,
+        wanted.edits);
+    take_points(by_points, surface.weights, limits, masks, wanted);
   }
   void take_points(const PatchMesh& mesh, Weights weights, const PatchLimits& limits,
-                   bool answers_places) {
+                   const DeviceTable& masks, const Wanted& wanted) {
     point_count = mesh.point_count();
-    if (answers_places) places = place_records(mesh, weights, limits);
+    if (wanted.places) places = place_records(mesh, weights, limits);
+    if (wanted.edits) edits = edit_records(mesh, patches, masks.slots());
   }
   std::int64_t point_count = 0;
   PatchRecords patches;
   std::optional<StepRecords> step;
   std::optional<PlaceRecords> places;
+  std::optional<EditRecords> edits;
 };
 
 DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystemOptions& options)
@@ -83,10 +103,13 @@ DeviceSystem::Parts::Parts(Context& on, const System& system, const DeviceSystem
       vertex_count(system.vertex_count()),
       vertices(on, used_vertices.size() * sizeof(std::int32_t), MemoryUse::Device,
                "planish vertices") {
-  const PackedSurface surface(system, patch_limits(on, max_vertex_stride), options.answers_places);
+  require_editable_system(system, options);
+  const PackedSurface surface(system, patch_limits(on, max_vertex_stride), masks,
+                              {options.answers_places, options.takes_edits});
   patches.emplace(on, surface.patches, surface.point_count);
   if (surface.step) step.emplace(on, *surface.step);
   if (surface.places) places.emplace(on, *surface.places);
+  if (surface.edits) edits.emplace(on, *surface.edits);
   if (const FairRecords* records = system.fair_records()) fair.emplace(on, *records);
   if (const BendingRecords* records = system.bending_records()) bending.emplace(on, *records);
   plan_masks();
@@ -114,6 +137,7 @@ void DeviceSystem::Parts::for_each(const System& system, const PackedSurface& su
   patches->for_each(surface.patches, take);
   if (step) step->for_each(*surface.step, take);
   if (places) places->for_each(*surface.places, take);
+  if (edits) edits->for_each(*surface.edits, take);
   take(vertices, std::as_bytes(std::span(used_vertices)));
   if (fair) fair->for_each(*system.fair_records(), take);
   if (bending) bending->for_each(*system.bending_records(), take);
@@ -151,7 +175,8 @@ void DeviceSystem::write_upload(const System& system, std::span<std::byte> stagi
       parts_->bending.has_value() != (system.bending_records() != nullptr))
     refuse();
   const Parts::PackedSurface surface(
-      system, patch_limits(parts_->context, parts_->max_vertex_stride), parts_->places.has_value());
+      system, patch_limits(parts_->context, parts_->max_vertex_stride), parts_->masks,
+      {parts_->places.has_value(), parts_->edits.has_value()});
   std::size_t copy = 2 * parts_->masks.slices().size();
   parts_->for_each(system, surface, [&](const Buffer&, std::span<const std::byte> bytes) {
     if (bytes.size() != parts_->copies[copy++].bytes) refuse();

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "planish/vulkan/edit/edit_tables.h"
 #include "planish/vulkan/embed.h"
 #include "planish/vulkan/evaluate/gpu_places.h"
 #include "planish/vulkan/evaluate/patch_tables.h"
@@ -40,6 +41,7 @@ struct DeviceSystem::Parts {
   std::optional<StepTables> step;        // where the method is not fair
   std::optional<FairTables> fair;        // where that is the method
   std::optional<PlaceTables> places;     // where they were asked for
+  std::optional<EditTables> edits;       // likewise
   Buffer vertices;                       // used_vertices, on the device
   std::vector<Copy> copies;              // in the order of their bytes; indices come after them
   std::uint64_t device_bytes = 0;

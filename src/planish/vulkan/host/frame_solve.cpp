@@ -9,6 +9,7 @@
 #include "planish/core/error.h"
 #include "planish/fair/fair_net.h"
 #include "planish/vulkan/device/commands.h"
+#include "planish/vulkan/edit/gpu_edit.h"
 #include "planish/vulkan/evaluate/gpu_first_step.h"
 #include "planish/vulkan/evaluate/gpu_patches.h"
 #include "planish/vulkan/evaluate/gpu_ring_sums.h"
@@ -49,6 +50,15 @@ void check_given(const GivenPoints& given) {
   require(given.offset % sizeof(float) == 0 && given.stride % sizeof(float) == 0 &&
               given.stride >= kVectorBytes,
           "given points lie at multiples of 4 bytes, 12 or more apart");
+}
+
+void check_moved(const MovedPoints& moved, bool has_tables) {
+  if (!moved.buffer) return;
+  require(has_tables, "the DeviceSystem has no tables for edits; make it with takes_edits");
+  require(moved.max_count > 0, "the list of moved points has a max_count of 0; give its largest");
+  require(moved.offset % sizeof(std::uint32_t) == 0, "the list of moved points begins at " +
+                                                         std::to_string(moved.offset) +
+                                                         ", which is no multiple of 4 bytes");
 }
 
 GpuSolveOptions solve_options(const Context& context, const SolveOptions& options) {
@@ -149,8 +159,10 @@ struct Solve::Parts {
   std::optional<GpuFirstStep> step;  // of the progressive method
   std::optional<GpuRingSums> sums;   // where large rings are
   std::optional<GpuPatches> patches;
+  std::optional<GpuEdit> edit;  // where the host lists what moves
 
  private:
+  void make_edit(const DeviceSystem::Parts& system, const SolveOptions& options);
   Parts(Context& on, const DeviceSystem::Parts& system, const InstanceSizes& sizes,
         const SolveOptions& options);
   static InstanceSizes sizes_of(const DeviceSystem::Parts& system, const SolveOptions& options);
@@ -174,7 +186,7 @@ InstanceSizes Solve::Parts::sizes_of(const DeviceSystem::Parts& system,
           static_cast<std::uint64_t>(system.patches->point_count),
           static_cast<std::uint64_t>(system.vertex_count),
           system.fair.has_value(),
-          options.vertices.buffer != VK_NULL_HANDLE || system.places};
+          options.vertices.buffer || system.places || options.moved.buffer};
 }
 
 std::optional<Buffer> Solve::Parts::make_given(Context& context, std::uint64_t bytes,
@@ -195,6 +207,7 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const Instan
       instances{wanted.instances},
       given_bytes(wanted.instances * of.given * kVectorBytes) {
   const SolveOptions options = checked_instances(on, of, wanted);
+  check_moved(options.moved, system.edits.has_value());
   own_given = make_given(on, given_bytes, options.given);
   GivenPoints points = options.given;
   if (own_given) points.buffer = own_given->handle(), points.offset = 0;
@@ -208,10 +221,20 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const Instan
                  progressive->given.displacement(), sizes.rows, instances);
   if (sizes.has_surface && system.patches->ring_count > 0)
     sums.emplace(on, *system.patches, given_points(), state_points(), sizes.rows, instances);
-  if (!options.vertices.buffer) return;
-  check_layout(options.vertices, system.max_vertex_stride);
-  patches.emplace(on, *system.patches, given_points(), state_points(), options.vertices, sizes.rows,
-                  instances);
+  if (options.vertices.buffer) {
+    check_layout(options.vertices, system.max_vertex_stride);
+    patches.emplace(on, *system.patches, given_points(), state_points(), options.vertices,
+                    sizes.rows, instances);
+  }
+  if (options.moved.buffer) make_edit(system, options);
+}
+
+void Solve::Parts::make_edit(const DeviceSystem::Parts& system, const SolveOptions& options) {
+  edit.emplace(
+      context,
+      EditedParts{system.masks, system.vertices, *system.edits, *system.patches, *system.step,
+                  progressive->solve, progressive->given, *step, sums ? &*sums : nullptr},
+      options.moved, system.given_count, options.vertices);
 }
 
 Solve::Solve(Context& context, const DeviceSystem& system, const SolveOptions& options)
@@ -240,6 +263,7 @@ Wait Solve::Parts::record_solve(VkCommandBuffer commands, const SolveParameters&
   if (round == 1) return progressive->given.record_residual(commands);
   if (round > 1) return progressive->solve.record_round(commands, run, round - 1);
   // What prepares the points and what prepares the steps do not meet.
+  if (edit) edit->record_clear(commands);
   Wait wait = progressive->given.record_points(commands, parameters.warm_start);
   return wait |= progressive->solve.record_round(commands, run, 0);
 }
@@ -302,6 +326,25 @@ void Solve::record_surface(VkCommandBuffer commands) const noexcept {
   record_rounds(parts_->context, commands, 1, [&](std::size_t, std::uint32_t round) {
     return parts_->record_surface(commands, round);
   });
+}
+
+void Solve::record_edit(VkCommandBuffer commands, const EditParameters& parameters) const noexcept {
+  if (!parts_->edit) return;
+  const Context& context = parts_->context;
+  const LabelScope label(context, commands, "planish edit");
+  record_barrier(context, commands, kExitScope, kEntryScope);
+  write_first(context, commands, parameters.timestamps);
+  parts_->edit->record(commands, std::min(parameters.iterations, parts_->max_iterations),
+                       stop_square_of(parameters.stop_error));
+  write_second(context, commands, parameters.timestamps);
+}
+
+void Solve::record_reach(VkCommandBuffer commands, VkBuffer target,
+                         VkDeviceSize offset) const noexcept {
+  if (!parts_->edit) return;
+  record_barrier(parts_->context, commands, kExitScope, kEntryScope);
+  const VkBufferCopy copy{0, offset, sizeof(EditReach)};
+  parts_->context.vk().vkCmdCopyBuffer(commands, parts_->edit->reach(), target, 1, &copy);
 }
 
 void Solve::record_status(VkCommandBuffer commands, VkBuffer target,

@@ -24,13 +24,18 @@ class GpuGather {
   /// shared::kPointFloats floats per row, instance by instance.
   [[nodiscard]] const Buffer& points() const { return points_; }
 
- private:
   /// Rows whose points one binding spans.
   struct Gather {
     std::int32_t first_row, row_count;
     BufferRange source;
     std::uint32_t first_vertex, shift;
   };
+  [[nodiscard]] std::span<const Gather> gathers() const { return gathers_; }
+  // Floats from a point to the next, and from an instance.
+  [[nodiscard]] std::uint32_t source_stride() const { return source_stride_; }
+  [[nodiscard]] std::uint32_t instance_floats() const { return instance_floats_; }
+
+ private:
   void cut_gathers(std::span<const std::int32_t> row_vertices, const GivenPoints& given);
   void bind(const Buffer& vertices);
 

@@ -33,6 +33,7 @@ class GpuGiven {
   [[nodiscard]] const Buffer& given() const { return gather_.points(); }
   [[nodiscard]] const Buffer& displacement() const { return moved_; }
   [[nodiscard]] const Buffer& control_points() const { return control_; }
+  [[nodiscard]] const GpuGather& gather() const { return gather_; }
 
  private:
   void bind(const GpuSolve& solve);

@@ -109,17 +109,39 @@ void GpuSolve::record_clear(VkCommandBuffer commands) const noexcept {
   record_barrier(context_, commands, kCopyScope, kEntryScope);
 }
 
-Wait GpuSolve::record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept {
+void GpuSolve::copy_plan(VkCommandBuffer commands, std::uint32_t count,
+                         bool measures_last) const noexcept {
   const DeviceFunctions& vk = context_.vk();
   const std::uint64_t step_bytes = instances_.count * sizeof(shared::StepRecord);
-  const std::uint64_t bytes = run.count * step_bytes;
+  const std::uint64_t bytes = count * step_bytes;
   const VkBufferCopy plan{0, 0, bytes};
   if (bytes) vk.vkCmdCopyBuffer(commands, plan_.handle(), steps_.handle(), 1, &plan);
   // A step that goes nowhere still measures.
-  if (run.measures_last) vk.vkCmdFillBuffer(commands, steps_.handle(), bytes, step_bytes, 0);
+  if (measures_last) vk.vkCmdFillBuffer(commands, steps_.handle(), bytes, step_bytes, 0);
+}
+
+Wait GpuSolve::record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept {
+  copy_plan(commands, run.count, run.measures_last);
   const VkBufferCopy arguments{0, 0, arguments_.size()};
-  vk.vkCmdCopyBuffer(commands, full_arguments_.handle(), arguments_.handle(), 1, &arguments);
+  context_.vk().vkCmdCopyBuffer(commands, full_arguments_.handle(), arguments_.handle(), 1,
+                                &arguments);
   return {kEntryScope, kEntryScope};
+}
+
+void GpuSolve::record_plan(VkCommandBuffer commands, std::uint32_t count) const noexcept {
+  copy_plan(commands, count, true);
+}
+
+void GpuSolve::record_status_of(VkCommandBuffer commands, std::uint32_t count,
+                                float stop_square) const noexcept {
+  shared::VectorParameters parameters{};
+  parameters.stop_square = stop_square;
+  parameters.count = count + 1;
+  parameters.step_count = count;
+  parameters.further_instances = instances_.further();
+  parameters.keeps_side = 1;
+  record_dispatch(context_, commands, Kernel::FinishSolve, finish_sets_[1], &parameters, 1,
+                  instances_.count);
 }
 
 Wait GpuSolve::record_stop_test(VkCommandBuffer commands, const StepRun& run,

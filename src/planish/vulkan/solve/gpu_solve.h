@@ -52,6 +52,13 @@ class GpuSolve {
   Wait record_round(VkCommandBuffer commands, const StepRun& run,
                     std::uint32_t round) const noexcept;
 
+  /// The first `count` steps of the plan and one that only measures, for who takes them itself:
+  /// copies, to be waited for.
+  void record_plan(VkCommandBuffer commands, std::uint32_t count) const noexcept;
+  /// Then status() as those steps left it, but for the side.
+  void record_status_of(VkCommandBuffer commands, std::uint32_t count,
+                        float stop_square) const noexcept;
+
   [[nodiscard]] const Instances& instances() const { return instances_; }
   /// shared::kPointFloats floats per row, instance by instance.
   [[nodiscard]] const Buffer& side(std::uint32_t i) const { return sides_[i]; }
@@ -63,6 +70,7 @@ class GpuSolve {
  private:
   void bind(Context& context);
   void write_full_arguments();
+  void copy_plan(VkCommandBuffer commands, std::uint32_t count, bool measures_last) const noexcept;
   Wait record_begin(VkCommandBuffer commands, const StepRun& run) const noexcept;
   Wait record_step(VkCommandBuffer commands, const StepRun& run, std::uint32_t step,
                    std::size_t slice) const noexcept;

@@ -45,6 +45,14 @@ PackedSlice DeviceTable::pack(std::size_t i, const StencilView<Real>& table) con
   return pack_slice(table, has_derivatives_, plan_, slices_[i].rows);
 }
 
+std::vector<std::uint32_t> DeviceTable::slots() const {
+  std::vector<std::uint32_t> slots(static_cast<std::size_t>(row_count_));
+  for (std::size_t slot = 0; slot < plan_.row_of_slot.size(); ++slot)
+    if (plan_.row_of_slot[slot] >= 0)
+      slots[static_cast<std::size_t>(plan_.row_of_slot[slot])] = static_cast<std::uint32_t>(slot);
+  return slots;
+}
+
 std::uint32_t DeviceTable::partials_total() const {
   return group_total_ * (context_.variant().lane_sums ? shared::kChunkRows : 1);
 }

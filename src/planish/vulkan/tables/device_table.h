@@ -42,6 +42,10 @@ class DeviceTable {
   template <class Real>
   [[nodiscard]] PackedSlice pack(std::size_t i, const StencilView<Real>& table) const;
 
+  /// Where each row went: lane i of chunk c is slot c * shared::kChunkRows + i, chunks counted
+  /// through all slices.
+  [[nodiscard]] std::vector<std::uint32_t> slots() const;
+
   /// Drops what only pack() needs.
   void finish_packing() { plan_ = {}; }
 

@@ -1,0 +1,8 @@
+// What the kernels of edits have in common.
+layout(local_size_x = 64) in;
+layout(push_constant) uniform Parameters { EditParameters parameters; };
+
+uint lane_count() { return gl_NumWorkGroups.x * kChunkRows; }
+uint groups_of(uint lanes) {
+  return min((lanes + (kChunkRows - 1u)) / kChunkRows, parameters.max_groups);
+}

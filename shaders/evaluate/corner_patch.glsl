@@ -1,0 +1,177 @@
+// Limit points and unit normals of corner patches: for each the weighted sums of its control
+// points, relative to its own point.
+#include "shared.h"
+#include "read.glsl"
+
+layout(local_size_x = 64) in;
+layout(constant_id = 3) const uint kGather = kGatherList;
+layout(constant_id = 4) const uint kSamples = 1u;
+layout(push_constant) uniform Parameters { CornerPatchParameters parameters; };
+
+READ(0, uvec4, groups)
+READ(1, uint, words)
+READ(2, uvec2, links)
+READ(3, vec4, state)
+READ(4, vec4, given)
+READ(5, vec4, weights)
+WRITE(6, float, target);
+
+#include "limit_row.glsl"
+
+PatchGroup group_of(uint i) {
+  uvec4 a = groups_at(i * kGroupVectors);
+  uvec4 b = groups_at(i * kGroupVectors + 1u);
+  uvec4 c = groups_at(i * kGroupVectors + 2u);
+  return PatchGroup(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w);
+}
+
+// The corner counter-clockwise at the same vertex, and the next one in the face.
+uvec2 link_of(uint corner) { return links_at(corner - parameters.first_state); }
+// Where the instance's points of the state, given points and floats of the target begin.
+uint first_point, first_given, first_float;
+vec4 point_of(uint i) { return state_at(first_point + (i - parameters.first_state)); }
+vec3 vertex_of(vec4 point) {
+  uint vertex = floatBitsToUint(point.w) & ~kVertexTag;
+  return given_at(first_given + (vertex - parameters.first_vertex)).xyz;
+}
+
+vec4 own;
+vec3 own_vertex;
+uint next_weight;
+vec3 position[kSamples], du[kSamples], dv[kSamples];
+
+void begin(uint i) {
+  own = point_of(i);
+  own_vertex = vertex_of(own);
+  for (uint s = 0u; s < kSamples; ++s) position[s] = du[s] = dv[s] = vec3(0.0);
+}
+
+// The next column's point: an offset from a vertex that itself is `vertex` away from the own one.
+void add(vec3 vertex, vec4 point) {
+  precise vec3 x = vertex + (point.xyz - own.xyz);
+  for (uint s = 0u; s < kSamples; ++s) {
+    vec3 weight = weights_at(next_weight + s).xyz;
+    // Both sides of a cut get the same bits, whatever kernel makes them.
+    precise vec3 sum = position[s] + weight.x * x;
+    position[s] = sum;
+    du[s] += weight.y * x;
+    dv[s] += weight.z * x;
+  }
+  next_weight += kSamples;
+}
+
+vec3 away(vec4 point) {
+  precise vec3 vertex = vertex_of(point) - own_vertex;
+  return vertex;
+}
+
+// Loops end at their head: lanes of a list have rings and faces of several sizes, see vulkan/details.md.
+void gather_ring(uint corner, uint follow, uint count) {
+  for (uint i = 1u; i < count; ++i) {
+    add(vec3(0.0), point_of(corner));
+    corner = follow;
+    if (i + 1u < count) follow = link_of(corner).x;
+  }
+}
+
+void gather_corner(uint corner, PatchGroup group) {
+  begin(corner);
+  uvec2 link = link_of(corner);
+  uvec2 across = link_of(link.x);
+  gather_ring(link.x, across.x, group.ring);
+  uint in_face = link.y;
+  uvec2 next = link_of(in_face);
+  uint beyond_leading = next.x;
+  vec3 first_vertex, last_vertex;
+  for (uint i = 1u; i < group.face; ++i) {
+    vec4 point = point_of(in_face);
+    last_vertex = away(point);
+    if (i == 1u) first_vertex = last_vertex;
+    add(last_vertex, point);
+    if (i + 1u < group.face) {
+      in_face = next.y;
+      next = link_of(in_face);
+    }
+  }
+  add(first_vertex, point_of(beyond_leading));
+  add(last_vertex, point_of(across.y));
+}
+
+void gather_face(uint corner, uint count) {
+  begin(corner);
+  for (uint i = 1u; i < count; ++i) {
+    corner = link_of(corner).y;
+    vec4 point = point_of(corner);
+    add(away(point), point);
+  }
+}
+
+// Around the midpoint of the corner's leading edge.
+void gather_edge(uint corner) {
+  uint end = link_of(corner).y;
+  begin(end);
+  uint other = link_of(end).x;
+  vec4 point = point_of(corner);
+  vec3 vertex = away(point);
+  add(vertex, point);
+  add(vertex, point_of(link_of(other).y));
+  add(vec3(0.0), point_of(other));
+}
+
+void gather_list(uint word, uint columns) {
+  begin(words_at(word));
+  for (uint k = 1u; k <= columns; ++k) {
+    vec4 point = point_of(words_at(word + k * kPatchLanes));
+    add(away(point), point);
+  }
+}
+
+void write_rows(uint row, uint flags) {
+  for (uint s = 0u; s < kSamples; ++s) {
+    uint place = (row + s - parameters.first_row) * parameters.target_stride +
+                 parameters.first_target + first_float;
+    precise vec3 limit = own_vertex + (own.xyz + position[s]);
+    if ((flags & kHasPositions) != 0u) write_vector(place, limit);
+    if ((flags & kHasNormals) != 0u)
+      write_vector(place + parameters.normal_offset, unit_normal(du[s], dv[s]));
+  }
+}
+
+void begin_instance(uint instance) {
+  first_point = instance * parameters.instance_points;
+  first_given = instance * parameters.instance_rows;
+  first_float = instance * parameters.instance_floats;
+}
+
+// A chunk of samples of a group's patch.
+void evaluate_patch(PatchGroup group, uint lane, uint chunk) {
+  uint word = group.first_word - parameters.first_word + lane;
+  uint corner = group.corner + lane * group.corner_step;
+  if ((group.flags & kCornersAreWords) != 0u) {
+    corner = words_at(word);
+    word += kPatchLanes;
+  }
+  uint row = group.row + group.row_step * ((group.flags & kRowsFollowCorners) != 0u
+                                               ? corner - group.corner
+                                               : lane);
+  if ((group.flags & kRowsAreWords) != 0u) {
+    row = words_at(word);
+    word += kPatchLanes;
+  }
+  next_weight = group.first_weight - parameters.first_weight +
+                chunk * group.columns * kSamples;
+  if (kGather == kGatherCorner) {
+    gather_corner(corner, group);
+  } else if (kGather == kGatherVertex) {
+    begin(corner);
+    uint next = link_of(corner).x;
+    gather_ring(next, link_of(next).x, group.ring);
+  } else if (kGather == kGatherFace) {
+    gather_face(corner, group.face);
+  } else if (kGather == kGatherEdge) {
+    gather_edge(corner);
+  } else {
+    gather_list(word, group.columns);
+  }
+  write_rows(row + chunk * kSamples, group.flags);
+}
