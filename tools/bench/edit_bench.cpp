@@ -11,6 +11,7 @@
 
 #include "bench/bench_meshes.h"
 #include "bench/benchmarks.h"
+#include "bench/device_edit.h"
 #include "planish/edit/editor.h"
 
 namespace planish::bench {
@@ -131,6 +132,10 @@ std::vector<Row> bench_edit(const Options& options) {
     EditBench bench(mesh, "torus, " + std::to_string(mesh.vertex_count()) + " vertices", 25 * edge);
     const std::vector<Row> measured = bench.run(options.repetitions);
     rows.insert(rows.end(), measured.begin(), measured.end());
+#ifdef PLANISH_HAS_VULKAN
+    const std::vector<Row> on_device = bench_device_edits(options, mesh, rows.back().size);
+    rows.insert(rows.end(), on_device.begin(), on_device.end());
+#endif
   }
   return rows;
 }
