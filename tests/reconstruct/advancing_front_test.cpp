@@ -54,6 +54,27 @@ std::vector<Triangle> unturned(std::vector<Triangle> triangles) {
 }
 
 // A power of two keeps every bit of a double, so that the triangles must be the same ones.
+// A front closes the bays of a rim and half of a hole by triangles as long as the sheet.
+TEST(AdvancingFront, LeavesRimAndHoleOfASheetOpen) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    std::mt19937_64 random(seed);
+    const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    PointCloud cloud;
+    while (cloud.points.size() < 20'000) {
+      const double x = 2 * unit() - 1, y = 2 * unit() - 1;
+      if (x * x + y * y > 0.16)
+        cloud.points.emplace_back(x, y, 0.2 * std::sin(4 * x) * std::cos(3 * y));
+    }
+    for (const std::int64_t coarse_from : {1'000, 1'000'000}) {
+      const Reconstruction result = reconstruct(cloud, mesh_by_advancing_front,
+                                                {.tolerance = 1e-3, .coarse_from = coarse_from});
+      EXPECT_EQ(result.statistics.genus, 0) << seed;
+      EXPECT_EQ(result.statistics.boundary_loop_count, 2) << seed;
+      EXPECT_EQ(result.strayed_count, 0) << seed;
+    }
+  }
+}
+
 TEST(AdvancingFront, KnowsNoUnit) {
   const std::vector<glm::dvec3> points = test::torus_points(3000, 23);
   const std::vector<Triangle> wanted = unturned(mesh_by_advancing_front(points));

@@ -13,6 +13,7 @@
 #include "planish/mesh/disjoint_sets.h"
 #include "planish/mesh/triangle_edges.h"
 #include "planish/reconstruct/fill_hole.h"
+#include "planish/reconstruct/open_bridges.h"
 
 namespace planish {
 namespace {
@@ -257,7 +258,8 @@ RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
     check_stop();
     if (drop_surplus_at_edges(positions, triangles)) continue;
     if (orient(positions.size(), triangles)) continue;
-    if (!drop_extra_fans(positions.size(), triangles)) break;
+    if (drop_extra_fans(positions.size(), triangles)) continue;
+    if (!remove_marked(triangles, open_bridges(positions, triangles))) break;
   }
   result.dropped_triangle_count = static_cast<std::int64_t>(given - triangles.size());
   options.callbacks.report("repair", 0.5);

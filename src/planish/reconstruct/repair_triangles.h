@@ -25,16 +25,16 @@ struct TriangleRepairOptions {
 /// An oriented manifold, with or without boundary, and what was done to get it.
 struct RepairedTriangles {
   std::vector<Triangle> triangles;
-  std::int64_t dropped_triangle_count = 0;  ///< repeated, or against manifold or orientation
+  std::int64_t dropped_triangle_count = 0;  ///< repeated, bridging, or against manifold
   std::int64_t filled_loop_count = 0;
   std::int64_t dropped_component_count = 0;
 };
 
-/// Makes triangles with any winding an oriented manifold: drops what prevents it, keeps the asked
-/// components, fills short boundary loops with the flattest patch (largest dihedral angle, then
-/// area, at its least), and turns every component outwards (by its volume; an open one by the
-/// volume over its centroid). Corners must be different indices of `positions`. Throws
-/// Error{InvalidArgument} for the options, Error{Cancelled}.
+/// Makes triangles with any winding an oriented manifold: drops what prevents it and
+/// open_bridges(), keeps the asked components, fills short boundary loops with the flattest patch
+/// (largest dihedral angle, then area, at its least), and turns every component outwards (by its
+/// volume; an open one by the volume over its centroid). Corners must be different indices of
+/// `positions`. Throws Error{InvalidArgument} for the options, Error{Cancelled}.
 [[nodiscard]] RepairedTriangles repair_triangles(std::span<const glm::dvec3> positions,
                                                  std::vector<Triangle> triangles,
                                                  const TriangleRepairOptions& options = {});
