@@ -113,6 +113,20 @@ TEST(Simplify, LeavesLittleOfAPlane) {
   EXPECT_EQ(checked_statistics(grid.positions, result.triangles).boundary_loop_count, 1);
 }
 
+// All vertices are beyond the largest ratio of edges; each collapse makes some of them a hair
+// worse.
+TEST(Simplify, LeavesLittleOfLinesFarApart) {
+  std::mt19937 random(3);
+  test::TriangleMesh grid = test::grid_mesh(60, [](int, int) { return 0.0; });
+  for (glm::dvec3& p : grid.positions) {
+    p.x = 30 * p.x;
+    p.y += 0.2 * static_cast<double>(random() % 1000) / 1000;
+  }
+  const SimplifiedMesh result = simplify(grid.positions, grid.triangles, {.tolerance = 1e-9});
+  EXPECT_LT(result.vertex_count, 400);
+  EXPECT_LE(test::greatest_distance(grid.positions, result.triangles), 1e-9);
+}
+
 TEST(Simplify, HoldsPointsThatNoTriangleNames) {
   test::TriangleMesh grid = test::grid_mesh(20, [](int, int) { return 0.0; });
   grid.positions.emplace_back(10.3, 10.4, 0.05);

@@ -25,7 +25,8 @@ class EdgeGradation {
 
   /// Whether a vertex stays within the ratio, or becomes no worse.
   [[nodiscard]] bool keeps(std::int32_t vertex, const EdgeChange& change) const;
-  /// Whether collapsing the vertex of `fan` into its ring's entry `target` keeps all of the ring.
+  /// Whether collapsing the vertex of `fan` into its ring's entry `target` leaves all of the ring
+  /// within the ratio, or within the worst that it and the vertex have.
   [[nodiscard]] bool keeps_all(std::int32_t vertex, const Fan& fan, std::size_t target) const;
 
   /// Whether moving the vertex of `fan` keeps both it and all of the ring.
