@@ -3,12 +3,14 @@
 #include "planish/mesh/mesh_arrays.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <string>
 
 #include "planish/core/counted.h"
 #include "planish/core/first_where.h"
 #include "planish/core/number_text.h"
+#include "planish/core/parallel.h"
 
 namespace planish {
 namespace {
@@ -172,10 +174,27 @@ MeshArrays arrays_of(const PolygonMesh& mesh) {
           .corners = mesh.corners};
 }
 
+namespace {
+
+// Without an end at the first that does not hold, so that what is compared becomes vectors.
+template <class Holds>
+bool hold_all(std::size_t count, const Holds& holds) {
+  constexpr std::size_t kAtOnce = std::size_t{1} << 13;
+  std::atomic<bool> all{true};
+  parallel_for(count, kAtOnce, [&](std::size_t begin, std::size_t end) {
+    bool found = true;
+    for (std::size_t i = begin; i < end; ++i) found &= holds(i);
+    if (!found) all.store(false, std::memory_order_relaxed);
+  });
+  return all.load();
+}
+
+}  // namespace
+
 bool attributes_are_sound(const MeshArrays& arrays) {
   bool sound = wrong_counts(arrays).empty();
   visit_attribute_rules(arrays, [&](Kind, std::size_t count, const auto& holds, const auto&) {
-    sound = sound && first_where(count, [&](std::size_t i) { return !holds(i); }) == count;
+    sound = sound && hold_all(count, holds);
   });
   return sound;
 }

@@ -2,23 +2,22 @@
 
 #include <oneapi/tbb/parallel_sort.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <numbers>
 #include <numeric>
 #include <tuple>
 
 #include "planish/core/parallel.h"
+#include "planish/core/raw_vector.h"
 #include "planish/files/gltf/gltf_face_writer.h"
+#include "planish/files/gltf/tangent_batch.h"
 
 namespace planish {
 namespace {
 
-constexpr std::int64_t kFaces = std::int64_t{1} << 14;
+constexpr std::int64_t kFaces = std::int64_t{1} << 12;
 constexpr std::size_t kTangentsAtOnce = 1 << 12;
 
 glm::dvec3 unit_or_zero(const glm::dvec3& v) {
@@ -28,42 +27,6 @@ glm::dvec3 unit_or_zero(const glm::dvec3& v) {
 
 glm::dvec3 flattened(const glm::dvec3& v, const glm::dvec3& normal) {
   return unit_or_zero(v - normal * glm::dot(normal, v));
-}
-
-// Where u grows on a triangle, and on which side of it v does.
-struct Direction {
-  glm::dvec3 along_u{0.0};
-  double area = 0;  // in the texture, with a sign
-};
-
-Direction direction_of(const std::array<glm::dvec3, 3>& points,
-                       const std::array<glm::dvec2, 3>& uvs) {
-  const glm::dvec2 s = uvs[1] - uvs[0], t = uvs[2] - uvs[0];
-  const double area = s.x * t.y - s.y * t.x;
-  const glm::dvec3 along = t.y * (points[1] - points[0]) - s.y * (points[2] - points[0]);
-  return {unit_or_zero(area < 0 ? -along : along), area};
-}
-
-// An angle by its cosine, within 2e-8: Abramowitz and Stegun, "Handbook of Mathematical Functions",
-// 4.4.46. It is a weight.
-double angle_of(double cosine) {
-  const double x = std::min(std::abs(cosine), 1.0);
-  const double shape =
-      1.5707963050 +
-      x * (-0.2145988016 +
-           x * (0.0889789874 +
-                x * (-0.0501743046 +
-                     x * (0.0308918810 +
-                          x * (-0.0170881256 + x * (0.0066700901 - x * 0.0012624911))))));
-  const double angle = std::sqrt(1 - x) * shape;
-  return cosine < 0 ? std::numbers::pi - angle : angle;
-}
-
-// Between two directions, both seen along a normal.
-double angle_between(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& normal) {
-  const double up_a = glm::dot(normal, a), up_b = glm::dot(normal, b);
-  const double square = (glm::dot(a, a) - up_a * up_a) * (glm::dot(b, b) - up_b * up_b);
-  return angle_of(square > 0 ? (glm::dot(a, b) - up_a * up_b) / std::sqrt(square) : 0);
 }
 
 // What is known of a texture coordinate: the sum of the directions at its corners, by their angles.
@@ -76,11 +39,20 @@ struct Known {
 
 // The same of each corner of some faces.
 struct CornerSums {
-  std::vector<std::int32_t> rows, uvs;
+  RawVector<std::int32_t> rows, uvs;
   std::vector<std::int32_t> sets;  // -1: none is wanted
-  std::vector<glm::vec3> normals;
+  RawVector<glm::dvec3> positions;
+  RawVector<glm::vec3> normals;
   std::vector<glm::dvec3> sums;
   std::vector<double> areas;
+  RawVector<std::byte> triangles;
+
+  void resize(std::size_t count) {
+    rows.resize(count), uvs.resize(count), positions.resize(count), normals.resize(count);
+    sets.assign(count, -1);
+    sums.assign(count, glm::dvec3(0.0));
+    areas.assign(count, 0);
+  }
 };
 
 class Collector {
@@ -97,52 +69,70 @@ class Collector {
     const std::int64_t first = info.first_corner(faces.first);
     const auto count =
         static_cast<std::size_t>(info.first_corner(faces.first + faces.count) - first);
-    made.rows.resize(count), made.uvs.resize(count), made.normals.resize(count);
-    made.sets.assign(count, -1);
-    made.sums.assign(count, glm::dvec3(0.0));
-    made.areas.assign(count, 0);
+    made.resize(count);
     std::vector<std::int32_t> groups(static_cast<std::size_t>(faces.count), 0);
-    std::vector<glm::dvec3> positions(count);
     surface_.face_vertices(faces, made.rows);
     surface_.face_uvs(faces, made.uvs);
     if (info.has_groups) surface_.face_groups(faces, groups);
-    surface_.corners(faces, positions, made.normals);
-    RawVector<std::byte> bytes;
-    FaceWriter<std::uint32_t>(surface_, by_corner_)(faces, bytes);
-    const std::span corners(reinterpret_cast<const std::uint32_t*>(bytes.data()),
-                            bytes.size() / sizeof(std::uint32_t));
+    surface_.corners(faces, made.positions, made.normals);
+    FaceWriter<std::uint32_t>(surface_, by_corner_)(faces, made.triangles, made.positions);
+    const std::span corners(reinterpret_cast<const std::uint32_t*>(made.triangles.data()),
+                            made.triangles.size() / sizeof(std::uint32_t));
     std::int64_t face = faces.first;
+    Batch batch(source_, made);
     for (std::size_t at = 0; at < corners.size(); at += 3) {
       while (corners[at] >= info.first_corner(face + 1)) ++face;
       const int set = source_.set_of_group[static_cast<std::size_t>(groups[face - faces.first])];
-      if (set < 0) continue;
-      std::array<std::size_t, 3> corner;
-      for (std::size_t k = 0; k < 3; ++k)
-        corner[k] = corners[at + k] - static_cast<std::size_t>(first);
-      add_triangle(corner, set, positions, made);
+      if (set >= 0) batch.add(corners.subspan(at).first<3>(), first, set);
     }
+    batch.finish();
   }
 
  private:
-  void add_triangle(const std::array<std::size_t, 3>& corner, int set,
-                    std::span<const glm::dvec3> positions, CornerSums& made) const {
-    const std::span<const glm::dvec2> uvs = source_.sets[static_cast<std::size_t>(set)];
-    std::array<glm::dvec3, 3> points;
-    std::array<glm::dvec2, 3> places;
-    for (std::size_t k = 0; k < 3; ++k) {
-      points[k] = positions[corner[k]];
-      places[k] = uvs[static_cast<std::size_t>(made.uvs[corner[k]])];
+  // Triangles side by side; what they sum up comes to the corners in their order.
+  class Batch {
+   public:
+    Batch(const TangentSource& source, CornerSums& made) : source_(source), made_(made) {}
+
+    void add(std::span<const std::uint32_t, 3> triangle, std::int64_t first, int set) {
+      const std::span<const glm::dvec2> uvs = source_.sets[static_cast<std::size_t>(set)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t corner = triangle[k] - static_cast<std::size_t>(first);
+        const glm::dvec2& uv = uvs[static_cast<std::size_t>(made_.uvs[corner])];
+        for (int axis = 0; axis < 3; ++axis) {
+          given_.position[k][axis][count_] = made_.positions[corner][axis];
+          given_.normal[k][axis][count_] = static_cast<double>(made_.normals[corner][axis]);
+        }
+        given_.uv[k][0][count_] = uv.x;
+        given_.uv[k][1][count_] = uv.y;
+        corners_[k][count_] = static_cast<std::uint32_t>(corner);
+        made_.sets[corner] = set;
+      }
+      if (++count_ == kTangentLanes) finish();
     }
-    const Direction direction = direction_of(points, places);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const glm::dvec3 normal(made.normals[corner[k]]);
-      const double angle =
-          angle_between(points[(k + 1) % 3] - points[k], points[(k + 2) % 3] - points[k], normal);
-      made.sums[corner[k]] += angle * flattened(direction.along_u, normal);
-      made.areas[corner[k]] += direction.area;
-      made.sets[corner[k]] = set;
+
+    void finish() {
+      if (count_ == 0) return;
+      measure_tangents(given_, sums_);
+      for (int i = 0; i < count_; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t corner = corners_[k][i];
+          made_.sums[corner] +=
+              glm::dvec3(sums_.along[k][0][i], sums_.along[k][1][i], sums_.along[k][2][i]);
+          made_.areas[corner] += sums_.area[i];
+        }
+      }
+      count_ = 0;
     }
-  }
+
+   private:
+    const TangentSource& source_;
+    CornerSums& made_;
+    TangentBatch given_{};  // lanes that are not used stay finite
+    TangentSums sums_;
+    std::uint32_t corners_[3][kTangentLanes];
+    int count_ = 0;
+  };
 
   const SurfaceBlocks& surface_;
   const TangentSource& source_;

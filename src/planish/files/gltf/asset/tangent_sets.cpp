@@ -1,7 +1,14 @@
 #include "planish/files/gltf/asset/tangent_sets.h"
 
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <unordered_map>
+#include <vector>
+
+#include "planish/core/parallel.h"
 
 namespace planish {
 namespace {
@@ -18,15 +25,46 @@ const json* found(const json& in, std::initializer_list<const char*> path) {
   return at;
 }
 
-// Twice its area in the texture, with a sign.
-double area_of(std::span<const std::int32_t> face, std::span<const glm::dvec2> uvs) {
+// The way round of a face in the texture.
+enum class Way : std::uint8_t { Unknown, Left, Right };
+
+Way way_of(std::span<const std::int32_t> face, std::span<const glm::dvec2> uvs) {
   double area = 0;
   for (std::size_t k = 0; k < face.size(); ++k) {
     const glm::dvec2& a = uvs[static_cast<std::size_t>(face[k])];
-    const glm::dvec2& b = uvs[static_cast<std::size_t>(face[(k + 1) % face.size()])];
+    const glm::dvec2& b = uvs[static_cast<std::size_t>(face[k + 1 < face.size() ? k + 1 : 0])];
     area += a.x * b.y - a.y * b.x;
   }
-  return area;
+  return area > 0 ? Way::Left : area < 0 ? Way::Right : Way::Unknown;
+}
+
+std::span<std::int32_t> uvs_of_face(PolygonMesh& mesh, std::size_t face) {
+  const auto begin = static_cast<std::size_t>(mesh.face_offsets[face]);
+  return std::span(mesh.face_uvs)
+      .subspan(begin, static_cast<std::size_t>(mesh.face_offsets[face + 1]) - begin);
+}
+
+// Of all faces; none where they all lie alike, as most do.
+std::vector<Way> ways_of_faces(PolygonMesh& mesh, const AssetVertices& vertices) {
+  std::vector<Way> ways(static_cast<std::size_t>(mesh.face_count()), Way::Unknown);
+  std::atomic<bool> has_left{false}, has_right{false};
+  parallel_for(ways.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    bool left = false, right = false;
+    for (std::size_t f = begin; f < end; ++f) {
+      const std::int32_t group = mesh.face_groups.empty() ? 0 : mesh.face_groups[f];
+      const int set = vertices.groups[static_cast<std::size_t>(group)].tangent_set;
+      if (set < 0) continue;
+      ways[f] =
+          way_of(uvs_of_face(mesh, f),
+                 set == 0 ? mesh.uvs : vertices.further_uvs[static_cast<std::size_t>(set - 1)]);
+      left = left || ways[f] == Way::Left;
+      right = right || ways[f] == Way::Right;
+    }
+    if (left) has_left = true;
+    if (right) has_right = true;
+  });
+  if (!has_left || !has_right) ways.clear();
+  return ways;
 }
 
 }  // namespace
@@ -51,23 +89,15 @@ int tangent_set(const json& document, const json& primitive) {
 
 void cut_mirrored_charts(PolygonMesh& mesh, AssetVertices& vertices) {
   if (!vertices.has_tangents()) return;
+  const std::vector<Way> ways_of = ways_of_faces(mesh, vertices);
+  if (ways_of.empty()) return;
   // The way round of the first face that has a texture coordinate is that one's.
-  enum class Way : std::uint8_t { Unknown, Left, Right };
   std::vector<Way> ways(mesh.uvs.size(), Way::Unknown);
   std::unordered_map<std::int32_t, std::int32_t> copies;
-  for (std::int64_t f = 0; f < mesh.face_count(); ++f) {
-    const std::int32_t group = mesh.face_groups.empty() ? 0 : mesh.face_groups[f];
-    const int set = vertices.groups[static_cast<std::size_t>(group)].tangent_set;
-    if (set < 0) continue;
-    const auto begin = static_cast<std::size_t>(mesh.face_offsets[f]);
-    const std::span face =
-        std::span(mesh.face_uvs)
-            .subspan(begin, static_cast<std::size_t>(mesh.face_offsets[f + 1]) - begin);
-    const double area = area_of(
-        face, set == 0 ? mesh.uvs : vertices.further_uvs[static_cast<std::size_t>(set - 1)]);
-    if (area == 0) continue;
-    const Way way = area > 0 ? Way::Left : Way::Right;
-    for (std::int32_t& uv : face) {
+  for (std::size_t f = 0; f < ways_of.size(); ++f) {
+    const Way way = ways_of[f];
+    if (way == Way::Unknown) continue;
+    for (std::int32_t& uv : uvs_of_face(mesh, f)) {
       Way& known = ways[static_cast<std::size_t>(uv)];
       if (known == Way::Unknown) known = way;
       if (known == way) continue;
