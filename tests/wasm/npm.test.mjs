@@ -120,6 +120,17 @@ test('files', () => {
   assert.match(new TextDecoder().decode(fit.write('x.obj', 0)), /^v /m);
 });
 
+test('a glTF keeps all that is no triangle, with levels of detail', () => {
+  const given = planish.fit(cube).glb(0);
+  const { bytes, info } = planish.fitFile(given, 'cube.glb', { level: 2, coarserLevels: [1, 0] });
+  const document = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + new DataView(bytes.buffer).getUint32(12, true))));
+  assert.equal(info.converged, true);
+  assert.deepEqual(document.extensionsUsed, ['MSFT_lod']);
+  assert.equal(document.meshes.length, 3);
+  refused(() => planish.fitFile(given, 'cube.glb', { coarserLevels: [3] }), 'INVALID_ARGUMENT', /level/);
+  refused(() => planish.fitFile(given.subarray(0, 99), 'cube.glb'), 'UNREADABLE_INPUT', /^cube.glb/);
+});
+
 test('errors say what, where and which', () => {
   const bytes = (text) => new TextEncoder().encode(text);
   refused(() => planish.fit({ positions: [0, 0, 0, 1, 0, 0], faces: [[0, 1, 7]] }), 'UNUSABLE_MESH', /face 0 names vertex 7 of 2/);

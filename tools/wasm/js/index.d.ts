@@ -66,6 +66,20 @@ export interface FitOptions {
   warning?: (code: string, message: string) => void;
 }
 
+/** `output` tells the format by its ending: 'surface.glb'; no .gltf, which has files beside it. */
+export interface FitFileOptions extends FitOptions {
+  output?: string;
+  level?: number;
+  /** Of a glTF that becomes one: levels of detail in the same file (MSFT_lod), each less than the one before. */
+  coarserLevels?: number[];
+}
+
+export interface FileFit {
+  bytes: Uint8Array;
+  info: FitInfo;
+  warnings: { code: string; message: string }[];
+}
+
 export interface FitInfo {
   converged: boolean;
   iterations: number;
@@ -143,6 +157,8 @@ export interface Planish {
   mesh(arrays: MeshArrays): Mesh;
   read(bytes: Uint8Array, name: string): Mesh;
   fit(mesh: Mesh | MeshArrays, options?: FitOptions): Fit;
+  /** From file to file, as the command makes them: of a glTF materials, nodes, skins and morph targets come along. */
+  fitFile(bytes: Uint8Array, name: string, options?: FitFileOptions): FileFit;
 }
 
 export function load(options?: { wasm?: ArrayBuffer | Uint8Array | WebAssembly.Module }): Promise<Planish>;

@@ -24,6 +24,9 @@ const DO = {
       source.dispose();
     }
   },
+  fitFile({ id, bytes, name, options }) {
+    return planish.fitFile(bytes, name, { ...options, progress: listening(id, 'progress'), warning: listening(id, 'warning') });
+  },
   call({ fit, name, given }) {
     const result = fits.get(fit)[name](...given);
     if (name !== 'cage') return result;

@@ -1,4 +1,4 @@
-import type { Fit, FitInfo, FitOptions, MeshArrays, MeshCopy } from './index.js';
+import type { FileFit, Fit, FitFileOptions, FitInfo, FitOptions, MeshArrays, MeshCopy } from './index.js';
 
 type Later<F> = F extends (...given: infer Given) => infer Result ? (...given: Given) => Promise<Result> : never;
 
@@ -8,5 +8,6 @@ export type LaterFit = { info: FitInfo; warnings: { code: string; message: strin
 export class PlanishWorker {
   static create(options?: { wasm?: ArrayBuffer | Uint8Array | WebAssembly.Module }): Promise<PlanishWorker>;
   fit(mesh: MeshArrays | { bytes: Uint8Array; name: string }, options?: FitOptions): Promise<LaterFit>;
+  fitFile(bytes: Uint8Array, name: string, options?: FitFileOptions): Promise<FileFit>;
   stop(): void;
 }

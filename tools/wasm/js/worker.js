@@ -65,6 +65,11 @@ export class PlanishWorker {
     return { info, warnings, ...Object.fromEntries(calls.map((name) => [name, call(name)])) };
   }
 
+  /** A file's bytes become another's. Of the options progress() and warning() are called here. */
+  fitFile(bytes, name, { progress, warning, ...options } = {}) {
+    return this.#call({ do: 'fitFile', bytes, name, options }, { progress, warning });
+  }
+
   /** Ends the thread; what it was asked for is rejected with the code CANCELLED. */
   stop() {
     this.#end('stopped', 'CANCELLED');
