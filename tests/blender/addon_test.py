@@ -149,6 +149,123 @@ def test_colors():
         cube.data.color_attributes.remove(layer)
 
 
+def riding_cube():
+    """A cube with two sets of texture coordinates, two layers of colours, four groups and two shape keys."""
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    mesh = cube.data
+    given = coordinates(mesh).copy()
+    second = mesh.uv_layers.new(name="second")
+    for loop in mesh.loops:
+        x, y, z = given[loop.vertex_index]
+        second.data[loop.index].uv = (0.5 + 0.25 * x, 0.5 + 0.125 * (y + z))
+    mesh.uv_layers.active = mesh.uv_layers[0]
+    for number, name in enumerate(("tint", "shade")):
+        layer = mesh.color_attributes.new(name, "FLOAT_COLOR", "POINT")
+        for vertex, item in enumerate(layer.data):
+            item.color = (*(0.5 + (0.25 - 0.5 * number) * given[vertex]), 1)
+    mesh.color_attributes.active_color = mesh.color_attributes["shade"]
+    for number in range(4):
+        group = cube.vertex_groups.new(name=f"group{number}")
+        for vertex in range(8):
+            group.add([vertex], 0.25 * number * (given[vertex][number % 3] + 1) / 2, "REPLACE")
+    cube.shape_key_add(name="rest")
+    for name, factor in (("tall", (1, 1, 2)), ("wide", (3, 1, 1))):
+        key = cube.shape_key_add(name=name, from_mix=False)
+        for vertex, item in enumerate(key.data):
+            item.co = given[vertex] * factor
+    cube.data.shape_keys.key_blocks["wide"].value = 0.25
+    cube.data.shape_keys.key_blocks["tall"].slider_max = 0.5
+    return cube, given
+
+
+def at_vertices(result, given):
+    """The numbers of a surface's vertices that are given ones."""
+    vertices = coordinates(result.data)
+    places = [np.linalg.norm(vertices - point, axis=1).argmin() for point in given]
+    assert np.abs(vertices[places] - given).max() < 1e-5
+    return places
+
+
+def weights_of(thing, vertices):
+    return np.array([[sum(element.weight for element in thing.data.vertices[int(vertex)].groups
+                          if element.group == group.index) for group in thing.vertex_groups]
+                     for vertex in vertices])
+
+
+def test_all_that_rides():
+    cube, given = riding_cube()
+    settings = bpy.context.scene.planish
+    settings.interpolation, settings.creases = "fair", "use"
+    result = fit_of(cube)
+    places = at_vertices(result, given)
+    assert [layer.name for layer in result.data.uv_layers] == ["UVMap", "second"]
+    layer = result.data.uv_layers["second"].data
+    for loop in result.data.loops:
+        if loop.vertex_index in places:
+            x, y, z = given[places.index(loop.vertex_index)]
+            assert np.abs(np.array(layer[loop.index].uv) - (0.5 + 0.25 * x, 0.5 + 0.125 * (y + z))).max() < 1e-5
+    assert [layer.name for layer in result.data.color_attributes] == ["shade", "tint"]
+    assert result.data.color_attributes.active_color.name == "shade"
+    for number, name in enumerate(("tint", "shade")):
+        data = result.data.color_attributes[name].data
+        made = np.array([data[int(place)].color[:3] for place in places])
+        assert np.abs(made - (0.5 + (0.25 - 0.5 * number) * given)).max() < 1e-5, name
+    assert [group.name for group in result.vertex_groups] == [f"group{number}" for number in range(4)]
+    made = weights_of(result, places)
+    for number in range(4):
+        assert np.abs(made[:, number] - 0.25 * number * (given[:, number % 3] + 1) / 2).max() < 1e-5
+    # Linear between them.
+    made = weights_of(result, range(len(result.data.vertices)))
+    assert made.min() >= 0 and made[:, 3].max() < 0.75 + 1e-5
+    # Shape keys: the surfaces through the moved vertices, and the mix that the source shows.
+    keys = result.data.shape_keys.key_blocks
+    assert [key.name for key in keys] == ["rest", "tall", "wide"]
+    assert keys["wide"].value == 0.25 and keys["tall"].slider_max == 0.5
+    for name, factor in (("tall", (1, 1, 2)), ("wide", (3, 1, 1))):
+        moved = np.empty(3 * len(result.data.vertices), np.float32)
+        keys[name].data.foreach_get("co", moved)
+        moved = moved.reshape(-1, 3)
+        assert np.abs(moved[places] - given * factor).max() < 1e-5, name
+        # It is the surface of the mesh that has the key's shape.
+        bpy.ops.mesh.primitive_cube_add()
+        alone = bpy.context.object
+        for vertex, item in enumerate(alone.data.vertices):
+            item.co = given[vertex] * factor
+        assert distance_to(moved, fit_of(alone).data) < 1e-5, name
+    # The source is as it was.
+    assert cube.show_only_shape_key is False and cube.data.shape_keys.key_blocks["wide"].value == 0.25
+    # Keys whose vertices modifiers make more of still come along; what has none has no error.
+    cube.modifiers.new("finer", "SUBSURF").subdivision_type = "SIMPLE"
+    finer = fit_of(cube)
+    assert len(finer.data.polygons) == 4 * len(result.data.polygons)
+    assert len(finer.data.shape_keys.key_blocks) == 3
+    settings.interpolation, settings.creases = "auto", "choose"
+
+
+def test_semi_sharp_creases():
+    """A crease of 0.4 bends the ridge of a roof more than none, and less than a sharp one."""
+    settings = bpy.context.scene.planish
+    settings.scheme, settings.interpolation, settings.creases = "catmull-clark", "progressive", "use"
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4)
+    plate = bpy.context.object
+    for vertex in plate.data.vertices:
+        vertex.co.z = abs(vertex.co.x)
+    heights = []
+    for crease in (0, 0.4, 1):
+        for edge in plate.data.edges:
+            edge.crease = crease if all(abs(plate.data.vertices[v].co.x) < 1e-6 for v in edge.vertices) else 0
+        made = fit_of(plate)
+        # How sharply the ridge bends: the most that two faces beside it turn.
+        normals = np.array([polygon.normal for polygon in made.data.polygons])
+        centers = np.array([polygon.center for polygon in made.data.polygons])
+        left = normals[(centers[:, 0] < 0) & (centers[:, 0] > -0.1)][:, 0].mean()
+        right = normals[(centers[:, 0] > 0) & (centers[:, 0] < 0.1)][:, 0].mean()
+        heights.append(left - right)
+    assert heights[0] + 0.05 < heights[1] < heights[2] - 0.05, heights
+    settings.scheme, settings.interpolation, settings.creases = "doo-sabin", "auto", "choose"
+
+
 def test_names_do_not_grow():
     bpy.ops.mesh.primitive_cube_add()
     cube = bpy.context.object
@@ -224,6 +341,8 @@ def main():
     test_sharp_edges_and_materials()
     test_all_selected()
     test_colors()
+    test_all_that_rides()
+    test_semi_sharp_creases()
     test_names_do_not_grow()
     test_settings()
     test_errors(addon)

@@ -2,8 +2,9 @@
 
 A zip of this folder is installed under Edit > Preferences > Add-ons; the panel stands in the sidebar
 of the 3-D view (N), under planish. The command `planish` does the work: it gets a mesh as OBJ and
-gives the surface as GLB, both through pipes. Edges that are marked sharp or creased stay sharp;
-texture coordinates, the active colours and materials come along.
+gives the surface as GLB, both through pipes. Edges that are marked sharp or fully creased stay sharp, others
+with a crease are semi-sharp on Catmull-Clark surfaces; all layers of texture coordinates and colours, vertex
+groups, shape keys and materials come along.
 """
 
 import re
@@ -11,8 +12,8 @@ import re
 import bpy
 import numpy as np
 
-from .exchange import build_mesh, obj_text
-from .job import Job, command_line
+from .exchange import add_groups, add_keys, build_mesh, vertex_positions
+from .job import Work
 
 bl_info = {
     "name": "planish",
@@ -25,16 +26,57 @@ bl_info = {
 }
 
 
-def start_job(context, source):
-    """Starts the command on the mesh of an object, modifiers applied."""
+def evaluated_mesh(context, source, take):
+    """take(mesh) of an object with its modifiers applied."""
     evaluated = source.evaluated_get(context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
     try:
-        if not mesh.polygons:
-            raise RuntimeError(f"{source.name} has no faces")
-        return Job(command_line(context.scene.planish), obj_text(mesh))
+        return take(evaluated.to_mesh())
     finally:
         evaluated.to_mesh_clear()
+
+
+class OneKey:
+    """Shows one shape key of an object after another, then the mix of before."""
+
+    def __init__(self, context, source):
+        self.context, self.source = context, source
+
+    def __enter__(self):
+        self.before = self.source.active_shape_key_index, self.source.show_only_shape_key
+        self.source.show_only_shape_key = True
+        return self
+
+    def show(self, index):
+        self.source.active_shape_key_index = index
+        self.context.view_layer.update()
+
+    def __exit__(self, *error):
+        self.source.active_shape_key_index, self.source.show_only_shape_key = self.before
+        self.context.view_layer.update()
+
+
+def start_job(context, source):
+    """Starts the command on the mesh of an object, modifiers applied; of shape keys the first is the
+    mesh, unless the modifiers give the others more or fewer vertices."""
+    settings, groups = context.scene.planish, [group.name for group in source.vertex_groups]
+
+    def work(mesh, keys=()):
+        if not mesh.polygons:
+            raise RuntimeError(f"{source.name} has no faces")
+        return Work(settings, mesh, groups, keys)
+
+    blocks = source.data.shape_keys.key_blocks if source.data.shape_keys else ()
+    if len(blocks) < 2 or not source.data.shape_keys.use_relative:
+        return evaluated_mesh(context, source, work)
+    with OneKey(context, source) as one:
+        keys = []
+        for index in range(1, len(blocks)):
+            one.show(index)
+            keys.append((blocks[index].name, evaluated_mesh(context, source, vertex_positions)))
+        one.show(0)
+        count = evaluated_mesh(context, source, lambda mesh: len(mesh.vertices))
+        keys = [(name, places) for name, places in keys if len(places) == count]
+        return evaluated_mesh(context, source, lambda mesh: work(mesh, keys))
 
 
 def sources_of(context):
@@ -52,10 +94,12 @@ def result_name(source):
 def add_result(context, source, surface):
     """The surface as an object beside its source, with its materials."""
     name = result_name(source.name)
-    mesh = build_mesh(name, surface)
+    mesh, firsts = build_mesh(name, surface)
     for slot in source.material_slots:
         mesh.materials.append(slot.material)
     result = bpy.data.objects.new(name, mesh)
+    add_groups(result, surface, firsts)
+    add_keys(result, surface, firsts, source.data.shape_keys)
     context.view_layer.update()  # where scripts have just moved the source
     result.matrix_world = source.matrix_world
     for collection in source.users_collection or [context.collection]:
@@ -79,6 +123,10 @@ class PlanishSettings(bpy.types.PropertyGroup):
     level: bpy.props.IntProperty(
         name="Level", min=0, max=6, default=2,
         description="How often each face of the control mesh is split in four")
+    scheme: bpy.props.EnumProperty(
+        name="Surface", default="doo-sabin",
+        items=[("doo-sabin", "Doo-Sabin", "Follows the mesh with the least waves; edges are sharp or smooth"),
+               ("catmull-clark", "Catmull-Clark", "Curvature without jumps; creases below 1 are semi-sharp")])
     interpolation: bpy.props.EnumProperty(
         name="Method", default="auto",
         items=[("auto", "Auto", "The better of both by measurement"),
@@ -126,7 +174,7 @@ class PlanishFit(bpy.types.Operator):
         """Waits for the command, as scripts want it."""
         self._begin(context)
         while self._goes_on(context):
-            self.job.threads[1].join(0.05)
+            self.job.wait(0.05)
         return self._finish(context)
 
     def invoke(self, context, event):
@@ -196,7 +244,7 @@ class PlanishFit(bpy.types.Operator):
             several = f"{source.name}: " if self.count > 1 else ""
             for message in warnings:
                 self.report({"WARNING"}, several + message)
-            extras = surface["extras"]
+            extras = surface.extras
             self.report({"INFO"}, f"{several}{extras.get('method')}: the vertices are off by at most "
                                   f"{extras.get('max_error', 0):.1e} of the diagonal")
         if not results:
@@ -217,7 +265,7 @@ class PlanishPanel(bpy.types.Panel):
     def draw(self, context):
         settings, layout = context.scene.planish, self.layout
         layout.use_property_split = True
-        for name in ("level", "interpolation", "tolerance", "within", "creases"):
+        for name in ("level", "scheme", "interpolation", "tolerance", "within", "creases"):
             layout.prop(settings, name)
         row = layout.row()
         row.active = settings.creases == "auto"
