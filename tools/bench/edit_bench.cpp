@@ -54,7 +54,10 @@ class EditBench {
     (void)editor_->queries();  // from here on moves keep their tree right
     rows.push_back(timed(group, "one-picked", repetitions, kMoves,
                          [&](int i) { return std::vector<std::int32_t>{any(i)}; }));
-    for (Row& row : rows) row.ratio = row.median_ms / rows.front().median_ms;
+    for (Row& row : rows) {
+      row.ratio = row.median_ms / rows.front().median_ms;
+      row.figures.push_back({"cpu_ratio", row.cpu_ms / rows.front().cpu_ms});
+    }
     require_exact();
     return rows;
   }

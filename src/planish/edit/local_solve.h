@@ -56,7 +56,9 @@ class LocalSolve {
   void shift(std::int32_t vertex, const glm::dvec3& step);
   void refresh_sums_at(std::int32_t vertex);
   [[nodiscard]] std::int32_t first_sum_of(std::int32_t face) const;
-  [[nodiscard]] bool touches_many() const;
+  [[nodiscard]] std::size_t most_touched() const;
+  [[nodiscard]] bool reaches_many(std::span<const std::int32_t> vertices,
+                                  std::span<const glm::dvec3> points);
   bool relax();
   void take_back();
 
@@ -72,8 +74,9 @@ class LocalSolve {
   struct Before {
     glm::dvec3 given, control;
   };
-  std::vector<Before> before_;  // of touched_'s members
-  SparseSet fresh_faces_;       // large ones whose sums this move has made anew
+  std::vector<Before> before_;                    // of touched_'s members
+  std::vector<std::vector<std::int32_t>> rings_;  // of reaches_many()
+  SparseSet fresh_faces_;                         // large ones whose sums this move has made anew
   std::vector<std::int32_t> queue_;
   std::vector<std::uint8_t> is_queued_;
   std::int64_t row_count_ = 0;
