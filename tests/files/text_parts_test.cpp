@@ -160,6 +160,9 @@ MeshFile read_cloud(PointCloud cloud) {
   file.warnings = std::move(cloud.warnings);
   file.dropped_element_count = cloud.missing_count;
   for (const glm::vec3& n : cloud.normals) file.header.push_back(std::to_string(n.x + 2 * n.y));
+  for (const VertexAttribute& attribute : cloud.attributes)
+    for (const float value : attribute.values)
+      file.header.push_back(attribute.name + std::to_string(value));
   return file;
 }
 MeshFile xyz_in_parts(const FileBytes& file, std::size_t part_bytes) {
@@ -173,6 +176,9 @@ MeshFile pcd_in_parts(const FileBytes& file, std::size_t part_bytes) {
 }
 
 constexpr const char* kXyz = "// scan\n\nX Y Z\n1 2 3\n# c\n4,5,6 7\n\nnan 1 1\n7;8;9\n";
+constexpr const char* kColumns =
+    "# x y z nx ny nz r g b k m\n1 2 3 0 1 0 255 0 0 1 2\n4 5 6 1 0 0 0 9 0 3 4\nnan 1 1\n"
+    "7 8 9 0 0 1 0 0 7 5 tree\n7 8 8 0 0 1 0 0 7 5\n6 6 6 0 0 1 0 0 9 7 8\n";
 constexpr const char* kPts =
     "# scan\n2\n1 2 3\n4 5 6\n1\n7 8 9\n1 1 nan\n5 5 5\n0\n2\n6 6 6\n7 7 7\n";
 constexpr const char* kPcd =
@@ -181,8 +187,12 @@ constexpr const char* kPcd =
     "7 8 9 0 0 1 7\n";
 
 TEST(ReadTextInParts, KeepsFacetsAndPoints) {
-  for (const auto& [read, text] : std::vector<std::pair<Read, std::string>>{
-           {read_stl, kStl}, {xyz_in_parts, kXyz}, {pts_in_parts, kPts}, {pcd_in_parts, kPcd}}) {
+  for (const auto& [read, text] :
+       std::vector<std::pair<Read, std::string>>{{read_stl, kStl},
+                                                 {xyz_in_parts, kXyz},
+                                                 {xyz_in_parts, kColumns},
+                                                 {pts_in_parts, kPts},
+                                                 {pcd_in_parts, kPcd}}) {
     const std::string all = told(read, text, 1, false);
     EXPECT_EQ(all.find("error"), std::string::npos) << all;
     for (const char* line_end : {"\n", "\r", "\r\n"}) {

@@ -12,11 +12,11 @@
 namespace planish {
 
 /// Reads points from memory; `name` stands in messages. Positions are finite and at most
-/// kMaxCoordinate in what is returned; colours and normals come along from glTF, OBJ, PLY and PCD,
-/// colours and intensity from LAS and PTX, further numbers of points from PLY and PCD.
-/// Of formats that hold meshes too, these are the vertices, of glTF those of its primitives
-/// of points where it has no triangles. Throws Error{UnreadableInput}: `name:line: what, value` or
-/// `name: point 12 of 345: ...`; Error{InvalidArgument} for a format without points.
+/// kMaxCoordinate in what is returned; colours and normals come along from glTF, OBJ, PLY, PCD, XYZ
+/// and PTS, colours and intensity from LAS and PTX, further numbers of points from PLY, PCD, XYZ
+/// and PTS. Of formats that hold meshes too, these are the vertices, of glTF those of its
+/// primitives of points where it has no triangles. Throws Error{UnreadableInput}: `name:line: what,
+/// value` or `name: point 12 of 345: ...`; Error{InvalidArgument} for a format without points.
 [[nodiscard]] PointCloud read_points(std::span<const std::byte> bytes, std::string_view name,
                                      FileFormat format);
 

@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "planish/core/counted.h"
@@ -13,6 +16,7 @@
 #include "planish/files/shared/first_failure.h"
 #include "planish/files/shared/read_progress.h"
 #include "planish/files/shared/text_lines.h"
+#include "planish/files/xyz/point_columns.h"
 #include "planish/mesh/check.h"
 
 namespace planish {
@@ -22,23 +26,13 @@ enum class TextPoints { Xyz, Pts };
 
 using Columns = std::array<std::string_view, 3>;
 
-bool is_separator(char c) { return c == ' ' || c == '\t' || c == ',' || c == ';'; }
+bool is_comment(std::string_view word) { return word.starts_with('#') || word.starts_with("//"); }
 
-// The next column; empty at the end of the line.
-std::string_view take_column(std::string_view& line) {
-  while (!line.empty() && is_separator(line.front())) line.remove_prefix(1);
-  std::size_t size = 0;
-  while (size < line.size() && !is_separator(line[size])) ++size;
-  const std::string_view column = line.substr(0, size);
-  line.remove_prefix(size);
-  return column;
-}
-
-// The first three columns; none of a line that says nothing.
-Columns columns_of(std::string_view line) {
+// The first three columns, which are taken from the line; none of a line that says nothing.
+Columns columns_of(std::string_view& line) {
   Columns columns;
   columns[0] = take_column(line);
-  if (columns[0].starts_with('#') || columns[0].starts_with("//")) return {};
+  if (is_comment(columns[0])) return {};
   columns[1] = take_column(line);
   columns[2] = take_column(line);
   return columns;
@@ -57,14 +51,31 @@ bool is_heading(const Columns& columns) {
          !(parse_number(columns[1], ignored) && parse_number(columns[2], ignored));
 }
 
-// Some programs name the columns in the first line.
-void skip_heading(TextLines& lines, TextPoints kind) {
+// What the lines before the first point say, and how many columns that has. Some programs name them
+// in the first line, which is passed over, some in a comment.
+PointColumns find_columns(TextLines& lines, TextPoints kind) {
+  PointColumns found;
+  found.is_pts = kind == TextPoints::Pts;
+  bool may_be_heading = true;
   for (TextLines behind = lines; behind.next();) {
-    const Columns columns = columns_of(behind.line());
-    if (columns[0].empty()) continue;
-    if (!is_count(columns, kind) && is_heading(columns)) lines = behind;
-    return;
+    std::string_view rest = behind.line();
+    const Columns columns = columns_of(rest);
+    const bool is_heading_line =
+        !columns[0].empty() && may_be_heading && !is_count(columns, kind) && is_heading(columns);
+    if (is_heading_line) lines = behind;
+    if (columns[0].empty() || is_heading_line) {
+      const std::vector<std::string> names = column_names(behind.line());
+      if (!names.empty()) found.names = names;
+      if (!names.empty() && !(names[0] == "x" && names[1] == "y" && names[2] == "z"))
+        behind.fail("the columns are " + quote(behind.line()) +
+                    ", of which x, y and z are wanted first, in this order");
+    }
+    if (!columns[0].empty()) may_be_heading = false;
+    if (columns[0].empty() || is_heading_line || is_count(columns, kind)) continue;
+    while (found.further < kMaxPointColumns && !take_column(rest).empty()) ++found.further;
+    break;
   }
+  return found;
 }
 
 // What the lines of a part say.
@@ -73,6 +84,8 @@ struct PointPart {
     std::int64_t points_before, promised, line;
   };
   std::vector<glm::dvec3> points;
+  std::vector<float> further;  // numbers behind the places, as many of each point
+  ColumnFaults faults;
   std::int64_t missing_count = 0;
   std::vector<Count> counts;
   std::int64_t last_line = 0;
@@ -80,7 +93,18 @@ struct PointPart {
   [[nodiscard]] std::int64_t point_count() const { return std::ssize(points) + missing_count; }
 };
 
-void read_point(const TextLines& lines, const Columns& columns, PointPart& part) {
+void read_further(const TextLines& lines, std::string_view rest, std::size_t count,
+                  PointPart& part) {
+  for (std::size_t c = 0; c < count; ++c) {
+    const std::string_view word = take_column(rest);
+    double number = 0;
+    if (!parse_number(word, number)) part.faults.add(c, lines.number(), word);
+    part.further.push_back(static_cast<float>(number));
+  }
+}
+
+void read_point(const TextLines& lines, const Columns& columns, std::string_view rest,
+                std::size_t further, PointPart& part) {
   const std::int64_t index = part.point_count();
   if (columns[2].empty()) lines.fail("a point needs 3 coordinates", index);
   glm::dvec3 point(0.0);
@@ -98,15 +122,17 @@ void read_point(const TextLines& lines, const Columns& columns, PointPart& part)
     ++part.missing_count;
   } else {
     part.points.push_back(point);
+    read_further(lines, rest, further, part);
   }
 }
 
-void read_point_part(TextLines lines, TextPoints kind, PointPart& part) {
+void read_point_part(TextLines lines, TextPoints kind, std::size_t further, PointPart& part) {
   while (lines.next()) {
-    const Columns columns = columns_of(lines.line());
+    std::string_view rest = lines.line();
+    const Columns columns = columns_of(rest);
     if (columns[0].empty()) continue;
     if (!is_count(columns, kind)) {
-      read_point(lines, columns, part);
+      read_point(lines, columns, rest, further, part);
       continue;
     }
     std::int64_t count = 0;
@@ -121,7 +147,8 @@ void read_point_part(TextLines lines, TextPoints kind, PointPart& part) {
 // The line of a point of a part.
 std::int64_t line_of(TextLines lines, TextPoints kind, std::int64_t point) {
   while (lines.next()) {
-    const Columns columns = columns_of(lines.line());
+    std::string_view rest = lines.line();
+    const Columns columns = columns_of(rest);
     if (!columns[0].empty() && !is_count(columns, kind) && point-- == 0) break;
   }
   return lines.number();
@@ -132,7 +159,8 @@ class TextPointReader {
   TextPointReader(const FileBytes& file, TextPoints kind, std::size_t part_bytes)
       : name_(file.name), lines_(file), kind_(kind) {
     expect_passes(file, 2);
-    skip_heading(lines_, kind);
+    columns_ = find_columns(lines_, kind);
+    settle_names();
     parts_ = numbered_parts(lines_, part_bytes);
   }
 
@@ -141,7 +169,7 @@ class TextPointReader {
     FirstFailure failure;
     parallel_for(parts_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p)
-        failure.watch(p, [&] { read_point_part(parts_[p], kind_, read[p]); });
+        failure.watch(p, [&] { read_point_part(parts_[p], kind_, columns_.further, read[p]); });
     });
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       for (const PointPart::Count& count : read[p].counts) take_count(count);
@@ -204,17 +232,36 @@ class TextPointReader {
     cloud_.points = std::move(read.front().points);
     cloud_.missing_count = read.front().missing_count;
     cloud_.points.reserve(static_cast<std::size_t>(points_before_.back()));
+    std::vector<float> further = std::move(read.front().further);
+    ColumnFaults faults = std::move(read.front().faults);
     for (std::size_t p = 1; p < read.size(); ++p) {
+      further.insert(further.end(), read[p].further.begin(), read[p].further.end());
+      if (faults.columns == 0) faults = read[p].faults;
+      faults.columns |= read[p].faults.columns;
       cloud_.points.insert(cloud_.points.end(), read[p].points.begin(), read[p].points.end());
       cloud_.missing_count += read[p].missing_count;
-      read[p].points = {};
+      read[p] = {};
     }
+    add_columns(columns_, further, faults, name_, cloud_);
+  }
+
+  // Names are of as many columns as points have.
+  void settle_names() {
+    const std::size_t count = columns_.further + std::tuple_size_v<Columns>;
+    if (columns_.names.empty() || columns_.names.size() == count) return;
+    if (columns_.further > 0)
+      cloud_.warnings.push_back(
+          {.code = "columns",
+           .message = name_ + ": names of " + std::to_string(columns_.names.size()) +
+                      " columns are no names, since the first point has " + std::to_string(count)});
+    columns_.names.clear();
   }
 
   std::string name_;
   TextLines lines_;
   TextPoints kind_;
   std::vector<TextLines> parts_;
+  PointColumns columns_;
   PointCloud cloud_;
   std::vector<std::int64_t> points_before_{0};     // each part; one more at the end
   PointPart::Count promise_{}, excess_promise_{};  // the last count, and the one before the excess
