@@ -4,6 +4,8 @@
 
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "pipeline/asset_fixture.h"
 #include "support/expect_error.h"
@@ -72,7 +74,7 @@ TEST_F(AssetFaults, BytesThatAreNotThere) {
                 all["bufferViews"][all["images"][0]["bufferView"].get<int>()]["byteLength"] = 1
                                                                                               << 30;
               }),
-              HasSubstr("are asked of a buffer of"));
+              HasSubstr("; fetch the file anew, it may be cut short"));
   expect([](json& all) { all["bufferViews"][0]["buffer"] = 1; },
          "bufferViews[0].buffer: names buffers[1], and the file has 1");
   // Of what only passes.
@@ -138,7 +140,7 @@ TEST_F(AssetFaults, MorphTargets) {
 
 TEST_F(AssetFaults, Nodes) {
   EXPECT_THAT(refusal([](json& all) { all["nodes"][2]["children"] = {1}; }),
-              HasSubstr("nodes must form trees"));
+              HasSubstr("nodes must form trees; save it anew with"));
   EXPECT_THAT(refusal([](json& all) {
                 all["nodes"][3]["children"] = {1, 2};
               }),
@@ -162,11 +164,18 @@ TEST_F(AssetFaults, Nodes) {
         all["nodes"][7]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] = 77;
       },
       "attributes.SCALE: names accessors[77]");
+  expect(
+      [](json& all) {
+        all["nodes"][7]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] =
+            all["meshes"][1]["primitives"][0]["attributes"]["POSITION"];
+      },
+      "attributes.TRANSLATION: 3 values, and another attribute has 86; each place needs one");
 }
 
 TEST_F(AssetFaults, Animations) {
   EXPECT_THAT(refusal([](json& all) { all["animations"][0]["channels"][0]["sampler"] = 7; }),
-              HasSubstr("animations[0].channels[0].sampler"));
+              HasSubstr("animations[0].channels[0].sampler: names samplers[7], and the "
+                        "animation has 2; save it anew"));
   expect([](json& all) { all["animations"][0]["channels"][0]["target"]["node"] = 9; },
          "animations[0].channels[0].target.node: names nodes[9]");
   expect(
@@ -174,6 +183,33 @@ TEST_F(AssetFaults, Animations) {
         all["accessors"][all["animations"][0]["samplers"][0]["output"].get<int>()]["count"] = 2;
       },
       "animations[0].samplers[0].output: 2 values for 3 key frames of 1");
+}
+
+TEST_F(AssetFaults, PointersOfAnimations) {
+  const auto aim = [](json& all, const char* pointer) {
+    all["extensionsUsed"].push_back("KHR_animation_pointer");
+    all["animations"][0]["channels"][0]["target"] = {
+        {"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}};
+  };
+  for (const auto& [pointer, why] : std::vector<std::pair<const char*, const char*>>{
+           {"/materials/3/alphaCutoff", "the file has 3 of materials"},
+           {"/nodes/9/translation", "the file has 9 of nodes"},
+           {"/meshes/0/weights/1", "the file has 1 of meshes[0].weights"},
+           {"/sounds/0/volume", "the file has no sounds"},
+           {"nodes/0", "it begins with no /"}})
+    expect([&](json& all) { aim(all, pointer); },
+           "`" + std::string(pointer) + "` names nothing: " + why);
+  // Members that have a default need not stand there.
+  for (const char* pointer : {"/materials/2/alphaCutoff", "/nodes/0/weights/0", "/nodes/8/rotation",
+                              "/materials/0/extensions/KHR_materials_clearcoat/clearcoatFactor",
+                              "/extensions/KHR_lights_punctual/lights/0/intensity"}) {
+    AssetSample sample;
+    aim(sample.json, pointer);
+    FitFileOptions options;
+    options.level = 0;
+    EXPECT_NO_THROW((void)fit_file(write("in.glb", sample.glb()), folder_ / "out.glb", options))
+        << pointer;
+  }
 }
 
 TEST_F(AssetFaults, Extensions) {

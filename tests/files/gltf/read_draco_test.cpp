@@ -9,7 +9,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <random>
 #include <string>
 #include <vector>
@@ -20,6 +23,8 @@
 #include "planish/files/gltf/draco_stream.h"
 #include "planish/files/gltf/read_gltf.h"
 #include "planish/files/mesh_file.h"
+#include "planish/pipeline/fit_file.h"
+#include "support/temporary_folder.h"
 
 namespace planish {
 namespace {
@@ -173,6 +178,30 @@ TEST(ReadDraco, GivesTheMeshThatWasPacked) {
       expect_sheet(file.mesh, bits == 0 ? 0 : 12.0 / (1 << 14));
     }
   }
+}
+
+// Nothing of the extension stays, and the surface passes through the points that were packed.
+TEST(ReadDraco, AnAssetComesOutUnpacked) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path input = folder.path() / "in.glb", output = folder.path() / "out.glb";
+  std::ofstream(input, std::ios::binary)
+      << sheet_glb(sheet_stream(draco::MESH_EDGEBREAKER_ENCODING, 0));
+  FitFileOptions options;
+  options.level = 0;
+  options.mesh.quads = QuadChoice::Off;
+  (void)fit_file(input, output, options);
+  std::ifstream file(output, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(bytes.find("KHR_draco"), std::string::npos);
+  const MeshFile made = test::read_glb(bytes);
+  for (int i = 0; i < kPointCount; ++i) {
+    double nearest = 1;
+    for (const glm::dvec3& p : made.mesh.positions)
+      nearest = std::min(nearest, glm::distance(p, glm::dvec3(sheet_point(i))));
+    EXPECT_LT(nearest, 1e-4) << i;
+  }
+  EXPECT_FALSE(made.mesh.uvs.empty());
+  EXPECT_FALSE(made.mesh.colors.empty());
 }
 
 TEST(ReadDraco, PlainBytesBesideAreReadInstead) {

@@ -150,11 +150,13 @@ TEST(ReadGltfErrors, RefusesWrongAccessors) {
 }
 
 TEST(ReadGltfErrors, RefusesWrongBuffers) {
-  EXPECT_EQ(square_error("\"byteLength\":48", "\"byteLength\":61"),
-            "a.glb: bufferViews[0]: bytes 0 to 61 are asked of a buffer of 60");
+  EXPECT_EQ(
+      square_error("\"byteLength\":48", "\"byteLength\":61"),
+      "a.glb: bufferViews[0]: bytes 0 to 61 are asked of a buffer of 60; fetch the file anew, "
+      "it may be cut short");
   EXPECT_EQ(square_error("\"byteLength\":48", "\"byteLength\":48,\"byteOffset\":9007199254740992"),
             "a.glb: bufferViews[0]: bytes 9007199254740992 to 9007199254741040 are asked of a "
-            "buffer of 60");
+            "buffer of 60; fetch the file anew, it may be cut short");
   EXPECT_EQ(square_error("\"byteLength\":48", "\"byteLength\":48,\"byteStride\":8"),
             "a.glb: bufferViews[0].byteStride: 8 is not between 12 and 252");
   EXPECT_EQ(square_error("\"byteLength\":60", "\"byteLength\":1000"),

@@ -122,7 +122,8 @@ std::span<const std::byte> GltfSource::part(const JsonPlace& place) {
   // Both are at most 2^53, so that the sum cannot overflow.
   if (offset + length > bytes.size())
     place.fail("bytes " + std::to_string(offset) + " to " + std::to_string(offset + length) +
-               " are asked of a buffer of " + std::to_string(bytes.size()));
+               " are asked of a buffer of " + std::to_string(bytes.size()) +
+               "; fetch the file anew, it may be cut short");
   return bytes.subspan(offset, length);
 }
 

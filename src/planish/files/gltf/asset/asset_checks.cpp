@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "planish/core/number_text.h"
 #include "planish/files/gltf/scene_reader.h"
 
 namespace planish {
@@ -147,6 +150,21 @@ void require_primitive(const JsonPlace& root, const JsonPlace& primitive) {
     require_number(root, (*mappings)[i], "material", "materials");
 }
 
+// Attributes of places are as many of each.
+void require_instances(const JsonPlace& root, const JsonPlace& instances) {
+  require_members(root, instances, "attributes", "accessors");
+  const auto attributes = instances.find("attributes");
+  std::int64_t count = -1;
+  for (const std::string& name : attributes ? attributes->keys() : std::vector<std::string>{}) {
+    const std::int64_t found = accessor_count(root, (*attributes)[name]);
+    if (count < 0) count = found;
+    if (found != count)
+      (*attributes)[name].fail(std::to_string(found) + " values, and another attribute has " +
+                               std::to_string(count) + "; each place needs one" +
+                               std::string(kRemedy));
+  }
+}
+
 void require_node(const JsonPlace& root, const JsonPlace& node) {
   require_number(root, node, "mesh", "meshes");
   require_number(root, node, "skin", "skins");
@@ -160,7 +178,7 @@ void require_node(const JsonPlace& root, const JsonPlace& node) {
       require_below(*number, lights ? count_of(*lights, "lights") : 0, "lights");
   }
   if (const auto instances = extension_of(node, "EXT_mesh_gpu_instancing"))
-    require_members(root, *instances, "attributes", "accessors");
+    require_instances(root, *instances);
 }
 
 // Calls visit(element) for each of root's `array`.
@@ -192,7 +210,8 @@ void require_trees(const JsonPlace& root) {
       std::int64_t& parent = parents[static_cast<std::size_t>(child.integer())];
       if (parent >= 0)
         child.fail("node " + std::to_string(child.integer()) + " is a child of node " +
-                   std::to_string(parent) + " already, but nodes must form trees");
+                   std::to_string(parent) + " already, but nodes must form trees" +
+                   std::string(kRemedy));
       parent = number;
     }
     ++number;
@@ -205,7 +224,8 @@ void require_trees(const JsonPlace& root) {
     for (; at >= 0 && !is_known[static_cast<std::size_t>(at)];
          at = parents[static_cast<std::size_t>(at)]) {
       if (way.size() > count)
-        root["nodes"][at].fail("is its own ancestor, but nodes must form trees");
+        root["nodes"][at].fail("is its own ancestor, but nodes must form trees" +
+                               std::string(kRemedy));
       way.push_back(static_cast<std::size_t>(at));
     }
     for (const std::size_t node : way) is_known[node] = true;
@@ -244,6 +264,33 @@ void require_keys(const JsonPlace& root, const JsonPlace& sampler, const JsonPla
                          " key frames of " + std::to_string(values) + std::string(kRemedy));
 }
 
+// What an animation moves by its place in the document, as far as that is lists: of objects the
+// member may be one that has a default.
+void require_pointer(const JsonPlace& root, const JsonPlace& pointer) {
+  const auto fail = [&](const std::string& what) {
+    pointer.fail(quote(pointer.text()) + " names nothing: " + what + std::string(kRemedy));
+  };
+  std::string_view rest = pointer.text();
+  if (!rest.starts_with('/')) fail("it begins with no /");
+  std::optional<JsonPlace> at = root;
+  while (at && !rest.empty()) {
+    rest.remove_prefix(1);
+    const std::string key(rest.substr(0, rest.find('/')));
+    rest.remove_prefix(key.size());
+    if (at->is_object()) {
+      const bool is_root = at->path() == root.path();
+      at = at->find(key);
+      if (!at && is_root) fail("the file has no " + key);
+      continue;
+    }
+    std::int64_t number = -1;
+    if (!at->value().is_array() || !parse_integer(key, number)) return;
+    if (number < 0 || number >= at->array_size())
+      fail("the file has " + std::to_string(at->array_size()) + " of " + at->path());
+    at = (*at)[number];
+  }
+}
+
 void require_animation(const JsonPlace& root, const JsonPlace& animation) {
   const JsonPlace samplers = animation["samplers"], channels = animation["channels"];
   for (std::int64_t i = 0; i < samplers.array_size(); ++i) {
@@ -252,10 +299,14 @@ void require_animation(const JsonPlace& root, const JsonPlace& animation) {
   }
   for (std::int64_t i = 0; i < channels.array_size(); ++i) {
     if (channels[i]["sampler"].integer() >= samplers.array_size())
-      channels[i]["sampler"].fail("is asked for, and there are " +
-                                  std::to_string(samplers.array_size()));
+      channels[i]["sampler"].fail("names samplers[" +
+                                  std::to_string(channels[i]["sampler"].integer()) +
+                                  "], and the animation has " +
+                                  std::to_string(samplers.array_size()) + std::string(kRemedy));
     require_number(root, channels[i]["target"], "node", "nodes");
     require_keys(root, samplers[channels[i]["sampler"].integer()], channels[i]["target"]);
+    if (const auto pointer = extension_of(channels[i]["target"], "KHR_animation_pointer"))
+      require_pointer(root, (*pointer)["pointer"]);
   }
 }
 
