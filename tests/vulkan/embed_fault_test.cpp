@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <functional>
 #include <iostream>
 
@@ -10,7 +11,9 @@
 #include "planish/vulkan/backend/vulkan_solve.h"
 #include "planish/vulkan/device/result.h"
 #include "support/meshes.h"
+#include "support/random_meshes.h"
 #include "vulkan/embedding_fixture.h"
+#include "vulkan/pretended_rules.h"
 #include "vulkan/tables.h"
 
 namespace planish::testing {
@@ -155,6 +158,79 @@ TEST_F(EmbedFaults, FourKibibyteRangesSliceWithEqualResults) {
         ASSERT_EQ(sliced[i].normal, whole[i].normal) << i;
       }
     }
+}
+
+// Every dispatch is looked at; llvmpipe's kernels do 16 chunks a work group.
+TEST_F(EmbedFaults, FewWorkGroupsSliceWithEqualResults) {
+  const PolygonMesh meshes[] = {test::torus(40, 30, 2, 0.7),
+                                test::with_random_creases(test::random_open_mesh(2), 0.1, 3)};
+  for (const PipelineVariant& variant : {kSoftwareVariant, kHardwareVariant})
+    for (const PolygonMesh& mesh : meshes) {
+      ContextOptions options;
+      options.variant = variant;
+      open(options);
+      const std::vector<Vertex> whole = surface_of(mesh, 2);
+      const std::size_t whole_slices = slice_count_;
+      PretendedDriver::pretence().group_count = 6;
+      open(options);
+      EXPECT_EQ(context_->max_group_count(), 6u);
+      const std::vector<Vertex> sliced = surface_of(mesh, 2);
+      PretendedDriver::pretence().group_count = 0;
+      EXPECT_GT(slice_count_, whole_slices);
+      ASSERT_EQ(sliced.size(), whole.size());
+      EXPECT_EQ(std::memcmp(sliced.data(), whole.data(), whole.size() * sizeof whole[0]), 0);
+    }
+}
+
+// The rules themselves, by calls that break one each.
+TEST(PretendedRules, SeeWhatBreaksThem) {
+  RuleBook rules;
+  const VkCommandBuffer commands = VK_NULL_HANDLE;
+  VkBuffer buffer = (VkBuffer)1;
+  VkBufferCreateInfo of_buffer{};
+  of_buffer.size = 1024;
+  rules.made(VkDevice(), static_cast<const VkBufferCreateInfo*>(&of_buffer),
+             static_cast<const VkAllocationCallbacks*>(nullptr), &buffer);
+  rules.set_limits({.group_count = 8, .storage_range = 512, .texel_elements = 16});
+  VkWriteDescriptorSet write{};
+  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  const auto bind = [&](VkDeviceSize offset, VkDeviceSize range) {
+    const VkDescriptorBufferInfo at{buffer, offset, range};
+    write.pBufferInfo = &at;
+    rules.look(VkDevice(), 1u, static_cast<const VkWriteDescriptorSet*>(&write), 0u,
+               static_cast<const VkCopyDescriptorSet*>(nullptr));
+  };
+  const auto view = [&](VkDeviceSize offset, VkDeviceSize range) {
+    VkBufferViewCreateInfo info{};
+    info.buffer = buffer, info.format = VK_FORMAT_R32_UINT, info.offset = offset,
+    info.range = range;
+    rules.look(VkDevice(), static_cast<const VkBufferViewCreateInfo*>(&info),
+               static_cast<const VkAllocationCallbacks*>(nullptr),
+               static_cast<VkBufferView*>(nullptr));
+  };
+  const auto copy = [&](VkDeviceSize from, VkDeviceSize to, VkDeviceSize size) {
+    const VkBufferCopy region{from, to, size};
+    rules.look(commands, buffer, buffer, 1u, &region);
+  };
+  rules.look(commands, 8u, 1u, 1u);
+  rules.look(commands, buffer, VkDeviceSize{1012});
+  bind(512, 512);
+  view(256, 64);
+  copy(0, 512, 512);
+  rules.look(commands, buffer, VkDeviceSize{1020}, VkDeviceSize{4}, 0u);
+  EXPECT_TRUE(rules.broken().empty()) << *rules.broken().begin();
+  std::size_t count = 0;
+  const auto expect_one_more = [&] { EXPECT_EQ(rules.broken().size(), ++count); };
+  rules.look(commands, 9u, 1u, 1u), expect_one_more();
+  rules.look(commands, buffer, VkDeviceSize{1016}), expect_one_more();
+  bind(0, 516), expect_one_more();
+  bind(64, 256), expect_one_more();
+  bind(768, 512), expect_one_more();
+  view(0, 68), expect_one_more();
+  view(64, 32), expect_one_more();
+  copy(0, 256, 512), expect_one_more();
+  copy(0, 768, 260), expect_one_more();
+  rules.look(commands, buffer, VkDeviceSize{1020}, VkDeviceSize{8}, 0u), expect_one_more();
 }
 
 TEST_F(EmbedFaults, WhatNoSliceMeetsIsRefusedByName) {

@@ -26,6 +26,7 @@ class Embedding : public VulkanTest {
   void TearDown() override {
     close();
     EXPECT_TRUE(PretendedDriver::alive().empty());
+    for (const std::string& rule : PretendedDriver::broken_rules()) ADD_FAILURE() << rule;
     VulkanTest::TearDown();
   }
 

@@ -10,6 +10,7 @@
 
 #include "vulkan/pretended_calls.h"
 #include "vulkan/pretended_memory.h"
+#include "vulkan/pretended_rules.h"
 
 namespace planish::testing {
 
@@ -45,6 +46,7 @@ struct State {
   std::array<std::atomic<int>, kSlotCount> counts{};
   std::atomic<int> fallible{0}, illegal_maps{0};
   NoteTaker notes;
+  RuleBook rules;
   std::mutex mutex;  // guards what follows
   std::map<std::string, int> alive, uncounted;
   std::set<VkDeviceMemory> device_only;
@@ -69,7 +71,10 @@ void VKAPI_CALL get_properties(VkPhysicalDevice device, VkPhysicalDeviceProperti
     limits.maxPerStageDescriptorStorageBuffers = pretence.storage_buffers;
   if (pretence.storage_range) limits.maxStorageBufferRange = pretence.storage_range;
   if (pretence.texel_elements) limits.maxTexelBufferElements = pretence.texel_elements;
+  if (pretence.group_count) limits.maxComputeWorkGroupCount[0] = pretence.group_count;
   if (pretence.split_memory) limits.nonCoherentAtomSize = 256;
+  state.rules.set_limits({limits.maxComputeWorkGroupCount[0], limits.maxStorageBufferRange,
+                          limits.maxTexelBufferElements});
   for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next; next = next->pNext) {
     if (next->sType != VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES) continue;
     auto* subgroup = reinterpret_cast<VkPhysicalDeviceSubgroupProperties*>(next);
@@ -290,6 +295,7 @@ struct Thunk<R(VKAPI_PTR*)(A...)> {
   static R VKAPI_CALL call(A... arguments) {
     ++state.counts[slot];
     state.notes.take(arguments...);
+    state.rules.look(arguments...);
     const Function function = behind<slot>(real.*member);
     if constexpr (std::is_same_v<R, VkResult>) {
       // A name that cannot be set is no error, and destructors wait as well as they can.
@@ -298,6 +304,7 @@ struct Thunk<R(VKAPI_PTR*)(A...)> {
         return state.pretence.failure;
       const VkResult result = function(arguments...);
       if (result >= 0) note_alive(kind_of(kNames[slot]), 1);
+      if (result >= 0) state.rules.made(arguments...);
       return result;
     } else {
       if (is_handle(arguments...)) note_alive(kind_of(kNames[slot]), -1);
@@ -337,6 +344,7 @@ void PretendedDriver::reset() {
   state.fallible = 0;
   state.illegal_maps = 0;
   state.notes.reset();
+  state.rules.reset();
   const std::lock_guard lock(state.mutex);
   state.alive.clear();
   state.uncounted.clear();
@@ -360,36 +368,27 @@ std::map<std::string, int> PretendedDriver::counts() {
 int PretendedDriver::count(const std::string& function) { return counts()[function]; }
 int PretendedDriver::fallible_calls() { return state.fallible; }
 
-std::map<std::string, int> PretendedDriver::alive() {
+// What calls on other threads change.
+template <class T>
+static T locked_copy(const T& of) {
   const std::lock_guard lock(state.mutex);
-  return state.alive;
+  return of;
 }
 
-std::map<std::string, int> PretendedDriver::uncounted() {
-  const std::lock_guard lock(state.mutex);
-  return state.uncounted;
-}
-
+std::map<std::string, int> PretendedDriver::alive() { return locked_copy(state.alive); }
+std::map<std::string, int> PretendedDriver::uncounted() { return locked_copy(state.uncounted); }
 std::set<std::uint32_t> PretendedDriver::used_families() {
-  const std::lock_guard lock(state.mutex);
-  return state.used_families;
+  return locked_copy(state.used_families);
 }
-
 std::map<std::pair<std::uint32_t, std::uint32_t>, int> PretendedDriver::transfers() {
-  const std::lock_guard lock(state.mutex);
-  return state.transfers;
+  return locked_copy(state.transfers);
 }
-
-std::vector<VkMappedMemoryRange> PretendedDriver::flushed() {
-  const std::lock_guard lock(state.mutex);
-  return state.flushed;
-}
-
+std::vector<VkMappedMemoryRange> PretendedDriver::flushed() { return locked_copy(state.flushed); }
 std::vector<VkMappedMemoryRange> PretendedDriver::invalidated() {
-  const std::lock_guard lock(state.mutex);
-  return state.invalidated;
+  return locked_copy(state.invalidated);
 }
 
+std::set<std::string> PretendedDriver::broken_rules() { return state.rules.broken(); }
 PretendedNotes PretendedDriver::notes() { return state.notes.notes(); }
 void PretendedDriver::forget_notes() { state.notes.reset(); }
 int PretendedDriver::illegal_maps() { return state.illegal_maps; }

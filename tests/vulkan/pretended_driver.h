@@ -25,6 +25,7 @@ class PretendedDriver {
     std::uint32_t storage_buffers = 0;  ///< maxPerStageDescriptorStorageBuffers; 0: the real one
     std::uint32_t storage_range = 0;    ///< maxStorageBufferRange, bytes; 0: the real one
     std::uint32_t texel_elements = 0;   ///< maxTexelBufferElements; 0: the real one
+    std::uint32_t group_count = 0;      ///< maxComputeWorkGroupCount in x; 0: the real one
     /// Memory that only the device sees, and two types that the host sees, of which none is
     /// coherent.
     bool split_memory = false;
@@ -65,6 +66,9 @@ class PretendedDriver {
   /// What was asked to be made visible to the device and to the host.
   static std::vector<VkMappedMemoryRange> flushed();
   static std::vector<VkMappedMemoryRange> invalidated();
+  /// Dispatches, copies, bindings and texel buffers beyond the pretended limits, their buffers or
+  /// the widest alignments, in words.
+  static std::set<std::string> broken_rules();
   /// What calls were given.
   static PretendedNotes notes();
   static void forget_notes();
