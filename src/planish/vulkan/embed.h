@@ -78,6 +78,7 @@
 #include "planish/vulkan/device/result.h"
 #include "planish/vulkan/device/scope.h"
 #include "planish/vulkan/evaluate/place_layout.h"
+#include "planish/vulkan/host/solve_options.h"
 
 namespace planish {
 struct FairDecisions;
@@ -229,116 +230,6 @@ class DeviceSystem {
   std::unique_ptr<Parts> parts_;
 };
 
-/// Where the points to pass through are: three floats each, `stride` bytes apart, one per vertex of
-/// the mesh. The buffer is the host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the
-/// Solve. No buffer: the Solve has one of its own, which record_given fills.
-struct GivenPoints {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;
-  std::uint32_t stride = 12;
-  /// Bytes from an instance's first point to the next one's; 0: given_count() strides.
-  VkDeviceSize instance_stride = 0;
-};
-
-/// Where record_evaluate writes: for each vertex three floats of position and three of unit normal
-/// (zero where the tangents are parallel). Other bytes are left alone. The buffer is the host's,
-/// has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Solve. No buffer: nothing is evaluated.
-struct VertexLayout {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;    ///< of the first vertex
-  std::uint32_t stride = 24;  ///< bytes
-  std::uint32_t position_offset = 0;
-  std::uint32_t normal_offset = 12;
-  /// Bytes from an instance's first vertex to the next one's; 0: vertex_count() strides.
-  VkDeviceSize instance_stride = 0;
-};
-
-/// A list of points that have moved, for record_edit: a uint32 that counts them, then a uint32 for
-/// each, instance * given_count() + its index in the mesh, 0 to max_count of them. It is read when
-/// the edit runs, so that a host or a kernel may write it until then. Entries may repeat; what
-/// names no point that a face names is passed over, and so is a point that is not finite. The
-/// buffer is the host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Solve.
-struct MovedPoints {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;      ///< of the count
-  std::uint32_t max_count = 0;  ///< a count above it is taken as it
-};
-
-struct SolveOptions {
-  std::uint32_t max_iterations = 64;  ///< that one record_solve can ask for
-  /// Of the fair method, 0 to 1000: steps of conjugate gradients that even out the curvature.
-  std::uint32_t polish_steps = 8;
-  GivenPoints given;
-  VertexLayout vertices;
-  /// Of the progressive method, 1 to 65,535: instances of the mesh that every recorded call does,
-  /// in the dispatches of one, with one SolveParameters. Each has points, displacement, vertices
-  /// and status of its own, stops by itself, and gets the bits that a Solve of its own would give
-  /// it. Vectors of all instances (16 bytes a point of level 1, which are the mesh's corners) are
-  /// one binding: Error{OutOfMemory} says how many a device can have.
-  std::uint32_t instances = 1;
-  /// Where record_edit reads what has moved. The DeviceSystem was made with takes_edits. Takes
-  /// about 60 bytes a vertex of a quad mesh more; vectors and tables are one binding each:
-  /// Error{OutOfMemory} names what is not. No buffer: there are no edits.
-  MovedPoints moved;
-};
-
-/// Two timestamps in a host's query pool, `first` before and `first` + 1 after the recorded work.
-/// The host has reset both queries; its queue family has timestamps.
-struct Timestamps {
-  VkQueryPool pool = VK_NULL_HANDLE;
-  std::uint32_t first = 0;
-};
-
-/// Of the progressive method, but for the timestamps: the fair one does all its work each time.
-struct SolveParameters {
-  /// At most SolveOptions::max_iterations, which stands in for more.
-  std::uint32_t iterations = 0;
-  /// No iteration once the error is at most this, decided on the device; negative: do them all.
-  float stop_error = -1;
-  /// Starts from the displacement that this Solve's last solve ended with, instead of from none.
-  /// record_reset has been run before the first such solve, or a solve without it.
-  bool warm_start = false;
-  /// Measures the error that the last iteration leaves, at the cost of about one more. Without, the
-  /// status tells the error before the last iteration.
-  bool measures_last = true;
-  Timestamps timestamps;
-};
-
-/// Of an edit.
-struct EditParameters {
-  /// At most SolveOptions::max_iterations, which stands in for more. Each can reach one ring of
-  /// faces further; 10 to 14 take a move of a hundredth of the diagonal below a tolerance of 1e-6.
-  std::uint32_t iterations = 24;
-  /// No iteration once no point that the edit reaches is off by more, decided on the device for
-  /// each instance; negative: do them all. System::tolerance() / 8 leaves control points within the
-  /// tolerance of those of a solve from scratch, as edit/ does.
-  float stop_error = -1;
-  Timestamps timestamps;
-};
-
-/// What an edit came to, of all instances: words of its own lists.
-struct EditReach {
-  std::uint32_t points;   ///< given points that were looked at, or whose surroundings moved
-  std::uint32_t patches;  ///< of corners, vertices, edges and faces, that were evaluated
-  std::uint32_t listed;   ///< entries of the host's list that were read
-};
-static_assert(sizeof(EditReach) == 12);
-
-/// How a solve ended.
-enum class SolveState : std::uint32_t {
-  Stepped = 0,    ///< all iterations done; no error as low as stop_error was met
-  Converged = 1,  ///< an error at or below stop_error was met
-  NotFinite = 2,  ///< the error is infinite or no number: so were given points
-};
-
-/// What record_status copies.
-struct GpuStatus {
-  std::uint32_t iterations;
-  SolveState state;
-  float residual;  ///< largest distance of a given point from its limit point, as measured last
-};
-static_assert(sizeof(GpuStatus) == 12);
-
 class Solve;
 
 /// One of the solves that record_solves puts beside each other.
@@ -381,7 +272,8 @@ class Solve {
   /// and evaluates what they reach, and nothing else: vertices, control_points() and what Places
   /// read change in place, and what is not reached keeps its bits. Costs what it reaches, not what
   /// the mesh has; an empty list costs empty dispatches. Points of faces with 32 corners or more,
-  /// and sums of rings of as many, are the exception: each edit makes all of them.
+  /// and sums of rings of as many, are the exception: each edit makes all of them. Where an edit
+  /// reaches a tenth of the mesh and more, record_solve and record_evaluate take less time.
   /// A record_solve and its record_evaluate (or record_surface) came before. Edits go on from
   /// edits, and solves (warm starts, too) from them. Points that moved without being listed wait
   /// for the next solve. Afterwards record_status tells of the edit: residual is the largest among
