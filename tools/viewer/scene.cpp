@@ -32,8 +32,9 @@ Scene load_scene(const std::string& path, const std::string& name) {
   const command::Job job = job_of(path, name);
   const command::Settings& settings = job.settings;
   if (settings.interpolation == InterpolationChoice::Fair)
-    throw Error(ErrorCode::InvalidArgument,
-                job.name + ": interpolation fair does not run on the device; choose another job");
+    throw Error(
+        ErrorCode::InvalidArgument,
+        job.name + ": interpolation fair is not drawn here, progressive is; choose another job");
   if (settings.scheme != Scheme::DooSabin)
     throw Error(ErrorCode::InvalidArgument,
                 job.name + ": scheme " + std::string(command::name_of(settings.scheme)) +
