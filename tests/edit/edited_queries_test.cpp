@@ -1,6 +1,8 @@
 // Closest points and rays while vertices are dragged: those of queries made anew.
 #include <gtest/gtest.h>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include "edit/edit_case.h"
 
 namespace planish::test {
@@ -74,6 +76,36 @@ TEST(EditedQueries, AreThoseOfTheSurfaceAsItIs) {
     editor.settle();
     expect_same_answers(editor, c, random);
     EXPECT_EQ(&queries, &editor.queries());
+  }
+}
+
+// As a viewer asks: in every frame of drags with a falloff, and once they are taken back.
+TEST(EditedQueries, AreRightInEveryFrameOfADrag) {
+  std::mt19937 random(6);
+  const std::vector<NamedMesh> meshes{
+      {"torus", torus(24, 16, 1, 0.4)},
+      {"sphere", jittered(icosphere(2), 0.2, 4)},
+      {"creased", with_random_creases(torus(20, 12, 1, 0.4), 0.1, 3)}};
+  for (const auto& [name, mesh] : meshes) {
+    SCOPED_TRACE(name);
+    const EditCase c(mesh, 0);
+    Editor editor(c.mesh, c.first, c.options);
+    (void)editor.queries();
+    for (int drag = 0; drag < 4; ++drag) {
+      const auto vertex = static_cast<std::int32_t>(random() % c.mesh.positions.size());
+      const double size = c.first.placement.diagonal;
+      const Selection held = editor.select(std::span(&vertex, 1), (0.05 + 0.1 * drag) * size);
+      const glm::dvec3 way = 0.02 * size * glm::dvec3(drag - 1.5, 0.5, 1);
+      int local = 0;
+      for (int frame = 1; frame <= 10; ++frame) {
+        local += editor.transform(held, glm::translate(glm::dmat4(1.0), way)).is_whole ? 0 : 1;
+        expect_same_answers(editor, c, random);
+        if (HasFatalFailure()) return;
+      }
+      EXPECT_GT(local, 0);
+      for (int frame = 0; frame < 10; ++frame) editor.undo();
+      expect_same_answers(editor, c, random);
+    }
   }
 }
 

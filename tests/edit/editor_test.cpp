@@ -163,6 +163,8 @@ TEST(Editor, TakesBackAndDoesAgain) {
   const std::vector<glm::dvec3> rest(editor.positions().begin(), editor.positions().end());
   EXPECT_FALSE(editor.can_undo());
   EXPECT_EQ(editor.undo().row_count, 0);
+  editor.move({}, {});
+  EXPECT_FALSE(editor.can_undo());  // nothing moved, nothing is taken back
   Mover mover(9);
   for (int i = 0; i < 5; ++i) {
     mover.choose(editor, c, 2, 0.1);

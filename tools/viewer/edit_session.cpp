@@ -111,6 +111,7 @@ void EditSession::set_radius(double radius) {
 }
 
 Selection EditSession::reached() const {
+  if (drag_) return drag_->moved;  // those that were near when it began
   if (radius_ > 0 && !selected_.empty()) return editor_.select(selected_, radius_);
   return {selected_, std::vector<double>(selected_.size(), 1.0)};
 }

@@ -34,7 +34,8 @@ EditChange Editor::transform(const Selection& selection, const glm::dmat4& map,
   if (selection.vertices.size() != selection.weights.size()) {
     throw Error(ErrorCode::InvalidArgument,
                 "transform: there are " + std::to_string(selection.vertices.size()) +
-                    " vertices and " + std::to_string(selection.weights.size()) + " weights");
+                    " vertices and " + std::to_string(selection.weights.size()) +
+                    " weights; give one each");
   }
   std::vector<glm::dvec3> positions(selection.vertices.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {

@@ -125,6 +125,7 @@ EditChange Editor::Impl::move(std::span<const std::int32_t> vertices,
   require_moves(vertices, positions, mesh_.vertex_count(), fit_.placement);
   PastMove before = take_moves(vertices, positions);
   EditChange change = apply(callbacks);
+  if (moved_.empty()) return change;  // no step that could be taken back
   future_.clear();
   past_.add(std::move(before));
   return change;

@@ -27,13 +27,15 @@ void require_editable(const PolygonMesh& mesh, const Fit& fit, const EditorOptio
     throw Error(ErrorCode::InvalidArgument,
                 "the fit has not reached its tolerance (" +
                     std::string(name_of(fit.interpolation.stop_reason)) +
-                    "); edit one that has, or take fair interpolation");
+                    "); fit again with more iterations or a larger tolerance, or take fair "
+                    "interpolation");
   }
   if (fit.prepared == nullptr || fit.prepared->given_vertex_count != mesh.vertex_count()) {
     throw Error(ErrorCode::InvalidArgument,
                 "the fit is of " +
                     std::to_string(fit.prepared ? fit.prepared->given_vertex_count : 0) +
-                    " vertices, the mesh has " + std::to_string(mesh.vertex_count()));
+                    " vertices, the mesh has " + std::to_string(mesh.vertex_count()) +
+                    "; give the mesh that was fitted");
   }
   if (options.fit.scheme != Scheme::DooSabin) {
     throw Error(ErrorCode::InvalidArgument,
@@ -45,9 +47,9 @@ void require_editable(const PolygonMesh& mesh, const Fit& fit, const EditorOptio
 void require_moves(std::span<const std::int32_t> vertices, std::span<const glm::dvec3> positions,
                    std::int32_t vertex_count, const Placement& placement) {
   if (vertices.size() != positions.size()) {
-    throw Error(ErrorCode::InvalidArgument, "move: there are " + std::to_string(vertices.size()) +
-                                                " vertices and " +
-                                                std::to_string(positions.size()) + " positions");
+    throw Error(ErrorCode::InvalidArgument,
+                "move: there are " + std::to_string(vertices.size()) + " vertices and " +
+                    std::to_string(positions.size()) + " positions; give one each");
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const auto name = [&] { return "move " + std::to_string(i) + ": "; };

@@ -17,7 +17,8 @@ Selection select_around(const PreparedMesh& prepared, std::span<const glm::dvec3
                         std::span<const std::int32_t> vertices, double radius) {
   if (!(radius > 0) || !std::isfinite(radius)) {
     throw Error(ErrorCode::InvalidArgument,
-                "the radius " + std::to_string(radius) + " is not above 0 and finite");
+                "the radius " + std::to_string(radius) +
+                    " is not above 0 and finite; take a length in the mesh's unit");
   }
   const MeshTopology& topology = *prepared.topology;
   const auto position = [&](std::int32_t used) -> const glm::dvec3& {

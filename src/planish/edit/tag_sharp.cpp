@@ -38,7 +38,8 @@ void tag_sharp(const PreparedMesh& prepared, std::span<const CreaseEdge> edges,
                                      used_vertex(prepared, edge.v1)) < 0) {
       throw Error(ErrorCode::InvalidArgument,
                   "set_sharp: vertices " + std::to_string(edge.v0) + " and " +
-                      std::to_string(edge.v1) + " have no edge",
+                      std::to_string(edge.v1) +
+                      " have no edge; name two that follow one another in a face",
                   edge.v0);
     }
     of_edge[std::minmax(edge.v0, edge.v1)] = edge.sharpness;
