@@ -8,6 +8,7 @@
 namespace planish {
 namespace {
 
+constexpr int kFinePlaces = 32;
 constexpr int kPlaces = 8;        // along the side of a square
 constexpr int kAnglePlaces = 12;  // along an edge, for moves
 constexpr int kRounds = 8;
@@ -125,7 +126,7 @@ CapError CapMeasure::of(std::span<const std::int32_t> corners, bool is_face, int
       error.deviation =
           std::max(error.deviation, off_surface(places_[i][k].apart, places_[i][k].normal));
   }
-  error.angle = angle(1);
+  error.angle = angle(1, kFinePlaces / 2);
   return error;
 }
 
@@ -174,7 +175,7 @@ void CapMeasure::add_square(const SquarePiece& piece, bool is_at_face, int depth
 }
 
 // Across the edges that corners' squares share with the next ones', from the point on.
-double CapMeasure::angle(double until) const {
+double CapMeasure::angle(double until, int places) const {
   const MeshTopology& topology = surface_.topology();
   double largest = 0;
   for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -184,8 +185,8 @@ double CapMeasure::angle(double until) const {
     if (next < 0 || layout_.is_hidden(next)) continue;
     if (!is_face_ && layout_.is_sharp(4 * c + 3)) continue;
     const Cap& other = caps_[(i + 1) % corners_.size()];
-    for (int k = 0; k <= kPlaces * until; ++k) {
-      const double t = double(k) / kPlaces;
+    for (int k = 0; k <= places * until; ++k) {
+      const double t = double(k) / places;
       largest = std::max(largest, angle_between(caps_[i].normal(true, t), other.normal(false, t)));
     }
   }
@@ -214,7 +215,9 @@ bool CapMeasure::move(const CapLimits& limits, CapError& moved) {
   std::vector<CapMove> best;
   for (int round = 0; round < kRounds; ++round) {
     improve_moves(across / length, limits, moved.part_of(limits));
-    const CapError error = moved_error();
+    CapError error = moved_error();
+    // Parts that are made alike are largest between places.
+    if (error.part_of(limits) <= 1) error.angle = angle(2, kFinePlaces);
     if (round == 0 || error.part_of(limits) < moved.part_of(limits)) {
       moved = error;
       best = moves_;
@@ -227,7 +230,7 @@ bool CapMeasure::move(const CapLimits& limits, CapError& moved) {
 
 CapError CapMeasure::moved_error() const {
   CapError error;
-  error.angle = angle(2);
+  error.angle = angle(2, kPlaces);
   for (std::size_t i = 0; i < places_.size(); ++i)
     for (const Place& place : places_[i])
       error.deviation =

@@ -90,7 +90,7 @@ class CapMeasure {
   void add_places(std::int32_t corner, int depth, const CornerPieces& pieces,
                   std::vector<Place>& places);
   void add_square(const SquarePiece& piece, bool is_at_face, int depth, std::vector<Place>& places);
-  [[nodiscard]] double angle(double until) const;
+  [[nodiscard]] double angle(double until, int places) const;
   [[nodiscard]] bool can_move() const;
   void improve_moves(const glm::dvec3& normal, const CapLimits& limits, double largest_part);
   [[nodiscard]] CapError moved_error() const;
