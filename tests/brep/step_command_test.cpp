@@ -135,6 +135,20 @@ TEST_F(StepCommand, UnitsLeaveCoordinatesAsTheyAre) {
   }
 }
 
+TEST_F(StepCommand, UnitsOfGltfAreMetres) {
+  ASSERT_EQ(fit(cube_, {"-o", path("a.glb"), "--levels", "0"}).exit_code, 0);
+  const std::string glb = path("a.glb");
+  EXPECT_EQ(reported(glb, {})["step"]["unit"], "m");
+  EXPECT_THAT(read("p.step"), HasSubstr("SI_UNIT($,.METRE.)"));
+  EXPECT_THAT(messages_, HasSubstr("degrees at edges, in m\n"));
+  (void)fit_file(glb, path("q.step"));
+  EXPECT_THAT(read("q.step"), HasSubstr("SI_UNIT($,.METRE.)"));
+  EXPECT_THAT(fit(glb, {"-o", path("r.step"), "--dry-run"}).out,
+              HasSubstr("B-spline faces, in m)"));
+  EXPECT_EQ(reported(glb, {"--step-unit", "in"})["step"]["unit"], "in");
+  EXPECT_EQ(reported(cube_, {"--step-unit", "auto"})["step"]["unit"], "mm");
+}
+
 TEST_F(StepCommand, LimitsAndSizesAreAsAskedFor) {
   const auto depth = [&](const char* angle, const char* tolerance) {
     return reported(cube_,
@@ -216,9 +230,10 @@ TEST_F(StepCommand, RefusesByName) {
     return result.err;
   };
   for (const char* scheme : {"catmull-clark", "loop"}) {
-    EXPECT_THAT(
-        error({"--scheme", scheme}),
-        HasSubstr(std::string("p.step: STEP is made of Doo-Sabin surfaces, not of ") + scheme));
+    EXPECT_THAT(error({"--scheme", scheme}),
+                AllOf(HasSubstr(std::string("p.step: STEP is made of Doo-Sabin surfaces, not of ") +
+                                scheme),
+                      HasSubstr("take --scheme doo-sabin, or a format of meshes")));
   }
   EXPECT_THAT(error({"--step-unit", "km"}), HasSubstr("--step-unit: \"km\""));
   EXPECT_THAT(error({"--step-angle", "0"}), HasSubstr("above 0 to 90 degrees are wanted"));

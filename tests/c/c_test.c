@@ -385,7 +385,7 @@ static void test_step(const char* input) {
   planish_fit_options options;
   planish_fit_options_init(&options, sizeof options);
   EXPECT(options.step_angle == 0.25 && options.step_tolerance == 1e-6);
-  EXPECT(options.step_unit == PLANISH_STEP_MILLIMETRE && options.step_face_size == 16);
+  EXPECT(options.step_unit == PLANISH_STEP_AUTO && options.step_face_size == 16);
   options.step_unit = PLANISH_STEP_INCH;
   EXPECT(planish_mesh_read(input, &mesh) == PLANISH_OK);
   EXPECT(planish_fit_create(mesh, &options, &fit) == PLANISH_OK);
@@ -405,7 +405,7 @@ static void test_step(const char* input) {
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
                  "options.step_tolerance");
   options.step_tolerance = 1e-6;
-  options.step_unit = 4;
+  options.step_unit = 5;
   EXPECT_REFUSED(planish_fit_create(mesh, &options, &fit), PLANISH_INVALID_ARGUMENT,
                  "a planish_step_unit is wanted");
   EXPECT(fit == NULL);

@@ -34,7 +34,7 @@ VALUES = {
 }
 # Of those that only writing STEP has, likewise.
 STEP_VALUES = {
-    "step_unit": ["mm", "cm", "m", "in", "km"],
+    "step_unit": ["mm", "cm", "m", "in", "auto", "km"],
     "step_angle": [0.25, 2, 90, 0, -1, 90.5],
     "step_tolerance": [1e-6, 1, 0, -1e-6, 1.5],
     "step_face_size": [1, 3, 4096, 0, 4097, 2**31],

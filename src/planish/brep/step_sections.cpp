@@ -17,6 +17,7 @@ using Ref = StepText::Reference;
 std::int64_t put_unit(StepText& text, StepUnit unit) {
   switch (unit) {
     case StepUnit::Millimetre:
+    case StepUnit::OfInput:
       return text.entity("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))");
     case StepUnit::Centimetre:
       return text.entity("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.CENTI.,.METRE.))");

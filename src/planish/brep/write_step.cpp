@@ -150,7 +150,7 @@ void put_face(StepText& text, const Brep& brep, const StepNumbers& numbers,
 }  // namespace
 
 double millimetres_of(StepUnit unit) {
-  constexpr std::array<double, 4> kMillimetres{1, 10, 1000, 25.4};
+  constexpr std::array<double, 5> kMillimetres{1, 10, 1000, 25.4, 1};
   return kMillimetres[static_cast<std::size_t>(unit)];
 }
 

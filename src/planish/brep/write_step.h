@@ -15,7 +15,9 @@
 
 namespace planish {
 
-enum class StepUnit : std::uint8_t { Millimetre, Centimetre, Metre, Inch };
+/// OfInput: what the format of the input says, metres of a glTF; else, and where nothing was read,
+/// millimetres.
+enum class StepUnit : std::uint8_t { Millimetre, Centimetre, Metre, Inch, OfInput };
 [[nodiscard]] double millimetres_of(StepUnit unit);
 
 /// Faces of one group.

@@ -177,6 +177,7 @@ void planish_fit_options_init(planish_fit_options* options, size_t struct_size) 
   defaults.polish = own.polish_steps;
   defaults.step_angle = own.step.faces.angle;
   defaults.step_tolerance = own.step.faces.deviation;
+  defaults.step_unit = PLANISH_STEP_AUTO;
   defaults.step_face_size = own.step.faces.face_size;
   start(defaults, options, struct_size);
 }

@@ -83,7 +83,8 @@ typedef enum planish_step_unit {
   PLANISH_STEP_MILLIMETRE = 0,
   PLANISH_STEP_CENTIMETRE = 1,
   PLANISH_STEP_METRE = 2,
-  PLANISH_STEP_INCH = 3
+  PLANISH_STEP_INCH = 3,
+  PLANISH_STEP_AUTO = 4 /**< of planish_fit_file(), metres of a glTF; else millimetres */
 } planish_step_unit;
 
 typedef struct planish_mesh planish_mesh;
@@ -201,7 +202,7 @@ typedef struct planish_fit_options {
   /** Of STEP, by planish_fit_file() and planish_fit_write(): the most degrees by which normals jump
    * where faces meet, 0.25, and that faces leave the surface, of the diagonal, 1e-6. */
   double step_angle, step_tolerance;
-  int32_t step_unit;      /**< a planish_step_unit; coordinates stay as they are */
+  int32_t step_unit;      /**< a planish_step_unit, AUTO; coordinates stay as they are */
   int32_t step_face_size; /**< most quads along a face, of which one of the mesh has two: 16 */
   /** Of planish_fit_file(), of a glTF that becomes one: further levels of detail in the same file
    * (MSFT_lod), each less than the one before, the first less than its level. NULL: none. */

@@ -186,6 +186,7 @@ FileFit fitted_file(const std::filesystem::path& input, const std::filesystem::p
   if (to.is_brep) {
     SurfaceFileOptions step{options.level, options.z_up, share_of(callbacks, fit, 1), &materials};
     step.step = options.step;
+    step.step.unit = settled_unit(options.step.unit, name_of(file.format));
     result.step = write_step_of(output, result.fitted, visible(input.stem()), step);
     result.vertex_count = result.step->vertices;
     result.face_count = result.step->faces;

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "planish/brep/write_step.h"
 #include "planish/doosabin/face_rule.h"
 #include "planish/fair/interpolation_method.h"
 #include "planish/interpolate/progressive.h"
@@ -39,6 +40,11 @@ inline constexpr std::array kBoundaryWords{
 inline constexpr std::array kQuadWords{OptionWord<QuadChoice>{"auto", QuadChoice::Auto},
                                        OptionWord<QuadChoice>{"on", QuadChoice::On},
                                        OptionWord<QuadChoice>{"off", QuadChoice::Off}};
+
+inline constexpr std::array kStepUnitWords{
+    OptionWord<StepUnit>{"mm", StepUnit::Millimetre},
+    OptionWord<StepUnit>{"cm", StepUnit::Centimetre}, OptionWord<StepUnit>{"m", StepUnit::Metre},
+    OptionWord<StepUnit>{"in", StepUnit::Inch}, OptionWord<StepUnit>{"auto", StepUnit::OfInput}};
 
 /// The name of a value of the table.
 template <class Words, class Value>

@@ -32,10 +32,6 @@ constexpr std::array kFieldWords{
     OptionWord<bool FieldChoice::*>{"deviation", &FieldChoice::deviation},
     OptionWord<bool FieldChoice::*>{"fold", &FieldChoice::fold},
     OptionWord<bool FieldChoice::*>{"curvature", &FieldChoice::curvature}};
-constexpr std::array kUnitWords{OptionWord<StepUnit>{"mm", StepUnit::Millimetre},
-                                OptionWord<StepUnit>{"cm", StepUnit::Centimetre},
-                                OptionWord<StepUnit>{"m", StepUnit::Metre},
-                                OptionWord<StepUnit>{"in", StepUnit::Inch}};
 
 constexpr std::string_view kTilesHaveLevels = "tiles have levels; take levels";
 constexpr RankRule kNoStepOfRanks{"", "ranks write 3D Tiles; planish fit writes STEP"};
@@ -104,16 +100,18 @@ FitOption step_unit_option() {
   FitOption option{{.name = "step_unit",
                     .stage = Stage::Output,
                     .needs = Needs::Step,
-                    .initial = "mm",
-                    .help = "STEP: what the coordinates are in, which stay as they are",
+                    .initial = "auto",
+                    .help = "STEP: what the coordinates are in, which stay as they are; auto: "
+                            "metres of a glTF, else mm",
                     .ranks = kNoStepOfRanks},
                    [](FitSettings& settings, const OptionValue& value, Where) {
-                     settings.step.unit = kUnitWords[static_cast<std::size_t>(value.whole)].value;
+                     settings.step.unit =
+                         kStepUnitWords[static_cast<std::size_t>(value.whole)].value;
                    },
                    [](const FitSettings& settings) {
-                     return std::string(word_of(kUnitWords, settings.step.unit));
+                     return std::string(word_of(kStepUnitWords, settings.step.unit));
                    }};
-  for (const auto& word : kUnitWords) option.words.push_back(word.text);
+  for (const auto& word : kStepUnitWords) option.words.push_back(word.text);
   return option;
 }
 

@@ -149,7 +149,16 @@ void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted,
 void require_step_scheme(Scheme scheme, std::string_view where) {
   if (scheme == Scheme::DooSabin) return;
   refuse(where, "STEP is made of Doo-Sabin surfaces, not of " +
-                    std::string(word_of(kSchemeWords, scheme)));
+                    std::string(word_of(kSchemeWords, scheme)) +
+                    (scheme == Scheme::Loop ? ", whose patches are triangles" : "") +
+                    "; take --scheme doo-sabin, or a format of meshes");
+}
+
+StepUnit settled_unit(StepUnit unit, std::string_view format) {
+  if (unit != StepUnit::OfInput) return unit;
+  const auto all = formats();
+  const auto found = std::ranges::find(all, format, &FormatInfo::name);
+  return found != all.end() && found->is_gltf ? StepUnit::Metre : StepUnit::Millimetre;
 }
 
 StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
@@ -165,6 +174,7 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
   warn(visible(options.shown.empty() ? path : options.shown), brep, fitted, limit, options);
 
   StepFigures figures;
+  figures.unit = settled_unit(options.settings.unit, "");
   figures.faces = std::ssize(brep.faces);
   figures.edges = std::ssize(brep.edges);
   figures.vertices = std::ssize(brep.vertices);
@@ -183,7 +193,7 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
   figures.largest_distance = largest_distance(brep, fitted);
   figures.byte_count = write_step(path, brep,
                                   {.name = options.name,
-                                   .unit = options.settings.unit,
+                                   .unit = figures.unit,
                                    .diagonal = fitted.fit.placement.diagonal,
                                    .description = description_of(fitted.fit.interpolation, limits),
                                    .groups = std::move(groups),

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "planish/brep/make_brep.h"
 #include "planish/brep/write_step.h"
@@ -19,12 +20,16 @@ struct GltfMaterials;  // gltf_materials.h
 /// How a surface becomes STEP.
 struct StepSettings {
   BrepOptions faces;
-  StepUnit unit = StepUnit::Millimetre;
+  StepUnit unit = StepUnit::OfInput;
 };
+
+/// What a unit is for coordinates of a file of that format: "glb".
+[[nodiscard]] StepUnit settled_unit(StepUnit unit, std::string_view format);
 
 /// What became of it.
 struct StepFigures {
   std::uint64_t byte_count = 0;
+  StepUnit unit = StepUnit::Millimetre;
   std::int64_t faces = 0, edges = 0, vertices = 0, control_points = 0;
   std::int64_t planes = 0;  ///< of the faces
   std::int64_t solids = 0, voids = 0, open_shells = 0;

@@ -10,7 +10,7 @@
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/files/write_polygons.h"
 #include "planish/pipeline/asset_parts.h"
-#include "planish/pipeline/option_table.h"
+#include "planish/pipeline/option_words.h"
 #include "terminal/text.h"
 
 namespace planish::command {
@@ -77,7 +77,8 @@ std::string companion_lines(const PlannedOutput& output, std::uint64_t bytes,
   return text;
 }
 
-std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
+// `input`: its format.
+std::string outputs_text(const PlannedJob& planned, FileFormat input, const PolygonMesh& mesh,
                          const Forecast& forecast, const PathClaims& claims) {
   const GltfCompression compression = planned.job.settings.compression;
   std::string text;
@@ -88,7 +89,9 @@ std::string outputs_text(const PlannedJob& planned, const PolygonMesh& mesh,
     const std::string what =
         info_of(output.format).is_brep
             ? "  (at least " + counted(file.faces, "B-spline face") + ", in " +
-                  option_text(planned.job.settings, "step_unit") + ")"
+                  std::string(word_of(kStepUnitWords, settled_unit(planned.job.settings.step.unit,
+                                                                   name_of(input)))) +
+                  ")"
             : "  (" +
                   (is_cage ? "control cage" : finenesses_text(output.fineness, output.coarser)) +
                   file_text(file, faces_of(output, planned.job.settings.scheme), compression) + ")";
@@ -125,6 +128,7 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
                           const PathClaims& claims, std::uint64_t page_bytes) {
   const Settings& settings = planned.job.settings;
   const std::string name = input.name;
+  const FileFormat format = input.file.format;
   const std::int64_t vertices = input.file.mesh.vertex_count();
   const std::int64_t faces = input.file.mesh.face_count();
   const ReadyFit ready = expected_ready(planned, std::move(input));
@@ -142,7 +146,7 @@ std::string describe_mesh(const PlannedJob& planned, Input input, const DeviceDe
                                                 : "") +
       subdivision_text(settings.scheme, settings.weights) + ", tolerance " +
       short_number(settings.tolerance) + "\n";
-  text += outputs_text(planned, mesh, forecast, claims);
+  text += outputs_text(planned, format, mesh, forecast, claims);
   return text + needs_text(forecast);
 }
 
@@ -178,7 +182,7 @@ std::string describe_asset(const PlannedJob& planned, const InputFile& file, con
       ", " + counted(vertices, "vertex") + ", " + counted(faces, "face") + "\n" +
       device_line(device) + "  solve        " + solve_text(planned.job.settings, planned.outputs) +
       ", for each mesh\n";
-  text += outputs_text(planned, {}, forecast, claims);
+  text += outputs_text(planned, file.format, {}, forecast, claims);
   return text + needs_text(forecast);
 }
 

@@ -60,8 +60,10 @@ void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurfa
   check_interrupt();
   work.context.progress.update("faces", 0);
   timed(work.report.timing.write, [&] {
+    StepSettings settings = work.job.settings.step;
+    settings.unit = settled_unit(settings.unit, work.report.input.format);
     written = write_step_output(planned, work.staged.stage(planned.path), all.limit(),
-                                work.made.fitted, work.job.settings.step, options);
+                                work.made.fitted, settings, options);
   });
   if (!written.step->keeps_limits) work.report.exit_code = ExitCode::NotConverged;
   warn_of_rounding(work.report, work.context.console, written);

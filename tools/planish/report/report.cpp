@@ -10,6 +10,7 @@
 #include "planish/core/version.h"
 #include "planish/pipeline/fit_report.h"
 #include "planish/pipeline/option_table.h"
+#include "planish/pipeline/option_words.h"
 
 namespace planish::command {
 namespace {
@@ -50,8 +51,8 @@ OrderedJson surface_json(const JobReport& report) {
   return json;
 }
 
-OrderedJson step_json(const StepFigures& step, const Settings& settings) {
-  return {{"unit", option_text(settings, "step_unit")},
+OrderedJson step_json(const StepFigures& step) {
+  return {{"unit", word_of(kStepUnitWords, step.unit)},
           {"faces", step.faces},
           {"edges", step.edges},
           {"vertices", step.vertices},
@@ -67,7 +68,7 @@ OrderedJson step_json(const StepFigures& step, const Settings& settings) {
           {"keeps_limits", step.keeps_limits}};
 }
 
-OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs, const Settings& settings) {
+OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs) {
   OrderedJson json = OrderedJson::array();
   for (const WrittenOutput& output : outputs) {
     OrderedJson entry;
@@ -96,7 +97,7 @@ OrderedJson outputs_json(const std::vector<WrittenOutput>& outputs, const Settin
                                 {"triangles", level.triangles},
                                 {"geometric_error", level.geometric_error}});
     }
-    if (output.step) entry["step"] = step_json(*output.step, settings);
+    if (output.step) entry["step"] = step_json(*output.step);
     json.push_back(entry);
   }
   return json;
@@ -187,7 +188,7 @@ OrderedJson to_json(const JobReport& report) {
   } else {
     json["meshes"] = meshes_json(report.meshes);
   }
-  json["outputs"] = outputs_json(report.outputs, report.settings);
+  json["outputs"] = outputs_json(report.outputs);
   json["timing_ms"] = timing_json(report.timing);
   json["memory"] = {{"host_peak_bytes", report.host_peak_bytes},
                     {"device_bytes", report.device_bytes}};

@@ -40,8 +40,7 @@ std::string angle_text(double degrees) {
   return degrees < kNoise ? "0" : short_number(degrees);
 }
 
-std::string output_line(const WrittenOutput& output, std::size_t path_width,
-                        const std::string& unit) {
+std::string output_line(const WrittenOutput& output, std::size_t path_width) {
   std::string line = output_name(output.path);
   line.resize(std::max(line.size(), path_width), ' ');
   line += "  " + byte_size(output.bytes) + ", ";
@@ -51,7 +50,8 @@ std::string output_line(const WrittenOutput& output, std::size_t path_width,
     line += counted(step.faces, "B-spline face");
     if (step.solids > 0) line += ", " + counted(step.solids, "solid");
     if (step.open_shells > 0) line += ", " + counted(step.open_shells, "open shell");
-    return line + ", " + angle_text(step.max_angle) + " degrees at edges, in " + unit;
+    return line + ", " + angle_text(step.max_angle) + " degrees at edges, in " +
+           std::string(word_of(kStepUnitWords, step.unit));
   }
   if (!output.tile_levels.empty()) {
     std::int64_t tiles = 0;
@@ -196,11 +196,10 @@ std::string output_lines(const JobReport& report) {
   std::size_t path_width = 0;
   for (const WrittenOutput& output : report.outputs)
     path_width = std::max(path_width, output_name(output.path).size());
-  const std::string unit = option_text(report.settings, "step_unit");
   const char* label = "  wrote       ";
   std::string text;
   for (const WrittenOutput& output : report.outputs) {
-    text += label + output_line(output, path_width, unit) + "\n";
+    text += label + output_line(output, path_width) + "\n";
     label = "              ";
   }
   if (!report.page.path.empty())

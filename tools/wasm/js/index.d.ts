@@ -53,8 +53,8 @@ export interface FitOptions {
   creases?: string;
   within?: number | 'auto';
   quads?: 'auto' | 'on' | 'off';
-  /** What the coordinates of STEP are in: 'mm'. */
-  stepUnit?: 'mm' | 'cm' | 'm' | 'in';
+  /** What the coordinates of STEP are in: 'auto', which is mm, and metres of a glTF fitted as a file. */
+  stepUnit?: 'mm' | 'cm' | 'm' | 'in' | 'auto';
   /** Most degrees by which normals jump where faces of STEP meet: 0.25. */
   stepAngle?: number;
   /** Most that faces of STEP leave the surface, of the diagonal: 1e-6. */

@@ -10,7 +10,7 @@ export const CHOICES = {
   boundary: ['edge', 'edge-and-corner'],
   precision: ['auto', 'float', 'double'],
   quads: ['auto', 'on', 'off'],
-  stepUnit: ['mm', 'cm', 'm', 'in'],
+  stepUnit: ['mm', 'cm', 'm', 'in', 'auto'],
 };
 const NUMBERS = {
   tolerance: 'tolerance', maxIterations: 'max_iterations', weld: 'weld', polish: 'polish', stepAngle: 'step_angle',
