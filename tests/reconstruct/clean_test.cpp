@@ -84,6 +84,31 @@ TEST(Clean, TakesManySparsePointsForAPartOfTheShape) {
   EXPECT_GT(clean(points, options).outlier_count, 300);
 }
 
+// 3 % of the points, on half of the torus, and as many outliers all over the space.
+TEST(Clean, KeepsASparsePartOfTheShapeButNoOutliers) {
+  std::vector<glm::dvec3> points;
+  std::mt19937_64 random(9);
+  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  for (const glm::dvec3& p : test::torus_points(60'000, 6))
+    if (p.x > 0 || unit() < 0.03) points.push_back(p);
+  const auto on_torus = static_cast<std::int32_t>(points.size());
+  const std::int32_t sparse = static_cast<std::int32_t>(
+      std::ranges::count_if(points, [](const glm::dvec3& p) { return p.x < 0; }));
+  ASSERT_LT(sparse, 0.04 * on_torus);
+  for (const int outliers : {0, 300}) {
+    for (int i = 0; i < outliers; ++i)
+      points.emplace_back(4 * unit() - 2, 4 * unit() - 2, 4 * unit() - 2);
+    const CleanPoints result = clean(points);
+    const std::int64_t kept = std::ranges::count_if(
+        result.kept, [&](std::int32_t i) { return i < on_torus && points[i].x < 0; });
+    EXPECT_GT(kept, 0.97 * sparse) << outliers;
+    const std::int64_t left =
+        std::ranges::count_if(result.kept, [&](std::int32_t i) { return i >= on_torus; });
+    EXPECT_LE(left, 0.1 * outliers);
+  }
+  EXPECT_GT(clean(points, {.outliers = OutlierRule::Distance}).outlier_count, 0.9 * sparse);
+}
+
 TEST(Clean, RefusesImpossibleOptions) {
   const auto error_of = [](const CleanOptions& options) {
     return test::message_of(ErrorCode::InvalidArgument, [&] { (void)clean({}, options); });

@@ -73,15 +73,26 @@ TEST(OpenBridges, AreStripsAcrossAHoleButNotWhatClosesIt) {
   EXPECT_TRUE(bridges[rest] && bridges[rest + 1]);
 }
 
-TEST(OpenBridges, AreNotWhatAloneJoinsTwoParts) {
+// A strip of two triangles from the wave to rows of another, 20 away.
+test::TriangleMesh joined(std::int32_t rows) {
   test::TriangleMesh mesh = wave();
   const auto first = static_cast<std::int32_t>(mesh.positions.size());
   const test::TriangleMesh other = wave();
   for (const glm::dvec3& p : other.positions) mesh.positions.push_back(p + glm::dvec3(0, 60, 0));
   for (const Triangle& t : other.triangles)
-    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    if (std::ranges::all_of(t, [&](std::int32_t v) { return v % (kSize + 1) <= rows; }))
+      mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   mesh.triangles.push_back({at(10, kSize), at(11, kSize), first + at(10, 0)});
   mesh.triangles.push_back({at(11, kSize), first + at(11, 0), first + at(10, 0)});
+  return mesh;
+}
+
+TEST(OpenBridges, AreWhatJoinsTwoSheetsButNotWhatHoldsAScrap) {
+  EXPECT_EQ(std::ranges::count(bridges_of(joined(kSize)), 1), 2);
+  test::TriangleMesh mesh = joined(0);
+  const auto first = static_cast<std::int32_t>(mesh.positions.size()) / 2;
+  for (const std::int32_t i : {9, 10, 11})
+    mesh.triangles.push_back({first + at(i, 0), first + at(i + 1, 0), first + at(i, 1)});
   EXPECT_EQ(std::ranges::count(bridges_of(mesh), 1), 0);
   for (const Triangle& t : flap()) mesh.triangles.push_back(t);
   EXPECT_GT(std::ranges::count(bridges_of(mesh), 1), 30);

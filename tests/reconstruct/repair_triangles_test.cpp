@@ -69,10 +69,26 @@ TEST(Repair, KeepsTheAskedComponents) {
     return repair_triangles(mesh.positions, mesh.triangles, {.components = {keep, least}})
         .triangles.size();
   };
+  EXPECT_EQ(left(Keep::Auto, 0), 480u);
   EXPECT_EQ(left(Keep::Largest, 0), 480u);
   EXPECT_EQ(left(Keep::All, 0), 482u);
   EXPECT_EQ(left(Keep::AtLeast, 2), 482u);
   EXPECT_EQ(left(Keep::AtLeast, 3), 480u);
+}
+
+TEST(Repair, KeepsPartsOfAFiftiethOfTheLargest) {
+  test::TriangleMesh mesh = test::torus_mesh(20, 12);
+  const test::TriangleMesh small = test::torus_mesh(3, 3);
+  const auto first = static_cast<std::int32_t>(mesh.positions.size());
+  for (const glm::dvec3& p : small.positions) mesh.positions.push_back(p + glm::dvec3(5, 0, 0));
+  for (const Triangle& t : small.triangles)
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  for (const std::size_t kept : {10, 9, 8}) {
+    mesh.triangles.resize(480 + kept);
+    EXPECT_EQ(repair_triangles(mesh.positions, mesh.triangles, {.longest_filled_loop = 0})
+                  .dropped_component_count,
+              kept < 9);
+  }
 }
 
 TEST(Repair, MakesAManifoldOfAnything) {

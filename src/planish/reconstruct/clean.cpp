@@ -7,7 +7,6 @@
 #include <numeric>
 #include <string>
 
-#include "planish/core/counted.h"
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
@@ -176,24 +175,15 @@ CleanPoints clean(std::span<const glm::dvec3> points, const CleanOptions& option
   Distances distances = measure(distinct, options);
   if (options.outliers != OutlierRule::Off) {
     const double limit = options.factor * median_of(distances.wide);
-    const auto far = std::ranges::count_if(distances.wide, [&](double d) { return d > limit; });
-    const bool uneven = options.outliers == OutlierRule::Auto &&
-                        static_cast<double>(far) > kMostOutliers * distinct.size();
-    if (uneven) {
-      options.callbacks.warn({.code = "uneven-density",
-                              .message = counted(far, "point") +
-                                         " lie far from their neighbours; so many are "
-                                         "taken for a sparse part of the shape and kept; "
-                                         "--outliers 12,2 removes them",
-                              .count = far});
-    } else {
-      std::vector<std::uint8_t> is_far(distinct.size());
-      for (std::size_t i = 0; i < is_far.size(); ++i) is_far[i] = distances.wide[i] > limit;
-      drop(result.kept, is_far);
-      drop(distinct, is_far);
-      drop(distances.close, is_far);
-      result.outlier_count = far;
-    }
+    std::vector<std::uint8_t> is_far(distinct.size());
+    for (std::size_t i = 0; i < is_far.size(); ++i) is_far[i] = distances.wide[i] > limit;
+    if (options.outliers == OutlierRule::Auto)
+      spare_sparse(
+          is_far, [&](std::size_t i) { return distinct[i]; }, options.callbacks);
+    drop(result.kept, is_far);
+    drop(distinct, is_far);
+    drop(distances.close, is_far);
+    result.outlier_count = std::ranges::count(is_far, 1);
   }
   result.spacing = median_of(std::move(distances.close));
   if (options.outliers == OutlierRule::Auto)

@@ -11,7 +11,7 @@ namespace planish {
 
 enum class OutlierRule {
   Off,
-  Auto,      ///< as Distance with the defaults, unless that many points are sparse, not stray,
+  Auto,      ///< as Distance with the defaults, without those that are a sparse part of the shape,
              ///< and points that stick out of the surface around them
   Distance,  ///< remove what is farther than `factor` medians from its neighbours
 };
@@ -23,7 +23,8 @@ struct CleanOptions {
   Callbacks callbacks;
 };
 
-/// Share of points above which OutlierRule::Auto takes sparse points for a part of the shape.
+/// Share of points above which OutlierRule::Auto takes sparse points for a part of the shape in any
+/// case; fewer where they lie on smooth sheets of their own.
 inline constexpr double kMostOutliers = 0.05;
 
 /// What is left of a cloud.

@@ -129,7 +129,8 @@ LocalFit fit_at(const glm::dvec3& point, const Points& points,
   LocalFit fit{.stable = std::abs(solution[0]) < 1,
                .normal = normal,
                .offset = radius * solution[0] * normal,
-               .deviation = radius * std::sqrt(squares / degrees)};
+               .deviation = radius * std::sqrt(squares / degrees),
+               .spread = covariance[order[1]][order[1]] / covariance[order[0]][order[0]]};
   if (rest > kLeastRest && degrees > 1) {
     const double without = std::max(squares - solution[0] * solution[0] / rest, 0.0);
     fit.distance = radius * std::abs(solution[0]) / rest;

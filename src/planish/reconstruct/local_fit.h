@@ -20,6 +20,7 @@ struct LocalFit {
   glm::dvec3 normal{0.0};  ///< of the plane, unit, either way; 0 where there is no fit
   glm::dvec3 offset{0.0};  ///< from the point to the field, along its plane's normal
   double deviation = 0;    ///< standard deviation of the neighbours' heights about the field
+  double spread = 0;       ///< second principal variance over the first: 0 for points of a line
   /// From the field that the other neighbours alone give, and what that distance deviates by
   /// where the point is one of them; 0, 0 where the field hangs on the point.
   double distance = 0, others_deviation = 0;

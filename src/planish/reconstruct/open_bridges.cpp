@@ -51,9 +51,14 @@ std::vector<std::uint8_t> open_bridges(std::span<const glm::dvec3> positions,
   struct Rim {
     double open = 0, all = 0;
     std::int32_t beyond = -1;
-    bool joins = false;  // parts that nothing else does
+    bool joins = false;          // two parts
+    bool holds_a_scrap = false;  // by what it joins
   };
   std::vector<Rim> rims(triangles.size());
+  std::vector<std::int64_t> sizes(triangles.size(), 0);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    sizes[patches.find(static_cast<std::int32_t>(t))] += !marked[t];
+  const std::int64_t fewest = least_part(std::ranges::max(sizes));
   for (std::size_t h = 0; h < twins.size(); ++h) {
     const std::int32_t beyond = twins[h] < 0 ? -1 : twins[h] / 3;
     if (!marked[h / 3] || (beyond >= 0 && marked[beyond])) continue;
@@ -67,11 +72,12 @@ std::vector<std::uint8_t> open_bridges(std::span<const glm::dvec3> positions,
       const std::int32_t part = patches.find(beyond);
       rim.joins |= rim.beyond >= 0 && rim.beyond != part;
       rim.beyond = part;
+      rim.holds_a_scrap |= sizes[part] < fewest;
     }
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const Rim& rim = rims[patches.find(static_cast<std::int32_t>(t))];
-    marked[t] = marked[t] && !rim.joins && rim.open >= kOpenRim * rim.all;
+    marked[t] = marked[t] && !(rim.joins && rim.holds_a_scrap) && rim.open >= kOpenRim * rim.all;
   }
   return marked;
 }

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
 #include <span>
+#include <string_view>
 #include <vector>
 
+#include "planish/core/callbacks.h"
 #include "planish/reconstruct/local_fit.h"
 #include "planish/reconstruct/point_tree.h"
 
@@ -23,6 +28,15 @@ inline constexpr int kOutlierLooks = 3;
   constexpr double kDeviations = 5, kSpacings = 0.2;
   return fit.distance > kDeviations * fit.others_deviation && fit.distance > kSpacings * spacing;
 }
+
+/// Takes the marks of points that are far from all others off those that are samples of a sparser
+/// part of the surface: off all where more than kMostOutliers are marked, else off those that lie
+/// on smooth sheets of their own, which outliers all over the space do not. `place` is asked for
+/// marked ones. Warns "uneven-density". Throws Error{Cancelled}.
+void spare_sparse(std::vector<std::uint8_t>& is_far,
+                  const std::function<glm::dvec3(std::size_t)>& place, const Callbacks& callbacks);
+/// The warning; `about` is a word before the count, or empty.
+void warn_of_sparse(const Callbacks& callbacks, std::string_view about, std::int64_t count);
 
 /// Of the nearest `count` of a point's neighbours, nearest first, or of all where they are fewer.
 [[nodiscard]] inline double mean_distance(std::span<const Neighbour> others, std::size_t count) {

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <string>
 
-#include "planish/core/counted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
 #include "planish/reconstruct/outlier_rules.h"
@@ -77,13 +76,8 @@ void PointCritic::measure_sample() {
         static_cast<double>(std::ranges::count_if(wide, [&](double d) { return d > farthest; })) /
         static_cast<double>(wide.size());
     if (options_.outliers == OutlierRule::Auto && share > kMostOutliers) {
-      const auto far = static_cast<std::int64_t>(share * static_cast<double>(points_.size()));
-      options_.callbacks.warn({.code = "uneven-density",
-                               .message = "about " + counted(far, "point") +
-                                          " lie far from their neighbours; so many are "
-                                          "taken for a sparse part of the shape and kept; "
-                                          "--outliers 12,2 removes them",
-                               .count = far});
+      warn_of_sparse(options_.callbacks, "about ",
+                     static_cast<std::int64_t>(share * static_cast<double>(points_.size())));
     } else {
       remove_outliers(farthest);
       measure();
@@ -132,6 +126,9 @@ void PointCritic::remove_outliers(double farthest) {
       marks[i] = is_outlier(static_cast<std::int32_t>(i), farthest);
     progress.add(static_cast<std::int64_t>(end - begin));
   });
+  if (options_.outliers == OutlierRule::Auto)
+    spare_sparse(
+        marks, [&](std::size_t i) { return points_[i]; }, options_.callbacks);
   outlier_count_ = std::ranges::count(marks, 1);
   if (outlier_count_ == 0) return;
   points_.drop(marks);

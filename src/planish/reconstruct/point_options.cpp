@@ -50,14 +50,16 @@ void set_outliers(ReconstructOptions& options, const OptionValue& value, Where w
 void set_components(ReconstructOptions& options, const OptionValue& value, Where where) {
   using Keep = ComponentRule::Keep;
   std::int64_t least = 0;
-  if (value.text == "largest") {
+  if (value.text == "auto") {
+    options.components = {Keep::Auto, 0};
+  } else if (value.text == "largest") {
     options.components = {Keep::Largest, 0};
   } else if (value.text == "all") {
     options.components = {Keep::All, 0};
   } else if (parse_integer(value.text, least) && least >= 1) {
     options.components = {Keep::AtLeast, least};
   } else {
-    refuse(where, shown(value.text) + " is neither largest, all nor a least number of faces");
+    refuse(where, shown(value.text) + " is neither auto, largest, all nor a least number of faces");
   }
 }
 
@@ -106,7 +108,8 @@ std::vector<PointOption> make_point_table() {
            .initial = "auto",
            .example = "12,2",
            .help = "remove points whose mean distance to K neighbours exceeds FACTOR medians; auto "
-                   "is 12,2 unless the cloud is uneven, and those off the surface around them"},
+                   "is 12,2 but for sparse parts of the shape, and those off the surface around "
+                   "them"},
           set_outliers),
       row({.name = "smooth",
            .kind = Kind::Whole,
@@ -134,10 +137,11 @@ std::vector<PointOption> make_point_table() {
                    &Options::longest_filled_loop),
       row({.name = "components",
            .kind = Kind::TextOrNumber,
-           .choices = "largest|all|MIN_FACES",
-           .initial = "largest",
+           .choices = "auto|largest|all|MIN_FACES",
+           .initial = "auto",
            .example = "all",
-           .help = "which parts to keep"},
+           .help = "which parts to keep; auto: those of a fiftieth of the largest one's faces and "
+                   "more"},
           set_components),
       number_row({.name = "min_angle",
                   .limits = {0, 45},

@@ -155,10 +155,12 @@ std::int64_t drop_components(std::size_t vertex_count, std::vector<Triangle>& tr
   const std::vector<std::int32_t> components = components_of(vertex_count, triangles);
   const std::vector<std::int64_t> sizes = sizes_of(components);
   const auto largest = std::ranges::max_element(sizes) - sizes.begin();
+  using Keep = ComponentRule::Keep;
+  const std::int64_t least =
+      rule.keep == Keep::Auto ? least_part(sizes[largest]) : rule.least_faces;
   const auto stays = [&](std::size_t component) {
-    return rule.keep == ComponentRule::Keep::Largest
-               ? static_cast<std::ptrdiff_t>(component) == largest
-               : sizes[component] >= rule.least_faces;
+    return rule.keep == Keep::Largest ? static_cast<std::ptrdiff_t>(component) == largest
+                                      : sizes[component] >= least;
   };
   std::int64_t dropped = 0;
   for (std::size_t c = 0; c < sizes.size(); ++c) dropped += sizes[c] > 0 && !stays(c);

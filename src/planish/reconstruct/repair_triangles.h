@@ -12,7 +12,8 @@ namespace planish {
 
 /// Which connected parts of a mesh stay.
 struct ComponentRule {
-  enum class Keep { Largest, All, AtLeast } keep = Keep::Largest;
+  /// Auto: those of at least a fiftieth of the largest one's triangles.
+  enum class Keep { Auto, Largest, All, AtLeast } keep = Keep::Auto;
   std::int64_t least_faces = 0;  ///< of Keep::AtLeast
 };
 
