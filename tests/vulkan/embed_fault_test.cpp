@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <iostream>
+#include <memory>
 
 #include "planish/vulkan/backend/vulkan_machine.h"
 #include "planish/vulkan/backend/vulkan_solve.h"
@@ -180,6 +181,24 @@ TEST_F(EmbedFaults, FewWorkGroupsSliceWithEqualResults) {
       ASSERT_EQ(sliced.size(), whole.size());
       EXPECT_EQ(std::memcmp(sliced.data(), whole.data(), whole.size() * sizeof whole[0]), 0);
     }
+}
+
+// Devices need not allow more than 4096 allocations, of all that a host has.
+TEST_F(EmbedFaults, SmallBuffersShareAllocations) {
+  const HostTopology topology(*context_, test::icosphere(1));
+  const auto count = [](const char* kind) { return PretendedDriver::alive()[kind]; };
+  const int memory = count("Memory"), buffers = count("Buffer");
+  {
+    std::vector<std::unique_ptr<vulkan::Solve>> solves;
+    for (int i = 0; i < 40; ++i)
+      solves.push_back(std::make_unique<vulkan::Solve>(*context_, topology.device));
+    EXPECT_GT(count("Buffer"), buffers + 400);
+    EXPECT_LE(count("Memory"), memory + 4);
+    // In any order.
+    std::swap(solves[0], solves[20]);
+  }
+  EXPECT_EQ(count("Buffer"), buffers);
+  EXPECT_EQ(count("Memory"), memory);
 }
 
 // The rules themselves, by calls that break one each.

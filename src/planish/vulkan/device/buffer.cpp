@@ -91,9 +91,9 @@ VkMappedMemoryRange mapped_range(Context& context, const MemoryBlock& block, std
   VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
   range.memory = block.memory;
   range.offset = block.offset;
-  // Our own blocks are whole allocations, whose sizes need not be multiples of the atom; a host's
-  // start and end at multiples of it.
-  range.size = context.memory().has_hooks() ? (size + atom - 1) / atom * atom : VK_WHOLE_SIZE;
+  // Whole allocations need not be multiples of the atom; blocks that others lie beside start and
+  // end at multiples of it.
+  range.size = context.memory().is_shared(block) ? (size + atom - 1) / atom * atom : VK_WHOLE_SIZE;
   return range;
 }
 

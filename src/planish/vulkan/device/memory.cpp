@@ -1,6 +1,7 @@
 #include "planish/vulkan/device/memory.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -8,6 +9,25 @@
 #include "planish/vulkan/device/result.h"
 
 namespace planish::vulkan {
+
+namespace {
+
+constexpr std::uint64_t kPageBytes = 4u << 20, kLargestInPage = 512u << 10;
+constexpr std::uint64_t kPageStep = 256;
+
+std::uint64_t round_up(std::uint64_t value, std::uint64_t step) {
+  return (value + step - 1) / step * step;
+}
+
+}  // namespace
+
+/// Blocks one after another; room comes back when the last of them has gone.
+struct MemoryAllocator::Page {
+  MemoryBlock memory;
+  std::uint32_t type = 0;
+  std::uint64_t end = 0;
+  std::size_t block_count = 0;
+};
 
 MemoryAllocator::MemoryAllocator(const DeviceFunctions& functions, VkDevice device,
                                  const Capabilities& capabilities,
@@ -17,6 +37,8 @@ MemoryAllocator::MemoryAllocator(const DeviceFunctions& functions, VkDevice devi
       capabilities_(capabilities),
       callbacks_(callbacks),
       hooks_(std::move(hooks)) {}
+
+MemoryAllocator::~MemoryAllocator() = default;
 
 // The first type with the flags wished for most whose heap has room: device memory that the host
 // sees too is a small heap of many devices, and may come before their host's.
@@ -58,22 +80,67 @@ std::string MemoryAllocator::lacking_room(std::uint32_t type, std::uint64_t size
          " bytes, of which " + std::to_string(taken) + " are taken";
 }
 
-MemoryBlock MemoryAllocator::allocate_own(const MemoryRequest& request) {
-  const std::uint32_t type = pick_type(request);
+MemoryBlock MemoryAllocator::take(std::uint32_t type, std::uint64_t size, bool is_mapped) {
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-  info.allocationSize = request.requirements.size;
+  info.allocationSize = size;
   info.memoryTypeIndex = type;
   MemoryBlock block;
   check(vk_.vkAllocateMemory(device_, &info, callbacks_, &block.memory), "vkAllocateMemory");
   block.heap = capabilities_.memory.memoryTypes[type].heapIndex;
   block.coherent =
       capabilities_.memory.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  if (request.use == MemoryUse::Device) return block;
-  const VkResult mapped =
-      vk_.vkMapMemory(device_, block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped);
-  if (mapped != VK_SUCCESS) vk_.vkFreeMemory(device_, block.memory, callbacks_);
-  check(mapped, "vkMapMemory");
+  if (is_mapped) {
+    const VkResult mapped =
+        vk_.vkMapMemory(device_, block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped);
+    if (mapped != VK_SUCCESS) vk_.vkFreeMemory(device_, block.memory, callbacks_);
+    check(mapped, "vkMapMemory");
+  }
+  heap_bytes_[block.heap] += size;
   return block;
+}
+
+void MemoryAllocator::give_back(const MemoryBlock& block, std::uint64_t size) noexcept {
+  vk_.vkFreeMemory(device_, block.memory, callbacks_);
+  heap_bytes_[block.heap] -= size;
+}
+
+MemoryBlock MemoryAllocator::from_page(const MemoryRequest& request, std::uint32_t type) {
+  const bool is_mapped = request.use != MemoryUse::Device;
+  // Blocks of their own atoms, which flushing and invalidating takes whole.
+  const std::uint64_t step =
+      std::max({request.requirements.alignment, capabilities_.non_coherent_atom, kPageStep});
+  const std::uint64_t size = round_up(request.requirements.size, step);
+  const auto fits = [&](const std::unique_ptr<Page>& page) {
+    return page->type == type && (page->memory.mapped != nullptr) == is_mapped &&
+           round_up(page->end, step) + size <= kPageBytes;
+  };
+  auto found = std::ranges::find_if(pages_, fits);
+  if (found == pages_.end()) {
+    if (!lacking_room(type, kPageBytes).empty()) return {};
+    auto page = std::make_unique<Page>();
+    pages_.reserve(pages_.size() + 1);
+    page->memory = take(type, kPageBytes, is_mapped);
+    page->type = type;
+    pages_.push_back(std::move(page));
+    found = pages_.end() - 1;
+  }
+  Page& page = **found;
+  MemoryBlock block = page.memory;
+  block.offset = round_up(page.end, step);
+  if (is_mapped) block.mapped = static_cast<std::byte*>(page.memory.mapped) + block.offset;
+  block.owner = &page;
+  page.end = block.offset + size;
+  ++page.block_count;
+  return block;
+}
+
+MemoryBlock MemoryAllocator::allocate_own(const MemoryRequest& request) {
+  const std::uint32_t type = pick_type(request);
+  if (request.requirements.size <= kLargestInPage) {
+    const MemoryBlock block = from_page(request, type);
+    if (block.memory) return block;
+  }
+  return take(type, request.requirements.size, request.use != MemoryUse::Device);
 }
 
 MemoryBlock MemoryAllocator::allocate_by_hook(const MemoryRequest& request) const {
@@ -103,19 +170,23 @@ MemoryBlock MemoryAllocator::allocate(const MemoryRequest& request) {
   }
   const std::lock_guard lock(mutex_);
   const MemoryBlock block = allocate_own(request);
-  heap_bytes_[block.heap] += size;
   count(size);
   return block;
 }
 
 void MemoryAllocator::free(const MemoryBlock& block, VkDeviceSize size) noexcept {
-  if (has_hooks())
-    hooks_.free(block);
-  else
-    vk_.vkFreeMemory(device_, block.memory, callbacks_);
+  if (has_hooks()) hooks_.free(block);
   const std::lock_guard lock(mutex_);
   used_ -= size;
-  if (!has_hooks()) heap_bytes_[block.heap] -= size;
+  if (has_hooks()) return;
+  if (!block.owner) {
+    give_back(block, size);
+    return;
+  }
+  Page& page = *static_cast<Page*>(block.owner);
+  if (--page.block_count > 0) return;
+  give_back(page.memory, kPageBytes);
+  std::erase_if(pages_, [&](const std::unique_ptr<Page>& of) { return of.get() == &page; });
 }
 
 std::uint64_t MemoryAllocator::peak_bytes() const {

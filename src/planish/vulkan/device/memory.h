@@ -3,8 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "planish/vulkan/device/capabilities.h"
 #include "planish/vulkan/device/functions.h"
@@ -29,7 +31,7 @@ struct MemoryBlock {
   VkDeviceSize offset = 0;
   void* mapped = nullptr;
   bool coherent = true;    ///< false: planish flushes and invalidates [offset, offset + size)
-  void* owner = nullptr;   ///< the host allocator's own handle, if any
+  void* owner = nullptr;   ///< the host allocator's own handle, if any; without hooks: the page
   std::uint32_t heap = 0;  ///< without hooks: the heap that it is taken from
 };
 
@@ -42,12 +44,14 @@ struct MemoryHooks {
   std::function<void(const MemoryBlock&)> free;
 };
 
-/// Gives memory to buffers, by the hooks or by vkAllocateMemory, and counts it. Thread-safe.
+/// Gives memory to buffers, by the hooks or by vkAllocateMemory, and counts it. Small buffers share
+/// an allocation, a page: devices need not allow more than 4096. Thread-safe.
 class MemoryAllocator {
  public:
   MemoryAllocator(const DeviceFunctions& functions, VkDevice device,
                   const Capabilities& capabilities, const VkAllocationCallbacks* callbacks,
                   MemoryHooks hooks);
+  ~MemoryAllocator();
 
   /// Throws Error{OutOfMemory} before taking memory that a heap or limit does not allow, naming
   /// it.
@@ -57,12 +61,22 @@ class MemoryAllocator {
   [[nodiscard]] std::uint64_t peak_bytes() const;
   /// Whether blocks are the host's, which may lie beside others in one VkDeviceMemory.
   [[nodiscard]] bool has_hooks() const { return static_cast<bool>(hooks_.allocate); }
+  /// Whether others may lie beside the block in its VkDeviceMemory.
+  [[nodiscard]] bool is_shared(const MemoryBlock& block) const {
+    return has_hooks() || block.owner != nullptr;
+  }
 
  private:
   [[nodiscard]] std::uint32_t pick_type(const MemoryRequest& request) const;
   /// Why so many bytes of a type cannot be had; empty if they can.
   [[nodiscard]] std::string lacking_room(std::uint32_t type, std::uint64_t size) const;
+  struct Page;
   [[nodiscard]] MemoryBlock allocate_own(const MemoryRequest& request);
+  /// A whole VkDeviceMemory.
+  [[nodiscard]] MemoryBlock take(std::uint32_t type, std::uint64_t size, bool is_mapped);
+  void give_back(const MemoryBlock& block, std::uint64_t size) noexcept;
+  /// From a page of the type, made if need be; without memory where a heap has no room for one.
+  [[nodiscard]] MemoryBlock from_page(const MemoryRequest& request, std::uint32_t type);
   /// Throws Error{InvalidArgument} for a block that cannot serve the request.
   [[nodiscard]] MemoryBlock allocate_by_hook(const MemoryRequest& request) const;
   void count(std::uint64_t size);  // under the lock
@@ -74,6 +88,7 @@ class MemoryAllocator {
   MemoryHooks hooks_;
   mutable std::mutex mutex_;
   std::array<std::uint64_t, VK_MAX_MEMORY_HEAPS> heap_bytes_{};  // taken without hooks
+  std::vector<std::unique_ptr<Page>> pages_;
   std::uint64_t used_ = 0;
   std::uint64_t peak_ = 0;
 };
