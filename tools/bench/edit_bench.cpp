@@ -71,6 +71,12 @@ class EditBench {
                              std::to_string(error) + " of the diagonal");
   }
 
+  // This way or the other by lot: all vertices by one way would leave nothing to solve.
+  [[nodiscard]] static glm::dvec3 way_of(std::int32_t vertex, double way) {
+    const std::uint32_t lot = static_cast<std::uint32_t>(vertex) * 2'654'435'761u;
+    return {lot >> 31 == 0 ? way : -way, 0, 0};
+  }
+
   [[nodiscard]] std::int32_t any(int i) const {
     std::mt19937 random(static_cast<std::uint32_t>(i));
     return std::uniform_int_distribution<std::int32_t>(0, mesh_.vertex_count() - 1)(random);
@@ -92,7 +98,7 @@ class EditBench {
         to.clear();
         const double way = r % 2 == 0 ? 0 : kWay * fit_.placement.diagonal;
         for (const std::int32_t v : chosen)
-          to.push_back(mesh_.positions[static_cast<std::size_t>(v)] + glm::dvec3(way, 0, 0));
+          to.push_back(mesh_.positions[static_cast<std::size_t>(v)] + way_of(v, way));
         const EditChange change = editor_->move(chosen, to);
         row_count += static_cast<double>(change.row_count);
         control_count += static_cast<double>(change.control_points.size());
