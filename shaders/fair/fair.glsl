@@ -1,7 +1,7 @@
 // What the kernels of the fair construction share. An invocation does every so many elements, so
 // that the device's limit on work groups bounds nothing.
 #include "finite.glsl"
-#include "shared.h"
+#include "fair/shared_fair.h"
 #include "read.glsl"
 
 layout(local_size_x = 64) in;

@@ -32,6 +32,7 @@
 #include "shaders/edit_take.spv.h"
 #include "shaders/edit_take_texel.spv.h"
 #include "shaders/eval_patches.spv.h"
+#include "shaders/fair/shared_fair.h"
 #include "shaders/fair_apply_heights.spv.h"
 #include "shaders/fair_apply_heights_texel.spv.h"
 #include "shaders/fair_cure_around.spv.h"

@@ -9,7 +9,7 @@
 #include "planish/fair/fair_topology.h"
 #include "planish/mesh/placement.h"
 #include "planish/vulkan/device/buffer.h"
-#include "shaders/shared.h"
+#include "shaders/fair/shared_fair.h"
 
 namespace planish::vulkan {
 
