@@ -1,0 +1,40 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "brep/step_file.h"
+#include "limit/limit_case.h"
+#include "planish/brep/make_brep.h"
+#include "planish/brep/write_step.h"
+
+namespace planish::test {
+
+inline std::string scratch(const std::string& name) {
+  return (std::filesystem::path(testing::TempDir()) / name).string();
+}
+
+inline std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline StepFile written(const LimitCase& c, const Brep& brep, const std::string& path) {
+  write_step(path, brep, {.name = "part", .diagonal = c.surface->placement().diagonal});
+  return StepFile(path);
+}
+
+inline PolygonMesh creased_cube(bool all_around) {
+  PolygonMesh mesh = cube();
+  // Of the cube's faces those at z = 1 have all edges sharp, or all faces have.
+  for (std::int32_t a = 0; a < 8; ++a)
+    for (const std::int32_t bit : {1, 2, 4})
+      if ((a & bit) == 0 && (all_around || ((a & 4) != 0 && bit != 4)))
+        mesh.creases.push_back({a, a | bit});
+  return mesh;
+}
+
+}  // namespace planish::test
