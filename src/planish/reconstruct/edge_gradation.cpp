@@ -36,11 +36,8 @@ bool EdgeGradation::keeps(std::int32_t vertex, const EdgeChange& change) const {
 
 bool EdgeGradation::keeps_all(std::int32_t vertex, const Fan& fan, std::size_t target) const {
   const std::int32_t other = fan.ring[target];
-  // Where a vertex is beyond the limit all around it only need to become no worse than the worst:
-  // points in lines far apart would keep every one of them else.
-  double limit = std::max(squared_ratio(vertex, {}), largest_squared_ratio_);
-  for (const std::int32_t rim : fan.ring) limit = std::max(limit, squared_ratio(rim, {}));
   EdgeRange range;
+  double worst = 0;
   const std::size_t count = fan.ring.size();
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t rim = fan.ring[i];
@@ -48,14 +45,21 @@ bool EdgeGradation::keeps_all(std::int32_t vertex, const Fan& fan, std::size_t t
     // Those beside the target only lose an edge, which makes no ratio worse.
     const std::size_t apart = i < target ? target - i : i - target;
     const bool is_beside = apart == 1 || (fan.closed && apart + 1 == count);
-    if (!is_beside && squared_ratio(rim, {.without = vertex, .with = &positions_[other]}) > limit)
-      return false;
+    if (!is_beside)
+      worst = std::max(worst, squared_ratio(rim, {.without = vertex, .with = &positions_[other]}));
     range.add(positions_[other] - positions_[rim]);
   }
   mesh_.for_each_neighbour(other, [&](std::int32_t n) {
     if (n != vertex) range.add(positions_[other] - positions_[n]);
   });
-  return range.longest <= limit * range.shortest;
+  const auto fits = [&](double limit) {
+    return worst <= limit && range.longest <= limit * range.shortest;
+  };
+  if (fits(largest_squared_ratio_)) return true;
+  // Where a vertex is beyond the limit all around it only need to become no worse than the worst:
+  // points in lines far apart would keep every one of them else.
+  const auto was_as_bad = [&](std::int32_t v) { return fits(squared_ratio(v, {})); };
+  return was_as_bad(vertex) || std::ranges::any_of(fan.ring, was_as_bad);
 }
 
 bool EdgeGradation::keeps_moved(std::int32_t vertex, const glm::dvec3& place,
