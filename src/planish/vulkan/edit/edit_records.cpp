@@ -5,44 +5,28 @@
 #include <utility>
 
 #include "planish/core/error.h"
+#include "planish/core/group_by.h"
 
 namespace planish::vulkan {
 
 namespace {
 
 // Lists of `vertex_count` vertices: item i is in that of owners[i], where that is not negative.
-class VertexLists {
- public:
-  explicit VertexLists(std::int32_t vertex_count)
-      : words_(static_cast<std::size_t>(vertex_count) + 1, 0) {}
-
-  // All items are counted, then all are added, in the same order.
-  void count(std::int32_t owner) {
-    if (owner >= 0) ++words_[static_cast<std::size_t>(owner)];
-  }
-  void end_counting() {
-    auto next = static_cast<std::uint32_t>(words_.size());
-    for (std::uint32_t& word : words_) next += std::exchange(word, next);
-    next_.assign(words_.begin(), words_.end() - 1);
-    words_.resize(next);
-  }
-  void add(std::int32_t owner, std::uint32_t item) {
-    if (owner >= 0) words_[next_[static_cast<std::size_t>(owner)]++] = item;
-  }
-  [[nodiscard]] std::vector<std::uint32_t> take() { return std::move(words_); }
-
- private:
-  std::vector<std::uint32_t> words_, next_;
-};
-
 std::vector<std::uint32_t> lists_of(std::int32_t vertex_count,
                                     const std::vector<std::int32_t>& owners) {
-  VertexLists lists(vertex_count);
-  for (const std::int32_t owner : owners) lists.count(owner);
-  lists.end_counting();
-  for (std::size_t i = 0; i < owners.size(); ++i)
-    lists.add(owners[i], static_cast<std::uint32_t>(i));
-  return lists.take();
+  const Groups<std::uint32_t> lists =
+      group_by<std::uint32_t>(static_cast<std::size_t>(vertex_count), [&](const auto& take) {
+        for (std::size_t i = 0; i < owners.size(); ++i)
+          if (owners[i] >= 0)
+            take(static_cast<std::size_t>(owners[i]), static_cast<std::uint32_t>(i));
+      });
+  std::vector<std::uint32_t> words;
+  words.reserve(lists.offsets.size() + lists.values.size());
+  for (const std::int32_t offset : lists.offsets)
+    words.push_back(static_cast<std::uint32_t>(lists.offsets.size()) +
+                    static_cast<std::uint32_t>(offset));
+  words.insert(words.end(), lists.values.begin(), lists.values.end());
+  return words;
 }
 
 }  // namespace
@@ -50,11 +34,10 @@ std::vector<std::uint32_t> lists_of(std::int32_t vertex_count,
 EditRecords edit_records(const PatchMesh& mesh, const PatchRecords& patches,
                          std::vector<std::uint32_t> slots) {
   const std::int32_t vertex_count = mesh.topology().vertex_count();
-  if (patches.owners.size() + static_cast<std::size_t>(vertex_count) + 1 >
-      std::numeric_limits<std::uint32_t>::max())
+  if (patches.owners.size() > std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorCode::OutOfMemory,
                 "edits count " + std::to_string(patches.owners.size()) +
-                    " patches in words of 32 bits; use a lower level or a smaller mesh");
+                    " patches in numbers of 31 bits; use a lower level or a smaller mesh");
   EditRecords records;
   records.slots = std::move(slots);
   records.job_count = patches.owners.size();

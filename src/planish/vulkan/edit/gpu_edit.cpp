@@ -149,11 +149,6 @@ void GpuEdit::record_clear(VkCommandBuffer commands) const noexcept {
   context_.vk().vkCmdFillBuffer(commands, flags_.handle(), 0, VK_WHOLE_SIZE, 0);
 }
 
-void GpuEdit::run(VkCommandBuffer commands, Stage stage, std::uint32_t arguments) const noexcept {
-  record_dispatch_indirect(context_, commands, pipelines_[stage], sets_[stage], &parameters_,
-                           {work_.handle(), arguments * kEditWordBytes});
-}
-
 void GpuEdit::wait(VkCommandBuffer commands) const noexcept {
   record_barrier(context_, commands, kIndirectScope, kIndirectScope);
 }
@@ -166,15 +161,17 @@ void GpuEdit::record(VkCommandBuffer commands, std::uint32_t step_count,
   record_barrier(context_, commands, kEntryScope, kEntryScope);
   record_dispatch(context_, commands, pipelines_[Begin], sets_[Begin], &parameters_, 1);
   wait(commands);
-  run(commands, Take, shared::kEditForMoves);
-  wait(commands);
   shared::EditParameters parameters = parameters_;
   parameters.stop_square = stop_square;
-  const auto walk = [&](Stage stage, std::uint32_t arguments) {
+  const auto run = [&](Stage stage, std::uint32_t arguments) {
     record_dispatch_indirect(context_, commands, pipelines_[stage], sets_[stage], &parameters,
                              {work_.handle(), arguments * kEditWordBytes});
+  };
+  const auto walk = [&](Stage stage, std::uint32_t arguments) {
+    run(stage, arguments);
     wait(commands);
   };
+  walk(Take, shared::kEditForMoves);
   // The rows that name a moved point, before any step.
   parameters.step = shared::kNone;
   walk(Advance, shared::kEditForHeld);
@@ -184,10 +181,10 @@ void GpuEdit::record(VkCommandBuffer commands, std::uint32_t step_count,
   }
   walk(Residual, shared::kEditForRows);
   // What stands between two waits writes buffers of its own.
-  run(commands, Commit, shared::kEditForRows);
-  run(commands, Points, shared::kEditForRows);
+  run(Commit, shared::kEditForRows);
+  run(Points, shared::kEditForRows);
   wait(commands);
-  run(commands, Jobs, shared::kEditForRows);
+  run(Jobs, shared::kEditForRows);
   parts_.solve.record_status_of(commands, step_count, stop_square);
   parts_.step.record_large_faces(commands);
   wait(commands);

@@ -51,7 +51,6 @@ class GpuEdit {
   void fill_parameters(std::int32_t given_count);
   void make_work();
   void bind(const MovedPoints& moved);
-  void run(VkCommandBuffer commands, Stage stage, std::uint32_t arguments) const noexcept;
   void wait(VkCommandBuffer commands) const noexcept;
 
   Context& context_;
