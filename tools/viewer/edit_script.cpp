@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "planish/core/error.h"
+#include "planish/core/number_text.h"
 #include "planish/core/refuse.h"
 
 namespace planish::viewer {
@@ -33,14 +34,8 @@ class ScriptWords {
   }
   double number(const char* wanted) {
     const std::string text = word(wanted);
-    std::size_t read = 0;
     double value = 0;
-    try {
-      value = std::stod(text, &read);
-    } catch (const std::exception&) {
-      read = 0;
-    }
-    if (read != text.size() || !std::isfinite(value))
+    if (!parse_number(text, value))
       refuse(where_, std::string(wanted) + " is wanted, not '" + text + "'");
     return value;
   }
