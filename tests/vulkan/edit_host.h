@@ -111,8 +111,4 @@ struct EditHost {
   float stop_error = 0;
 };
 
-inline bool same_bits(const std::vector<Vertex>& a, const std::vector<Vertex>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
-}
-
 }  // namespace planish::testing

@@ -251,7 +251,7 @@ TEST_F(EmbedRecording, TimestampsGoToTheHostsPool) {
     SolveParameters parameters = iterations(40);
     parameters.timestamps = {pool, 1};
     frame.solve.record_solve(buffer, parameters);
-    frame.solve.record_evaluate(buffer, {pool, 3});
+    frame.solve.record_evaluate(buffer, {.timestamps = {pool, 3}});
   });
   commands.submit();
   commands.wait();

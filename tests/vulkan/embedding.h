@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -35,6 +36,10 @@ struct Difference {
   double distance = 0, cosine = 1;
 };
 [[nodiscard]] Difference difference(const std::vector<Vertex>& a, const std::vector<Vertex>& b);
+
+[[nodiscard]] inline bool same_bits(const std::vector<Vertex>& a, const std::vector<Vertex>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+}
 
 /// Where a host wants its vertices.
 struct Layout {

@@ -98,7 +98,7 @@ class FrameBudget {
       machine_.submitter.run([&](VkCommandBuffer commands) {
         clock_.record_reset(commands);
         frame_.solve.record_solve(commands, solve);
-        frame_.solve.record_evaluate(commands, {clock_.pool(), 2});
+        frame_.solve.record_evaluate(commands, {.timestamps = {clock_.pool(), 2}});
         frame_.solve.record_status(commands, status_.handle(), 0);
       });
       const std::chrono::duration<double, std::milli> waited =

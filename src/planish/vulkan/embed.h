@@ -8,7 +8,7 @@
 // - Context: functions, limits and pipelines of the host's VkDevice
 //   (planish/vulkan/device/context.h).
 // - DeviceSystem: the tables of one System on the device; read-only once its upload ran.
-// - Solve: work buffers and descriptor sets of one frame in flight.
+// - Solve: work buffers and descriptor sets of one mesh that moves, for all frames in flight.
 // - Places: the surface of a Solve at a list of places, for particles, cameras, baking.
 //
 // Each must outlive those below it; a System need only live until DeviceSystem::write_upload() is
@@ -19,11 +19,17 @@
 //   DeviceSystem tables(context, system);                // once per device and topology
 //   tables.write_upload(system, mapped_staging);         //   ... its bytes, into the host's memory
 //   tables.record_upload(commands, staging, 0, indices); //   ... and on to the device
-//   Solve solve(context, tables, options);               // once per frame in flight and instance
+//   Solve solve(context, tables, options);               // once per mesh that moves by itself
 //   Places places(context, tables, solve, options);      // if wanted
 //   each frame: solve.record_solve(commands, parameters); solve.record_evaluate(commands);
 //               places.record_evaluate(commands);
 //   or, where few points have moved: solve.record_edit(commands, edit_parameters);
+//
+// Frames in flight. One Solve serves all of them, each by a slot (SolveOptions::further_slots): the
+//   points that the host writes for that frame, and the vertices that it draws. Frame n takes
+//   {.slot = n}. Their command buffers may be submitted before earlier ones are done, to one
+//   queue, in the order of the frames. The last slot's vertices are the last frame's positions,
+//   for motion vectors; a warm start goes on from the last frame.
 //
 // Many meshes. Instances of one mesh, each with points of its own, are best one Solve with
 //   SolveOptions::instances: its dispatches do all of them, and cost what one mesh of their size
@@ -45,7 +51,8 @@
 //   points for the next solve, and evaluating into a vertex buffer that a draw still reads, are
 //   such cases. Between queues: semaphores, whose wait stages hold kEntryScope's.
 // Submitting. A recorded command buffer may be submitted again and again, not simultaneously: no
-//   recorded value depends on what ran before. A Solve's command buffers must not overlap.
+//   recorded value depends on what ran before. A Solve's command buffers go to one queue, where
+//   each waits for the work of those before it; between queues the host's semaphores see to that.
 // Buffers. All are VK_SHARING_MODE_EXCLUSIVE; ownership transfers of the host's buffers are the
 //   host's. Offsets and strides are multiples of 4 bytes.
 // Destroying. Handles may be dropped once no pending command buffer uses them, as vkDestroyBuffer
@@ -241,10 +248,10 @@ struct SolveCall {
 /// One of the evaluations that record_evaluates puts beside each other.
 struct EvaluateCall {
   const Solve* solve;
-  Timestamps timestamps;
+  EvaluateParameters parameters;
 };
 
-/// One frame in flight of one instance or of several: moves control points until the limit surface
+/// One mesh that moves, or several instances of it: moves control points until the limit surface
 /// passes through the given points, then evaluates it. Externally synchronised.
 class Solve {
  public:
@@ -257,14 +264,16 @@ class Solve {
   /// Forgets the last displacement. After a jump of the pose, and before a first warm start.
   void record_reset(VkCommandBuffer commands) const noexcept;
   /// Copies given points, 12 tight bytes each, all of an instance after those of the last, from a
-  /// host's buffer with VK_BUFFER_USAGE_TRANSFER_SRC_BIT; offset is a multiple of 4. Only without a
-  /// GivenPoints buffer.
+  /// host's buffer with VK_BUFFER_USAGE_TRANSFER_SRC_BIT; offset is a multiple of 4. For the next
+  /// solve of a slot without a GivenPoints buffer; does nothing where all have one.
   void record_given(VkCommandBuffer commands, VkBuffer source, VkDeviceSize offset) const noexcept;
   /// Finds the displacement of the control points from the given points as they are when it runs.
   void record_solve(VkCommandBuffer commands, const SolveParameters& parameters) const noexcept;
-  /// Limit positions and normals of the last solve, into the VertexLayout's buffer. Read them as
-  /// vertices after a barrier from kExitScope to VERTEX_INPUT, VERTEX_ATTRIBUTE_READ.
-  void record_evaluate(VkCommandBuffer commands, const Timestamps& timestamps = {}) const noexcept;
+  /// Limit positions and normals of the last solve, of whatever slot, into the buffer of the
+  /// slot's VertexLayout. Read them as vertices after a barrier from kExitScope to VERTEX_INPUT,
+  /// VERTEX_ATTRIBUTE_READ.
+  void record_evaluate(VkCommandBuffer commands,
+                       const EvaluateParameters& parameters = {}) const noexcept;
   /// The part of record_evaluate that Places need, the surface's control points, for who wants no
   /// vertices: record_evaluate does it, too.
   void record_surface(VkCommandBuffer commands) const noexcept;

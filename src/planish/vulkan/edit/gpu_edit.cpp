@@ -41,7 +41,7 @@ GpuEdit::GpuEdit(Context& context, const EditedParts& parts, const MovedPoints& 
                 context.capabilities().name + ": the limit masks are in " +
                     std::to_string(parts.masks.slices().size()) +
                     " slices, edits take one; use a smaller mesh, or solve all of it");
-  if (parts.given.gather().gathers().size() != 1)
+  if (parts.given.gather().gathers(0).size() != 1)
     throw Error(ErrorCode::OutOfMemory,
                 context.capabilities().name +
                     ": given points are in several bindings, edits take one; use a smaller mesh");
@@ -55,17 +55,17 @@ GpuEdit::GpuEdit(Context& context, const EditedParts& parts, const MovedPoints& 
 }
 
 void GpuEdit::fill_parameters(std::int32_t given_count) {
-  const GpuGather& gather = parts_.given.gather();
+  const GpuGather::Gather& gather = parts_.given.gather().gathers(0)[0];
   const auto rows = static_cast<std::uint64_t>(parts_.masks.row_count());
   parameters_.row_count = static_cast<std::uint32_t>(rows);
   parameters_.row_stride = static_cast<std::uint32_t>(instances_.stride(rows));
   parameters_.instances = instances_.count;
   parameters_.max_groups = context_.max_group_count();
   parameters_.given_count = static_cast<std::uint32_t>(given_count);
-  parameters_.first_vertex = gather.gathers()[0].first_vertex;
-  parameters_.source_shift = gather.gathers()[0].shift;
-  parameters_.source_stride = gather.source_stride();
-  parameters_.instance_floats = gather.instance_floats();
+  parameters_.first_vertex = gather.first_vertex;
+  parameters_.source_shift = gather.shift;
+  parameters_.source_stride = gather.source_stride;
+  parameters_.instance_floats = gather.instance_floats;
   parameters_.first_source = static_cast<std::uint32_t>(parts_.masks.slices()[0].rows.first_source);
   parameters_.first_sharp =
       static_cast<std::uint32_t>(parts_.patches.links.size() / (2 * kEditWordBytes));
@@ -126,7 +126,7 @@ void GpuEdit::bind(const MovedPoints& moved) {
   const BoundKernel bound[kStages] = {
       {Kernel::EditBegin, {moves, work}},
       {Kernel::EditTake,
-       {moves, whole(parts_.vertices), parts_.given.gather().gathers()[0].source, given, velocity,
+       {moves, whole(parts_.vertices), parts_.given.gather().gathers(0)[0].source, given, velocity,
         flags, work}},
       {Kernel::EditResidual,
        {whole(slice.entries), whole(slice.chunks), whole(parts_.edits.slots), given, displacement,

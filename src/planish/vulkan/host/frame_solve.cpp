@@ -4,9 +4,9 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "planish/backend/chebyshev.h"
-#include "planish/core/error.h"
 #include "planish/fair/fair_net.h"
 #include "planish/vulkan/device/commands.h"
 #include "planish/vulkan/edit/gpu_edit.h"
@@ -15,7 +15,7 @@
 #include "planish/vulkan/evaluate/gpu_ring_sums.h"
 #include "planish/vulkan/fair/gpu_fair.h"
 #include "planish/vulkan/host/device_system.h"
-#include "planish/vulkan/host/instance_limits.h"
+#include "planish/vulkan/host/frame_slots.h"
 #include "planish/vulkan/host/write_timestamps.h"
 #include "planish/vulkan/solve/gpu_given.h"
 #include "planish/vulkan/solve/gpu_least_bending.h"
@@ -26,46 +26,21 @@ namespace planish::vulkan {
 
 namespace {
 
-constexpr std::uint32_t kVectorBytes = 3 * sizeof(float);
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw Error(ErrorCode::InvalidArgument, message);
-}
-
-void check_layout(const VertexLayout& layout, std::uint32_t max_stride) {
-  const auto word = [](VkDeviceSize value) { return value % sizeof(float) == 0; };
-  require(word(layout.offset) && word(layout.stride) && word(layout.position_offset) &&
-              word(layout.normal_offset),
-          "offsets and the stride of a vertex layout are multiples of 4 bytes");
-  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
-  require(last <= layout.stride && layout.stride - last >= kVectorBytes,
-          "a vertex of stride " + std::to_string(layout.stride) +
-              " does not hold 12 bytes from offset " + std::to_string(last) + " on");
-  require(layout.stride <= max_stride,
-          "the stride " + std::to_string(layout.stride) + " of a vertex layout is above " +
-              std::to_string(max_stride) + ", the DeviceSystem's max_vertex_stride");
-}
-
-void check_given(const GivenPoints& given) {
-  require(given.offset % sizeof(float) == 0 && given.stride % sizeof(float) == 0 &&
-              given.stride >= kVectorBytes,
-          "given points lie at multiples of 4 bytes, 12 or more apart");
-}
-
 void check_moved(const MovedPoints& moved, bool has_tables) {
   if (!moved.buffer) return;
-  require(has_tables, "the DeviceSystem has no tables for edits; make it with takes_edits");
-  require(moved.max_count > 0, "the list of moved points has a max_count of 0; give its largest");
-  require(moved.offset % sizeof(std::uint32_t) == 0, "the list of moved points begins at " +
-                                                         std::to_string(moved.offset) +
-                                                         ", which is no multiple of 4 bytes");
+  require_option(has_tables, "the DeviceSystem has no tables for edits; make it with takes_edits");
+  require_option(moved.max_count > 0,
+                 "the list of moved points has a max_count of 0; give its largest");
+  require_option(moved.offset % sizeof(std::uint32_t) == 0,
+                 "the list of moved points begins at " + std::to_string(moved.offset) +
+                     ", which is no multiple of 4 bytes");
 }
 
 GpuSolveOptions solve_options(const Context& context, const SolveOptions& options) {
   const std::uint64_t most = context.max_storage_range() / sizeof(shared::StepRecord) - 1;
-  require(options.max_iterations >= 1 && options.max_iterations <= most,
-          "max_iterations " + std::to_string(options.max_iterations) + " is outside 1 to " +
-              std::to_string(most));
+  require_option(options.max_iterations >= 1 && options.max_iterations <= most,
+                 "max_iterations " + std::to_string(options.max_iterations) + " is outside 1 to " +
+                     std::to_string(most));
   GpuSolveOptions result;
   result.max_steps = options.max_iterations + 1;  // one more only measures
   result.sums_squares = false;
@@ -74,9 +49,9 @@ GpuSolveOptions solve_options(const Context& context, const SolveOptions& option
 }
 
 GpuFairOptions fair_options(const SolveOptions& options) {
-  require(options.polish_steps <= kMostPolishSteps,
-          "polish_steps " + std::to_string(options.polish_steps) + " are outside 0 to " +
-              std::to_string(kMostPolishSteps));
+  require_option(options.polish_steps <= kMostPolishSteps,
+                 "polish_steps " + std::to_string(options.polish_steps) + " are outside 0 to " +
+                     std::to_string(kMostPolishSteps));
   GpuFairOptions result;
   result.polish_steps = options.polish_steps;
   return result;
@@ -99,14 +74,14 @@ struct Solve::Parts {
   /// The iteration of the paper.
   struct Progressive {
     Progressive(Context& context, const DeviceSystem::Parts& system, const SolveOptions& options,
-                const GivenPoints& points);
+                std::span<const GivenPoints> points);
     GpuSolve solve;
     GpuGiven given;
   };
   /// Or the fair construction.
   struct Fair {
     Fair(Context& context, const DeviceSystem::Parts& system, const GpuFairOptions& options,
-         const GivenPoints& points)
+         std::span<const GivenPoints> points)
         : gather(context, system.vertices, system.used_vertices, points),
           fair(context, *system.fair, gather.points(), with_sums(system, options)) {}
     static GpuFairOptions with_sums(const DeviceSystem::Parts& system, GpuFairOptions options) {
@@ -145,33 +120,38 @@ struct Solve::Parts {
                     std::uint32_t round) const noexcept;
   /// What the surface is evaluated from.
   Wait record_surface(VkCommandBuffer commands, std::size_t round) const noexcept;
-  Wait record_evaluate(VkCommandBuffer commands, std::size_t round) const noexcept;
+  Wait record_evaluate(VkCommandBuffer commands, std::uint32_t slot,
+                       std::size_t round) const noexcept;
 
   Context& context;
   std::uint32_t max_iterations;
   InstanceSizes sizes;
   Instances instances;
+  std::uint32_t slot_count;
   std::uint64_t given_bytes;               // of all instances
-  std::optional<Buffer> own_given;         // where the host gives no buffer
+  std::optional<Buffer> own_given;         // where the host gives no buffer for a slot
   std::optional<Progressive> progressive;  // one of these two
   std::optional<Fair> fair;
   std::optional<GpuLeastBending> bending;
-  std::optional<GpuFirstStep> step;  // of the progressive method
-  std::optional<GpuRingSums> sums;   // where large rings are
-  std::optional<GpuPatches> patches;
-  std::optional<GpuEdit> edit;  // where the host lists what moves
+  std::optional<GpuFirstStep> step;                // of the progressive method
+  std::optional<GpuRingSums> sums;                 // where large rings are
+  std::vector<std::optional<GpuPatches>> patches;  // of each slot
+  std::optional<GpuEdit> edit;                     // where the host lists what moves
 
  private:
-  void make_edit(const DeviceSystem::Parts& system, const SolveOptions& options);
   Parts(Context& on, const DeviceSystem::Parts& system, const InstanceSizes& sizes,
         const SolveOptions& options);
   static InstanceSizes sizes_of(const DeviceSystem::Parts& system, const SolveOptions& options);
-  static std::optional<Buffer> make_given(Context& context, std::uint64_t bytes,
-                                          const GivenPoints& given);
+  /// Of each slot: the host's, or the Solve's own.
+  std::vector<GivenPoints> given_points_of(std::span<const FrameSlot> slots);
+  void make_patches(const PatchTables& tables, std::span<const FrameSlot> slots);
+  void make_edit(const DeviceSystem::Parts& system, const SolveOptions& options,
+                 const FrameSlot& slot);
 };
 
 Solve::Parts::Progressive::Progressive(Context& context, const DeviceSystem::Parts& system,
-                                       const SolveOptions& options, const GivenPoints& points)
+                                       const SolveOptions& options,
+                                       std::span<const GivenPoints> points)
     : solve(context, system.masks, solve_options(context, options)),
       given(context, system.masks, solve, system.vertices, system.used_vertices, points) {
   const std::vector<StepCoefficients> steps =
@@ -181,36 +161,54 @@ Solve::Parts::Progressive::Progressive(Context& context, const DeviceSystem::Par
 
 InstanceSizes Solve::Parts::sizes_of(const DeviceSystem::Parts& system,
                                      const SolveOptions& options) {
+  const bool has_vertices =
+      options.vertices.buffer || std::ranges::any_of(options.further_slots, [](const auto& slot) {
+        return slot.vertices.buffer != VK_NULL_HANDLE;
+      });
   return {static_cast<std::uint64_t>(system.given_count),
           system.used_vertices.size(),
           static_cast<std::uint64_t>(system.patches->point_count),
           static_cast<std::uint64_t>(system.vertex_count),
+          system.max_vertex_stride,
           system.fair.has_value(),
-          options.vertices.buffer || system.places || options.moved.buffer};
+          has_vertices || system.places || options.moved.buffer};
 }
 
-std::optional<Buffer> Solve::Parts::make_given(Context& context, std::uint64_t bytes,
-                                               const GivenPoints& given) {
-  check_given(given);
-  if (given.buffer) return {};
-  return Buffer(context, bytes, MemoryUse::Device, "planish host points");
+std::vector<GivenPoints> Solve::Parts::given_points_of(std::span<const FrameSlot> slots) {
+  std::vector<GivenPoints> points;
+  for (const FrameSlot& slot : slots) {
+    points.push_back(slot.given);
+    if (slot.given.buffer) continue;
+    if (!own_given)
+      own_given.emplace(context, given_bytes, MemoryUse::Device, "planish host points");
+    points.back().buffer = own_given->handle();
+  }
+  return points;
+}
+
+void Solve::Parts::make_patches(const PatchTables& tables, std::span<const FrameSlot> slots) {
+  for (const FrameSlot& slot : slots) {
+    std::optional<GpuPatches>& target = patches.emplace_back();
+    if (slot.vertices.buffer)
+      target.emplace(context, tables, given_points(), state_points(), slot.vertices, sizes.rows,
+                     instances);
+  }
 }
 
 Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const SolveOptions& wanted)
     : Parts(on, system, sizes_of(system, wanted), wanted) {}
 
 Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const InstanceSizes& of,
-                    const SolveOptions& wanted)
+                    const SolveOptions& options)
     : context(on),
-      max_iterations(wanted.max_iterations),
+      max_iterations(options.max_iterations),
       sizes(of),
-      instances{wanted.instances},
-      given_bytes(wanted.instances * of.given * kVectorBytes) {
-  const SolveOptions options = checked_instances(on, of, wanted);
+      instances{options.instances},
+      given_bytes(options.instances * of.given * kVectorBytes) {
+  const std::vector<FrameSlot> slots = checked_slots(on, of, options);
+  slot_count = static_cast<std::uint32_t>(slots.size());
   check_moved(options.moved, system.edits.has_value());
-  own_given = make_given(on, given_bytes, options.given);
-  GivenPoints points = options.given;
-  if (own_given) points.buffer = own_given->handle(), points.offset = 0;
+  const std::vector<GivenPoints> points = given_points_of(slots);
   if (system.fair)
     fair.emplace(on, system, fair_options(options), points);
   else
@@ -221,20 +219,17 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const Instan
                  progressive->given.displacement(), sizes.rows, instances);
   if (sizes.has_surface && system.patches->ring_count > 0)
     sums.emplace(on, *system.patches, given_points(), state_points(), sizes.rows, instances);
-  if (options.vertices.buffer) {
-    check_layout(options.vertices, system.max_vertex_stride);
-    patches.emplace(on, *system.patches, given_points(), state_points(), options.vertices,
-                    sizes.rows, instances);
-  }
-  if (options.moved.buffer) make_edit(system, options);
+  make_patches(*system.patches, slots);
+  if (options.moved.buffer) make_edit(system, options, slots[0]);
 }
 
-void Solve::Parts::make_edit(const DeviceSystem::Parts& system, const SolveOptions& options) {
+void Solve::Parts::make_edit(const DeviceSystem::Parts& system, const SolveOptions& options,
+                             const FrameSlot& slot) {
   edit.emplace(
       context,
       EditedParts{system.masks, system.vertices, *system.edits, *system.patches, *system.step,
                   progressive->solve, progressive->given, *step, sums ? &*sums : nullptr},
-      options.moved, system.given_count, options.vertices);
+      options.moved, system.given_count, slot.vertices);
 }
 
 Solve::Solve(Context& context, const DeviceSystem& system, const SolveOptions& options)
@@ -251,7 +246,7 @@ Wait Solve::Parts::record_solve(VkCommandBuffer commands, const SolveParameters&
     round -= GpuLeastBending::kRoundCount;
   }
   if (fair) {
-    if (round == 0) fair->gather.record(commands);
+    if (round == 0) fair->gather.record(commands, parameters.slot % slot_count);
     Wait wait = fair->fair.record_round(commands, round);
     if (round == 0) wait |= kKernelWait;
     return wait;
@@ -264,7 +259,8 @@ Wait Solve::Parts::record_solve(VkCommandBuffer commands, const SolveParameters&
   if (round > 1) return progressive->solve.record_round(commands, run, round - 1);
   // What prepares the points and what prepares the steps do not meet.
   if (edit) edit->record_clear(commands);
-  Wait wait = progressive->given.record_points(commands, parameters.warm_start);
+  Wait wait = progressive->given.record_points(commands, parameters.warm_start,
+                                               parameters.slot % slot_count);
   return wait |= progressive->solve.record_round(commands, run, 0);
 }
 
@@ -278,11 +274,13 @@ Wait Solve::Parts::record_surface(VkCommandBuffer commands, std::size_t round) c
   return sums && round == steps ? sums->record(commands) : Wait{};
 }
 
-Wait Solve::Parts::record_evaluate(VkCommandBuffer commands, std::size_t round) const noexcept {
+Wait Solve::Parts::record_evaluate(VkCommandBuffer commands, std::uint32_t slot,
+                                   std::size_t round) const noexcept {
   const std::size_t surface_rounds =
       (progressive ? 1 : 0) + (step ? step->round_count() : 0) + (sums ? 1 : 0);
   if (round < surface_rounds) return record_surface(commands, round);
-  return patches ? patches->record_round(commands, round - surface_rounds) : Wait{};
+  const std::optional<GpuPatches>& vertices = patches[slot % slot_count];
+  return vertices ? vertices->record_round(commands, round - surface_rounds) : Wait{};
 }
 
 SolvePoints Solve::surface_points(std::uint32_t instance) const {
@@ -315,8 +313,9 @@ void Solve::record_solve(VkCommandBuffer commands,
   record_solves(commands, std::span(&call, 1));
 }
 
-void Solve::record_evaluate(VkCommandBuffer commands, const Timestamps& timestamps) const noexcept {
-  const EvaluateCall call{this, timestamps};
+void Solve::record_evaluate(VkCommandBuffer commands,
+                            const EvaluateParameters& parameters) const noexcept {
+  const EvaluateCall call{this, parameters};
   record_evaluates(commands, std::span(&call, 1));
 }
 
@@ -381,9 +380,9 @@ void record_evaluates(VkCommandBuffer commands, std::span<const EvaluateCall> ca
   const LabelScope label(context, commands, "planish evaluate");
   record_calls(
       context, commands, calls.size(),
-      [&](std::size_t i) -> const Timestamps& { return calls[i].timestamps; },
+      [&](std::size_t i) -> const Timestamps& { return calls[i].parameters.timestamps; },
       [&](std::size_t i, std::uint32_t round) {
-        return calls[i].solve->parts_->record_evaluate(commands, round);
+        return calls[i].solve->parts_->record_evaluate(commands, calls[i].parameters.slot, round);
       });
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "planish/vulkan/device/functions.h"
 
@@ -43,23 +44,38 @@ struct MovedPoints {
   std::uint32_t max_count = 0;  ///< a count above it is taken as it
 };
 
+/// What one of the frames in flight has for itself.
+struct FrameSlot {
+  GivenPoints given;
+  VertexLayout vertices;
+};
+
 struct SolveOptions {
   std::uint32_t max_iterations = 64;  ///< that one record_solve can ask for
   /// Of the fair method, 0 to 1000: steps of conjugate gradients that even out the curvature.
   std::uint32_t polish_steps = 8;
-  GivenPoints given;
-  VertexLayout vertices;
+  GivenPoints given;      ///< of slot 0
+  VertexLayout vertices;  ///< of slot 0
+  /// Slots 1, 2, ..., at most kMostSlots with slot 0: one Solve serves all frames in flight. Each
+  /// has its own points, which the host writes while earlier frames run, and its own vertices,
+  /// which stay as they were while later frames run: those of the last slot are the last frame's
+  /// positions, for motion vectors. All else is shared. Layouts may differ from slot to slot; slots
+  /// may also share a buffer. A further slot takes a few descriptors and no device memory.
+  std::vector<FrameSlot> further_slots;
   /// Of the progressive method, 1 to 65,535: instances of the mesh that every recorded call does,
   /// in the dispatches of one, with one SolveParameters. Each has points, displacement, vertices
   /// and status of its own, stops by itself, and gets the bits that a Solve of its own would give
   /// it. Vectors of all instances (16 bytes a point of level 1, which are the mesh's corners) are
   /// one binding: Error{OutOfMemory} says how many a device can have.
   std::uint32_t instances = 1;
-  /// Where record_edit reads what has moved. The DeviceSystem was made with takes_edits. Takes
-  /// about 60 bytes a vertex of a quad mesh more; vectors and tables are one binding each:
-  /// Error{OutOfMemory} names what is not. No buffer: there are no edits.
+  /// Where record_edit reads what has moved, of slot 0: the others follow by record_evaluate. The
+  /// DeviceSystem was made with takes_edits. Takes about 60 bytes a vertex of a quad mesh more;
+  /// vectors and tables are one binding each: Error{OutOfMemory} names what is not. No buffer:
+  /// there are no edits.
   MovedPoints moved;
 };
+
+inline constexpr std::uint32_t kMostSlots = 16;
 
 /// Two timestamps in a host's query pool, `first` before and `first` + 1 after the recorded work.
 /// The host has reset both queries; its queue family has timestamps.
@@ -80,6 +96,16 @@ struct SolveParameters {
   /// Measures the error that the last iteration leaves, at the cost of about one more. Without, the
   /// status tells the error before the last iteration.
   bool measures_last = true;
+  /// Whose points are taken; counted modulo the number of slots, so that it may be the frame's
+  /// number.
+  std::uint32_t slot = 0;
+  Timestamps timestamps;
+};
+
+/// Of an evaluation.
+struct EvaluateParameters {
+  /// Whose vertices are written; counted modulo the number of slots.
+  std::uint32_t slot = 0;
   Timestamps timestamps;
 };
 

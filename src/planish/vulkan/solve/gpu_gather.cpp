@@ -15,15 +15,17 @@ constexpr std::int32_t kGatherLanes = 64;
 }  // namespace
 
 GpuGather::GpuGather(Context& context, const Buffer& vertices,
-                     std::span<const std::int32_t> row_vertices, const GivenPoints& given,
+                     std::span<const std::int32_t> row_vertices, std::span<const GivenPoints> given,
                      const Instances& instances)
     : context_(context),
       instances_(instances),
       row_count_(row_vertices.size()),
-      source_stride_(given.stride / sizeof(float)),
-      instance_floats_(static_cast<std::uint32_t>(given.instance_stride / sizeof(float))),
       points_(context, instances.bytes(row_count_), MemoryUse::Device, "planish given points") {
-  cut_gathers(row_vertices, given);
+  for (const GivenPoints& slot : given) {
+    firsts_.push_back(gathers_.size());
+    cut_gathers(row_vertices, slot);
+  }
+  firsts_.push_back(gathers_.size());
   bind(vertices);
 }
 
@@ -60,7 +62,9 @@ void GpuGather::cut_gathers(std::span<const std::int32_t> row_vertices, const Gi
     const VkDeviceSize start = given.offset + VkDeviceSize(row_vertices[first]) * given.stride;
     gathers_.push_back({static_cast<std::int32_t>(first), static_cast<std::int32_t>(end - first),
                         source, static_cast<std::uint32_t>(row_vertices[first]),
-                        static_cast<std::uint32_t>((start - source.offset) / sizeof(float))});
+                        static_cast<std::uint32_t>((start - source.offset) / sizeof(float)),
+                        static_cast<std::uint32_t>(given.stride / sizeof(float)),
+                        static_cast<std::uint32_t>(given.instance_stride / sizeof(float))});
     first = end;
   }
 }
@@ -77,19 +81,19 @@ void GpuGather::bind(const Buffer& vertices) {
   sets_ = DescriptorSets(context_, bound);
 }
 
-void GpuGather::record(VkCommandBuffer commands) const noexcept {
-  for (std::size_t i = 0; i < gathers_.size(); ++i) {
+void GpuGather::record(VkCommandBuffer commands, std::uint32_t slot) const noexcept {
+  for (std::size_t i = firsts_[slot]; i < firsts_[slot + 1]; ++i) {
     const Gather& gather = gathers_[i];
     // Windows of instances overlap.
-    if (i > 0 && instances_.count > 1)
+    if (i > firsts_[slot] && instances_.count > 1)
       record_barrier(context_, commands, kKernelScope, kKernelScope);
     shared::VectorParameters parameters{};
     parameters.count = static_cast<std::uint32_t>(gather.row_count);
     parameters.first_vertex = gather.first_vertex;
     parameters.source_shift = gather.shift;
-    parameters.source_stride = source_stride_;
+    parameters.source_stride = gather.source_stride;
     parameters.instance_rows = static_cast<std::uint32_t>(instances_.stride(row_count_));
-    parameters.instance_floats = instance_floats_;
+    parameters.instance_floats = gather.instance_floats;
     record_dispatch(
         context_, commands, Kernel::GatherPoints, sets_[i], &parameters,
         static_cast<std::uint32_t>((gather.row_count + kGatherLanes - 1) / kGatherLanes),

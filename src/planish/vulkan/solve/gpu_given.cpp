@@ -6,7 +6,7 @@ namespace planish::vulkan {
 
 GpuGiven::GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& solve,
                    const Buffer& vertices, std::span<const std::int32_t> row_vertices,
-                   const GivenPoints& given)
+                   std::span<const GivenPoints> given)
     : context_(context),
       masks_(masks),
       instances_(solve.instances()),
@@ -63,8 +63,9 @@ void GpuGiven::record_pieces(VkCommandBuffer commands, Kernel kernel, std::size_
   }
 }
 
-Wait GpuGiven::record_points(VkCommandBuffer commands, bool warm_start) const noexcept {
-  gather_.record(commands);
+Wait GpuGiven::record_points(VkCommandBuffer commands, bool warm_start,
+                             std::uint32_t slot) const noexcept {
+  gather_.record(commands, slot);
   record_pieces(commands, Kernel::TakeUp, 0, warm_start);
   return kKernelWait;
 }

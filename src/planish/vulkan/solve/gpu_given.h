@@ -17,13 +17,13 @@ namespace planish::vulkan {
 class GpuGiven {
  public:
   /// For the solve's instances. `vertices` holds the index of each row's point, which
-  /// `row_vertices` has on the host.
+  /// `row_vertices` has on the host; `given` has a host's points for each slot.
   GpuGiven(Context& context, const DeviceTable& masks, const GpuSolve& solve,
            const Buffer& vertices, std::span<const std::int32_t> row_vertices,
-           const GivenPoints& given);
+           std::span<const GivenPoints> given);
 
-  /// Points, and the displacement from the last one or zero; within kEntryScope.
-  Wait record_points(VkCommandBuffer commands, bool warm_start) const noexcept;
+  /// Points of a slot, and the displacement from the last one or zero; within kEntryScope.
+  Wait record_points(VkCommandBuffer commands, bool warm_start, std::uint32_t slot) const noexcept;
   /// Then the right-hand side from the points.
   Wait record_residual(VkCommandBuffer commands) const noexcept;
   /// control_points() = given() + displacement(). Within kEntryScope; kKernelWait comes after it.

@@ -1,0 +1,130 @@
+#include "planish/vulkan/host/frame_slots.h"
+
+#include <algorithm>
+#include <string>
+
+#include "planish/core/error.h"
+
+namespace planish::vulkan {
+
+namespace {
+
+// Work groups that every device has in y.
+constexpr std::uint32_t kMostInstances = 65535;
+
+bool is_word(VkDeviceSize value) { return value % sizeof(float) == 0; }
+
+void check_given(const GivenPoints& given) {
+  require_option(is_word(given.offset) && is_word(given.stride) && given.stride >= kVectorBytes,
+                 "given points lie at multiples of 4 bytes, 12 or more apart");
+}
+
+void check_layout(const VertexLayout& layout, std::uint32_t max_stride) {
+  require_option(is_word(layout.offset) && is_word(layout.stride) &&
+                     is_word(layout.position_offset) && is_word(layout.normal_offset),
+                 "offsets and the stride of a vertex layout are multiples of 4 bytes");
+  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
+  require_option(last <= layout.stride && layout.stride - last >= kVectorBytes,
+                 "a vertex of stride " + std::to_string(layout.stride) +
+                     " does not hold 12 bytes from offset " + std::to_string(last) + " on");
+  require_option(layout.stride <= max_stride,
+                 "the stride " + std::to_string(layout.stride) + " of a vertex layout is above " +
+                     std::to_string(max_stride) + ", the DeviceSystem's max_vertex_stride");
+}
+
+// Of instances together: `bytes`, of which one has `each`.
+struct Span {
+  const char* what;
+  std::uint64_t bytes, each;
+};
+
+// Where kernels read texel buffers, the range is what texels of one float allow.
+void check_span(const Context& context, std::uint32_t instances, const Span& span) {
+  const std::uint64_t most = context.max_storage_range();
+  if (span.bytes <= most) return;
+  throw Error(ErrorCode::OutOfMemory,
+              context.capabilities().name + ": " + span.what + " of " + std::to_string(instances) +
+                  " instances span " + std::to_string(span.bytes) +
+                  " bytes of one binding, but maxStorageBufferRange is " + std::to_string(most) +
+                  "; make Solves of at most " +
+                  std::to_string(std::max<std::uint64_t>(most / span.each, 1)) + " instances");
+}
+
+void check_strides(const FrameSlot& slot, std::uint64_t vertex_count) {
+  const VertexLayout& vertices = slot.vertices;
+  require_option(is_word(slot.given.instance_stride) && is_word(vertices.instance_stride),
+                 "strides between instances are multiples of 4 bytes");
+  if (!vertices.buffer || vertex_count == 0) return;
+  const std::uint64_t needed = (vertex_count - 1) * vertices.stride +
+                               std::max(vertices.position_offset, vertices.normal_offset) +
+                               kVectorBytes;
+  require_option(vertices.instance_stride >= needed, "vertices of an instance take " +
+                                                         std::to_string(needed) +
+                                                         " bytes, but the next one's begin after " +
+                                                         std::to_string(vertices.instance_stride));
+}
+
+void check_spans(const Context& context, std::uint32_t count, const FrameSlot& slot) {
+  const auto check = [&](const char* what, std::uint64_t stride) {
+    if (stride > 0) check_span(context, count, {what, count * stride + kBindingAlignment, stride});
+  };
+  check("given points", slot.given.instance_stride);
+  if (slot.vertices.buffer) check("vertices", slot.vertices.instance_stride);
+}
+
+FrameSlot with_strides(const InstanceSizes& sizes, FrameSlot slot) {
+  check_given(slot.given);
+  if (!slot.given.buffer) slot.given.offset = 0, slot.given.stride = kVectorBytes;
+  if (!slot.given.buffer || slot.given.instance_stride == 0)
+    slot.given.instance_stride = sizes.given * slot.given.stride;
+  if (slot.vertices.buffer) check_layout(slot.vertices, sizes.max_vertex_stride);
+  if (slot.vertices.instance_stride == 0)
+    slot.vertices.instance_stride = sizes.vertices * slot.vertices.stride;
+  return slot;
+}
+
+// Vectors of several instances, beside those of the slots.
+void check_vectors(const Context& context, const InstanceSizes& sizes,
+                   const SolveOptions& options) {
+  const Instances instances{options.instances};
+  const std::uint32_t count = options.instances;
+  const std::uint64_t step_bytes =
+      (std::uint64_t(options.max_iterations) + 1) * sizeof(shared::StepRecord);
+  const std::uint64_t row_bytes = instances.bytes(sizes.rows) / count;
+  const std::uint64_t point_bytes = instances.bytes(sizes.points) / count;
+  check_span(context, count, {"points", count * row_bytes, std::max<std::uint64_t>(row_bytes, 1)});
+  if (sizes.has_surface)
+    check_span(context, count,
+               {"points of level 1", count * point_bytes, std::max<std::uint64_t>(point_bytes, 1)});
+  check_span(context, count, {"steps", count * step_bytes, step_bytes});
+}
+
+}  // namespace
+
+void require_option(bool condition, const std::string& message) {
+  if (!condition) throw Error(ErrorCode::InvalidArgument, message);
+}
+
+std::vector<FrameSlot> checked_slots(const Context& context, const InstanceSizes& sizes,
+                                     const SolveOptions& options) {
+  const std::uint32_t count = options.instances;
+  require_option(
+      count >= 1 && count <= kMostInstances,
+      "instances " + std::to_string(count) + " are outside 1 to " + std::to_string(kMostInstances));
+  std::vector<FrameSlot> slots = {{options.given, options.vertices}};
+  slots.insert(slots.end(), options.further_slots.begin(), options.further_slots.end());
+  require_option(slots.size() <= kMostSlots,
+                 std::to_string(slots.size()) + " slots are more than " +
+                     std::to_string(kMostSlots) + ", the frames in flight that a Solve serves");
+  for (FrameSlot& slot : slots) slot = with_strides(sizes, slot);
+  if (count == 1) return slots;
+  require_option(!sizes.is_fair, "Solves of the fair method have one instance, not " +
+                                     std::to_string(count) +
+                                     "; make as many Solves and take record_solves()");
+  for (const FrameSlot& slot : slots) check_strides(slot, sizes.vertices);
+  check_vectors(context, sizes, options);
+  for (const FrameSlot& slot : slots) check_spans(context, count, slot);
+  return slots;
+}
+
+}  // namespace planish::vulkan

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "planish/vulkan/embed.h"
+#include "planish/vulkan/tables/instances.h"
+
+namespace planish::vulkan {
+
+/// Of a host's point or normal.
+inline constexpr std::uint32_t kVectorBytes = 3 * sizeof(float);
+
+/// Throws Error{InvalidArgument} where the condition fails.
+void require_option(bool condition, const std::string& message);
+
+/// What a Solve has of each instance, in numbers.
+struct InstanceSizes {
+  std::uint64_t given, rows, points, vertices;  ///< points: of the state of level 1
+  std::uint32_t max_vertex_stride;
+  bool is_fair;
+  bool has_surface;  ///< that state is there
+};
+
+/// Every slot, the first one, too, with the strides between instances that 0 stands for. Throws
+/// Error{InvalidArgument}, and Error{OutOfMemory} naming the limit that vectors of all instances
+/// exceed, before any memory is taken.
+[[nodiscard]] std::vector<FrameSlot> checked_slots(const Context& context,
+                                                   const InstanceSizes& sizes,
+                                                   const SolveOptions& options);
+
+}  // namespace planish::vulkan
