@@ -254,6 +254,15 @@ PLANISH_SHARED_CONSTANT kSegmentEnd = 5u;
 PLANISH_SHARED_CONSTANT kSegmentChunks = 6u;
 PLANISH_SHARED_CONSTANT kSegmentWords = 8u;
 
+// What is said of a row in all lists: whether it is in an edit's, and from bit kStaleShift on for
+// each slot of frames in flight whether it is in that one's list of stale rows, which edits of
+// other slots have moved since its vertices were written. Of these lists a buffer of words holds
+// heads for all slots, each a count and arguments, and then `most_stale` rows for each.
+PLANISH_SHARED_CONSTANT kRowListed = 1u;
+PLANISH_SHARED_CONSTANT kStaleShift = 1u;
+PLANISH_SHARED_CONSTANT kStaleArguments = 1u;
+PLANISH_SHARED_CONSTANT kStaleWords = 4u;
+
 // Push constants of the kernels of edits.
 struct EditParameters {
   uint row_count;   // of one instance
@@ -273,6 +282,8 @@ struct EditParameters {
   uint first_word;    // of those points
   uint point_stride;  // points of the state, from an instance to the next
   uint job_count;
+  uint slot, slot_count;
+  uint most_stale;
 };
 
 // Push constants of the kernels that walk vectors or partial sums.

@@ -3,7 +3,8 @@
 // True where the row was not yet in the list.
 bool wake(uint row) {
   // Most have been woken before: a look is cheaper than an exchange.
-  if (flags[row] != 0u || atomicExchange(flags[row], 1u) != 0u) return false;
+  if ((flags[row] & kRowListed) != 0u || (atomicOr(flags[row], kRowListed) & kRowListed) != 0u)
+    return false;
   velocity[row] = vec4(0.0);
   uint place = atomicAdd(work[kEditRows], 1u);
   work[parameters.first_listed + place] = row;

@@ -90,7 +90,8 @@ TEST_F(EmbedFaults, EveryFailingCallOfAFrameUnwinds) {
           SolveOptions solve;
           solve.vertices.buffer = vertices.handle();
           solve.instances = 3;
-          solve.further_slots = {{.vertices = {vertices.handle()}}};
+          solve.further_slots = {
+              {.vertices = {vertices.handle()}, .moved = {vertices.handle(), 0, 9}}};
           solve.moved = {vertices.handle(), 0, 9};
           const vulkan::Solve frame(*context_, tables, solve);
           const Places places(*context_, tables, frame,

@@ -288,9 +288,10 @@ class Solve {
   /// for the next solve. Afterwards record_status tells of the edit: residual is the largest among
   /// points that it reached, the others keep theirs; above stop_error a warm solve helps. So all
   /// points are within the largest stop_error that was met. Vertices are written in place: a draw
-  /// that still reads them is waited for by a barrier to kEntryScope, and frames in flight that
-  /// draw one Solve's vertices share them. With a Solve for each frame in flight, each takes each
-  /// list.
+  /// that still reads them is waited for by a barrier to kEntryScope. With slots each list is taken
+  /// once, by one slot's edit, whose vertices then also get what edits of other slots have moved
+  /// since its last; before a slot's first edit after a solve its record_evaluate came. Solves take
+  /// all points from their slot's buffer, so that the host writes what it moved to all of these.
   void record_edit(VkCommandBuffer commands, const EditParameters& parameters) const noexcept;
   /// Copies an EditReach of the last edit to a host's buffer, as record_status does.
   void record_reach(VkCommandBuffer commands, VkBuffer target, VkDeviceSize offset) const noexcept;

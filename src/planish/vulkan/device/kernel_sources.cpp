@@ -29,6 +29,7 @@
 #include "shaders/edit_points_texel.spv.h"
 #include "shaders/edit_residual.spv.h"
 #include "shaders/edit_residual_texel.spv.h"
+#include "shaders/edit_stale.spv.h"
 #include "shaders/edit_take.spv.h"
 #include "shaders/edit_take_texel.spv.h"
 #include "shaders/eval_patches.spv.h"
@@ -207,9 +208,10 @@ const KernelSource kSources[kKernelCount] = {
                 {Words, Entries, Words, Storage, Storage, Storage, Storage, Storage}),
     edit_kernel(spirv::edit_commit, spirv::edit_commit,
                 {Storage, Storage, Storage, Storage, Storage, Storage, Storage, Storage}),
-    edit_kernel(PLANISH_BOTH(edit_jobs), {Words, Storage, Storage}),
+    edit_kernel(PLANISH_BOTH(edit_jobs), {Words, Storage, Storage, Storage}),
     edit_kernel(PLANISH_BOTH(edit_points),
                 {Words, Words, Entries, Words, Points, Points, Storage, Storage}),
+    edit_kernel(spirv::edit_stale, spirv::edit_stale, {Storage, Storage, Storage}),
     special_kernel(PLANISH_BOTH(listed_patches), sizeof(shared::CornerPatchParameters),
                    {Records, Words, Entries, Points, Points, Points, Storage, Storage}),
     bending_kernel(PLANISH_BOTH(bending_directions),
@@ -309,6 +311,7 @@ constexpr const char* kKernelNames[kKernelCount] = {"planish interpolation_step"
                                                     "planish edit_commit",
                                                     "planish edit_jobs",
                                                     "planish edit_points",
+                                                    "planish edit_stale",
                                                     "planish listed_patches",
                                                     "planish bending_directions",
                                                     "planish bending_rows",

@@ -41,6 +41,7 @@ enum class Kernel {
   EditCommit,
   EditJobs,
   EditPoints,
+  EditStale,
   ListedPatches,
   // Where the mesh bends least; only specialised.
   BendingDirections,
@@ -88,7 +89,7 @@ enum class Kernel {
   FairCureCreases,
   FairCureCorners,
 };
-inline constexpr std::size_t kKernelCount = 70;
+inline constexpr std::size_t kKernelCount = 71;
 
 /// The name of its file, for debuggers.
 [[nodiscard]] const char* name_of(Kernel kernel);

@@ -30,8 +30,8 @@ void set_arguments(std::vector<std::uint32_t>& words, std::size_t at) {
 
 }  // namespace
 
-GpuEdit::GpuEdit(Context& context, const EditedParts& parts, const MovedPoints& moved,
-                 std::int32_t given_count, const VertexLayout& layout)
+GpuEdit::GpuEdit(Context& context, const EditedParts& parts, std::int32_t given_count,
+                 std::span<const FrameSlot> slots)
     : context_(context), parts_(parts), instances_(parts.solve.instances()) {
   const auto points = static_cast<std::uint64_t>(parts.patches.point_count);
   require_one_binding(context, instances_.bytes(points), kPointBytes, "points of level 1");
@@ -41,47 +41,67 @@ GpuEdit::GpuEdit(Context& context, const EditedParts& parts, const MovedPoints& 
                 context.capabilities().name + ": the limit masks are in " +
                     std::to_string(parts.masks.slices().size()) +
                     " slices, edits take one; use a smaller mesh, or solve all of it");
-  if (parts.given.gather().gathers(0).size() != 1)
-    throw Error(ErrorCode::OutOfMemory,
-                context.capabilities().name +
-                    ": given points are in several bindings, edits take one; use a smaller mesh");
-  fill_parameters(given_count);
-  make_work();
-  bind(moved);
-  if (layout.buffer)
-    evaluation_.emplace(context, parts.patches, parts.given.given(), parts.step.state(), layout,
-                        parameters_.row_count, instances_,
-                        ListedPatches{&work_, shared::kEditHeadWords, parameters_.job_count});
+  shared::EditParameters parameters = common_parameters(given_count);
+  parameters.slot_count = static_cast<std::uint32_t>(slots.size());
+  make_work(parameters);
+  for (const FrameSlot& slot : slots)
+    make_slot(slot, static_cast<std::uint32_t>(slots_.size()), parameters);
+  bind();
 }
 
-void GpuEdit::fill_parameters(std::int32_t given_count) {
-  const GpuGather::Gather& gather = parts_.given.gather().gathers(0)[0];
+shared::EditParameters GpuEdit::common_parameters(std::int32_t given_count) const {
+  shared::EditParameters result{};
   const auto rows = static_cast<std::uint64_t>(parts_.masks.row_count());
-  parameters_.row_count = static_cast<std::uint32_t>(rows);
-  parameters_.row_stride = static_cast<std::uint32_t>(instances_.stride(rows));
-  parameters_.instances = instances_.count;
-  parameters_.max_groups = context_.max_group_count();
-  parameters_.given_count = static_cast<std::uint32_t>(given_count);
-  parameters_.first_vertex = gather.first_vertex;
-  parameters_.source_shift = gather.shift;
-  parameters_.source_stride = gather.source_stride;
-  parameters_.instance_floats = gather.instance_floats;
-  parameters_.first_source = static_cast<std::uint32_t>(parts_.masks.slices()[0].rows.first_source);
-  parameters_.first_sharp =
+  result.row_count = static_cast<std::uint32_t>(rows);
+  result.row_stride = static_cast<std::uint32_t>(instances_.stride(rows));
+  result.instances = instances_.count;
+  result.max_groups = context_.max_group_count();
+  result.given_count = static_cast<std::uint32_t>(given_count);
+  result.first_source = static_cast<std::uint32_t>(parts_.masks.slices()[0].rows.first_source);
+  result.first_sharp =
       static_cast<std::uint32_t>(parts_.patches.links.size() / (2 * kEditWordBytes));
   for (const StepSlice& slice : parts_.steps.slices)
-    if (slice.kind == shared::kStepSharp) parameters_.first_word = slice.first_word;
-  parameters_.point_stride = static_cast<std::uint32_t>(
+    if (slice.kind == shared::kStepSharp) result.first_word = slice.first_word;
+  result.point_stride = static_cast<std::uint32_t>(
       instances_.stride(static_cast<std::uint64_t>(parts_.patches.point_count)));
-  parameters_.job_count = static_cast<std::uint32_t>(parts_.edits.job_count);
+  result.job_count = static_cast<std::uint32_t>(parts_.edits.job_count);
+  return result;
 }
 
-void GpuEdit::make_work() {
+void GpuEdit::make_slot(const FrameSlot& slot, std::uint32_t number,
+                        const shared::EditParameters& common) {
+  Slot& made = slots_.emplace_back(Slot{slot.moved.buffer != VK_NULL_HANDLE, common, {}, {}});
+  made.parameters.slot = number;
+  if (!made.has_list) return;
+  const std::span<const GpuGather::Gather> gathers = parts_.given.gather().gathers(number);
+  if (gathers.size() != 1)
+    throw Error(ErrorCode::OutOfMemory,
+                context_.capabilities().name +
+                    ": given points are in several bindings, edits take one; use a smaller mesh");
+  made.parameters.first_vertex = gathers[0].first_vertex;
+  made.parameters.source_shift = gathers[0].shift;
+  made.parameters.source_stride = gathers[0].source_stride;
+  made.parameters.instance_floats = gathers[0].instance_floats;
+  const VkDeviceSize aligned = slot.moved.offset - slot.moved.offset % kBindingAlignment;
+  made.parameters.moves_shift =
+      static_cast<std::uint32_t>((slot.moved.offset - aligned) / kEditWordBytes);
+  made.parameters.most_moves = slot.moved.max_count;
+  made.moves = {
+      slot.moved.buffer, aligned,
+      (made.parameters.moves_shift + 1 + std::uint64_t(slot.moved.max_count)) * kEditWordBytes};
+  require_one_binding(context_, made.moves.size, 0, "lists of moved points");
+  if (slot.vertices.buffer)
+    made.evaluation.emplace(context_, parts_.patches, parts_.given.given(), parts_.step.state(),
+                            slot.vertices, common.row_count, instances_,
+                            ListedPatches{&work_, shared::kEditHeadWords, common.job_count});
+}
+
+void GpuEdit::make_work(shared::EditParameters& parameters) {
   const std::vector<PatchSlice>& slices = parts_.patches.slices;
   std::vector<std::uint32_t> words(shared::kEditHeadWords + shared::kSegmentWords * slices.size());
   for (const std::uint32_t at : {shared::kEditForRows, shared::kEditForHeld, shared::kEditForMoves})
     set_arguments(words, at);
-  const std::uint64_t rows = std::uint64_t(instances_.count) * parameters_.row_count;
+  const std::uint64_t rows = std::uint64_t(instances_.count) * parameters.row_count;
   std::uint64_t next = words.size() + rows;
   for (std::size_t i = 0; i < slices.size(); ++i) {
     const std::size_t at = shared::kEditHeadWords + shared::kSegmentWords * i;
@@ -92,42 +112,38 @@ void GpuEdit::make_work() {
     words[at + shared::kSegmentChunks] = slices[i].chunk_count;
     next += std::uint64_t(instances_.count) * slices[i].group_count * shared::kPatchLanes;
   }
-  parameters_.first_listed = static_cast<std::uint32_t>(words.size());
+  parameters.first_listed = static_cast<std::uint32_t>(words.size());
   require_one_binding(context_, next * kEditWordBytes, 0, "lists of rows and patches");
+  head_bytes_ = words.size() * kEditWordBytes;
+  // The heads of stale lists, and the lists where other slots have edits.
+  for (std::uint32_t i = 0; i < parameters.slot_count; ++i) {
+    words.resize(words.size() + shared::kStaleWords);
+    set_arguments(words, words.size() - shared::kStaleWords + shared::kStaleArguments);
+  }
+  parameters.most_stale = parameters.slot_count > 1 ? static_cast<std::uint32_t>(rows) : 0;
+  const std::uint64_t stale_words =
+      parameters.slot_count * (shared::kStaleWords + std::uint64_t(parameters.most_stale));
+  require_one_binding(context_, stale_words * kEditWordBytes, 0, "lists of rows of all slots");
+  stale_ = Buffer(context_, stale_words * kEditWordBytes, MemoryUse::Device, "planish stale rows");
   template_ =
       Buffer(context_, words.size() * kEditWordBytes, MemoryUse::Upload, "planish empty lists");
   std::memcpy(template_.mapped().data(), words.data(), words.size() * kEditWordBytes);
   template_.flush();
   work_ = Buffer(context_, next * kEditWordBytes, MemoryUse::Device, "planish lists");
-  const std::uint64_t row_words = std::uint64_t(instances_.count) * parameters_.row_stride;
+  const std::uint64_t row_words = std::uint64_t(instances_.count) * parameters.row_stride;
   flags_ = Buffer(context_, row_words * kEditWordBytes, MemoryUse::Device, "planish listed rows");
   velocity_ = Buffer(context_, row_words * kPointBytes, MemoryUse::Device, "planish steps of rows");
 }
 
-BufferRange GpuEdit::moves_range(const MovedPoints& moved) {
-  const VkDeviceSize aligned = moved.offset - moved.offset % kBindingAlignment;
-  parameters_.moves_shift = static_cast<std::uint32_t>((moved.offset - aligned) / kEditWordBytes);
-  parameters_.most_moves = moved.max_count;
-  const BufferRange range{
-      moved.buffer, aligned,
-      (parameters_.moves_shift + 1 + std::uint64_t(moved.max_count)) * kEditWordBytes};
-  require_one_binding(context_, range.size, 0, "lists of moved points");
-  return range;
-}
-
-void GpuEdit::bind(const MovedPoints& moved) {
+void GpuEdit::bind() {
   const DeviceTable::Slice& slice = parts_.masks.slices()[0];
-  const BufferRange moves = moves_range(moved);
   const GpuSolve& solve = parts_.solve;
   const auto given = whole(parts_.given.given()), displacement = whole(parts_.given.displacement());
   const auto work = whole(work_), flags = whole(flags_), velocity = whole(velocity_);
   const auto links = whole(parts_.patches.links), corners = whole(parts_.steps.vertices);
   const auto places = whole(parts_.edits.places);
-  const BoundKernel bound[kStages] = {
-      {Kernel::EditBegin, {moves, work}},
-      {Kernel::EditTake,
-       {moves, whole(parts_.vertices), parts_.given.gather().gathers(0)[0].source, given, velocity,
-        flags, work}},
+  const auto stale = whole(stale_);
+  std::vector<BoundKernel> bound = {
       {Kernel::EditResidual,
        {whole(slice.entries), whole(slice.chunks), whole(parts_.edits.slots), given, displacement,
         velocity, whole(solve.steps()), work}},
@@ -136,10 +152,19 @@ void GpuEdit::bind(const MovedPoints& moved) {
       {Kernel::EditCommit,
        {whole(solve.side(0)), whole(solve.side(1)), whole(solve.side(2)), whole(solve.status()),
         given, displacement, whole(parts_.given.control_points()), work}},
-      {Kernel::EditJobs, {whole(parts_.edits.jobs), flags, work}},
       {Kernel::EditPoints,
        {places, whole(parts_.steps.words), links, corners, given, displacement,
-        whole(parts_.step.state()), work}}};
+        whole(parts_.step.state()), work}},
+      {Kernel::EditStale, {flags, work, stale}},
+      {Kernel::EditJobs, {whole(parts_.edits.jobs), flags, work, stale}}};
+  for (std::uint32_t i = 0; i < slots_.size(); ++i) {
+    // What has no list is never run, but has its place.
+    const BufferRange moves = slots_[i].has_list ? slots_[i].moves : work;
+    bound.push_back({Kernel::EditBegin, {moves, work}});
+    bound.push_back({Kernel::EditTake,
+                     {moves, whole(parts_.vertices), parts_.given.gather().gathers(i)[0].source,
+                      given, velocity, flags, work}});
+  }
   sets_ = DescriptorSets(context_, bound);
   for (std::size_t i = 0; i < kStages; ++i)
     pipelines_[i] = context_.pipelines().specialised(bound[i].kernel, {});
@@ -147,26 +172,30 @@ void GpuEdit::bind(const MovedPoints& moved) {
 
 void GpuEdit::record_clear(VkCommandBuffer commands) const noexcept {
   context_.vk().vkCmdFillBuffer(commands, flags_.handle(), 0, VK_WHOLE_SIZE, 0);
+  const VkBufferCopy heads{head_bytes_, 0, template_.size() - head_bytes_};
+  context_.vk().vkCmdCopyBuffer(commands, template_.handle(), stale_.handle(), 1, &heads);
 }
 
 void GpuEdit::wait(VkCommandBuffer commands) const noexcept {
   record_barrier(context_, commands, kIndirectScope, kIndirectScope);
 }
 
-void GpuEdit::record(VkCommandBuffer commands, std::uint32_t step_count,
+void GpuEdit::record(VkCommandBuffer commands, std::uint32_t slot, std::uint32_t step_count,
                      float stop_square) const noexcept {
-  const VkBufferCopy heads{0, 0, template_.size()};
+  if (!slots_[slot].has_list) return;
+  const VkBufferCopy heads{0, 0, head_bytes_};
   context_.vk().vkCmdCopyBuffer(commands, template_.handle(), work_.handle(), 1, &heads);
   parts_.solve.record_plan(commands, step_count);
   record_barrier(context_, commands, kEntryScope, kEntryScope);
-  record_dispatch(context_, commands, pipelines_[Begin], sets_[Begin], &parameters_, 1);
+  shared::EditParameters parameters = slots_[slot].parameters;
+  record_dispatch(context_, commands, pipelines_[Begin], set_of(Begin, slot), &parameters, 1);
   wait(commands);
-  shared::EditParameters parameters = parameters_;
   parameters.stop_square = stop_square;
-  const auto run = [&](Stage stage, std::uint32_t arguments) {
-    record_dispatch_indirect(context_, commands, pipelines_[stage], sets_[stage], &parameters,
-                             {work_.handle(), arguments * kEditWordBytes});
+  const auto run_by = [&](Stage stage, const Buffer& words, std::uint32_t arguments) {
+    record_dispatch_indirect(context_, commands, pipelines_[stage], set_of(stage, slot),
+                             &parameters, {words.handle(), arguments * kEditWordBytes});
   };
+  const auto run = [&](Stage stage, std::uint32_t arguments) { run_by(stage, work_, arguments); };
   const auto walk = [&](Stage stage, std::uint32_t arguments) {
     run(stage, arguments);
     wait(commands);
@@ -184,6 +213,10 @@ void GpuEdit::record(VkCommandBuffer commands, std::uint32_t step_count,
   run(Commit, shared::kEditForRows);
   run(Points, shared::kEditForRows);
   wait(commands);
+  if (slots_.size() > 1) {
+    run_by(Stale, stale_, slot * shared::kStaleWords + shared::kStaleArguments);
+    wait(commands);
+  }
   run(Jobs, shared::kEditForRows);
   parts_.solve.record_status_of(commands, step_count, stop_square);
   parts_.step.record_large_faces(commands);
@@ -192,7 +225,7 @@ void GpuEdit::record(VkCommandBuffer commands, std::uint32_t step_count,
     (void)parts_.sums->record(commands);
     wait(commands);
   }
-  if (evaluation_) evaluation_->record(commands);
+  if (slots_[slot].evaluation) slots_[slot].evaluation->record(commands);
   record_barrier(context_, commands, kExitScope, kExitScope);
 }
 

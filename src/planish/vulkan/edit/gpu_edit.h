@@ -1,7 +1,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "planish/vulkan/edit/edit_tables.h"
 #include "planish/vulkan/embed.h"
@@ -30,38 +34,53 @@ struct EditedParts {
 /// Externally synchronised; all that it was made of outlives it.
 class GpuEdit {
  public:
-  /// `layout` without a buffer: no vertices. Throws Error{OutOfMemory} naming the limit.
-  GpuEdit(Context& context, const EditedParts& parts, const MovedPoints& moved,
-          std::int32_t given_count, const VertexLayout& layout);
+  /// Slots without a list of moved points take no edits, those without vertices write none. Throws
+  /// Error{OutOfMemory} naming the limit.
+  GpuEdit(Context& context, const EditedParts& parts, std::int32_t given_count,
+          std::span<const FrameSlot> slots);
 
-  /// No row is in a list, as edits leave it: before the first of them. A copy, to be waited for.
+  /// No row is in a list, nor stale in any slot: before the first edit. A copy, to be waited for.
   void record_clear(VkCommandBuffer commands) const noexcept;
-  /// At most as many steps as the solve's plan has. Begins and ends within kEntryScope and
-  /// kExitScope.
-  void record(VkCommandBuffer commands, std::uint32_t step_count, float stop_square) const noexcept;
+  /// Of a slot's list; at most as many steps as the solve's plan has. Begins and ends within
+  /// kEntryScope and kExitScope.
+  void record(VkCommandBuffer commands, std::uint32_t slot, std::uint32_t step_count,
+              float stop_square) const noexcept;
 
   /// A buffer that begins with the words of an EditReach.
   [[nodiscard]] VkBuffer reach() const { return work_.handle(); }
 
  private:
-  enum Stage { Begin, Take, Residual, Advance, Commit, Jobs, Points };
-  static constexpr std::size_t kStages = 7;
+  /// The last two have sets of each slot.
+  enum Stage { Residual, Advance, Commit, Points, Stale, Jobs, Begin, Take };
+  static constexpr std::size_t kStages = 8;
+  static constexpr std::size_t kSlotStages = 2;
 
-  [[nodiscard]] BufferRange moves_range(const MovedPoints& moved);
-  void fill_parameters(std::int32_t given_count);
-  void make_work();
-  void bind(const MovedPoints& moved);
+  /// What the kernels of a slot's edits are given; the list's range is of one binding.
+  struct Slot {
+    bool has_list;
+    shared::EditParameters parameters;
+    BufferRange moves;
+    std::optional<GpuPatches> evaluation;
+  };
+
+  [[nodiscard]] shared::EditParameters common_parameters(std::int32_t given_count) const;
+  void make_slot(const FrameSlot& slot, std::uint32_t number, const shared::EditParameters& common);
+  void make_work(shared::EditParameters& parameters);
+  void bind();
+  [[nodiscard]] VkDescriptorSet set_of(Stage stage, std::uint32_t slot) const {
+    return sets_[stage < Begin ? stage : stage + kSlotStages * slot];
+  }
   void wait(VkCommandBuffer commands) const noexcept;
 
   Context& context_;
   EditedParts parts_;
   Instances instances_;
-  shared::EditParameters parameters_{};
   std::array<Pipeline, kStages> pipelines_;
-  Buffer template_;  // what the work's words begin with
-  Buffer work_, flags_, velocity_;
+  std::uint64_t head_bytes_ = 0;  // of the work's words
+  Buffer template_;               // what those begin with, then the heads of stale lists
+  Buffer work_, flags_, velocity_, stale_;
+  std::vector<Slot> slots_;
   DescriptorSets sets_;
-  std::optional<GpuPatches> evaluation_;
 };
 
 }  // namespace planish::vulkan

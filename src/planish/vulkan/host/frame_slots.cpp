@@ -32,6 +32,16 @@ void check_layout(const VertexLayout& layout, std::uint32_t max_stride) {
                      std::to_string(max_stride) + ", the DeviceSystem's max_vertex_stride");
 }
 
+void check_moved(const MovedPoints& moved, bool has_tables) {
+  if (!moved.buffer) return;
+  require_option(has_tables, "the DeviceSystem has no tables for edits; make it with takes_edits");
+  require_option(moved.max_count > 0,
+                 "the list of moved points has a max_count of 0; give its largest");
+  require_option(moved.offset % sizeof(std::uint32_t) == 0,
+                 "the list of moved points begins at " + std::to_string(moved.offset) +
+                     ", which is no multiple of 4 bytes");
+}
+
 // Of instances together: `bytes`, of which one has `each`.
 struct Span {
   const char* what;
@@ -77,6 +87,7 @@ FrameSlot with_strides(const InstanceSizes& sizes, FrameSlot slot) {
   if (!slot.given.buffer) slot.given.offset = 0, slot.given.stride = kVectorBytes;
   if (!slot.given.buffer || slot.given.instance_stride == 0)
     slot.given.instance_stride = sizes.given * slot.given.stride;
+  check_moved(slot.moved, sizes.takes_edits);
   if (slot.vertices.buffer) check_layout(slot.vertices, sizes.max_vertex_stride);
   if (slot.vertices.instance_stride == 0)
     slot.vertices.instance_stride = sizes.vertices * slot.vertices.stride;
@@ -111,7 +122,7 @@ std::vector<FrameSlot> checked_slots(const Context& context, const InstanceSizes
   require_option(
       count >= 1 && count <= kMostInstances,
       "instances " + std::to_string(count) + " are outside 1 to " + std::to_string(kMostInstances));
-  std::vector<FrameSlot> slots = {{options.given, options.vertices}};
+  std::vector<FrameSlot> slots = {{options.given, options.vertices, options.moved}};
   slots.insert(slots.end(), options.further_slots.begin(), options.further_slots.end());
   require_option(slots.size() <= kMostSlots,
                  std::to_string(slots.size()) + " slots are more than " +

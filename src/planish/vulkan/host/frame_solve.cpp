@@ -26,16 +26,6 @@ namespace planish::vulkan {
 
 namespace {
 
-void check_moved(const MovedPoints& moved, bool has_tables) {
-  if (!moved.buffer) return;
-  require_option(has_tables, "the DeviceSystem has no tables for edits; make it with takes_edits");
-  require_option(moved.max_count > 0,
-                 "the list of moved points has a max_count of 0; give its largest");
-  require_option(moved.offset % sizeof(std::uint32_t) == 0,
-                 "the list of moved points begins at " + std::to_string(moved.offset) +
-                     ", which is no multiple of 4 bytes");
-}
-
 GpuSolveOptions solve_options(const Context& context, const SolveOptions& options) {
   const std::uint64_t most = context.max_storage_range() / sizeof(shared::StepRecord) - 1;
   require_option(options.max_iterations >= 1 && options.max_iterations <= most,
@@ -145,8 +135,7 @@ struct Solve::Parts {
   /// Of each slot: the host's, or the Solve's own.
   std::vector<GivenPoints> given_points_of(std::span<const FrameSlot> slots);
   void make_patches(const PatchTables& tables, std::span<const FrameSlot> slots);
-  void make_edit(const DeviceSystem::Parts& system, const SolveOptions& options,
-                 const FrameSlot& slot);
+  void make_edit(const DeviceSystem::Parts& system, std::span<const FrameSlot> slots);
 };
 
 Solve::Parts::Progressive::Progressive(Context& context, const DeviceSystem::Parts& system,
@@ -161,17 +150,18 @@ Solve::Parts::Progressive::Progressive(Context& context, const DeviceSystem::Par
 
 InstanceSizes Solve::Parts::sizes_of(const DeviceSystem::Parts& system,
                                      const SolveOptions& options) {
-  const bool has_vertices =
-      options.vertices.buffer || std::ranges::any_of(options.further_slots, [](const auto& slot) {
-        return slot.vertices.buffer != VK_NULL_HANDLE;
-      });
+  const auto is_evaluated = [](const auto& slot) {
+    return slot.vertices.buffer != VK_NULL_HANDLE || slot.moved.buffer != VK_NULL_HANDLE;
+  };
   return {static_cast<std::uint64_t>(system.given_count),
           system.used_vertices.size(),
           static_cast<std::uint64_t>(system.patches->point_count),
           static_cast<std::uint64_t>(system.vertex_count),
           system.max_vertex_stride,
           system.fair.has_value(),
-          has_vertices || system.places || options.moved.buffer};
+          system.edits.has_value(),
+          is_evaluated(options) || std::ranges::any_of(options.further_slots, is_evaluated) ||
+              system.places};
 }
 
 std::vector<GivenPoints> Solve::Parts::given_points_of(std::span<const FrameSlot> slots) {
@@ -207,7 +197,6 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const Instan
       given_bytes(options.instances * of.given * kVectorBytes) {
   const std::vector<FrameSlot> slots = checked_slots(on, of, options);
   slot_count = static_cast<std::uint32_t>(slots.size());
-  check_moved(options.moved, system.edits.has_value());
   const std::vector<GivenPoints> points = given_points_of(slots);
   if (system.fair)
     fair.emplace(on, system, fair_options(options), points);
@@ -220,16 +209,17 @@ Solve::Parts::Parts(Context& on, const DeviceSystem::Parts& system, const Instan
   if (sizes.has_surface && system.patches->ring_count > 0)
     sums.emplace(on, *system.patches, given_points(), state_points(), sizes.rows, instances);
   make_patches(*system.patches, slots);
-  if (options.moved.buffer) make_edit(system, options, slots[0]);
+  if (std::ranges::any_of(
+          slots, [](const FrameSlot& slot) { return slot.moved.buffer != VK_NULL_HANDLE; }))
+    make_edit(system, slots);
 }
 
-void Solve::Parts::make_edit(const DeviceSystem::Parts& system, const SolveOptions& options,
-                             const FrameSlot& slot) {
+void Solve::Parts::make_edit(const DeviceSystem::Parts& system, std::span<const FrameSlot> slots) {
   edit.emplace(
       context,
       EditedParts{system.masks, system.vertices, *system.edits, *system.patches, *system.step,
                   progressive->solve, progressive->given, *step, sums ? &*sums : nullptr},
-      options.moved, system.given_count, slot.vertices);
+      system.given_count, slots);
 }
 
 Solve::Solve(Context& context, const DeviceSystem& system, const SolveOptions& options)
@@ -333,7 +323,8 @@ void Solve::record_edit(VkCommandBuffer commands, const EditParameters& paramete
   const LabelScope label(context, commands, "planish edit");
   record_barrier(context, commands, kExitScope, kEntryScope);
   write_first(context, commands, parameters.timestamps);
-  parts_->edit->record(commands, std::min(parameters.iterations, parts_->max_iterations),
+  parts_->edit->record(commands, parameters.slot % parts_->slot_count,
+                       std::min(parameters.iterations, parts_->max_iterations),
                        stop_square_of(parameters.stop_error));
   write_second(context, commands, parameters.timestamps);
 }

@@ -48,6 +48,7 @@ struct MovedPoints {
 struct FrameSlot {
   GivenPoints given;
   VertexLayout vertices;
+  MovedPoints moved;
 };
 
 struct SolveOptions {
@@ -60,7 +61,8 @@ struct SolveOptions {
   /// has its own points, which the host writes while earlier frames run, and its own vertices,
   /// which stay as they were while later frames run: those of the last slot are the last frame's
   /// positions, for motion vectors. All else is shared. Layouts may differ from slot to slot; slots
-  /// may also share a buffer. A further slot takes a few descriptors and no device memory.
+  /// may also share a buffer. A further slot takes a few descriptors and no device memory; with
+  /// edits 4 bytes a vertex.
   std::vector<FrameSlot> further_slots;
   /// Of the progressive method, 1 to 65,535: instances of the mesh that every recorded call does,
   /// in the dispatches of one, with one SolveParameters. Each has points, displacement, vertices
@@ -68,10 +70,10 @@ struct SolveOptions {
   /// it. Vectors of all instances (16 bytes a point of level 1, which are the mesh's corners) are
   /// one binding: Error{OutOfMemory} says how many a device can have.
   std::uint32_t instances = 1;
-  /// Where record_edit reads what has moved, of slot 0: the others follow by record_evaluate. The
-  /// DeviceSystem was made with takes_edits. Takes about 60 bytes a vertex of a quad mesh more;
-  /// vectors and tables are one binding each: Error{OutOfMemory} names what is not. No buffer:
-  /// there are no edits.
+  /// Where record_edit reads what has moved, of slot 0. The DeviceSystem was made with takes_edits.
+  /// Edits of all slots together take about 60 bytes a vertex of a quad mesh more; vectors and
+  /// tables are one binding each: Error{OutOfMemory} names what is not. No buffer: that slot has no
+  /// edits.
   MovedPoints moved;
 };
 
@@ -119,12 +121,17 @@ struct EditParameters {
   /// each instance; negative: do them all. System::tolerance() / 8 leaves control points within the
   /// tolerance of those of a solve from scratch, as the CPU's Editor does.
   float stop_error = -1;
+  /// Whose list and points are taken and whose vertices are written; counted modulo the number of
+  /// slots.
+  std::uint32_t slot = 0;
   Timestamps timestamps;
 };
 
 /// What an edit came to, of all instances: words of its own lists.
 struct EditReach {
-  std::uint32_t points;   ///< given points that were looked at, or whose surroundings moved
+  /// Given points that were looked at, or whose surroundings moved; those that edits of other slots
+  /// moved since this one's last edit, too.
+  std::uint32_t points;
   std::uint32_t patches;  ///< of corners, vertices, edges and faces, that were evaluated
   std::uint32_t listed;   ///< entries of the host's list that were read
 };
