@@ -21,15 +21,13 @@ using namespace vulkan;
 // Slots of a Solve beside the EditHost's own, made on the same tables.
 class SlotsOfEdits {
  public:
-  SlotsOfEdits(Context& context, const OwnDevice& device, EditHost& host, int count)
-      : host_(host) {
+  SlotsOfEdits(Context& context, const OwnDevice& device, EditHost& host, int count) : host_(host) {
     for (int i = 0; i < count; ++i) slots_.emplace_back(context, device, host);
     SolveOptions options;
     options.instances = host.instances;
     for (const Slot& slot : slots_)
-      options.further_slots.push_back({{slot.points.handle()},
-                                       {slot.output.handle()},
-                                       {slot.moves.handle(), 0, kMostMoves}});
+      options.further_slots.push_back(
+          {{slot.points.handle()}, {slot.output.handle()}, {slot.moves.handle(), 0, kMostMoves}});
     options.given = options.further_slots[0].given;
     options.vertices = options.further_slots[0].vertices;
     options.moved = options.further_slots[0].moved;
@@ -164,8 +162,7 @@ TEST_F(EmbedEditSlots, VerticesAreThoseOfOneSlot) {
           // One that is older: as it was when its edit was done.
           const int other = (slot + 1) % count;
           if (!expected[static_cast<std::size_t>(other)].empty() && i % 3 == 2) {
-            EXPECT_TRUE(
-                same_bits(slots.vertices(other), expected[static_cast<std::size_t>(other)]))
+            EXPECT_TRUE(same_bits(slots.vertices(other), expected[static_cast<std::size_t>(other)]))
                 << i;
           }
           if (i % 2 == 1) EXPECT_TRUE(same_bits(slots.vertices(slot), host.vertices())) << i;
