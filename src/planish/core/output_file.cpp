@@ -82,6 +82,9 @@ void OutputFile::reserve(std::uint64_t bytes) {
   if (failed == 0) reserved_ = bytes;
   // Anything else means that this file system has no such call.
   if (failed != 0 && (errno == ENOSPC || errno == EDQUOT)) fail(action);
+#elif defined(__EMSCRIPTEN__)
+  // A file in memory is copied whenever it grows.
+  if (bytes > reserved_ && ::ftruncate(file_, static_cast<off_t>(bytes)) == 0) reserved_ = bytes;
 #else
   (void)bytes;
 #endif

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <charconv>
 #include <fstream>
-#include <sstream>
 
 #include "planish/core/visible_text.h"
 
@@ -104,10 +103,10 @@ MaterialLibrary::MaterialLibrary(const fs::path& path) {
   std::string head(kHead, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  std::istringstream lines(head);
-  for (std::string line; std::getline(lines, line);) {
-    std::string_view rest = line;
-    if (take_word(rest) == "mtllib" && !rest.empty()) read(path, std::string(rest));
+  for (std::string_view lines = head; !lines.empty();) {
+    std::string_view line = lines.substr(0, lines.find('\n'));
+    lines.remove_prefix(std::min(line.size() + 1, lines.size()));
+    if (take_word(line) == "mtllib" && !line.empty()) read(path, std::string(line));
   }
 }
 
