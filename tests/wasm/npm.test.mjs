@@ -89,6 +89,70 @@ test('closest points and rays', () => {
   assert.equal(rays.faces[1], -1);
 });
 
+// Without a list of all that differs.
+const equal = (a, b, bound = 0) => a.length === b.length && a.every((value, i) => Math.abs(value - b[i]) <= bound);
+
+test('vertices move, and the surface follows where they reach', () => {
+  const mesh = planish.read(scene('goblet.obj'), 'goblet.obj');
+  const given = mesh.arrays();
+  for (const method of ['progressive', 'fair']) {
+    const fit = planish.fit(mesh, { method });
+    const editor = fit.edit(1);
+    const first = editor.rows();
+    const shown = { positions: first.positions.slice(), normals: first.normals.slice() };
+    const to = [0, 1, 2].map((d) => given.positions[3 * 4000 + d] + [0.004, -0.002, 0.003][d]);
+    const follow = (change) => change.rows.forEach((range) => {
+      for (const name of ['positions', 'normals']) shown[name].set(range[name], 3 * range.first);
+    });
+    const change = editor.move([4000], to);
+    follow(change);
+    assert.deepEqual([...change.vertices], [4000]);
+    assert.equal(change.isWhole, false);
+    const reached = change.rows.reduce((sum, { count }) => sum + count, 0);
+    assert.ok(reached > 9 && reached < shown.positions.length / 6, `${reached} rows`);
+    // As if the mesh had been so from the start.
+    const moved = { ...given, positions: given.positions.slice() };
+    moved.positions.set(to, 3 * 4000);
+    const anew = planish.fit(moved, { method }).evaluate(1);
+    const row = anew.baseVertices.indexOf(4000);
+    for (let d = 0; d < 3; ++d) assert.ok(Math.abs(shown.positions[3 * row + d] - to[d]) < 1e-6 * fit.info.diagonal);
+    const gap = anew.positions.reduce((most, x, i) => Math.max(most, Math.abs(x - shown.positions[i])), 0);
+    assert.ok(gap < 1e-5 * fit.info.diagonal, `${method}: ${gap}`);
+    assert.ok(equal(editor.fit().evaluate(1).positions, shown.positions, 1e-9));
+    assert.ok(editor.closest(to).distances[0] < 1e-6 * fit.info.diagonal);
+    assert.ok(editor.state.canUndo && editor.state.errorBound < 1e-6);
+    follow(editor.undo());
+    assert.deepEqual(editor.points, given.positions);
+    assert.ok(equal(shown.positions, first.positions, 1e-6 * fit.info.diagonal) && equal(shown.normals, first.normals, 1e-4));
+    follow(editor.redo());
+    assert.deepEqual([...editor.points.subarray(3 * 4000, 3 * 4000 + 3)], to);
+    const selected = editor.select([4000], 0.02 * fit.info.diagonal);
+    assert.equal(selected.weights[selected.vertices.indexOf(4000)], 1);
+    follow(editor.transform(selected, [1, 0, 0, 0.01, 0, 1, 0, 0, 0, 0, 1, 0]));
+    assert.ok(Math.abs(editor.points[3 * 4000] - to[0] - 0.01) < 1e-12);
+    assert.ok(equal(editor.fit().evaluate(1).normals, shown.normals, 1e-6));
+    editor.dispose();
+    fit.dispose();
+  }
+  mesh.dispose();
+});
+
+test('an editor makes edges sharp, and refuses what it cannot do', () => {
+  const editor = planish.fit(cube).edit(2, { origin: 'center' });
+  const near = editor.rays([-0.9, -0.9, 9], [0, 0, -1]).positions[2];
+  const change = editor.setSharp({ edges: [[4, 5], [5, 6], [6, 7], [7, 4]] });
+  assert.equal(change.isWhole, true);
+  const sharp = editor.rays([-0.9, -0.9, 9], [0, 0, -1]).positions[2];
+  assert.ok(Math.abs(sharp - near) > 1e-3, 'asked of the surface as it is now');
+  refused(() => editor.setSharp({ edges: [[0, 6]] }), 'INVALID_ARGUMENT', /edge/);
+  refused(() => editor.move([99], [0, 0, 0]), 'INVALID_ARGUMENT', /99/);
+  refused(() => editor.move([0, 1], [0, 0, 0]), 'INVALID_ARGUMENT', /x, y, z of 2/);
+  refused(() => editor.move([0], [NaN, 0, 0]), 'INVALID_ARGUMENT', /0/);
+  refused(() => planish.fit(cube).edit(7), 'INVALID_ARGUMENT', /0 to 6/);
+  editor.dispose();
+  refused(() => editor.undo(), 'INVALID_ARGUMENT', /disposed/);
+});
+
 test('a cage is fitted to its own surface', () => {
   const cage = planish.fit(cube, { method: 'progressive' }).cage();
   const arrays = cage.arrays();
@@ -141,7 +205,7 @@ test('errors say what, where and which', () => {
   refused(() => planish.fit({ positions: [1, 2] }), 'INVALID_ARGUMENT', /multiple of 3/);
   refused(() => planish.fit(cube).evaluate(9), 'INVALID_ARGUMENT', /0 to 6/);
   refused(() => planish.read(bytes('v 1 2\n'), 'bad.obj'), 'UNREADABLE_INPUT', /^bad.obj:1: vertex has 2/);
-  refused(() => planish.fit(cube).write('x.step'), 'INVALID_ARGUMENT', /x.step/);
+  refused(() => planish.fit(cube).write('x.iges'), 'INVALID_ARGUMENT', /x.iges/);
 });
 
 test('headers that promise more than there can be take no memory', () => {

@@ -5,7 +5,7 @@
 #include <string>
 #include <type_traits>
 
-#include "planish/c/planish.h"
+#include "planish/c/editor.h"
 
 namespace {
 
@@ -121,6 +121,24 @@ extern "C" const char* planish_wasm_layout() {
     MEMBER(ray_answers, positions);
     MEMBER(ray_answers, normals);
     MEMBER(ray_answers, t);
+    STRUCT(row_range);
+    MEMBER(row_range, first);
+    MEMBER(row_range, count);
+    STRUCT(edit_change);
+    MEMBER(edit_change, vertices);
+    MEMBER(edit_change, vertex_count);
+    MEMBER(edit_change, rows);
+    MEMBER(edit_change, range_count);
+    MEMBER(edit_change, is_whole);
+    STRUCT(editor_arrays);
+    MEMBER(editor_arrays, points);
+    MEMBER(editor_arrays, point_count);
+    MEMBER(editor_arrays, positions);
+    MEMBER(editor_arrays, normals);
+    MEMBER(editor_arrays, row_count);
+    MEMBER(editor_arrays, error_bound);
+    MEMBER(editor_arrays, can_undo);
+    MEMBER(editor_arrays, can_redo);
     return text;
   }();
   return layout.c_str();

@@ -1,9 +1,11 @@
 // A fitted surface, and what is asked of it.
-import { refuse, whole } from './error.js';
+import { Editor } from './editor.js';
+import { whole } from './error.js';
 import { Handle, check, isDone } from './handle.js';
 import { Memory } from './memory.js';
 import { Mesh } from './mesh.js';
 import { CHOICES, FitOptions } from './options.js';
+import { queriesOf } from './queries.js';
 import { surfaceOf } from './surface.js';
 
 function created(module, mesh, options, warnings) {
@@ -32,11 +34,15 @@ export function infoOf(info) {
   };
 }
 
+export function fitted(module, mesh, options) {
+  const warnings = [];
+  return new Fit(module, created(module, mesh, options, warnings), warnings);
+}
+
 export class Fit extends Handle {
   #queries;
-  constructor(module, mesh, options) {
-    const warnings = [];
-    super(module, created(module, mesh, options, warnings), '_planish_fit_free');
+  constructor(module, pointer, warnings) {
+    super(module, pointer, '_planish_fit_free');
     /** What was mended or noticed: {code, message}. */
     this.warnings = warnings;
     this.info = new Memory(module).use((memory) => {
@@ -103,47 +109,23 @@ export class Fit extends Handle {
   }
 
   get #asked() {
-    this.#queries ??= new Memory(this.module).use((memory) => {
-      const handle = memory.out();
-      check(this.module, this.module._planish_queries_create(this.alive, handle));
-      return new Handle(this.module, memory.pointer(handle), '_planish_queries_free');
-    });
-    return this.#queries.alive;
+    this.#queries ??= queriesOf(this, '_planish_queries_create');
+    return this.#queries;
   }
 
   /** The surface's closest points to x, y, z of each. */
   closest(points) {
-    if (points.length % 3 !== 0) refuse(`points: ${points.length} numbers, no multiple of 3`);
-    return this.#answers('closest_answers', points.length / 3, { distances: 1 }, (memory, answers) =>
-      this.module._planish_queries_closest(this.#asked, memory.f64(points), points.length / 3, answers));
+    return this.#asked.closest(points);
   }
 
   /** Where each ray first meets the surface; `faces` has -1 where it does not. */
-  rays(origins, directions, { tMin = 0, tMax = 1e300 } = {}) {
-    if (origins.length % 3 !== 0 || origins.length !== directions.length)
-      refuse('origins, directions: x, y, z of each ray are wanted, as many of both');
-    return this.#answers('ray_answers', origins.length / 3, { t: 1 }, (memory, answers) =>
-      this.module._planish_queries_first_hit(this.#asked, memory.f64(origins), memory.f64(directions),
-        origins.length / 3, tMin, tMax, answers));
+  rays(origins, directions, range) {
+    return this.#asked.rays(origins, directions, range);
   }
 
-  #answers(struct, count, further, ask) {
-    return new Memory(this.module).use((memory) => {
-      const numbers = { positions: 3, normals: 3, ...further };
-      const place = memory.layout.place;
-      const at = { places: memory.take(count * place.size) };
-      for (const [name, width] of Object.entries(numbers)) at[name] = memory.take(8 * width * count);
-      check(this.module, ask(memory, memory.struct(struct, at)));
-      const result = { faces: new Int32Array(count), places: new Float64Array(2 * count) };
-      for (let i = 0; i < count; ++i) {
-        const one = memory.read('place', at.places + i * place.size);
-        result.faces[i] = one.face;
-        result.places.set([one.u, one.v], 2 * i);
-      }
-      for (const [name, width] of Object.entries(numbers))
-        result[name] = memory.copy(Float64Array, at[name], width * count);
-      return result;
-    });
+  /** Moves vertices of this mesh, and keeps the rows of evaluate(level) right. */
+  edit(level = 2, { origin } = {}) {
+    return new Editor(this, whole([level], 'level')[0], origin, (pointer) => new Fit(this.module, pointer, []));
   }
 
   dispose() {

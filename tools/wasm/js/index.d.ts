@@ -137,18 +137,64 @@ export interface Mesh {
   dispose(): void;
 }
 
-export interface Fit {
+export interface Questions {
+  closest(points: ArrayLike<number>): Answers & { distances: Float64Array };
+  rays(origins: ArrayLike<number>, directions: ArrayLike<number>, range?: { tMin?: number; tMax?: number }):
+    Answers & { t: Float64Array };
+}
+
+export interface Fit extends Questions {
   readonly info: FitInfo;
   readonly warnings: { code: string; message: string }[];
   evaluate(level?: number, placing?: Placing): Surface;
   tessellate(options: { chordError?: number; angle?: number } & Placing): Surface;
-  /** glb, gltf, obj, ply, off, stl or usda, by the name's ending. */
+  /** glb, gltf, obj, ply, off, stl, usda or step, by the name's ending. */
   write(name: string, level?: number): Uint8Array;
   glb(level?: number): Uint8Array;
   cage(): Mesh;
-  closest(points: ArrayLike<number>): Answers & { distances: Float64Array };
-  rays(origins: ArrayLike<number>, directions: ArrayLike<number>, range?: { tMin?: number; tMax?: number }):
-    Answers & { t: Float64Array };
+  /** Moves vertices of this mesh and keeps the rows of evaluate(level) right; of a fit that has converged. */
+  edit(level?: number, placing?: Placing): Editor;
+  dispose(): void;
+}
+
+/** Rows `first` to `first + count - 1` of the surface's positions and normals. */
+export interface Rows {
+  first: number;
+  count: number;
+  positions: Float32Array;
+  normals: Float32Array;
+}
+
+/** What a call of an Editor has changed; all other rows are as they were, to the bit. */
+export interface EditChange {
+  /** That moved, ascending. */
+  vertices: Int32Array;
+  /** Ascending. */
+  rows: Rows[];
+  isWhole: boolean;
+}
+
+/** Vertices are those of the mesh as it was fitted. 64 moves can be taken back. */
+export interface Editor extends Questions {
+  readonly origin: [number, number, number];
+  /** x, y, z of each vertex, where it is now. */
+  readonly points: Float64Array;
+  /** errorBound: the surface is no farther from any vertex, of the diagonal. */
+  readonly state: { errorBound: number; canUndo: boolean; canRedo: boolean };
+  /** All of evaluate(level)'s, as they are now. */
+  rows(): Rows;
+  move(vertices: ArrayLike<number>, positions: ArrayLike<number>): EditChange;
+  /** Vertices within `radius` along edges, and weights that fall smoothly from 1 to 0. */
+  select(vertices: ArrayLike<number>, radius: number): { vertices: Int32Array; weights: Float64Array };
+  /** By an affine map, three rows of four numbers, each vertex by its weight of the way. */
+  transform(selection: { vertices: ArrayLike<number>; weights?: ArrayLike<number> }, matrix: ArrayLike<number>): EditChange;
+  setSharp(tags: { edges?: ArrayLike<number> | [number, number][]; corners?: ArrayLike<number>; sharp?: boolean }): EditChange;
+  undo(): EditChange;
+  redo(): EditChange;
+  /** Solves the whole mesh from where it is. */
+  settle(): EditChange;
+  /** The mesh and its surface as they are now. */
+  fit(): Fit;
   dispose(): void;
 }
 

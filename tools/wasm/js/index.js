@@ -1,7 +1,7 @@
 // The library behind planish/c/planish.h for JavaScript: meshes in, surfaces through all of their vertices out.
 import makeModule from './planish_library.mjs';
 import { PlanishError, refuse, whole } from './error.js';
-import { Fit, infoOf } from './fit.js';
+import { fitted, infoOf } from './fit.js';
 import { check } from './handle.js';
 import { Memory } from './memory.js';
 import { Mesh } from './mesh.js';
@@ -56,10 +56,10 @@ class Planish {
 
   /** Fits the surface; an arrays' mesh is taken for this fit only. */
   fit(mesh, options = {}) {
-    if (mesh instanceof Mesh) return new Fit(this.#module, mesh, options);
+    if (mesh instanceof Mesh) return fitted(this.#module, mesh, options);
     const made = this.mesh(mesh);
     try {
-      return new Fit(this.#module, made, options);
+      return fitted(this.#module, made, options);
     } finally {
       made.dispose();
     }

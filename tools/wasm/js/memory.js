@@ -22,7 +22,7 @@ function layoutOf(module) {
 }
 
 const SETTERS = { f64: 'setFloat64', i32: 'setInt32', u32: 'setUint32', ptr: 'setUint32' };
-const GETTERS = { f64: 'getFloat64', i32: 'getInt32', u32: 'getUint32', ptr: 'getUint32' };
+const GETTERS = { f64: 'getFloat64', i64: 'getBigInt64', i32: 'getInt32', u32: 'getUint32', ptr: 'getUint32' };
 
 export class Memory {
   #taken = [];
@@ -120,7 +120,7 @@ export class Memory {
     const view = new DataView(this.#buffer);
     const result = {};
     for (const [member, { type, offset }] of Object.entries(this.layout[name].members))
-      result[member] = view[GETTERS[type]](pointer + offset, true);
+      result[member] = Number(view[GETTERS[type]](pointer + offset, true));
     return result;
   }
 

@@ -2,7 +2,7 @@
 import { riders } from './mesh.js';
 
 // The middle of the box, where coordinates are so large that float32 would lose what is small.
-function middle(positions) {
+export function middle(positions) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < positions.length; ++i) {
     low[i % 3] = Math.min(low[i % 3], positions[i]);

@@ -1,0 +1,162 @@
+// A fitted mesh whose vertices move: only what they reach is solved and evaluated again.
+import { refuse, whole } from './error.js';
+import { Handle, check } from './handle.js';
+import { Memory } from './memory.js';
+import { queriesOf } from './queries.js';
+import { middle } from './surface.js';
+
+function created(fit, level) {
+  return new Memory(fit.module).use((memory) => {
+    const handle = memory.out();
+    check(fit.module, fit.module._planish_editor_create(fit.alive, level, handle));
+    return memory.pointer(handle);
+  });
+}
+
+export class Editor extends Handle {
+  #queries;
+  #fitOf;
+  /** `fitOf` makes a Fit of the library's. */
+  constructor(fit, level, origin = [0, 0, 0], fitOf) {
+    super(fit.module, created(fit, level), '_planish_editor_free');
+    this.#fitOf = fitOf;
+    /** Taken from positions before they become float32, for good. */
+    this.origin = origin === 'center' ? this.#viewed((memory, view) =>
+      middle(memory.copy(Float64Array, view.positions, 3 * view.row_count))) : [...origin];
+  }
+
+  #viewed(look) {
+    return new Memory(this.module).use((memory) => {
+      const at = memory.struct('editor_arrays', {});
+      check(this.module, this.module._planish_editor_view(this.alive, at));
+      return look(memory, memory.read('editor_arrays', at));
+    });
+  }
+
+  /** Where the mesh's vertices are now. */
+  get points() {
+    return this.#viewed((memory, view) => memory.copy(Float64Array, view.points, 3 * view.point_count));
+  }
+
+  get state() {
+    return this.#viewed((memory, view) =>
+      ({ errorBound: view.error_bound, canUndo: view.can_undo !== 0, canRedo: view.can_redo !== 0 }));
+  }
+
+  #rowsOf(memory, view, first, count) {
+    const exact = memory.copy(Float64Array, view.positions + 24 * first, 3 * count);
+    return {
+      first, count,
+      positions: Float32Array.from(exact, (value, k) => value - this.origin[k % 3]),
+      normals: memory.copy(Float32Array, view.normals + 12 * first, 3 * count),
+    };
+  }
+
+  /** All rows as they are now. */
+  rows() {
+    return this.#viewed((memory, view) => this.#rowsOf(memory, view, 0, view.row_count));
+  }
+
+  // What a call has changed: the vertices, and the rows of the surface's arrays.
+  #changed(call) {
+    return new Memory(this.module).use((memory) => {
+      const at = memory.struct('edit_change', {});
+      check(this.module, call(memory, at));
+      const change = memory.read('edit_change', at);
+      const { size } = memory.layout.row_range;
+      const rows = this.#viewed((inner, view) => Array.from({ length: change.range_count }, (_, i) => {
+        const { first, count } = inner.read('row_range', change.rows + i * size);
+        return this.#rowsOf(inner, view, first, count);
+      }));
+      return {
+        vertices: memory.copy(Int32Array, change.vertices, change.vertex_count), rows, isWhole: change.is_whole !== 0,
+      };
+    });
+  }
+
+  /** Moves vertices to x, y, z of each. */
+  move(vertices, positions) {
+    if (positions.length !== 3 * vertices.length) refuse(`positions: x, y, z of ${vertices.length} vertices are wanted`);
+    return this.#changed((memory, change) => this.module._planish_editor_move(this.alive,
+      memory.i32(whole(vertices, 'vertices')), memory.f64(positions), vertices.length, change));
+  }
+
+  /** The vertices within `radius` of some others along edges, and weights that fall from 1 there to 0. */
+  select(vertices, radius) {
+    return new Memory(this.module).use((memory) => {
+      const [selected, weights, count] = [memory.out(), memory.out(), memory.out()];
+      check(this.module, this.module._planish_editor_select(this.alive, memory.i32(whole(vertices, 'vertices')),
+        vertices.length, radius, selected, weights, count));
+      const length = memory.pointer(count);
+      return {
+        vertices: memory.copy(Int32Array, memory.pointer(selected), length),
+        weights: memory.copy(Float64Array, memory.pointer(weights), length),
+      };
+    });
+  }
+
+  /** Moves what select() gives by an affine map: three rows of four numbers; without weights all the way. */
+  transform({ vertices, weights }, matrix) {
+    if (matrix.length !== 12) refuse('matrix: three rows of four numbers are wanted');
+    if (weights && weights.length !== vertices.length) refuse('weights: one a vertex is wanted');
+    return this.#changed((memory, change) => this.module._planish_editor_transform(this.alive,
+      memory.i32(whole(vertices, 'vertices')), weights ? memory.f64(weights) : 0, vertices.length, memory.f64(matrix),
+      change));
+  }
+
+  /** Makes edges (pairs of vertices) and corners sharp, or smooth again. */
+  setSharp({ edges = [], corners = [], sharp = true }) {
+    const pairs = whole([...edges].flat(), 'edges');
+    if (pairs.length % 2 !== 0) refuse('edges: pairs of vertices are wanted');
+    this.#forget();
+    return this.#changed((memory, change) => this.module._planish_editor_set_sharp(this.alive, memory.i32(pairs),
+      pairs.length / 2, memory.i32(whole(corners, 'corners')), corners.length, sharp ? 1 : 0, change));
+  }
+
+  undo() {
+    return this.#changed((_, change) => this.module._planish_editor_undo(this.alive, change));
+  }
+
+  redo() {
+    return this.#changed((_, change) => this.module._planish_editor_redo(this.alive, change));
+  }
+
+  /** Solves the whole mesh from where it is. */
+  settle() {
+    return this.#changed((_, change) => this.module._planish_editor_settle(this.alive, change));
+  }
+
+  /** The mesh and its surface as they are now. */
+  fit() {
+    return new Memory(this.module).use((memory) => {
+      const handle = memory.out();
+      check(this.module, this.module._planish_editor_fit(this.alive, handle));
+      return this.#fitOf(memory.pointer(handle));
+    });
+  }
+
+  get #asked() {
+    this.#queries ??= queriesOf(this, '_planish_editor_queries');
+    return this.#queries;
+  }
+
+  /** As of a Fit, of the surface as it is now. */
+  closest(points) {
+    return this.#asked.closest(points);
+  }
+
+  rays(origins, directions, range) {
+    return this.#asked.rays(origins, directions, range);
+  }
+
+  // They answer for the surface as it was.
+  #forget() {
+    this.#queries?.dispose();
+    this.#queries = undefined;
+  }
+
+  dispose() {
+    this.#forget();
+    super.dispose();
+  }
+}
