@@ -1,6 +1,7 @@
 // What of the npm package needs no WebAssembly: that its modules fit together, what they write into the library's
 // memory, and that nothing is left behind: on a library that only remembers.
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -180,4 +181,19 @@ test('the package has every module, and no module is long', () => {
   };
   for (const name of ['index.js', 'worker.js', 'thread.js', 'three.js']) follow(name);
   for (const name of imported) assert.ok(listed.includes(`js/${name}`), `${name} is not in npm_parts`);
+});
+
+test('the page unpacks what xz has packed', () => {
+  const unlzma = new Function(`${readFileSync(join(root, 'tools/wasm/page/lzma.js'), 'utf8')}; return unlzma;`)();
+  let seed = 1;
+  const noise = Uint8Array.from({ length: 70000 }, () => (seed = (seed * 48271) % 0x7fffffff) & 255);
+  const far = new Uint8Array(3 << 20); // distances of more than a few bits
+  for (const at of [0, 2500000]) far.set(noise, at);
+  const settings = [['-9e'], ['-0'], ['--lzma1=lc=0,lp=2,pb=0']];
+  for (const bytes of [new Uint8Array(0), noise.subarray(0, 1), noise, new Uint8Array(90000), far, readFileSync(join(root, 'scenes/goblet.obj'))])
+    for (const setting of settings) {
+      const packed = execFileSync('xz', ['--format=lzma', ...setting, '--stdout'], { input: bytes, maxBuffer: 1 << 30 });
+      packed.writeBigUInt64LE(BigInt(bytes.length), 5);
+      assert.equal(Buffer.compare(unlzma(packed), bytes), 0, `${bytes.length} bytes, ${setting}`);
+    }
 });

@@ -59,5 +59,5 @@ endfunction()
 # planish_optimise_less(TARGET): for what parses flags and writes JSON, and has no loop to speed up. -Og
 # takes two thirds of the time of -O1.
 function(planish_optimise_less target)
-  target_compile_options(${target} PRIVATE "$<$<NOT:$<CONFIG:Debug>>:-Og>")
+  target_compile_options(${target} PRIVATE "$<$<NOT:$<OR:$<CONFIG:Debug>,$<PLATFORM_ID:Emscripten>>>:-Og>")
 endfunction()

@@ -1,13 +1,17 @@
 // make_page.mjs OUTPUT VERSION SCRIPT WASM REPORT NOTICES GOBLET: one HTML file of the parts in this folder, of the
 // command (its script and its WebAssembly), and of a report page, whose script and style the policy must allow, too.
+import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
-import { gzipSync } from 'node:zlib';
 
 const [output, version, script, wasm, report, notices, goblet] = process.argv.slice(2);
 const here = (name) => readFileSync(new URL(name, import.meta.url), 'utf8');
-const packed = (id, bytes) =>
-  `<script type="text/plain" id="${id}">${gzipSync(bytes, { level: 9 }).toString('base64')}</script>`;
+function packed(id, content) {
+  const bytes = Buffer.from(content);
+  const data = execFileSync('xz', ['--format=lzma', '-9e', '--stdout'], { input: bytes, maxBuffer: 1 << 30 });
+  data.writeBigUInt64LE(BigInt(bytes.length), 5); // which xz leaves open
+  return `<script type="text/plain" id="${id}">${data.toString('base64')}</script>`;
+}
 const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
 const allowed = (kind) => readFileSync(report, 'utf8').match(new RegExp(`${kind} ('sha256-[^']*')`))[1];
 const escaped = (text) => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;');
@@ -19,7 +23,7 @@ const classic = readFileSync(script, 'utf8').replaceAll('import.meta.url', 'self
 const parts = {
   version,
   style: here('page.css'),
-  script: here('page.js'),
+  script: here('lzma.js') + here('page.js'),
   notices: escaped(readFileSync(notices, 'utf8')),
   data: [
     packed('wasm', readFileSync(wasm)),

@@ -12,17 +12,17 @@ const quoted = (word) => (/^[\w.,:=/+-]+$/.test(word) ? word : `'${word.replaceA
 let chosen = []; // {name, bytes}
 let worker, links = [];
 
-async function unpack(id) {
-  const packed = Uint8Array.from(atob($(id).textContent), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
-  return new Response(stream).arrayBuffer();
+function unpack(id) {
+  return unlzma(Uint8Array.from(atob($(id).textContent), (letter) => letter.charCodeAt(0)));
 }
 
 // Compiled once, at the first fit; a job's worker takes it as it is.
 let program;
-function compiled() {
-  program ??= Promise.all([unpack('wasm').then((bytes) => WebAssembly.compile(bytes)), unpack('worker')])
-    .then(([module, script]) => ({ module, script: URL.createObjectURL(new Blob([script], { type: 'text/javascript' })) }));
+async function compiled() {
+  if (program) return program;
+  await new Promise((painted) => setTimeout(painted, 50));
+  const module = await WebAssembly.compile(unpack('wasm'));
+  program = { module, script: URL.createObjectURL(new Blob([unpack('worker')], { type: 'text/javascript' })) };
   return program;
 }
 
@@ -178,8 +178,8 @@ $('stop').addEventListener('click', () => {
   stop();
   fail('Stopped; nothing was written.');
 });
-$('example').addEventListener('click', async () => {
-  chosen = [{ name: 'goblet.obj', bytes: new Uint8Array(await unpack('goblet')) }];
+$('example').addEventListener('click', () => {
+  chosen = [{ name: 'goblet.obj', bytes: unpack('goblet') }];
   show();
   fit();
 });
