@@ -96,7 +96,7 @@ class Browser:
 
 
 class Tab:
-    """A page in a window of its own."""
+    """A page in a window of its own: a file's path, or an address of http."""
 
     def __init__(self, browser, path, link, size=(1200, 900), script=True, scheme="light",
                  motion="reduce"):
@@ -113,7 +113,8 @@ class Tab:
         self.media("")
         if not script:
             self.call("Emulation.setScriptExecutionDisabled", value=True)
-        self.call("Page.navigate", url=pathlib.Path(path).absolute().as_uri() + (f"#{link}" if link else ""))
+        address = path if str(path).startswith("http:") else pathlib.Path(path).absolute().as_uri()
+        self.call("Page.navigate", url=address + (f"#{link}" if link else ""))
 
     def call(self, method, **parameters):
         return self.browser.call(method, session=self.session, **parameters)

@@ -1,7 +1,7 @@
 // What runs in a PlanishWorker's thread.
 import { load } from './index.js';
 
-const port = globalThis.postMessage ? globalThis : (await import(/* @vite-ignore */ 'node:worker_threads')).parentPort;
+let port; // to whoever has started this
 const fits = new Map();
 let planish;
 
@@ -48,5 +48,13 @@ async function answer(message) {
   }
 }
 
-if (port.on) port.on('message', answer);
-else port.onmessage = (event) => answer(event.data);
+// No await outside of functions, which bundlers refuse for older browsers.
+if (globalThis.postMessage) {
+  port = globalThis;
+  port.onmessage = (event) => answer(event.data);
+} else {
+  import(/* @vite-ignore */ 'node:worker_threads').then(({ parentPort }) => {
+    port = parentPort;
+    port.on('message', answer);
+  });
+}

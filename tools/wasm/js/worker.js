@@ -2,8 +2,10 @@
 import { PlanishError } from './error.js';
 
 async function start() {
-  const Thread = globalThis.Worker ?? (await import(/* @vite-ignore */ 'node:worker_threads')).Worker;
-  return new Thread(new URL('./thread.js', import.meta.url), { type: 'module' });
+  // Word for word what bundlers look for, to take the thread's modules along.
+  if (globalThis.Worker) return new Worker(new URL('./thread.js', import.meta.url), { type: 'module' });
+  const threads = await import(/* @vite-ignore */ 'node:worker_threads');
+  return new threads.Worker(new URL('./thread.js', import.meta.url));
 }
 
 /** One thread; several make several jobs at once. */
