@@ -26,7 +26,7 @@ DeviceFrame::DeviceFrame(VulkanMachine& machine, const PolygonMesh& mesh,
       points(machine.context, mesh.positions.size() * sizeof(glm::vec3), MemoryUse::Device),
       vertices(machine.context, std::uint64_t(system.vertex_count()) * kFrameVertexBytes,
                MemoryUse::Device),
-      solve(make_solve(machine, points)) {
+      solve(make_solve(machine, {points.handle()})) {
   Buffer staging(machine.context, tables.upload_bytes(), MemoryUse::Upload);
   tables.write_upload(system, staging.mapped().first(tables.upload_bytes()));
   staging.flush();
@@ -37,8 +37,12 @@ DeviceFrame::DeviceFrame(VulkanMachine& machine, const PolygonMesh& mesh,
   });
 }
 
-vulkan::Solve DeviceFrame::make_solve(VulkanMachine& machine, const Buffer& given) const {
-  return {machine.context, tables, {.given = {given.handle()}, .vertices = {vertices.handle()}}};
+vulkan::Solve DeviceFrame::make_solve(VulkanMachine& machine,
+                                      std::initializer_list<VkBuffer> given) const {
+  SolveOptions options{.given = {*given.begin()}, .vertices = {vertices.handle()}};
+  for (auto slot = given.begin() + 1; slot != given.end(); ++slot)
+    options.further_slots.push_back({{*slot}, options.vertices, {}});
+  return {machine.context, tables, options};
 }
 
 void DeviceFrame::set_points(VulkanMachine& machine, std::span<const glm::vec3> pose) const {

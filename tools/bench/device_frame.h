@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <initializer_list>
 #include <memory>
 #include <span>
 
@@ -25,9 +26,9 @@ struct DeviceFrame {
   DeviceFrame(vulkan::VulkanMachine& machine, const PolygonMesh& mesh,
               const vulkan::SystemOptions& options);
 
-  /// Another solve of the same tables into the same vertices, of the points in `given`.
+  /// Another solve of the same tables into the same vertices, of each slot's points in `given`.
   [[nodiscard]] vulkan::Solve make_solve(vulkan::VulkanMachine& machine,
-                                         const vulkan::Buffer& given) const;
+                                         std::initializer_list<VkBuffer> given) const;
   void set_points(vulkan::VulkanMachine& machine, std::span<const glm::vec3> pose) const;
 
   vulkan::System system;

@@ -164,10 +164,8 @@ class FrameBudget {
     Slot(VulkanMachine& machine, const DeviceFrame& frame)
         : points(machine.context, frame.points.size(), MemoryUse::Device),
           staging(machine.context, frame.points.size(), MemoryUse::Upload),
-          solve(frame.make_solve(machine, points)),
           commands(machine.context, machine.device.capabilities().compute_family) {}
     Buffer points, staging;
-    vulkan::Solve solve;
     FencedCommands commands;
     bool is_under_way = false;
   };
@@ -178,7 +176,7 @@ class FrameBudget {
     Context& context;
   };
 
-  void submit(Slot& slot, int frame) {
+  void submit(const vulkan::Solve& solve, Slot& slot, int frame) {
     const std::span<const std::byte> bytes = std::as_bytes(std::span(pose(frame)));
     std::memcpy(slot.staging.mapped().data(), bytes.data(), bytes.size());
     slot.staging.flush();
@@ -187,8 +185,10 @@ class FrameBudget {
       record_barrier(machine_.context, commands, kExitScope, kEntryScope);
       machine_.context.vk().vkCmdCopyBuffer(commands, slot.staging.handle(), slot.points.handle(),
                                             1, &copy);
-      slot.solve.record_solve(commands, parameters(frame > 1));
-      slot.solve.record_evaluate(commands);
+      SolveParameters wanted = parameters(frame > 0);
+      wanted.slot = static_cast<std::uint32_t>(frame);
+      solve.record_solve(commands, wanted);
+      solve.record_evaluate(commands, {.slot = wanted.slot});
     });
     slot.is_under_way = true;
   }
@@ -196,6 +196,8 @@ class FrameBudget {
   // Two frames in flight, points that come from the host; from one end of a wait to the next.
   Row run_loop(int frame_count) {
     std::array<Slot, 2> slots = {Slot(machine_, frame_), Slot(machine_, frame_)};
+    const vulkan::Solve solve =
+        frame_.make_solve(machine_, {slots[0].points.handle(), slots[1].points.handle()});
     const Idle idle{machine_.context};
     std::vector<double> times;
     auto last = std::chrono::steady_clock::now();
@@ -211,7 +213,7 @@ class FrameBudget {
       }
       const std::chrono::duration<double> so_far = last - began;
       if (i == submitted && i < frame_count && (i < 2 || so_far.count() < kLoopSeconds)) {
-        submit(slot, i);
+        submit(solve, slot, i);
         ++submitted;
       }
     }

@@ -8,17 +8,6 @@
 namespace planish::viewer {
 namespace {
 
-vulkan::SolveOptions solve_options(VkBuffer points, VkBuffer vertices,
-                                   std::uint32_t max_iterations) {
-  constexpr std::uint32_t kFloat = sizeof(float);
-  vulkan::SolveOptions options;
-  options.max_iterations = max_iterations;
-  options.given = {points, 0, sizeof(glm::vec3)};
-  options.vertices = {vertices, 0, shared::kVertexFloats * kFloat, 0,
-                      shared::kNormalFloat * kFloat};
-  return options;
-}
-
 OwnedDescriptorPool make_pool(VkDevice device) {
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, shared::kBindingCount};
   VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
@@ -43,8 +32,7 @@ std::uint64_t vertex_bytes(vulkan::Context& context, const Model& model) {
 
 }  // namespace
 
-Frame::Frame(const Device& device, vulkan::Context& context, const Model& model,
-             const Pipelines& pipelines, std::uint32_t max_iterations)
+Frame::Frame(const Device& device, vulkan::Context& context, const Model& model)
     : points_(device, model.system().given_count() * sizeof(glm::vec3),
               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Place::Host),
       vertices_(device, vertex_bytes(context, model),
@@ -52,21 +40,26 @@ Frame::Frame(const Device& device, vulkan::Context& context, const Model& model,
                     VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                 Place::Device),
       status_(device, sizeof(vulkan::GpuStatus), VK_BUFFER_USAGE_TRANSFER_DST_BIT, Place::Host),
-      solve_(context, model.tables(), solve_options(points_, vertices_, max_iterations)),
-      pool_(make_pool(device)) {
-  write_set(device, model, pipelines.set_layout);
+      pool_(make_pool(device)) {}
+
+vulkan::FrameSlot Frame::slot() const {
+  constexpr std::uint32_t kFloat = sizeof(float);
+  return {
+      .given = {points_, 0, sizeof(glm::vec3)},
+      .vertices = {vertices_, 0, shared::kVertexFloats * kFloat, 0, shared::kNormalFloat * kFloat}};
 }
 
-void Frame::write_set(VkDevice device, const Model& model, VkDescriptorSetLayout layout) {
+void Frame::bind(VkDevice device, const Model& model, const Pipelines& pipelines,
+                 const vulkan::Solve& solve) {
   VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
   allocate.descriptorPool = pool_;
   allocate.descriptorSetCount = 1;
-  allocate.pSetLayouts = &layout;
+  allocate.pSetLayouts = pipelines.set_layout.address();
   vulkan::check(vkAllocateDescriptorSets(device, &allocate, &set_), "vkAllocateDescriptorSets");
   // In the order of the bindings in shared.h.
   const std::array<VkBuffer, shared::kBindingCount> buffers{
-      points_,       solve_.control_points(), vertices_,      model.used(),
-      model.edges(), model.offsets(),         model.nearest()};
+      points_,       solve.control_points(), vertices_,      model.used(),
+      model.edges(), model.offsets(),        model.nearest()};
   std::array<VkDescriptorBufferInfo, shared::kBindingCount> infos{};
   for (std::size_t i = 0; i < buffers.size(); ++i) infos[i] = {buffers[i], 0, VK_WHOLE_SIZE};
   VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};

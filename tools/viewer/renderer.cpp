@@ -89,11 +89,19 @@ void Renderer::build(int level) {
   scene_.system.level = level;
   auto model = std::make_unique<Model>(device_, context_, scene_);
   decltype(frames_) frames;
-  for (auto& frame : frames)
-    frame = std::make_unique<Frame>(device_, context_, *model, pipelines_, kMostIterations);
+  for (auto& frame : frames) frame = std::make_unique<Frame>(device_, context_, *model);
+  vulkan::SolveOptions options;
+  options.max_iterations = kMostIterations;
+  options.given = frames[0]->slot().given;
+  options.vertices = frames[0]->slot().vertices;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    options.further_slots.push_back(frames[i]->slot());
+  auto solve = std::make_unique<vulkan::Solve>(context_, model->tables(), options);
+  for (auto& frame : frames) frame->bind(device_, *model, pipelines_, *solve);
+  solve_ = std::move(solve);
   frames_ = std::move(frames);
   model_ = std::move(model);
-  is_warm_ = {};
+  is_warm_ = false;
   has_other_mesh_ = false;
 }
 
@@ -137,11 +145,14 @@ void Renderer::record_surface(VkCommandBuffer commands, const ViewSettings& sett
   const Frame& frame = *frames_[current_];
   vulkan::SolveParameters parameters;
   parameters.iterations = static_cast<std::uint32_t>(settings.iterations);
-  parameters.warm_start = settings.warm_start && is_warm_[current_];
-  is_warm_[current_] = true;
-  frame.solve().record_solve(commands, parameters);
-  frame.solve().record_evaluate(commands);
-  frame.solve().record_status(commands, frame.status_target(), 0);
+  parameters.warm_start = settings.warm_start && is_warm_;
+  parameters.slot = static_cast<std::uint32_t>(current_);
+  is_warm_ = true;
+  // The last frame may still draw the cage, which all frames share.
+  barrier(commands, kVertexScope, vulkan::kEntryScope);
+  solve_->record_solve(commands, parameters);
+  solve_->record_evaluate(commands, {.slot = parameters.slot});
+  solve_->record_status(commands, frame.status_target(), 0);
   host_barrier(commands);
   barrier(commands, vulkan::kExitScope, kErrorScope);
   record_errors(commands);

@@ -84,7 +84,8 @@ class Renderer {
   Pipelines pipelines_;
   std::unique_ptr<Model> model_;
   std::array<std::unique_ptr<Frame>, kFramesInFlight> frames_;
-  std::array<bool, kFramesInFlight> is_warm_{};
+  std::unique_ptr<vulkan::Solve> solve_;  // of all frames
+  bool is_warm_ = false;
   std::array<Slot, kFramesInFlight> slots_;
   std::size_t current_ = kFramesInFlight - 1;
   std::optional<vulkan::GpuStatus> status_;

@@ -301,8 +301,10 @@ class Solve {
   void record_status(VkCommandBuffer commands, VkBuffer target, VkDeviceSize offset) const noexcept;
 
   /// The control cage's points after record_evaluate: four floats each (the last is 0), one per
-  /// used vertex; may be bound as a vertex or storage buffer. Where the method is Fair the state of
-  /// level 1, as Subdivision documents it, after record_solve. Owned by the Solve.
+  /// used vertex; may be bound as a vertex or storage buffer. One for all slots, so that what reads
+  /// it is waited for, by a barrier to kEntryScope, before the next frame's work. Where the method
+  /// is Fair the state of level 1, as Subdivision documents it, after record_solve. Owned by the
+  /// Solve.
   [[nodiscard]] VkBuffer control_points() const;
   /// Bytes from an instance's control points to the next one's there.
   [[nodiscard]] VkDeviceSize control_point_stride() const;

@@ -17,23 +17,29 @@ void draw_frames(Application& app, const planish::PolygonMesh& mesh, int frame_c
   MappedBuffer indices =
       app.make_buffer(4 * tables.index_count(),
                       VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT);
-  MappedBuffer points = app.make_buffer(12 * tables.given_count(), storage);
-  MappedBuffer vertices = app.make_buffer(24 * tables.vertex_count(), storage);
+  MappedBuffer points[2], vertices[2];  // of two frames in flight
+  for (int slot : {0, 1}) {
+    points[slot] = app.make_buffer(12 * tables.given_count(), storage);
+    vertices[slot] = app.make_buffer(24 * tables.vertex_count(), storage);
+  }
   tables.write_upload(system, staging.bytes);
   app.run([&](VkCommandBuffer commands) {
     tables.record_upload(commands, staging.handle, 0, {indices.handle, 0});
   });
 
-  const pv::Solve solve(context, tables,  // one per frame in flight
-                        {.given = {points.handle}, .vertices = {vertices.handle}});
+  const pv::Solve solve(context, tables,  // one for all frames
+                        {.given = {points[0].handle},
+                         .vertices = {vertices[0].handle},
+                         .further_slots = {{{points[1].handle}, {vertices[1].handle}}}});
   for (int frame = 0; frame < frame_count; ++frame) {
-    move_points(frame, points.bytes);
+    const std::uint32_t slot = frame % 2;
+    move_points(frame, points[slot].bytes);
     app.run([&](VkCommandBuffer commands) {
-      solve.record_solve(commands, {.iterations = 20, .warm_start = frame > 0});
-      solve.record_evaluate(commands);  // limit positions and normals, into `vertices`
+      solve.record_solve(commands, {.iterations = 20, .warm_start = frame > 0, .slot = slot});
+      solve.record_evaluate(commands, {slot});  // limit positions and normals
       app.vertices_after(commands, pv::kExitScope.stages, pv::kExitScope.accesses);
     });
-    draw(frame, vertices.bytes, indices.bytes);
+    draw(frame, vertices[slot].bytes, vertices[1 - slot].bytes, indices.bytes);
   }
 }
 // README ends
