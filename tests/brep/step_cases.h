@@ -37,4 +37,15 @@ inline PolygonMesh creased_cube(bool all_around) {
   return mesh;
 }
 
+inline std::vector<NamedMesh> step_meshes() {
+  std::vector<NamedMesh> meshes = limit_meshes();
+  meshes.push_back({"single triangle", single_polygon(3)});
+  meshes.push_back({"300-gon drum", prism(300)});
+  meshes.push_back({"hub of 100", bipyramid(100)});
+  meshes.push_back({"valence 2", cube_with_split_edges()});
+  meshes.push_back({"torus", torus(12, 8, 3, 1)});
+  meshes.push_back({"small torus", torus(3, 3, 3, 1)});
+  return meshes;
+}
+
 }  // namespace planish::test

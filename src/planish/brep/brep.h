@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -8,7 +9,7 @@
 
 namespace planish {
 
-/// A surface as CAD programs hold it: untrimmed biquadratic B-spline faces that meet along edges.
+/// A surface as CAD programs hold it: untrimmed B-spline faces that meet along edges.
 /// All points are in model coordinates.
 struct Brep {
   /// An edge in a face's loop.
@@ -17,10 +18,10 @@ struct Brep {
     bool is_reversed = false;
   };
   struct Face {
-    /// Distinct ones, ascending; the first and the last count three times, all others once. The
-    /// parameters are quads of Q_1.
+    /// Distinct ones, ascending; the first and the last count degree + 1 times, all others once.
+    /// The parameters are quads of Q_1.
     std::vector<double> knots_u, knots_v;
-    /// (i, j) at i + j (knots_u.size() + 1), i along u.
+    /// (i, j) at i + j point_count(degree, knots_u), i along u.
     std::vector<glm::dvec3> points;
     std::vector<Use> loop;   ///< counter-clockwise
     std::int32_t group = 0;  ///< of the mesh's faces that it is made of
@@ -49,6 +50,7 @@ struct Brep {
     std::int32_t face = -1;  ///< -1: no face that is shown has it
     glm::dvec2 at{};
   };
+  std::size_t degree = 2;  ///< of faces along both parameters, and of edges
   std::vector<glm::dvec3> vertices;
   std::vector<Edge> edges;
   std::vector<Face> faces;
@@ -63,8 +65,8 @@ struct Brep {
 };
 
 /// The face's surface at (u, v).
-[[nodiscard]] glm::dvec3 point_of(const Brep::Face& face, const glm::dvec2& at);
-[[nodiscard]] glm::dvec3 point_of(const Brep::Edge& edge, double t);
+[[nodiscard]] glm::dvec3 point_of(const Brep& brep, const Brep::Face& face, const glm::dvec2& at);
+[[nodiscard]] glm::dvec3 point_of(const Brep& brep, const Brep::Edge& edge, double t);
 
 /// The end of a direction of Brep::Line.
 [[nodiscard]] inline glm::dvec2 unit_direction(int direction) {

@@ -41,8 +41,8 @@ Choice choose(CapMeasure& measure, std::span<const std::int32_t> corners, bool i
 
 }  // namespace
 
-CapDepths cap_depths(const LimitSurface& surface, const QuadLayout& layout, const CapLimits& limits,
-                     const Callbacks& callbacks) {
+CapDepths cap_depths(const SplineSurface& surface, const QuadLayout& layout,
+                     const CapLimits& limits, const Callbacks& callbacks) {
   const MeshTopology& topology = surface.topology();
   const std::int32_t first_face = topology.vertex_count() + topology.edge_count();
   // Faces first, which vertices' choices take for given.

@@ -13,7 +13,7 @@ constexpr int kDeepestCap = 12;
 /// The smallest depths, to kDeepestCap, that keep the limits, with moves where they let a depth
 /// be smaller. Reports step
 /// "faces" from 0 to 1.
-[[nodiscard]] CapDepths cap_depths(const LimitSurface& surface, const QuadLayout& layout,
+[[nodiscard]] CapDepths cap_depths(const SplineSurface& surface, const QuadLayout& layout,
                                    const CapLimits& limits, const Callbacks& callbacks);
 
 }  // namespace planish

@@ -16,10 +16,6 @@ constexpr double kLeastChange = 0.05;  // of a weight at once
 constexpr std::size_t kOwnPlaces = 15;
 constexpr double kDamping = 1e-12;  // where limits leave a move free
 
-// The basis function of the limit point on knots 0, 0, 0, 1, 2, and half of the next one's slope.
-double end_basis(double t) { return t < 1 ? (1 - t) * (1 - t) : 0; }
-double half_slope(double t) { return t < 1 ? 1 - 1.5 * t : 0.5 * t - 1; }
-
 // How a residual follows an unknown.
 struct Change {
   std::size_t unknown = 0;
@@ -57,16 +53,16 @@ void solve_positive(std::span<double> matrix, std::span<double> right) {
 }  // namespace
 
 CapMeasure::Cap::Border CapMeasure::Cap::border(bool along_y, double t) const {
-  const std::size_t step = along_y ? 3 : 1, across = along_y ? 1 : 3;
-  const BezierNet& net = t <= 1 ? inside : along_y ? beside_y : beside_x;
-  const double part = t <= 1 ? t : t - 1;
-  std::array<glm::dvec3, 3> a, d;
-  for (std::size_t k = 0; k < 3; ++k) {
-    a[k] = net[k * step];
-    d[k] = net[k * step + across] - a[k];
+  const std::size_t step = along_y ? degree + 1 : 1, across = along_y ? 1 : degree + 1;
+  const PointNet& net = t <= 1 ? inside : along_y ? beside_y : beside_x;
+  const BlossomArguments part = same_arguments(t <= 1 ? t : t - 1);
+  std::array<glm::dvec3, kMostSplineDegree + 1> along, side;
+  for (std::size_t k = 0; k <= degree; ++k) {
+    side[k] = net[k * step + across] - net[k * step];
+    if (k < degree) along[k] = net[(k + 1) * step] - net[k * step];
   }
-  return {(1 - part) * (a[1] - a[0]) + part * (a[2] - a[1]),
-          quadratic_blossom(d[0], d[1], d[2], part, part)};
+  return {bezier_blossom(along.data(), degree - 1, part),
+          bezier_blossom(side.data(), degree, part)};
 }
 
 glm::dvec3 CapMeasure::Cap::normal(bool along_y, double t) const {
@@ -74,21 +70,22 @@ glm::dvec3 CapMeasure::Cap::normal(bool along_y, double t) const {
   return along_y ? glm::cross(b.side, b.along) : glm::cross(b.along, b.side);
 }
 
-void CapMeasure::Cap::add(const CapMove& move) {
-  add_move(move, 0, 0, 1, inside);
-  add_move(move, 1, 0, 1, beside_x);
-  add_move(move, 0, 1, 1, beside_y);
+void CapMeasure::Cap::add(const CapBasis& basis, const CapMove& move) {
+  basis.add_move(move, 0, 0, 1, inside);
+  basis.add_move(move, 1, 0, 1, beside_x);
+  basis.add_move(move, 0, 1, 1, beside_y);
 }
 
-CornerPieces pieces_of(LimitSurface::Corner& corner, std::int32_t c, const QuadLayout& layout,
+CornerPieces pieces_of(SplinePatch& patch, std::int32_t corner, const QuadLayout& layout,
                        const CapDepths& depths) {
-  const std::array<std::int32_t, 2> vertices{layout.origin(4 * c), layout.origin(4 * c + 2)};
+  const std::array<std::int32_t, 2> vertices{layout.origin(4 * corner),
+                                             layout.origin(4 * corner + 2)};
   std::array<int, 2> depth{};
   for (const std::size_t end : {0u, 1u})
     depth[end] = depths.of_vertex[static_cast<std::size_t>(vertices[end])];
-  CornerPieces pieces(corner, depth[0], depth[1]);
+  CornerPieces pieces(patch, layout.degree(), depth);
   for (const std::size_t end : {0u, 1u}) {
-    const std::int32_t move = depths.of_corner[static_cast<std::size_t>(c)][end];
+    const std::int32_t move = depths.of_corner[static_cast<std::size_t>(corner)][end];
     if (move >= 0) pieces.move(depths.moves[static_cast<std::size_t>(move)], end == 1, depth[end]);
   }
   return pieces;
@@ -104,10 +101,11 @@ CapError CapMeasure::of(std::span<const std::int32_t> corners, bool is_face, int
     const std::int32_t c = corners[i];
     places_[i].clear();
     if (layout_.is_hidden(c)) continue;
-    corner_.move_to(c);
+    patch_->move_to(c);
     const std::int32_t face = layout_.origin(4 * c + 2);
-    CornerPieces pieces(corner_, depth,
-                        is_face ? depth : depths_.of_vertex[static_cast<std::size_t>(face)]);
+    CornerPieces pieces(
+        *patch_, surface_.degree(),
+        {depth, is_face ? depth : depths_.of_vertex[static_cast<std::size_t>(face)]});
     const std::int32_t across = is_face ? -1 : depths_.of_corner[static_cast<std::size_t>(c)][1];
     if (across >= 0)
       pieces.move(depths_.moves[static_cast<std::size_t>(across)], true,
@@ -116,11 +114,12 @@ CapError CapMeasure::of(std::span<const std::int32_t> corners, bool is_face, int
     const auto net = [&](double x, double y) {
       const SquarePiece& piece =
           is_face ? pieces.at(1 - size * x, 1 - size * y) : pieces.at(size * x, size * y);
-      BezierNet turned;
-      for (std::size_t k = 0; k < 9; ++k) turned[k] = piece.net[is_face ? 8 - k : k];
+      PointNet turned;
+      const std::size_t count = piece.net_size();
+      for (std::size_t k = 0; k < count; ++k) turned[k] = piece.net[is_face ? count - 1 - k : k];
       return turned;
     };
-    caps_[i] = {net(0.5, 0.5), net(1.5, 0.5), net(0.5, 1.5)};
+    caps_[i] = {surface_.degree(), net(0.5, 0.5), net(1.5, 0.5), net(0.5, 1.5)};
     add_places(c, depth, pieces, places_[i]);
     for (std::size_t k = 0; k < kOwnPlaces; ++k)
       error.deviation =
@@ -151,7 +150,7 @@ void CapMeasure::add_places(std::int32_t corner, int depth, const CornerPieces& 
       Place place{0.25 * k, 0.25 * j, {}, {}};
       const double x = scale * (1 - size * place.x), y = scale * (1 - size * place.y);
       if (across >= 0 && x < 2 && y < 2)
-        place.apart = moved_by(depths_.moves[static_cast<std::size_t>(across)], x, y);
+        place.apart = basis_.moved_by(depths_.moves[static_cast<std::size_t>(across)], x, y);
       places.push_back(place);
     }
   }
@@ -165,10 +164,10 @@ void CapMeasure::add_square(const SquarePiece& piece, bool is_at_face, int depth
     for (int k = j == 0 ? 1 : 0; k < 4; ++k) {
       const double u = piece.u + 0.25 * (is_at_face ? 4 - k : k) * piece.size;
       const double v = piece.v + 0.25 * (is_at_face ? 4 - j : j) * piece.size;
-      const PatchPoint exact = corner_.at({u, v});
+      const SplinePatch::Point exact = patch_->at(u, v);
       const double length = glm::length(exact.normal);
       places.push_back({scale * (is_face_ ? 1 - u : u), scale * (is_face_ ? 1 - v : v),
-                        piece.blossom({u, u}, {v, v}) - exact.position,
+                        piece.blossom(same_arguments(u), same_arguments(v)) - exact.position,
                         length > 0 ? exact.normal / length : glm::dvec3(0.0)});
     }
   }
@@ -205,9 +204,9 @@ bool CapMeasure::can_move() const {
 
 bool CapMeasure::move(const CapLimits& limits, CapError& moved) {
   if (!can_move()) return false;
-  corner_.move_to(corners_.front());
+  patch_->move_to(corners_.front());
   const double end = is_face_ ? 1 : 0;
-  const glm::dvec3 across = corner_.at({end, end}).normal;
+  const glm::dvec3 across = patch_->at(end, end).normal;
   const double length = glm::length(across);
   if (!(length > 0)) return false;
   moves_.assign(corners_.size(), {});
@@ -233,9 +232,9 @@ CapError CapMeasure::moved_error() const {
   error.angle = angle(2, kPlaces);
   for (std::size_t i = 0; i < places_.size(); ++i)
     for (const Place& place : places_[i])
-      error.deviation =
-          std::max(error.deviation,
-                   off_surface(place.apart + moved_by(moves_[i], place.x, place.y), place.normal));
+      error.deviation = std::max(
+          error.deviation,
+          off_surface(place.apart + basis_.moved_by(moves_[i], place.x, place.y), place.normal));
   return error;
 }
 
@@ -281,7 +280,8 @@ void CapMeasure::improve_moves(const glm::dvec3& normal, const CapLimits& limits
             glm::dot(glm::cross(of_left, other) + glm::cross(left, of_other), a.along) / scale};
       };
       constexpr glm::dvec3 kNone(0.0);
-      const double on = move_basis(t), at_point = end_basis(t), slope = half_slope(t);
+      const double on = basis_.beside(t), at_point = basis_.limit(t),
+                   slope = basis_.beside_slope(t);
       add(glm::dot(glm::cross(left, other), a.along) / scale,
           std::array{change(i, on * left_side, kNone), change(next, kNone, on * other_side),
                      change(n + i, slope * glm::cross(a.side, normal) - on * left_side,
@@ -291,12 +291,13 @@ void CapMeasure::improve_moves(const glm::dvec3& normal, const CapLimits& limits
     }
     for (const Place& place : places_[i]) {
       const glm::dvec3& across = place.normal == glm::dvec3(0.0) ? normal : place.normal;
-      const double off = glm::dot(place.apart + moved_by(moves_[i], place.x, place.y), across);
+      const double off =
+          glm::dot(place.apart + basis_.moved_by(moves_[i], place.x, place.y), across);
       const double part = glm::dot(normal, across) / limits.deviation;
-      const double x1 = move_basis(place.x), y1 = move_basis(place.y);
+      const double x1 = basis_.beside(place.x), y1 = basis_.beside(place.y);
       add(off / limits.deviation,
-          std::array{Change{i, part * x1 * y1}, Change{n + i, part * end_basis(place.x) * y1},
-                     Change{n + before, part * x1 * end_basis(place.y)}});
+          std::array{Change{i, part * x1 * y1}, Change{n + i, part * basis_.limit(place.x) * y1},
+                     Change{n + before, part * x1 * basis_.limit(place.y)}});
     }
   }
   double largest = 0;
@@ -307,7 +308,7 @@ void CapMeasure::improve_moves(const glm::dvec3& normal, const CapLimits& limits
   for (std::size_t i = 0; i < n; ++i) {
     const CapMove step{right[n + (i + n - 1) % n] * normal, right[n + i] * normal,
                        right[i] * normal};
-    caps_[i].add(step);
+    caps_[i].add(basis_, step);
     moves_[i].along_x += step.along_x;
     moves_[i].along_y += step.along_y;
     moves_[i].inside += step.inside;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -44,15 +45,19 @@ struct CapDepths {
 };
 
 /// A corner's polynomials with the depths and moves at its V and F, or at F alone.
-[[nodiscard]] CornerPieces pieces_of(LimitSurface::Corner& corner, std::int32_t c,
+[[nodiscard]] CornerPieces pieces_of(SplinePatch& patch, std::int32_t corner,
                                      const QuadLayout& layout, const CapDepths& depths);
 
 /// Measures the squares around one extraordinary point after another, and moves points beside it.
 class CapMeasure {
  public:
   /// `depths`: what was chosen at centres of faces, which choices at vertices take for given.
-  CapMeasure(const LimitSurface& surface, const QuadLayout& layout, const CapDepths& depths)
-      : surface_(surface), layout_(layout), depths_(depths), corner_(surface) {}
+  CapMeasure(const SplineSurface& surface, const QuadLayout& layout, const CapDepths& depths)
+      : surface_(surface),
+        layout_(layout),
+        depths_(depths),
+        patch_(surface.patch()),
+        basis_(surface.degree()) {}
 
   /// Squares of 2^-depth around a vertex of the mesh or, of a face, around its centre: `corners`
   /// are all of it, counter-clockwise.
@@ -71,15 +76,16 @@ class CapMeasure {
  private:
   // The squares of a corner that moves change, turned to have the point at (0, 0) of the first.
   struct Cap {
-    BezierNet inside{}, beside_x{}, beside_y{};
+    std::size_t degree = 2;
+    PointNet inside{}, beside_x{}, beside_y{};
 
-    // Derivatives along and across a border at t in [0, 2], in squares; not of unit length.
+    // Derivatives, by the degree, along and across a border at t in [0, 2], in squares.
     struct Border {
       glm::dvec3 along, side;
     };
     [[nodiscard]] Border border(bool along_y, double t) const;
     [[nodiscard]] glm::dvec3 normal(bool along_y, double t) const;
-    void add(const CapMove& move);
+    void add(const CapBasis& basis, const CapMove& move);
   };
   // A place, how far the squares are from the exact surface there, and its normal; 0: any.
   struct Place {
@@ -95,10 +101,11 @@ class CapMeasure {
   void improve_moves(const glm::dvec3& normal, const CapLimits& limits, double largest_part);
   [[nodiscard]] CapError moved_error() const;
 
-  const LimitSurface& surface_;
+  const SplineSurface& surface_;
   const QuadLayout& layout_;
   const CapDepths& depths_;
-  LimitSurface::Corner corner_;
+  std::unique_ptr<SplinePatch> patch_;
+  CapBasis basis_;
   std::vector<std::int32_t> corners_;
   bool is_face_ = false;
   std::vector<Cap> caps_;

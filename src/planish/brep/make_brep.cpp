@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "planish/brep/cap_depth.h"
+#include "planish/brep/doo_sabin_splines.h"
 #include "planish/brep/quad_layout.h"
 #include "planish/brep/shells.h"
 #include "planish/brep/spline_face.h"
@@ -90,7 +91,7 @@ std::vector<FaceEdges> make_topology(const QuadLayout& layout, std::size_t half_
 void require_memory_for(const QuadLayout& layout, const CapDepths& depths) {
   double bytes = 0;
   for (const QuadLayout::Rectangle& rectangle : layout.rectangles()) {
-    double inside = 3;
+    double inside = static_cast<double>(layout.degree()) + 1;
     for (int s = 0; s < 4; ++s) {
       const std::int32_t vertex = layout.origin(rectangle.side(s).front());
       if (layout.is_extraordinary(vertex))
@@ -141,7 +142,7 @@ void place_vertices(const QuadLayout& layout, std::int32_t face, Brep& brep) {
 
 }  // namespace
 
-Brep make_brep(const LimitSurface& surface, const BrepOptions& options, const Callbacks& callbacks,
+Brep make_brep(const SplineSurface& surface, const BrepOptions& options, const Callbacks& callbacks,
                std::span<const std::int32_t> groups) {
   check(options);
   const HostScope host(callbacks);
@@ -153,6 +154,7 @@ Brep make_brep(const LimitSurface& surface, const BrepOptions& options, const Ca
       cap_depths(surface, layout, {options.angle, options.deviation}, depths_callbacks);
   require_memory_for(layout, depths);
   Brep brep;
+  brep.degree = surface.degree();
   brep.extraordinary = depths.count;
   brep.moved = depths.moved;
   brep.deepest = depths.deepest;
@@ -168,7 +170,7 @@ Brep make_brep(const LimitSurface& surface, const BrepOptions& options, const Ca
     const SplineFace spline(surface, layout, depths, static_cast<std::int32_t>(f));
     Brep::Face& face = brep.faces[f];
     spline.fill(face);
-    face.is_flat = is_flat(face.points, surface.surface().placement().diagonal);
+    face.is_flat = is_flat(face.points, surface.placement().diagonal);
     if (!groups.empty()) {
       const std::int32_t corner = layout.rectangles()[f].cells.front().corner;
       face.group = groups[static_cast<std::size_t>(surface.topology().face_of(corner))];
@@ -188,9 +190,14 @@ Brep make_brep(const LimitSurface& surface, const BrepOptions& options, const Ca
     brep.vertices[static_cast<std::size_t>(edge.from)] = edge.points.front();
     brep.vertices[static_cast<std::size_t>(edge.to)] = edge.points.back();
   }
-  make_shells(surface, layout, brep);
+  make_shells(surface.topology(), layout, brep);
   callbacks.report("faces", 1);
   return brep;
+}
+
+Brep make_brep(const LimitSurface& surface, const BrepOptions& options, const Callbacks& callbacks,
+               std::span<const std::int32_t> groups) {
+  return make_brep(DooSabinSplines(surface), options, callbacks, groups);
 }
 
 }  // namespace planish

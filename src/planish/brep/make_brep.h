@@ -4,6 +4,7 @@
 #include <span>
 
 #include "planish/brep/brep.h"
+#include "planish/brep/spline_surface.h"
 #include "planish/core/callbacks.h"
 #include "planish/limit/limit_surface.h"
 
@@ -25,6 +26,10 @@ struct BrepOptions {
 /// threads. `groups`: one for each face of the mesh, that Brep::Face::group has and at whose
 /// borders faces end; empty: all have 0. Reports step "faces". Throws Error{InvalidArgument} for
 /// options out of range, Error{OutOfMemory} before memory is taken, Error{Cancelled}.
+[[nodiscard]] Brep make_brep(const SplineSurface& surface, const BrepOptions& options = {},
+                             const Callbacks& callbacks = {},
+                             std::span<const std::int32_t> groups = {});
+/// The same of a Doo-Sabin surface.
 [[nodiscard]] Brep make_brep(const LimitSurface& surface, const BrepOptions& options = {},
                              const Callbacks& callbacks = {},
                              std::span<const std::int32_t> groups = {});

@@ -36,7 +36,7 @@ std::vector<std::int32_t> QuadLayout::Rectangle::side(int index) const {
   return half_edges;
 }
 
-QuadLayout::QuadLayout(const LimitSurface& surface, std::int32_t face_size,
+QuadLayout::QuadLayout(const SplineSurface& surface, std::int32_t face_size,
                        std::span<const std::int32_t> groups)
     : surface_(surface), topology_(surface.topology()) {
   marked_.assign(4 * at(topology_.corner_count()), 0);
@@ -59,7 +59,7 @@ std::int32_t QuadLayout::vertex_count() const {
 }
 
 bool QuadLayout::is_hidden(std::int32_t corner) const {
-  const auto hidden = surface_.surface().hidden();
+  const auto hidden = surface_.hidden();
   return !hidden.empty() && hidden[at(topology_.face_of(corner))] != 0;
 }
 
@@ -95,9 +95,8 @@ std::int32_t QuadLayout::twin(std::int32_t h) const {
 }
 
 bool QuadLayout::is_sharp(std::int32_t h) const {
-  const PatchMesh& patches = surface_.surface().patches();
-  if ((h & 3) == 0) return patches.is_sharp(h / 4);
-  return (h & 3) == 3 && patches.is_sharp(topology_.prev(h / 4));
+  if ((h & 3) == 0) return surface_.is_sharp(h / 4);
+  return (h & 3) == 3 && surface_.is_sharp(topology_.prev(h / 4));
 }
 
 void QuadLayout::find_extraordinary() {
@@ -105,7 +104,6 @@ void QuadLayout::find_extraordinary() {
     if (topology_.face_size(f) != 4)
       extraordinary_[at(topology_.vertex_count() + topology_.edge_count() + f)] = 1;
   }
-  LimitSurface::Corner corner(surface_);
   for (std::int32_t v = 0; v < topology_.vertex_count(); ++v) {
     // Visible quads between edges where the surface ends or is sharp.
     bool is_regular = true;
@@ -128,8 +126,7 @@ void QuadLayout::find_extraordinary() {
       }
       if (twin(4 * c) < 0 || is_sharp(4 * c)) end_run();
       ++run;
-      corner.move_to(c);
-      is_regular = is_regular && !corner.form().is_singular_at_vertex();
+      is_regular = is_regular && !surface_.is_singular_at_vertex(c);
     }
     // What is left over belongs to the sector that was begun with.
     if (borders == 0) {

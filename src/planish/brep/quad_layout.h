@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "planish/limit/limit_surface.h"
+#include "planish/brep/spline_surface.h"
 
 namespace planish {
 
@@ -29,9 +29,11 @@ class QuadLayout {
 
   /// Rectangles of at most `face_size` quads a side, each of faces of one group. `groups`: one for
   /// each face of the mesh; empty: all have the same.
-  QuadLayout(const LimitSurface& surface, std::int32_t face_size,
+  QuadLayout(const SplineSurface& surface, std::int32_t face_size,
              std::span<const std::int32_t> groups = {});
 
+  /// Of the polynomials on the quads.
+  [[nodiscard]] std::size_t degree() const { return surface_.degree(); }
   [[nodiscard]] const std::vector<Rectangle>& rectangles() const { return rectangles_; }
   /// Vertices of Q_1: of the mesh, midpoints of its edges, centres of its faces.
   [[nodiscard]] std::int32_t origin(std::int32_t half_edge) const;
@@ -74,7 +76,7 @@ class QuadLayout {
   [[nodiscard]] bool cut(std::int32_t face_size);
   void find_ends();
 
-  const LimitSurface& surface_;
+  const SplineSurface& surface_;
   const MeshTopology& topology_;
   std::vector<std::uint8_t> marked_, extraordinary_, seen_, ends_;
   std::vector<Place> place_;

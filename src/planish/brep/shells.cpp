@@ -56,11 +56,11 @@ struct ShellPolygons {
 
 class Nesting {
  public:
-  Nesting(const LimitSurface& surface, const QuadLayout& layout, const Brep& brep)
-      : topology_(surface.topology()), points_(brep.places.size()), shells_(brep.shells.size()) {
+  Nesting(const MeshTopology& topology, const QuadLayout& layout, const Brep& brep)
+      : topology_(topology), points_(brep.places.size()), shells_(brep.shells.size()) {
     for (std::size_t v = 0; v < points_.size(); ++v) {
       const Brep::Place& place = brep.places[v];
-      if (place.face >= 0) points_[v] = point_of(brep.faces[slot(place.face)], place.at);
+      if (place.face >= 0) points_[v] = point_of(brep, brep.faces[slot(place.face)], place.at);
     }
     std::vector<std::int32_t> shell_of(brep.faces.size());
     for (std::size_t s = 0; s < brep.shells.size(); ++s)
@@ -123,9 +123,9 @@ class Nesting {
 
 }  // namespace
 
-void make_shells(const LimitSurface& surface, const QuadLayout& layout, Brep& brep) {
+void make_shells(const MeshTopology& topology, const QuadLayout& layout, Brep& brep) {
   join_faces(brep);
-  const Nesting nesting(surface, layout, brep);
+  const Nesting nesting(topology, layout, brep);
   for (std::size_t s = 0; s < brep.shells.size(); ++s)
     brep.shells[s].is_inside_out = brep.shells[s].is_closed && nesting.shell(s).volume < 0;
   for (std::size_t s = 0; s < brep.shells.size(); ++s) {

@@ -7,15 +7,22 @@
 namespace planish {
 namespace {
 
-// Of second differences over a quad, of the diagonal: rounding of what is one polynomial.
+// Of differences of the degree over a quad, of the diagonal: rounding of what is one polynomial.
 constexpr double kSamePolynomial = 2e-14;
 
-// A place of the rectangle's cell as its quad's corner has it.
-struct TurnedPair {
-  BlossomPair u, v;
+// Of a place of the rectangle's cell, as its quad's corner has it.
+struct TurnedArguments {
+  BlossomArguments u, v;
 };
-BlossomPair mirrored(BlossomPair p) { return {1 - p.first, 1 - p.second}; }
-TurnedPair turned(std::int32_t turn, BlossomPair x, BlossomPair y) {
+BlossomArguments mirrored(BlossomArguments arguments) {
+  for (double& t : arguments) t = 1 - t;
+  return arguments;
+}
+BlossomArguments less(BlossomArguments arguments, double by) {
+  for (double& t : arguments) t -= by;
+  return arguments;
+}
+TurnedArguments turned(std::int32_t turn, const BlossomArguments& x, const BlossomArguments& y) {
   switch (turn) {
     case 0:
       return {x, y};
@@ -32,31 +39,25 @@ double middle(std::span<const double> knots, std::size_t span) {
   return 0.5 * (knots[span] + knots[span + 1]);
 }
 
-// Arguments of the blossom that control point i is.
-BlossomPair arguments(std::span<const double> knots, std::size_t i) {
-  const std::size_t last = knots.size() - 1;
-  return {knots[i == 0 ? 0 : i - 1], knots[std::min(i, last)]};
-}
-
-// A span in which the control point has a say.
+// A span in which control point i has a say.
 std::size_t span_of(std::span<const double> knots, std::size_t i) {
   return std::min(i == 0 ? 0 : i - 1, knots.size() - 2);
 }
 
 }  // namespace
 
-SplineFace::SplineFace(const LimitSurface& surface, const QuadLayout& layout,
+SplineFace::SplineFace(const SplineSurface& surface, const QuadLayout& layout,
                        const CapDepths& depths, std::int32_t rectangle)
     : surface_(surface),
       layout_(layout),
       depths_(depths),
       cells_(layout.rectangles()[static_cast<std::size_t>(rectangle)]),
       rectangle_(rectangle) {
-  LimitSurface::Corner corner(surface);
+  const std::unique_ptr<SplinePatch> patch = surface.patch();
   pieces_.reserve(cells_.cells.size());
   for (const QuadLayout::Cell& cell : cells_.cells) {
-    corner.move_to(cell.corner);
-    pieces_.push_back(pieces_of(corner, cell.corner, layout, depths));
+    patch->move_to(cell.corner);
+    pieces_.push_back(pieces_of(*patch, cell.corner, layout, depths));
   }
   const std::vector<double> x = all_knots(false), y = all_knots(true);
   knots_x_ = needed(x, y, false);
@@ -79,34 +80,36 @@ std::vector<double> SplineFace::all_knots(bool along_y) const {
   return knots;
 }
 
-glm::dvec3 SplineFace::blossom(glm::dvec2 inside, BlossomPair x, BlossomPair y) const {
+glm::dvec3 SplineFace::blossom(glm::dvec2 inside, const BlossomArguments& x,
+                               const BlossomArguments& y) const {
   const std::int32_t i = std::clamp(static_cast<std::int32_t>(inside.x), 0, cells_.width - 1);
   const std::int32_t j = std::clamp(static_cast<std::int32_t>(inside.y), 0, cells_.height - 1);
   const std::int32_t turn = cells_.cell(i, j).turn;
   const double px = inside.x - i, py = inside.y - j;
-  const TurnedPair place = turned(turn, {px, px}, {py, py});
-  const TurnedPair at = turned(turn, {x.first - i, x.second - i}, {y.first - j, y.second - j});
+  const TurnedArguments place = turned(turn, same_arguments(px), same_arguments(py));
+  const TurnedArguments at = turned(turn, less(x, i), less(y, j));
   return pieces_[static_cast<std::size_t>(i + cells_.width * j)]
-      .at(place.u.first, place.v.first)
+      .at(place.u[0], place.v[0])
       .blossom(at.u, at.v);
 }
 
 std::vector<double> SplineFace::needed(std::span<const double> knots,
                                        std::span<const double> others, bool along_y) const {
+  const std::size_t degree = surface_.degree();
   std::vector<double> kept{knots.front()};
   for (std::size_t k = 1; k + 1 < knots.size(); ++k) {
     const double t = knots[k], before = middle(knots, k - 1), after = middle(knots, k);
     bool is_needed = false;
     for (std::size_t o = 0; o + 1 < others.size() && !is_needed; ++o) {
       const double across = middle(others, o);
-      for (const BlossomPair pair :
-           {BlossomPair{others[o], others[o]}, BlossomPair{others[o], others[o + 1]},
-            BlossomPair{others[o + 1], others[o + 1]}}) {
-        const BlossomPair next{t + 1, t + 1};
+      for (std::size_t p = 0; p <= degree && !is_needed; ++p) {
+        const BlossomArguments point = bezier_arguments(degree, p, others[o], others[o + 1]);
+        const BlossomArguments next = same_arguments(t + 1);
         const glm::dvec3 apart =
-            along_y ? blossom({across, before}, pair, next) - blossom({across, after}, pair, next)
-                    : blossom({before, across}, next, pair) - blossom({after, across}, next, pair);
-        is_needed = is_needed || glm::length(apart) > kSamePolynomial;
+            along_y
+                ? blossom({across, before}, point, next) - blossom({across, after}, point, next)
+                : blossom({before, across}, next, point) - blossom({after, across}, next, point);
+        is_needed = glm::length(apart) > kSamePolynomial;
       }
     }
     if (is_needed) kept.push_back(t);
@@ -118,14 +121,15 @@ std::vector<double> SplineFace::needed(std::span<const double> knots,
 void SplineFace::fill(Brep::Face& face) const {
   face.knots_u = knots_x_;
   face.knots_v = knots_y_;
-  const std::size_t rows = knots_x_.size() + 1, columns = knots_y_.size() + 1;
+  const std::size_t degree = surface_.degree();
+  const std::size_t rows = point_count(degree, knots_x_), columns = point_count(degree, knots_y_);
   face.points.reserve(rows * columns);
   for (std::size_t j = 0; j < columns; ++j) {
     for (std::size_t i = 0; i < rows; ++i) {
       const glm::dvec2 inside{middle(knots_x_, span_of(knots_x_, i)),
                               middle(knots_y_, span_of(knots_y_, j))};
-      face.points.push_back(surface_.surface().placement().to_model(
-          blossom(inside, arguments(knots_x_, i), arguments(knots_y_, j))));
+      face.points.push_back(surface_.placement().to_model(blossom(
+          inside, knot_arguments(degree, knots_x_, i), knot_arguments(degree, knots_y_, j))));
     }
   }
 }
@@ -140,13 +144,14 @@ void SplineFace::fill(Brep::Edge& edge, int side, std::int32_t first, std::int32
   }
   knots.push_back(high);
   const double line = side == 1 ? cells_.width : side == 2 ? cells_.height : 0;
-  const BlossomPair on_line{line, line};
-  for (std::size_t i = 0; i <= knots.size(); ++i) {
+  const BlossomArguments on_line = same_arguments(line);
+  const std::size_t degree = surface_.degree(), count_of_points = point_count(degree, knots);
+  for (std::size_t i = 0; i < count_of_points; ++i) {
     const double inside = middle(knots, span_of(knots, i));
-    const BlossomPair along = arguments(knots, i);
+    const BlossomArguments along = knot_arguments(degree, knots, i);
     edge.points.push_back(
-        surface_.surface().placement().to_model(along_y ? blossom({line, inside}, on_line, along)
-                                                        : blossom({inside, line}, along, on_line)));
+        surface_.placement().to_model(along_y ? blossom({line, inside}, on_line, along)
+                                              : blossom({inside, line}, along, on_line)));
   }
   if (is_back) {
     std::ranges::reverse(edge.points);

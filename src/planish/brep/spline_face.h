@@ -15,7 +15,7 @@ namespace planish {
 class SplineFace {
  public:
   /// All of it must outlive the face.
-  SplineFace(const LimitSurface& surface, const QuadLayout& layout, const CapDepths& depths,
+  SplineFace(const SplineSurface& surface, const QuadLayout& layout, const CapDepths& depths,
              std::int32_t rectangle);
 
   /// Sets knots and points. Lines of Q_1 on which polynomials go on are no knots.
@@ -26,12 +26,13 @@ class SplineFace {
                                 bool is_reversed) const;
 
  private:
-  [[nodiscard]] glm::dvec3 blossom(glm::dvec2 inside, BlossomPair x, BlossomPair y) const;
+  [[nodiscard]] glm::dvec3 blossom(glm::dvec2 inside, const BlossomArguments& x,
+                                   const BlossomArguments& y) const;
   [[nodiscard]] std::vector<double> all_knots(bool along_y) const;
   [[nodiscard]] std::vector<double> needed(std::span<const double> knots,
                                            std::span<const double> others, bool along_y) const;
 
-  const LimitSurface& surface_;
+  const SplineSurface& surface_;
   const QuadLayout& layout_;
   const CapDepths& depths_;
   const QuadLayout::Rectangle& cells_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "planish/brep/square_piece.h"
 #include "planish/core/parallel.h"
 
 namespace planish {
@@ -11,22 +12,18 @@ namespace {
 
 constexpr std::int64_t kPlaneEntities = 4, kUnknown = 0;
 
-// Blossom arguments of the control points along a line of knots.
-struct Arguments {
-  double low = 0, high = 0;
-};
-Arguments arguments_of(std::span<const double> knots, std::size_t i) {
-  return {knots[i == 0 ? 0 : i - 1], knots[std::min(i, knots.size() - 1)]};
-}
-
-// The control point of that pair of arguments; npos where none has it.
+// The control point of these arguments, ascending; kNone where none has them.
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-std::size_t point_of_arguments(std::span<const double> knots, const Arguments& wanted) {
-  const auto found = std::ranges::lower_bound(knots, wanted.high);
-  if (found == knots.end() || *found != wanted.high) return kNone;
-  const auto k = static_cast<std::size_t>(found - knots.begin());
-  if (wanted.low == wanted.high) return k == 0 ? 0 : k + 1 == knots.size() ? k + 1 : kNone;
-  return k > 0 && knots[k - 1] == wanted.low ? k : kNone;
+std::size_t point_of_arguments(std::size_t degree, std::span<const double> knots,
+                               std::span<const double> wanted) {
+  const auto found = std::ranges::lower_bound(knots, wanted.back());
+  if (found == knots.end() || *found != wanted.back()) return kNone;
+  // Behind the last knot's first one, each has it once more.
+  auto i = static_cast<std::size_t>(found - knots.begin());
+  if (i + 1 == knots.size())
+    i += static_cast<std::size_t>(std::ranges::count(wanted, wanted.back())) - 1;
+  const BlossomArguments own = knot_arguments(degree, knots, i);
+  return std::equal(wanted.begin(), wanted.end(), own.begin()) ? i : kNone;
 }
 
 }  // namespace
@@ -84,7 +81,8 @@ std::int64_t StepNumbers::line(const Brep::Line& line) const {
 
 std::int64_t StepNumbers::points(std::int64_t f, std::vector<std::int64_t>& numbers) const {
   const Brep::Face& face = brep_.faces[static_cast<std::size_t>(f)];
-  const std::size_t rows = face.knots_u.size() + 1, columns = face.knots_v.size() + 1;
+  const std::size_t rows = point_count(brep_.degree, face.knots_u),
+                    columns = point_count(brep_.degree, face.knots_v);
   numbers.assign(face.points.size(), kUnknown);
   for (const Brep::Use& use : face.loop) {
     const Brep::Edge& edge = brep_.edges[static_cast<std::size_t>(use.edge)];
@@ -96,10 +94,12 @@ std::int64_t StepNumbers::points(std::int64_t f, std::vector<std::int64_t>& numb
     const std::size_t place = across == 0 ? 0 : (along_u ? columns : rows) - 1;
     const std::size_t last = edge.points.size() - 1;
     for (std::size_t j = 0; j <= last; ++j) {
-      const Arguments own = arguments_of(edge.knots, j);
-      const double a = from + sign * own.low, b = from + sign * own.high;
-      const std::size_t i = point_of_arguments(along_u ? face.knots_u : face.knots_v,
-                                               {std::min(a, b), std::max(a, b)});
+      BlossomArguments own = knot_arguments(brep_.degree, edge.knots, j);
+      const std::span<double> there(own.data(), brep_.degree);
+      for (double& t : there) t = from + sign * t;
+      std::ranges::sort(there);
+      const std::size_t i =
+          point_of_arguments(brep_.degree, along_u ? face.knots_u : face.knots_v, there);
       if (i == kNone) continue;
       numbers[along_u ? i + rows * place : place + rows * i] =
           j == 0      ? first_of_vertex(edge.from)

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "planish/brep/square_piece.h"
 #include "planish/brep/step_sections.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/output_file.h"
@@ -19,7 +20,8 @@ namespace {
 using Ref = StepText::Reference;
 
 // One line of knots for a curve, two for a surface: multiplicities of all, then values of all.
-void put_knots(StepText& text, std::initializer_list<std::span<const double>> lines) {
+void put_knots(StepText& text, std::size_t degree,
+               std::initializer_list<std::span<const double>> lines) {
   for (const bool are_values : {false, true}) {
     for (const std::span<const double> knots : lines) {
       text.put(',');
@@ -28,7 +30,7 @@ void put_knots(StepText& text, std::initializer_list<std::span<const double>> li
         if (are_values) {
           text.put(knots[i]);
         } else {
-          text.put(i == 0 || i + 1 == knots.size() ? '3' : '1');
+          text.integer(i == 0 || i + 1 == knots.size() ? static_cast<std::int64_t>(degree) + 1 : 1);
         }
       }
       text.put(')');
@@ -49,7 +51,9 @@ void put_edge(StepText& text, const Brep& brep, const StepNumbers& numbers, std:
   const Brep::Edge& edge = brep.edges[static_cast<std::size_t>(e)];
   const std::int64_t first = text.next_id();
   for (std::size_t i = 1; i + 1 < edge.points.size(); ++i) text.point(edge.points[i]);
-  std::int64_t curve = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',2,(");
+  std::int64_t curve = text.begin("B_SPLINE_CURVE_WITH_KNOTS('',");
+  text.integer(static_cast<std::int64_t>(brep.degree));
+  text.put(",(");
   text.put(Ref{numbers.first_of_vertex(edge.from)});
   for (std::size_t i = 1; i + 1 < edge.points.size(); ++i) {
     text.put(',');
@@ -58,7 +62,7 @@ void put_edge(StepText& text, const Brep& brep, const StepNumbers& numbers, std:
   text.put(',');
   text.put(Ref{numbers.first_of_vertex(edge.to)});
   text.put("),.UNSPECIFIED.,.F.,.F.");
-  put_knots(text, {edge.knots});
+  put_knots(text, brep.degree, {edge.knots});
   // Planes stand for themselves.
   std::array<std::int64_t, 2> beside{};
   bool has_curves = false;
@@ -90,7 +94,7 @@ void put_edge(StepText& text, const Brep& brep, const StepNumbers& numbers, std:
 // Through three corners of the face.
 std::int64_t put_plane(StepText& text, const Brep& brep, const StepNumbers& numbers,
                        const Brep::Face& face) {
-  const std::size_t rows = face.knots_u.size() + 1;
+  const std::size_t rows = point_count(brep.degree, face.knots_u);
   const glm::dvec3 origin = face.points.front();
   const glm::dvec3 x = glm::normalize(face.points[rows - 1] - origin);
   const glm::dvec3 z =
@@ -108,15 +112,21 @@ std::int64_t put_plane(StepText& text, const Brep& brep, const StepNumbers& numb
   return text.entity("PLANE('',", Ref{place}, ')');
 }
 
-std::int64_t put_surface(StepText& text, const StepNumbers& numbers, const Brep::Face& face,
+std::int64_t put_surface(StepText& text, const Brep& brep, const StepNumbers& numbers,
                          std::int64_t f) {
+  const Brep::Face& face = brep.faces[static_cast<std::size_t>(f)];
   std::vector<std::int64_t> points;
   numbers.points(f, points);
   std::int64_t own = text.next_id();
   for (std::size_t i = 0; i < points.size(); ++i)
     if (points[i] == own) own = text.point(face.points[i]) + 1;
-  const std::size_t rows = face.knots_u.size() + 1, columns = face.knots_v.size() + 1;
-  const std::int64_t surface = text.begin("B_SPLINE_SURFACE_WITH_KNOTS('',2,2,");
+  const std::size_t rows = point_count(brep.degree, face.knots_u),
+                    columns = point_count(brep.degree, face.knots_v);
+  const std::int64_t surface = text.begin("B_SPLINE_SURFACE_WITH_KNOTS('',");
+  for (int k = 0; k < 2; ++k) {
+    text.integer(static_cast<std::int64_t>(brep.degree));
+    text.put(',');
+  }
   for (std::size_t i = 0; i < rows; ++i) {
     for (std::size_t j = 0; j < columns; ++j) {
       text.put(j > 0 ? "," : i == 0 ? "((" : "),(");
@@ -124,7 +134,7 @@ std::int64_t put_surface(StepText& text, const StepNumbers& numbers, const Brep:
     }
   }
   text.put(")),.UNSPECIFIED.,.F.,.F.,.F.");
-  put_knots(text, {face.knots_u, face.knots_v});
+  put_knots(text, brep.degree, {face.knots_u, face.knots_v});
   return surface;
 }
 
@@ -132,7 +142,7 @@ void put_face(StepText& text, const Brep& brep, const StepNumbers& numbers,
               const StepOptions& options, std::int64_t f) {
   const Brep::Face& face = brep.faces[static_cast<std::size_t>(f)];
   const std::int64_t surface =
-      face.is_flat ? put_plane(text, brep, numbers, face) : put_surface(text, numbers, face, f);
+      face.is_flat ? put_plane(text, brep, numbers, face) : put_surface(text, brep, numbers, f);
   const std::int64_t uses = text.next_id();
   for (const Brep::Use& use : face.loop) {
     text.entity("ORIENTED_EDGE('',*,*,", Ref{numbers.edge(use.edge)},

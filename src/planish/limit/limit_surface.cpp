@@ -59,7 +59,7 @@ LimitSurface::LimitSurface(std::shared_ptr<const DooSabinSurface> surface)
 void LimitSurface::Corner::move_to(std::int32_t corner) {
   if (corner == corner_) return;
   corner_ = corner;
-  form_ = whole_.form_list_[whole_.form_of_corner_[static_cast<std::size_t>(corner)]];
+  form_ = &whole_.form(corner);
   const PatchMesh& patches = whole_.surface_->patches();
   indices_.resize(static_cast<std::size_t>(form_->column_count));
   patches.gather(patches.corner_patch(corner), indices_.data(), 1);
@@ -129,7 +129,7 @@ void LimitSurface::evaluate(std::span<const SurfaceParameter> places,
 SurfaceStencil LimitSurface::stencil(const SurfaceParameter& at) const {
   const CornerParameter place = corner_parameter(topology(), at);
   const PatchMesh& patches = surface_->patches();
-  const PatchForm& form = *form_list_[form_of_corner_[static_cast<std::size_t>(place.corner)]];
+  const PatchForm& form = this->form(place.corner);
   const auto count = static_cast<std::size_t>(form.column_count);
   std::vector<std::int32_t> points(count);
   patches.gather(patches.corner_patch(place.corner), points.data(), 1);

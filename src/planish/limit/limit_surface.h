@@ -49,6 +49,9 @@ class LimitSurface {
   [[nodiscard]] const MeshTopology& topology() const { return surface_->topology(); }
   /// The forms of all its corners.
   [[nodiscard]] std::span<const PatchForm* const> forms() const { return form_list_; }
+  [[nodiscard]] const PatchForm& form(std::int32_t corner) const {
+    return *form_list_[form_of_corner_[static_cast<std::size_t>(corner)]];
+  }
 
   /// Throws Error{InvalidArgument} for places outside, see corner_parameter(). At borders of faces
   /// and corners second derivatives are those of the side that is asked for.

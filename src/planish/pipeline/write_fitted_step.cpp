@@ -54,7 +54,7 @@ double shortest_span(const Brep& brep) {
           const Brep::Edge& edge = brep.edges[e];
           glm::dvec3 from = edge.points.front();
           for (std::size_t k = 1; k < edge.knots.size(); ++k) {
-            const glm::dvec3 to = point_of(edge, edge.knots[k]);
+            const glm::dvec3 to = point_of(brep, edge, edge.knots[k]);
             shortest = std::min(shortest, safe_length(to - from));
             from = to;
           }
@@ -76,7 +76,7 @@ double largest_distance(const Brep& brep, const FittedMesh& fitted) {
           const Brep::Place& place = brep.places[v];
           if (place.face < 0) continue;
           const glm::dvec3 there =
-              point_of(brep.faces[static_cast<std::size_t>(place.face)], place.at);
+              point_of(brep, brep.faces[static_cast<std::size_t>(place.face)], place.at);
           largest =
               std::max(largest, safe_length(there - given[static_cast<std::size_t>(vertices[v])]));
         }
