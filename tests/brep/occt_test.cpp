@@ -28,22 +28,31 @@ TEST(OpenCascade, ReadsWhatIsWritten) {
 #include <string>
 
 #include "limit/limit_case.h"
+#include "planish/brep/catmull_clark_splines.h"
 #include "planish/brep/make_brep.h"
 #include "planish/brep/write_step.h"
 
 namespace planish::test {
 namespace {
 
-TopoDS_Shape shape_of(const LimitCase& c, const BrepOptions& options = {}) {
+TopoDS_Shape shape_of(const Brep& brep, double diagonal) {
   // Tests run beside one another.
   const char* const test = testing::UnitTest::GetInstance()->current_test_info()->name();
   const auto path =
       (std::filesystem::path(testing::TempDir()) / (std::string(test) + ".step")).string();
-  write_step(path, make_brep(c.limit, options), {.diagonal = c.surface->placement().diagonal});
+  write_step(path, brep, {.diagonal = diagonal});
   STEPControl_Reader reader;
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) return {};
   reader.TransferRoots();
   return reader.OneShape();
+}
+
+TopoDS_Shape shape_of(const LimitCase& c) {
+  return shape_of(make_brep(c.limit), c.surface->placement().diagonal);
+}
+TopoDS_Shape catmull_clark_shape(const PolygonMesh& mesh) {
+  const CatmullClarkSplines splines(mesh, {});
+  return shape_of(make_brep(splines), splines.placement().diagonal);
 }
 
 std::vector<TopoDS_Shape> parts(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
@@ -60,10 +69,11 @@ double volume(const TopoDS_Shape& shape) {
   return properties.Mass();
 }
 
-// Of fine triangles, to second order in their size.
-double volume(const LimitCase& c) {
+// Of fine triangles, to second order in their size, by the surface of a level.
+template <class OfLevel>
+double volume_by(const OfLevel& surface) {
   const auto of_level = [&](int level) {
-    const SurfaceMesh fine = c.tessellated(level);
+    const SurfaceMesh fine = surface(level);
     double sum = 0;
     for (std::int64_t f = 0; f < fine.face_count(); ++f) {
       const std::int32_t* const v = fine.face_vertices.data() + 4 * f;
@@ -76,6 +86,9 @@ double volume(const LimitCase& c) {
   };
   return (4 * of_level(5) - of_level(4)) / 3;
 }
+double volume(const LimitCase& c) {
+  return volume_by([&](int level) { return c.tessellated(level); });
+}
 
 void expect_valid(const TopoDS_Shape& shape) {
   EXPECT_TRUE(BRepCheck_Analyzer(shape, Standard_True).IsValid());
@@ -85,28 +98,43 @@ void expect_valid(const TopoDS_Shape& shape) {
     ASSERT_LE(BRep_Tool::Tolerance(TopoDS::Vertex(vertex)), 1e-6);
 }
 
-TEST(OpenCascade, ReadsSolidsOfTheSurfacesVolume) {
+std::vector<NamedMesh> solids() {
   PolygonMesh creased = cube();
   creased.creases = {{0, 1}, {1, 3}, {3, 2}, {2, 0}};
-  const std::vector<NamedMesh> meshes{
-      {"cube", cube()},    {"creased cube", creased},   {"torus", torus(9, 7, 3, 1)},
-      {"prism", prism(5)}, {"icosphere", icosphere(1)}, {"hub", bipyramid(9)}};
-  for (const auto& [name, mesh] : meshes) {
+  return {{"cube", cube()},    {"creased cube", creased},   {"torus", torus(9, 7, 3, 1)},
+          {"prism", prism(5)}, {"icosphere", icosphere(1)}, {"hub", bipyramid(9)}};
+}
+
+void expect_solid(const TopoDS_Shape& shape, double wanted) {
+  ASSERT_EQ(parts(shape, TopAbs_SOLID).size(), 1u);
+  for (const TopoDS_Shape& shell : parts(shape, TopAbs_SHELL))
+    EXPECT_TRUE(BRep_Tool::IsClosed(shell));
+  expect_valid(shape);
+  EXPECT_NEAR(volume(shape), wanted, 1e-5 * std::abs(wanted));
+}
+
+TEST(OpenCascade, ReadsSolidsOfTheSurfacesVolume) {
+  for (const auto& [name, mesh] : solids()) {
     SCOPED_TRACE(name);
     const LimitCase c(mesh);
-    const TopoDS_Shape shape = shape_of(c);
-    ASSERT_EQ(parts(shape, TopAbs_SOLID).size(), 1u);
-    for (const TopoDS_Shape& shell : parts(shape, TopAbs_SHELL))
-      EXPECT_TRUE(BRep_Tool::IsClosed(shell));
-    expect_valid(shape);
-    const double whole = volume(shape);
-    EXPECT_NEAR(whole, volume(c), 1e-5 * std::abs(whole));
+    expect_solid(shape_of(c), volume(c));
+  }
+}
+
+TEST(OpenCascade, ReadsSolidsOfCatmullClarkSurfaces) {
+  for (const auto& [name, mesh] : solids()) {
+    SCOPED_TRACE(name);
+    expect_solid(catmull_clark_shape(mesh), volume_by([&mesh = mesh](int level) {
+                   return evaluate(mesh, *make_cpu_backend(),
+                                   {.level = level, .scheme = Scheme::CatmullClark});
+                 }));
   }
 }
 
 TEST(OpenCascade, CutsThemByABox) {
-  for (const PolygonMesh& mesh : {cube(), torus(9, 7, 3, 1)}) {
-    const TopoDS_Shape shape = shape_of(LimitCase(mesh));
+  for (const TopoDS_Shape& shape :
+       {shape_of(LimitCase(cube())), shape_of(LimitCase(torus(9, 7, 3, 1))),
+        catmull_clark_shape(cube()), catmull_clark_shape(prism(5))}) {
     const TopoDS_Shape box =
         BRepPrimAPI_MakeBox(gp_Pnt(0.1234, -10, -10), gp_Pnt(10, 10, 10)).Shape();
     BRepAlgoAPI_Cut outside(shape, box);

@@ -229,12 +229,9 @@ TEST_F(StepCommand, RefusesByName) {
     EXPECT_EQ(result.exit_code, 2);
     return result.err;
   };
-  for (const char* scheme : {"catmull-clark", "loop"}) {
-    EXPECT_THAT(error({"--scheme", scheme}),
-                AllOf(HasSubstr(std::string("p.step: STEP is made of Doo-Sabin surfaces, not of ") +
-                                scheme),
-                      HasSubstr("take --scheme doo-sabin, or a format of meshes")));
-  }
+  EXPECT_THAT(error({"--scheme", "loop"}),
+              AllOf(HasSubstr("p.step: STEP's faces are quads, and patches of loop are triangles"),
+                    HasSubstr("take --scheme doo-sabin or catmull-clark, or a format of meshes")));
   EXPECT_THAT(error({"--step-unit", "km"}), HasSubstr("--step-unit: \"km\""));
   EXPECT_THAT(error({"--step-angle", "0"}), HasSubstr("above 0 to 90 degrees are wanted"));
   EXPECT_THAT(error({"--step-angle", "91"}), HasSubstr("--step-angle: 91"));
@@ -271,8 +268,34 @@ TEST_F(StepCommand, ScenesAndTheLibraryWriteTheSameBytes) {
   options.mesh.fit.scheme = Scheme::Loop;
   const std::string message = message_of(ErrorCode::InvalidArgument,
                                          [&] { (void)fit_file(torus_, path("d.step"), options); });
-  EXPECT_THAT(message, HasSubstr("d.step: STEP is made of Doo-Sabin surfaces, not of loop"));
+  EXPECT_THAT(message, HasSubstr("d.step: STEP's faces are quads, and patches of loop are"));
   EXPECT_FALSE(exists("d.step"));
+}
+
+TEST_F(StepCommand, WritesCatmullClarkSurfaces) {
+  const nlohmann::json output = reported(torus_, {"--scheme", "catmull-clark"});
+  EXPECT_EQ(output["step"]["solids"], 1);
+  EXPECT_EQ(output["step"]["extraordinary"], 0);
+  EXPECT_LE(output["as_written_error"], 1e-6);
+  const StepFile file(path("p.step"));
+  for (const std::int64_t id : file.all("B_SPLINE_SURFACE_WITH_KNOTS"))
+    ASSERT_EQ(file.at(id).values[1].number(), 3);
+  // fit_file() writes the same.
+  FitFileOptions options;
+  options.mesh.fit.scheme = Scheme::CatmullClark;
+  const FileFit done = fit_file(torus_, path("d.step"), options);
+  EXPECT_EQ(done.step->faces, output["step"]["faces"]);
+  EXPECT_EQ(read("p.step").size(), read("d.step").size());
+}
+
+TEST_F(StepCommand, CreasesOfCatmullClarkThatAreSharpForSomeStepsAreRefused) {
+  // OBJ cannot say it; a cage of OpenSubdiv's shapes can.
+  write("semi.obj", cube_obj() + "t crease 2/1/0 0 1 2.5\n");
+  const ProcessResult result =
+      fit(path("semi.obj"), {"--scheme", "catmull-clark", "-o", path("p.step")});
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("crease of sharpness 2.5"));
+  EXPECT_FALSE(exists("p.step"));
 }
 
 TEST_F(StepCommand, DryRunsSayTheLeastFaces) {

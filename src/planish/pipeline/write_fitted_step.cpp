@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "planish/brep/catmull_clark_splines.h"
+#include "planish/brep/doo_sabin_splines.h"
 #include "planish/core/counted.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
@@ -13,6 +15,7 @@
 #include "planish/files/gltf/gltf_materials.h"
 #include "planish/pipeline/option_words.h"
 #include "planish/surface/block_quality.h"
+#include "planish/surface/surface_quality.h"
 
 namespace planish {
 namespace {
@@ -102,12 +105,11 @@ double folded_part(const FittedMesh& fitted, const LimitSurface& limit) {
   return surface_quality(*blocks, fitted.mesh, {}, {}).folded_area;
 }
 
-void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted,
-          const LimitSurface& limit, const StepFileOptions& options) {
+void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted, double folded,
+          const StepFileOptions& options) {
   const auto say = [&](const char* code, const std::string& message, std::int64_t count = 1) {
     options.callbacks.warn({code, name + ": " + message, count});
   };
-  const double folded = folded_part(fitted, limit);
   if (folded >= kSoundFoldedArea)
     say("step-folds",
         few_digits(100 * folded) +
@@ -144,34 +146,17 @@ void warn(const std::string& name, const Brep& brep, const FittedMesh& fitted,
   if (!lost.empty()) options.callbacks.warn({"lost-attributes", lost});
 }
 
-}  // namespace
-
-void require_step_scheme(Scheme scheme, std::string_view where) {
-  if (scheme == Scheme::DooSabin) return;
-  refuse(where, "STEP is made of Doo-Sabin surfaces, not of " +
-                    std::string(word_of(kSchemeWords, scheme)) +
-                    (scheme == Scheme::Loop ? ", whose patches are triangles" : "") +
-                    "; take --scheme doo-sabin, or a format of meshes");
-}
-
-StepUnit settled_unit(StepUnit unit, std::string_view format) {
-  if (unit != StepUnit::OfInput) return unit;
-  const auto all = formats();
-  const auto found = std::ranges::find(all, format, &FormatInfo::name);
-  return found != all.end() && found->is_gltf ? StepUnit::Metre : StepUnit::Millimetre;
-}
-
-StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
-                              const LimitSurface& limit, const StepFileOptions& options) {
-  require_step_scheme(fitted.options.scheme, visible(path));
+StepFigures write_faces(const std::filesystem::path& path, const FittedMesh& fitted,
+                        const SplineSurface& surface, double folded,
+                        const StepFileOptions& options) {
   const HostScope host(options.callbacks);
   const BrepOptions& wanted = options.settings.faces;
   constexpr double kFacesShare = 0.7;  // of the time
   std::vector<StepGroup> groups = groups_of(fitted.mesh, options.materials);
   const Brep brep = make_brep(
-      limit, wanted, share_of(options.callbacks, 0, kFacesShare),
+      surface, wanted, share_of(options.callbacks, 0, kFacesShare),
       groups.size() > 1 ? std::span(fitted.mesh.face_groups) : std::span<const std::int32_t>());
-  warn(visible(options.shown.empty() ? path : options.shown), brep, fitted, limit, options);
+  warn(visible(options.shown.empty() ? path : options.shown), brep, fitted, folded, options);
 
   StepFigures figures;
   figures.unit = settled_unit(options.settings.unit, "");
@@ -202,11 +187,39 @@ StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMes
   return figures;
 }
 
+}  // namespace
+
+void require_step_scheme(Scheme scheme, std::string_view where) {
+  if (scheme != Scheme::Loop) return;
+  refuse(where,
+         "STEP's faces are quads, and patches of loop are triangles; take --scheme doo-sabin or "
+         "catmull-clark, or a format of meshes");
+}
+
+StepUnit settled_unit(StepUnit unit, std::string_view format) {
+  if (unit != StepUnit::OfInput) return unit;
+  const auto all = formats();
+  const auto found = std::ranges::find(all, format, &FormatInfo::name);
+  return found != all.end() && found->is_gltf ? StepUnit::Metre : StepUnit::Millimetre;
+}
+
+StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
+                              const LimitSurface& limit, const StepFileOptions& options) {
+  return write_faces(path, fitted, DooSabinSplines(limit), folded_part(fitted, limit), options);
+}
+
 StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
                               const StepFileOptions& options) {
   require_step_scheme(fitted.options.scheme, visible(path));
-  const LimitSurface limit(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
-  return write_fitted_step(path, fitted, limit, options);
+  if (fitted.options.scheme == Scheme::DooSabin) {
+    const LimitSurface limit(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
+    return write_fitted_step(path, fitted, limit, options);
+  }
+  EvaluateOptions evaluated = fitted.evaluate_options(1);
+  evaluated.prepared = fitted.fit.prepared;
+  const SurfaceMesh level_one = evaluate(fitted.mesh, fitted.fit, *make_cpu_backend(), evaluated);
+  return write_faces(path, fitted, CatmullClarkSplines(fitted.fit.cage, evaluated),
+                     surface_quality(level_one, fitted.mesh).folded_area, options);
 }
 
 }  // namespace planish

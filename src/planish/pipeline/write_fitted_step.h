@@ -57,12 +57,13 @@ struct StepFileOptions {
 constexpr std::int64_t kManyStepFaces = 5000;
 constexpr double kShortStepSpan = 1e-3;  ///< millimetres, below which they may take it for nothing
 
-/// Writes the surface of a fitted mesh as STEP; `limit` is its. Where the fit did not converge, or
-/// the settings' limits are not kept, the file's description says so. Throws as make_brep() and
-/// write_step(), and Error{InvalidArgument} for schemes but Doo-Sabin.
+/// Writes the Doo-Sabin surface of a fitted mesh as STEP; `limit` is its. Where the fit did not
+/// converge, or the settings' limits are not kept, the file's description says so. Throws as
+/// make_brep() and write_step().
 StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
                               const LimitSurface& limit, const StepFileOptions& options);
-/// The same of a surface that is made for it.
+/// The same of a surface that is made for it, Catmull-Clark's too. Throws as CatmullClarkSplines,
+/// too, and Error{InvalidArgument} for Loop.
 StepFigures write_fitted_step(const std::filesystem::path& path, const FittedMesh& fitted,
                               const StepFileOptions& options);
 

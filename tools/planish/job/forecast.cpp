@@ -43,9 +43,10 @@ constexpr std::uint64_t kRiderCopies = 2;
 constexpr double kMostSamples = 1.3;
 
 // Of B-spline faces, by quads of level 1 of a mesh of triangles, which has most points where none
-// is regular: what they take, and for how many points of a surface they take the time.
-constexpr std::uint64_t kStepCornerBytes = 6000;
-constexpr double kStepPoints = 60;
+// is regular: what they take, and for how many points of a surface they take the time; of degree 2
+// and 3.
+constexpr std::uint64_t kStepCornerBytes = 6000, kCubicCornerBytes = 9000;
+constexpr double kStepPoints = 60, kCubicPoints = 150;
 
 // The mesh and what its fits take, by corners of the mesh before triangles are joined: where the
 // progressive method is named, where another or both may be made, and both of quads and triangles.
@@ -102,9 +103,11 @@ Forecast forecast_by_counts(const MeshCounts& counts, const Settings& settings,
     OutputForecast& file = forecast.outputs.emplace_back();
     if (output.fineness.is_adaptive()) continue;
     if (info_of(output.format).is_brep) {
-      points += kStepPoints * static_cast<double>(counts.corners);
-      forecast.peak_bytes = std::max(forecast.peak_bytes,
-                                     kStepCornerBytes * static_cast<std::uint64_t>(counts.corners));
+      const bool is_cubic = settings.scheme == Scheme::CatmullClark;
+      points += (is_cubic ? kCubicPoints : kStepPoints) * static_cast<double>(counts.corners);
+      forecast.peak_bytes =
+          std::max(forecast.peak_bytes, (is_cubic ? kCubicCornerBytes : kStepCornerBytes) *
+                                            static_cast<std::uint64_t>(counts.corners));
       continue;
     }
     const int level = level_of(output, settings);

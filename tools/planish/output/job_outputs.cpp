@@ -62,8 +62,10 @@ void write_step_of(const FittedJob& work, const PlannedOutput& planned, JobSurfa
   timed(work.report.timing.write, [&] {
     StepSettings settings = work.job.settings.step;
     settings.unit = settled_unit(settings.unit, work.report.input.format);
-    written = write_step_output(planned, work.staged.stage(planned.path), all.limit(),
-                                work.made.fitted, settings, options);
+    const LimitSurface* const limit =
+        work.job.settings.scheme == Scheme::DooSabin ? &all.limit() : nullptr;
+    written = write_step_output(planned, work.staged.stage(planned.path), limit, work.made.fitted,
+                                settings, options);
   });
   if (!written.step->keeps_limits) work.report.exit_code = ExitCode::NotConverged;
   warn_of_rounding(work.report, work.context.console, written);

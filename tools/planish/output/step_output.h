@@ -10,9 +10,10 @@
 namespace planish::command {
 
 /// Writes the surface of a fitted mesh as STEP, as fit_file() does, and measures what was written.
+/// `limit`: of Doo-Sabin, where it is at hand; else null.
 [[nodiscard]] WrittenOutput write_step_output(const PlannedOutput& planned,
                                               const std::filesystem::path& target,
-                                              const LimitSurface& limit, const FittedMesh& fitted,
+                                              const LimitSurface* limit, const FittedMesh& fitted,
                                               const StepSettings& settings,
                                               const SurfaceOutputOptions& options);
 
