@@ -4,6 +4,7 @@
 #include "brep/step_cases.h"
 #include "brep/step_checks.h"
 #include "planish/limit/surface_queries.h"
+#include "planish/pipeline/write_fitted_step.h"
 
 namespace planish::test {
 namespace {
@@ -83,6 +84,42 @@ TEST(Step, LiesOnTheSurfaceAndKeepsTheTolerance) {
   }
   EXPECT_GT(moved, 5);
   EXPECT_GT(unmoved, 15);
+}
+
+// Of surfaces that leave the given vertices by so much: the file is that surface, and as far off.
+TEST(Step, SurfacesWithinATolerancePassVerticesByNoMore) {
+  const PolygonMesh mesh = jittered(torus(12, 8, 3, 1), 0.05, 4);
+  const auto backend = make_cpu_backend();
+  constexpr double kWithin = 0.005;  // of the diagonal
+  for (const InterpolationMethod method :
+       {InterpolationMethod::Progressive, InterpolationMethod::Fair}) {
+    MeshFitOptions how;
+    how.method = method;
+    how.fit.within = kWithin;
+    const FittedMesh fitted = fit_mesh(mesh, "noisy", *backend, how);
+    ASSERT_TRUE(fitted.fit.within);
+    const double diagonal = fitted.fit.placement.diagonal;
+    const StepFigures figures = write_fitted_step(scratch("within.step"), fitted, {});
+    EXPECT_EQ(figures.solids, 1);
+    EXPECT_TRUE(figures.keeps_limits);
+    EXPECT_LE(figures.largest_distance, 2e-6 * diagonal);
+    const StepFile file(scratch("within.step"));
+    expect_joined(file, 1e-12 * diagonal, 1e-9 * diagonal, 0);
+    const LimitSurface limit(fitted_surface(fitted.mesh, fitted.fit, fitted.evaluate_options()));
+    const Distances off = distances_from(SurfaceQueries(limit), file, 1, diagonal);
+    EXPECT_LE(std::max(off.inner, off.outer), 1.5 * figures.max_deviation + 1e-11);
+    // By the faces of the B-rep, against the given vertices.
+    const Brep brep = make_brep(limit);
+    double largest = 0;
+    for (std::size_t v = 0; v < brep.places.size(); ++v) {
+      const Brep::Place& place = brep.places[v];
+      const glm::dvec3 there =
+          point_of(brep, brep.faces[static_cast<std::size_t>(place.face)], place.at);
+      largest = std::max(largest, glm::length(there - mesh.positions[v]) / diagonal);
+    }
+    EXPECT_LE(largest, kWithin + 2e-6);
+    EXPECT_GE(largest, 0.9 * kWithin);
+  }
 }
 
 // Moves let squares be larger within the same limits, and only where all around is smooth.
