@@ -2,7 +2,9 @@
 that are given to it, says what is wrong with others, stops; desktop, phone, dark. PICTURES: a folder for pictures."""
 import base64
 import pathlib
+import re
 import sys
+import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "page"))
@@ -54,6 +56,62 @@ def problems(browser):
             or event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] == "error"]
 
 
+def check_editing(browser, page, folder):
+    """A vertex is dragged, the surface follows; it is taken back, made again, and saved."""
+    tab = browser.open(page)
+    tab.wait("location.protocol === 'file:' && document.readyState === 'complete'")
+    tab.evaluate("document.getElementById('example').click()")
+    tab.wait(READY, seconds=120)
+    tab.evaluate("document.getElementById('edit').click()")
+    tab.wait("!document.getElementById('editing').hidden", seconds=120)
+    tab.evaluate("document.getElementById('editing').scrollIntoView()")
+    box = tab.evaluate("(({x,y,width,height})=>({x,y,width,height,scale:1}))(document.getElementById('canvas').getBoundingClientRect())")
+    clip = {**box, "y": box["y"] + tab.evaluate("scrollY")}
+
+    def shoot(name):
+        tab.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        picture(tab, folder, name)
+        return tab.call("Page.captureScreenshot", format="png", clip=clip)["data"]
+
+    def settled(undo, redo):
+        tab.wait(f"document.getElementById('undo').disabled === {undo} && document.getElementById('redo').disabled === {redo}")
+        time.sleep(0.5)
+
+    settled("true", "true")
+    before = shoot("edit_start.png")
+    middle = [box["x"] + box["width"] / 2, box["y"] + box["height"] / 2]
+    tab.drag(middle, [middle[0] + 90, middle[1] - 30])
+    settled("false", "true")
+    after = shoot("edit_moved.png")
+    check(before != after, "the surface does not follow")
+    said = tab.evaluate("document.getElementById('moved').textContent")
+    check(re.fullmatch(r"The surface is off its vertices by at most \de-\d+ of the diagonal.", said), said)
+    check(int(re.search(r"e-(\d+)", said)[1]) >= 6, said)
+    tab.evaluate("document.getElementById('undo').click()")
+    settled("true", "false")
+    check(shoot("edit_back.png") == before, "what is taken back stays")
+    tab.evaluate("document.getElementById('redo').click()")
+    settled("false", "true")
+    check(shoot("edit_again.png") == after, "what is made again differs")
+    # Beside the surface it turns.
+    tab.drag([box["x"] + 20, box["y"] + 20], [box["x"] + 120, box["y"] + 40])
+    check(shoot("edit_turned.png") != after, "the view does not turn")
+    with tempfile.TemporaryDirectory() as name:
+        tab.call("Page.setDownloadBehavior", behavior="allow", downloadPath=name)
+        tab.evaluate("document.getElementById('saveMoved').click()")
+        saved = pathlib.Path(name) / "goblet.glb"
+        end = time.monotonic() + 30
+        while not saved.exists() and time.monotonic() < end:
+            time.sleep(0.1)
+        check(saved.exists(), "nothing is saved")
+        data = saved.read_bytes()
+        check(data[:4] == b"glTF" and int.from_bytes(data[8:12], "little") == len(data), "no whole GLB is saved")
+    tab.evaluate("document.getElementById('leave').click()")
+    check(tab.evaluate("document.getElementById('editing').hidden && !document.getElementById('result').hidden"), "no way back")
+    check(not tab.evaluate(ERROR), "an error is shown")
+    tab.close()
+
+
 def main():
     page = pathlib.Path(sys.argv[1])
     folder = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
@@ -80,6 +138,7 @@ def main():
             picture(tab, folder, f"{name}_report.png")
             tab.close()
 
+        check_editing(browser, page, folder)
         tab = browser.open(page)
         tab.wait("location.protocol === 'file:' && document.readyState === 'complete'")
         for bad, words in [(("bad.obj", b"v 0 0 0\nf 1 2 3\n"), "bad.obj:2: face names vertex 3 of 1"),

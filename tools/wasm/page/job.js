@@ -1,5 +1,7 @@
 // One job of the page, in a worker: runs of the command over files in memory. Ends with the page's stop.
-self.onmessage = async ({ data: { module, files, runs } }) => {
+self.onmessage = async ({ data }) => {
+  if (data.edit) return edit(data);
+  const { module, files, runs } = data;
   const write = (FS) => {
     FS.mkdir('/in');
     FS.mkdir('/out');

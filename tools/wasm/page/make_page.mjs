@@ -1,10 +1,11 @@
-// make_page.mjs OUTPUT VERSION SCRIPT WASM REPORT NOTICES GOBLET: one HTML file of the parts in this folder, of the
-// command (its script and its WebAssembly), and of a report page, whose script and style the policy must allow, too.
+// make_page.mjs OUTPUT VERSION SCRIPT WASM REPORT NOTICES GOBLET CAMERA: one HTML file of the parts in this folder, of
+// the command (its script and its WebAssembly), of the npm package's modules, of a report page, whose script and style
+// the policy must allow, too, and of that page's camera.
 import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
 
-const [output, version, script, wasm, report, notices, goblet] = process.argv.slice(2);
+const [output, version, script, wasm, report, notices, goblet, camera] = process.argv.slice(2);
 const here = (name) => readFileSync(new URL(name, import.meta.url), 'utf8');
 function packed(id, content) {
   const bytes = Buffer.from(content);
@@ -20,14 +21,33 @@ const escaped = (text) => text.replaceAll('&', '&amp;').replaceAll('<', '&lt;');
 const classic = readFileSync(script, 'utf8').replaceAll('import.meta.url', 'self.location.href')
   .replace('export default planish;', '');
 
+// The package's modules as one script, each in a function of its own.
+const bundled = new Map();
+function bundle(name) {
+  if (bundled.has(name)) return;
+  const exported = [];
+  const text = readFileSync(new URL(`../js/${name}`, import.meta.url), 'utf8')
+    .replace(/^import (\w+) from '\.\/planish_library\.mjs';$/m, 'const $1 = planish;')
+    .replace(/^import (\{[^}]*\}) from '\.\/(\w+\.js)';$/gm, (_, what, other) => {
+      bundle(other);
+      return `const ${what} = modules['${other}'];`;
+    })
+    .replace(/^export \{ (\w+) \};$/gm, (_, what) => (exported.push(what), ''))
+    .replace(/^export ((?:async function|function|class|const) (\w+))/gm, (_, what, called) => (exported.push(called), what));
+  if (/^(import|export) /m.test(text)) throw new Error(`${name}: an import or export that is not understood`);
+  bundled.set(name, `modules['${name}'] = (() => {\n${text}\nreturn { ${exported.join(', ')} };\n})();`);
+}
+bundle('index.js');
+const modules = `\nconst modules = {};\n${[...bundled.values()].join('\n')}\n`;
+
 const parts = {
   version,
   style: here('page.css'),
-  script: here('lzma.js') + here('page.js'),
+  script: here('lzma.js') + readFileSync(camera, 'utf8') + here('edit_view.js') + here('page.js'),
   notices: escaped(readFileSync(notices, 'utf8')),
   data: [
     packed('wasm', readFileSync(wasm)),
-    packed('worker', classic + here('job.js')),
+    packed('worker', classic + modules + here('edit_job.js') + here('job.js')),
     packed('goblet', readFileSync(goblet)),
   ].join('\n'),
 };

@@ -89,10 +89,12 @@ function stop() {
   worker?.terminate();
   worker = undefined;
   busy(false);
+  leave();
 }
 
 async function fit() {
   if (worker || chosen.length === 0) return;
+  leave();
   fail('');
   busy(true);
   $('progress').value = 0;
@@ -156,6 +158,122 @@ function finish({ status, files, page, memory }, said) {
     $('report').src = url;
   }
   $('result').hidden = false;
+  $('edit').hidden = names.length !== 1;
+}
+
+// Vertices that move: a worker keeps the fit, and is told one move after the other.
+let editing, view;
+
+function ask(message) {
+  return new Promise((resolve, reject) => {
+    editing.waiting.push({ resolve, reject });
+    editing.worker.postMessage(message);
+  });
+}
+
+async function edit() {
+  if (worker || editing) return;
+  fail('');
+  busy(true);
+  const level = Math.min(Number($('levels').value), 3);
+  const within = $('within').value.trim();
+  try {
+    const { module, script } = await compiled();
+    editing = { worker: new Worker(script), waiting: [], history: [], at: 0, level };
+    const { waiting } = editing;
+    editing.worker.onmessage = ({ data }) => {
+      if (data.step !== undefined) {
+        $('progress').value = data.share;
+        $('step').textContent = data.step;
+      } else if (data.error) {
+        waiting.shift().reject(new Error(data.error));
+      } else {
+        waiting.shift().resolve(data);
+      }
+    };
+    const file = chosen.find(({ name }) => name === mains()[0]);
+    const options = { method: $('method').value, creases: $('creases').value };
+    if (within) options.within = within === 'auto' ? within : Number(within);
+    const start = await ask({ edit: 'start', module, file, options, level });
+    editing.points = start.points;
+    $('result').hidden = true;
+    $('editing').hidden = false;
+    view ??= new EditView($('canvas'), drag);
+    view.show(start);
+    told(start);
+  } catch (error) {
+    leave();
+    fail(error.message);
+  }
+  busy(false);
+}
+
+function told({ errorBound }) {
+  $('undo').disabled = editing.at === 0;
+  $('redo').disabled = editing.at === editing.history.length;
+  $('moved').textContent = `The surface is off its vertices by at most ${errorBound.toExponential(0)} of the diagonal.`;
+}
+
+function drag(vertex, place, isFirst) {
+  if (isFirst) {
+    const from = [...editing.points.subarray(3 * vertex, 3 * vertex + 3)];
+    editing.history.splice(editing.at++, Infinity, { vertex, from });
+  }
+  editing.history[editing.at - 1].to = place;
+  move(vertex, place);
+}
+
+// What came while a move was made: the last place counts.
+async function move(vertex, place) {
+  editing.points.set(place, 3 * vertex);
+  editing.next = { edit: 'move', vertex, place };
+  if (editing.isMoving) return;
+  editing.isMoving = true;
+  const job = editing;
+  try {
+    while (job.next) {
+      const message = job.next;
+      job.next = undefined;
+      const change = await ask(message);
+      if (editing !== job) return;
+      view.follow(change);
+      told(change);
+    }
+  } catch (error) {
+    fail(error.message);
+  }
+  job.isMoving = false;
+}
+
+function takeBack() {
+  if (!editing || editing.at === 0) return;
+  const { vertex, from } = editing.history[--editing.at];
+  move(vertex, from);
+}
+
+function makeAgain() {
+  if (!editing || editing.at === editing.history.length) return;
+  const { vertex, to } = editing.history[editing.at++];
+  move(vertex, to);
+}
+
+async function saveMoved() {
+  const name = `${stemOf(mains()[0])}.${$('format').value}`;
+  try {
+    const { bytes } = await ask({ edit: 'save', name, level: Number($('levels').value) });
+    const save = link({ name, bytes });
+    save.click();
+  } catch (error) {
+    fail(error.message);
+  }
+}
+
+function leave() {
+  if (!editing) return;
+  editing.worker.terminate();
+  editing = undefined;
+  $('editing').hidden = true;
+  $('result').hidden = links.length === 0;
 }
 
 function sizeOf(bytes) {
@@ -177,6 +295,13 @@ $('form').addEventListener('submit', (event) => {
 $('stop').addEventListener('click', () => {
   stop();
   fail('Stopped; nothing was written.');
+});
+for (const [id, deed] of Object.entries({ edit, leave, undo: takeBack, redo: makeAgain, saveMoved })) $(id).addEventListener('click', deed);
+addEventListener('keydown', (event) => {
+  if (!editing || event.key.toLowerCase() !== 'z' || !(event.ctrlKey || event.metaKey)) return;
+  event.preventDefault();
+  if (event.shiftKey) makeAgain();
+  else takeBack();
 });
 $('example').addEventListener('click', () => {
   chosen = [{ name: 'goblet.obj', bytes: unpack('goblet') }];
