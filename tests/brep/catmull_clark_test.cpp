@@ -151,11 +151,12 @@ TEST(CatmullClarkStep, CreasesThatAreSharpForSomeStepsAreRefused) {
   mesh.creases = {{0, 1, 2.5f}};
   const std::string message =
       message_of(ErrorCode::UnusableMesh, [&] { (void)CatmullClarkSplines(mesh, {}); });
-  EXPECT_NE(message.find("a crease of sharpness 2.5"), std::string::npos) << message;
+  EXPECT_NE(message.find("the edge between vertices 0 and 1 has sharpness 2.5"), std::string::npos)
+      << message;
   mesh.creases.clear();
   mesh.corners = {{3, 2.0f}};
   EXPECT_NE(message_of(ErrorCode::UnusableMesh, [&] { (void)CatmullClarkSplines(mesh, {}); })
-                .find("vertex 3 is a corner of sharpness 2"),
+                .find("vertex 3 has sharpness 2"),
             std::string::npos);
 }
 

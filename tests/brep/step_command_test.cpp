@@ -294,7 +294,7 @@ TEST_F(StepCommand, CreasesOfCatmullClarkThatAreSharpForSomeStepsAreRefused) {
   const ProcessResult result =
       fit(path("semi.obj"), {"--scheme", "catmull-clark", "-o", path("p.step")});
   EXPECT_NE(result.exit_code, 0);
-  EXPECT_THAT(result.err, HasSubstr("crease of sharpness 2.5"));
+  EXPECT_THAT(result.err, HasSubstr("the edge between vertices 0 and 1 has sharpness 2.5"));
   EXPECT_FALSE(exists("p.step"));
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <glm/geometric.hpp>
 #include <string>
 #include <utility>
@@ -185,9 +186,9 @@ CatmullClarkSplines::CatmullClarkSplines(const PolygonMesh& cage, const Evaluate
              {PrimalScheme::CatmullClark, options.sharp, used_.prepared->topology.get()}),
       placement_(placement_of(used_.mesh)),
       hidden_(hole_flags(used_.mesh)) {
+  require_settled();
   require_memory(split_.counts_to(kLastLevel), LastLevel::Full, {}, options.memory_limit_bytes);
   split_.refine(kLastLevel);
-  require_settled();
   std::vector<glm::dvec3> unit;
   unit.reserve(used_.mesh.positions.size());
   for (const glm::dvec3& p : used_.mesh.positions) unit.push_back(placement_.to_unit(p));
@@ -196,23 +197,30 @@ CatmullClarkSplines::CatmullClarkSplines(const PolygonMesh& cage, const Evaluate
   find_singular();
 }
 
-// Sharpness falls by 1 a level.
+// Sharpness falls by 1 a level, and is to be gone on M_1.
 void CatmullClarkSplines::require_settled() const {
-  const auto& level = split_.level(1);
-  const auto refuse = [](const std::string& what, float sharpness) {
+  const auto& mesh = split_.level(0);
+  const auto require = [](float sharpness, const auto& name) {
+    if (sharpness <= 1 || Crease::IsInfinite(sharpness)) return;
     char text[32];
-    std::snprintf(text, sizeof text, "%.3g", static_cast<double>(sharpness) + 1);
+    std::snprintf(text, sizeof text, "%.3g", static_cast<double>(sharpness));
     throw Error(ErrorCode::UnusableMesh,
-                what + " of sharpness " + text +
-                    ", and of Catmull-Clark surfaces B-spline faces hold those up to 1 and those "
-                    "that are sharp for good (10); give it one of these");
+                name() + " has sharpness " + text +
+                    "; of Catmull-Clark surfaces B-spline faces have such up to 1, and 10, which "
+                    "stays sharp: tag it with one of these");
   };
-  for (int e = 0; e < level.GetNumEdges(); ++e)
-    if (Crease::IsSemiSharp(level.GetEdgeSharpness(e)))
-      refuse("the mesh has a crease", level.GetEdgeSharpness(e));
-  for (int v = 0; v < level.GetNumVertices(); ++v)
-    if (Crease::IsSemiSharp(level.GetVertexSharpness(v)))
-      refuse("vertex " + std::to_string(v) + " is a corner", level.GetVertexSharpness(v));
+  const auto given = [&](int vertex) {
+    return std::to_string(used_.vertices[static_cast<std::size_t>(vertex)]);
+  };
+  for (int e = 0; e < mesh.GetNumEdges(); ++e) {
+    require(mesh.GetEdgeSharpness(e), [&] {
+      const auto [first, second] =
+          std::minmax({mesh.GetEdgeVertices(e)[0], mesh.GetEdgeVertices(e)[1]});
+      return "the edge between vertices " + given(first) + " and " + given(second);
+    });
+  }
+  for (int v = 0; v < mesh.GetNumVertices(); ++v)
+    require(mesh.GetVertexSharpness(v), [&] { return "vertex " + given(v); });
 }
 
 RawVector<glm::dvec3> CatmullClarkSplines::refined(int level,
