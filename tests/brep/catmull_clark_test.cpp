@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <random>
 
@@ -144,6 +145,19 @@ TEST(CatmullClarkStep, RegularPartsNeedNoFurtherKnots) {
     for (const auto& knots : {face.knots_u, face.knots_v})
       for (std::size_t k = 2; k + 1 < knots.size(); ++k) EXPECT_EQ(knots[k] - knots[k - 1], 2);
   }
+}
+
+TEST(CatmullClarkStep, HasTheSameBytesOnEveryNumberOfThreads) {
+  const PolygonMesh mesh = random_closed_mesh(7);
+  std::array<std::string, 2> bytes;
+  for (const std::size_t i : {0u, 1u}) {
+    const oneapi::tbb::global_control threads(oneapi::tbb::global_control::max_allowed_parallelism,
+                                              i == 0 ? 1 : 4);
+    write_step(scratch("cubic_threads.step"), make_brep(CatmullClarkSplines(mesh, {})), {});
+    bytes[i] = bytes_of(scratch("cubic_threads.step"));
+  }
+  EXPECT_TRUE(bytes[0] == bytes[1]);
+  EXPECT_GT(bytes[0].size(), 100'000u);
 }
 
 TEST(CatmullClarkStep, CreasesThatAreSharpForSomeStepsAreRefused) {

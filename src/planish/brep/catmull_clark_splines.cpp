@@ -45,7 +45,10 @@ class CatmullClarkPatch : public SplinePatch {
       const double x = end == 0 ? u : 1 - u, y = end == 0 ? v : 1 - v;
       if (has_end_[end] && std::max(x, y) <= 0.5) return at_end(end, x, y);
     }
-    if (!piece_.holds(u, v) || piece_.size == 0) piece_ = regular_piece(u, v);
+    // Where two hold it always the same one, whatever was asked for before.
+    const bool is_whole = !has_end_[0] && !has_end_[1];
+    const double low_u = is_whole || u < 0.5 ? 0 : 0.5, low_v = is_whole || v < 0.5 ? 0 : 0.5;
+    if (piece_.size == 0 || piece_.u != low_u || piece_.v != low_v) piece_ = regular_piece(u, v);
     return point_on(piece_.net, (u - piece_.u) / piece_.size, (v - piece_.v) / piece_.size);
   }
 
