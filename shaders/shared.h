@@ -148,18 +148,28 @@ struct CornerPatchParameters {
   uint first_state;
   uint first_vertex;
   uint first_row;
-  uint first_target;  // floats from the window's start to first_row's position
-  uint target_stride;
-  uint normal_offset;
-  // From an instance to the next: points of the state, given points, floats of the target.
+  // Words from the window's start to first_row's position and normal, from a row to the next, and
+  // from an instance to the next.
+  uint first_position, position_stride, position_instance;
+  uint first_normal, normal_stride, normal_instance;
+  // From an instance to the next: points of the state, given points.
   uint instance_points;
   uint instance_rows;
-  uint instance_floats;
+  // What compact positions count from, and what a unit of theirs is divided by.
+  float center_x, center_y, center_z;
+  float scale_x, scale_y, scale_z;
   // Of listed_patches: words of what an edit works on where the segment stands, and jobs from an
   // instance to the next.
   uint segment;
   uint job_count;
 };
+
+// VertexFormat.
+PLANISH_SHARED_CONSTANT kFormatFloat3 = 0u;
+PLANISH_SHARED_CONSTANT kFormatHalf4 = 1u;
+PLANISH_SHARED_CONSTANT kFormatSnorm16x4 = 2u;
+PLANISH_SHARED_CONSTANT kFormatOctahedral16 = 3u;
+PLANISH_SHARED_CONSTANT kFormatSnorm10 = 4u;
 
 // The surface at lists of places. Words of a place: face, u, v. Words of a class of corners:
 // columns without the own one, ring, face, first weight, flags.

@@ -6,6 +6,8 @@
 layout(local_size_x = 64) in;
 layout(constant_id = 3) const uint kGather = kGatherList;
 layout(constant_id = 4) const uint kSamples = 1u;
+layout(constant_id = 5) const uint kPositionFormat = kFormatFloat3;
+layout(constant_id = 6) const uint kNormalFormat = kFormatFloat3;
 layout(push_constant) uniform Parameters { CornerPatchParameters parameters; };
 
 READ(0, uvec4, groups)
@@ -14,9 +16,10 @@ READ(2, uvec2, links)
 READ(3, vec4, state)
 READ(4, vec4, given)
 READ(5, vec4, weights)
-WRITE(6, float, target);
+WRITE(6, uint, target);
 
-#include "limit_row.glsl"
+#include "evaluate/unit_normal.glsl"
+#include "evaluate/vertex_formats.glsl"
 
 PatchGroup group_of(uint i) {
   uvec4 a = groups_at(i * kGroupVectors);
@@ -27,8 +30,8 @@ PatchGroup group_of(uint i) {
 
 // The corner counter-clockwise at the same vertex, and the next one in the face.
 uvec2 link_of(uint corner) { return links_at(corner - parameters.first_state); }
-// Where the instance's points of the state, given points and floats of the target begin.
-uint first_point, first_given, first_float;
+// Where the instance's points of the state, given points, positions and normals begin.
+uint first_point, first_given, first_position, first_normal;
 vec4 point_of(uint i) { return state_at(first_point + (i - parameters.first_state)); }
 vec3 vertex_of(vec4 point) {
   uint vertex = floatBitsToUint(point.w) & ~kVertexTag;
@@ -128,19 +131,20 @@ void gather_list(uint word, uint columns) {
 
 void write_rows(uint row, uint flags) {
   for (uint s = 0u; s < kSamples; ++s) {
-    uint place = (row + s - parameters.first_row) * parameters.target_stride +
-                 parameters.first_target + first_float;
+    uint place = row + s - parameters.first_row;
     precise vec3 limit = own_vertex + (own.xyz + position[s]);
-    if ((flags & kHasPositions) != 0u) write_vector(place, limit);
+    if ((flags & kHasPositions) != 0u)
+      write_position(first_position + place * parameters.position_stride, limit);
     if ((flags & kHasNormals) != 0u)
-      write_vector(place + parameters.normal_offset, unit_normal(du[s], dv[s]));
+      write_normal(first_normal + place * parameters.normal_stride, unit_normal(du[s], dv[s]));
   }
 }
 
 void begin_instance(uint instance) {
   first_point = instance * parameters.instance_points;
   first_given = instance * parameters.instance_rows;
-  first_float = instance * parameters.instance_floats;
+  first_position = parameters.first_position + instance * parameters.position_instance;
+  first_normal = parameters.first_normal + instance * parameters.normal_instance;
 }
 
 // A chunk of samples of a group's patch.

@@ -1,23 +1,6 @@
 // What a row of the output is made of; the including kernel declares target[].
 
-// |du x dv| below this part of |du||dv| has no direction that rounding has not made.
-const float kParallel = 1e-6;
-
-// Along du x dv; zero where it is undefined.
-vec3 unit_normal(vec3 du, vec3 dv) {
-  // Scaled to unit size first, so that the products neither vanish nor overflow.
-  float u = max(max(abs(du.x), abs(du.y)), abs(du.z));
-  float v = max(max(abs(dv.x), abs(dv.y)), abs(dv.z));
-  vec3 normal = vec3(0.0);
-  if (u > 0.0 && v > 0.0) {
-    precise vec3 a = du / u;
-    precise vec3 b = dv / v;
-    precise vec3 c = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-    float size = sqrt(dot(c, c));
-    if (size >= kParallel * sqrt(dot(a, a)) * sqrt(dot(b, b))) normal = c / size;
-  }
-  return normal;
-}
+#include "evaluate/unit_normal.glsl"
 
 void write_vector(uint place, vec3 v) {
   target[place] = v.x;

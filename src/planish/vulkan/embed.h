@@ -31,6 +31,9 @@
 //   queue, in the order of the frames. The last slot's vertices are the last frame's positions,
 //   for motion vectors; a warm start goes on from the last frame.
 //
+// Vertices. A VertexLayout says where positions and normals go and in which VertexFormat: by
+//   default 24 bytes a vertex, in compact formats 12; normals may be a stream of their own.
+//
 // Many meshes. Instances of one mesh, each with points of its own, are best one Solve with
 //   SolveOptions::instances: its dispatches do all of them, and cost what one mesh of their size
 //   costs. Different meshes that are always solved together are best one System, of the mesh that

@@ -10,14 +10,50 @@ namespace planish::vulkan {
 
 namespace {
 
-constexpr std::uint32_t kVectorFloats = 3;
+constexpr std::uint32_t kWordBytes = sizeof(std::uint32_t);
 
-// The host's vertices as far as they are written.
-FloatElements elements_of(const VertexLayout& layout) {
-  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
-  return {layout.buffer, layout.offset / sizeof(float),
-          static_cast<std::uint32_t>(last / sizeof(float)) + kVectorFloats,
-          static_cast<std::uint32_t>(layout.stride / sizeof(float))};
+constexpr bool is_same(VertexFormat format, std::uint32_t of_kernels) {
+  return static_cast<std::uint32_t>(format) == of_kernels;
+}
+static_assert(is_same(VertexFormat::Float3, shared::kFormatFloat3));
+static_assert(is_same(VertexFormat::Half4, shared::kFormatHalf4));
+static_assert(is_same(VertexFormat::Snorm16x4, shared::kFormatSnorm16x4));
+static_assert(is_same(VertexFormat::Octahedral16, shared::kFormatOctahedral16));
+static_assert(is_same(VertexFormat::Snorm10, shared::kFormatSnorm10));
+
+// What rows of a host's vertices are written through: the window that both streams span, and where
+// in it the first row's position and normal are, in words.
+struct Target {
+  BufferRange range;
+  std::uint32_t position, normal;
+};
+
+Target target_of(const Context& context, const VertexLayout& layout, const IndexWindow& rows,
+                 const Instances& instances) {
+  const auto window = [&](std::uint32_t offset, VertexFormat format, std::uint32_t stride,
+                          VkDeviceSize instance_stride) {
+    ElementWindow result = element_window({layout.buffer, (layout.offset + offset) / kWordBytes,
+                                           bytes_of(format) / kWordBytes, stride / kWordBytes},
+                                          static_cast<std::uint64_t>(rows.first),
+                                          static_cast<std::uint64_t>(rows.count));
+    result.range.size += instances.further() * instance_stride;
+    return result;
+  };
+  const ElementWindow positions =
+      window(layout.position_offset, layout.position_format, layout.stride, layout.instance_stride);
+  const ElementWindow normals = window(layout.normal_offset, layout.normal_format,
+                                       layout.normal_stride ? layout.normal_stride : layout.stride,
+                                       layout.normal_instance_stride);
+  ElementWindow both;
+  const VkDeviceSize begin = std::min(positions.range.offset, normals.range.offset);
+  const VkDeviceSize end = std::max(positions.range.offset + positions.range.size,
+                                    normals.range.offset + normals.range.size);
+  both.range = {layout.buffer, begin, end - begin};
+  check_range(context, both);
+  const auto words = [&](const ElementWindow& part) {
+    return static_cast<std::uint32_t>((part.range.offset - begin) / kWordBytes) + part.shift;
+  };
+  return {both.range, words(positions), words(normals)};
 }
 
 }  // namespace
@@ -33,12 +69,10 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
   const std::uint32_t units_per_group = context.variant().chunks_per_group;
   std::vector<BoundKernel> bound;
   for (const PatchSlice& slice : tables.slices) {
-    ElementWindow target =
-        element_window(elements_of(layout), static_cast<std::uint64_t>(slice.rows.first),
-                       static_cast<std::uint64_t>(slice.rows.count));
-    target.range.size += instances.further() * layout.instance_stride;
-    check_range(context, target);
-    const std::uint32_t constants[] = {slice.gather, slice.samples};
+    const Target target = target_of(context, layout, slice.rows, instances);
+    const std::uint32_t constants[] = {slice.gather, slice.samples,
+                                       static_cast<std::uint32_t>(layout.position_format),
+                                       static_cast<std::uint32_t>(layout.normal_format)};
     Dispatch& dispatch = dispatches_.emplace_back();
     dispatch.pipeline = context.pipelines().specialised(kernel, constants);
     shared::CornerPatchParameters& parameters = dispatch.parameters;
@@ -50,15 +84,22 @@ GpuPatches::GpuPatches(Context& context, const PatchTables& tables, const Buffer
     parameters.first_state = static_cast<std::uint32_t>(slice.points.first);
     parameters.first_vertex = static_cast<std::uint32_t>(slice.vertices.first);
     parameters.first_row = static_cast<std::uint32_t>(slice.rows.first);
-    parameters.first_target =
-        target.shift + static_cast<std::uint32_t>(layout.position_offset / sizeof(float));
-    parameters.target_stride = layout.stride / sizeof(float);
-    // May be negative: the kernel's sum wraps around.
-    parameters.normal_offset =
-        layout.normal_offset / sizeof(float) - layout.position_offset / sizeof(float);
+    parameters.first_position = target.position;
+    parameters.position_stride = layout.stride / kWordBytes;
+    parameters.position_instance = static_cast<std::uint32_t>(layout.instance_stride / kWordBytes);
+    parameters.first_normal = target.normal;
+    parameters.normal_stride =
+        (layout.normal_stride ? layout.normal_stride : layout.stride) / kWordBytes;
+    parameters.normal_instance =
+        static_cast<std::uint32_t>(layout.normal_instance_stride / kWordBytes);
+    parameters.center_x = layout.box_center[0];
+    parameters.center_y = layout.box_center[1];
+    parameters.center_z = layout.box_center[2];
+    parameters.scale_x = 1 / layout.box_half[0];
+    parameters.scale_y = 1 / layout.box_half[1];
+    parameters.scale_z = 1 / layout.box_half[2];
     parameters.instance_points = static_cast<std::uint32_t>(instances.stride(point_count));
     parameters.instance_rows = static_cast<std::uint32_t>(instances.stride(vertex_count));
-    parameters.instance_floats = static_cast<std::uint32_t>(layout.instance_stride / sizeof(float));
     parameters.segment =
         listed.first_segment + shared::kSegmentWords * std::uint32_t(dispatches_.size() - 1);
     parameters.job_count = listed.job_count;

@@ -1,6 +1,8 @@
 #include "planish/vulkan/host/frame_slots.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <string>
 
 #include "planish/core/error.h"
@@ -19,16 +21,42 @@ void check_given(const GivenPoints& given) {
                  "given points lie at multiples of 4 bytes, 12 or more apart");
 }
 
+void check_formats(const VertexLayout& layout) {
+  using enum VertexFormat;
+  require_option(layout.position_format <= Snorm16x4,
+                 "positions are Float3, Half4 or Snorm16x4, not of a format for normals");
+  require_option(layout.normal_format == Float3 || layout.normal_format == Octahedral16 ||
+                     layout.normal_format == Snorm10,
+                 "normals are Float3, Octahedral16 or Snorm10, not of a format for positions");
+  for (std::size_t k = 0; k < 3; ++k)
+    require_option(std::isfinite(layout.box_center[k]) && std::isfinite(layout.box_half[k]) &&
+                       layout.box_half[k] > 0,
+                   "the box of compact positions has a centre of finite numbers and halves above "
+                   "0, not " +
+                       std::to_string(layout.box_half[k]));
+}
+
+void check_holds(std::uint32_t stride, std::uint32_t offset, std::uint32_t bytes) {
+  require_option(offset <= stride && stride - offset >= bytes,
+                 "a vertex of stride " + std::to_string(stride) + " does not hold " +
+                     std::to_string(bytes) + " bytes from offset " + std::to_string(offset) +
+                     " on");
+}
+
 void check_layout(const VertexLayout& layout, std::uint32_t max_stride) {
   require_option(is_word(layout.offset) && is_word(layout.stride) &&
-                     is_word(layout.position_offset) && is_word(layout.normal_offset),
-                 "offsets and the stride of a vertex layout are multiples of 4 bytes");
-  const std::uint32_t last = std::max(layout.position_offset, layout.normal_offset);
-  require_option(last <= layout.stride && layout.stride - last >= kVectorBytes,
-                 "a vertex of stride " + std::to_string(layout.stride) +
-                     " does not hold 12 bytes from offset " + std::to_string(last) + " on");
-  require_option(layout.stride <= max_stride,
-                 "the stride " + std::to_string(layout.stride) + " of a vertex layout is above " +
+                     is_word(layout.position_offset) && is_word(layout.normal_offset) &&
+                     is_word(layout.normal_stride),
+                 "offsets and strides of a vertex layout are multiples of 4 bytes");
+  check_formats(layout);
+  check_holds(layout.stride, layout.position_offset, bytes_of(layout.position_format));
+  if (layout.normal_stride == 0)
+    check_holds(layout.stride, layout.normal_offset, bytes_of(layout.normal_format));
+  else
+    check_holds(layout.normal_stride, 0, bytes_of(layout.normal_format));
+  const std::uint32_t largest = std::max(layout.stride, layout.normal_stride);
+  require_option(largest <= max_stride,
+                 "the stride " + std::to_string(largest) + " of a vertex layout is above " +
                      std::to_string(max_stride) + ", the DeviceSystem's max_vertex_stride");
 }
 
@@ -60,18 +88,27 @@ void check_span(const Context& context, std::uint32_t instances, const Span& spa
                   std::to_string(std::max<std::uint64_t>(most / span.each, 1)) + " instances");
 }
 
+void check_instance_stride(VkDeviceSize stride, std::uint64_t needed) {
+  require_option(stride >= needed, "vertices of an instance take " + std::to_string(needed) +
+                                       " bytes, but the next one's begin after " +
+                                       std::to_string(stride));
+}
+
 void check_strides(const FrameSlot& slot, std::uint64_t vertex_count) {
-  const VertexLayout& vertices = slot.vertices;
-  require_option(is_word(slot.given.instance_stride) && is_word(vertices.instance_stride),
+  const VertexLayout& layout = slot.vertices;
+  require_option(is_word(slot.given.instance_stride) && is_word(layout.instance_stride) &&
+                     is_word(layout.normal_instance_stride),
                  "strides between instances are multiples of 4 bytes");
-  if (!vertices.buffer || vertex_count == 0) return;
-  const std::uint64_t needed = (vertex_count - 1) * vertices.stride +
-                               std::max(vertices.position_offset, vertices.normal_offset) +
-                               kVectorBytes;
-  require_option(vertices.instance_stride >= needed, "vertices of an instance take " +
-                                                         std::to_string(needed) +
-                                                         " bytes, but the next one's begin after " +
-                                                         std::to_string(vertices.instance_stride));
+  if (!layout.buffer || vertex_count == 0) return;
+  const std::uint64_t vertices = (vertex_count - 1) * layout.stride;
+  const std::uint64_t position = layout.position_offset + bytes_of(layout.position_format);
+  const std::uint64_t normal = bytes_of(layout.normal_format);
+  if (layout.normal_stride == 0)
+    return check_instance_stride(layout.instance_stride,
+                                 vertices + std::max(position, layout.normal_offset + normal));
+  check_instance_stride(layout.instance_stride, vertices + position);
+  check_instance_stride(layout.normal_instance_stride,
+                        (vertex_count - 1) * layout.normal_stride + normal);
 }
 
 void check_spans(const Context& context, std::uint32_t count, const FrameSlot& slot) {
@@ -80,6 +117,8 @@ void check_spans(const Context& context, std::uint32_t count, const FrameSlot& s
   };
   check("given points", slot.given.instance_stride);
   if (slot.vertices.buffer) check("vertices", slot.vertices.instance_stride);
+  if (slot.vertices.buffer && slot.vertices.normal_stride > 0)
+    check("normals", slot.vertices.normal_instance_stride);
 }
 
 FrameSlot with_strides(const InstanceSizes& sizes, FrameSlot slot) {
@@ -91,6 +130,10 @@ FrameSlot with_strides(const InstanceSizes& sizes, FrameSlot slot) {
   if (slot.vertices.buffer) check_layout(slot.vertices, sizes.max_vertex_stride);
   if (slot.vertices.instance_stride == 0)
     slot.vertices.instance_stride = sizes.vertices * slot.vertices.stride;
+  if (slot.vertices.normal_stride == 0)
+    slot.vertices.normal_instance_stride = slot.vertices.instance_stride;
+  else if (slot.vertices.normal_instance_stride == 0)
+    slot.vertices.normal_instance_stride = sizes.vertices * slot.vertices.normal_stride;
   return slot;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -20,9 +21,32 @@ struct GivenPoints {
   VkDeviceSize instance_stride = 0;
 };
 
-/// Where record_evaluate writes: for each vertex three floats of position and three of unit normal
-/// (zero where the tangents are parallel). Other bytes are left alone. The buffer is the host's,
-/// has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Solve. No buffer: nothing is evaluated.
+/// How a position or a normal is written; values as a vertex attribute of the VkFormat reads them.
+enum class VertexFormat : std::uint32_t {
+  Float3 = 0,  ///< VK_FORMAT_R32G32B32_SFLOAT, 12 bytes
+  /// Of positions, 8 bytes, the fourth value 1: VK_FORMAT_R16G16B16A16_SFLOAT, 11 binary digits
+  /// and at most 65,504, and VK_FORMAT_R16G16B16A16_SNORM, 1/32767 of the box, whose outside is
+  /// clamped. Both are (position - box_center) / box_half.
+  Half4 = 1,
+  Snorm16x4 = 2,
+  /// Of normals, 4 bytes: VK_FORMAT_R16G16_SNORM, the point (x, y) of the octahedron |x| + |y| +
+  /// |z| = 1 with its lower half folded out, off by at most 7e-5 radians (0, which reads as (0, 0,
+  /// 1), where there is none); and VK_FORMAT_A2B10G10R10_SNORM_PACK32, x in the lowest ten bits,
+  /// each component off by at most half of 1/511.
+  Octahedral16 = 3,
+  Snorm10 = 4,
+};
+/// Bytes of a position or normal.
+[[nodiscard]] constexpr std::uint32_t bytes_of(VertexFormat format) {
+  return format == VertexFormat::Float3                                       ? 12
+         : format == VertexFormat::Half4 || format == VertexFormat::Snorm16x4 ? 8
+                                                                              : 4;
+}
+
+/// Where record_evaluate writes: for each vertex its position and unit normal (zero where the
+/// tangents are parallel), by default three floats each. Other bytes are left alone. The buffer is
+/// the host's, has VK_BUFFER_USAGE_STORAGE_BUFFER_BIT and outlives the Solve. No buffer: nothing is
+/// evaluated. No format needs a feature of the device: kernels store whole words.
 struct VertexLayout {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;    ///< of the first vertex
@@ -31,6 +55,18 @@ struct VertexLayout {
   std::uint32_t normal_offset = 12;
   /// Bytes from an instance's first vertex to the next one's; 0: vertex_count() strides.
   VkDeviceSize instance_stride = 0;
+  VertexFormat position_format = VertexFormat::Float3;
+  VertexFormat normal_format = VertexFormat::Float3;
+  /// Bytes from a normal to the next one where normals are a stream of their own, which begins
+  /// `normal_offset` bytes behind `offset`: positions by themselves are all that shadows, depth and
+  /// acceleration structures read. 0: normals stand in the vertices. Both streams are bound to a
+  /// kernel as one range of the buffer.
+  std::uint32_t normal_stride = 0;
+  /// Of that stream, from an instance to the next; 0: vertex_count() normal strides.
+  VkDeviceSize normal_instance_stride = 0;
+  /// Of compact positions: the box that they lie in, of any pose. Halves are above 0.
+  std::array<float, 3> box_center = {0, 0, 0};
+  std::array<float, 3> box_half = {1, 1, 1};
 };
 
 /// A list of points that have moved, for record_edit: a uint32 that counts them, then a uint32 for
