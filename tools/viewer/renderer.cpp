@@ -154,8 +154,10 @@ void Renderer::record_surface(VkCommandBuffer commands, const ViewSettings& sett
   solve_->record_evaluate(commands, {.slot = parameters.slot});
   solve_->record_status(commands, frame.status_target(), 0);
   host_barrier(commands);
-  barrier(commands, vulkan::kExitScope, kErrorScope);
-  record_errors(commands);
+  if (settings.heat) {
+    barrier(commands, vulkan::kExitScope, kErrorScope);
+    record_errors(commands);
+  }
   barrier(commands, vulkan::kExitScope, kVertexScope);
 }
 
