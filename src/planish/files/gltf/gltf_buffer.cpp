@@ -97,20 +97,44 @@ std::vector<RowRange> pieces_of(const GltfVertices& vertices, const Has& has) {
   return pieces;
 }
 
+// Calls take(i, value) with the first set's value of each texture coordinate in `uvs`. Neighbours
+// mostly have near ones, so that nobody holds all of a surface.
+template <class Take>
+void for_each_uv(const SurfaceBlocks& surface, std::span<const std::int32_t> uvs,
+                 const Take& take) {
+  thread_local RawVector<glm::dvec2> values;
+  for (std::size_t begin = 0, end = 0; begin < uvs.size(); begin = end) {
+    std::int32_t first = uvs[begin], last = first;
+    for (end = begin + 1; end < uvs.size(); ++end) {
+      const std::int32_t least = std::min(first, uvs[end]), most = std::max(last, uvs[end]);
+      if (std::int64_t{most} - least > 2 * static_cast<std::int64_t>(end - begin) + 16) break;
+      first = least, last = most;
+    }
+    first = std::max(first, 0);
+    values.resize(static_cast<std::size_t>(std::max(last + 1 - first, 0)));
+    surface.uvs({first, std::ssize(values)}, values);
+    for (std::size_t i = begin; i < end; ++i)
+      take(i, uvs[i] < 0 ? glm::dvec2(0.0) : values[static_cast<std::size_t>(uvs[i] - first)]);
+  }
+}
+
 void write_uvs(const SurfaceBlocks& surface, const GltfVertices& vertices, int set,
                const GltfOptions& options, std::span<const ByteSink> sinks) {
-  std::vector<glm::dvec2> made(static_cast<std::size_t>(set == 0 ? surface.info().uv_count : 0));
-  if (set == 0) surface.uvs({0, surface.info().uv_count}, made);
-  const std::span<const glm::dvec2> uvs =
-      set == 0 ? made : options.further_uvs[static_cast<std::size_t>(set - 1)];
   stream(
       pieces_of(vertices, [&](const GltfPart& part) { return part.uv_sets > set; }),
       [&](RowRange range, RawVector<std::byte>& bytes) {
         const auto values = values_of<glm::vec2>(bytes, static_cast<std::size_t>(range.count));
-        for (std::size_t i = 0; i < values.size(); ++i) {
-          const std::int32_t uv = vertices.uvs[static_cast<std::size_t>(range.first) + i];
-          values[i] = stored_uv(uv < 0 ? glm::dvec2(0.0) : uvs[static_cast<std::size_t>(uv)]);
+        const auto uvs =
+            std::span(vertices.uvs).subspan(static_cast<std::size_t>(range.first), values.size());
+        if (set == 0) {
+          for_each_uv(surface, uvs,
+                      [&](std::size_t i, const glm::dvec2& uv) { values[i] = stored_uv(uv); });
+          return;
         }
+        const auto& further = options.further_uvs[static_cast<std::size_t>(set - 1)];
+        for (std::size_t i = 0; i < values.size(); ++i)
+          values[i] =
+              stored_uv(uvs[i] < 0 ? glm::dvec2(0.0) : further[static_cast<std::size_t>(uvs[i])]);
       },
       sinks);
 }

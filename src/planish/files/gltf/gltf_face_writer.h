@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -54,6 +55,10 @@ class FaceWriter {
     }
     rows_.resize(count);
     surface_.face_vertices(faces, rows_);
+    const auto begin = static_cast<std::int64_t>(first);
+    for (auto seam = std::ranges::lower_bound(vertices_.seams, begin, {}, &SeamCorner::corner);
+         seam != vertices_.seams.end() && seam->corner < begin + std::ssize(rows_); ++seam)
+      rows_[static_cast<std::size_t>(seam->corner - begin)] = seam->vertex;
     corners_ = rows_;
   }
 

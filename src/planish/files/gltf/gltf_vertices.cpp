@@ -67,15 +67,35 @@ class SeamSplitter {
   std::unordered_map<std::uint64_t, std::int64_t> copies_;
 };
 
+// Rows and texture coordinates at the corners of some faces.
+struct SeamPiece {
+  RawVector<std::int32_t> rows, uvs;
+};
+
 void split_seams(const SurfaceBlocks& surface, GltfVertices& vertices) {
-  vertices.corners = rows_of_corners(surface);
-  const RawVector<std::int32_t> uvs = uvs_of_corners(surface);
+  const SurfaceInfo& info = surface.info();
   vertices.uvs.assign(static_cast<std::size_t>(vertices.kept_rows), -1);
   SeamSplitter split(vertices);
-  for (std::size_t corner = 0; corner < uvs.size(); ++corner) {
-    std::int32_t& vertex = vertices.corners[corner];
-    vertex = static_cast<std::int32_t>(split(vertex, vertex, uvs[corner]));
-  }
+  const std::vector<RowRange> pieces = ranges_of(info.face_count, kSeamFaces);
+  in_order<SeamPiece>(
+      pieces,
+      [&](RowRange faces, SeamPiece& piece) {
+        const auto count = static_cast<std::size_t>(info.first_corner(faces.first + faces.count) -
+                                                    info.first_corner(faces.first));
+        piece.rows.resize(count), piece.uvs.resize(count);
+        surface.face_vertices(faces, piece.rows);
+        surface.face_uvs(faces, piece.uvs);
+      },
+      [&](RowRange faces, const SeamPiece& piece) {
+        const std::int64_t first = info.first_corner(faces.first);
+        for (std::size_t c = 0; c < piece.rows.size(); ++c) {
+          const std::int32_t row = piece.rows[c];
+          const std::int64_t vertex = split(row, row, piece.uvs[c]);
+          if (vertex != row)
+            vertices.seams.push_back(
+                {first + static_cast<std::int64_t>(c), static_cast<std::int32_t>(vertex)});
+        }
+      });
 }
 
 // Calls visit(corner) for every corner of a part.

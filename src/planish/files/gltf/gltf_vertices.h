@@ -20,6 +20,12 @@ struct GltfPart {
   std::vector<RowRange> faces;  ///< ascending
 };
 
+/// A corner of the surface that has not its row's first vertex.
+struct SeamCorner {
+  std::int64_t corner;
+  std::int32_t vertex;
+};
+
 /// A surface as glTF has it: one texture coordinate a vertex, and vertices of its own for each
 /// primitive, since readers that count by primitive would hold shared ones again and again.
 struct GltfVertices {
@@ -27,7 +33,8 @@ struct GltfVertices {
   std::vector<std::int32_t> rows;  ///< the surface's row of each vertex behind those
   std::vector<std::int32_t>
       uvs;  ///< texture coordinate of each vertex; empty: none; -1: none there
-  RawVector<std::int32_t> corners;  ///< vertex of each corner in its primitive; empty: its row
+  RawVector<std::int32_t> corners;  ///< vertex of each corner in its primitive; empty: its row,
+  std::vector<SeamCorner> seams;    ///< but for these, ascending
   std::vector<GltfPart> parts;      ///< one for each group that has faces, at least one
 
   [[nodiscard]] std::int64_t count() const {
