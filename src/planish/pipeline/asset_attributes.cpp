@@ -10,7 +10,7 @@
 #include "planish/core/error.h"
 #include "planish/core/host_scope.h"
 #include "planish/core/parallel.h"
-#include "planish/files/gltf/gltf_tangents.h"
+#include "planish/core/raw_vector.h"
 #include "planish/pipeline/attribute_fields.h"
 #include "planish/pipeline/linear_surface.h"
 #include "planish/surface/evaluate.h"
@@ -92,8 +92,11 @@ class AssetAttributes::Maker {
 
   // Any surface has them: they come of its triangles.
   void add_tangents() {
-    std::vector<glm::dvec2> first(static_cast<std::size_t>(surface_.info().uv_count));
-    surface_.uvs({0, surface_.info().uv_count}, first);
+    RawVector<glm::dvec2> first(static_cast<std::size_t>(surface_.info().uv_count));
+    parallel_for(first.size(), kAttributeRows, [&](std::size_t begin, std::size_t end) {
+      surface_.uvs({static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end - begin)},
+                   std::span(first).subspan(begin, end - begin));
+    });
     TangentSource source{.sets = {first}, .set_of_group = {}};
     for (const std::vector<glm::dvec2>& set : made_.uvs_) source.sets.emplace_back(set);
     GltfAttribute tangents{.name = "TANGENT", .width = 4, .of_uvs = true};
@@ -102,7 +105,10 @@ class AssetAttributes::Maker {
       source.set_of_group.push_back(has ? group.tangent_set : -1);
       tangents.in_groups.push_back(source.set_of_group.back() >= 0 ? 1 : 0);
     }
-    tangents.values = made_.values_.emplace_back(surface_tangents(surface_, source));
+    made_.tangents_ = surface_tangents(surface_, source);
+    tangents.values = made_.tangents_.values;
+    tangents.further = made_.tangents_.further;
+    tangents.further_values = made_.tangents_.further_values;
     made_.attributes_.push_back(std::move(tangents));
   }
 

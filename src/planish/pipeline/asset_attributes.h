@@ -9,6 +9,7 @@
 #include "planish/backend/backend.h"
 #include "planish/core/callbacks.h"
 #include "planish/files/gltf/asset/gltf_asset.h"
+#include "planish/files/gltf/gltf_tangents.h"
 #include "planish/files/gltf/write_gltf.h"
 #include "planish/pipeline/fit_mesh.h"
 #include "planish/surface/surface_blocks.h"
@@ -40,6 +41,7 @@ class AssetAttributes {
 
   std::string name_;
   std::list<std::vector<float>> values_;
+  SurfaceTangents tangents_;
   std::list<std::vector<glm::dvec2>> uvs_;
   std::vector<GltfAttribute> attributes_;
   std::vector<int> uv_sets_;

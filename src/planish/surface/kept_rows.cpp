@@ -93,6 +93,15 @@ class KeptRows final : public SurfaceBlocks {
     const DegenerateRows found = surface_.rows_at(rows, target);
     return keeps_rows_ ? DegenerateRows{} : found;
   }
+  bool kept_rows_at(std::span<const std::int32_t> rows, const glm::dvec3& origin,
+                    std::span<glm::vec3> stored, std::span<glm::vec3> normals) const override {
+    if (!keeps_doubles_ && (!keeps_rows_ || origin != origin_)) return false;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      stored[i] = keeps_doubles_ ? glm::vec3(positions_[rows[i]] - origin) : stored_[rows[i]];
+      normals[i] = normals_[rows[i]];
+    }
+    return true;
+  }
   void face_vertices(RowRange faces, std::span<std::int32_t> rows) const override {
     surface_.face_vertices(faces, rows);
   }

@@ -78,6 +78,16 @@ class SurfaceBlocks {
   /// The same of rows that are named in ascending order, none twice.
   virtual DegenerateRows rows_at(std::span<const std::int32_t> rows, const RowTarget& target) const;
 
+  /// Positions about `origin` as files have them, and normals, of rows in any order, where these
+  /// are kept: about another point, or of rows that would have to be made, false, and nothing is
+  /// written.
+  virtual bool kept_rows_at([[maybe_unused]] std::span<const std::int32_t> rows,
+                            [[maybe_unused]] const glm::dvec3& origin,
+                            [[maybe_unused]] std::span<glm::vec3> stored,
+                            [[maybe_unused]] std::span<glm::vec3> normals) const {
+    return false;
+  }
+
   /// The rows at the corners of faces, in order: from first_corner() of the first to that behind
   /// the last. Texture coordinates likewise.
   virtual void face_vertices(RowRange faces, std::span<std::int32_t> rows) const = 0;

@@ -75,6 +75,7 @@ GltfBlock::GltfBlock(const SurfaceBlocks& surface, RowRange faces, const GltfOpt
       values.insert(values.end(), of_one.begin(), of_one.end());
     }
     attribute.values = values;
+    take_further(attribute);
   }
   for (std::span<const glm::dvec2>& set : options_.further_uvs) {
     std::vector<glm::dvec2>& values = uvs_.emplace_back();
@@ -84,6 +85,28 @@ GltfBlock::GltfBlock(const SurfaceBlocks& surface, RowRange faces, const GltfOpt
   }
   vertices_ = gltf_vertices(surface_, options_);
   layout_ = gltf_layout(surface_, vertices_, options_);
+}
+
+// Those in the block, under its numbers.
+void GltfBlock::take_further(GltfAttribute& attribute) {
+  if (attribute.further.empty()) return;
+  std::vector<UvOnRow>& further = further_.emplace_back();
+  std::vector<float>& values = values_.emplace_back();
+  const auto place_of = [](std::span<const std::int32_t> all, std::int32_t number) {
+    const auto found = std::ranges::lower_bound(all, number);
+    return found != all.end() && *found == number ? static_cast<std::int32_t>(found - all.begin())
+                                                  : -1;
+  };
+  for (const UvOnRow& one : attribute.further) {
+    const std::int32_t uv = place_of(surface_.surface_uvs(), one.uv);
+    const std::int32_t row = place_of(surface_.surface_rows(), one.row);
+    if (uv < 0 || row < 0) continue;
+    further.push_back({uv, row});
+    const float* const numbers = attribute.numbers(one.uv, one.row);
+    values.insert(values.end(), numbers, numbers + attribute.width);
+  }
+  attribute.further = further;
+  attribute.further_values = values;
 }
 
 GltfDocument GltfBlock::document(DegenerateRows& degenerate) const {

@@ -31,10 +31,13 @@ class GltfBlock {
   [[nodiscard]] GltfDocument document(DegenerateRows& degenerate) const;
 
  private:
+  void take_further(GltfAttribute& attribute);
+
   FaceRangeBlocks surface_;
   GltfVertices vertices_;
   GltfOptions options_;
-  std::list<std::vector<float>> values_;    // of options_.attributes
+  std::list<std::vector<float>> values_;  // of options_.attributes
+  std::list<std::vector<UvOnRow>> further_;
   std::list<std::vector<glm::dvec2>> uvs_;  // of options_.further_uvs
   GltfLayout layout_;
 };

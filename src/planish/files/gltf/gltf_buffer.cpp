@@ -152,12 +152,11 @@ void write_attribute(const GltfVertices& vertices, const GltfAttribute& attribut
         const auto values = values_of<Number>(bytes, width * static_cast<std::size_t>(range.count));
         for (std::int64_t i = 0; i < range.count; ++i) {
           const std::int64_t vertex = range.first + i;
-          const auto from = static_cast<std::size_t>(
-              attribute.of_uvs ? vertices.uvs[static_cast<std::size_t>(vertex)]
-                               : vertices.row_of(vertex));
+          const std::int32_t uv =
+              attribute.of_uvs ? vertices.uvs[static_cast<std::size_t>(vertex)] : 0;
+          const float* const from = attribute.numbers(uv, vertices.row_of(vertex));
           for (std::size_t k = 0; k < width; ++k)
-            values[width * static_cast<std::size_t>(i) + k] =
-                static_cast<Number>(attribute.values[width * from + k]);
+            values[width * static_cast<std::size_t>(i) + k] = static_cast<Number>(from[k]);
         }
       },
       sinks);

@@ -23,9 +23,7 @@ class FaceWriter {
   FaceWriter(const SurfaceBlocks& surface, const GltfVertices& vertices)
       : surface_(surface), vertices_(vertices) {}
 
-  /// `given`: positions at the corners of the faces, where they are known.
-  void operator()(RowRange faces, RawVector<std::byte>& bytes,
-                  std::span<const glm::dvec3> given = {}) {
+  void operator()(RowRange faces, RawVector<std::byte>& bytes) {
     const SurfaceInfo& info = surface_.info();
     const std::int64_t first = info.first_corner(faces.first);
     const std::int64_t last = info.first_corner(faces.first + faces.count);
@@ -33,13 +31,9 @@ class FaceWriter {
     const auto triangles = static_cast<std::size_t>(last - first - 2 * faces.count);
     Index* to = values_of<Index>(bytes, 3 * triangles).data();
     if (info.face_offsets.empty() && info.corners_per_face == 4) return quads(faces, to);
-    places_ = given;
-    if (given.empty()) {
-      positions_.resize(corners_.size());
-      normals_.resize(corners_.size());
-      surface_.corners(faces, positions_, normals_);
-      places_ = positions_;
-    }
+    positions_.resize(corners_.size());
+    normals_.resize(corners_.size());
+    surface_.corners(faces, positions_, normals_);
     for (std::int64_t f = faces.first; f < faces.first + faces.count; ++f) {
       const auto begin = static_cast<std::size_t>(info.first_corner(f) - first);
       const auto end = static_cast<std::size_t>(info.first_corner(f + 1) - first);
@@ -76,7 +70,7 @@ class FaceWriter {
   }
 
   Index* quad(std::size_t at, Index* to) const {
-    const glm::dvec3* p = places_.data() + at;
+    const glm::dvec3* p = positions_.data() + at;
     for (const std::uint8_t k : split_quad(p[0], p[1], p[2], p[3])) {
       *to++ = static_cast<Index>(corners_[at + k]);
     }
@@ -87,15 +81,14 @@ class FaceWriter {
     numbers_.resize(size);
     std::iota(numbers_.begin(), numbers_.end(), 0);
     triangles_.resize(3 * (size - 2));
-    triangulate(numbers_, places_.subspan(at, size), triangles_);
+    triangulate(numbers_, std::span(positions_).subspan(at, size), triangles_);
     for (const std::uint32_t k : triangles_) *to++ = static_cast<Index>(corners_[at + k]);
     return to;
   }
 
   const SurfaceBlocks& surface_;
   const GltfVertices& vertices_;
-  RawVector<glm::dvec3> positions_;
-  std::span<const glm::dvec3> places_;  // at the corners: these, or what is given
+  RawVector<glm::dvec3> positions_;  // at the corners
   RawVector<glm::vec3> normals_;
   RawVector<std::int32_t> rows_;
   RawVector<std::uint8_t> cuts_;

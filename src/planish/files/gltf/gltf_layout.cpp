@@ -61,6 +61,17 @@ std::string own_name(const std::string& field) {
 
 }  // namespace
 
+const float* GltfAttribute::numbers(std::int32_t uv, std::int64_t row) const {
+  if (!of_uvs) return values.data() + width * row;
+  if (!further.empty()) {
+    const UvOnRow place{uv, static_cast<std::int32_t>(row)};
+    const auto found = std::ranges::lower_bound(further, place);
+    if (found != further.end() && *found == place)
+      return further_values.data() + width * (found - further.begin());
+  }
+  return values.data() + width * std::max(uv, 0);  // no corner names a vertex without one
+}
+
 std::vector<GltfAttribute> row_attributes(const GltfOptions& options) {
   std::vector<GltfAttribute> all;
   for (const NamedField& field : options.fields)

@@ -2,17 +2,21 @@
 
 #include <oneapi/tbb/parallel_sort.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <numeric>
+#include <glm/vec4.hpp>
+#include <map>
 #include <tuple>
 
 #include "planish/core/parallel.h"
 #include "planish/core/raw_vector.h"
-#include "planish/files/gltf/gltf_face_writer.h"
 #include "planish/files/gltf/tangent_batch.h"
+#include "planish/files/gltf/tangent_clusters.h"
 
 namespace planish {
 namespace {
@@ -20,205 +24,251 @@ namespace {
 constexpr std::int64_t kFaces = std::int64_t{1} << 12;
 constexpr std::size_t kTangentsAtOnce = 1 << 12;
 
-glm::dvec3 unit_or_zero(const glm::dvec3& v) {
-  const double length = glm::length(v);
-  return length > 0 ? v * (1 / length) : glm::dvec3(0.0);
+// Square to a normal.
+glm::vec3 any_tangent(const glm::vec3& normal) {
+  const glm::vec3 size = glm::abs(normal);
+  const int axis = size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2;
+  glm::vec3 any(0.0f);
+  any[axis] = 1;
+  const glm::vec3 flat = any - normal * normal[axis];
+  return flat / glm::length(flat);
 }
 
-glm::dvec3 flattened(const glm::dvec3& v, const glm::dvec3& normal) {
-  return unit_or_zero(v - normal * glm::dot(normal, v));
-}
-
-// What is known of a texture coordinate: the sum of the directions at its corners, by their angles.
-struct Known {
-  glm::dvec3 sum{0.0};
-  double area = 0;
-  glm::vec3 normal{0.0f};
-  std::int32_t row = -1, set = -1;
+// What is known of each vertex of some faces' clusters: the sum of the directions of its triangles
+// by their angles there, and of their areas in the texture.
+struct Measured : TangentClusters {
+  RawVector<glm::vec4> sums;
 };
 
-// The same of each corner of some faces.
-struct CornerSums {
-  RawVector<std::int32_t> rows, uvs;
-  std::vector<std::int32_t> sets;  // -1: none is wanted
-  RawVector<glm::dvec3> positions;
-  RawVector<glm::vec3> normals;
-  std::vector<glm::dvec3> sums;
-  std::vector<double> areas;
-  RawVector<std::byte> triangles;
-
-  void resize(std::size_t count) {
-    rows.resize(count), uvs.resize(count), positions.resize(count), normals.resize(count);
-    sets.assign(count, -1);
-    sums.assign(count, glm::dvec3(0.0));
-    areas.assign(count, 0);
-  }
-};
-
-class Collector {
+class Measurer {
  public:
-  Collector(const SurfaceBlocks& surface, const TangentSource& source)
-      : surface_(surface), source_(source) {
-    const SurfaceInfo& info = surface.info();
-    by_corner_.corners.resize(static_cast<std::size_t>(info.corner_count));
-    std::iota(by_corner_.corners.begin(), by_corner_.corners.end(), 0);
-  }
+  Measurer(const SurfaceBlocks& surface, const TangentSource& source)
+      : surface_(surface), source_(source) {}
 
-  void operator()(RowRange faces, CornerSums& made) const {
-    const SurfaceInfo& info = surface_.info();
-    const std::int64_t first = info.first_corner(faces.first);
-    const auto count =
-        static_cast<std::size_t>(info.first_corner(faces.first + faces.count) - first);
-    made.resize(count);
-    std::vector<std::int32_t> groups(static_cast<std::size_t>(faces.count), 0);
-    surface_.face_vertices(faces, made.rows);
-    surface_.face_uvs(faces, made.uvs);
-    if (info.has_groups) surface_.face_groups(faces, groups);
-    surface_.corners(faces, made.positions, made.normals);
-    FaceWriter<std::uint32_t>(surface_, by_corner_)(faces, made.triangles, made.positions);
-    const std::span corners(reinterpret_cast<const std::uint32_t*>(made.triangles.data()),
-                            made.triangles.size() / sizeof(std::uint32_t));
-    std::int64_t face = faces.first;
-    Batch batch(source_, made);
-    for (std::size_t at = 0; at < corners.size(); at += 3) {
-      while (corners[at] >= info.first_corner(face + 1)) ++face;
-      const int set = source_.set_of_group[static_cast<std::size_t>(groups[face - faces.first])];
-      if (set >= 0) batch.add(corners.subspan(at).first<3>(), first, set);
+  void operator()(RowRange faces, Measured& made) const {
+    thread_local Lanes lanes;
+    TangentClusterMaker(surface_, source_.set_of_group)(faces, made);
+    made.sums.resize(made.rows.size());
+    for (std::size_t shape = 0; shape < made.shapes.size(); ++shape) {
+      lanes.begin(made.shapes[shape]);
+      for (const TangentCluster& cluster : made.clusters) {
+        if (cluster.shape != shape) continue;
+        lanes.add(cluster, source_, made);
+        if (lanes.is_full()) lanes.finish(made);
+      }
+      lanes.finish(made);
     }
-    batch.finish();
   }
 
  private:
-  // Triangles side by side; what they sum up comes to the corners in their order.
-  class Batch {
+  // Clusters of one shape side by side.
+  class Lanes {
    public:
-    Batch(const TangentSource& source, CornerSums& made) : source_(source), made_(made) {}
+    void begin(const TangentShape& shape) {
+      shape_ = &shape;
+      vertices_.assign(shape.first.size() * kTangentNumbers * kTangentLanes, 0.0f);
+      cuts_.assign(shape.corners.size() / 4 * kTangentLanes, 0);
+    }
+    [[nodiscard]] bool is_full() const { return count_ == kTangentLanes; }
 
-    void add(std::span<const std::uint32_t, 3> triangle, std::int64_t first, int set) {
-      const std::span<const glm::dvec2> uvs = source_.sets[static_cast<std::size_t>(set)];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t corner = triangle[k] - static_cast<std::size_t>(first);
-        const glm::dvec2& uv = uvs[static_cast<std::size_t>(made_.uvs[corner])];
-        for (int axis = 0; axis < 3; ++axis) {
-          given_.position[k][axis][count_] = made_.positions[corner][axis];
-          given_.normal[k][axis][count_] = static_cast<double>(made_.normals[corner][axis]);
+    // Differences from the first vertex.
+    void add(const TangentCluster& cluster, const TangentSource& source, const Measured& made) {
+      const std::span<const glm::dvec2> uvs = source.sets[static_cast<std::size_t>(cluster.set)];
+      const std::size_t first = cluster.first_vertex;
+      const glm::vec3 origin = made.positions[first];
+      const glm::dvec2 uv_origin = uvs[static_cast<std::size_t>(made.uvs[first])];
+      float* to = vertices_.data() + count_;
+      for (std::size_t v = first; v < first + shape_->first.size(); ++v) {
+        const glm::vec3 p = made.positions[v] - origin, &n = made.normals[v];
+        const glm::vec2 t(uvs[static_cast<std::size_t>(made.uvs[v])] - uv_origin);
+        for (const float number : {p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y}) {
+          *to = number;
+          to += kTangentLanes;
         }
-        given_.uv[k][0][count_] = uv.x;
-        given_.uv[k][1][count_] = uv.y;
-        corners_[k][count_] = static_cast<std::uint32_t>(corner);
-        made_.sets[corner] = set;
       }
-      if (++count_ == kTangentLanes) finish();
+      for (std::size_t q = 0; q < shape_->corners.size() / 4; ++q)
+        cuts_[q * kTangentLanes + static_cast<std::size_t>(count_)] =
+            made.cuts[cluster.first_cut + q];
+      first_[count_++] = first;
     }
 
-    void finish() {
+    void finish(Measured& made) {
       if (count_ == 0) return;
-      measure_tangents(given_, sums_);
+      const std::size_t vertices = shape_->first.size();
+      sums_.assign(vertices * 4 * kTangentLanes, 0.0f);
+      measure_tangents({.count = static_cast<int>(shape_->corners.size() / 4),
+                        .corners = shape_->corners.data(),
+                        .vertex_count = static_cast<int>(vertices),
+                        .vertices = vertices_.data(),
+                        .cuts = cuts_.data()},
+                       sums_.data());
       for (int i = 0; i < count_; ++i) {
-        for (std::size_t k = 0; k < 3; ++k) {
-          const std::uint32_t corner = corners_[k][i];
-          made_.sums[corner] +=
-              glm::dvec3(sums_.along[k][0][i], sums_.along[k][1][i], sums_.along[k][2][i]);
-          made_.areas[corner] += sums_.area[i];
-        }
+        const float* from = sums_.data() + i;
+        for (std::size_t v = 0; v < vertices; ++v, from += 4 * kTangentLanes)
+          made.sums[first_[i] + v] = {from[0], from[kTangentLanes], from[2 * kTangentLanes],
+                                      from[3 * kTangentLanes]};
       }
       count_ = 0;
     }
 
    private:
-    const TangentSource& source_;
-    CornerSums& made_;
-    TangentBatch given_{};  // lanes that are not used stay finite
-    TangentSums sums_;
-    std::uint32_t corners_[3][kTangentLanes];
+    const TangentShape* shape_ = nullptr;
+    std::vector<float> vertices_, sums_;
+    std::vector<int> cuts_;
+    std::size_t first_[kTangentLanes];  // vertex of each cluster
     int count_ = 0;
   };
 
   const SurfaceBlocks& surface_;
   const TangentSource& source_;
-  GltfVertices by_corner_;  // so that triangles come by their corners
 };
 
-void write_tangent(const Known& known, const glm::dvec3& sum, std::span<float, 4> to) {
-  const glm::dvec3 normal(known.normal);
-  glm::dvec3 tangent = flattened(sum, normal);
-  if (tangent == glm::dvec3(0.0)) {
-    const glm::dvec3 size = glm::abs(normal);
-    const int axis = size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2;
-    glm::dvec3 any(0.0);
-    any[axis] = 1;
-    tangent = flattened(any, normal);
-  }
-  for (int axis = 0; axis < 3; ++axis)
-    to[static_cast<std::size_t>(axis)] = static_cast<float>(tangent[axis]);
-  to[3] = known.area < 0 ? -1.0f : 1.0f;
-}
-
-std::vector<Known> known_of(const SurfaceBlocks& surface, const TangentSource& source) {
-  std::vector<Known> known(static_cast<std::size_t>(surface.info().uv_count));
-  const Collector collect(surface, source);
-  const std::vector<RowRange> pieces = ranges_of(surface.info().face_count, kFaces);
-  in_order<CornerSums>(pieces, collect, [&](RowRange, const CornerSums& made) {
-    for (std::size_t c = 0; c < made.uvs.size(); ++c) {
-      if (made.sets[c] < 0) continue;
-      Known& of = known[static_cast<std::size_t>(made.uvs[c])];
-      of.sum += made.sums[c];
-      of.area += made.areas[c];
-      of.normal = made.normals[c];
-      of.row = made.rows[c];
-      of.set = made.sets[c];
+// Sums of each texture coordinate on the first row that has it, then on further ones.
+class TangentSums {
+ public:
+  TangentSums(const SurfaceBlocks& surface, const TangentSource& source)
+      : source_(source), row_count_(static_cast<std::size_t>(surface.info().row_count)) {
+    const auto count = static_cast<std::size_t>(surface.info().uv_count);
+    values_.resize(4 * count);
+    rows_.assign(count, -1);
+    for (const int set : source.set_of_group) {
+      if (set >= 0 && set_ >= 0 && set != set_) sets_.resize(count, set);
+      if (set >= 0) set_ = set;
     }
-  });
-  return known;
-}
-
-// Texture coordinates of rows that have several.
-std::vector<std::int32_t> shared_rows(std::span<const Known> known, std::int64_t row_count) {
-  constexpr std::int32_t kNone = -1, kSeveral = -2;
-  std::vector<std::int32_t> only(static_cast<std::size_t>(row_count), kNone);
-  for (std::size_t uv = 0; uv < known.size(); ++uv) {
-    if (known[uv].set < 0) continue;
-    std::int32_t& of = only[static_cast<std::size_t>(known[uv].row)];
-    of = of == kNone ? static_cast<std::int32_t>(uv) : kSeveral;
   }
-  std::vector<std::int32_t> shared;
-  for (std::size_t uv = 0; uv < known.size(); ++uv)
-    if (known[uv].set >= 0 && only[static_cast<std::size_t>(known[uv].row)] == kSeveral)
-      shared.push_back(static_cast<std::int32_t>(uv));
-  return shared;
-}
+
+  // One piece after another.
+  void add(const Measured& piece) {
+    for (const TangentCluster& cluster : piece.clusters) {
+      const std::size_t end = cluster.first_vertex + piece.shapes[cluster.shape].first.size();
+      for (std::size_t v = cluster.first_vertex; v < end; ++v) {
+        const std::size_t slot = slot_of({piece.uvs[v], piece.rows[v]});
+        if (!sets_.empty()) sets_[static_cast<std::size_t>(piece.uvs[v])] = cluster.set;
+        float* const sum = sum_of(slot);
+        for (int k = 0; k < 4; ++k) sum[k] += piece.sums[v][k];
+        if (is_zero(sum)) zero_.push_back({slot, piece.normals[v]});
+      }
+    }
+  }
+
+  [[nodiscard]] SurfaceTangents finished() && {
+    join_seams();
+    for (const auto& [slot, normal] : zero_) {
+      float* const sum = sum_of(slot);
+      if (!is_zero(sum)) continue;
+      const glm::vec3 any = any_tangent(normal);
+      for (int axis = 0; axis < 3; ++axis) sum[axis] = any[axis];
+    }
+    parallel_each(slot_count(), kTangentsAtOnce, [&](std::size_t slot) {
+      float* const v = sum_of(slot);
+      if (rows_[slot] < 0) {
+        std::fill_n(v, 4, 0.0f);
+        return;
+      }
+      const float length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+      v[0] /= length, v[1] /= length, v[2] /= length;
+      v[3] = v[3] < 0 ? -1.0f : 1.0f;
+    });
+    SurfaceTangents made;
+    for (const auto& [place, slot] : further_) {
+      made.further.push_back(place);
+      made.further_values.insert(made.further_values.end(), sum_of(slot), sum_of(slot) + 4);
+    }
+    made.values = std::move(values_);
+    return made;
+  }
+
+ private:
+  struct OfSlot {
+    std::size_t slot;
+    glm::vec3 normal;
+  };
+
+  [[nodiscard]] static bool is_zero(const float* sum) {
+    return sum[0] == 0 && sum[1] == 0 && sum[2] == 0;
+  }
+  [[nodiscard]] std::size_t slot_count() const { return rows_.size(); }
+  [[nodiscard]] float* sum_of(std::size_t slot) {
+    const std::size_t first_further = values_.size() / 4;
+    return slot < first_further ? values_.data() + 4 * slot
+                                : further_values_.data() + 4 * (slot - first_further);
+  }
+  std::size_t slot_of(const UvOnRow& place) {
+    const auto uv = static_cast<std::size_t>(place.uv);
+    if (rows_[uv] < 0) {
+      rows_[uv] = place.row;
+      std::fill_n(values_.begin() + place.uv * std::int64_t{4}, 4, 0.0f);
+    }
+    if (rows_[uv] == place.row) return uv;
+    const auto [entry, is_new] = further_.try_emplace(place, slot_count());
+    if (is_new) {
+      rows_.push_back(place.row);
+      further_uvs_.push_back(place.uv);
+      further_values_.resize(further_values_.size() + 4, 0.0f);
+    }
+    return entry->second;
+  }
+
+  // Slots on rows that have several.
+  [[nodiscard]] std::vector<std::size_t> shared_slots() const {
+    constexpr std::int32_t kNone = -1, kSeveral = -2;
+    std::vector<std::int32_t> only(row_count_, kNone);
+    for (const std::int32_t row : rows_) {
+      if (row < 0) continue;
+      std::int32_t& of = only[static_cast<std::size_t>(row)];
+      of = of == kNone ? 0 : kSeveral;
+    }
+    std::vector<std::size_t> shared;
+    for (std::size_t slot = 0; slot < rows_.size(); ++slot)
+      if (rows_[slot] >= 0 && only[static_cast<std::size_t>(rows_[slot])] == kSeveral)
+        shared.push_back(slot);
+    return shared;
+  }
+
+  // Texture coordinates that are one to a reader, which compares what vertices have.
+  void join_seams() {
+    std::vector<std::size_t> order = shared_slots();
+    const std::size_t uv_count = values_.size() / 4;
+    const auto key = [&](std::size_t slot) {
+      const auto uv =
+          slot < uv_count ? slot : static_cast<std::size_t>(further_uvs_[slot - uv_count]);
+      const int set = sets_.empty() ? set_ : sets_[uv];
+      const glm::dvec2 place = source_.sets[static_cast<std::size_t>(set)][uv];
+      return std::tuple(set, rows_[slot], place.x, place.y, sum_of(slot)[3] < 0);
+    };
+    oneapi::tbb::parallel_sort(order, [&](std::size_t a, std::size_t b) {
+      const auto of_a = key(a), of_b = key(b);
+      return of_a != of_b ? of_a < of_b : a < b;
+    });
+    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+      glm::vec3 sum(0.0f);
+      for (end = begin; end < order.size() && key(order[end]) == key(order[begin]); ++end)
+        for (int axis = 0; axis < 3; ++axis) sum[axis] += sum_of(order[end])[axis];
+      for (std::size_t i = begin; i < end && sum != glm::vec3(0.0f); ++i)
+        for (int axis = 0; axis < 3; ++axis) sum_of(order[i])[axis] = sum[axis];
+    }
+  }
+
+  const TangentSource& source_;
+  std::size_t row_count_;
+  RawVector<float> values_;  // of a slot without a row none yet
+  std::vector<float> further_values_;
+  std::vector<std::int32_t> rows_;         // of each slot; -1: none is wanted
+  std::vector<std::int32_t> further_uvs_;  // of further slots
+  std::map<UvOnRow, std::size_t> further_;
+  int set_ = -1;
+  std::vector<int> sets_;     // of each texture coordinate; empty: set_
+  std::vector<OfSlot> zero_;  // whose sum was zero when a piece had been added
+};
 
 }  // namespace
 
-std::vector<float> surface_tangents(const SurfaceBlocks& surface, const TangentSource& source) {
-  const std::vector<Known> known = known_of(surface, source);
-  std::vector<float> tangents(4 * known.size(), 0.0f);
-  const auto write = [&](std::size_t uv, const glm::dvec3& sum) {
-    write_tangent(known[uv], sum, std::span<float, 4>(tangents.data() + 4 * uv, 4));
-  };
-  parallel_for(known.size(), kTangentsAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t uv = begin; uv < end; ++uv)
-      if (known[uv].set >= 0) write(uv, known[uv].sum);
-  });
-  // Texture coordinates that are one to a reader, which compares what vertices have.
-  std::vector<std::int32_t> order = shared_rows(known, surface.info().row_count);
-  const auto key = [&](std::int32_t uv) {
-    const Known& of = known[static_cast<std::size_t>(uv)];
-    const glm::dvec2 place =
-        source.sets[static_cast<std::size_t>(of.set)][static_cast<std::size_t>(uv)];
-    return std::tuple(of.set, of.row, place.x, place.y, of.area < 0);
-  };
-  oneapi::tbb::parallel_sort(order, [&](std::int32_t a, std::int32_t b) {
-    const auto of_a = key(a), of_b = key(b);
-    return of_a != of_b ? of_a < of_b : a < b;
-  });
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    glm::dvec3 sum(0.0);
-    for (end = begin; end < order.size() && key(order[end]) == key(order[begin]); ++end)
-      sum += known[static_cast<std::size_t>(order[end])].sum;
-    for (std::size_t i = begin; i < end; ++i) write(static_cast<std::size_t>(order[i]), sum);
-  }
-  return tangents;
+SurfaceTangents surface_tangents(const SurfaceBlocks& surface, const TangentSource& source) {
+  TangentSums sums(surface, source);
+  const std::vector<RowRange> pieces = ranges_of(surface.info().face_count, kFaces);
+  in_order<Measured>(pieces, Measurer(surface, source),
+                     [&](RowRange, const Measured& piece) { sums.add(piece); });
+  return std::move(sums).finished();
 }
 
 }  // namespace planish

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "planish/core/raw_vector.h"
+#include "planish/files/gltf/write_gltf.h"
 #include "planish/surface/surface_blocks.h"
 
 namespace planish {
@@ -14,14 +16,23 @@ struct TangentSource {
   std::vector<int> set_of_group;                  ///< by the group of a face; -1: none is wanted
 };
 
-/// glTF's TANGENT, four numbers for each texture coordinate of the surface: where its u grows, of
-/// unit length and square to the normal, and whether v grows to its left (1) or right (-1). Zeros
-/// where none is wanted. They are those of MikkTSpace for the triangles that write_gltf() writes,
-/// where no texture coordinate belongs to faces that lie either way round in the texture; where a
-/// texture has no extent they are any square to the normal.
+/// glTF's TANGENT: where u grows, of unit length and square to the normal, and whether v grows to
+/// its left (1) or right (-1).
+struct SurfaceTangents {
+  /// Four numbers for each texture coordinate of the surface; zeros where none is wanted.
+  RawVector<float> values;
+  /// The same of texture coordinates on further rows, across sharp edges; ascending.
+  std::vector<UvOnRow> further;
+  std::vector<float> further_values;
+};
+
+/// They are those of MikkTSpace for the triangles that write_gltf() writes, of positions about 0 in
+/// single precision, where no texture coordinate belongs to faces that lie either way round in the
+/// texture; where a texture has no extent they are any square to the normal. Takes 24 bytes a
+/// texture coordinate. Throws Error{Cancelled}.
 /// Source: M. Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008, section 4, and the
-/// program that goes with it. Throws Error{Cancelled}.
-[[nodiscard]] std::vector<float> surface_tangents(const SurfaceBlocks& surface,
-                                                  const TangentSource& source);
+/// program that goes with it.
+[[nodiscard]] SurfaceTangents surface_tangents(const SurfaceBlocks& surface,
+                                               const TangentSource& source);
 
 }  // namespace planish

@@ -9,93 +9,155 @@ namespace planish {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr float kPi = 3.14159265f;
 
 struct Vector {
-  double x, y, z;
+  float x, y, z;
 };
 
-PLANISH_IN_LINE double dot(const Vector& a, const Vector& b) {
+PLANISH_IN_LINE float dot(const Vector& a, const Vector& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-
-PLANISH_IN_LINE Vector scaled_to_one(const Vector& v) {
-  const double length = std::sqrt(dot(v, v));
-  const double scale = 1 / length;
-  const bool has = length > 0;
-  return {has ? v.x * scale : 0.0, has ? v.y * scale : 0.0, has ? v.z * scale : 0.0};
+PLANISH_IN_LINE Vector difference(const Vector& from, const Vector& to) {
+  return {to.x - from.x, to.y - from.y, to.z - from.z};
+}
+PLANISH_IN_LINE Vector cross(const Vector& a, const Vector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// An angle by its cosine, within 2e-8: Abramowitz and Stegun, "Handbook of Mathematical Functions",
-// 4.4.46. It is a weight.
-PLANISH_IN_LINE double angle_of(double cosine) {
-  const double size = std::abs(cosine), x = size < 1 ? size : 1.0;
-  const double shape =
-      1.5707963050 +
-      x * (-0.2145988016 +
-           x * (0.0889789874 +
-                x * (-0.0501743046 +
-                     x * (0.0308918810 +
-                          x * (-0.0170881256 + x * (0.0066700901 - x * 0.0012624911))))));
-  const double angle = std::sqrt(1 - x) * shape;
-  return cosine < 0 ? kPi - angle : angle;
+// An angle by multiples of its sine, which is not negative, and cosine, within 1e-7; 0 of nothing.
+// Abramowitz and Stegun, "Handbook of Mathematical Functions", 4.4.49. It is a weight.
+PLANISH_IN_LINE float angle_of(float sine, float cosine) {
+  const float size = std::abs(cosine);
+  const float large = sine > size ? sine : size, small = sine > size ? size : sine;
+  const float ratio = small / (large > 0 ? large : 1.0f), x = ratio * ratio;
+  const float of_ratio =
+      ratio *
+      (1.0f +
+       x * (-0.3333314528f +
+            x * (0.1999355085f +
+                 x * (-0.1420889944f +
+                      x * (0.1065626393f + x * (-0.0752896400f +
+                                                x * (0.0429096138f + x * (-0.0161657367f +
+                                                                          x * 0.0028662257f))))))));
+  const float of_size = sine > size ? kPi / 2 - of_ratio : of_ratio;
+  return cosine < 0 ? kPi - of_size : of_size;
 }
 
-using Lane = double[kTangentLanes];
+struct Corner {
+  Vector position, normal;
+  float u, v;
+};
 
-PLANISH_IN_LINE Vector of_lane(const Lane* lanes, int i) {
-  return {lanes[0][i], lanes[1][i], lanes[2][i]};
+struct Sum {
+  float x, y, z, area;
+};
+
+PLANISH_IN_LINE Sum sum_of(const Sum& a, const Sum& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z, a.area + b.area};
 }
 
-PLANISH_IN_LINE Vector difference(const Lane* from, const Lane* to, int i) {
-  return {to[0][i] - from[0][i], to[1][i] - from[1][i], to[2][i] - from[2][i]};
+// `cross`: of two edges of the triangle; `cosine`: the product of those that meet here, which rise
+// by `up_a` and `up_b` along the normal.
+PLANISH_IN_LINE Sum at_corner(const Vector& normal, const Vector& cross, float cosine, float up_a,
+                              float up_b, const Vector& along, float area) {
+  const float angle = angle_of(std::abs(dot(normal, cross)), cosine - up_a * up_b);
+  const float up = dot(normal, along);
+  const Vector flat{along.x - normal.x * up, along.y - normal.y * up, along.z - normal.z * up};
+  const float square = dot(flat, flat);
+  const float weight = angle / std::sqrt(square > 0 ? square : 1.0f);
+  return {flat.x * weight, flat.y * weight, flat.z * weight, area};
 }
 
-// Between two directions, both seen along a normal.
-PLANISH_IN_LINE double angle_between(const Vector& a, const Vector& b, const Vector& normal) {
-  const double up_a = dot(normal, a), up_b = dot(normal, b);
-  const double square = (dot(a, a) - up_a * up_a) * (dot(b, b) - up_b * up_b);
-  const double cosine = (dot(a, b) - up_a * up_b) / std::sqrt(square);
-  return angle_of(square > 0 ? cosine : 0.0);
+PLANISH_IN_LINE void measure_triangle(const Corner& a, const Corner& b, const Corner& c, Sum& of_a,
+                                      Sum& of_b, Sum& of_c) {
+  const Vector ab = difference(a.position, b.position), ac = difference(a.position, c.position),
+               bc = difference(b.position, c.position);
+  const float sx = b.u - a.u, sy = b.v - a.v, tx = c.u - a.u, ty = c.v - a.v;
+  const float area = sx * ty - sy * tx;
+  const float way = area < 0 ? -1.0f : 1.0f;
+  const Vector along{way * (ty * ab.x - sy * ac.x), way * (ty * ab.y - sy * ac.y),
+                     way * (ty * ab.z - sy * ac.z)};
+  const Vector n = cross(ab, ac);
+  of_a = at_corner(a.normal, n, dot(ab, ac), dot(a.normal, ab), dot(a.normal, ac), along, area);
+  of_b = at_corner(b.normal, n, -dot(ab, bc), dot(b.normal, ab), -dot(b.normal, bc), along, area);
+  of_c = at_corner(c.normal, n, dot(ac, bc), dot(c.normal, ac), dot(c.normal, bc), along, area);
 }
 
-// At the corner `here`, from which edges go to `next` and `last`; `to`: as TangentSums has it.
-PLANISH_IN_LINE void measure_corner(const Lane* here, const Lane* next, const Lane* last,
-                                    const Lane* normals, const Lane* directions, Lane* to) {
-  Lane x, y, z;  // which nothing else can be, so that the loop becomes vectors
-  for (int i = 0; i < kTangentLanes; ++i) {
-    const Vector normal = of_lane(normals, i), u = of_lane(directions, i);
-    const double angle =
-        angle_between(difference(here, next, i), difference(here, last, i), normal);
-    const double up = dot(normal, u);
-    const Vector flat =
-        scaled_to_one({u.x - normal.x * up, u.y - normal.y * up, u.z - normal.z * up});
-    x[i] = angle * flat.x, y[i] = angle * flat.y, z[i] = angle * flat.z;
-  }
-  for (int i = 0; i < kTangentLanes; ++i) to[0][i] = x[i], to[1][i] = y[i], to[2][i] = z[i];
+PLANISH_IN_LINE Corner corner_of(const float* a, const float* b, bool takes_b, int i) {
+  constexpr int n = kTangentLanes;
+  const auto number = [&](int k) __attribute__((always_inline)) {
+    const float of_a = a[k * n + i], of_b = b[k * n + i];
+    return takes_b ? of_b : of_a;
+  };
+  return {
+      {number(0), number(1), number(2)}, {number(3), number(4), number(5)}, number(6), number(7)};
+}
+
+using Lanes = float[4][kTangentLanes];
+
+PLANISH_IN_LINE void put(const Sum& a, const Sum& b, bool takes_b, Lanes& to, int i) {
+  to[0][i] = takes_b ? b.x : a.x, to[1][i] = takes_b ? b.y : a.y;
+  to[2][i] = takes_b ? b.z : a.z, to[3][i] = takes_b ? b.area : a.area;
+}
+
+// The power of two that makes a number up to this about 1, where single precision has it.
+float scale_of(float most) {
+  int exponent = 0;
+  (void)std::frexp(most, &exponent);
+  return std::ldexp(1.0f, exponent > -120 ? -exponent : 120);
+}
+
+// Of some numbers of all vertices.
+PLANISH_IN_LINE void scale(const TangentQuads& quads, int first, int count) {
+  float most[kTangentLanes] = {}, scales[kTangentLanes];
+  const auto for_numbers = [&](const auto& visit) __attribute__((always_inline)) {
+    for (int v = 0; v < quads.vertex_count; ++v)
+      for (int k = first; k < first + count; ++k) {
+        float* const numbers = quads.vertices + (v * kTangentNumbers + k) * kTangentLanes;
+        for (int i = 0; i < kTangentLanes; ++i) visit(numbers[i], i);
+      }
+  };
+  for_numbers([&](float& number, int i) __attribute__((always_inline)) {
+    const float size = std::abs(number);
+    most[i] = most[i] > size ? most[i] : size;
+  });
+  for (int i = 0; i < kTangentLanes; ++i) scales[i] = scale_of(most[i]);
+  for_numbers([&](float& number, int i) __attribute__((always_inline)) { number *= scales[i]; });
 }
 
 }  // namespace
 
-PLANISH_WIDEST void measure_tangents(const TangentBatch& t, TangentSums& sums) {
-  const auto& p = t.position;
-  Lane along[3];
-  for (int i = 0; i < kTangentLanes; ++i) {
-    const double sx = t.uv[1][0][i] - t.uv[0][0][i], sy = t.uv[1][1][i] - t.uv[0][1][i];
-    const double tx = t.uv[2][0][i] - t.uv[0][0][i], ty = t.uv[2][1][i] - t.uv[0][1][i];
-    const double area = sx * ty - sy * tx;
-    const Vector a = difference(p[0], p[1], i), b = difference(p[0], p[2], i);
-    const double x = ty * a.x - sy * b.x, y = ty * a.y - sy * b.y, z = ty * a.z - sy * b.z;
-    const bool is_mirrored = area < 0;
-    const Vector u =
-        scaled_to_one({is_mirrored ? -x : x, is_mirrored ? -y : y, is_mirrored ? -z : z});
-    along[0][i] = u.x, along[1][i] = u.y, along[2][i] = u.z;
-    sums.area[i] = area;
+PLANISH_WIDEST void measure_tangents(const TangentQuads& quads, float* sums) {
+  constexpr int kVertex = kTangentNumbers * kTangentLanes, kSum = 4 * kTangentLanes;
+  scale(quads, 0, 3);
+  scale(quads, 6, 2);
+  for (int q = 0; q < quads.count; ++q) {
+    const unsigned char* at = quads.corners + 4 * q;
+    const float* const v0 = quads.vertices + at[0] * kVertex;
+    const float* const v1 = quads.vertices + at[1] * kVertex;
+    const float* const v2 = quads.vertices + at[2] * kVertex;
+    const float* const v3 = quads.vertices + at[3] * kVertex;
+    const int* const cuts = quads.cuts + q * kTangentLanes;
+    Lanes made[4];  // which nothing else can be, so that the loop becomes vectors
+    for (int i = 0; i < kTangentLanes; ++i) {
+      // Cut from corner 1 it is the quad that begins there.
+      const bool turned = cuts[i] != 0;
+      const Corner a = corner_of(v0, v1, turned, i), b = corner_of(v1, v2, turned, i),
+                   c = corner_of(v2, v3, turned, i), d = corner_of(v3, v0, turned, i);
+      Sum a1, b1, c1, a2, c2, d2;
+      measure_triangle(a, b, c, a1, b1, c1);
+      measure_triangle(a, c, d, a2, c2, d2);
+      const Sum of_a = sum_of(a1, a2), of_c = sum_of(c1, c2);
+      put(of_a, d2, turned, made[0], i), put(b1, of_a, turned, made[1], i);
+      put(of_c, b1, turned, made[2], i), put(d2, of_c, turned, made[3], i);
+    }
+    for (int k = 0; k < 4; ++k) {
+      float* const sum = sums + at[k] * kSum;
+      for (int n = 0; n < 4; ++n)
+        for (int i = 0; i < kTangentLanes; ++i) sum[n * kTangentLanes + i] += made[k][n][i];
+    }
   }
-  // One after another: a loop over them would keep what is within from becoming vectors.
-  measure_corner(p[0], p[1], p[2], t.normal[0], along, sums.along[0]);
-  measure_corner(p[1], p[2], p[0], t.normal[1], along, sums.along[1]);
-  measure_corner(p[2], p[0], p[1], t.normal[2], along, sums.along[2]);
 }
 
 }  // namespace planish

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -27,6 +28,12 @@ struct GltfMaterials;  // gltf_materials.h
 /// which asset.extras says ("vertex_order").
 enum class GltfCompression { None, Quantize, Meshopt };
 
+/// A texture coordinate of a surface on a row.
+struct UvOnRow {
+  std::int32_t uv, row;
+  auto operator<=>(const UvOnRow&) const = default;
+};
+
 /// An attribute of the vertices that is ready: `width` numbers for each row of the surface.
 struct GltfAttribute {
   /// As the format has it, "WEIGHTS_0"; of the k-th morph target "target/k/POSITION".
@@ -35,12 +42,17 @@ struct GltfAttribute {
   bool is_integer = false;  ///< stored in 16 bits without a sign
   std::span<const float> values;
   bool of_uvs = false;  ///< `width` numbers for each texture coordinate instead
+  /// With of_uvs: texture coordinates on rows where they have other numbers, ascending, and these.
+  std::span<const UvOnRow> further;
+  std::span<const float> further_values;
   /// One flag for each group whose primitive has it; empty: all have.
   std::vector<std::uint8_t> in_groups;
 
   [[nodiscard]] bool is_in(std::int32_t group) const {
     return in_groups.empty() || in_groups[static_cast<std::size_t>(group < 0 ? 0 : group)] != 0;
   }
+  /// The numbers of a vertex; `uv` counts with of_uvs only.
+  [[nodiscard]] const float* numbers(std::int32_t uv, std::int64_t row) const;
 };
 
 struct GltfOptions {
