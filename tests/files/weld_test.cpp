@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <iterator>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -25,6 +28,31 @@ TEST(Weld, EqualsInsertingOneAfterAnother) {
     EXPECT_EQ(welded.positions, welder.take_positions());
   }
   EXPECT_TRUE(weld({}).positions.empty());
+}
+
+// A ring of revolution as programs make it: its last column stands where the first does, but for
+// what rounding leaves of sin(2 pi).
+TEST(Weld, ClosesWhatIsOpenByTheRemainderOfAZero) {
+  constexpr int kColumns = 12;
+  std::vector<glm::dvec3> positions;
+  for (const double height : {-1.0, 0.0, 1.0}) {
+    for (int i = 0; i <= kColumns; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kColumns;
+      positions.emplace_back(static_cast<float>(3 * std::cos(angle)), height,
+                             static_cast<float>(3 * std::sin(angle)));
+    }
+  }
+  ASSERT_NE(positions[0], positions[kColumns]);
+  const WeldedPositions welded = weld(positions);
+  Welder welder;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    EXPECT_EQ(welder.insert(positions[i]), welded.indices[i]);
+  EXPECT_EQ(welded.positions.size(), 3U * kColumns);
+  EXPECT_EQ(welded.positions[0], glm::dvec3(3, -1, 0));
+  EXPECT_EQ(welder.take_positions(), welded.positions);
+  // Small detail far away is none.
+  const glm::dvec3 detail[] = {{1e6, 1e-6, 0}, {1e6, 2e-6, 0}, {0, 1e-300, 0}, {0, 2e-300, 0}};
+  EXPECT_EQ(weld(detail).positions, std::vector<glm::dvec3>(std::begin(detail), std::end(detail)));
 }
 
 }  // namespace

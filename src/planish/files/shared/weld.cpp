@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <glm/common.hpp>
 #include <limits>
 #include <string>
 
@@ -31,9 +32,17 @@ std::uint64_t hash_of(const glm::dvec3& position) {
 
 }  // namespace
 
+glm::dvec3 without_remainders(const glm::dvec3& position) {
+  const glm::dvec3 size = glm::abs(position);
+  const double least = kRemainder * std::max({size.x, size.y, size.z});
+  return {size.x < least ? 0.0 : position.x, size.y < least ? 0.0 : position.y,
+          size.z < least ? 0.0 : position.z};
+}
+
 Welder::Welder() : slots_(64, -1) {}
 
-std::int32_t Welder::insert(const glm::dvec3& position) {
+std::int32_t Welder::insert(const glm::dvec3& given) {
+  const glm::dvec3 position = without_remainders(given);
   if (2 * positions_.size() >= slots_.size()) grow();
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = hash_of(position) & mask;
@@ -50,7 +59,7 @@ std::int32_t Welder::insert(const glm::dvec3& position) {
 std::int32_t Welder::insert_apart(const glm::dvec3& position) {
   if (positions_.size() == std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorCode::UnreadableInput, "more distinct positions than 32 bits can count");
-  positions_.push_back(position);
+  positions_.push_back(without_remainders(position));
   return count() - 1;
 }
 
@@ -70,7 +79,9 @@ namespace {
 constexpr std::size_t kGroups = 256;
 constexpr std::size_t kBlock = 1 << 15;  // positions whose groups are counted together
 
-std::size_t group_of(const glm::dvec3& position) { return hash_of(position) >> 56; }
+std::size_t group_of(const glm::dvec3& position) {
+  return hash_of(without_remainders(position)) >> 56;
+}
 
 // The positions' numbers, one group after another, in their order within each.
 struct Groups {
@@ -105,8 +116,9 @@ void find_firsts(std::span<const std::int32_t> members, std::span<const glm::dve
   std::vector<std::int32_t> slots(std::bit_ceil(2 * members.size() + 1), -1);
   const std::size_t mask = slots.size() - 1;
   for (const std::int32_t member : members) {
-    std::size_t slot = hash_of(positions[member]) & mask;
-    while (slots[slot] >= 0 && positions[slots[slot]] != positions[member])
+    const glm::dvec3 position = without_remainders(positions[member]);
+    std::size_t slot = hash_of(position) & mask;
+    while (slots[slot] >= 0 && without_remainders(positions[slots[slot]]) != position)
       slot = (slot + 1) & mask;
     if (slots[slot] < 0) slots[slot] = member;
     firsts[member] = slots[slot];
@@ -133,7 +145,7 @@ WeldedPositions weld(std::span<const glm::dvec3> positions, const FileBytes& fil
   WeldedPositions welded;
   welded.positions.resize(blocks.total);
   for_selected(count, blocks, is_first, [&](std::size_t i, std::int32_t number) {
-    welded.positions[number] = positions[i];
+    welded.positions[number] = without_remainders(positions[i]);
     numbers[i] = number;
   });
   welded.indices.resize(count);

@@ -11,7 +11,15 @@
 
 namespace planish {
 
-/// Gives equal positions one index, in the order in which they first come; -0.0 equals 0.0.
+/// What rounding leaves of a zero, as in sines of whole turns, where a shape of revolution closes:
+/// a number below this much of those beside it.
+inline constexpr double kRemainder = 0x1p-48;
+
+/// A position as it is welded: with 0 for a remainder of a zero beside its largest coordinate.
+[[nodiscard]] glm::dvec3 without_remainders(const glm::dvec3& position);
+
+/// Gives equal positions one index, in the order in which they first come; -0.0 equals 0.0, and so
+/// do remainders of a zero.
 class Welder {
  public:
   Welder();

@@ -7,7 +7,7 @@
 
 namespace planish {
 
-/// STL, text or binary (recognised by its size of 84 + 50 n bytes), welded by exact position;
+/// STL, text or binary (recognised by its size of 84 + 50 n bytes), welded by position;
 /// triangles without area are left out with a warning, and so are lines of other words outside
 /// facets, unless the file is strict. The result does not depend on `part_bytes`, of which a thread
 /// reads about so many at a time of text. Conditions and exceptions as read_mesh().

@@ -157,12 +157,17 @@ void AssetCollector::read_motion(std::int64_t vertex) {
   }
 }
 
-bool AssetCollector::moves_like(std::int32_t welded) const {
+bool AssetCollector::moves_like(std::int32_t welded, const glm::dvec3& position) const {
   if (!made_.first_influence.empty() &&
       !std::ranges::equal(made_.influences_of(welded), influences_))
     return false;
-  for (std::size_t k = 0; k < moves_.size(); ++k)
-    if (made_.targets[k][static_cast<std::size_t>(welded)] != moves_[k]) return false;
+  const auto largest = [](const glm::dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  };
+  for (std::size_t k = 0; k < moves_.size(); ++k) {
+    const glm::dvec3 apart = made_.targets[k][static_cast<std::size_t>(welded)] - moves_[k];
+    if (largest(apart) > kRemainder * std::max(largest(position), largest(moves_[k]))) return false;
+  }
   return true;
 }
 
@@ -175,7 +180,7 @@ std::int32_t AssetCollector::weld(Welder& welder, const glm::dvec3& position, st
     return welded;
   }
   if (!made_.moves()) return welded;
-  while (!moves_like(welded)) {
+  while (!moves_like(welded, position)) {
     const auto [next, is_new] = apart_.try_emplace(welded, before);
     if (is_new) {
       append(vertex);

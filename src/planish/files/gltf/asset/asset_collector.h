@@ -55,7 +55,7 @@ class AssetCollector {
   void find_targets(const JsonPlace& place, const SourcePrimitive& primitive, GltfBudget& budget);
   // How the current primitive's vertex moves, into influences_ and moves_.
   void read_motion(std::int64_t vertex);
-  [[nodiscard]] bool moves_like(std::int32_t welded) const;
+  [[nodiscard]] bool moves_like(std::int32_t welded, const glm::dvec3& position) const;
   void append(std::int64_t vertex);
 
   AssetVertices made_;
