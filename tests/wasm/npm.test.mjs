@@ -294,6 +294,18 @@ test('npx planish is the command', () => {
   assert.throws(() => run('fit', 'points.xyz', '-o', 'points.glb'), (error) => /planish-reconstruct/.test(error.stderr));
 });
 
+test('a file that is larger than all memory is refused before it is read', async () => {
+  const module = await (await installed('planish_library.mjs')).default();
+  module.FS.writeFile('/large.ply', 'ply\n');
+  module.FS.lookupPath('/large.ply').node.usedBytes = 2 ** 32 + 100;
+  const path = module._malloc(16), handle = module._malloc(4);
+  module.stringToUTF8('/large.ply', path, 16);
+  assert.equal(module._planish_mesh_read(path, handle), 6);
+  assert.match(module.UTF8ToString(module._planish_last_error()), /large.ply: 4294967396 bytes are more than this program can hold/);
+  // Nor are arrays cut to 32 bits.
+  refused(() => planish.fit({ positions: { length: 3 * 2 ** 28 }, indices: [] }), 'NO_MEMORY', /6442450944 bytes/);
+});
+
 test('what is compiled in has its notices', () => {
   const notices = readFileSync(join(folder, 'node_modules/planish/NOTICES.txt'), 'utf8');
   for (const name of ['planish', 'libosd-dev', 'libglm-dev', 'nlohmann', 'tinygltf', 'meshoptimizer', 'zlib', 'cli11', 'stb', 'emscripten', 'musl'])

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "planish/core/error.h"
@@ -74,6 +76,11 @@ RawVector<std::byte> read_file(const std::filesystem::path& path, const Callback
   if (S_ISDIR(status.st_mode)) fail_to_read(path, EISDIR);
   // Pipes and /proc say 0 bytes, and files may grow: the size is only a first guess.
   constexpr std::size_t kPiece = std::size_t{1} << 16;
+  // Of 32 bits in WebAssembly, where files may be larger than all memory.
+  if (static_cast<std::uint64_t>(status.st_size) > std::vector<std::byte>().max_size() - kPiece)
+    throw Error(ErrorCode::OutOfMemory,
+                visible(path) + ": " + std::to_string(status.st_size) +
+                    " bytes are more than this program can hold; a 64-bit one can");
   const auto size = static_cast<std::size_t>(status.st_size);
   RawVector<std::byte> bytes(size + kPiece);
   ReadProgress progress(callbacks, size);

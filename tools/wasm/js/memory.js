@@ -47,7 +47,8 @@ export class Memory {
   }
 
   take(bytes) {
-    const pointer = this.module._malloc(Math.max(bytes, 8)) >>> 0;
+    // Of more than 32 bits malloc() would see the rest.
+    const pointer = bytes <= 0xffffffff ? this.module._malloc(Math.max(bytes, 8)) >>> 0 : 0;
     if (!pointer) {
       throw new PlanishError(`${bytes} bytes are more than WebAssembly has left`, 'NO_MEMORY');
     }
