@@ -80,7 +80,7 @@ def check_editing(browser, page, folder):
     settled("true", "true")
     before = shoot("edit_start.png")
     middle = [box["x"] + box["width"] / 2, box["y"] + box["height"] / 2]
-    tab.drag(middle, [middle[0] + 90, middle[1] - 30])
+    tab.drag(middle, [middle[0] + 30, middle[1] + 90])
     settled("false", "true")
     after = shoot("edit_moved.png")
     check(before != after, "the surface does not follow")
